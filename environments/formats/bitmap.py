@@ -1,0 +1,183 @@
+"""Occupancy grids as polygons: walls keep their place, slanted walls lose their staircases.
+
+The boundary between free and other cells is traced along the cells' borders, then every ring
+is replaced by a polygon of few vertices that passes between the same cell centres, wherever
+the ring did and within the tolerance of it. Rings therefore can neither touch nor cross, no
+free cell's centre ends up in a wall, and no wall opens, however thin it is.
+
+Occupied cells that touch at a corner are joined (8-connected), free cells that touch at a
+corner are not (4-connected): a robot cannot slip through a diagonal wall.
+"""
+
+import math
+
+import numpy as np
+import shapely
+from shapely import MultiPolygon
+
+from multisrt.environments.formats.straighten import straighten_rings
+from multisrt.geometry.errors import InvalidInputError
+from multisrt.geometry.kernel import BoolArray, FloatArray, IntArray, kernel
+
+MAX_CORNERS = 5_000_000
+"""A grid whose boundary turns more often than this is noise or a photograph, not a map."""
+
+
+def polygons_from_grid(
+    free: BoolArray, resolution_m: float, *, tolerance_cells: float = 0.45
+) -> MultiPolygon:
+    """Give the free space of an occupancy grid as polygons.
+
+    Parameters
+    ----------
+    free : bool array, shape (rows, columns)
+        True where a cell is free. Row 0 is the lowest, column 0 the leftmost; what lies
+        outside the grid is not free.
+    resolution_m : float
+        Side of a cell in metres.
+    tolerance_cells : float
+        How far a wall may move where it passes between two cells, in cells, in [0, 0.5).
+        With 0 every cell border is kept.
+
+    Returns
+    -------
+    MultiPolygon
+        Valid, in metres, the grid's lower left corner at the origin. One polygon for each
+        4-connected component of free cells and one hole for each 8-connected group of other
+        cells inside it; no two rings touch. Its boundary and that of the cells are nowhere
+        farther apart than ``hypot(0.5, tolerance_cells)`` cells.
+
+    Raises
+    ------
+    InvalidInputError
+        If the grid is not two-dimensional, the resolution or the tolerance is out of range,
+        or the boundary has more than five million corners.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> room = np.ones((4, 6), dtype=bool)
+    >>> room[1:3, 2] = False
+    >>> free = polygons_from_grid(room, 0.5)
+    >>> free.area, len(free.geoms[0].interiors), free.bounds
+    (5.5, 1, (0.0, 0.0, 3.0, 2.0))
+    """
+    free = np.asarray(free, dtype=np.bool_)
+    if free.ndim != 2:
+        raise InvalidInputError(
+            f"an occupancy grid has rows and columns; this array has shape {free.shape}"
+        )
+    if not (math.isfinite(resolution_m) and resolution_m > 0):
+        raise InvalidInputError(
+            f"resolution_m is {resolution_m}; it is a positive number of metres per cell"
+        )
+    if not 0 <= tolerance_cells < 0.5:
+        raise InvalidInputError(
+            f"tolerance_cells is {tolerance_cells}; it is at least 0 and below 0.5, "
+            "or thin walls would vanish"
+        )
+    if not free.any():
+        return MultiPolygon()
+    padded = np.pad(free, 1)
+    corners = _count_corners(padded)
+    if corners > MAX_CORNERS:
+        raise InvalidInputError(
+            f"the boundary of free space has {corners:,} corners, more than {MAX_CORNERS:,}: "
+            "this is noise or a photograph; clean the image or choose another threshold"
+        )
+    turns, pinched, ring_starts, ring_cells = _trace(padded, corners)
+    vertices, vertex_starts = straighten_rings(turns, pinched, ring_starts, tolerance_cells)
+    return _assemble(free, vertices * resolution_m, vertex_starts, ring_cells)
+
+
+def _count_corners(padded: BoolArray) -> int:
+    """Count the boundary's turns: one where 1 or 3 of 4 cells are free, two at a pinch."""
+    southwest, southeast = padded[:-1, :-1], padded[:-1, 1:]
+    northwest, northeast = padded[1:, :-1], padded[1:, 1:]
+    odd = southwest ^ southeast ^ northwest ^ northeast
+    pinch = (southwest == northeast) & (southeast == northwest) & (southwest != southeast)
+    return int(np.count_nonzero(odd)) + 2 * int(np.count_nonzero(pinch))
+
+
+def _assemble(
+    free: BoolArray, vertices: FloatArray, vertex_starts: IntArray, ring_cells: IntArray
+) -> MultiPolygon:
+    """Group rings into polygons: rings around the same free component, its shell first."""
+    from scipy import ndimage
+
+    component, _ = ndimage.label(free)
+    owner = component[ring_cells[:, 0], ring_cells[:, 1]]
+    sizes = np.diff(vertex_starts)
+    following = np.arange(len(vertices)) + 1
+    following[vertex_starts[1:] - 1] = vertex_starts[:-1]
+    x, y = vertices.T
+    cross = x * y[following] - x[following] * y
+    is_hole = np.add.reduceat(cross, vertex_starts[:-1]) < 0
+    order = np.lexsort((is_hole, owner))
+    closed = np.concatenate(
+        [
+            np.concatenate(
+                [np.arange(vertex_starts[r], vertex_starts[r + 1]), vertex_starts[r : r + 1]]
+            )
+            for r in order
+        ]
+    )
+    ring_offsets = np.concatenate([[0], np.cumsum(sizes[order] + 1)])
+    shells = np.flatnonzero(~is_hole[order])
+    polygon_offsets = np.append(shells, len(order))
+    (polygons,) = shapely.from_ragged_array(
+        shapely.GeometryType.MULTIPOLYGON,
+        vertices[closed],
+        (ring_offsets, polygon_offsets, np.array([0, len(shells)])),
+    )
+    assert isinstance(polygons, MultiPolygon)
+    return polygons
+
+
+# Headings are 0 east, 1 north, 2 west, 3 south; free space lies on a ring's left. In the padded
+# grid, the cell right above and right of the lattice point (x, y) is [y + 1, x + 1].
+
+
+@kernel
+def _trace(padded: BoolArray, corners: int) -> tuple[IntArray, BoolArray, IntArray, IntArray]:
+    """Follow every ring along the cells' borders.
+
+    Returns its turns as ``(n, 2)`` lattice points, whether each is a pinch, where each ring
+    starts in them (with the end appended), and a free cell (row, column) beside each ring.
+    """
+    step_x, step_y = (1, 0, -1, 0), (0, 1, 0, -1)
+    left_row, left_column = (1, 1, 0, 0), (1, 0, 0, 1)
+    right_row, right_column = (0, 1, 1, 0), (1, 1, 0, 0)
+    rows, columns = padded.shape[0] - 2, padded.shape[1] - 2
+    turns = np.empty((corners, 2), np.int64)
+    pinched = np.zeros(corners, np.bool_)
+    ring_starts = np.zeros(corners // 4 + 1, np.int64)
+    ring_cells = np.empty((corners // 4, 2), np.int64)
+    followed = np.zeros((rows + 1, columns), np.bool_)  # borders followed eastwards
+    n_turns, n_rings = 0, 0
+    for row in range(rows):
+        for column in range(columns):
+            starts_here = padded[row + 1, column + 1] and not padded[row, column + 1]
+            if not starts_here or followed[row, column]:
+                continue
+            x, y, heading = column, row, 0
+            while True:
+                if heading == 0:
+                    followed[y, x] = True
+                x += step_x[heading]
+                y += step_y[heading]
+                left = padded[y + left_row[heading], x + left_column[heading]]
+                right = padded[y + right_row[heading], x + right_column[heading]]
+                if not left or right:
+                    turns[n_turns, 0] = x
+                    turns[n_turns, 1] = y
+                    pinched[n_turns] = right and not left
+                    n_turns += 1
+                    heading = (heading + (3 if left else 1)) % 4
+                if x == column and y == row and heading == 0:
+                    break
+            ring_cells[n_rings, 0] = row
+            ring_cells[n_rings, 1] = column
+            n_rings += 1
+            ring_starts[n_rings] = n_turns
+    return turns, pinched, ring_starts[: n_rings + 1], ring_cells[:n_rings]

@@ -1,0 +1,244 @@
+"""GeoJSON as maps: polygons in metres, told apart by a property ``kind``."""
+
+import json
+import math
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import shapely
+from shapely import Polygon
+
+from multisrt.environments.environment import MAX_COORDINATE_M, Environment
+from multisrt.environments.formats.files import (
+    build_environment,
+    read_text,
+    refuse_resolution,
+    refuse_threshold,
+    shown,
+)
+from multisrt.geometry.errors import MapFormatError
+
+KINDS = {
+    "outline": "free",
+    "free": "free",
+    "boundary": "free",
+    "obstacle": "obstacle",
+    "start": "start",
+}
+"""Words of the property ``kind`` (or ``type``), and what they make of a feature."""
+
+LEAST_EXTENT_M = 0.1
+"""A smaller world is one whose coordinates are degrees."""
+
+
+def read_geojson(
+    path: Path,
+    *,
+    resolution_m: float | None = None,
+    threshold: float | None = None,
+    name: str | None = None,
+) -> Environment:
+    """Read a GeoJSON file whose coordinates are metres.
+
+    Geometry, Feature and FeatureCollection are read. What a feature is says its property
+    ``kind`` or else ``type``, in capitals or not:
+
+    - ``outline`` or ``free``, or neither property: a Polygon or MultiPolygon of free space, its
+      holes being obstacles. All of them are united.
+    - ``obstacle``: a Polygon or MultiPolygon that is taken away from free space.
+    - ``start``: a Point or MultiPoint where robots may start, in the order of the file.
+
+    Parameters
+    ----------
+    path : Path
+        At most 64 MiB. Third coordinates are ignored.
+    resolution_m, threshold
+        Refused: the file is in metres and no picture.
+    name : str, optional
+        By default the file's name without suffix.
+
+    Raises
+    ------
+    MapFormatError
+        If the file is not GeoJSON, has another geometry or kind, a ring that is open, too
+        short or crosses itself, a coordinate that is not finite, or coordinates in degrees.
+        The message gives feature, ring and position, counted from 1.
+    """
+    refuse_resolution(path, resolution_m)
+    refuse_threshold(path, threshold)
+    root = _Place(str(path))
+    document = _document(path)
+    _refuse_degrees(root, document)
+    world = _World()
+    try:
+        _add(world, root, document, "free")
+    except RecursionError as error:
+        raise root.error("collections are nested too deep", "flatten them") from error
+    if not world.free:
+        raise root.error("there is no free space", "add a Polygon of kind outline")
+    free = shapely.union_all(world.free)
+    x0, y0, x1, y1 = free.bounds
+    if max(x1 - x0, y1 - y0) < LEAST_EXTENT_M:
+        raise root.error(
+            f"free space is {x1 - x0:.2g} x {y1 - y0:.2g} m",
+            "coordinates are metres, not degrees; project them first",
+        )
+    if world.obstacles:
+        free = free.difference(shapely.union_all(world.obstacles))
+    return build_environment(path, free, name=name, origin=path.name, starts=world.starts)
+
+
+@dataclass(frozen=True, slots=True)
+class _Place:
+    """Where in the file something stands."""
+
+    text: str
+
+    def at(self, part: str, number: int) -> "_Place":
+        return _Place(f"{self.text}, {part} {number}")
+
+    def error(self, what: str, remedy: str) -> MapFormatError:
+        return MapFormatError(f"{self.text}: {what}; {remedy}")
+
+
+@dataclass(slots=True)
+class _World:
+    free: list[Polygon] = field(default_factory=list)
+    obstacles: list[Polygon] = field(default_factory=list)
+    starts: list[tuple[float, float]] = field(default_factory=list)
+
+
+def _document(path: Path) -> object:
+    try:
+        # NaN, Infinity and 1e999 come through as floats and are refused where they stand.
+        return json.loads(read_text(path))
+    except json.JSONDecodeError as error:
+        raise MapFormatError(
+            f"{path} is not JSON, line {error.lineno}, column {error.colno}: {error.msg}"
+        ) from error
+    except MapFormatError:
+        raise
+    except (ValueError, RecursionError) as error:
+        raise MapFormatError(f"{path} is not GeoJSON: {error}") from error
+
+
+def _refuse_degrees(place: _Place, document: object) -> None:
+    """Refuse a reference system of longitude and latitude, where a file names one."""
+    crs = document.get("crs") if isinstance(document, dict) else None
+    named = json.dumps(crs) if isinstance(crs, dict) else ""
+    if "CRS84" in named or "EPSG::4326" in named or "EPSG:4326" in named:
+        raise place.error(
+            "the coordinate reference system is longitude and latitude",
+            "coordinates are metres; project them first",
+        )
+
+
+def _add(world: _World, place: _Place, item: object, kind: str) -> None:
+    """Add a FeatureCollection, Feature or geometry to the world."""
+    if not isinstance(item, dict):
+        raise place.error(f"expected a GeoJSON object, found {shown(item)}", "see RFC 7946")
+    match item.get("type"):
+        case "FeatureCollection":
+            for number, feature in enumerate(_list(place, item, "features"), start=1):
+                there = place.at("feature", number)
+                if not isinstance(feature, dict) or feature.get("type") != "Feature":
+                    raise there.error("this is no Feature", "a collection holds only Features")
+                _add(world, there, feature, kind)
+        case "Feature":
+            _add(world, place, item.get("geometry"), _kind(place, item.get("properties")))
+        case "GeometryCollection":
+            for number, geometry in enumerate(_list(place, item, "geometries"), start=1):
+                _add(world, place.at("geometry", number), geometry, kind)
+        case "Polygon" if kind != "start":
+            polygon = _polygon(place, _list(place, item, "coordinates"))
+            (world.free if kind == "free" else world.obstacles).append(polygon)
+        case "MultiPolygon" if kind != "start":
+            for number, rings in enumerate(_list(place, item, "coordinates"), start=1):
+                polygon = _polygon(place.at("polygon", number), rings)
+                (world.free if kind == "free" else world.obstacles).append(polygon)
+        case "Point" if kind == "start":
+            world.starts.append(_position(place, item.get("coordinates")))
+        case "MultiPoint" if kind == "start":
+            for number, position in enumerate(_list(place, item, "coordinates"), start=1):
+                world.starts.append(_position(place.at("position", number), position))
+        case other:
+            raise place.error(
+                f"a geometry of type {shown(other)} cannot be {kind}",
+                "free space and obstacles are Polygon or MultiPolygon, starts are Point or "
+                'MultiPoint with "kind": "start"',
+            )
+
+
+def _kind(place: _Place, properties: object) -> str:
+    if properties is None:
+        return "free"
+    if not isinstance(properties, dict):
+        raise place.error(f"properties are {shown(properties)}", "they are an object or null")
+    word = properties.get("kind", properties.get("type"))
+    if word is None:
+        return "free"
+    if not isinstance(word, str) or word.lower() not in KINDS:
+        raise place.error(f"the kind is {shown(word)}", f"it is one of {', '.join(KINDS)}")
+    return KINDS[word.lower()]
+
+
+def _polygon(place: _Place, rings: object) -> Polygon:
+    if not isinstance(rings, list) or not rings:
+        raise place.error("this polygon has no rings", "give an outer ring and its holes")
+    shell, *holes = [
+        _ring(place.at("ring", number), ring) for number, ring in enumerate(rings, start=1)
+    ]
+    polygon = Polygon(shell, holes)
+    if not polygon.is_valid:
+        raise place.error(
+            f"the polygon is not valid: {shapely.is_valid_reason(polygon)}",
+            "draw rings that do not cross",
+        )
+    return polygon
+
+
+def _ring(place: _Place, ring: object) -> list[tuple[float, float]]:
+    if not isinstance(ring, list):
+        raise place.error(f"the ring is {shown(ring)}", "it is a list of positions")
+    positions = [
+        _position(place.at("position", number), position)
+        for number, position in enumerate(ring, start=1)
+    ]
+    if len(positions) < 4:
+        raise place.error(
+            f"the ring has {len(positions)} positions",
+            "it has at least four, the last equal to the first",
+        )
+    if positions[0] != positions[-1]:
+        raise place.error(
+            f"the ring is open: it starts at {positions[0]} and ends at {positions[-1]}",
+            "repeat the first position at the end",
+        )
+    return positions
+
+
+def _position(place: _Place, position: object) -> tuple[float, float]:
+    if not isinstance(position, list) or len(position) < 2:
+        raise place.error(f"the position is {shown(position)}", "it is a list [x, y] of metres")
+    x, y = (_coordinate(place, value) for value in position[:2])
+    return x, y
+
+
+def _coordinate(place: _Place, value: object) -> float:
+    number = math.nan
+    if isinstance(value, int | float) and not isinstance(value, bool):
+        # Before the conversion: integers of JSON have no bound.
+        number = float(value) if abs(value) <= MAX_COORDINATE_M else math.inf
+    if not math.isfinite(number):
+        raise place.error(
+            f"a coordinate is {shown(value)}",
+            f"it is a number of metres, at most {MAX_COORDINATE_M:g}",
+        )
+    return number
+
+
+def _list(place: _Place, item: dict[str, object], key: str) -> list[object]:
+    value = item.get(key)
+    if not isinstance(value, list):
+        raise place.error(f"{key} is {shown(value)}", "it is a list")
+    return value

@@ -1,0 +1,205 @@
+"""Plain images as maps: light pixels are free, dark ones are not."""
+
+import math
+import warnings
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from multisrt.environments.environment import Environment
+from multisrt.environments.formats.files import (
+    MAX_CELLS,
+    build_environment,
+    grid_polygons,
+    require_file,
+    require_resolution,
+)
+from multisrt.geometry.errors import MapFormatError
+from multisrt.geometry.kernel import BoolArray
+
+if TYPE_CHECKING:
+    from PIL.Image import Image
+
+FREE_SHARE_OF_WHITE = 0.9
+"""Without a threshold, free is what is lighter than this share of the map's white."""
+
+WHITE_PERCENTILE = 99
+"""A map's white is the lightness that this percentage of its pixels do not exceed."""
+
+LUMA = (299, 587, 114)
+"""Weights of red, green and blue in the lightness of a pixel (ITU-R BT.601)."""
+
+# Formats by name: Pillow also knows some that start other programs.
+PILLOW_FORMATS = ("PNG", "PPM", "BMP", "JPEG", "GIF", "TIFF")
+
+
+def read_image(
+    path: Path,
+    *,
+    resolution_m: float | None = None,
+    threshold: float | None = None,
+    name: str | None = None,
+) -> Environment:
+    """Read an image whose light pixels are free space.
+
+    The image's lower left corner is the origin, y is up. Lightness is the grey value, or the
+    luma of a colour, as a share of the largest that the image's depth allows. Pixels that are
+    not fully opaque are not free.
+
+    Parameters
+    ----------
+    path : Path
+        PNG, PGM (and PBM, PPM), BMP, GIF, JPEG or TIFF with 1, 8 or 16 bits a channel.
+    resolution_m : float
+        Side of a pixel in metres. An image does not tell; there is no default.
+    threshold : float, optional
+        In [0, 1]: a pixel is free if its lightness is greater. By default 0.9 of the map's
+        white, which is the 99th percentile of lightness: it tells free space from the light
+        greys that SLAM maps give the unknown and floor plans give furniture, and follows maps
+        that draw free space in grey.
+    name : str, optional
+        By default the file's name without suffix.
+
+    Raises
+    ------
+    MapFormatError
+        If the file is no readable image, is larger than 64 million pixels, or has no free
+        pixel.
+    """
+    resolution_m = require_resolution(path, resolution_m)
+    if threshold is not None and not 0 <= threshold <= 1:
+        raise MapFormatError(f"{path}: the threshold is {threshold:g}; lightness is in [0, 1]")
+    pixels = read_pixels(path)
+    levels, full = pixels.weighted(LUMA)
+    if threshold is None:
+        threshold = FREE_SHARE_OF_WHITE * _white(levels, full, pixels.opaque) / full
+    is_free = np.arange(full + 1) / full > threshold
+    free = is_free[levels]
+    if pixels.opaque is not None:
+        free &= pixels.opaque
+    if not free.any():
+        raise MapFormatError(
+            f"{path}: no opaque pixel is lighter than {threshold:.3g}, so there is no free space; "
+            "give a lower --threshold (threshold)"
+        )
+    return build_environment(
+        path,
+        grid_polygons(path, free, resolution_m),
+        name=name,
+        origin=f"{path.name} at {resolution_m:g} m per pixel, free above lightness {threshold:.3g}",
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Pixels:
+    """A decoded image, first row at the top.
+
+    Attributes
+    ----------
+    channels : uint8 or uint16 array, shape (rows, columns) or (rows, columns, 3)
+        Grey values, or red, green and blue.
+    full : int
+        The largest value that a channel can have: 255 or 65535.
+    alpha : uint8 array, shape (rows, columns), optional
+        Opacity; 255 is opaque.
+    """
+
+    channels: NDArray[np.uint8] | NDArray[np.uint16]
+    full: int
+    alpha: NDArray[np.uint8] | None
+
+    @property
+    def opaque(self) -> BoolArray | None:
+        """Which pixels are fully opaque; None if all are."""
+        return None if self.alpha is None else self.alpha == 255
+
+    def weighted(self, weights: tuple[int, int, int]) -> tuple[NDArray[np.uint32], int]:
+        """Give the weighted sum of red, green and blue of each pixel, and its largest value.
+
+        Of a grey image these are the grey values themselves.
+        """
+        if self.channels.ndim == 2:
+            return self.channels.astype(np.uint32), self.full
+        levels = np.zeros(self.channels.shape[:2], np.uint32)
+        for channel, weight in enumerate(weights):
+            levels += np.uint32(weight) * self.channels[:, :, channel]
+        return levels, sum(weights) * self.full
+
+
+def read_pixels(path: Path) -> Pixels:
+    """Decode an image of at most 64 million pixels.
+
+    Raises
+    ------
+    MapFormatError
+        If the file is missing, no image of a readable format, too large or damaged.
+    """
+    from PIL import Image, UnidentifiedImageError
+
+    require_file(path)
+    with warnings.catch_warnings():
+        # The size is checked here, before anything is decoded.
+        warnings.simplefilter("ignore", Image.DecompressionBombWarning)
+        try:
+            with Image.open(path, formats=PILLOW_FORMATS) as image:
+                _require_size(path, *image.size)
+                return _decoded(path, image)
+        except MapFormatError:
+            raise
+        except UnidentifiedImageError as error:
+            raise MapFormatError(
+                f"{path} is not an image that can be read; "
+                f"save it as one of {', '.join(PILLOW_FORMATS)}"
+            ) from error
+        except Image.DecompressionBombError as error:
+            raise MapFormatError(
+                f"{path} is too large: {error}; images are read up to {MAX_CELLS:,} pixels"
+            ) from error
+        except Exception as error:  # a damaged file makes decoders raise almost anything
+            raise MapFormatError(f"{path} is a damaged image: {error}") from error
+
+
+def _require_size(path: Path, width: int, height: int) -> None:
+    if width * height > MAX_CELLS:
+        raise MapFormatError(
+            f"{path} has {width} x {height} pixels; images are read up to {MAX_CELLS:,} pixels"
+        )
+
+
+def _decoded(path: Path, image: "Image") -> Pixels:
+    """Bring any of Pillow's modes to grey or colour with 8 or 16 bits, and alpha if any."""
+    mode = image.mode
+    key = image.info.get("transparency")
+    if mode.startswith("I"):
+        values = np.asarray(image)
+        if values.min() < 0 or values.max() > 65535:
+            raise MapFormatError(
+                f"{path} has grey values from {values.min()} to {values.max()}; "
+                "they are read from 0 to 65535, so save it with 8 or 16 bits"
+            )
+        alpha = None if key is None else np.where(values == key, 0, 255).astype(np.uint8)
+        return Pixels(channels=values.astype(np.uint16), full=65535, alpha=alpha)
+    if mode == "F":
+        raise MapFormatError(
+            f"{path} has floating-point pixels, whose white is not known; save it with 8 or 16 bits"
+        )
+    is_grey = mode in ("1", "L", "LA", "La")
+    has_alpha = key is not None or mode in ("LA", "La", "PA", "RGBA", "RGBa")
+    target = ("L" if is_grey else "RGB") + ("A" if has_alpha else "")
+    values = np.asarray(image if mode == target else image.convert(target))
+    if not has_alpha:
+        return Pixels(channels=values, full=255, alpha=None)
+    channels = values[:, :, 0] if is_grey else values[:, :, :3]
+    return Pixels(channels=channels, full=255, alpha=values[:, :, -1])
+
+
+def _white(levels: NDArray[np.uint32], full: int, opaque: BoolArray | None) -> int:
+    """Give the level that 99 % of the opaque pixels do not exceed."""
+    histogram = np.zeros(full + 1, np.int64)
+    for row, line in enumerate(levels):  # by rows: counting needs eight bytes a pixel
+        histogram += np.bincount(line if opaque is None else line[opaque[row]], minlength=full + 1)
+    counts = np.cumsum(histogram)
+    return int(np.searchsorted(counts, math.ceil(counts[-1] * WHITE_PERCENTILE / 100)))

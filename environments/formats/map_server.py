@@ -1,0 +1,223 @@
+"""Maps of the ROS map server: a YAML file that describes an image."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+import shapely
+
+from multisrt.environments.environment import Environment
+from multisrt.environments.formats.files import (
+    build_environment,
+    grid_polygons,
+    read_text,
+    refuse_resolution,
+    refuse_threshold,
+    require_resolution,
+    shown,
+)
+from multisrt.environments.formats.image import Pixels, read_pixels
+from multisrt.geometry.errors import MapFormatError
+from multisrt.geometry.kernel import BoolArray, FloatArray
+
+MAX_YAML_BYTES = 2**20
+"""Largest YAML file that is read: 1 MiB."""
+
+REQUIRED_KEYS = ("image", "resolution", "origin", "negate", "occupied_thresh", "free_thresh")
+
+
+def read_map_server(
+    path: Path,
+    *,
+    resolution_m: float | None = None,
+    threshold: float | None = None,
+    name: str | None = None,
+) -> Environment:
+    """Read a map as the ROS map server does.
+
+    A pixel with shade x of 255, the mean of its colour channels, has the occupancy
+    ``p = (255 - x) / 255``, or ``x / 255`` if ``negate`` is set. It is occupied if
+    ``p > occupied_thresh``, else free if ``p < free_thresh``. Anything else is unknown in the
+    mode ``trinary`` and partly occupied or, where transparent, unknown in the mode ``scale``;
+    neither is free space here. As the server does, ``trinary`` counts alpha as one more
+    channel of the mean; ``scale`` leaves it out and takes every transparent pixel for unknown.
+    Pixels with 16 bits are scaled.
+
+    Parameters
+    ----------
+    path : Path
+        The YAML file. Its ``image`` is relative to its folder or absolute; ``origin`` is the
+        pose x, y, yaw of the image's lower left corner, and a yaw turns the world.
+    resolution_m, threshold
+        Refused: the file states its own.
+    name : str, optional
+        By default the file's name without suffix.
+
+    Raises
+    ------
+    MapFormatError
+        If a key is missing or wrong, the image is missing or damaged, the mode is ``raw``, or
+        no pixel is free.
+
+    Notes
+    -----
+    Source: documentation of map_server (ROS 1) and nav2_map_server (ROS 2); differs in: the
+    mode ``raw``, whose pixels are costs and not occupancies, is refused.
+    """
+    refuse_resolution(path, resolution_m)
+    refuse_threshold(path, threshold)
+    entries = _entries(path)
+    resolution = require_resolution(path, _number(path, entries, "resolution"))
+    x, y, yaw = _origin(path, entries)
+    occupied_thresh = _share(path, entries, "occupied_thresh")
+    free_thresh = _share(path, entries, "free_thresh")
+    negate = _flag(path, entries, "negate")
+    mode = _mode(path, entries)
+    pixels = read_pixels(_image_path(path, entries))
+    free = _free_cells(
+        pixels,
+        negate=negate,
+        occupied_thresh=occupied_thresh,
+        free_thresh=free_thresh,
+        mode=mode,
+    )
+    if not free.any():
+        raise MapFormatError(
+            f"{path}: no pixel's occupancy is below free_thresh {free_thresh:g}, "
+            "so there is no free space; check free_thresh and negate"
+        )
+    cos, sin = math.cos(yaw), math.sin(yaw)
+    turn = np.array([[cos, sin], [-sin, cos]])
+
+    def placed(points: FloatArray) -> FloatArray:
+        moved: FloatArray = (points @ turn if yaw else points) + (x, y)
+        return moved
+
+    polygons = shapely.transform(grid_polygons(path, free, resolution), placed)
+    return build_environment(
+        path,
+        polygons,
+        name=name,
+        origin=f"{path.name} with {entries['image']}, {resolution:g} m per pixel",
+    )
+
+
+def _free_cells(
+    pixels: Pixels, *, negate: bool, occupied_thresh: float, free_thresh: float, mode: str
+) -> BoolArray:
+    """Tell which pixels are free."""
+    levels, full = pixels.weighted((1, 1, 1))
+    if mode == "trinary" and pixels.alpha is not None:
+        # The server decodes grey with alpha to four channels.
+        if pixels.channels.ndim == 2:
+            levels, full = 3 * levels, 3 * full
+        # Alpha always has 8 bits, and so have the channels beside it, but for a 16-bit key.
+        levels = levels + np.uint32(pixels.full // 255) * pixels.alpha
+        full += pixels.full
+    # Occupancy by level, as the server computes it: exact where a threshold meets a level.
+    level = np.arange(full + 1)
+    occupancy = (level if negate else full - level) / full
+    is_free = (occupancy < free_thresh) & ~(occupancy > occupied_thresh)
+    free = is_free[levels]
+    if mode == "scale" and pixels.opaque is not None:
+        free &= pixels.opaque
+    return free
+
+
+def _entries(path: Path) -> dict[object, object]:
+    import yaml
+
+    try:
+        loaded = yaml.safe_load(read_text(path, max_bytes=MAX_YAML_BYTES))
+    except yaml.MarkedYAMLError as error:
+        mark = error.problem_mark
+        place = f", line {mark.line + 1}, column {mark.column + 1}" if mark else ""
+        raise MapFormatError(f"{path} is not YAML{place}: {error.problem}") from error
+    except (yaml.YAMLError, ValueError, RecursionError) as error:
+        if isinstance(error, MapFormatError):
+            raise
+        raise MapFormatError(f"{path} is not YAML: {str(error)[:200]}") from error
+    if not isinstance(loaded, dict):
+        raise MapFormatError(
+            f"{path} is no map: it has no keys; a map server's YAML has {', '.join(REQUIRED_KEYS)}"
+        )
+    missing = [key for key in REQUIRED_KEYS if loaded.get(key) is None]
+    if missing:
+        raise MapFormatError(
+            f"{path} lacks {', '.join(missing)}; "
+            f"a map server's YAML has {', '.join(REQUIRED_KEYS)} and, if need be, mode"
+        )
+    return loaded
+
+
+def _image_path(path: Path, entries: dict[object, object]) -> Path:
+    image = entries["image"]
+    if not isinstance(image, str):
+        raise MapFormatError(f"{path}: image is {shown(image)}; it is the name of a file")
+    found = path.parent / image
+    try:
+        if not found.exists():
+            raise MapFormatError(
+                f"{path} names the image {image}, which is not in {found.parent}; "
+                "copy it there or correct the name"
+            )
+    except (OSError, ValueError) as error:
+        if isinstance(error, MapFormatError):
+            raise
+        raise MapFormatError(f"{path}: the image {shown(image)} cannot be opened") from error
+    return found
+
+
+def _origin(path: Path, entries: dict[object, object]) -> tuple[float, float, float]:
+    origin = entries["origin"]
+    if not isinstance(origin, list) or len(origin) != 3:
+        raise MapFormatError(f"{path}: origin is {shown(origin)}; it is a list [x, y, yaw]")
+    x, y, yaw = (
+        _finite(path, f"origin, number {number}", value)
+        for number, value in enumerate(origin, start=1)
+    )
+    return x, y, yaw
+
+
+def _share(path: Path, entries: dict[object, object], key: str) -> float:
+    value = _number(path, entries, key)
+    if not 0 <= value <= 1:
+        raise MapFormatError(f"{path}: {key} is {value:g}; it is an occupancy in [0, 1]")
+    return value
+
+
+def _flag(path: Path, entries: dict[object, object], key: str) -> bool:
+    value = entries[key]
+    if value not in (0, 1, "0", "1"):
+        raise MapFormatError(f"{path}: {key} is {shown(value)}; it is 0 or 1")
+    return value in (1, "1")
+
+
+def _mode(path: Path, entries: dict[object, object]) -> str:
+    mode = entries.get("mode", "trinary")
+    word = mode.lower() if isinstance(mode, str) else ""
+    if word == "raw":
+        raise MapFormatError(
+            f"{path}: mode is raw, which stores costs and not what is free; "
+            "save the map in the mode trinary or scale"
+        )
+    if word not in ("trinary", "scale"):
+        raise MapFormatError(f"{path}: mode is {shown(mode)}; it is trinary or scale")
+    return word
+
+
+def _number(path: Path, entries: dict[object, object], key: str) -> float:
+    return _finite(path, key, entries[key])
+
+
+def _finite(path: Path, place: str, value: object) -> float:
+    number = math.nan
+    # YAML 1.1 takes 5e-2 for text.
+    if isinstance(value, int | float | str) and not isinstance(value, bool):
+        try:
+            number = float(value)
+        except (ValueError, OverflowError):
+            number = math.nan
+    if not math.isfinite(number):
+        raise MapFormatError(f"{path}: {place} is {shown(value)}; it is a finite number")
+    return number

@@ -1,0 +1,109 @@
+"""Text grids of the MovingAI benchmarks: one character a cell."""
+
+from pathlib import Path
+
+import numpy as np
+
+from multisrt.environments.environment import Environment
+from multisrt.environments.formats.files import (
+    MAX_CELLS,
+    build_environment,
+    grid_polygons,
+    read_text,
+    refuse_threshold,
+    require_resolution,
+    shown,
+)
+from multisrt.geometry.errors import MapFormatError
+
+FREE = ".GS"
+"""Ground, ground and swamp: what a robot may drive on."""
+
+BLOCKED = "@OTW"
+"""Out of bounds, out of bounds, trees and water."""
+
+
+def read_moving_ai(
+    path: Path,
+    *,
+    resolution_m: float | None = None,
+    threshold: float | None = None,
+    name: str | None = None,
+) -> Environment:
+    """Read a ``.map`` grid; the first line of cells is the northernmost.
+
+    Parameters
+    ----------
+    path : Path
+        Header ``type octile``, ``height H``, ``width W``, ``map``, then H lines of W cells.
+    resolution_m : float
+        Side of a cell in metres. The format does not tell; there is no default.
+    threshold
+        Refused: a cell is free or not.
+    name : str, optional
+        By default the file's name without suffix.
+
+    Raises
+    ------
+    MapFormatError
+        If the header is wrong, a line has another length, a character has no meaning, or no
+        cell is free.
+
+    Notes
+    -----
+    Source: N. Sturtevant, Benchmarks for grid-based pathfinding, 2012; differs in: swamp, which
+    the game enters only from swamp or ground, is ground.
+    """
+    refuse_threshold(path, threshold)
+    resolution_m = require_resolution(path, resolution_m)
+    lines = read_text(path).splitlines()
+    height, width = _header(path, lines)
+    rows = lines[4 : 4 + height]
+    if len(rows) < height:
+        raise MapFormatError(f"{path} ends after {len(rows)} of {height} lines of cells")
+    for number, row in enumerate(rows, start=5):
+        if len(row) != width:
+            raise MapFormatError(f"{path}, line {number} has {len(row)} cells and not {width}")
+    cells = np.frombuffer("".join(rows).encode("utf-32-le"), np.uint32).reshape(height, width)
+    free = np.isin(cells, [ord(sign) for sign in FREE])
+    strange = np.argwhere(~free & ~np.isin(cells, [ord(sign) for sign in BLOCKED]))
+    if strange.size:
+        row, column = strange[0]
+        raise MapFormatError(
+            f"{path}, line {row + 5}, column {column + 1} is {rows[row][column]!r}; "
+            f"cells are one of {FREE}{BLOCKED}"
+        )
+    if not free.any():
+        raise MapFormatError(f"{path} has no free cell: none of {FREE}")
+    return build_environment(
+        path,
+        grid_polygons(path, free, resolution_m),
+        name=name,
+        origin=f"{path.name} at {resolution_m:g} m per cell",
+    )
+
+
+def _header(path: Path, lines: list[str]) -> tuple[int, int]:
+    """Give height and width."""
+    sizes = []
+    for number, word in enumerate(("type", "height", "width", "map"), start=1):
+        parts = lines[number - 1].split() if number <= len(lines) else []
+        if not parts or parts[0] != word:
+            found = lines[number - 1] if number <= len(lines) else "the end"
+            raise MapFormatError(
+                f"{path}, line {number} is {shown(found)}; a MovingAI map has {word} here"
+            )
+        if word in ("height", "width"):
+            text = parts[1] if len(parts) == 2 else ""
+            if not (text.isascii() and text.isdigit() and int(text[:9]) > 0 and len(text) < 9):
+                raise MapFormatError(
+                    f"{path}, line {number} is {shown(lines[number - 1])}; "
+                    f"{word} is a positive whole number"
+                )
+            sizes.append(int(text))
+    height, width = sizes
+    if height * width > MAX_CELLS:
+        raise MapFormatError(
+            f"{path} has {width} x {height} cells; grids are read up to {MAX_CELLS:,} cells"
+        )
+    return height, width

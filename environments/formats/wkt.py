@@ -1,0 +1,105 @@
+"""Well-known text as maps: one polygon, or several, in metres."""
+
+from pathlib import Path
+
+import numpy as np
+import shapely
+from shapely import Polygon
+from shapely.geometry.base import BaseGeometry
+
+from multisrt.environments.environment import MAX_COORDINATE_M, Environment
+from multisrt.environments.formats.files import (
+    build_environment,
+    read_text,
+    refuse_resolution,
+    refuse_threshold,
+)
+from multisrt.geometry.errors import MapFormatError
+
+MAX_DEPTH = 16
+"""Deepest nesting of parentheses that is read; the parser would recurse without a bound."""
+
+
+def read_wkt(
+    path: Path,
+    *,
+    resolution_m: float | None = None,
+    threshold: float | None = None,
+    name: str | None = None,
+) -> Environment:
+    """Read free space from a POLYGON, MULTIPOLYGON or GEOMETRYCOLLECTION of them, in metres.
+
+    Parameters
+    ----------
+    path : Path
+        One geometry, over as many lines as it likes; at most 64 MiB. Third coordinates are
+        ignored. Polygons are united; holes are obstacles.
+    resolution_m, threshold
+        Refused: the file is in metres and no picture.
+    name : str, optional
+        By default the file's name without suffix.
+
+    Raises
+    ------
+    MapFormatError
+        If the text is no such geometry, or a ring is open or crosses itself, or a coordinate
+        is not finite.
+    """
+    refuse_resolution(path, resolution_m)
+    refuse_threshold(path, threshold)
+    polygons = _polygons(path, _parsed(path))
+    for number, polygon in enumerate(polygons, start=1):
+        _require_valid(path, number, polygon)
+    return build_environment(path, shapely.union_all(polygons), name=name, origin=path.name)
+
+
+def _parsed(path: Path) -> BaseGeometry:
+    text = read_text(path)
+    signs = np.frombuffer(text.encode(), np.uint8)
+    depth = np.cumsum((signs == ord("(")).astype(np.int32) - (signs == ord(")")))
+    if depth.max(initial=0) > MAX_DEPTH:
+        raise MapFormatError(
+            f"{path}: parentheses are nested more than {MAX_DEPTH} deep; flatten the collection"
+        )
+    try:
+        return shapely.force_2d(shapely.from_wkt(text))
+    except (shapely.errors.ShapelyError, ValueError) as error:
+        reason = (
+            str(error).removeprefix("ParseException: ").removeprefix("IllegalArgumentException: ")
+        )
+        raise MapFormatError(
+            f"{path} is not well-known text: {reason}; it is POLYGON ((x y, x y, ...), ...), "
+            "MULTIPOLYGON or GEOMETRYCOLLECTION, with every ring closed"
+        ) from error
+
+
+def _polygons(path: Path, geometry: BaseGeometry) -> list[Polygon]:
+    parts = shapely.get_parts(geometry)
+    while any(part.geom_type in ("GeometryCollection", "MultiPolygon") for part in parts):
+        parts = shapely.get_parts(parts)
+    for number, part in enumerate(parts, start=1):
+        if not isinstance(part, Polygon):
+            raise MapFormatError(
+                f"{path}, part {number} is a {part.geom_type}; free space is made of polygons"
+            )
+    polygons = [part for part in parts if not part.is_empty]
+    if not polygons:
+        raise MapFormatError(f"{path} has no polygon that is not empty; there is no free space")
+    return polygons
+
+
+def _require_valid(path: Path, number: int, polygon: Polygon) -> None:
+    for ring, line in enumerate((polygon.exterior, *polygon.interiors), start=1):
+        points = shapely.get_coordinates(line)
+        bad = np.flatnonzero(~(np.abs(points) <= MAX_COORDINATE_M).all(axis=1))
+        if bad.size:
+            x, y = points[bad[0]]
+            raise MapFormatError(
+                f"{path}, polygon {number}, ring {ring}, position {bad[0] + 1} is ({x:g}, {y:g}); "
+                f"coordinates are finite numbers of metres, at most {MAX_COORDINATE_M:g}"
+            )
+    if not polygon.is_valid:
+        raise MapFormatError(
+            f"{path}, polygon {number} is not valid: {shapely.is_valid_reason(polygon)}; "
+            "draw rings that do not cross"
+        )

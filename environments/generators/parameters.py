@@ -1,0 +1,65 @@
+"""What every generator does with its parameters: check them, and write the call down."""
+
+import math
+import operator
+
+from multisrt.geometry.errors import InvalidInputError
+
+MAX_SEED = 2**63 - 1
+"""The greatest seed that a spec file can hold."""
+
+
+def number(generator: str, name: str, value: float, low: float, high: float) -> float:
+    """Give a real parameter as a float.
+
+    Raises
+    ------
+    InvalidInputError
+        If it is no finite number from `low` to `high`.
+    """
+    try:
+        checked = math.nan if isinstance(value, bool | str) else float(value)
+    except (TypeError, ValueError, OverflowError):
+        checked = math.nan
+    if not low <= checked <= high:
+        raise InvalidInputError(
+            f"{generator}: {name}={value!r} is out of range; give a number from {low:g} to {high:g}"
+        )
+    return checked
+
+
+def whole(generator: str, name: str, value: int, low: int, high: int) -> int:
+    """Give an integer parameter as an int.
+
+    Raises
+    ------
+    InvalidInputError
+        If it is no integer from `low` to `high`.
+    """
+    try:
+        checked = None if isinstance(value, bool) else operator.index(value)
+    except TypeError:
+        checked = None
+    if checked is None or not low <= checked <= high:
+        raise InvalidInputError(
+            f"{generator}: {name}={value!r} is out of range; "
+            f"give a whole number from {low} to {high}"
+        )
+    return checked
+
+
+def seed_number(generator: str, seed: int) -> int:
+    """Give a seed as an int; raises as `whole` does."""
+    return whole(generator, "seed", seed, 0, MAX_SEED)
+
+
+def call_text(generator: str, **parameters: float) -> str:
+    """Write a generator's call so that it can be repeated.
+
+    Examples
+    --------
+    >>> call_text("garden", size_m=40.0, seed=3)
+    'garden(size_m=40, seed=3)'
+    """
+    written = (f"{name}={repr(value).removesuffix('.0')}" for name, value in parameters.items())
+    return f"{generator}({', '.join(written)})"

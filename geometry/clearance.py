@@ -1,0 +1,379 @@
+"""How far a body may move inside a region that is known to be free.
+
+The kernels a planner asks about the region around a robot. The region is a closed ring
+``(m, 2)`` of corners, counter-clockwise, the first not repeated, the region on its left; the
+body starts inside it. All lengths are in metres, headings in radians. Arrays are float64.
+
+Touching is allowed, and so is sliding along the boundary: bodies and boundary may overlap by
+`TOLERANCE_M`, which is what rounding makes of a touch; whatever goes deeper is blocked. A body
+that already overlaps deeper, or whose numbers are not finite, may not move at all.
+"""
+
+import math
+
+import numpy as np
+
+from multisrt.geometry.kernel import FloatArray, kernel
+
+TOLERANCE_M = 1e-9
+"""Overlaps up to this depth count as touching."""
+
+TWO_PI = 2.0 * math.pi
+
+
+@kernel
+def disc_clearance(boundary: FloatArray, x: float, y: float) -> float:
+    """Distance from a point to the boundary ring, inside or outside."""
+    nearest = np.inf
+    ax, ay = boundary[-1, 0] - x, boundary[-1, 1] - y
+    for j in range(boundary.shape[0]):
+        bx, by = boundary[j, 0] - x, boundary[j, 1] - y
+        nearest = min(nearest, _squared_distance(ax, ay, bx, by))
+        ax, ay = bx, by
+    return math.sqrt(nearest)
+
+
+@kernel
+def free_travel_disc(
+    boundary: FloatArray,
+    x: float,
+    y: float,
+    cos_t: float,
+    sin_t: float,
+    radius: float,
+    limit: float,
+) -> float:
+    """How far a disc may move in a direction until it touches the boundary.
+
+    Parameters
+    ----------
+    boundary : (m, 2) array
+        The ring.
+    x, y : float
+        Centre of the disc.
+    cos_t, sin_t : float
+        Unit vector of the motion.
+    radius : float
+        Radius of the disc.
+    limit : float
+        Longest travel of interest.
+
+    Returns
+    -------
+    float
+        Travel in metres, from 0 to ``limit``; 0 where the disc already overlaps the boundary.
+    """
+    # Seen from the centre, every edge is grown into a stadium (its two circles and its two long
+    # sides). The ray is blocked by a stadium if it enters one of radius r - tolerance; it then
+    # is to stop where it enters the one of radius r.
+    if not (math.isfinite(x + y + cos_t + sin_t + radius) and limit > 0.0):
+        return 0.0
+    inner = radius - TOLERANCE_M
+    travel = limit
+    ax, ay = boundary[-1, 0] - x, boundary[-1, 1] - y
+    for j in range(boundary.shape[0]):
+        bx, by = boundary[j, 0] - x, boundary[j, 1] - y
+        if not _squared_distance(ax, ay, bx, by) >= inner * inner:
+            return 0.0
+        ahead = ax * cos_t + ay * sin_t
+        aside = ax * sin_t - ay * cos_t
+        if ahead > 0.0 and abs(aside) < inner:
+            entry = ahead - math.sqrt((radius - aside) * (radius + aside))
+            travel = min(travel, max(entry, 0.0))
+        ex, ey = bx - ax, by - ay
+        length = math.hypot(ex, ey)
+        if length > 0.0:
+            ex, ey = ex / length, ey / length
+            # Distance of the centre from the edge's line, and how fast it shrinks.
+            offset = ax * ey - ay * ex
+            closing = cos_t * ey - sin_t * ex
+            if offset < 0.0:
+                offset, closing = -offset, -closing
+            if closing > 0.0:
+                start = -(ax * ex + ay * ey)
+                drift = cos_t * ex + sin_t * ey
+                deep = start + drift * (offset - inner) / closing
+                if offset >= inner and 0.0 <= deep <= length:
+                    entry = max((offset - radius) / closing, 0.0)
+                    # A ray that slips in round the end is over the edge only from there.
+                    if drift > 0.0:
+                        entry = max(entry, -start / drift)
+                    elif drift < 0.0:
+                        entry = max(entry, (length - start) / drift)
+                    travel = min(travel, entry)
+        ax, ay = bx, by
+    return travel
+
+
+@kernel
+def free_travel_polygon(
+    boundary: FloatArray,
+    body: FloatArray,
+    x: float,
+    y: float,
+    heading: float,
+    cos_t: float,
+    sin_t: float,
+    limit: float,
+) -> float:
+    """How far a polygon may move in a direction, its heading kept, until it touches the boundary.
+
+    Parameters
+    ----------
+    boundary : (m, 2) array
+        The ring.
+    body : (k, 2) array
+        Corners of the body about its reference point, counter-clockwise.
+    x, y, heading : float
+        Configuration of the body.
+    cos_t, sin_t : float
+        Unit vector of the motion.
+    limit : float
+        Longest travel of interest.
+
+    Returns
+    -------
+    float
+        Travel in metres, from 0 to ``limit``; 0 where the body is not inside the region.
+    """
+    if not (math.isfinite(cos_t + sin_t) and limit > 0.0):
+        return 0.0
+    if not pose_is_inside(boundary, body, x, y, heading):
+        return 0.0
+    # In the frame of the motion (ahead, aside) every edge is a graph over `aside`. The gap
+    # between an edge of the body that faces ahead and one of the boundary that faces it is
+    # linear in `aside` and so least at an end of the stretch they share: where a corner of the
+    # one meets the other. In counter-clockwise rings such edges have `aside` rising.
+    corners = body.shape[0]
+    # Turns the body by its heading and looks at it along the motion, in one.
+    c = math.cos(heading) * cos_t + math.sin(heading) * sin_t
+    s = math.sin(heading) * cos_t - math.cos(heading) * sin_t
+    outline = np.empty((corners, 2))
+    for i in range(corners):
+        outline[i, 0] = body[i, 0] * c - body[i, 1] * s
+        outline[i, 1] = body[i, 0] * s + body[i, 1] * c
+    travel = limit
+    bx, by = boundary[-1, 0] - x, boundary[-1, 1] - y
+    wall_end, wall_high = bx * cos_t + by * sin_t, by * cos_t - bx * sin_t
+    for j in range(boundary.shape[0]):
+        wall_start, wall_low = wall_end, wall_high
+        bx, by = boundary[j, 0] - x, boundary[j, 1] - y
+        wall_end, wall_high = bx * cos_t + by * sin_t, by * cos_t - bx * sin_t
+        if wall_high <= wall_low:
+            continue
+        wall_slope = (wall_end - wall_start) / (wall_high - wall_low)
+        end, high = outline[-1, 0], outline[-1, 1]
+        for i in range(corners):
+            start, low = end, high
+            end, high = outline[i, 0], outline[i, 1]
+            first, last = max(low, wall_low), min(high, wall_high)
+            # What shares no more than rounding slides past; `high <= low` ends here as well.
+            if last - first <= 2.0 * TOLERANCE_M:
+                continue
+            slope = (end - start) / (high - low)
+            gap = wall_start - start - wall_slope * wall_low + slope * low
+            relative = wall_slope - slope
+            most = max(
+                gap + relative * (first + TOLERANCE_M), gap + relative * (last - TOLERANCE_M)
+            )
+            # An edge of the boundary that lies deeper behind than a touch was never ahead.
+            if most >= -TOLERANCE_M * (1.0 + abs(wall_slope) + abs(slope)):
+                least = min(gap + relative * first, gap + relative * last)
+                travel = min(travel, max(least, 0.0))
+    return travel
+
+
+@kernel
+def rotation_is_free(
+    boundary: FloatArray,
+    body: FloatArray,
+    x: float,
+    y: float,
+    heading_from: float,
+    turn: float,
+) -> bool:
+    """Whether a polygon may turn in place about its reference point.
+
+    Parameters
+    ----------
+    boundary : (m, 2) array
+        The ring.
+    body : (k, 2) array
+        Corners of the body about its reference point, counter-clockwise.
+    x, y, heading_from : float
+        Configuration at the start.
+    turn : float
+        Angle to turn by, counter-clockwise positive, from -2 pi to 2 pi.
+
+    Returns
+    -------
+    bool
+        Whether the body starts inside the region and never cuts its boundary on the way.
+    """
+    if not pose_is_inside(boundary, body, x, y, heading_from):
+        return False
+    if not abs(turn) <= TWO_PI + 1e-9:
+        return False
+    # Two outlines first meet at a corner of one of them: corners of the body run along arcs
+    # against the boundary, and seen from the body the corners of the boundary run backwards.
+    corners = body.shape[0]
+    c, s = math.cos(heading_from), math.sin(heading_from)
+    reach = _reach(body)
+    ax, ay = boundary[-1, 0] - x, boundary[-1, 1] - y
+    for j in range(boundary.shape[0]):
+        bx, by = boundary[j, 0] - x, boundary[j, 1] - y
+        if _squared_distance(ax, ay, bx, by) < reach * reach:
+            # The boundary's corner b in the body's frame.
+            corner_x, corner_y = bx * c + by * s, by * c - bx * s
+            corner_is_near = bx * bx + by * by < reach * reach
+            vx, vy = body[-1, 0], body[-1, 1]
+            for i in range(corners):
+                ux, uy = vx, vy
+                vx, vy = body[i, 0], body[i, 1]
+                if _arc_leaves_left(vx * c - vy * s, vx * s + vy * c, turn, ax, ay, bx, by):
+                    return False
+                if corner_is_near and _arc_leaves_left(corner_x, corner_y, -turn, vx, vy, ux, uy):
+                    return False
+        ax, ay = bx, by
+    return True
+
+
+@kernel
+def pose_is_inside(
+    boundary: FloatArray, body: FloatArray, x: float, y: float, heading: float
+) -> bool:
+    """Whether a polygon lies inside the region; it may touch the boundary.
+
+    Parameters
+    ----------
+    boundary : (m, 2) array
+        The ring.
+    body : (k, 2) array
+        Corners of the body about its reference point, counter-clockwise.
+    x, y, heading : float
+        Configuration of the body.
+    """
+    if not (math.isfinite(x) and math.isfinite(y) and math.isfinite(heading)):
+        return False
+    corners = body.shape[0]
+    c, s = math.cos(heading), math.sin(heading)
+    reach = _reach(body)
+    # The boundary is looked at in the body's frame.
+    bx, by = boundary[-1, 0] - x, boundary[-1, 1] - y
+    bx, by = bx * c + by * s, by * c - bx * s
+    for j in range(boundary.shape[0]):
+        ax, ay = bx, by
+        bx, by = boundary[j, 0] - x, boundary[j, 1] - y
+        bx, by = bx * c + by * s, by * c - bx * s
+        if _squared_distance(ax, ay, bx, by) < reach * reach:
+            vx, vy = body[-1, 0], body[-1, 1]
+            for i in range(corners):
+                ux, uy = vx, vy
+                vx, vy = body[i, 0], body[i, 1]
+                if _cross_each_other(ax, ay, bx, by, ux, uy, vx, vy):
+                    return False
+            if _holds(body, bx, by) and disc_clearance(body, bx, by) > TOLERANCE_M:
+                return False
+    for i in range(corners):
+        px = x + body[i, 0] * c - body[i, 1] * s
+        py = y + body[i, 0] * s + body[i, 1] * c
+        if not _holds(boundary, px, py) and not disc_clearance(boundary, px, py) <= TOLERANCE_M:
+            return False
+    return True
+
+
+@kernel
+def _squared_distance(ax: float, ay: float, bx: float, by: float) -> float:
+    """Squared distance from the origin to the segment from a to b."""
+    ex, ey = bx - ax, by - ay
+    along = -(ax * ex + ay * ey)
+    if along > 0.0:
+        squared = ex * ex + ey * ey
+        if along < squared:
+            area = ax * by - ay * bx
+            return area * area / squared
+        return bx * bx + by * by
+    return ax * ax + ay * ay
+
+
+@kernel
+def _reach(body: FloatArray) -> float:
+    """Give the distance from the reference point within which the body may touch something."""
+    squared = 0.0
+    for i in range(body.shape[0]):
+        squared = max(squared, body[i, 0] * body[i, 0] + body[i, 1] * body[i, 1])
+    return math.sqrt(squared) + 2.0 * TOLERANCE_M
+
+
+@kernel
+def _holds(ring: FloatArray, x: float, y: float) -> bool:
+    """Whether a point is inside a ring, by the even-odd rule; on the ring it may be either."""
+    inside = False
+    ax, ay = ring[-1, 0], ring[-1, 1]
+    for j in range(ring.shape[0]):
+        bx, by = ring[j, 0], ring[j, 1]
+        if (ay > y) != (by > y) and x < ax + (bx - ax) * (y - ay) / (by - ay):
+            inside = not inside
+        ax, ay = bx, by
+    return inside
+
+
+@kernel
+def _cross_each_other(
+    ax: float, ay: float, bx: float, by: float, ux: float, uy: float, vx: float, vy: float
+) -> bool:
+    """Whether segments a-b and u-v cross, each end deeper than the tolerance past the other."""
+    ex, ey = bx - ax, by - ay
+    margin = TOLERANCE_M * math.hypot(ex, ey)
+    side_u = ex * (uy - ay) - ey * (ux - ax)
+    side_v = ex * (vy - ay) - ey * (vx - ax)
+    if not ((side_u > margin and side_v < -margin) or (side_u < -margin and side_v > margin)):
+        return False
+    ex, ey = vx - ux, vy - uy
+    margin = TOLERANCE_M * math.hypot(ex, ey)
+    side_a = ex * (ay - uy) - ey * (ax - ux)
+    side_b = ex * (by - uy) - ey * (bx - ux)
+    return (side_a > margin and side_b < -margin) or (side_a < -margin and side_b > margin)
+
+
+@kernel
+def _arc_leaves_left(
+    px: float, py: float, turn: float, ax: float, ay: float, bx: float, by: float
+) -> bool:
+    """Whether point p, turning about the origin, passes from the left of segment a-b to its right.
+
+    The arc is shrunk by the tolerance towards the left side: its radius where the segment lies
+    across it, its start where it lies along it.
+    """
+    ex, ey = bx - ax, by - ay
+    length = math.hypot(ex, ey)
+    radius = math.hypot(px, py)
+    if length == 0.0 or radius <= TOLERANCE_M:
+        return False
+    ex, ey = ex / length, ey / length
+    # The left normal is (-ey, ex); the origin is on the left where the line's offset is negative.
+    offset = ay * ex - ax * ey
+    slack = TOLERANCE_M / radius
+    if offset < 0.0:
+        radius -= TOLERANCE_M
+    elif offset > 0.0:
+        radius += TOLERANCE_M
+    if abs(offset) >= radius:
+        return False
+    # On the circle, offset = radius cos(angle from the normal): going counter-clockwise the
+    # left is left at plus acos, going clockwise at minus acos.
+    cosine = offset / radius
+    sine = math.sqrt((1.0 - cosine) * (1.0 + cosine))
+    if turn < 0.0:
+        sine = -sine
+    qx = radius * (-ey * cosine - ex * sine)
+    qy = radius * (ex * cosine - ey * sine)
+    along = (qx - ax) * ex + (qy - ay) * ey
+    if along < -TOLERANCE_M or along > length + TOLERANCE_M:
+        return False
+    way = math.atan2(px * qy - py * qx, px * qx + py * qy)
+    if turn < 0.0:
+        way = -way
+    if way < -slack:
+        way += TWO_PI
+    return way <= abs(turn)

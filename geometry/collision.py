@@ -1,0 +1,572 @@
+"""Collision of bodies with a world and with one another, at rest and in motion, by FCL.
+
+Everything is solid and three-dimensional for FCL. Obstacles are prisms that stand on the floor
+z = 0; bodies reach through the floor, from below it to above the obstacles. So a body inside an
+obstacle cuts its bottom face, an obstacle inside a body is inside a convex solid, and both are
+found; and the distance in space is the distance on the floor. Discs are spheres centred on the
+floor, whose distance to a mesh FCL has in closed form.
+
+Static answers are exact to rounding. Touching counts as a collision. Motions with a turn, and
+two bodies that move at once, are followed by conservative advancement: a step is as long as the
+clearance lets no point of the body reach anything. So that a body can slide along a wall, no
+step is shorter than the resolution (1 mm): a contact that is reported is real, and one that is
+missed is nowhere deeper than half the resolution.
+"""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import fcl
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+from shapely import MultiPolygon, Polygon
+from shapely.geometry.base import BaseGeometry
+
+from multisrt.geometry.configuration import Configuration
+from multisrt.geometry.errors import InvalidInputError
+from multisrt.geometry.footprint import (
+    Footprint,
+    checked_configuration,
+    place,
+    require_constant_heading,
+    sweep_convex,
+)
+from multisrt.geometry.kernel import FloatArray
+
+OBSTACLE_HEIGHT_M = 0.5
+BODY_REACH_M = 1.0
+"""Bodies reach this far below and above the floor: farther than the obstacles."""
+
+RESOLUTION_M = 1e-3
+"""Default length of the shortest step along a motion."""
+
+CONTACT_PRECISION_M = 1e-6
+"""How precisely the place of a contact is found, as a length of motion."""
+
+THINNEST_TRIANGLE_M = 1e-9
+"""Triangles thinner than this have no normal to compute with; their sides are in neighbours."""
+
+# The distance is FCL's return value. A result that is already nearer keeps the bindings from
+# filling it with arrays for nearest points that nobody reads.
+_COLLISION_REQUEST = fcl.CollisionRequest()
+_DISTANCE_REQUEST = fcl.DistanceRequest()
+_UNUSED_RESULT = fcl.DistanceResult(-math.inf)
+
+
+class Body:
+    """A footprint made ready for collision queries; make it once and use it again.
+
+    It holds FCL objects that every query moves: share it between robots, not between threads.
+    """
+
+    def __init__(self, footprint: Footprint) -> None:
+        self._footprint = footprint
+        if footprint.is_disc:
+            self._movers = (fcl.CollisionObject(fcl.Sphere(footprint.radius_m)),)
+            self._obstacle = fcl.CollisionObject(fcl.Sphere(footprint.radius_m))
+        else:
+            self._movers = tuple(
+                fcl.CollisionObject(_convex_prism(piece)) for piece in footprint.convex_pieces
+            )
+            outline = Polygon(footprint.vertices)
+            self._obstacle = fcl.CollisionObject(_standing_prisms([outline], f"body {footprint}"))
+
+    @property
+    def footprint(self) -> Footprint:
+        """The shape of the body."""
+        return self._footprint
+
+    @property
+    def turning_radius_m(self) -> float:
+        """How far the body's farthest point travels for each radian of a turn; 0 for a disc."""
+        return 0.0 if self._footprint.is_disc else self._footprint.circumscribed_radius_m
+
+    def __repr__(self) -> str:
+        return f"Body({self._footprint!r})"
+
+
+class CollisionWorld:
+    """A world's obstacles, made ready once for any number of queries.
+
+    Whatever is not free space is an obstacle, without end to all sides.
+
+    Parameters
+    ----------
+    free : Polygon or MultiPolygon
+        Free space in metres.
+
+    Raises
+    ------
+    InvalidInputError
+        If free space is empty, not valid, not finite, or not made of polygons.
+
+    Examples
+    --------
+    >>> import shapely
+    >>> world = CollisionWorld(shapely.box(0, 0, 4, 3))
+    >>> body = world.body(Footprint.disc(0.5))
+    >>> world.pose_is_free(body, (1.0, 1.0, 0.0)), world.clearance(body, (1.0, 1.0, 0.0))
+    (True, 0.5)
+    >>> world.straight_motion_is_free(body, (1.0, 1.0, 0.0), (5.0, 1.0, 0.0))
+    False
+    """
+
+    def __init__(self, free: Polygon | MultiPolygon) -> None:
+        _require_area(free)
+        frame = shapely.box(*shapely.bounds(free)).buffer(1.0, join_style="mitre")
+        solid = frame.difference(free)
+        self._bounds: tuple[float, float, float, float] = frame.bounds
+        self._obstacles = fcl.CollisionObject(_standing_prisms(_polygons(solid), "world"))
+        self._bodies: dict[Footprint, Body] = {}
+
+    def body(self, footprint: Footprint) -> Body:
+        """Give the body of a footprint, made at the first call."""
+        if footprint not in self._bodies:
+            self._bodies[footprint] = Body(footprint)
+        return self._bodies[footprint]
+
+    def pose_is_free(self, body: Body, configuration: Sequence[float]) -> bool:
+        """Whether a body lies in free space without touching an obstacle.
+
+        Raises
+        ------
+        InvalidInputError
+            If the configuration is not three finite numbers.
+        """
+        return self._pose_is_free(body, checked_configuration(configuration))
+
+    def clearance(self, body: Body, configuration: Sequence[float]) -> float:
+        """Distance from a body to the nearest obstacle in metres; 0 where it is not free.
+
+        Raises
+        ------
+        InvalidInputError
+            If the configuration is not three finite numbers.
+        """
+        return self._clearance(body, checked_configuration(configuration))
+
+    def straight_motion_is_free(
+        self, body: Body, start: Sequence[float], end: Sequence[float]
+    ) -> bool:
+        """Whether a body can move in a straight line, its heading kept; exact, without steps.
+
+        Raises
+        ------
+        InvalidInputError
+            If a configuration is not three finite numbers, or the headings differ (those of a
+            disc may).
+        """
+        first, last = checked_configuration(start), checked_configuration(end)
+        footprint = body.footprint
+        require_constant_heading(footprint, first, last)
+        if not (self._pose_is_free(body, first) and self._pose_is_free(body, last)):
+            return False
+        step = np.array([last[0] - first[0], last[1] - first[1]])
+        if not step.any():
+            return True
+        if footprint.is_disc:
+            # A disc sweeps whatever is nearer than its radius to the way of its centre.
+            way = fcl.CollisionObject(_upright_sheet(first, last))
+            return bool(_gap((way,), self._obstacles) > footprint.radius_m)
+        swept = (
+            fcl.CollisionObject(_convex_prism(sweep_convex(place(piece, *first), step)))
+            for piece in footprint.convex_pieces
+        )
+        return not any(_touch((solid,), self._obstacles) for solid in swept)
+
+    def rotation_is_free(
+        self,
+        body: Body,
+        configuration: Sequence[float],
+        turn: float,
+        *,
+        resolution_m: float = RESOLUTION_M,
+    ) -> bool:
+        """Whether a body can turn in place about its reference point by a signed angle.
+
+        Raises
+        ------
+        InvalidInputError
+            If the configuration or the turn is not finite, or the resolution not positive.
+        """
+        start = checked_configuration(configuration)
+        end = (start[0], start[1], start[2] + turn)
+        return self.first_contact(body, start, end, turn, resolution_m=resolution_m) is None
+
+    def first_contact(
+        self,
+        body: Body,
+        start: Sequence[float],
+        end: Sequence[float],
+        turn: float | None = None,
+        *,
+        arc: bool = False,
+        resolution_m: float = RESOLUTION_M,
+    ) -> float | None:
+        """Find how far along a motion a body first meets an obstacle.
+
+        Parameters
+        ----------
+        body : Body
+            What moves.
+        start, end : (x, y, heading)
+            First and last configuration.
+        turn : float, optional
+            Signed angle from the first heading to the last, which may go round more than once;
+            by default the shorter way.
+        arc : bool
+            How the reference point moves: on a straight line, or on the circular arc on which
+            the motion looks the same from the body all the time (constant twist: a car whose
+            wheels stand still, or a differential drive at constant speeds). The heading turns
+            evenly in both.
+        resolution_m : float
+            Length of the shortest step; contacts up to half as deep may be missed.
+
+        Returns
+        -------
+        float or None
+            Fraction of the motion, from 0 to 1, at which the body is still free but within a
+            micrometre of contact; 0 if it starts in contact; None if it never meets anything.
+
+        Raises
+        ------
+        InvalidInputError
+            If a number is not finite, the turn does not lead to the last heading, or no arc
+            joins the configurations.
+        """
+        motion = _motion(body, start, end, turn, arc)
+        return _advance(
+            lambda fraction: self._clearance(body, motion.pose(fraction)),
+            lambda fraction: self._pose_is_free(body, motion.pose(fraction)),
+            motion.length + body.turning_radius_m * abs(motion.turn),
+            resolution_m,
+        )
+
+    def _pose_is_free(self, body: Body, pose: Configuration) -> bool:
+        if not self._within_frame(pose):
+            return False
+        _move(body._movers, pose)
+        return not _touch(body._movers, self._obstacles)
+
+    def _clearance(self, body: Body, pose: Configuration) -> float:
+        if not self._within_frame(pose):
+            return 0.0
+        _move(body._movers, pose)
+        return _gap(body._movers, self._obstacles)
+
+    def _within_frame(self, pose: Configuration) -> bool:
+        """Whether the reference point, which is part of the body, is not outside of everything."""
+        x0, y0, x1, y1 = self._bounds
+        return x0 < pose[0] < x1 and y0 < pose[1] < y1
+
+
+def bodies_collide(
+    body_a: Body,
+    configuration_a: Sequence[float],
+    body_b: Body,
+    configuration_b: Sequence[float],
+) -> bool:
+    """Whether two bodies overlap or touch; they may be the same `Body` in two places.
+
+    Raises
+    ------
+    InvalidInputError
+        If a configuration is not three finite numbers.
+    """
+    return _touch(
+        *_pair(
+            body_a,
+            checked_configuration(configuration_a),
+            body_b,
+            checked_configuration(configuration_b),
+        )
+    )
+
+
+def body_distance(
+    body_a: Body,
+    configuration_a: Sequence[float],
+    body_b: Body,
+    configuration_b: Sequence[float],
+) -> float:
+    """Distance between two bodies in metres, 0 where they overlap or touch.
+
+    Raises
+    ------
+    InvalidInputError
+        If a configuration is not three finite numbers.
+    """
+    return _gap(
+        *_pair(
+            body_a,
+            checked_configuration(configuration_a),
+            body_b,
+            checked_configuration(configuration_b),
+        )
+    )
+
+
+def first_contact_between(
+    body_a: Body,
+    start_a: Sequence[float],
+    end_a: Sequence[float],
+    body_b: Body,
+    start_b: Sequence[float],
+    end_b: Sequence[float],
+    *,
+    turn_a: float | None = None,
+    turn_b: float | None = None,
+    arc_a: bool = False,
+    arc_b: bool = False,
+    resolution_m: float = RESOLUTION_M,
+) -> float | None:
+    """Find when two bodies that move over the same time first meet.
+
+    Parameters
+    ----------
+    body_a, body_b : Body
+        What moves; one that stands has equal first and last configurations.
+    start_a, end_a, start_b, end_b : (x, y, heading)
+        Where they are when the time begins and when it ends; speeds are constant between.
+    turn_a, turn_b, arc_a, arc_b, resolution_m
+        As in `CollisionWorld.first_contact`.
+
+    Returns
+    -------
+    float or None
+        Fraction of the time, from 0 to 1, at which they are still apart but within a
+        micrometre of contact; 0 if they start in contact; None if they never meet.
+
+    Raises
+    ------
+    InvalidInputError
+        As in `CollisionWorld.first_contact`.
+    """
+    a = _motion(body_a, start_a, end_a, turn_a, arc_a)
+    b = _motion(body_b, start_b, end_b, turn_b, arc_b)
+    if a.center is None and b.center is None:
+        approach = math.hypot(a.step[0] - b.step[0], a.step[1] - b.step[1])
+    else:
+        approach = a.length + b.length
+    turning = body_a.turning_radius_m * abs(a.turn) + body_b.turning_radius_m * abs(b.turn)
+    return _advance(
+        lambda fraction: _gap(*_pair(body_a, a.pose(fraction), body_b, b.pose(fraction))),
+        lambda fraction: not _touch(*_pair(body_a, a.pose(fraction), body_b, b.pose(fraction))),
+        approach + turning,
+        resolution_m,
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Motion:
+    """A motion at constant speed and turn rate, on a line or, about a centre, on an arc."""
+
+    start: Configuration
+    step: tuple[float, float]
+    turn: float
+    center: tuple[float, float] | None
+    length: float
+
+    def pose(self, fraction: float) -> Configuration:
+        x, y, heading = self.start
+        turned = fraction * self.turn
+        if self.center is None:
+            dx, dy = self.step
+            return Configuration(x + fraction * dx, y + fraction * dy, heading + turned)
+        cx, cy = self.center
+        c, s = math.cos(turned), math.sin(turned)
+        ox, oy = x - cx, y - cy
+        return Configuration(cx + c * ox - s * oy, cy + s * ox + c * oy, heading + turned)
+
+
+def _motion(
+    body: Body, start: Sequence[float], end: Sequence[float], turn: float | None, arc: bool
+) -> _Motion:
+    first, last = checked_configuration(start), checked_configuration(end)
+    if turn is None:
+        turn = math.remainder(last[2] - first[2], 2.0 * math.pi)
+    elif not math.isfinite(turn):
+        raise InvalidInputError(f"a turn of {turn:g} is not finite; give radians")
+    elif abs(math.remainder(first.heading + turn - last.heading, 2.0 * math.pi)) > 1e-6:
+        raise InvalidInputError(
+            f"a turn of {turn:g} rad does not lead from heading {first.heading:g} to "
+            f"{last.heading:g}; give the signed angle between them, or leave it out for the "
+            "shorter way"
+        )
+    dx, dy = last[0] - first[0], last[1] - first[1]
+    chord = math.hypot(dx, dy)
+    if not arc or chord == 0.0 or abs(turn) < 1e-9:
+        return _Motion(start=first, step=(dx, dy), turn=turn, center=None, length=chord)
+    half = math.sin(turn / 2.0)
+    if abs(half) < 1e-9:
+        raise InvalidInputError(
+            f"no arc leads from ({first[0]:g}, {first[1]:g}) to ({last[0]:g}, {last[1]:g}) with a "
+            f"turn of {turn:g} rad: whole turns on a circle end where they begin"
+        )
+    # The centre lies on the chord's bisector, to the left for a turn to the left.
+    away = 0.5 * math.cos(turn / 2.0) / half
+    center = (first[0] + dx / 2.0 - dy * away, first[1] + dy / 2.0 + dx * away)
+    length = abs(turn * chord / (2.0 * half))
+    return _Motion(start=first, step=(dx, dy), turn=turn, center=center, length=length)
+
+
+def _advance(
+    gap: Callable[[float], float],
+    is_free: Callable[[float], bool],
+    length: float,
+    resolution: float,
+) -> float | None:
+    """Conservative advancement: the fraction of a motion up to its first contact, or None.
+
+    No point comes nearer to what it might hit than by ``length`` times the fraction passed, so
+    a step may use up the whole gap.
+    """
+    if not (math.isfinite(resolution) and resolution > 0.0):
+        raise InvalidInputError(f"a resolution of {resolution:g} m; it is positive and finite")
+    distance = gap(0.0)
+    if distance <= 0.0:
+        return 0.0
+    fraction = 0.0
+    while fraction * length < length:
+        before = fraction
+        fraction = min(1.0, fraction + max(distance, resolution) / length)
+        distance = gap(fraction)
+        if distance <= 0.0:
+            return _bisect(is_free, before, fraction, CONTACT_PRECISION_M / length)
+    return None
+
+
+def _bisect(
+    is_free: Callable[[float], bool], free: float, contact: float, precision: float
+) -> float:
+    """Narrow down the last free fraction before a contact."""
+    while contact - free > precision:
+        middle = 0.5 * (free + contact)
+        if middle in (free, contact):
+            break
+        if is_free(middle):
+            free = middle
+        else:
+            contact = middle
+    return free
+
+
+def _pair(
+    body_a: Body, pose_a: Configuration, body_b: Body, pose_b: Configuration
+) -> tuple[tuple[fcl.CollisionObject, ...], fcl.CollisionObject]:
+    """Place two bodies, one of them as the mover and the other as an obstacle.
+
+    A disc moves and a polygon stands: FCL is exact for a sphere against a mesh, not against a
+    convex solid.
+    """
+    if body_b.footprint.is_disc:
+        body_a, pose_a, body_b, pose_b = body_b, pose_b, body_a, pose_a
+    _move(body_a._movers, pose_a)
+    _move((body_b._obstacle,), pose_b)
+    return body_a._movers, body_b._obstacle
+
+
+def _move(objects: tuple[fcl.CollisionObject, ...], pose: Configuration) -> None:
+    x, y, heading = pose
+    turned = (math.cos(0.5 * heading), 0.0, 0.0, math.sin(0.5 * heading))
+    moved = np.array((x, y, 0.0))
+    for placed in objects:
+        placed.setQuatRotation(turned)
+        placed.setTranslation(moved)
+
+
+def _touch(movers: tuple[fcl.CollisionObject, ...], obstacle: fcl.CollisionObject) -> bool:
+    return any(fcl.collide(mover, obstacle, _COLLISION_REQUEST) > 0 for mover in movers)
+
+
+def _gap(movers: tuple[fcl.CollisionObject, ...], obstacle: fcl.CollisionObject) -> float:
+    """Distance between solids, 0 on contact, for which FCL's own value is not always defined."""
+    if _touch(movers, obstacle):
+        return 0.0
+    distances = [
+        fcl.distance(mover, obstacle, _DISTANCE_REQUEST, _UNUSED_RESULT) for mover in movers
+    ]
+    return max(0.0, float(min(distances)))
+
+
+def _convex_prism(outline: FloatArray) -> fcl.Convex:
+    """Give a solid over a convex counter-clockwise outline, through the floor."""
+    n = len(outline)
+    vertices = np.empty((2 * n, 3))
+    vertices[:n, :2] = vertices[n:, :2] = outline
+    vertices[:n, 2], vertices[n:, 2] = -BODY_REACH_M, BODY_REACH_M
+    # Faces as FCL lists them: number of corners, then the corners, seen from outside.
+    faces = [n, *range(n - 1, -1, -1), n, *range(n, 2 * n)]
+    for i in range(n):
+        j = (i + 1) % n
+        faces += [4, i, j, n + j, n + i]
+    return fcl.Convex(vertices, n + 2, faces)
+
+
+def _upright_sheet(start: Configuration, end: Configuration) -> fcl.Convex:
+    """Give a sheet over a line on the floor, through the floor."""
+    (x0, y0, _), (x1, y1, _), z = start, end, BODY_REACH_M
+    corners = np.array([(x0, y0, -z), (x1, y1, -z), (x1, y1, z), (x0, y0, z)])
+    return fcl.Convex(corners, 2, [4, 0, 1, 2, 3, 4, 3, 2, 1, 0])
+
+
+def _standing_prisms(polygons: Sequence[Polygon], name: str) -> fcl.BVHModel:
+    """Give one mesh of capped prisms that stand on the floor over polygons with holes."""
+    from trimesh.creation import extrude_polygon  # half a second to import
+
+    solids = [extrude_polygon(part, OBSTACLE_HEIGHT_M, engine="earcut") for part in polygons]
+    vertices = np.vstack([np.asarray(solid.vertices) for solid in solids])
+    first = np.cumsum([0, *(len(solid.vertices) for solid in solids[:-1])])
+    triangles = np.vstack(
+        [np.asarray(solid.faces) + n for solid, n in zip(solids, first, strict=True)]
+    )
+    triangles = triangles[~_is_thin(vertices[triangles])]
+    _require_whole(vertices[triangles], sum(part.area for part in polygons), name)
+    # A model that is empty or not ended crashes at the first query.
+    model = fcl.BVHModel()
+    model.beginModel(len(triangles), len(vertices))
+    model.addSubModel(vertices, triangles)
+    model.endModel()
+    return model
+
+
+def _is_thin(triangles: FloatArray) -> NDArray[np.bool_]:
+    """Whether each of ``(n, 3, 3)`` triangles is thinner than can be computed with."""
+    sides = np.roll(triangles, -1, axis=1) - triangles
+    longest = np.linalg.norm(sides, axis=2).max(axis=1)
+    area = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1)
+    return np.asarray(area <= THINNEST_TRIANGLE_M * longest)
+
+
+def _require_whole(triangles: FloatArray, area: float, name: str) -> None:
+    """Check that the triangles on the floor cover the area that they stand for."""
+    on_floor = triangles[(triangles[:, :, 2] == 0.0).all(axis=1)]
+    sides = np.roll(on_floor, -1, axis=1) - on_floor
+    covered = 0.5 * float(np.abs(np.cross(sides[:, 0], sides[:, 1])[:, 2]).sum())
+    if not abs(covered - area) <= 1e-6 * area:
+        raise InvalidInputError(
+            f"{name}: obstacles of {area:g} m2 were cut into triangles of {covered:g} m2; "
+            "a polygon that nearly touches itself can do that: simplify its outline"
+        )
+
+
+def _require_area(free: BaseGeometry) -> None:
+    if not isinstance(free, (Polygon, MultiPolygon)):
+        raise InvalidInputError(
+            f"world: free space is a Polygon or MultiPolygon, not {type(free).__name__}"
+        )
+    if free.is_empty:
+        raise InvalidInputError("world: free space is empty; a world needs room for a body")
+    if not np.isfinite(shapely.get_coordinates(free)).all():
+        raise InvalidInputError("world: free space has coordinates that are not finite numbers")
+    if not free.is_valid:
+        raise InvalidInputError(
+            f"world: free space is not valid: {shapely.is_valid_reason(free)}; draw outlines "
+            "that do not cross themselves"
+        )
+
+
+def _polygons(geometry: BaseGeometry) -> list[Polygon]:
+    return [part for part in shapely.get_parts(geometry) if isinstance(part, Polygon)]

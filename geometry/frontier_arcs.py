@@ -1,0 +1,223 @@
+"""Frontier arcs: the pieces of a safe region's boundary beyond which nobody has seen.
+
+Arcs are kept as directed segments, their region on the left, and only ever shrink: a region
+that arrives takes from each what lies in its interior. Nothing is recomputed from the union of
+all regions, so the cost depends on the regions near by.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+
+from multisrt.geometry.kernel import FloatArray, IntArray, kernel
+from multisrt.geometry.visibility import GAP, OBSTACLE, TagArray
+
+OUTWARD_M: Final = 1e-6
+"""How far outside its region a segment is asked whether another region covers it.
+
+Two regions that end at one line would otherwise take it from each other: the line is on the
+boundary of both, and shapely's difference deletes it although nobody has seen behind it.
+"""
+
+SHORTEST_M: Final = 1e-7
+"""Shorter remains of a segment are rounding."""
+
+JOINED_M: Final = 1e-6
+"""Segments are of one arc where one begins within this of the other's end."""
+
+
+def frontier_candidates(
+    boundary: FloatArray, tags: TagArray, *, include_gaps: bool = True
+) -> FloatArray:
+    """Give the pieces of a region's boundary that do not end at an obstacle.
+
+    Parameters
+    ----------
+    boundary : (n, 2) array
+        Corners of the region, counter-clockwise.
+    tags : (n,) array
+        Why the region ends at each piece.
+    include_gaps : bool
+        Whether radial pieces behind corners count.
+
+    Returns
+    -------
+    (m, 4) array
+        Segments x0, y0, x1, y1 in their order along the boundary, the region on their left.
+    """
+    keep = tags != OBSTACLE
+    if not include_gaps:
+        keep &= tags != GAP
+    return np.hstack([boundary, np.roll(boundary, -1, axis=0)])[keep]
+
+
+@kernel
+def uncovered(
+    segments: FloatArray, starts: IntArray, corners: FloatArray, boxes: FloatArray, ids: IntArray
+) -> tuple[FloatArray, IntArray]:
+    """Take from segments what lies in the interior of given polygons.
+
+    Parameters
+    ----------
+    segments : (m, 4) array
+        Directed segments, the region that they bound on their left.
+    starts : (p + 1,) array
+        Polygon k has the corners ``corners[starts[k]:starts[k + 1]]``.
+    corners : (c, 2) array
+        Corners of all polygons.
+    boxes : (p, 4) array
+        x0, y0, x1, y1 of every polygon.
+    ids : (k,) array
+        Which polygons take from the segments.
+
+    Returns
+    -------
+    rest : (r, 4) array
+        What is left, in the order of the segments.
+    source : (r,) array
+        Which segment each rest is of.
+    """
+    longest, total = 0, 0
+    for k in range(ids.shape[0]):
+        size = starts[ids[k] + 1] - starts[ids[k]]
+        longest = max(longest, size)
+        total += size
+    crossings = np.empty(longest + 1)
+    low, high = np.empty(total + 1), np.empty(total + 1)
+    capacity = max(16, 2 * segments.shape[0])
+    rest, source = np.empty((capacity, 4)), np.empty(capacity, np.int64)
+    kept = 0
+    for i in range(segments.shape[0]):
+        x0, y0, x1, y1 = segments[i, 0], segments[i, 1], segments[i, 2], segments[i, 3]
+        length = np.hypot(x1 - x0, y1 - y0)
+        if length <= SHORTEST_M:
+            continue
+        ux, uy = (x1 - x0) / length, (y1 - y0) / length
+        ox, oy = x0 + uy * OUTWARD_M, y0 - ux * OUTWARD_M
+        left, right = min(ox, ox + x1 - x0), max(ox, ox + x1 - x0)
+        bottom, top = min(oy, oy + y1 - y0), max(oy, oy + y1 - y0)
+        covered = 0
+        whole = False
+        for k in range(ids.shape[0]):
+            p = ids[k]
+            if (
+                boxes[p, 0] > right
+                or boxes[p, 2] < left
+                or boxes[p, 1] > top
+                or boxes[p, 3] < bottom
+            ):
+                continue
+            # Where the polygon's boundary crosses the segment's line, in order: between the
+            # first and the second crossing the line is inside, and so on.
+            first, last = starts[p], starts[p + 1]
+            count = 0
+            px, py = corners[last - 1, 0] - ox, corners[last - 1, 1] - oy
+            side_p = ux * py - uy * px
+            for c in range(first, last):
+                qx, qy = corners[c, 0] - ox, corners[c, 1] - oy
+                side_q = ux * qy - uy * qx
+                if (side_p > 0.0) != (side_q > 0.0):
+                    along_p, along_q = ux * px + uy * py, ux * qx + uy * qy
+                    t = along_p + side_p / (side_p - side_q) * (along_q - along_p)
+                    z = count - 1
+                    while z >= 0 and crossings[z] > t:
+                        crossings[z + 1] = crossings[z]
+                        z -= 1
+                    crossings[z + 1] = t
+                    count += 1
+                px, py, side_p = qx, qy, side_q
+            for z in range(0, count - 1, 2):
+                begin, end = max(0.0, crossings[z]), min(length, crossings[z + 1])
+                if end > begin:
+                    y = covered - 1
+                    while y >= 0 and low[y] > begin:
+                        low[y + 1], high[y + 1] = low[y], high[y]
+                        y -= 1
+                    low[y + 1], high[y + 1] = begin, end
+                    covered += 1
+                    whole = begin == 0.0 and end == length
+            if whole:
+                break
+        if whole:
+            continue
+        begin = 0.0
+        for z in range(covered + 1):
+            end = low[z] if z < covered else length
+            if end - begin > SHORTEST_M:
+                if kept == capacity:
+                    capacity *= 2
+                    more, more_source = np.empty((capacity, 4)), np.empty(capacity, np.int64)
+                    more[:kept], more_source[:kept] = rest, source
+                    rest, source = more, more_source
+                rest[kept, 0], rest[kept, 1] = x0 + ux * begin, y0 + uy * begin
+                rest[kept, 2], rest[kept, 3] = x0 + ux * end, y0 + uy * end
+                if begin == 0.0:
+                    rest[kept, 0], rest[kept, 1] = x0, y0
+                if end == length:
+                    rest[kept, 2], rest[kept, 3] = x1, y1
+                source[kept] = i
+                kept += 1
+            if z < covered:
+                begin = max(begin, high[z])
+    return rest[:kept].copy(), source[:kept].copy()
+
+
+@kernel
+def arc_labels(segments: FloatArray) -> tuple[IntArray, int]:
+    """Number the arcs of one node: runs of segments of which each begins where the last ends.
+
+    Parameters
+    ----------
+    segments : (m, 4) array
+        Segments in their order along the boundary, which closes.
+
+    Returns
+    -------
+    labels : (m,) array
+        The arc of every segment, counted from 0.
+    count : int
+        How many arcs there are.
+    """
+    n = segments.shape[0]
+    labels = np.zeros(n, np.int64)
+    if n == 0:
+        return labels, 0
+    count = 0
+    for i in range(1, n):
+        gap = abs(segments[i, 0] - segments[i - 1, 2]) + abs(segments[i, 1] - segments[i - 1, 3])
+        if gap > JOINED_M:
+            count += 1
+        labels[i] = count
+    closing = abs(segments[0, 0] - segments[n - 1, 2]) + abs(segments[0, 1] - segments[n - 1, 3])
+    if count > 0 and closing <= JOINED_M:
+        for i in range(n - 1, -1, -1):
+            if labels[i] != count:
+                break
+            labels[i] = 0
+        count -= 1
+    return labels, count + 1
+
+
+@kernel
+def long_arcs(segments: FloatArray, shortest: float) -> FloatArray:
+    """Drop the segments of arcs whose whole length is below a body's width."""
+    labels, count = arc_labels(segments)
+    lengths = np.zeros(count)
+    for i in range(segments.shape[0]):
+        lengths[labels[i]] += np.hypot(
+            segments[i, 2] - segments[i, 0], segments[i, 3] - segments[i, 1]
+        )
+    kept = 0
+    result = np.empty_like(segments)
+    for i in range(segments.shape[0]):
+        if lengths[labels[i]] >= shortest:
+            result[kept] = segments[i]
+            kept += 1
+    return result[:kept].copy()
+
+
+def total_length(segments: FloatArray) -> float:
+    """Sum of the segments' lengths in metres."""
+    return float(np.hypot(segments[:, 2] - segments[:, 0], segments[:, 3] - segments[:, 1]).sum())

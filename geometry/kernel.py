@@ -1,0 +1,25 @@
+"""The one way in which this package compiles its numba kernels.
+
+Kernels are pure: arrays in, arrays out. They are cached on disk, release the interpreter
+lock, and never use fast-math, whose results depend on the machine.
+"""
+
+from collections.abc import Callable
+from typing import ParamSpec, TypeVar
+
+import numba
+import numpy as np
+from numpy.typing import NDArray
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
+
+
+def kernel(function: Callable[P, R]) -> Callable[P, R]:
+    """Compile a function on first use, keeping its types for readers and checkers."""
+    compiled: Callable[P, R] = numba.njit(cache=True, nogil=True, fastmath=False)(function)
+    return compiled

@@ -1,0 +1,216 @@
+"""A raster of painted polygons: exact at cell centres, growing as far as needed."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from multisrt.geometry.errors import InvalidInputError
+from multisrt.geometry.kernel import BoolArray, FloatArray, kernel
+
+MAX_CELLS = 400_000_000
+"""A raster never grows beyond this many cells of one byte."""
+
+OFFSET = 0.3819660112501051
+"""Share of a cell by which the lattice is moved.
+
+Walls like to lie on round coordinates; moved by an irrational share of a cell, no cell centre
+lies exactly on one, so that no cell depends on how a tie is broken.
+"""
+
+
+class Raster:
+    """Cells of free space that have been covered by at least one painted polygon.
+
+    The lattice is fixed by the cell width alone, so that rasters of equal cell width fit
+    together whatever window they hold.
+
+    Parameters
+    ----------
+    cell_m : float
+        Width of a cell in metres.
+    bounds : (x0, y0, x1, y1), optional
+        The window to begin with; polygons outside make it grow.
+
+    Attributes
+    ----------
+    cell_m : float
+        Width of a cell.
+    column, row : int
+        Lattice indices of the first column and row of the window.
+    cells : (rows, columns) array of bool
+        Whether a cell's centre has been painted; row 0 is the lowest y.
+    """
+
+    __slots__ = ("cell_m", "cells", "column", "row")
+
+    def __init__(
+        self, cell_m: float, bounds: tuple[float, float, float, float] | None = None
+    ) -> None:
+        if not 0.0 < cell_m < math.inf:
+            raise InvalidInputError(f"a cell is a positive width in metres, not {cell_m}")
+        self.cell_m = cell_m
+        self.column = self.row = 0
+        self.cells: BoolArray = np.zeros((0, 0), np.bool_)
+        if bounds is not None:
+            self._cover(bounds)
+
+    @property
+    def x0(self) -> float:
+        """Left border of the window."""
+        return (self.column - OFFSET) * self.cell_m
+
+    @property
+    def y0(self) -> float:
+        """Lower border of the window."""
+        return (self.row - OFFSET) * self.cell_m
+
+    def paint(self, boundary: FloatArray) -> int:
+        """Mark the cells whose centre lies in a polygon.
+
+        Parameters
+        ----------
+        boundary : (n, 2) array
+            Corners of a polygon; it closes by itself.
+
+        Returns
+        -------
+        int
+            How many of them were not marked before.
+
+        Raises
+        ------
+        InvalidInputError
+            If the raster would grow beyond `MAX_CELLS`.
+        """
+        x0, y0 = boundary.min(axis=0)
+        x1, y1 = boundary.max(axis=0)
+        self._cover((float(x0), float(y0), float(x1), float(y1)))
+        return paint_polygon(boundary, self.x0, self.y0, self.cell_m, self.cells)
+
+    def centres(self) -> tuple[FloatArray, FloatArray]:
+        """Give the x of every column's and the y of every row's cell centres."""
+        rows, columns = self.cells.shape
+        return (
+            self.x0 + (np.arange(columns) + 0.5) * self.cell_m,
+            self.y0 + (np.arange(rows) + 0.5) * self.cell_m,
+        )
+
+    def area_m2(self) -> float:
+        """Area of all painted cells."""
+        return float(np.count_nonzero(self.cells)) * self.cell_m**2
+
+    def _cover(self, bounds: tuple[float, float, float, float]) -> None:
+        first_column, first_row = (math.floor(v / self.cell_m + OFFSET) for v in bounds[:2])
+        last_column, last_row = (math.floor(v / self.cell_m + OFFSET) for v in bounds[2:])
+        rows, columns = self.cells.shape
+        if rows == 0:
+            self.column, self.row = first_column, first_row
+        elif (
+            first_column >= self.column
+            and first_row >= self.row
+            and last_column < self.column + columns
+            and last_row < self.row + rows
+        ):
+            return
+        # Grow by a half at least, so that growing costs little over a whole run.
+        left = max(0, self.column - first_column)
+        below = max(0, self.row - first_row)
+        right = max(0, last_column + 1 - self.column - columns)
+        above = max(0, last_row + 1 - self.row - rows)
+        if rows:
+            spare_x, spare_y = columns // 2, rows // 2
+            left, right = left and left + spare_x, right and right + spare_x
+            below, above = below and below + spare_y, above and above + spare_y
+        shape = (rows + below + above, columns + left + right)
+        if shape[0] * shape[1] > MAX_CELLS:
+            raise InvalidInputError(
+                f"a raster of {shape[1]} x {shape[0]} cells is larger than {MAX_CELLS} cells: "
+                f"choose cells wider than {self.cell_m:g} m"
+            )
+        cells = np.zeros(shape, np.bool_)
+        cells[below : below + rows, left : left + columns] = self.cells
+        self.cells = cells
+        self.column -= left
+        self.row -= below
+
+
+@kernel
+def paint_polygon(
+    boundary: FloatArray, x0: float, y0: float, cell: float, cells: NDArray[np.bool_]
+) -> int:
+    """Mark the cells whose centre lies inside a polygon, by the even-odd rule, row by row.
+
+    Parameters
+    ----------
+    boundary : (n, 2) array
+        Corners of the polygon.
+    x0, y0, cell : float
+        Lower left corner of the grid and width of its cells.
+    cells : (rows, columns) array of bool
+        The grid, painted in place.
+
+    Returns
+    -------
+    int
+        How many cells were not marked before.
+    """
+    n = boundary.shape[0]
+    rows, columns = cells.shape
+    bottom = top = boundary[0, 1]
+    for i in range(n):
+        bottom, top = min(bottom, boundary[i, 1]), max(top, boundary[i, 1])
+    first_row = max(0, int(np.ceil((bottom - y0) / cell - 0.5)))
+    last_row = min(rows - 1, int(np.floor((top - y0) / cell - 0.5)))
+    if last_row < first_row:
+        return 0
+    height = last_row - first_row + 1
+    starts = np.zeros(height + 1, np.int64)
+    crossings = np.empty(0)
+    fill = np.empty(0, np.int64)
+    for counting in (True, False):
+        if not counting:
+            total = 0
+            for r in range(height + 1):
+                count = starts[r]
+                starts[r] = total
+                total += count
+            crossings = np.empty(total)
+            fill = starts.copy()
+        for i in range(n):
+            j = i + 1 if i + 1 < n else 0
+            ax, ay, bx, by = boundary[i, 0], boundary[i, 1], boundary[j, 0], boundary[j, 1]
+            if ay == by:
+                continue
+            if ay > by:
+                ax, bx, ay, by = bx, ax, by, ay
+            begin = max(first_row, int(np.ceil((ay - y0) / cell - 0.5)))
+            end = min(last_row, int(np.ceil((by - y0) / cell - 0.5)) - 1)
+            slope = (bx - ax) / (by - ay)
+            for r in range(begin, end + 1):
+                if counting:
+                    starts[r - first_row] += 1
+                else:
+                    k = fill[r - first_row]
+                    crossings[k] = ax + (y0 + (r + 0.5) * cell - ay) * slope
+                    fill[r - first_row] += 1
+    new = 0
+    for r in range(height):
+        low, high = starts[r], fill[r]
+        for i in range(low + 1, high):
+            value = crossings[i]
+            k = i - 1
+            while k >= low and crossings[k] > value:
+                crossings[k + 1] = crossings[k]
+                k -= 1
+            crossings[k + 1] = value
+        for i in range(low, high - 1, 2):
+            begin = max(0, int(np.ceil((crossings[i] - x0) / cell - 0.5)))
+            end = min(columns - 1, int(np.ceil((crossings[i + 1] - x0) / cell - 0.5)) - 1)
+            for c in range(begin, end + 1):
+                if not cells[first_row + r, c]:
+                    cells[first_row + r, c] = True
+                    new += 1
+    return new

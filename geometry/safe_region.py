@@ -1,0 +1,247 @@
+"""Local safe regions: what a robot takes as surely free around the place of a scan.
+
+Three shapes, after how much of the readings they keep (Multi-SRT, paper section 3; Oriolo et
+al. 2004 for ball and star; Espinoza et al. 2007 for radial):
+
+- *radial*: every reading in its own direction, so the whole visibility polygon;
+- *star*: equal cones, each cut at its smallest reading;
+- *ball*: a disc of the smallest reading.
+
+Every piece of a region's boundary says why the region ends there: `OBSTACLE`, `RANGE`, `GAP`,
+or `CUT` where a star or a ball leaves out space that the readings show to be free. Without the
+last a star would see no door narrower than a cone.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Final, Literal
+
+import numpy as np
+import shapely
+
+from multisrt.geometry.errors import InvalidInputError
+from multisrt.geometry.kernel import FloatArray, kernel
+from multisrt.geometry.scan import LaserScan, Scan, beam_spacing_rad
+from multisrt.geometry.visibility import (
+    ARC_TOLERANCE_M,
+    CUT,
+    GAP,
+    OBSTACLE,
+    RANGE,
+    TagArray,
+    arc_divisions,
+)
+
+Shape = Literal["ball", "star", "radial"]
+
+CONTACT_TOLERANCE_M: Final = 0.05
+"""A star's or ball's arc lies at an obstacle where a reading ends within this behind it."""
+
+GRAZING_ANGLE_RAD: Final = math.radians(10.0)
+"""Neighbouring beams hit one surface unless it would be met at a flatter angle than this."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class LocalSafeRegion:
+    """A star-shaped polygon of surely free space around the place of a scan.
+
+    Attributes
+    ----------
+    x, y : float
+        The place of the scan in metres.
+    range_m : float
+        How far the range finder reached.
+    boundary : (n, 2) array
+        Corners in metres, counter-clockwise, not closed.
+    tags : (n,) array of int8
+        Why the region ends at the piece from corner i to corner i + 1.
+    """
+
+    x: float
+    y: float
+    range_m: float
+    boundary: FloatArray
+    tags: TagArray
+
+    def polygon(self) -> shapely.Polygon:
+        """The region as a shapely polygon."""
+        return shapely.Polygon(self.boundary)
+
+
+def local_safe_region(
+    scan: Scan,
+    shape: Shape,
+    *,
+    cones: int = 16,
+    contact_tolerance_m: float = CONTACT_TOLERANCE_M,
+) -> LocalSafeRegion:
+    """Build the local safe region of a scan.
+
+    Parameters
+    ----------
+    scan : Scan
+        What the range finder reported.
+    shape : {"ball", "star", "radial"}
+        How much of the readings the region keeps.
+    cones : int
+        How many equal cones a star has, at least 3.
+    contact_tolerance_m : float
+        See `CONTACT_TOLERANCE_M`.
+
+    Raises
+    ------
+    InvalidInputError
+        For an unknown shape, fewer than 3 cones or fewer than 5 beams.
+
+    Notes
+    -----
+    From beams the region is conservative: between two beams it ends before the nearer of their
+    readings, or before the range, by about half the beams' spacing there. It holds no point of
+    an obstacle that is wider than the beams' spacing and has no corner sharper than a right
+    angle; what is thinner can stand between two beams unseen, as for any laser.
+    """
+    reach = scan.range_m
+    if isinstance(scan, LaserScan):
+        boundary, tags = _boundary_from_beams(scan)
+        half = 0.5 * beam_spacing_rad(scan)
+        reach *= math.cos(half) - math.sin(half)
+    else:
+        boundary, tags = scan.boundary, scan.tags
+    x, y, _ = scan.configuration
+    if shape in ("star", "ball"):
+        if cones < 3:
+            raise InvalidInputError(f"a star has at least 3 cones, not {cones}")
+        count = cones if shape == "star" else 1
+        parts = math.ceil(arc_divisions(scan.range_m, ARC_TOLERANCE_M) / count)
+        boundary, tags = _cut_at_smallest_readings(
+            boundary, tags, x, y, reach, count, parts, contact_tolerance_m
+        )
+    elif shape != "radial":
+        raise InvalidInputError(f"a safe region is ball, star or radial, not {shape!r}")
+    boundary.setflags(write=False)
+    tags.setflags(write=False)
+    return LocalSafeRegion(x=x, y=y, range_m=scan.range_m, boundary=boundary, tags=tags)
+
+
+def _boundary_from_beams(scan: LaserScan) -> tuple[FloatArray, TagArray]:
+    # A right-angled corner between two beams lies on or behind the circle that has the chord of
+    # their hits as its diameter. It comes nearest for equal readings r: to r (cos a - sin a) along
+    # the middle, a being half the spacing; chords between beams at r (1 - tan a) touch it there.
+    spacing = beam_spacing_rad(scan)
+    if len(scan.ranges) < 5:
+        raise InvalidInputError(
+            f"a safe region needs at least 5 beams around the robot, not {len(scan.ranges)}"
+        )
+    hit = np.isfinite(scan.ranges)
+    reading = np.where(hit, scan.ranges, scan.range_m)
+    nearest = np.minimum(reading, np.minimum(np.roll(reading, 1), np.roll(reading, -1)))
+    radius = nearest * (1.0 - math.tan(0.5 * spacing))
+    direction = spacing * np.arange(len(reading))
+    boundary = np.column_stack(
+        [
+            scan.configuration.x + radius * np.cos(direction),
+            scan.configuration.y + radius * np.sin(direction),
+        ]
+    )
+
+    def one_surface(distance: FloatArray) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
+        following = np.roll(distance, -1)
+        jump = np.abs(following - distance)
+        return jump <= np.minimum(distance, following) * spacing / math.tan(GRAZING_ANGLE_RAD)
+
+    following_hit = np.roll(hit, -1)
+    same = one_surface(reading) & one_surface(nearest) & (hit == following_hit)
+    tags = np.where(same, np.where(hit, OBSTACLE, RANGE), GAP).astype(np.int8)
+    return boundary, tags
+
+
+@kernel
+def _cut_at_smallest_readings(
+    boundary: FloatArray,
+    tags: TagArray,
+    x: float,
+    y: float,
+    reach: float,
+    cones: int,
+    parts: int,
+    contact_tolerance: float,
+) -> tuple[FloatArray, TagArray]:
+    # 1. The smallest reading in every part of every cone; a part is one chord of the result.
+    n = cones * parts
+    width = 2.0 * np.pi / n
+    smallest = np.full(n, reach)
+    corners = boundary.shape[0]
+    for i in range(corners):
+        j = i + 1 if i + 1 < corners else 0
+        ax, ay = boundary[i, 0] - x, boundary[i, 1] - y
+        bx, by = boundary[j, 0] - x, boundary[j, 1] - y
+        if tags[i] == RANGE and min(np.hypot(ax, ay), np.hypot(bx, by)) > reach - 1e-6:
+            continue
+        if ax * by - ay * bx < 0.0:
+            ax, ay, bx, by = bx, by, ax, ay
+        dx, dy = bx - ax, by - ay
+        length2 = dx * dx + dy * dy
+        if length2 == 0.0:
+            continue
+        start = np.arctan2(ay, ax)
+        end = np.arctan2(by, bx)
+        if end < start - np.pi:
+            end += 2.0 * np.pi
+        closest = -(ax * dx + ay * dy) / length2
+        first = int(np.floor((start - 1e-12) / width))
+        last = int(np.floor((end + 1e-12) / width))
+        for part in range(first, last + 1):
+            t0 = _crossing(ax, ay, dx, dy, start, end, part * width)
+            t1 = _crossing(ax, ay, dx, dy, start, end, (part + 1) * width)
+            t = min(max(closest, t0), max(t0, t1))
+            distance = np.hypot(ax + t * dx, ay + t * dy)
+            k = part % n
+            smallest[k] = min(smallest[k], distance)
+
+    # 2. Every cone ends at its smallest reading; radial sides join cones of different depth.
+    result = np.empty((n + cones + 1, 2))
+    result_tags = np.empty(n + cones + 1, np.int8)
+    count = 0
+    previous = reach
+    for k in range((cones - 1) * parts, n):
+        previous = min(previous, smallest[k])
+    for cone in range(cones):
+        depth = reach
+        for k in range(cone * parts, (cone + 1) * parts):
+            depth = min(depth, smallest[k])
+        if previous != depth and cones > 1:
+            theta = cone * parts * width
+            result[count, 0], result[count, 1] = (
+                x + previous * np.cos(theta),
+                y + previous * np.sin(theta),
+            )
+            result_tags[count] = CUT
+            count += 1
+        for k in range(cone * parts, (cone + 1) * parts):
+            theta = k * width
+            result[count, 0], result[count, 1] = x + depth * np.cos(theta), y + depth * np.sin(theta)
+            if depth == reach:
+                result_tags[count] = RANGE
+            elif smallest[k] - depth <= contact_tolerance:
+                result_tags[count] = OBSTACLE
+            else:
+                result_tags[count] = CUT
+            count += 1
+        previous = depth
+    return result[:count].copy(), result_tags[:count].copy()
+
+
+@kernel
+def _crossing(
+    ax: float, ay: float, dx: float, dy: float, start: float, end: float, theta: float
+) -> float:
+    # Where the ray in direction theta meets the segment from a, seen from angle start to end,
+    # as a share of the segment's length; its nearer end for rays that pass beside it.
+    if theta <= start:
+        return 0.0
+    if theta >= end:
+        return 1.0
+    ux, uy = np.cos(theta), np.sin(theta)
+    return min(1.0, max(0.0, (ax * uy - ay * ux) / (ux * dy - uy * dx)))

@@ -1,0 +1,256 @@
+"""What one robot knows of the world: a grow-only set of nodes, and what follows from it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+import shapely
+
+from multisrt.geometry.configuration import Configuration
+from multisrt.geometry.frontier_arcs import (
+    arc_labels,
+    frontier_candidates,
+    long_arcs,
+    total_length,
+    uncovered,
+)
+from multisrt.geometry.kernel import FloatArray, IntArray
+from multisrt.geometry.raster import Raster
+from multisrt.geometry.safe_region import LocalSafeRegion
+
+
+class NodeId(NamedTuple):
+    """Who made a node, and its serial number among that robot's nodes."""
+
+    robot: int
+    serial: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Node:
+    """A place that was visited, with what was seen from there.
+
+    Attributes
+    ----------
+    id : NodeId
+        Unique in the team.
+    configuration : Configuration
+        Where the scan was taken.
+    region : LocalSafeRegion
+        What the robot took as surely free around it.
+    parent : NodeId or None
+        The node that the robot came from; None at a root.
+    time_s : float
+        When the scan was taken.
+    """
+
+    id: NodeId
+    configuration: Configuration
+    region: LocalSafeRegion
+    parent: NodeId | None
+    time_s: float
+
+
+class ExplorationMap:
+    """A robot's knowledge. Adding a node is its only change; the order does not matter.
+
+    Frontier arcs are kept per node and trimmed by the regions that arrive near by, so that one
+    more node costs the same however many there are.
+
+    Parameters
+    ----------
+    reach_m : float
+        No region reaches further from its node than this.
+    shortest_arc_m : float
+        Frontier arcs below this length cannot be passed by the body and are dropped.
+    gaps_count : bool
+        Whether radial pieces behind corners are frontier.
+    """
+
+    def __init__(
+        self, *, reach_m: float, shortest_arc_m: float = 0.0, gaps_count: bool = True
+    ) -> None:
+        self._reach = reach_m
+        self._shortest_arc = shortest_arc_m
+        self._gaps_count = gaps_count
+        self._nodes: dict[NodeId, Node] = {}
+        self._ids: list[NodeId] = []
+        self._index: dict[NodeId, int] = {}
+        self._frontiers: list[FloatArray] = []
+        self._open: dict[NodeId, float] = {}
+        self._hash: dict[tuple[int, int], list[int]] = {}
+        self._positions: FloatArray = np.empty((64, 2))
+        self._boxes: FloatArray = np.empty((64, 4))
+        self._starts: IntArray = np.zeros(65, np.int64)
+        self._corners: FloatArray = np.empty((4096, 2))
+        self._raster: Raster | None = None
+
+    def __len__(self) -> int:
+        return len(self._ids)
+
+    def __contains__(self, node_id: NodeId) -> bool:
+        return node_id in self._nodes
+
+    def __getitem__(self, node_id: NodeId) -> Node:
+        return self._nodes[node_id]
+
+    @property
+    def nodes(self) -> tuple[Node, ...]:
+        """All nodes, in the order in which they became known here."""
+        return tuple(self._nodes.values())
+
+    def add(self, node: Node) -> bool:
+        """Take in a node; one that is known already changes nothing.
+
+        Returns
+        -------
+        bool
+            Whether the node was new.
+        """
+        if node.id in self._nodes:
+            return False
+        neighbours = self._within(node.configuration.x, node.configuration.y, 2.0 * self._reach)
+        index = self._store(node)
+        candidates = frontier_candidates(
+            node.region.boundary, node.region.tags, include_gaps=self._gaps_count
+        )
+        arcs, _ = uncovered(candidates, self._starts, self._corners, self._boxes, neighbours)
+        self._frontiers.append(arcs)
+        self._set_frontier(index, arcs)
+        self._trim(neighbours, index)
+        if self._raster is not None:
+            self._raster.paint(node.region.boundary)
+        return True
+
+    def frontier(self, node_id: NodeId) -> FloatArray:
+        """Give a node's local frontier as ``(m, 4)`` segments, the region on their left."""
+        return self._frontiers[self._index[node_id]]
+
+    def frontier_arcs(self, node_id: NodeId) -> list[FloatArray]:
+        """Give a node's local frontier arc by arc, each as ``(k, 4)`` joined segments."""
+        segments = self.frontier(node_id)
+        labels, count = arc_labels(segments)
+        return [segments[labels == k] for k in range(count)]
+
+    @property
+    def open_nodes(self) -> dict[NodeId, float]:
+        """Length of the local frontier of every node that has one, in metres."""
+        return self._open
+
+    def open_frontier_m(self) -> float:
+        """Sum of all local frontiers' lengths in metres."""
+        return math.fsum(self._open.values())
+
+    def close(self, node_id: NodeId, segments: FloatArray) -> None:
+        """Take segments out of a node's frontier: nothing can be done about them."""
+        index = self._index[node_id]
+        frontier = self._frontiers[index]
+        gone = {tuple(segment) for segment in segments.tolist()}
+        keep = [tuple(segment) not in gone for segment in frontier.tolist()]
+        self._set_frontier(index, frontier[np.asarray(keep, np.bool_)])
+
+    def near(self, x: float, y: float, radius_m: float) -> list[Node]:
+        """Give the nodes whose place lies within a radius, in the order of their ids."""
+        found = self._within(x, y, radius_m)
+        return sorted((self._nodes[self._ids[i]] for i in found), key=lambda node: node.id)
+
+    def nearest_distance(self, x: float, y: float, radius_m: float) -> float:
+        """Distance to the nearest node within a radius; ``inf`` if there is none."""
+        found = self._within(x, y, radius_m)
+        if not len(found):
+            return math.inf
+        offsets = self._positions[found] - (x, y)
+        return float(np.sqrt((offsets**2).sum(axis=1).min()))
+
+    def covered_by(self, x: float, y: float) -> list[Node]:
+        """Give the nodes whose regions hold a point in their interior or on their boundary."""
+        near = self.near(x, y, self._reach)
+        polygons = shapely.polygons([shapely.linearrings(node.region.boundary) for node in near])
+        inside = shapely.intersects_xy(polygons, x, y)
+        return [node for node, holds in zip(near, inside, strict=True) if holds]
+
+    def local_union(self, x: float, y: float, radius_m: float) -> shapely.Geometry:
+        """Unite the regions of all nodes that reach into a disc."""
+        near = self.near(x, y, radius_m + self._reach)
+        return shapely.union_all([node.region.polygon() for node in near])
+
+    def region_union(self) -> shapely.Geometry:
+        """Unite all regions, exactly. Costs more the larger the map is: not for the loop."""
+        return shapely.union_all([node.region.polygon() for node in self._nodes.values()])
+
+    def raster(self, cell_m: float) -> Raster:
+        """Give the raster of the union, painted once and from then on updated by `add`."""
+        if self._raster is None or self._raster.cell_m != cell_m:
+            self._raster = Raster(cell_m)
+            for node in self._nodes.values():
+                self._raster.paint(node.region.boundary)
+        return self._raster
+
+    def _within(self, x: float, y: float, radius: float) -> IntArray:
+        cell = self._reach
+        found: list[int] = []
+        for i in range(math.floor((x - radius) / cell), math.floor((x + radius) / cell) + 1):
+            for j in range(math.floor((y - radius) / cell), math.floor((y + radius) / cell) + 1):
+                found.extend(self._hash.get((i, j), ()))
+        indices = np.asarray(found, np.int64)
+        offsets = self._positions[indices] - (x, y)
+        return indices[(offsets**2).sum(axis=1) <= radius * radius]
+
+    def _store(self, node: Node) -> int:
+        index = len(self._ids)
+        if index == len(self._positions):
+            self._positions = _grown(self._positions, 2 * index)
+            self._boxes = _grown(self._boxes, 2 * index)
+            self._starts = _grown(self._starts, 2 * index + 1)
+        boundary = node.region.boundary
+        first, last = self._starts[index], self._starts[index] + len(boundary)
+        if last > len(self._corners):
+            self._corners = _grown(self._corners, max(int(last), 2 * len(self._corners)))
+        self._corners[first:last] = boundary
+        self._starts[index + 1] = last
+        self._boxes[index, :2] = boundary.min(axis=0)
+        self._boxes[index, 2:] = boundary.max(axis=0)
+        x, y, _ = node.configuration
+        self._positions[index] = x, y
+        cell = math.floor(x / self._reach), math.floor(y / self._reach)
+        self._hash.setdefault(cell, []).append(index)
+        self._nodes[node.id] = node
+        self._ids.append(node.id)
+        self._index[node.id] = index
+        return index
+
+    def _trim(self, neighbours: IntArray, index: int) -> None:
+        still_open = [int(i) for i in neighbours if len(self._frontiers[i])]
+        if not still_open:
+            return
+        arcs = [self._frontiers[i] for i in still_open]
+        sizes = np.asarray([len(a) for a in arcs])
+        segments = np.concatenate(arcs)
+        rest, source = uncovered(
+            segments, self._starts, self._corners, self._boxes, np.asarray([index])
+        )
+        if len(rest) == len(segments) and np.array_equal(rest, segments):
+            return
+        borders = np.searchsorted(source, np.concatenate([[0], np.cumsum(sizes)]))
+        for k, i in enumerate(still_open):
+            trimmed = rest[borders[k] : borders[k + 1]]
+            if not np.array_equal(trimmed, arcs[k]):
+                self._set_frontier(i, trimmed)
+
+    def _set_frontier(self, index: int, arcs: FloatArray) -> None:
+        arcs = long_arcs(arcs, self._shortest_arc)
+        arcs.setflags(write=False)
+        self._frontiers[index] = arcs
+        if len(arcs):
+            self._open[self._ids[index]] = total_length(arcs)
+        else:
+            self._open.pop(self._ids[index], None)
+
+
+def _grown(array: np.ndarray, length: int) -> np.ndarray:
+    larger = np.zeros((length, *array.shape[1:]), array.dtype)
+    larger[: len(array)] = array
+    return larger

@@ -1,0 +1,1 @@
+"""Sensor-based Random Trees: how an explorer builds its tree."""

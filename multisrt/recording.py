@@ -1,0 +1,256 @@
+"""Recordings: all that happened in a run, one JSON object a line, written as it goes.
+
+The first line is a `Header`: format and version, the spec, the world, versions of what
+computed it. Then come the events of `multisrt.events` in the order in which they happened. The
+last line is a `Footer`: how the run ended, and the digest. A recording without a footer is of a
+run that was cut off.
+
+The digest is the SHA-256 of the spec, the world and every event line: equal specs give equal
+digests, in any process and on any machine of the same architecture with the same packages.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import platform
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from importlib.metadata import version
+from pathlib import Path
+from typing import IO, Literal
+
+import msgspec
+import shapely
+
+from multisrt.environments.environment import Environment
+from multisrt.events import AnyEvent
+from multisrt.geometry.configuration import Configuration
+from multisrt.geometry.errors import InvalidInputError
+from multisrt.spec import RunSpec
+
+FORMAT = "multisrt-recording"
+VERSION = 1
+LARGEST_BYTES = 2_000_000_000
+"""A larger file is refused."""
+
+RunOutcome = Literal["complete", "stalled", "out_of_time"]
+
+Ring = tuple[tuple[float, float], ...]
+
+
+class Header(msgspec.Struct, frozen=True, kw_only=True, tag_field="event", tag="header"):
+    """The first line of a recording.
+
+    Attributes
+    ----------
+    format, format_version
+        What this file is.
+    versions : dict
+        Versions of the packages that computed the run, and the machine's architecture.
+    spec : RunSpec
+        What the run depended on.
+    world : str
+        The world's name.
+    free : tuple of polygons
+        Free space: for every polygon its rings, for every ring its corners, first and last
+        equal; the first ring is the outline, the others are holes.
+    starts : tuple of (x, y, heading)
+        Where the robots started.
+    """
+
+    format: str = FORMAT
+    format_version: int = VERSION
+    versions: dict[str, str]
+    spec: RunSpec
+    world: str
+    free: tuple[tuple[Ring, ...], ...]
+    starts: tuple[tuple[float, float, float], ...]
+
+
+class Footer(msgspec.Struct, frozen=True, kw_only=True, tag_field="event", tag="run_ended"):
+    """The last line of a recording.
+
+    Attributes
+    ----------
+    time_s : float
+        When the run ended.
+    outcome : {"complete", "stalled", "out_of_time"}
+        How it ended.
+    reason : str
+        Why, in words.
+    digest : str
+        SHA-256 of spec, world and events.
+    """
+
+    time_s: float
+    outcome: RunOutcome
+    reason: str
+    digest: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Recording:
+    """All that happened in a run.
+
+    Attributes
+    ----------
+    header : Header
+        What was run.
+    events : tuple of events
+        What happened, in order.
+    footer : Footer
+        How it ended.
+    """
+
+    header: Header
+    events: tuple[AnyEvent, ...]
+    footer: Footer
+
+    @property
+    def spec(self) -> RunSpec:
+        """What the run depended on."""
+        return self.header.spec
+
+    @property
+    def starts(self) -> tuple[Configuration, ...]:
+        """Where the robots started."""
+        return tuple(Configuration(*start) for start in self.header.starts)
+
+    def environment(self) -> Environment:
+        """Build the world that was explored."""
+        parts = [shapely.Polygon(rings[0], rings[1:]) for rings in self.header.free]
+        return Environment(self.header.world, shapely.MultiPolygon(parts))
+
+    def save(self, path: str | Path) -> None:
+        """Write the recording to a file, wholly or not at all."""
+        with written_whole(Path(path)) as file:
+            for line in (self.header, *self.events, self.footer):
+                file.write(msgspec.json.encode(line) + b"\n")
+
+    @classmethod
+    def load(cls, path: str | Path) -> Recording:
+        """Read a recording.
+
+        Raises
+        ------
+        InvalidInputError
+            If the file cannot be read, is no recording, or is of a run that was cut off; the
+            message names the line.
+        """
+        path = Path(path)
+        try:
+            if path.stat().st_size > LARGEST_BYTES:
+                raise InvalidInputError(
+                    f"{path}: larger than {LARGEST_BYTES} bytes, which no recording is"
+                )
+            with path.open("rb") as file:
+                return cls._parse(file, path)
+        except OSError as error:
+            raise InvalidInputError(f"{path}: {error.strerror or error}") from None
+
+    @classmethod
+    def _parse(cls, file: IO[bytes], path: Path) -> Recording:
+        decoder = msgspec.json.Decoder(Header | AnyEvent | Footer)
+        lines: list[Header | AnyEvent | Footer] = []
+        for number, text in enumerate(file, 1):
+            try:
+                lines.append(decoder.decode(text))
+            except (msgspec.MsgspecError, UnicodeDecodeError, InvalidInputError) as error:
+                raise InvalidInputError(
+                    f"{path}, line {number}: not a line of a recording: {error}"
+                ) from None
+        if not lines or not isinstance(header := lines[0], Header) or header.format != FORMAT:
+            raise InvalidInputError(f"{path}: not a recording: its first line is no header")
+        if header.format_version != VERSION:
+            raise InvalidInputError(
+                f"{path}: format version {header.format_version}; this program reads {VERSION}"
+            )
+        if not isinstance(footer := lines[-1], Footer):
+            raise InvalidInputError(f"{path}: the run was cut off: the last line is missing")
+        events = tuple(e for e in lines[1:-1] if not isinstance(e, Header | Footer))
+        if len(events) != len(lines) - 2:
+            raise InvalidInputError(f"{path}: a header or an end stands among the events")
+        return cls(header=header, events=events, footer=footer)
+
+
+@dataclass(slots=True)
+class Recorder:
+    """Takes down a run's events as they happen, and writes them to a file if there is one."""
+
+    header: Header
+    file: IO[bytes] | None = None
+    events: list[AnyEvent] = field(default_factory=list)
+    _digest: hashlib._Hash = field(default_factory=hashlib.sha256)
+
+    def __post_init__(self) -> None:
+        self._write(msgspec.json.encode(self.header))
+        for part in (self.header.spec, self.header.free, self.header.starts):
+            self._digest.update(msgspec.json.encode(part) + b"\n")
+
+    def record(self, event: AnyEvent) -> None:
+        """Take down an event."""
+        line = msgspec.json.encode(event)
+        self._digest.update(line + b"\n")
+        self.events.append(event)
+        self._write(line)
+
+    def finish(self, time_s: float, outcome: RunOutcome, reason: str) -> Recording:
+        """Write the footer and give the recording."""
+        footer = Footer(
+            time_s=time_s, outcome=outcome, reason=reason, digest=self._digest.hexdigest()
+        )
+        self._write(msgspec.json.encode(footer))
+        return Recording(header=self.header, events=tuple(self.events), footer=footer)
+
+    def _write(self, line: bytes) -> None:
+        if self.file is not None:
+            self.file.write(line + b"\n")
+
+
+def header_of(
+    spec: RunSpec, environment: Environment, starts: tuple[Configuration, ...]
+) -> Header:
+    """Make the header for a run that begins now."""
+    packages = ("multisrt", "numba", "numpy", "scipy", "shapely", "python-fcl", "simpy")
+    versions = {package: version(package) for package in packages}
+    versions["geos"] = shapely.geos_version_string
+    versions["python"] = platform.python_version()
+    versions["architecture"] = platform.machine()
+    free = tuple(
+        tuple(
+            tuple(map(tuple, shapely.get_coordinates(ring).tolist()))
+            for ring in (part.exterior, *part.interiors)
+        )
+        for part in environment.free.geoms
+    )
+    return Header(
+        versions=versions,
+        spec=spec,
+        world=environment.name,
+        free=free,
+        starts=tuple(tuple(start) for start in starts),
+    )
+
+
+@contextmanager
+def written_whole(path: Path) -> Iterator[IO[bytes]]:
+    """Open a file that appears under its name only once it is written wholly.
+
+    Raises
+    ------
+    InvalidInputError
+        If it cannot be written; nothing is left behind.
+    """
+    part = path.with_name(path.name + ".part")
+    try:
+        with part.open("wb") as file:
+            yield file
+        os.replace(part, path)
+    except OSError as error:
+        part.unlink(missing_ok=True)
+        raise InvalidInputError(f"cannot write {path}: {error.strerror or error}") from None
+    except BaseException:
+        part.unlink(missing_ok=True)
+        raise

@@ -1,0 +1,295 @@
+"""What describes a run, wholly: the same spec gives the same bytes."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any, Literal, cast
+
+import msgspec
+import numpy as np
+import shapely
+
+from multisrt.environments.environment import Environment
+from multisrt.geometry.errors import InvalidInputError
+from multisrt.geometry.footprint import Footprint
+from multisrt.planners.motion.kinematics import Differential, Holonomic, Kinematics
+
+Scalar = bool | int | float | str
+
+
+class _Spec(
+    msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, omit_defaults=True
+):
+    """A part of a spec: immutable, keyword-only, with no unknown fields."""
+
+
+class CatalogEnvironment(_Spec, frozen=True, kw_only=True, tag_field="from", tag="catalog"):
+    """An environment of the catalog.
+
+    Attributes
+    ----------
+    name : str
+        Its name there.
+    parameters : dict
+        A generator's parameters, where they are not the defaults.
+    seed : int or None
+        A generator's seed; it does not depend on the run's.
+    """
+
+    name: str
+    parameters: dict[str, Scalar] = {}
+    seed: int | None = None
+
+
+class FileEnvironment(_Spec, frozen=True, kw_only=True, tag_field="from", tag="file"):
+    """An environment read from a file.
+
+    Attributes
+    ----------
+    path : str
+        The file.
+    resolution_m : float or None
+        Metres per pixel of an image without its own.
+    threshold : float or None
+        Lightness in [0, 1] above which a pixel of a plain image is free.
+    """
+
+    path: str
+    resolution_m: float | None = None
+    threshold: float | None = None
+
+
+class InlineEnvironment(_Spec, frozen=True, kw_only=True, tag_field="from", tag="wkt"):
+    """An environment written out.
+
+    Attributes
+    ----------
+    name : str
+        What it is called.
+    wkt : str
+        Free space as well-known text, in metres.
+    starts : tuple of (x, y)
+        Suggested starts.
+    """
+
+    name: str
+    wkt: str
+    starts: tuple[tuple[float, float], ...] = ()
+
+
+EnvironmentSpec = CatalogEnvironment | FileEnvironment | InlineEnvironment
+
+
+class DriveSpec(_Spec, frozen=True, kw_only=True):
+    """How a body moves.
+
+    Attributes
+    ----------
+    kind : {"differential", "holonomic"}
+        Turns in place and drives along its heading, or drives in any direction.
+    speed_m_s, turn_rate_rad_s : float
+        Its limits; a holonomic body does not turn.
+    """
+
+    kind: Literal["differential", "holonomic"] = "differential"
+    speed_m_s: float = 0.5
+    turn_rate_rad_s: float = math.pi / 2
+
+    def kinematics(self) -> Kinematics:
+        """Build the kinematics that this describes."""
+        if self.kind == "holonomic":
+            return Holonomic(speed_m_s=self.speed_m_s)
+        return Differential(speed_m_s=self.speed_m_s, turn_rate_rad_s=self.turn_rate_rad_s)
+
+
+class RangeFinderSpec(_Spec, frozen=True, kw_only=True):
+    """What a robot sees with.
+
+    Attributes
+    ----------
+    range_m : float
+        How far it sees (paper: R_p).
+    beams : int or None
+        Beams of a laser; None: the exact visibility polygon.
+    """
+
+    range_m: float = 4.0
+    beams: int | None = None
+
+    def __post_init__(self) -> None:
+        if not 0.0 < self.range_m < math.inf:
+            raise InvalidInputError(
+                f"the range of a range finder is a positive number of metres, not {self.range_m:g}"
+            )
+        if self.beams is not None and self.beams < 3:
+            raise InvalidInputError(f"a laser has at least 3 beams, not {self.beams}")
+
+
+class RobotSpec(_Spec, frozen=True, kw_only=True):
+    """One robot.
+
+    Attributes
+    ----------
+    start : (x, y) or (x, y, heading) or None
+        Where it starts; None: the environment's first suggestion, or else a place drawn
+        uniformly by the run's seed.
+    footprint : str
+        Its body, as `Footprint.parse` reads it.
+    drive : DriveSpec
+        How it moves.
+    range_finder : RangeFinderSpec
+        What it sees with.
+    """
+
+    start: tuple[float, float] | tuple[float, float, float] | None = None
+    footprint: str = "disc:0.25"
+    drive: DriveSpec = DriveSpec()
+    range_finder: RangeFinderSpec = RangeFinderSpec()
+
+    def __post_init__(self) -> None:
+        Footprint.parse(self.footprint)
+        self.drive.kinematics()
+        if self.start is not None and not all(map(math.isfinite, self.start)):
+            raise InvalidInputError(f"a start is finite, not {self.start}")
+
+
+class StopRule(_Spec, frozen=True, kw_only=True):
+    """When a run ends although its robots would go on.
+
+    Attributes
+    ----------
+    max_time_s : float
+        At this time of the run's own clock.
+    """
+
+    max_time_s: float = 86_400.0
+
+    def __post_init__(self) -> None:
+        if not 0.0 < self.max_time_s < math.inf:
+            raise InvalidInputError(
+                f"max_time_s is a positive number of seconds, not {self.max_time_s:g}"
+            )
+
+
+class RunSpec(_Spec, frozen=True, kw_only=True):
+    """Everything that a run depends on.
+
+    Attributes
+    ----------
+    environment : CatalogEnvironment, FileEnvironment or InlineEnvironment
+        The world.
+    strategy : str
+        A name of the registry.
+    options : dict
+        The strategy's parameters, where they are not its defaults.
+    robots : tuple of RobotSpec
+        The team.
+    stop : StopRule
+        When the run ends although its robots would go on.
+    seed : int
+        Seeds every random stream of the run.
+
+    Examples
+    --------
+    >>> spec = RunSpec(environment=CatalogEnvironment(name="rooms"), seed=7)
+    >>> RunSpec.from_toml(spec.to_toml()) == spec
+    True
+    """
+
+    environment: EnvironmentSpec
+    strategy: str = "srt-radial"
+    options: dict[str, Scalar] = {}
+    robots: tuple[RobotSpec, ...] = (RobotSpec(),)
+    stop: StopRule = StopRule()
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        if not self.robots:
+            raise InvalidInputError("a team has at least one robot")
+        if self.seed < 0:
+            raise InvalidInputError(f"a seed is 0 or a positive whole number, not {self.seed}")
+
+    def to_json(self) -> str:
+        """Write the spec as JSON."""
+        return msgspec.json.format(msgspec.json.encode(self), indent=2).decode()
+
+    def to_toml(self) -> str:
+        """Write the spec as TOML."""
+        return msgspec.toml.encode(self).decode()
+
+    def to_dict(self) -> dict[str, Any]:
+        """Give the spec as plain dictionaries, lists and scalars."""
+        return cast(dict[str, Any], msgspec.to_builtins(self))
+
+    @classmethod
+    def from_json(cls, text: str | bytes) -> RunSpec:
+        """Read a spec from JSON.
+
+        Raises
+        ------
+        InvalidInputError
+            If it is no JSON, or a field is unknown or of the wrong kind; the message names it.
+        """
+        try:
+            return msgspec.json.decode(text, type=cls)
+        except (msgspec.MsgspecError, UnicodeDecodeError) as error:
+            raise InvalidInputError(f"not a run spec: {error}") from None
+
+    @classmethod
+    def from_toml(cls, text: str) -> RunSpec:
+        """Read a spec from TOML.
+
+        Raises
+        ------
+        InvalidInputError
+            If it is no TOML, or a field is unknown or of the wrong kind; the message names it.
+        """
+        try:
+            return msgspec.toml.decode(text, type=cls)
+        except msgspec.MsgspecError as error:
+            raise InvalidInputError(f"not a run spec: {error}") from None
+
+
+def inline(environment: Environment) -> InlineEnvironment:
+    """Write an environment out, so that a spec holds it wholly."""
+    return InlineEnvironment(
+        name=environment.name,
+        wkt=shapely.to_wkt(environment.free, rounding_precision=-1),
+        starts=environment.starts,
+    )
+
+
+def build_environment(spec: EnvironmentSpec) -> Environment:
+    """Build or read the world that a spec describes.
+
+    Raises
+    ------
+    InvalidInputError
+        If it cannot be built; the message says what is wrong.
+    """
+    if isinstance(spec, CatalogEnvironment):
+        from multisrt.environments.catalog import environment
+
+        return environment(spec.name, seed=spec.seed, **spec.parameters)
+    if isinstance(spec, FileEnvironment):
+        from multisrt.environments.formats import read_environment
+
+        return read_environment(
+            Path(spec.path), resolution_m=spec.resolution_m, threshold=spec.threshold
+        )
+    try:
+        free = shapely.from_wkt(spec.wkt)
+    except shapely.errors.ShapelyError as error:
+        raise InvalidInputError(f"environment {spec.name!r}: {error}") from None
+    return Environment(spec.name, free, starts=spec.starts)
+
+
+STREAMS = {"starts": 0, "radio": 1, "faults": 2, "robots": 3}
+"""What draws random numbers in a run; each has a stream of its own."""
+
+
+def random_stream(seed: int, stream: str, number: int = 0) -> np.random.Generator:
+    """Give the random stream of a part of the run, independent of all others."""
+    key = (STREAMS[stream], number)
+    return np.random.default_rng(np.random.SeedSequence(seed, spawn_key=key))

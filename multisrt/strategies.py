@@ -1,0 +1,136 @@
+"""The registry of strategies: from a name to what builds a robot's explorer.
+
+Other packages add their own by an entry point in the group `multisrt.strategies` that gives a
+`Strategy`, or by `register`.
+"""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cache
+from importlib.metadata import entry_points
+from typing import Any
+
+import msgspec
+
+from multisrt.explorer import Explorer, RobotSelf
+from multisrt.geometry.errors import InvalidInputError
+from multisrt.geometry.safe_region import Shape
+from multisrt.multi_srt.build_srt import SrtExplorer
+from multisrt.planners.srt import SrtOptions
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Strategy:
+    """A way to explore.
+
+    Attributes
+    ----------
+    name : str
+        What specs and the command line call it.
+    summary : str
+        One line for lists.
+    options : type
+        A frozen msgspec structure with the strategy's parameters and their defaults.
+    explorer : callable
+        Builds one robot's explorer from what the robot knows of itself, and the options.
+    """
+
+    name: str
+    summary: str
+    options: type[msgspec.Struct]
+    explorer: Callable[[RobotSelf, Any], Explorer]
+
+    def parse_options(self, options: Mapping[str, object]) -> msgspec.Struct:
+        """Check a strategy's parameters, which may be written as text, and fill in defaults.
+
+        Raises
+        ------
+        InvalidInputError
+            If a parameter is unknown or its value is not allowed; the message names it.
+        """
+        known = {field.name: field for field in msgspec.structs.fields(self.options)}
+        for key in options:
+            if key not in known:
+                raise InvalidInputError(
+                    f"{self.name} has no option {key!r}{_did_you_mean(key, known)}; "
+                    f"it has: {', '.join(known)}"
+                )
+        for key, value in options.items():
+            try:
+                msgspec.convert(value, known[key].type, strict=False)
+            except msgspec.ValidationError as error:
+                raise InvalidInputError(
+                    f"option {key}={value!r} of {self.name}: {error}"
+                ) from None
+        return msgspec.convert(dict(options), self.options, strict=False)
+
+
+def register(strategy: Strategy) -> None:
+    """Add a strategy.
+
+    Raises
+    ------
+    InvalidInputError
+        If there is one of that name.
+    """
+    registered = _registry()
+    if strategy.name in registered:
+        raise InvalidInputError(f"there is a strategy {strategy.name!r} already")
+    registered[strategy.name] = strategy
+
+
+def strategies() -> tuple[Strategy, ...]:
+    """Give all strategies, our own first."""
+    return tuple(_registry().values())
+
+
+def strategy(name: str) -> Strategy:
+    """Find a strategy by its name.
+
+    Raises
+    ------
+    InvalidInputError
+        If there is none; the message lists them.
+    """
+    registered = _registry()
+    if name not in registered:
+        raise InvalidInputError(
+            f"there is no strategy {name!r}{_did_you_mean(name, registered)}; "
+            f"there are: {', '.join(registered)}"
+        )
+    return registered[name]
+
+
+@cache
+def _registry() -> dict[str, Strategy]:
+    found = {s.name: s for s in _OWN}
+    for entry in sorted(entry_points(group="multisrt.strategies"), key=lambda e: e.name):
+        loaded = entry.load()
+        if loaded.name in found:
+            raise InvalidInputError(
+                f"entry point {entry.name!r} gives a second strategy {loaded.name!r}"
+            )
+        found[loaded.name] = loaded
+    return found
+
+
+def _srt(shape: Shape, summary: str) -> Strategy:
+    def explorer(me: RobotSelf, options: SrtOptions) -> Explorer:
+        return SrtExplorer(me, shape, options)
+
+    return Strategy(name=f"srt-{shape}", summary=summary, options=SrtOptions, explorer=explorer)
+
+
+_OWN = (
+    _srt("ball", "Sensor-based Random Tree; safe regions are discs of the smallest reading"),
+    _srt("star", "Sensor-based Random Tree; safe regions are stars of equal cones"),
+    _srt("radial", "Sensor-based Random Tree; safe regions keep every reading"),
+)
+
+
+def _did_you_mean(word: str, known: Mapping[str, object]) -> str:
+    close = difflib.get_close_matches(word, known, n=1)
+    return f" (did you mean {close[0]!r}?)" if close else ""

@@ -1,0 +1,1 @@
+"""How one robot decides and drives, from what it knows. This room never sees the world."""

@@ -1,0 +1,1 @@
+"""How a body gets from one configuration to another, and how long that takes."""

@@ -1,0 +1,65 @@
+"""A graph of places and the ways between them, searched outwards from where a robot is."""
+
+from __future__ import annotations
+
+import heapq
+from collections.abc import Callable, Hashable
+from typing import Generic, TypeVar
+
+Place = TypeVar("Place", bound=Hashable)
+
+
+class Roadmap(Generic[Place]):
+    """Places joined by ways of known length; ways lead in both directions."""
+
+    def __init__(self) -> None:
+        self._ways: dict[Place, dict[Place, float]] = {}
+
+    def add(self, place: Place) -> None:
+        """Add a place without ways; one that is known already stays as it is."""
+        self._ways.setdefault(place, {})
+
+    def connect(self, a: Place, b: Place, length_m: float) -> None:
+        """Join two places."""
+        self._ways.setdefault(a, {})[b] = length_m
+        self._ways.setdefault(b, {})[a] = length_m
+
+    def way_to_nearest(
+        self, start: Place, wanted: Callable[[Place], bool]
+    ) -> list[Place] | None:
+        """Find the shortest way to the nearest of the wanted places.
+
+        Dijkstra's search, ended at the first wanted place: its cost depends on how far that is,
+        not on the size of the roadmap. Ties go to the place that was joined first.
+
+        Returns
+        -------
+        list of places from `start` to the place found, or None if none can be reached.
+        """
+        came_from: dict[Place, Place] = {}
+        distance = {start: 0.0}
+        settled: set[Place] = set()
+        order = 0
+        queue: list[tuple[float, int, Place]] = [(0.0, order, start)]
+        while queue:
+            travelled, _, place = heapq.heappop(queue)
+            if place in settled:
+                continue
+            settled.add(place)
+            if wanted(place):
+                way = [place]
+                while way[-1] != start:
+                    way.append(came_from[way[-1]])
+                return way[::-1]
+            for neighbour, length in self._ways[place].items():
+                reach = travelled + length
+                if neighbour not in settled and reach < distance.get(neighbour, float("inf")):
+                    distance[neighbour] = reach
+                    came_from[neighbour] = place
+                    order += 1
+                    heapq.heappush(queue, (reach, order, neighbour))
+        return None
+
+    def way(self, start: Place, end: Place) -> list[Place] | None:
+        """Find the shortest way between two places."""
+        return self.way_to_nearest(start, lambda place: place == end)

@@ -1,0 +1,408 @@
+"""The planner of Sensor-based Random Trees: where a robot looks next.
+
+Source: Multi-SRT, paper section 2 (PLANNER) and Oriolo et al. 2004. Three stages: *draw* is the
+papers'; *approach* and *complete* are ours, and without them an exploration does not finish
+(a door that is seen edge-on has no direction in which a candidate could be drawn).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Literal
+
+import msgspec
+import numpy as np
+import shapely
+from numpy.random import Generator
+
+from multisrt.geometry.configuration import Configuration
+from multisrt.geometry.edge_index import EdgeIndex
+from multisrt.geometry.errors import ClearanceError, InvalidInputError
+from multisrt.geometry.frontier_arcs import total_length
+from multisrt.geometry.kernel import FloatArray, kernel
+from multisrt.geometry.safe_region import CONTACT_TOLERANCE_M, LocalSafeRegion
+from multisrt.geometry.visibility import visibility_polygon
+from multisrt.planners.motion.body import PlanningBody
+from multisrt.planners.motion.kinematics import Kinematics
+from multisrt.planners.motion.steering import reach
+
+FAN = 72
+"""Directions in which the approach looks for a place, besides those to the frontier itself."""
+
+INWARD_M = 1e-4
+"""How far inside the known region a frontier arc is looked at from."""
+
+
+class SrtOptions(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Parameters of an SRT explorer; the paper's own where it names them.
+
+    Attributes
+    ----------
+    alpha : float
+        A candidate lies at this share of the distance to the region's boundary (paper: alpha).
+    max_draws : int
+        How many candidates are drawn at a node before it is given up (paper: I_max).
+    d_min_m : float or None
+        Least distance of a candidate from every node; None: the body's width.
+    frontier_bias : bool
+        Draw towards the local frontier (Multi-SRT); False: uniform directions, candidates in
+        no other region (single-robot SRT).
+    gaps_count : bool
+        Whether radial pieces behind corners are frontier.
+    approach : bool
+        Use the second stage: the reachable place nearest to a frontier arc.
+    complete : bool
+        Use the third stage: look at every arc left from wherever it can be seen.
+    backtrack : {"parent", "nearest_open"}
+        With nothing to do at a node, go step by step to the parent, as the paper does, or over
+        the roadmap to the nearest node that has a frontier.
+    cones : int
+        How many cones a star has.
+    contact_tolerance_m : float
+        A star's or ball's arc is at an obstacle where a reading ends this close behind it.
+    margin_m : float
+        How far the body stays away from the border of what it knows.
+    completion_spacing : float
+        In the third stage, least distance from all nodes as a share of `d_min_m`.
+    """
+
+    alpha: float = 0.8
+    max_draws: int = 10
+    d_min_m: float | None = None
+    frontier_bias: bool = True
+    gaps_count: bool = True
+    approach: bool = True
+    complete: bool = True
+    backtrack: Literal["parent", "nearest_open"] = "parent"
+    cones: int = 16
+    contact_tolerance_m: float = CONTACT_TOLERANCE_M
+    margin_m: float = 0.02
+    completion_spacing: float = 0.5
+
+    def __post_init__(self) -> None:
+        for name, ok, allowed in (
+            ("alpha", 0.0 < self.alpha <= 1.0, "above 0 and at most 1"),
+            ("max_draws", self.max_draws >= 1, "at least 1"),
+            ("d_min_m", self.d_min_m is None or 0.0 < self.d_min_m < math.inf, "positive"),
+            ("cones", self.cones >= 3, "at least 3"),
+            ("contact_tolerance_m", 0.0 <= self.contact_tolerance_m < math.inf, "0 or more"),
+            ("margin_m", 0.0 <= self.margin_m < math.inf, "0 or more"),
+            ("completion_spacing", 0.0 < self.completion_spacing < math.inf, "positive"),
+        ):
+            if not ok:
+                raise InvalidInputError(f"{name} is {getattr(self, name)}; it must be {allowed}")
+
+
+@dataclass(slots=True)
+class Draws:
+    """How many candidates were drawn at a node, and why they were refused."""
+
+    drawn: int = 0
+    refused: dict[str, int] = field(default_factory=dict)
+
+    def refuse(self, reason: str) -> None:
+        """Count a candidate that was refused."""
+        self.refused[reason] = self.refused.get(reason, 0) + 1
+
+
+class SrtPlanner:
+    """Chooses the next place of one robot from its current region and frontier.
+
+    Parameters
+    ----------
+    body, kinematics
+        What moves, and how.
+    options : SrtOptions
+        The parameters.
+    d_min_m : float
+        Least distance of a candidate from every node.
+    """
+
+    def __init__(
+        self, body: PlanningBody, kinematics: Kinematics, options: SrtOptions, d_min_m: float
+    ) -> None:
+        self.body = body
+        self.kinematics = kinematics
+        self.options = options
+        self.d_min_m = d_min_m
+
+    def draw(
+        self,
+        at: Configuration,
+        region: LocalSafeRegion,
+        frontier: FloatArray,
+        others: FloatArray,
+        other_regions: list[LocalSafeRegion],
+        rng: Generator,
+    ) -> tuple[tuple[float, float] | None, Draws]:
+        """Stage 1: draw candidates until one is accepted.
+
+        Parameters
+        ----------
+        at : Configuration
+            Where the robot stands.
+        region : LocalSafeRegion
+            What it sees from there.
+        frontier : (m, 4) array
+            The local frontier.
+        others : (n, 2) array
+            The places of all nodes near by.
+        other_regions : list of LocalSafeRegion
+            Their regions, where candidates must lie in none of them (`frontier_bias=False`).
+        rng : numpy.random.Generator
+            The robot's own stream.
+
+        Returns
+        -------
+        place : (x, y) or None
+            The candidate accepted.
+        draws : Draws
+            What was drawn and refused.
+        """
+        draws = Draws()
+        biased = self.options.frontier_bias
+        if biased and not len(frontier):
+            return None, draws
+        lengths = np.hypot(frontier[:, 2] - frontier[:, 0], frontier[:, 3] - frontier[:, 1])
+        along = np.cumsum(lengths)
+        for _ in range(self.options.max_draws):
+            draws.drawn += 1
+            if biased:
+                # A point of the frontier, uniform over its length: an arc with probability
+                # proportional to its length, and a point on it uniformly.
+                position = rng.random() * along[-1]
+                k = min(int(np.searchsorted(along, position, side="right")), len(along) - 1)
+                t = 1.0 - (along[k] - position) / lengths[k]
+                px = frontier[k, 0] + t * (frontier[k, 2] - frontier[k, 0])
+                py = frontier[k, 1] + t * (frontier[k, 3] - frontier[k, 1])
+                direction = math.atan2(py - at.y, px - at.x)
+            else:
+                direction = rng.random() * 2.0 * math.pi
+            ux, uy = math.cos(direction), math.sin(direction)
+            rho = distance_to_boundary(region.boundary, at.x, at.y, ux, uy)
+            wanted = self.options.alpha * rho
+            distance = (
+                reach(self.body, self.kinematics, region.boundary, at, direction, wanted)
+                if wanted >= self.d_min_m
+                else 0.0
+            )
+            x, y = at.x + distance * ux, at.y + distance * uy
+            if distance < self.d_min_m:
+                draws.refuse("no room")
+            elif nearest_point(others, x, y) < self.d_min_m:
+                draws.refuse("near a node")
+            elif not biased and any(inside(other.boundary, x, y) for other in other_regions):
+                draws.refuse("in another region")
+            else:
+                return (x, y), draws
+        return None, draws
+
+    def approach(
+        self,
+        at: Configuration,
+        region: LocalSafeRegion,
+        arcs: list[FloatArray],
+        others: FloatArray,
+    ) -> tuple[float, float] | None:
+        """Stage 2: the place straight from here that lies nearest to a frontier arc.
+
+        It is taken if it lies clearly nearer to its arc than the robot does, by half of
+        `d_min_m`, and `d_min_m` from every node.
+        """
+        if not arcs:
+            return None
+        ends = np.vstack([(arc[0, :2], arc[-1, 2:], arc[len(arc) // 2, :2]) for arc in arcs])
+        directions = np.concatenate(
+            [
+                np.arange(FAN) * (2.0 * math.pi / FAN),
+                np.arctan2(ends[:, 1] - at.y, ends[:, 0] - at.x),
+            ]
+        )
+        places: list[FloatArray] = []
+        step = self.d_min_m / 4.0
+        for direction in directions.tolist():
+            limit = reach(
+                self.body, self.kinematics, region.boundary, at, direction, region.range_m
+            )
+            if limit < self.d_min_m:
+                continue
+            distances = np.append(np.arange(self.d_min_m, limit, step), limit)
+            unit = np.array([math.cos(direction), math.sin(direction)])
+            places.append((at.x, at.y) + distances[:, None] * unit)
+        if not places:
+            return None
+        candidates = np.vstack(places)
+        candidates = candidates[nearest_points(others, candidates) >= self.d_min_m]
+        if not len(candidates):
+            return None
+        here = np.array([[at.x, at.y]])
+        best, best_distance = None, math.inf
+        for arc in arcs:
+            distances = distance_to_segments(candidates, arc)
+            k = int(distances.argmin())
+            clearly = distance_to_segments(here, arc)[0] - 0.5 * self.d_min_m
+            if distances[k] < min(clearly, best_distance):
+                best, best_distance = candidates[k], float(distances[k])
+        return None if best is None else (float(best[0]), float(best[1]))
+
+    def viewing_place(
+        self,
+        arc: FloatArray,
+        known: shapely.Geometry,
+        range_m: float,
+        nodes: FloatArray,
+    ) -> tuple[tuple[float, float], int] | str:
+        """Stage 3: a place in the known region from which the body can see a frontier arc.
+
+        Parameters
+        ----------
+        arc : (k, 4) array
+            The arc's segments.
+        known : shapely geometry
+            The union of all known regions around the arc.
+        range_m : float
+            How far the robot sees.
+        nodes : (n, 2) array
+            The places of all nodes near by.
+
+        Returns
+        -------
+        ((x, y), k)
+            The place, and the node from which a straight way leads there; or
+        str
+            Why there is none: `too narrow`, `not reachable` or `seen from near`.
+        """
+        x, y, left_x, left_y = _middle(arc)
+        radius = self.body.roomy_radius_m
+        # Regions that meet along a line leave cracks of rounding between them.
+        room = known.buffer(INWARD_M / 2).buffer(-radius - INWARD_M / 2)
+        view = _view(known, x + left_x * INWARD_M, y + left_y * INWARD_M, range_m)
+        if view is None or room.is_empty:
+            return "too narrow"
+        places = _lattice(x, y, range_m, self.d_min_m / 4.0)
+        shapely.prepare(room)
+        shapely.prepare(view)
+        places = places[shapely.contains_xy(view, places)]
+        places = places[shapely.contains_xy(room, places)]
+        if not len(places):
+            return "too narrow"
+        nodes_room = np.flatnonzero(shapely.contains_xy(room, nodes))
+        unseen = nearest_points(nodes, places) >= self.options.completion_spacing * self.d_min_m
+        reason = "seen from near"
+        for place in places[unseen]:
+            offsets = np.hypot(*(nodes[nodes_room] - place).T)
+            for k in nodes_room[np.argsort(offsets, kind="stable")][:12]:
+                if shapely.contains_properly(room, shapely.LineString([nodes[k], place])):
+                    return (float(place[0]), float(place[1])), int(k)
+            reason = "not reachable"
+        return reason
+
+
+def _middle(arc: FloatArray) -> tuple[float, float, float, float]:
+    # The arc's middle, and the unit vector into its region there.
+    lengths = np.hypot(arc[:, 2] - arc[:, 0], arc[:, 3] - arc[:, 1])
+    position = 0.5 * total_length(arc)
+    along = np.cumsum(lengths)
+    k = min(int(np.searchsorted(along, position)), len(arc) - 1)
+    t = 1.0 - (along[k] - position) / lengths[k]
+    dx, dy = arc[k, 2] - arc[k, 0], arc[k, 3] - arc[k, 1]
+    x, y = arc[k, 0] + t * dx, arc[k, 1] + t * dy
+    return float(x), float(y), float(-dy / lengths[k]), float(dx / lengths[k])
+
+
+def _view(known: shapely.Geometry, x: float, y: float, range_m: float) -> shapely.Polygon | None:
+    # What of the known region can be seen from a place in it, and so sees that place.
+    for part in shapely.get_parts(known):
+        if part.geom_type == "Polygon" and shapely.contains_xy(part, x, y):
+            part = shapely.orient_polygons(part)
+            rings = [np.asarray(ring.coords) for ring in (part.exterior, *part.interiors)]
+            edges = np.vstack([np.hstack([ring[:-1], ring[1:]]) for ring in rings])
+            try:
+                boundary, _ = visibility_polygon(EdgeIndex(edges, range_m / 3.0), x, y, range_m)
+            except ClearanceError:
+                return None
+            return shapely.Polygon(boundary)
+    return None
+
+
+def _lattice(x: float, y: float, radius: float, step: float) -> FloatArray:
+    # Points around a place, the nearest first.
+    n = math.ceil(radius / step)
+    offsets = np.arange(-n, n + 1) * step
+    points = np.stack(np.meshgrid(offsets, offsets), axis=-1).reshape(-1, 2)
+    distances = np.hypot(points[:, 0], points[:, 1])
+    order = np.argsort(distances, kind="stable")
+    order = order[distances[order] <= radius]
+    result: FloatArray = points[order] + (x, y)
+    return result
+
+
+@kernel
+def distance_to_boundary(boundary: FloatArray, x: float, y: float, ux: float, uy: float) -> float:
+    """Distance from a point to the first crossing of a boundary in a direction."""
+    n = boundary.shape[0]
+    nearest = np.inf
+    px, py = boundary[n - 1, 0] - x, boundary[n - 1, 1] - y
+    side_p = ux * py - uy * px
+    for i in range(n):
+        qx, qy = boundary[i, 0] - x, boundary[i, 1] - y
+        side_q = ux * qy - uy * qx
+        if (side_p > 0.0) != (side_q > 0.0):
+            fraction = side_p / (side_p - side_q)
+            t = ux * (px + fraction * (qx - px)) + uy * (py + fraction * (qy - py))
+            if 0.0 <= t < nearest:
+                nearest = t
+        px, py, side_p = qx, qy, side_q
+    return nearest
+
+
+@kernel
+def inside(boundary: FloatArray, x: float, y: float) -> bool:
+    """Whether a point lies inside a polygon, by the even-odd rule."""
+    n = boundary.shape[0]
+    odd = False
+    j = n - 1
+    for i in range(n):
+        if (boundary[i, 1] > y) != (boundary[j, 1] > y):
+            slope = (boundary[j, 0] - boundary[i, 0]) / (boundary[j, 1] - boundary[i, 1])
+            if x < boundary[i, 0] + (y - boundary[i, 1]) * slope:
+                odd = not odd
+        j = i
+    return odd
+
+
+@kernel
+def nearest_point(points: FloatArray, x: float, y: float) -> float:
+    """Distance from a place to the nearest of some points; ``inf`` if there are none."""
+    nearest = np.inf
+    for i in range(points.shape[0]):
+        nearest = min(nearest, (points[i, 0] - x) ** 2 + (points[i, 1] - y) ** 2)
+    return np.sqrt(nearest)
+
+
+@kernel
+def nearest_points(points: FloatArray, places: FloatArray) -> FloatArray:
+    """Distance from every place to the nearest of some points."""
+    result = np.empty(places.shape[0])
+    for i in range(places.shape[0]):
+        result[i] = nearest_point(points, places[i, 0], places[i, 1])
+    return result
+
+
+@kernel
+def distance_to_segments(places: FloatArray, segments: FloatArray) -> FloatArray:
+    """Distance from every place to the nearest of some segments."""
+    result = np.full(places.shape[0], np.inf)
+    for k in range(segments.shape[0]):
+        ax, ay = segments[k, 0], segments[k, 1]
+        dx, dy = segments[k, 2] - ax, segments[k, 3] - ay
+        length2 = dx * dx + dy * dy
+        for i in range(places.shape[0]):
+            px, py = places[i, 0] - ax, places[i, 1] - ay
+            t = 0.0
+            if length2 > 0.0:
+                t = min(1.0, max(0.0, (px * dx + py * dy) / length2))
+            distance = np.hypot(px - t * dx, py - t * dy)
+            result[i] = min(result[i], distance)
+    return result

@@ -1,0 +1,28 @@
+"""What all tests share."""
+
+import importlib.util
+import sys
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+from hypothesis import settings
+
+# The same examples in every run, and no clock: tests fail for what the code does.
+settings.register_profile("repeatable", derandomize=True, deadline=None, database=None)
+settings.load_profile("repeatable")
+
+
+@pytest.fixture(scope="session")
+def worlds() -> ModuleType:
+    """The worlds of tests/geometry/worlds.py, which no import path reaches in importlib mode."""
+    name = "multisrt_test_worlds"
+    if name not in sys.modules:
+        path = Path(__file__).parent / "geometry" / "worlds.py"
+        spec = importlib.util.spec_from_file_location(name, path)
+        assert spec is not None
+        assert spec.loader is not None
+        module = importlib.util.module_from_spec(spec)
+        sys.modules[name] = module
+        spec.loader.exec_module(module)
+    return sys.modules[name]

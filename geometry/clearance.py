@@ -1,7 +1,7 @@
 """How far a body may move inside a region that is known to be free.
 
 The kernels a planner asks about the region around a robot. The region is a closed ring
-``(m, 2)`` of corners, counter-clockwise, the first not repeated, the region on its left; the
+``(m, 2)`` of corners, counter-clockwise, the first repeated at the end or not; the
 body starts inside it. All lengths are in metres, headings in radians. Arrays are float64.
 
 Touching is allowed, and so is sliding along the boundary: bodies and boundary may overlap by
@@ -255,31 +255,28 @@ def pose_is_inside(
     """
     if not (math.isfinite(x) and math.isfinite(y) and math.isfinite(heading)):
         return False
+    # The body is made smaller by the tolerance. Touching edges and corners, the rule rather than
+    # the exception where walls and bodies follow a grid, are then clearly apart or clearly
+    # crossed, and a body whose outline does not cross a ring is inside it or outside as a whole.
     corners = body.shape[0]
-    c, s = math.cos(heading), math.sin(heading)
+    outline = _shrunk_outline(body, heading)
     reach = _reach(body)
-    # The boundary is looked at in the body's frame.
-    bx, by = boundary[-1, 0] - x, boundary[-1, 1] - y
-    bx, by = bx * c + by * s, by * c - bx * s
+    inside = False
+    px, py = outline[-1, 0], outline[-1, 1]
+    ax, ay = boundary[-1, 0] - x, boundary[-1, 1] - y
     for j in range(boundary.shape[0]):
-        ax, ay = bx, by
         bx, by = boundary[j, 0] - x, boundary[j, 1] - y
-        bx, by = bx * c + by * s, by * c - bx * s
+        if (ay > py) != (by > py) and px < ax + (bx - ax) * (py - ay) / (by - ay):
+            inside = not inside
         if _squared_distance(ax, ay, bx, by) < reach * reach:
-            vx, vy = body[-1, 0], body[-1, 1]
+            vx, vy = px, py
             for i in range(corners):
                 ux, uy = vx, vy
-                vx, vy = body[i, 0], body[i, 1]
+                vx, vy = outline[i, 0], outline[i, 1]
                 if _cross_each_other(ax, ay, bx, by, ux, uy, vx, vy):
                     return False
-            if _holds(body, bx, by) and disc_clearance(body, bx, by) > TOLERANCE_M:
-                return False
-    for i in range(corners):
-        px = x + body[i, 0] * c - body[i, 1] * s
-        py = y + body[i, 0] * s + body[i, 1] * c
-        if not _holds(boundary, px, py) and not disc_clearance(boundary, px, py) <= TOLERANCE_M:
-            return False
-    return True
+        ax, ay = bx, by
+    return inside
 
 
 @kernel
@@ -306,34 +303,46 @@ def _reach(body: FloatArray) -> float:
 
 
 @kernel
-def _holds(ring: FloatArray, x: float, y: float) -> bool:
-    """Whether a point is inside a ring, by the even-odd rule; on the ring it may be either."""
-    inside = False
-    ax, ay = ring[-1, 0], ring[-1, 1]
-    for j in range(ring.shape[0]):
-        bx, by = ring[j, 0], ring[j, 1]
-        if (ay > y) != (by > y) and x < ax + (bx - ax) * (y - ay) / (by - ay):
-            inside = not inside
-        ax, ay = bx, by
-    return inside
+def _shrunk_outline(body: FloatArray, heading: float) -> FloatArray:
+    """Turn a body by its heading and move its edges inwards by the tolerance."""
+    corners = body.shape[0]
+    c, s = math.cos(heading), math.sin(heading)
+    outline = np.empty((corners, 2))
+    ux, uy = body[-1, 0], body[-1, 1]
+    ex, ey = _direction(ux - body[-2, 0], uy - body[-2, 1])
+    for i in range(corners):
+        vx, vy = body[i, 0], body[i, 1]
+        fx, fy = _direction(vx - ux, vy - uy)
+        # Corner u, between edges e and f, goes to where their lines meet when moved inwards.
+        shift = TOLERANCE_M / max(1.0 + ex * fx + ey * fy, 1e-6)
+        wx, wy = ux - shift * (ey + fy), uy + shift * (ex + fx)
+        outline[i - 1, 0] = c * wx - s * wy
+        outline[i - 1, 1] = s * wx + c * wy
+        ux, uy, ex, ey = vx, vy, fx, fy
+    return outline
+
+
+@kernel
+def _direction(x: float, y: float) -> tuple[float, float]:
+    """Give the unit vector along a vector; of no length, where that has none."""
+    length = math.hypot(x, y)
+    if length == 0.0:
+        return 0.0, 0.0
+    return x / length, y / length
 
 
 @kernel
 def _cross_each_other(
     ax: float, ay: float, bx: float, by: float, ux: float, uy: float, vx: float, vy: float
 ) -> bool:
-    """Whether segments a-b and u-v cross, each end deeper than the tolerance past the other."""
+    """Whether segments a-b and u-v cross; of each, one end belongs to it."""
     ex, ey = bx - ax, by - ay
-    margin = TOLERANCE_M * math.hypot(ex, ey)
-    side_u = ex * (uy - ay) - ey * (ux - ax)
-    side_v = ex * (vy - ay) - ey * (vx - ax)
-    if not ((side_u > margin and side_v < -margin) or (side_u < -margin and side_v > margin)):
+    u_is_left = ex * (uy - ay) - ey * (ux - ax) > 0.0
+    v_is_left = ex * (vy - ay) - ey * (vx - ax) > 0.0
+    if u_is_left == v_is_left:
         return False
     ex, ey = vx - ux, vy - uy
-    margin = TOLERANCE_M * math.hypot(ex, ey)
-    side_a = ex * (ay - uy) - ey * (ax - ux)
-    side_b = ex * (by - uy) - ey * (bx - ux)
-    return (side_a > margin and side_b < -margin) or (side_a < -margin and side_b > margin)
+    return (ex * (ay - uy) - ey * (ax - ux) > 0.0) != (ex * (by - uy) - ey * (bx - ux) > 0.0)
 
 
 @kernel

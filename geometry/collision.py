@@ -161,11 +161,11 @@ class CollisionWorld:
         first, last = checked_configuration(start), checked_configuration(end)
         footprint = body.footprint
         require_constant_heading(footprint, first, last)
-        if not (self._pose_is_free(body, first) and self._pose_is_free(body, last)):
+        if not self._within_frame(first):
             return False
         step = np.array([last[0] - first[0], last[1] - first[1]])
         if not step.any():
-            return True
+            return self._pose_is_free(body, first)
         if footprint.is_disc:
             # A disc sweeps whatever is nearer than its radius to the way of its centre.
             way = fcl.CollisionObject(_upright_sheet(first, last))
@@ -395,6 +395,7 @@ def _motion(
             f"{last.heading:g}; give the signed angle between them, or leave it out for the "
             "shorter way"
         )
+    turn = float(turn)
     dx, dy = last[0] - first[0], last[1] - first[1]
     chord = math.hypot(dx, dy)
     if not arc or chord == 0.0 or abs(turn) < 1e-9:

@@ -94,8 +94,10 @@ class Scratch:
 def _bin_edges(
     edges: FloatArray, x0: float, y0: float, cell: float, columns: int, rows: int
 ) -> tuple[IntArray, IntArray]:
-    # Compressed rows: items[starts[k]:starts[k + 1]] are the edges that touch cell k. Two
-    # passes over the edges, one to count and one to fill.
+    # Compressed rows: items[starts[k]:starts[k + 1]] are the edges that touch cell k, which
+    # has its whole border, and a hair more for rounding: what passes exactly through a cell's
+    # corner may be looked up in any cell around it. Two passes, one to count and one to fill.
+    margin = 1e-6 * cell
     counts = np.zeros(columns * rows + 1, np.int64)
     items = np.empty(0, np.int64)
     fill = np.empty(0, np.int64)
@@ -111,12 +113,12 @@ def _bin_edges(
         for e in range(edges.shape[0]):
             ax, ay, bx, by = edges[e, 0], edges[e, 1], edges[e, 2], edges[e, 3]
             dx, dy = bx - ax, by - ay
-            first_column = max(0, int((min(ax, bx) - x0) / cell))
-            last_column = min(columns - 1, int((max(ax, bx) - x0) / cell))
-            first_row = max(0, int((min(ay, by) - y0) / cell))
-            last_row = min(rows - 1, int((max(ay, by) - y0) / cell))
-            # Separating axis along the edge's normal, widened by rounding.
-            reach = (abs(dx) + abs(dy)) * cell * 0.5000001 + 1e-12
+            first_column = int(max(0.0, (min(ax, bx) - x0 - margin) / cell))
+            last_column = int(min(columns - 1.0, (max(ax, bx) - x0 + margin) / cell))
+            first_row = int(max(0.0, (min(ay, by) - y0 - margin) / cell))
+            last_row = int(min(rows - 1.0, (max(ay, by) - y0 + margin) / cell))
+            # Separating axis along the edge's normal.
+            reach = (abs(dx) + abs(dy)) * (0.5 * cell + margin)
             for i in range(first_column, last_column + 1):
                 for j in range(first_row, last_row + 1):
                     cx, cy = x0 + (i + 0.5) * cell, y0 + (j + 0.5) * cell

@@ -21,8 +21,15 @@ Two regions that end at one line would otherwise take it from each other: the li
 boundary of both, and shapely's difference deletes it although nobody has seen behind it.
 """
 
-SHORTEST_M: Final = 1e-7
-"""Shorter remains of a segment are rounding."""
+ROUNDING_M: Final = 1e-7
+"""Shorter segments are rounding."""
+
+SHORTEST_CUT_M: Final = 1e-4
+"""Shorter remains of a segment that was cut are dropped.
+
+Where a segment meets a wall at a flat angle, its shifted double enters the wall before its end;
+nobody will ever see that last bit.
+"""
 
 JOINED_M: Final = 1e-6
 """Segments are of one arc where one begins within this of the other's end."""
@@ -92,7 +99,7 @@ def uncovered(
     for i in range(segments.shape[0]):
         x0, y0, x1, y1 = segments[i, 0], segments[i, 1], segments[i, 2], segments[i, 3]
         length = np.hypot(x1 - x0, y1 - y0)
-        if length <= SHORTEST_M:
+        if length <= ROUNDING_M:
             continue
         ux, uy = (x1 - x0) / length, (y1 - y0) / length
         ox, oy = x0 + uy * OUTWARD_M, y0 - ux * OUTWARD_M
@@ -145,7 +152,7 @@ def uncovered(
         begin = 0.0
         for z in range(covered + 1):
             end = low[z] if z < covered else length
-            if end - begin > SHORTEST_M:
+            if end - begin > SHORTEST_CUT_M or end - begin == length:
                 if kept == capacity:
                     capacity *= 2
                     more, more_source = np.empty((capacity, 4)), np.empty(capacity, np.int64)

@@ -23,3 +23,11 @@ def kernel(function: Callable[P, R]) -> Callable[P, R]:
     """Compile a function on first use, keeping its types for readers and checkers."""
     compiled: Callable[P, R] = numba.njit(cache=True, nogil=True, fastmath=False)(function)
     return compiled
+
+
+def inlined_kernel(function: Callable[P, R]) -> Callable[P, R]:
+    """Compile a small kernel into each kernel that calls it, where a call would dominate."""
+    compiled: Callable[P, R] = numba.njit(
+        cache=True, nogil=True, fastmath=False, inline="always"
+    )(function)
+    return compiled

@@ -151,9 +151,10 @@ def _boundary_from_beams(scan: LaserScan) -> tuple[FloatArray, TagArray]:
         jump = np.abs(following - distance)
         return jump <= np.minimum(distance, following) * spacing / math.tan(GRAZING_ANGLE_RAD)
 
-    following_hit = np.roll(hit, -1)
-    same = one_surface(reading) & one_surface(nearest) & (hit == following_hit)
-    tags = np.where(same, np.where(hit, OBSTACLE, RANGE), GAP).astype(np.int8)
+    surface = hit & np.roll(hit, -1) & one_surface(reading) & one_surface(nearest)
+    at_range = nearest == scan.range_m
+    open_end = at_range & np.roll(at_range, -1)
+    tags = np.where(surface, OBSTACLE, np.where(open_end, RANGE, GAP)).astype(np.int8)
     return boundary, tags
 
 
@@ -168,16 +169,18 @@ def _cut_at_smallest_readings(
     parts: int,
     contact_tolerance: float,
 ) -> tuple[FloatArray, TagArray]:
-    # 1. The smallest reading in every part of every cone; a part is one chord of the result.
+    # 1. The smallest reading in every part of every cone, and the smallest at a surface; a part
+    #    is one chord of the result.
     n = cones * parts
     width = 2.0 * np.pi / n
-    smallest = np.full(n, reach)
+    smallest, contact = np.full(n, reach), np.full(n, np.inf)
     corners = boundary.shape[0]
     for i in range(corners):
         j = i + 1 if i + 1 < corners else 0
         ax, ay = boundary[i, 0] - x, boundary[i, 1] - y
         bx, by = boundary[j, 0] - x, boundary[j, 1] - y
-        if tags[i] == RANGE and min(np.hypot(ax, ay), np.hypot(bx, by)) > reach - 1e-6:
+        near_end = min(np.hypot(ax, ay), np.hypot(bx, by))
+        if tags[i] == RANGE and near_end > reach - 1e-6:
             continue
         if ax * by - ay * bx < 0.0:
             ax, ay, bx, by = bx, by, ax, ay
@@ -199,6 +202,9 @@ def _cut_at_smallest_readings(
             distance = np.hypot(ax + t * dx, ay + t * dy)
             k = part % n
             smallest[k] = min(smallest[k], distance)
+            # Of a gap only the near end is a surface: the corner that hides what is behind.
+            if tags[i] == OBSTACLE or (tags[i] == GAP and distance < near_end + 1e-9):
+                contact[k] = min(contact[k], distance)
 
     # 2. Every cone ends at its smallest reading; radial sides join cones of different depth.
     result = np.empty((n + cones + 1, 2))
@@ -211,7 +217,7 @@ def _cut_at_smallest_readings(
         depth = reach
         for k in range(cone * parts, (cone + 1) * parts):
             depth = min(depth, smallest[k])
-        if previous != depth and cones > 1:
+        if abs(previous - depth) > 1e-9:
             theta = cone * parts * width
             result[count, 0], result[count, 1] = (
                 x + previous * np.cos(theta),
@@ -224,7 +230,7 @@ def _cut_at_smallest_readings(
             result[count, 0], result[count, 1] = x + depth * np.cos(theta), y + depth * np.sin(theta)
             if depth == reach:
                 result_tags[count] = RANGE
-            elif smallest[k] - depth <= contact_tolerance:
+            elif contact[k] - depth <= contact_tolerance:
                 result_tags[count] = OBSTACLE
             else:
                 result_tags[count] = CUT

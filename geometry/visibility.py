@@ -390,7 +390,8 @@ def _sweep(
                 if distance < nearest_distance:
                     nearest_distance, nearest = distance, s
         now = -1 if nearest < 0 else source[nearest]
-        if piece == -3 or now != piece:
+        starts_here = piece == -3 or now != piece
+        if starts_here:
             px, py = _end_point(segments, angles, nearest, angle, ux, uy, radius)
             if piece != -3:
                 lx, ly = _end_point(segments, angles, piece_segment, angle, ux, uy, radius)
@@ -404,19 +405,22 @@ def _sweep(
             piece = now
         piece_segment = nearest
         if nearest < 0:
-            # Corners of the arc lie on one lattice of directions, whatever the interval.
+            # Corners of the arc lie on one lattice of directions, whatever the interval; one
+            # on the border of two intervals belongs to the second.
             first, last = np.arctan2(uy, ux), np.arctan2(vy, vx)
             if first < 0.0:
                 first += 2.0 * np.pi
             if last <= 0.0:
                 last += 2.0 * np.pi
-            for i in range(int(np.floor(first / step)) + 1, int(np.ceil(last / step))):
+            end = int(np.ceil(last / step - 1e-9))
+            for i in range(int(np.ceil(first / step - 1e-9)), end):
                 theta = i * step
-                if first + 1e-9 < theta < last - 1e-9:
-                    boundary[corners, 0] = x + radius * np.cos(theta)
-                    boundary[corners, 1] = y + radius * np.sin(theta)
-                    tags[corners] = RANGE
-                    corners += 1
+                if starts_here and theta - first <= 1e-9 * step:
+                    continue
+                boundary[corners, 0] = x + radius * np.cos(theta)
+                boundary[corners, 1] = y + radius * np.sin(theta)
+                tags[corners] = RANGE
+                corners += 1
         angle = until
 
     lx, ly = _end_point(segments, angles, piece_segment, 4.0, 1.0, 0.0, radius)

@@ -172,10 +172,12 @@ class ExplorationMap:
         inside = shapely.intersects_xy(polygons, x, y)
         return [node for node, holds in zip(near, inside, strict=True) if holds]
 
-    def local_union(self, x: float, y: float, radius_m: float) -> shapely.Geometry:
-        """Unite the regions of all nodes that reach into a disc."""
-        near = self.near(x, y, radius_m + self._reach)
-        return shapely.union_all([node.region.polygon() for node in near])
+    def local_union(self, x: float, y: float, half_width_m: float) -> shapely.Geometry:
+        """Unite the regions of all nodes inside a square window around a place."""
+        near = self.near(x, y, math.sqrt(2.0) * half_width_m + self._reach)
+        polygons = np.array([node.region.polygon() for node in near])
+        window = (x - half_width_m, y - half_width_m, x + half_width_m, y + half_width_m)
+        return shapely.union_all(shapely.clip_by_rect(polygons, *window))
 
     def region_union(self) -> shapely.Geometry:
         """Unite all regions, exactly. Costs more the larger the map is: not for the loop."""

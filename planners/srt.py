@@ -30,6 +30,13 @@ from multisrt.planners.motion.steering import reach
 FAN = 72
 """Directions in which the approach looks for a place, besides those to the frontier itself."""
 
+CLOSE_BY = 6.0
+"""Viewing places are first looked for within this many radii of the body."""
+
+ROUND_SEGMENTS = 4
+ROUND = math.cos(math.pi / (4 * ROUND_SEGMENTS))
+"""Chords for a quarter circle, and how near to its centre they come."""
+
 INWARD_M = 1e-4
 """How far inside the known region a frontier arc is looked at from."""
 
@@ -250,7 +257,7 @@ class SrtPlanner:
         self,
         arc: FloatArray,
         known: shapely.Geometry,
-        range_m: float,
+        within_m: float,
         nodes: FloatArray,
     ) -> tuple[tuple[float, float], int] | str:
         """Stage 3: a place in the known region from which the body can see a frontier arc.
@@ -260,9 +267,9 @@ class SrtPlanner:
         arc : (k, 4) array
             The arc's segments.
         known : shapely geometry
-            The union of all known regions around the arc.
-        range_m : float
-            How far the robot sees.
+            The union of all known regions around the arc, in a square window at least.
+        within_m : float
+            How far from the arc's middle to look; the window's half width.
         nodes : (n, 2) array
             The places of all nodes near by.
 
@@ -273,14 +280,15 @@ class SrtPlanner:
         str
             Why there is none: `too narrow`, `not reachable` or `seen from near`.
         """
-        x, y, left_x, left_y = _middle(arc)
+        x, y, left_x, left_y = arc_middle(arc)
         radius = self.body.roomy_radius_m
         # Regions that meet along a line leave cracks of rounding between them.
-        room = known.buffer(INWARD_M / 2).buffer(-radius - INWARD_M / 2)
-        view = _view(known, x + left_x * INWARD_M, y + left_y * INWARD_M, range_m)
+        closed = known.buffer(INWARD_M / 2, join_style="mitre")
+        room = closed.buffer(-radius / ROUND - INWARD_M / 2, quad_segs=ROUND_SEGMENTS)
+        view = _view(known, x + left_x * INWARD_M, y + left_y * INWARD_M, within_m)
         if view is None or room.is_empty:
             return "too narrow"
-        places = _lattice(x, y, range_m, self.d_min_m / 4.0)
+        places = _lattice(x, y, within_m, self.d_min_m / 4.0)
         shapely.prepare(room)
         shapely.prepare(view)
         places = places[shapely.contains_xy(view, places)]
@@ -299,8 +307,8 @@ class SrtPlanner:
         return reason
 
 
-def _middle(arc: FloatArray) -> tuple[float, float, float, float]:
-    # The arc's middle, and the unit vector into its region there.
+def arc_middle(arc: FloatArray) -> tuple[float, float, float, float]:
+    """Give the middle of an arc, and the unit vector into its region there."""
     lengths = np.hypot(arc[:, 2] - arc[:, 0], arc[:, 3] - arc[:, 1])
     position = 0.5 * total_length(arc)
     along = np.cumsum(lengths)

@@ -37,7 +37,9 @@ def polygons_from_grid(
         Side of a cell in metres.
     tolerance_cells : float
         How far a wall may move where it passes between two cells, in cells, in [0, 0.5).
-        With 0 every cell border is kept.
+        With 0 it passes through the middle of every cell border, so that only staircases of 45
+        degrees become straight. Walls and gaps of one cell keep at least
+        ``(1 - 2 * tolerance_cells) / sqrt(2)`` of a cell's width.
 
     Returns
     -------

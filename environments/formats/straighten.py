@@ -27,7 +27,9 @@ AREA_PRICE = 2.5
 """Vertices that a cell of misplaced area is worth; above 2, a single cell stays a square."""
 
 Cone = tuple[float, float, float, float]
-"""Directions from (x, y) counter-clockwise to (x, y)."""
+"""Directions from (x, y) counter-clockwise to (x, y), by at most half a turn."""
+
+EMPTY: Cone = (1.0, 0.0, 1.0, -1.0)
 
 
 @kernel
@@ -145,18 +147,19 @@ def _cheapest_polygon(
         if not from_middle and not is_middle[(source + 1) % n]:  # the other end of the cut
             j += 1
             _offer(i, j, start, places, swept, cost, came_from)
-        cone, went_x, went_y = (0.0, 0.0, 0.0, 0.0), 0, 0
+        cone = (0.0, 0.0, 0.0, 0.0)
+        is_first = True
         while j < n:
             head, tail = turns[run], turns[(run + 1) % runs]
             length = abs(tail[0] - head[0]) + abs(tail[1] - head[1])
             dx, dy = (tail[0] - head[0]) // length, (tail[1] - head[1]) // length
-            if dx * went_x < 0 or dy * went_y < 0:
-                break
-            if went_x == 0 and went_y == 0:
+            if is_first:
                 cone = (float(dy), float(-dx), float(-dy), float(dx))
             else:
                 cone = _narrowed(cone, dy, -dx, -dy, dx)
-            went_x, went_y = went_x + dx, went_y + dy
+                if _is_empty(cone):
+                    break
+            is_first = False
             if not from_middle:
                 cone = _through_window(cone, here, head, dx, dy, 0.5, tolerance)
                 if _is_empty(cone):
@@ -166,7 +169,8 @@ def _cheapest_polygon(
                     _offer(i, j, start, places, swept, cost, came_from)
                 if j == n:
                     break
-            # Offsets vary linearly along a run: its first and last window stand for all.
+            # Offsets vary linearly along a run: its first and last window stand for all. (The
+            # first window of a run that turns back is behind, which ends the search above.)
             if length > 1:
                 cone = _through_window(cone, here, head, dx, dy, length - 0.5, tolerance)
                 if _is_empty(cone):
@@ -225,6 +229,8 @@ def _narrowed(cone: Cone, ax: float, ay: float, bx: float, by: float) -> Cone:
     lo_x, lo_y, hi_x, hi_y = cone
     if _cross(lo_x, lo_y, ax, ay) > 0:
         lo_x, lo_y = float(ax), float(ay)
+        if _cross(lo_x, lo_y, hi_x, hi_y) < 0:
+            return EMPTY
     if _cross(bx, by, hi_x, hi_y) > 0:
         hi_x, hi_y = float(bx), float(by)
     return lo_x, lo_y, hi_x, hi_y
@@ -237,7 +243,7 @@ def _through_window(
     """Cut a cone at ``here`` to one window of the run that leaves ``head`` in direction d."""
     x, y = head[0] + along * dx - here[0], head[1] + along * dy - here[1]
     if x * dx + y * dy <= 0:  # the window is behind
-        return 1.0, 0.0, 1.0, -1.0
+        return EMPTY
     return _narrowed(
         cone, x + tolerance * dy, y - tolerance * dx, x - tolerance * dy, y + tolerance * dx
     )

@@ -56,13 +56,14 @@ def read_wkt(
 def _parsed(path: Path) -> BaseGeometry:
     text = read_text(path)
     signs = np.frombuffer(text.encode(), np.uint8)
-    depth = np.cumsum((signs == ord("(")).astype(np.int32) - (signs == ord(")")))
+    depth = np.cumsum((signs == ord("(")).astype(np.int8) - (signs == ord(")")), dtype=np.int32)
     if depth.max(initial=0) > MAX_DEPTH:
         raise MapFormatError(
             f"{path}: parentheses are nested more than {MAX_DEPTH} deep; flatten the collection"
         )
     try:
-        return shapely.force_2d(shapely.from_wkt(text))
+        with np.errstate(invalid="ignore"):  # not a number is refused where it stands
+            return shapely.force_2d(shapely.from_wkt(text))
     except (shapely.errors.ShapelyError, ValueError) as error:
         reason = (
             str(error).removeprefix("ParseException: ").removeprefix("IllegalArgumentException: ")

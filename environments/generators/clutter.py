@@ -104,9 +104,10 @@ def _scatter(
         else:
             if scale < 1 / 3:
                 raise InvalidInputError(
-                    f"clutter: obstacles cover {covered / size_m**2:.2g} of the field and no more "
-                    f"fit; give a cover below cover={area_m2 / size_m**2:g}, a smaller "
-                    f"passage_m than {passage_m:g} or a smaller obstacle_m than {obstacle_m:g}"
+                    f"clutter: cover={area_m2 / size_m**2:g} does not fit: obstacles cover "
+                    f"{covered / size_m**2:.2g} of the field and no more of them keep "
+                    f"passage_m={passage_m:g} apart; give a smaller cover, passage_m or "
+                    f"obstacle_m than {obstacle_m:g}"
                 )
             scale *= 0.8
             continue

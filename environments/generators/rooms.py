@@ -102,12 +102,8 @@ def _wall_lines(count: int, size_m: float, rng: np.random.Generator) -> FloatArr
 def _floor(x_walls: FloatArray, y_walls: FloatArray, cell: Cell) -> BaseGeometry:
     column, row = cell
     half = WALL_M / 2
-    return box(
-        x_walls[column] + half,
-        y_walls[row] + half,
-        x_walls[column + 1] - half,
-        y_walls[row + 1] - half,
-    )
+    (left, right), (low, high) = x_walls[column : column + 2], y_walls[row : row + 2]
+    return box(float(left) + half, float(low) + half, float(right) - half, float(high) - half)
 
 
 def _door(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Generator
 from dataclasses import dataclass
 from typing import Literal, cast
@@ -20,7 +21,7 @@ from multisrt.planners.motion.body import PlanningBody
 from multisrt.planners.motion.roadmap import Roadmap
 from multisrt.planners.motion.steering import steer, turn_and_drive
 from multisrt.planners.motion.trajectory import Trajectory
-from multisrt.planners.srt import SrtOptions, SrtPlanner
+from multisrt.planners.srt import CLOSE_BY, SrtOptions, SrtPlanner, arc_middle
 
 Steps = Generator[Action, Outcome, None]
 
@@ -270,14 +271,17 @@ class SrtExplorer:
     ) -> Generator[Action, Outcome, NewPlace | None]:
         # Stage 3 for one node: a place from which an arc of it can be seen, or the arc is closed.
         for arc in self.map.frontier_arcs(node):
-            x, y = (arc[len(arc) // 2, :2] + arc[len(arc) // 2, 2:]) / 2.0
-            near = self.map.near(x, y, 2.0 * self.me.range_m)
-            found = self.planner.viewing_place(
-                arc,
-                self.map.local_union(x, y, self.me.range_m),
-                self.me.range_m,
-                np.array([n.configuration[:2] for n in near]),
-            )
+            x, y, *_ = arc_middle(arc)
+            for within in self._windows():
+                near = self.map.near(x, y, math.sqrt(2.0) * within)
+                found = self.planner.viewing_place(
+                    arc,
+                    self.map.local_union(x, y, within),
+                    within,
+                    np.array([n.configuration[:2] for n in near]).reshape(-1, 2),
+                )
+                if not isinstance(found, str):
+                    break
             if not isinstance(found, str):
                 place, k = found
                 way = self.roadmap.way(here, near[k].id)
@@ -297,6 +301,14 @@ class SrtExplorer:
                 )
             )
         return None
+
+    def _windows(self) -> list[float]:
+        # How far around an arc to look for a place: close by first, which is cheap and mostly
+        # enough, at last as far as the robot sees.
+        windows = [CLOSE_BY * self.body.outer_radius_m]
+        while windows[-1] < self.me.range_m:
+            windows.append(2.0 * windows[-1])
+        return [min(within, self.me.range_m) for within in windows]
 
     def _hop(self, a: NodeId, b: NodeId) -> Trajectory:
         # Between nodes that are joined: by a way with room for any heading, or by the tree's own

@@ -150,6 +150,58 @@ def test_a_body_that_fits_its_region_edge_on_edge_is_inside_it():
     assert not pose_is_inside(notched, body, 0.5, 0.5, 0.0)
 
 
+def test_a_block_that_shares_all_its_lines_with_the_body_is_found():
+    # The block fills the left of the body from edge to edge: no corner of the one is inside the
+    # other, and no two edges cross.
+    block = np.array([(0, 0), (4, 0), (4, 3), (0, 3), (0, 2), (1, 2), (1, 1), (0, 1)], dtype=float)
+    body = Footprint.box(2.0, 1.0)
+    assert not pose_is_inside(block, body.vertices, 1.5, 1.5, 0.0)
+    assert travel_polygon(block, body, (1.5, 1.5, 0.0), 0.0, 1.0) == 0.0
+    assert pose_is_inside(block, body.vertices, 2.0, 1.5, 0.0)
+    assert travel_polygon(block, body, (2.0, 1.5, 0.0), 0.0, 5.0) == pytest.approx(1.0, abs=1e-9)
+
+
+def test_bodies_and_walls_on_one_grid_agree_with_shapely():
+    """Everything touches, passes and fits exactly, as in worlds read from occupancy grids."""
+    rng = np.random.default_rng(0)
+    moved = stopped = inside_count = 0
+    for _ in range(120):
+        blocks = [
+            shapely.box(x, y, x + w, y + h)
+            for x, y, w, h in np.column_stack(
+                [rng.integers(0, 60, (6, 2)), rng.integers(1, 12, (6, 2))]
+            )
+            / 10
+        ]
+        parts = shapely.get_parts(shapely.box(0, 0, 6, 6) - shapely.union_all(blocks))
+        largest = shapely.Polygon(max(parts, key=shapely.area).exterior)
+        if not largest.is_valid:
+            continue
+        boundary = shapely.get_coordinates(shapely.orient_polygons(largest))[:-1].copy()
+        touching, near = largest.buffer(2e-9, join_style="mitre"), largest.buffer(1e-7)
+        shapely.prepare([touching, near])
+        for _ in range(40):
+            body = BODIES[("box", "ell", "bend")[rng.integers(3)]]
+            x, y, limit = rng.integers(1, 60, 3) / 10
+            heading, direction = rng.integers(-4, 5, 2) * math.pi / (2, 4)
+            pose = (x, y, heading)
+            inside = touching.covers(body.placed(pose))
+            assert pose_is_inside(boundary, body.vertices, *pose) == inside
+            travel = travel_polygon(boundary, body, pose, direction, limit)
+            if not inside:
+                assert travel == 0.0
+                continue
+            inside_count += 1
+            ahead = np.array([math.cos(direction), math.sin(direction), 0.0])
+            assert near.covers(body.swept(pose, pose + travel * ahead))
+            if travel < limit:
+                stopped += 1
+                assert not touching.covers(body.placed(pose + (travel + 1e-5) * ahead))
+            moved += travel > 0.0
+    assert inside_count > moved > 400
+    assert stopped > 200
+
+
 @pytest.mark.parametrize("place", range(3))
 @pytest.mark.parametrize("value", [math.nan, math.inf])
 def test_numbers_that_are_not_finite_move_nothing(value, place):
@@ -261,7 +313,7 @@ def test_rotations_agree_with_sampling(name):
     body = BODIES[name]
     outline = np.vstack([body.vertices, body.vertices[:1]])
     answers = []
-    for _ in range(150):
+    for _ in range(100):
         boundary = rng.uniform(0.7, 1.4) * body.circumscribed_radius_m * region(rng, 40)
         inside = shapely.Polygon(boundary)
         x, y = rng.uniform(-0.4, 0.4, 2) * body.circumscribed_radius_m
@@ -280,4 +332,4 @@ def test_rotations_agree_with_sampling(name):
         elif shapely.covers(inside, places).all():
             # Only what happens between two samples escapes sampling.
             assert shapely.distance(places, inside.exterior).min() < 1e-3
-    assert 30 < sum(answers) < 120
+    assert 20 < sum(answers) < 80

@@ -82,7 +82,7 @@ def test_chords_lie_inside_the_arc_within_their_tolerance(worlds, name):
         coarse, tags = visibility_polygon(index, x, y, 4.0, arc_tolerance_m=0.05)
         fine, _ = visibility_polygon(index, x, y, 4.0, arc_tolerance_m=1e-6)
         assert Polygon(coarse).difference(Polygon(fine)).area < 1e-5
-        middles = (coarse + np.roll(coarse, -1, axis=0))[tags == RANGE] / 2
+        middles = ((coarse + np.roll(coarse, -1, axis=0)) / 2)[tags == RANGE]
         depth = 4.0 - np.hypot(*(middles - (x, y)).T)
         assert (depth > -1e-9).all()
         assert (depth < 0.05 + 1e-9).all()
@@ -109,8 +109,8 @@ def test_tags_say_why_the_view_ends(worlds, name):
                 assert radii[j] == pytest.approx(4.0, abs=1e-9)
             else:
                 # Radial, in free space, and its near end is the corner that hides.
-                cross = np.cross(boundary[i] - (x, y), following[i] - (x, y))
-                assert abs(cross) < 1e-8
+                (ax, ay), (bx, by) = boundary[i] - (x, y), following[i] - (x, y)
+                assert abs(ax * by - ay * bx) < 1e-8
                 near = boundary[i] if radii[i] < radii[j] else following[i]
                 assert free.boundary.distance(Point(near)) < 1e-9
                 assert free.buffer(1e-7).covers(sides[i])
@@ -124,6 +124,19 @@ def test_view_of_an_empty_hall_by_hand(worlds):
     boundary, tags = visibility_polygon(worlds.index(worlds.hall()), 5.0, 5.0, 4.0)
     assert (tags == RANGE).all()
     assert len(boundary) == arc_divisions(4.0, 0.01)
+
+
+@pytest.mark.parametrize("divisions", [8, 9, 10, 11, 12, 45])
+def test_a_whole_circle_has_all_its_corners(worlds, divisions):
+    # Among them those on the axes, where the sweep passes from one quadrant to the next.
+    tolerance = 4.0 * (1 - math.cos(math.pi / divisions)) * (1 + 1e-9)
+    boundary, _ = visibility_polygon(
+        worlds.index(worlds.hall()), 5.0, 5.0, 4.0, arc_tolerance_m=tolerance
+    )
+    angles = 2 * np.pi * np.arange(divisions) / divisions
+    assert boundary == pytest.approx(
+        5.0 + 4.0 * np.column_stack([np.cos(angles), np.sin(angles)]), abs=1e-12
+    )
 
 
 def test_view_past_a_pillar_by_hand(worlds):
@@ -291,9 +304,8 @@ def test_subdivided_walls_change_nothing(worlds):
     ],
 )
 def test_obstacles_that_touch_are_as_their_union(worlds, pair):
-    raw = np.vstack([worlds.edges(box(0, 0, 10, 10)), *(-worlds.edges(b) for b in pair)])
-    raw[4:] = np.vstack([worlds.edges(b)[:, [2, 3, 0, 1]] for b in pair])
-    index = EdgeIndex(raw, 1.3)
+    outward = [worlds.edges(obstacle)[:, [2, 3, 0, 1]] for obstacle in pair]
+    index = EdgeIndex(np.vstack([worlds.edges(worlds.hall()), *outward]), 1.3)
     clean = worlds.index(box(0, 0, 10, 10).difference(shapely.union_all(pair)))
     for x, y in ((2.0, 2.0), (2.0, 8.1), (5.5, 2.0), (8.0, 2.0), (3.0, 5.0), (9.0, 5.25)):
         a, _ = visibility_polygon(index, x, y, UNLIMITED)

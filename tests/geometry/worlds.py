@@ -1,6 +1,6 @@
 """Small worlds for tests: free space as shapely polygons, and what to ask of them.
 
-Rooms and offices have straight walls of 0.15 m with doors; clutter is irregular convex stones;
+Rooms and offices have straight walls with doors; clutter is irregular convex stones;
 crates are turned boxes, right-angled and well apart.
 """
 
@@ -13,8 +13,6 @@ from multisrt.geometry.edge_index import EdgeIndex
 
 Array = NDArray[np.float64]
 
-WALL_M = 0.15
-
 
 def hall() -> Polygon:
     """10 x 10 m, empty."""
@@ -26,16 +24,18 @@ def pillar() -> Polygon:
     return box(0, 0, 10, 10).difference(box(4, 4, 6, 6))
 
 
-def rooms(width: float = 18.0, count: int = 3, door: float = 1.5) -> Polygon:
+def rooms(
+    width: float = 18.0, count: int = 3, door: float = 1.5, wall: float = 0.15
+) -> Polygon:
     """Count x count empty rooms."""
-    walls = _walls(width, count, door, np.random.default_rng(0))
+    walls = _walls(width, count, door, wall, np.random.default_rng(0))
     return _free(width, walls)
 
 
 def office(width: float = 20.0, count: int = 4, desks: int = 2, seed: int = 1) -> Polygon:
     """Rooms with desks in them, one desk in four turned."""
     rng = np.random.default_rng(seed)
-    solid = _walls(width, count, 1.0, rng)
+    solid = _walls(width, count, 1.0, 0.15, rng)
     room = width / count
     for i in range(count):
         for j in range(count):
@@ -110,8 +110,10 @@ def disc(x: float, y: float, radius: float) -> Polygon:
     return Polygon(np.column_stack([x + radius * np.cos(angles), y + radius * np.sin(angles)]))
 
 
-def _walls(width: float, count: int, door: float, rng: np.random.Generator) -> list[Polygon]:
-    room, half = width / count, WALL_M / 2
+def _walls(
+    width: float, count: int, door: float, wall: float, rng: np.random.Generator
+) -> list[Polygon]:
+    room, half = width / count, wall / 2
     walls = []
     for i in range(1, count):
         for j in range(count):

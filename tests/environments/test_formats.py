@@ -1,0 +1,138 @@
+import shutil
+from pathlib import Path
+
+import pytest
+
+from multisrt.environments.formats import FORMATS, read_environment
+from multisrt.geometry.errors import MapFormatError
+
+MAPS = Path(__file__).resolve().parents[2].parent / "shared" / "maps"
+HAVE_MAPS = MAPS.is_dir()
+IN_METRES = (".yaml", ".yml", ".geojson", ".json", ".wkt", ".txt")
+
+UNREADABLE = {
+    "explore_bench/loop.yaml": "names the image square_loop.pgm, which is not in",
+    "explore_bench/room.yaml": "names the image room1_modified.pgm, which is not in",
+    "explore_bench/loop_with_corridor.yaml": "loop_with_corridor_sym.pgm, which is not in",
+    **dict.fromkeys(
+        (
+            "mresim/team_4robots_maze.txt",
+            "mresim/team_4robots_rooms.txt",
+            "mresim/team_8robots-rooms.txt",
+            "mresim/team_M1_L1_R8.txt",
+        ),
+        r"line 1 is .* a polygon map has the sections \[SCALE\]",
+    ),
+}
+
+
+def public_maps():
+    found = (p for p in sorted(MAPS.rglob("*")) if p.suffix.lower() in FORMATS)
+    return [path.relative_to(MAPS).as_posix() for path in found]
+
+
+def read_public(name, resolution_m=0.05):
+    path = MAPS / name
+    if path.suffix in IN_METRES:
+        return read_environment(path)
+    return read_environment(path, resolution_m=resolution_m)
+
+
+needs_maps = pytest.mark.skipif(not HAVE_MAPS, reason="the shared maps are not here")
+
+
+@needs_maps
+@pytest.mark.parametrize("name", public_maps() if HAVE_MAPS else [])
+def test_public_map_is_read_or_its_fault_is_named(name):
+    if name in UNREADABLE:
+        with pytest.raises(MapFormatError, match=UNREADABLE[name]):
+            read_public(name)
+        return
+    world = read_public(name)
+    assert world.name == Path(name).stem
+    assert world.origin.startswith(Path(name).name)
+    assert world.area_m2 > 0.5
+    assert world.free.is_valid
+
+
+@needs_maps
+def test_inside_of_outlined_blocks_is_another_component():
+    outlines = read_public("stage/cave.png", 0.032)
+    around = outlines.component(1, 1)
+    solid = read_public("stage/cave_filled.png", 0.032)
+    blocks = [part for part in outlines.free.geoms if not part.equals(around)]
+    assert len(blocks) == 7
+    # In the filled picture the blocks are solid, so what is free there is free around them.
+    assert all(solid.free.intersection(block).area < 0.05 * block.area for block in blocks)
+    assert around.equals(solid.component(1, 1))
+
+
+@needs_maps
+def test_unknown_is_not_free_without_a_yaml():
+    world = read_public("explore_bench/loop.pgm", 0.1)
+    assert world.area_m2 == pytest.approx(19041 * 0.01, rel=1e-3)
+    assert len(world.edges) == 10
+
+
+@needs_maps
+@pytest.mark.parametrize(
+    ("name", "free_pixels"),
+    [
+        ("ir2_dungeon/test_hybrid_1.png", 106875 + 625),
+        ("ir2_dungeon/train_easy_img_2.png", 68352 + 256),
+        ("nav2d/autolab_fill.png", 334090),
+        ("mresim/mine.png", 169277),
+        ("mresim/maze2.png", 175539 + 35071),
+    ],
+)
+def test_default_threshold_finds_the_free_pixels(name, free_pixels):
+    assert read_public(name, 1.0).area_m2 == pytest.approx(free_pixels, rel=2e-3)
+
+
+def test_unknown_suffix_lists_the_readable_ones(tmp_path):
+    path = tmp_path / "map.dxf"
+    path.write_text("0")
+    with pytest.raises(MapFormatError, match=r"'\.dxf'; readable are \.yaml, .*\.geojson.*\.wkt"):
+        read_environment(path)
+
+
+@pytest.mark.parametrize("suffix", FORMATS)
+def test_missing_folder_and_empty_file_are_named(tmp_path, suffix):
+    path = tmp_path / f"world{suffix}"
+    with pytest.raises(MapFormatError, match=f"world{suffix} does not exist"):
+        read_environment(path)
+    path.write_bytes(b"")
+    with pytest.raises(MapFormatError, match=f"world{suffix} is empty"):
+        read_environment(path)
+    path.unlink()
+    path.mkdir()
+    with pytest.raises(MapFormatError, match=f"world{suffix} is a folder"):
+        read_environment(path)
+
+
+@pytest.mark.parametrize("suffix", FORMATS)
+@pytest.mark.parametrize(
+    "content",
+    [b"\x00", b"\xff\xfe\xfa", b"{", b"[]", b"P5\n", b"\x89PNG\r\n\x1a\n", b"()" * 50, b"a: 1"],
+)
+def test_rubbish_gives_a_map_format_error(tmp_path, suffix, content):
+    path = tmp_path / f"world{suffix}"
+    path.write_bytes(content)
+    for resolution_m in (None, 1.0):
+        with pytest.raises(MapFormatError, match=f"world{suffix}"):
+            read_environment(path, resolution_m=resolution_m)
+
+
+def test_suffix_in_capitals_string_path_and_name(tmp_path):
+    path = tmp_path / "Hall.WKT"
+    path.write_text("POLYGON ((0 0, 4 0, 4 3, 0 3, 0 0))")
+    world = read_environment(str(path))
+    assert (world.name, world.area_m2, world.origin) == ("Hall", 12.0, "Hall.WKT")
+    assert read_environment(path, name="room").name == "room"
+
+
+@needs_maps
+def test_name_with_dots_keeps_them(tmp_path):
+    path = tmp_path / "lse-0.05.pgm"
+    shutil.copy(MAPS / "navigation_tutorials" / "lse_arena.pgm", path)
+    assert read_environment(path, resolution_m=0.05).name == "lse-0.05"

@@ -68,9 +68,10 @@ def distance_field(
     Notes
     -----
     Fast marching with one-sided differences of second order where the cells for them are known,
-    of first order elsewhere. Cost: O(n log n) for n cells reached. Against shortest paths
-    through a visibility graph the mean error in a world of rooms was 0.4 % with cells of 0.1 m
-    and 0.2 % with cells of 0.05 m; where nothing is in the way it is below 0.02 %.
+    of first order elsewhere. Cost: O(n log n) for n cells reached. Compared with the shortest
+    paths of a visibility graph in nine rooms with doors, distances are too long by 0.54 % in the
+    mean with cells of 0.1 m, 0.22 % with 0.05 m and 0.15 % with 0.025 m, which is lost where
+    paths turn around corners; where nothing is in the way the mean error is 0.03 %.
 
     Source: J. A. Sethian, Fast marching methods, SIAM Review 41 (1999), sections 3 and 5;
     differs in: exact values around a source.

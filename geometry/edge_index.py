@@ -34,6 +34,7 @@ class EdgeIndex:
         "columns",
         "edges",
         "free_winding",
+        "grid",
         "items",
         "rows",
         "scratch",
@@ -61,17 +62,14 @@ class EdgeIndex:
         self.starts, self.items = _bin_edges(
             edges, self.x0, self.y0, self.cell_m, self.columns, self.rows
         )
+        # As the kernels take them.
+        self.grid = (self.x0, self.y0, self.cell_m, self.columns, self.rows)
         self.scratch = Scratch(len(edges))
         # How often the edges wind around free space: once inside an outline, else not at all.
         twice_area = (edges[:, 0] - x0) * (edges[:, 3] - y0) - (edges[:, 2] - x0) * (
             edges[:, 1] - y0
         )
         self.free_winding = 1 if float(twice_area.sum()) > 0.0 else 0
-
-    @property
-    def grid(self) -> tuple[float, float, float, int, int]:
-        """x0, y0, cell width, columns and rows, as the kernels take them."""
-        return self.x0, self.y0, self.cell_m, self.columns, self.rows
 
 
 class Scratch:

@@ -31,6 +31,12 @@ Where a segment meets a wall at a flat angle, its shifted double enters the wall
 nobody will ever see that last bit.
 """
 
+SHORTEST_ARC_M: Final = 1e-3
+"""Shorter arcs come from regions that nearly touch."""
+
+ENDS_MEET_M: Final = 5e-3
+"""Arcs of different nodes meet where one ends within this of the other's begin."""
+
 JOINED_M: Final = 1e-6
 """Segments are of one arc where one begins within this of the other's end."""
 
@@ -223,6 +229,67 @@ def long_arcs(segments: FloatArray, shortest: float) -> FloatArray:
             result[kept] = segments[i]
             kept += 1
     return result[:kept].copy()
+
+
+@kernel
+def arc_ends(segments: FloatArray) -> FloatArray:
+    """Give the arcs of one node as ``(k, 5)``: x and y of begin and end, and the length.
+
+    Arcs are in the order of `arc_labels`.
+    """
+    labels, count = arc_labels(segments)
+    ends = np.zeros((count, 5))
+    begun = np.zeros(count, np.bool_)
+    n = segments.shape[0]
+    # An arc over the boundary's closing begins in its last run; that run is visited first.
+    first = 0
+    if count > 0:
+        while first < n and labels[n - 1 - first] == 0 and labels[0] == 0 and count > 1:
+            first += 1
+    for step in range(n):
+        i = (n - first + step) % n
+        k = labels[i]
+        if not begun[k]:
+            begun[k] = True
+            ends[k, 0], ends[k, 1] = segments[i, 0], segments[i, 1]
+        ends[k, 2], ends[k, 3] = segments[i, 2], segments[i, 3]
+        ends[k, 4] += np.hypot(segments[i, 2] - segments[i, 0], segments[i, 3] - segments[i, 1])
+    return ends
+
+
+@kernel
+def joined_lengths(ends: FloatArray) -> FloatArray:
+    """Give for every arc the length of all arcs that it is joined to, with its own.
+
+    Parameters
+    ----------
+    ends : (k, 5) array
+        Arcs of one or of many nodes, as `arc_ends` gives them.
+    """
+    n = ends.shape[0]
+    parent = np.arange(n)
+    for i in range(n):
+        for j in range(n):
+            if (
+                i != j
+                and abs(ends[i, 2] - ends[j, 0]) <= ENDS_MEET_M
+                and abs(ends[i, 3] - ends[j, 1]) <= ENDS_MEET_M
+            ):
+                a, b = i, j
+                while parent[a] != a:
+                    a = parent[a]
+                while parent[b] != b:
+                    b = parent[b]
+                parent[max(a, b)] = min(a, b)
+    lengths = np.zeros(n)
+    roots = np.empty(n, np.int64)
+    for i in range(n):
+        root = i
+        while parent[root] != root:
+            root = parent[root]
+        roots[i] = root
+        lengths[root] += ends[i, 4]
+    return lengths[roots]
 
 
 def total_length(segments: FloatArray) -> float:

@@ -8,16 +8,13 @@ from collections.abc import Callable
 from typing import ParamSpec, TypeVar
 
 import numba
-import numpy as np
-from numpy.typing import NDArray
+
+from multisrt.geometry.arrays import BoolArray, FloatArray, IntArray
+
+__all__ = ["BoolArray", "FloatArray", "IntArray", "inlined_kernel", "kernel"]
 
 P = ParamSpec("P")
 R = TypeVar("R")
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
-
 
 def kernel(function: Callable[P, R]) -> Callable[P, R]:
     """Compile a function on first use, keeping its types for readers and checkers."""

@@ -85,9 +85,11 @@ class Raster:
         InvalidInputError
             If the raster would grow beyond `MAX_CELLS`.
         """
-        x0, y0 = boundary.min(axis=0)
-        x1, y1 = boundary.max(axis=0)
-        self._cover((float(x0), float(y0), float(x1), float(y1)))
+        self._cover(_bounds(boundary))
+        return paint_polygon(boundary, self.x0, self.y0, self.cell_m, self.cells)
+
+    def paint_inside(self, boundary: FloatArray) -> int:
+        """Mark cells as `paint` does, but only those in the window, which stays as it is."""
         return paint_polygon(boundary, self.x0, self.y0, self.cell_m, self.cells)
 
     def centres(self) -> tuple[FloatArray, FloatArray]:
@@ -103,8 +105,10 @@ class Raster:
         return float(np.count_nonzero(self.cells)) * self.cell_m**2
 
     def _cover(self, bounds: tuple[float, float, float, float]) -> None:
-        first_column, first_row = (math.floor(v / self.cell_m + OFFSET) for v in bounds[:2])
-        last_column, last_row = (math.floor(v / self.cell_m + OFFSET) for v in bounds[2:])
+        first_column = math.floor(bounds[0] / self.cell_m + OFFSET)
+        first_row = math.floor(bounds[1] / self.cell_m + OFFSET)
+        last_column = math.floor(bounds[2] / self.cell_m + OFFSET)
+        last_row = math.floor(bounds[3] / self.cell_m + OFFSET)
         rows, columns = self.cells.shape
         if rows == 0:
             self.column, self.row = first_column, first_row
@@ -138,6 +142,16 @@ class Raster:
 
 
 @kernel
+def _bounds(boundary: FloatArray) -> tuple[float, float, float, float]:
+    x0 = x1 = boundary[0, 0]
+    y0 = y1 = boundary[0, 1]
+    for i in range(1, boundary.shape[0]):
+        x0, x1 = min(x0, boundary[i, 0]), max(x1, boundary[i, 0])
+        y0, y1 = min(y0, boundary[i, 1]), max(y1, boundary[i, 1])
+    return x0, y0, x1, y1
+
+
+@kernel
 def paint_polygon(
     boundary: FloatArray, x0: float, y0: float, cell: float, cells: NDArray[np.bool_]
 ) -> int:
@@ -167,35 +181,37 @@ def paint_polygon(
     if last_row < first_row:
         return 0
     height = last_row - first_row + 1
+    # Where every row's centre line crosses the boundary: count, then write in compressed rows.
+    spans = np.empty((n, 2), np.int64)
     starts = np.zeros(height + 1, np.int64)
-    crossings = np.empty(0)
-    fill = np.empty(0, np.int64)
-    for counting in (True, False):
-        if not counting:
-            total = 0
-            for r in range(height + 1):
-                count = starts[r]
-                starts[r] = total
-                total += count
-            crossings = np.empty(total)
-            fill = starts.copy()
-        for i in range(n):
-            j = i + 1 if i + 1 < n else 0
-            ax, ay, bx, by = boundary[i, 0], boundary[i, 1], boundary[j, 0], boundary[j, 1]
-            if ay == by:
-                continue
-            if ay > by:
-                ax, bx, ay, by = bx, ax, by, ay
-            begin = max(first_row, int(np.ceil((ay - y0) / cell - 0.5)))
-            end = min(last_row, int(np.ceil((by - y0) / cell - 0.5)) - 1)
-            slope = (bx - ax) / (by - ay)
-            for r in range(begin, end + 1):
-                if counting:
-                    starts[r - first_row] += 1
-                else:
-                    k = fill[r - first_row]
-                    crossings[k] = ax + (y0 + (r + 0.5) * cell - ay) * slope
-                    fill[r - first_row] += 1
+    for i in range(n):
+        j = i + 1 if i + 1 < n else 0
+        low, high = boundary[i, 1], boundary[j, 1]
+        if low > high:
+            low, high = high, low
+        spans[i, 0] = max(first_row, int(np.ceil((low - y0) / cell - 0.5)))
+        spans[i, 1] = min(last_row, int(np.ceil((high - y0) / cell - 0.5)) - 1)
+        for r in range(spans[i, 0], spans[i, 1] + 1):
+            starts[r - first_row] += 1
+    total = 0
+    for r in range(height + 1):
+        count = starts[r]
+        starts[r] = total
+        total += count
+    crossings = np.empty(total)
+    fill = starts.copy()
+    for i in range(n):
+        if spans[i, 1] < spans[i, 0]:
+            continue
+        j = i + 1 if i + 1 < n else 0
+        ax, ay, bx, by = boundary[i, 0], boundary[i, 1], boundary[j, 0], boundary[j, 1]
+        if ay > by:
+            ax, bx, ay, by = bx, ax, by, ay
+        slope = (bx - ax) / (by - ay)
+        for r in range(spans[i, 0], spans[i, 1] + 1):
+            k = fill[r - first_row]
+            crossings[k] = ax + (y0 + (r + 0.5) * cell - ay) * slope
+            fill[r - first_row] += 1
     new = 0
     for r in range(height):
         low, high = starts[r], fill[r]
@@ -210,7 +226,6 @@ def paint_polygon(
             begin = max(0, int(np.ceil((crossings[i] - x0) / cell - 0.5)))
             end = min(columns - 1, int(np.ceil((crossings[i + 1] - x0) / cell - 0.5)) - 1)
             for c in range(begin, end + 1):
-                if not cells[first_row + r, c]:
-                    cells[first_row + r, c] = True
-                    new += 1
+                new += 0 if cells[first_row + r, c] else 1
+                cells[first_row + r, c] = True
     return new

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 from typing import Final
 
 import numpy as np
@@ -131,7 +132,7 @@ def laser_ranges(
         x,
         y,
         range_m,
-        beams,
+        _beam_directions(beams, first_rad),
         first_rad,
         index.free_winding,
         index.edges,
@@ -175,6 +176,14 @@ def arc_divisions(radius_m: float, arc_tolerance_m: float) -> int:
     if arc_tolerance_m >= radius_m:
         return 8
     return max(8, math.ceil(math.pi / math.acos(1.0 - arc_tolerance_m / radius_m)))
+
+
+@lru_cache(maxsize=32)
+def _beam_directions(beams: int, first_rad: float) -> FloatArray:
+    angles = first_rad + np.arange(beams) * (2.0 * np.pi / beams)
+    directions = np.array([np.cos(angles), np.sin(angles)])
+    directions.setflags(write=False)
+    return directions
 
 
 def _require_range(range_m: float) -> None:
@@ -229,51 +238,34 @@ def _signed_clearance(
     count: int,
 ) -> float:
     # Distance to the nearest of the edges found, negative inside an obstacle. The side is that
-    # of the first edge met on the way to a point of the nearest edge, off its ends so as to pass
-    # no corner. Of edges that meet in the nearest corner the one that faces the point most is
-    # taken: another may be seen edge-on.
+    # of the nearest edge; of edges that meet in the nearest corner, that of the one which faces
+    # the point most, for another may be seen edge-on or from the wrong side.
     nearest, facing = np.inf, 0.0
-    mx = my = 0.0
+    free = True
     for k in range(count):
         e = found[k]
         ax, ay = edges[e, 0] - x, edges[e, 1] - y
         dx, dy = edges[e, 2] - edges[e, 0], edges[e, 3] - edges[e, 1]
         length2 = dx * dx + dy * dy
-        if length2 == 0.0:
+        cross = ax * dy - ay * dx
+        if length2 == 0.0 or cross * cross > nearest * (1.0 + 1e-9) * length2:
             continue
         t = min(1.0, max(0.0, -(ax * dx + ay * dy) / length2))
         px, py = ax + t * dx, ay + t * dy
         distance = px * px + py * py
         if distance > nearest * (1.0 + 1e-9):
             continue
-        cross = ax * dy - ay * dx
         face = cross * cross / length2
         if distance < nearest * (1.0 - 1e-9) or face > facing:
             nearest, facing = min(nearest, distance), face
-            shift = np.sqrt(distance / length2)
-            t += min(shift, max(-shift, min(0.75, max(0.25, t)) - t))
-            mx, my = ax + t * dx, ay + t * dy
+            free = cross > 0.0
     clearance = np.sqrt(nearest)
-    if 2.0 * clearance > radius:
-        # That point may be out of range, with edges before it that were not looked up.
+    if clearance > radius:
+        # There may be nearer edges that were not looked up.
         winding = winding_number(x, y, edges, grid, starts, items, stamps, query + 1)
-        clearance = min(clearance, radius)
-        return clearance if winding >= free_winding else -clearance
-    first = np.inf
-    inside = False
-    for k in range(count):
-        e = found[k]
-        ax, ay = edges[e, 0] - x, edges[e, 1] - y
-        dx, dy = edges[e, 2] - edges[e, 0], edges[e, 3] - edges[e, 1]
-        denominator = mx * dy - my * dx
-        if denominator == 0.0:
-            continue
-        t = (ax * dy - ay * dx) / denominator
-        u = (ax * my - ay * mx) / denominator
-        if t >= 0.0 and t < first and u >= 0.0 and u <= 1.0:
-            first = t
-            inside = denominator < 0.0
-    return -clearance if inside else clearance
+        clearance = radius
+        free = winding >= free_winding
+    return clearance if free else -clearance
 
 
 @kernel
@@ -299,8 +291,10 @@ def _sweep(
         return np.empty((0, 2)), np.empty(0, np.int8), clearance
 
     # 1. Segments that face the viewpoint, relative to it, clipped to the disc. One that crosses
-    #    the direction +x becomes two.
+    #    the direction +x becomes two. The inverse of the distance at which a ray meets a segment
+    #    is linear in the ray's direction, with the coefficients `inverse`.
     segments = np.empty((2 * count + 1, 4))
+    inverse = np.empty((2 * count + 1, 2))
     source = np.empty(2 * count + 1, np.int64)
     angles = np.empty((2 * count + 1, 2))
     n = 0
@@ -331,6 +325,7 @@ def _sweep(
         if start == end:
             continue
         segments[n, 0], segments[n, 1], segments[n, 2], segments[n, 3] = ax, ay, bx, by
+        inverse[n, 0], inverse[n, 1] = dy / cross, -dx / cross
         source[n] = e
         angles[n, 0], angles[n, 1] = start, end
         if end < start:
@@ -338,6 +333,7 @@ def _sweep(
             if end > 0.0:
                 n += 1
                 segments[n, 0], segments[n, 1], segments[n, 2], segments[n, 3] = ax, ay, bx, by
+                inverse[n, 0], inverse[n, 1] = dy / cross, -dx / cross
                 source[n] = e
                 angles[n, 0], angles[n, 1] = 0.0, end
         n += 1
@@ -380,15 +376,12 @@ def _sweep(
         ux, uy = _direction(angle)
         vx, vy = _direction(until)
         mx, my = 0.5 * (ux + vx), 0.5 * (uy + vy)
-        nearest, nearest_distance = -1, np.inf
+        nearest, largest = -1, 0.0
         for k in range(active_count):
             s = active[k]
-            ex, ey = segments[s, 2] - segments[s, 0], segments[s, 3] - segments[s, 1]
-            denominator = mx * ey - my * ex
-            if denominator > 0.0:
-                distance = (segments[s, 0] * ey - segments[s, 1] * ex) / denominator
-                if distance < nearest_distance:
-                    nearest_distance, nearest = distance, s
+            value = mx * inverse[s, 0] + my * inverse[s, 1]
+            if value > largest:
+                largest, nearest = value, s
         now = -1 if nearest < 0 else source[nearest]
         starts_here = piece == -3 or now != piece
         if starts_here:
@@ -460,7 +453,7 @@ def _z_buffer(
     x: float,
     y: float,
     radius: float,
-    beams: int,
+    directions: FloatArray,
     first_rad: float,
     free_winding: int,
     edges: FloatArray,
@@ -471,18 +464,19 @@ def _z_buffer(
     query: int,
     found: NDArray[np.int64],
 ) -> tuple[FloatArray, float]:
-    # Every edge that faces the viewpoint visits only the beams that it spans.
+    # Every edge that faces the viewpoint visits only the beams that it spans. They keep the
+    # largest inverse distance: it is linear in the direction, so that this takes no division.
+    # `ranges` holds it until the end.
+    beams = directions.shape[1]
     count = edges_within(x, y, radius, grid, starts, items, stamps, query, found)
-    ranges = np.full(beams, np.inf)
+    ranges = np.zeros(beams)
     clearance = _signed_clearance(
         x, y, radius, free_winding, edges, grid, starts, items, stamps, query, found, count
     )
     if clearance < MIN_CLEARANCE_M:
         return ranges, clearance
     per_rad = beams / (2.0 * np.pi)
-    cosines, sines = np.empty(beams), np.empty(beams)
-    for b in range(beams):
-        cosines[b], sines[b] = np.cos(first_rad + b / per_rad), np.sin(first_rad + b / per_rad)
+    last_x, last_y, last_angle = 0.0, 0.0, 0.0
     for k in range(count):
         e = found[k]
         ax, ay = edges[e, 0] - x, edges[e, 1] - y
@@ -493,17 +487,26 @@ def _z_buffer(
         dx, dy = bx - ax, by - ay
         if cross * cross >= radius * radius * (dx * dx + dy * dy):
             continue
-        start = (np.arctan2(ay, ax) - first_rad) * per_rad
-        end = (np.arctan2(by, bx) - first_rad) * per_rad
+        # Edges of one wall follow each other: an end's direction is computed once.
+        angle_a = last_angle if ax == last_x and ay == last_y else np.arctan2(ay, ax)
+        angle_b = np.arctan2(by, bx)
+        last_x, last_y, last_angle = bx, by, angle_b
+        start = (angle_a - first_rad) * per_rad
+        end = (angle_b - first_rad) * per_rad
         if end < start:
             end += beams
-        for b in range(int(np.ceil(start - 1e-9)), int(np.floor(end + 1e-9)) + 1):
-            i = b % beams
-            denominator = cosines[i] * dy - sines[i] * dx
-            if denominator > 0.0:
-                distance = cross / denominator
-                if distance <= radius and distance < ranges[i]:
-                    ranges[i] = distance
+        begin, until = int(np.ceil(start - 1e-9)), int(np.floor(end + 1e-9)) + 1
+        along_x, along_y = dy / cross, -dx / cross
+        turn = begin // beams * beams
+        for low, high in (
+            (begin - turn, min(until - turn, beams)),
+            (0, until - turn - beams),
+        ):
+            for i in range(low, high):
+                value = directions[0, i] * along_x + directions[1, i] * along_y
+                ranges[i] = value if value > ranges[i] else ranges[i]
+    for i in range(beams):
+        ranges[i] = 1.0 / ranges[i] if ranges[i] * radius >= 1.0 else np.inf
     return ranges, clearance
 
 

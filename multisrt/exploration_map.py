@@ -11,8 +11,11 @@ import shapely
 
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.frontier_arcs import (
+    SHORTEST_ARC_M,
+    arc_ends,
     arc_labels,
     frontier_candidates,
+    joined_lengths,
     long_arcs,
     total_length,
     uncovered,
@@ -58,14 +61,17 @@ class ExplorationMap:
     """A robot's knowledge. Adding a node is its only change; the order does not matter.
 
     Frontier arcs are kept per node and trimmed by the regions that arrive near by, so that one
-    more node costs the same however many there are.
+    more node costs the same however many there are. Where the boundary of the whole known
+    region passes from one node's arc to another's, the two are joined: an opening that several
+    nodes see in parts is as wide as its parts together.
 
     Parameters
     ----------
     reach_m : float
         No region reaches further from its node than this.
     shortest_arc_m : float
-        Frontier arcs below this length cannot be passed by the body and are dropped.
+        Frontier below this length, joined over all nodes, cannot be passed by the body and
+        does not count.
     gaps_count : bool
         Whether radial pieces behind corners are frontier.
     """
@@ -79,8 +85,10 @@ class ExplorationMap:
         self._nodes: dict[NodeId, Node] = {}
         self._ids: list[NodeId] = []
         self._index: dict[NodeId, int] = {}
-        self._frontiers: list[FloatArray] = []
-        self._open: dict[NodeId, float] = {}
+        self._uncovered: list[FloatArray] = []
+        self._ends: list[FloatArray] = []
+        self._frontiers: dict[int, FloatArray] = {}
+        self._maybe_open: dict[NodeId, None] = {}
         self._hash: dict[tuple[int, int], list[int]] = {}
         self._positions: FloatArray = np.empty((64, 2))
         self._boxes: FloatArray = np.empty((64, 4))
@@ -118,16 +126,22 @@ class ExplorationMap:
             node.region.boundary, node.region.tags, include_gaps=self._gaps_count
         )
         arcs, _ = uncovered(candidates, self._starts, self._corners, self._boxes, neighbours)
-        self._frontiers.append(arcs)
-        self._set_frontier(index, arcs)
+        self._uncovered.append(arcs)
+        self._ends.append(arc_ends(arcs))
+        self._set_uncovered(index, arcs)
         self._trim(neighbours, index)
+        for i in neighbours.tolist():
+            self._frontiers.pop(i, None)
         if self._raster is not None:
             self._raster.paint(node.region.boundary)
         return True
 
     def frontier(self, node_id: NodeId) -> FloatArray:
         """Give a node's local frontier as ``(m, 4)`` segments, the region on their left."""
-        return self._frontiers[self._index[node_id]]
+        index = self._index[node_id]
+        if index not in self._frontiers:
+            self._frontiers[index] = self._wide_enough(index)
+        return self._frontiers[index]
 
     def frontier_arcs(self, node_id: NodeId) -> list[FloatArray]:
         """Give a node's local frontier arc by arc, each as ``(k, 4)`` joined segments."""
@@ -135,22 +149,40 @@ class ExplorationMap:
         labels, count = arc_labels(segments)
         return [segments[labels == k] for k in range(count)]
 
-    @property
-    def open_nodes(self) -> dict[NodeId, float]:
-        """Length of the local frontier of every node that has one, in metres."""
-        return self._open
+    def has_frontier(self, node_id: NodeId) -> bool:
+        """Whether a node has a local frontier."""
+        return node_id in self._maybe_open and len(self.frontier(node_id)) > 0
+
+    def is_complete(self) -> bool:
+        """Whether no node has a local frontier."""
+        # The last node that had one is asked first: mostly it still has.
+        while self._maybe_open:
+            node_id = next(reversed(self._maybe_open))
+            if len(self.frontier(node_id)):
+                return False
+            if not any(self.has_frontier(other) for other in self._maybe_open):
+                return True
+            witness = next(n for n in self._maybe_open if self.has_frontier(n))
+            del self._maybe_open[witness]
+            self._maybe_open[witness] = None
+        return True
+
+    def open_nodes(self) -> list[NodeId]:
+        """Give all nodes that have a local frontier, in the order of their ids."""
+        return sorted(node_id for node_id in self._maybe_open if self.has_frontier(node_id))
 
     def open_frontier_m(self) -> float:
         """Sum of all local frontiers' lengths in metres."""
-        return math.fsum(self._open.values())
+        return math.fsum(total_length(self.frontier(node_id)) for node_id in self.open_nodes())
 
     def close(self, node_id: NodeId, segments: FloatArray) -> None:
         """Take segments out of a node's frontier: nothing can be done about them."""
         index = self._index[node_id]
-        frontier = self._frontiers[index]
+        arcs = self._uncovered[index]
         gone = {tuple(segment) for segment in segments.tolist()}
-        keep = [tuple(segment) not in gone for segment in frontier.tolist()]
-        self._set_frontier(index, frontier[np.asarray(keep, np.bool_)])
+        keep = [tuple(segment) not in gone for segment in arcs.tolist()]
+        self._set_uncovered(index, arcs[np.asarray(keep, np.bool_)])
+        self._frontiers.pop(index, None)
 
     def near(self, x: float, y: float, radius_m: float) -> list[Node]:
         """Give the nodes whose place lies within a radius, in the order of their ids."""
@@ -225,10 +257,10 @@ class ExplorationMap:
         return index
 
     def _trim(self, neighbours: IntArray, index: int) -> None:
-        still_open = [int(i) for i in neighbours if len(self._frontiers[i])]
+        still_open = [i for i in neighbours.tolist() if len(self._uncovered[i])]
         if not still_open:
             return
-        arcs = [self._frontiers[i] for i in still_open]
+        arcs = [self._uncovered[i] for i in still_open]
         sizes = np.asarray([len(a) for a in arcs])
         segments = np.concatenate(arcs)
         rest, source = uncovered(
@@ -240,16 +272,35 @@ class ExplorationMap:
         for k, i in enumerate(still_open):
             trimmed = rest[borders[k] : borders[k + 1]]
             if not np.array_equal(trimmed, arcs[k]):
-                self._set_frontier(i, trimmed)
+                self._set_uncovered(i, trimmed)
 
-    def _set_frontier(self, index: int, arcs: FloatArray) -> None:
-        arcs = long_arcs(arcs, self._shortest_arc)
+    def _set_uncovered(self, index: int, arcs: FloatArray) -> None:
+        arcs = long_arcs(arcs, SHORTEST_ARC_M)
         arcs.setflags(write=False)
-        self._frontiers[index] = arcs
+        self._uncovered[index] = arcs
+        self._ends[index] = arc_ends(arcs)
         if len(arcs):
-            self._open[self._ids[index]] = total_length(arcs)
+            self._maybe_open[self._ids[index]] = None
         else:
-            self._open.pop(self._ids[index], None)
+            self._maybe_open.pop(self._ids[index], None)
+
+    def _wide_enough(self, index: int) -> FloatArray:
+        # The node's arcs that are long enough together with those of others that they join.
+        arcs = self._uncovered[index]
+        if not len(arcs):
+            return arcs
+        own = self._ends[index]
+        x, y = self._positions[index]
+        others = [
+            self._ends[i]
+            for i in self._within(x, y, 2.0 * self._reach).tolist()
+            if i != index and len(self._ends[i])
+        ]
+        lengths = joined_lengths(np.concatenate([own, *others]))[: len(own)]
+        labels, _ = arc_labels(arcs)
+        kept = arcs[(lengths >= self._shortest_arc)[labels]]
+        kept.setflags(write=False)
+        return kept
 
 
 def _grown(array: np.ndarray, length: int) -> np.ndarray:

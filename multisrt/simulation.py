@@ -29,7 +29,7 @@ from multisrt.geometry.scan import take_scan
 from multisrt.planners.motion.trajectory import Trajectory, Waypoint
 from multisrt.recording import Recorder, Recording, RunOutcome, header_of, written_whole
 from multisrt.spec import RobotSpec, RunSpec, build_environment, random_stream
-from multisrt.strategies import strategy
+from multisrt.registry import strategy
 
 Watcher = Callable[[AnyEvent], None]
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import math
 from pathlib import Path
 from typing import Any, Literal, cast
@@ -249,6 +250,38 @@ class RunSpec(_Spec, frozen=True, kw_only=True):
             return msgspec.toml.decode(text, type=cls)
         except msgspec.MsgspecError as error:
             raise InvalidInputError(f"not a run spec: {error}") from None
+
+
+def environment_spec(
+    text: str, *, resolution_m: float | None = None, threshold: float | None = None
+) -> CatalogEnvironment | FileEnvironment:
+    """Tell a name of the catalogue from a file.
+
+    What is a name of the catalogue means that; write ``./office`` for a file of that name.
+
+    Raises
+    ------
+    InvalidInputError
+        If it is neither; the message lists the catalogue.
+    """
+    from multisrt.environments.catalog import names
+
+    if text in names():
+        if resolution_m is not None or threshold is not None:
+            raise InvalidInputError(
+                f"{text!r} is an environment of the catalogue: a resolution or a threshold is "
+                "for images"
+            )
+        return CatalogEnvironment(name=text)
+    path = Path(text)
+    if not path.exists() and not path.suffix and len(path.parts) == 1:
+        close = difflib.get_close_matches(text, names(), n=1)
+        hint = f" (did you mean {close[0]!r}?)" if close else ""
+        raise InvalidInputError(
+            f"there is no environment {text!r}{hint} and no file of that name; "
+            f"the catalogue has: {', '.join(names())}"
+        )
+    return FileEnvironment(path=text, resolution_m=resolution_m, threshold=threshold)
 
 
 def inline(environment: Environment) -> InlineEnvironment:

@@ -33,7 +33,7 @@ FAN = 72
 CLOSE_BY = 6.0
 """Viewing places are first looked for within this many radii of the body."""
 
-ROUND_SEGMENTS = 4
+ROUND_SEGMENTS = 16
 ROUND = math.cos(math.pi / (4 * ROUND_SEGMENTS))
 """Chords for a quarter circle, and how near to its centre they come."""
 
@@ -267,9 +267,9 @@ class SrtPlanner:
         arc : (k, 4) array
             The arc's segments.
         known : shapely geometry
-            The union of all known regions around the arc, in a square window at least.
+            The union of the known regions in a window around the arc.
         within_m : float
-            How far from the arc's middle to look; the window's half width.
+            How far from the arc's middle to look for places.
         nodes : (n, 2) array
             The places of all nodes near by.
 
@@ -284,7 +284,7 @@ class SrtPlanner:
         radius = self.body.roomy_radius_m
         # Regions that meet along a line leave cracks of rounding between them.
         closed = known.buffer(INWARD_M / 2, join_style="mitre")
-        room = closed.buffer(-radius / ROUND - INWARD_M / 2, quad_segs=ROUND_SEGMENTS)
+        room = _eroded(closed, radius)
         view = _view(known, x + left_x * INWARD_M, y + left_y * INWARD_M, within_m)
         if view is None or room.is_empty:
             return "too narrow"
@@ -295,6 +295,8 @@ class SrtPlanner:
         places = places[shapely.contains_xy(room, places)]
         if not len(places):
             return "too narrow"
+        ample = shapely.contains_xy(_eroded(closed, self.body.ample_radius_m), places)
+        places = np.vstack([places[ample], places[~ample]])
         nodes_room = np.flatnonzero(shapely.contains_xy(room, nodes))
         unseen = nearest_points(nodes, places) >= self.options.completion_spacing * self.d_min_m
         reason = "seen from near"
@@ -317,6 +319,11 @@ def arc_middle(arc: FloatArray) -> tuple[float, float, float, float]:
     dx, dy = arc[k, 2] - arc[k, 0], arc[k, 3] - arc[k, 1]
     x, y = arc[k, 0] + t * dx, arc[k, 1] + t * dy
     return float(x), float(y), float(-dy / lengths[k]), float(dx / lengths[k])
+
+
+def _eroded(region: shapely.Geometry, radius: float) -> shapely.Geometry:
+    # Rounded corners are chords: these are moved to where they keep the whole radius.
+    return region.buffer(-radius / ROUND - INWARD_M / 2, quad_segs=ROUND_SEGMENTS)
 
 
 def _view(known: shapely.Geometry, x: float, y: float, range_m: float) -> shapely.Polygon | None:

@@ -92,7 +92,7 @@ class SrtExplorer:
     def run(self) -> Steps:
         """Explore until nothing is left to do, and go home."""
         yield from self.build_srt()
-        open_nodes = self.map.open_nodes
+        open_nodes = self.map.open_nodes()
         frontier = [self.map.frontier(node) for node in open_nodes]
         length = self.map.open_frontier_m()
         yield Done(
@@ -245,7 +245,7 @@ class SrtExplorer:
         if self.options.backtrack == "nearest_open":
             self._extend_roadmap()
             way = self.roadmap.way_to_nearest(
-                here, lambda n: n in self.map.open_nodes and n not in self._exhausted
+                here, lambda n: n not in self._exhausted and self.map.has_frontier(n)
             )
             if way is not None:
                 return "nearest_open", KnownNode(tuple(way))
@@ -253,7 +253,7 @@ class SrtExplorer:
             self._completing = True
             self._extend_roadmap()
             while (
-                way := self.roadmap.way_to_nearest(here, lambda n: n in self.map.open_nodes)
+                way := self.roadmap.way_to_nearest(here, self.map.has_frontier)
             ) is not None:
                 place = yield from self._complete(here, way[-1])
                 if place is not None:
@@ -272,12 +272,12 @@ class SrtExplorer:
         # Stage 3 for one node: a place from which an arc of it can be seen, or the arc is closed.
         for arc in self.map.frontier_arcs(node):
             x, y, *_ = arc_middle(arc)
-            for within in self._windows():
-                near = self.map.near(x, y, math.sqrt(2.0) * within)
+            for window in self._windows():
+                near = self.map.near(x, y, math.sqrt(2.0) * window)
                 found = self.planner.viewing_place(
                     arc,
-                    self.map.local_union(x, y, within),
-                    within,
+                    self.map.local_union(x, y, window),
+                    min(window, self.me.range_m),
                     np.array([n.configuration[:2] for n in near]).reshape(-1, 2),
                 )
                 if not isinstance(found, str):
@@ -304,11 +304,12 @@ class SrtExplorer:
 
     def _windows(self) -> list[float]:
         # How far around an arc to look for a place: close by first, which is cheap and mostly
-        # enough, at last as far as the robot sees.
+        # enough; at last so far that there is room for the way to a place at the range's end.
+        widest = 1.5 * self.me.range_m + self.body.outer_radius_m
         windows = [CLOSE_BY * self.body.outer_radius_m]
-        while windows[-1] < self.me.range_m:
+        while windows[-1] < widest:
             windows.append(2.0 * windows[-1])
-        return [min(within, self.me.range_m) for within in windows]
+        return [min(window, widest) for window in windows]
 
     def _hop(self, a: NodeId, b: NodeId) -> Trajectory:
         # Between nodes that are joined: by a way with room for any heading, or by the tree's own
@@ -358,7 +359,7 @@ class SrtExplorer:
         self._bridged = len(nodes)
 
     def _tell_when_complete(self) -> Steps:
-        if not self._told_complete and not self.map.open_nodes:
+        if not self._told_complete and self.map.is_complete():
             self._told_complete = True
             yield Note(MapComplete(time_s=self.time_s, robot=self.me.robot))
 

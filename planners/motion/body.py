@@ -40,8 +40,11 @@ class PlanningBody:
         self.margin_m = margin_m
         self.is_disc = footprint.is_disc
         self.outer_radius_m = footprint.circumscribed_radius_m
-        # With half the margin: places that were shortened to the whole of it still count.
-        self.roomy_radius_m = self.outer_radius_m + margin_m / 2.0
+        # What every place that is chosen has at least, and what is asked for less than that of
+        # a place that was: so a place once chosen can be left again.
+        self._least_margin = margin_m / 5.0
+        self.roomy_radius_m = self.outer_radius_m + margin_m / 10.0
+        self.ample_radius_m = self.outer_radius_m + margin_m
         if not self.is_disc:
             outline = np.ascontiguousarray(footprint.planning_vertices)
             self._outline: FloatArray = outline
@@ -80,7 +83,8 @@ class PlanningBody:
                 radius -= TOUCH_M
             else:
                 room = disc_clearance(boundary, x, y) - TOUCH_M
-                radius = max(radius, min(radius + self.margin_m, room))
+                least = min(radius + self._least_margin, max(radius, room))
+                radius = max(least, min(radius + self.margin_m, room))
             return free_travel_disc(boundary, x, y, cosine, sine, radius, limit)
         if known_way:
             return free_travel_polygon(

@@ -1,0 +1,1 @@
+"""Ratios of the kernels' speed to that of well-known libraries: ``python -m benchmarks``."""

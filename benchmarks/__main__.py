@@ -1,0 +1,5 @@
+"""Print the table of ratios."""
+
+from benchmarks.kernels import main
+
+main()

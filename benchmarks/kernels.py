@@ -1,0 +1,401 @@
+"""The kernels against CGAL, VisiLibity, embreex, shapely, rasterio and scikit-fmm."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+
+import numpy as np
+import shapely
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import dijkstra
+from scipy.spatial import cKDTree
+
+from benchmarks import worlds
+from benchmarks.harness import Claim, in_turns, installed, show, skipped
+from multisrt.exploration_map import ExplorationMap, Node, NodeId
+from multisrt.geometry.configuration import Configuration
+from multisrt.geometry.distance_field import distance_field
+from multisrt.geometry.edge_index import EdgeIndex
+from multisrt.geometry.frontier_arcs import frontier_candidates, uncovered
+from multisrt.geometry.raster import Raster
+from multisrt.geometry.safe_region import LocalSafeRegion, local_safe_region
+from multisrt.geometry.scan import take_scan
+from multisrt.geometry.visibility import laser_ranges, visibility_polygon
+
+R = 4.0
+"""Range of the sensor in metres."""
+
+CELL = 0.1
+"""Width of the rasters' cells in metres."""
+
+WHOLE_WORLD_M = 60.0
+
+
+def main() -> None:
+    """Print every claim with its figures; exit with 1 where one is not met."""
+    sys.exit(0 if show(claims()) else 1)
+
+
+def claims() -> Iterator[Claim]:
+    """Measure one claim after the other."""
+    office = worlds.office()
+    yield from visibility(office)
+    yield beams(office)
+    yield frontier()
+    yield raster(office)
+    yield geodesic_field()
+    yield node_in_large_map()
+    yield node_against_global_union()
+
+
+def visibility(free: shapely.Polygon) -> Iterator[Claim]:
+    places = worlds.viewpoints(free, 60, seed=21)
+    index = EdgeIndex(worlds.edges(free), R / 3.0)
+    free = shapely.orient_polygons(free)
+    rings = [np.asarray(ring.coords)[:-1, :2].tolist() for ring in (free.exterior, *free.interiors)]
+
+    def ours(place: list[float]) -> object:
+        return visibility_polygon(index, *place, WHOLE_WORLD_M, arc_tolerance_m=1.0)
+
+    text = "visibility polygon, unlimited, office: CGAL"
+    if installed("pyvispoly"):
+        import pyvispoly as cgal
+
+        def polygon(ring: list[list[float]]) -> object:
+            return cgal.Polygon([cgal.Point(x, y) for x, y in ring])
+
+        calculator = cgal.VisibilityPolygonCalculator(
+            cgal.PolygonWithHoles(polygon(rings[0]), [polygon(ring) for ring in rings[1:]])
+        )
+
+        def by_cgal(place: list[float]) -> object:
+            return calculator.compute_visibility_polygon(cgal.Point(*place))
+
+        times = in_turns(places.tolist(), {"ours": ours, "theirs": by_cgal})
+        worst = 0.0
+        for place in places[:10].tolist():
+            corners = [(float(p.x()), float(p.y())) for p in by_cgal(place).boundary()]
+            truth, seen = shapely.Polygon(corners), shapely.Polygon(ours(place)[0])
+            worst = max(worst, seen.symmetric_difference(truth).area / truth.area)
+        yield Claim(
+            text=text,
+            ours_us=times["ours"],
+            theirs_us=times["theirs"],
+            at_least=18.0,
+            holds=worst < 1e-9,
+            note=f"areas differ by {worst:.0e} at most",
+        )
+    else:
+        yield skipped(text, "pyvispoly")
+
+    text = "visibility polygon, unlimited, office: VisiLibity"
+    if installed("visilibity"):
+        import visilibity
+
+        environment = visilibity.Environment(
+            [visilibity.Polygon([visilibity.Point(x, y) for x, y in ring]) for ring in rings]
+        )
+
+        def by_visilibity(place: list[float]) -> object:
+            return visilibity.Visibility_Polygon(
+                visilibity.Point(*place), environment, 1e-7
+            )
+
+        times = in_turns(places[:20].tolist(), {"ours": ours, "theirs": by_visilibity})
+        yield Claim(
+            text=text, ours_us=times["ours"], theirs_us=times["theirs"], at_least=50.0
+        )
+    else:
+        yield skipped(text, "visilibity")
+
+
+def beams(free: shapely.Polygon, count: int = 720) -> Claim:
+    text = f"{count} beams, office: embreex"
+    if not installed("embreex"):
+        return skipped(text, "embreex")
+    from embreex import rtcore_scene
+    from embreex.mesh_construction import TriangleMesh
+
+    edges = worlds.edges(free)
+    a = np.column_stack([edges[:, :2], np.full(len(edges), -1.0)])
+    b = np.column_stack([edges[:, 2:], np.full(len(edges), -1.0)])
+    up = np.array([0.0, 0.0, 2.0])
+    walls = np.concatenate([np.stack([a, b, b + up], 1), np.stack([a, b + up, a + up], 1)])
+    scene = rtcore_scene.EmbreeScene()
+    TriangleMesh(scene, walls.astype(np.float32))
+    angles = np.arange(count) * (2.0 * np.pi / count)
+    directions = np.column_stack([np.cos(angles), np.sin(angles), np.zeros(count)])
+    directions = directions.astype(np.float32)
+    places = worlds.viewpoints(free, 60, seed=22)
+    index = EdgeIndex(edges, R / 3.0)
+
+    def theirs(place: list[float]) -> np.ndarray:
+        origins = np.broadcast_to(np.float32([*place, 0.0]), (count, 3))
+        return scene.run(
+            np.ascontiguousarray(origins), directions, dists=R, query="DISTANCE"
+        )
+
+    def ours(place: list[float]) -> np.ndarray:
+        return laser_ranges(index, *place, R, count)
+
+    times = in_turns(places.tolist(), {"ours": ours, "theirs": theirs})
+    off = np.concatenate(
+        [
+            np.abs(np.minimum(ours(place), R) - np.minimum(theirs(place), R))
+            for place in places.tolist()
+        ]
+    )
+    return Claim(
+        text=text,
+        ours_us=times["ours"],
+        theirs_us=times["theirs"],
+        at_least=15.0,
+        holds=float(np.mean(off < 1e-3)) > 0.999,
+        note=f"{100 * np.mean(off < 1e-3):.2f} % of the beams within 1 mm",
+    )
+
+
+def regions_of(free: shapely.Polygon, places: np.ndarray) -> list[LocalSafeRegion]:
+    index = EdgeIndex(worlds.edges(free), R / 3.0)
+    return [
+        local_safe_region(take_scan(index, Configuration(x, y), 0.0, R), "radial")
+        for x, y in places.tolist()
+    ]
+
+
+def frontier(nodes: int = 3000) -> Claim:
+    """One node's frontier among its neighbours; shapely in the form that was found fastest."""
+    free = worlds.office(120.0, 24, seed=3)
+    places = worlds.viewpoints(free, nodes, seed=5)
+    known = regions_of(free, places)
+    polygons = np.array([region.polygon() for region in known])
+    starts = np.concatenate([[0], np.cumsum([len(region.boundary) for region in known])])
+    corners = np.vstack([region.boundary for region in known])
+    boxes = shapely.bounds(polygons)
+    tree = cKDTree(places)
+    queries = list(range(nodes - 150, nodes))
+    neighbours = {
+        i: np.array([k for k in tree.query_ball_point(places[i], 2 * R) if k < i], np.int64)
+        for i in queries
+    }
+
+    def ours(i: int) -> np.ndarray:
+        candidates = frontier_candidates(known[i].boundary, known[i].tags)
+        return uncovered(candidates, starts, corners, boxes, neighbours[i])[0]
+
+    def theirs(i: int) -> shapely.Geometry:
+        # The tagged pieces as lines, less one neighbour that touches them after the other:
+        # faster than their union, and far faster than boundaries less buffered obstacles.
+        candidates = frontier_candidates(known[i].boundary, known[i].tags)
+        rest = shapely.multilinestrings(shapely.linestrings(candidates.reshape(-1, 2, 2)))
+        near = neighbours[i]
+        for k in near[shapely.intersects(polygons[near], rest)]:
+            rest = shapely.difference(rest, polygons[k])
+            if rest.is_empty:
+                break
+        return rest
+
+    times = in_turns(queries, {"ours": ours, "theirs": theirs})
+    lost = 0.0
+    for i in queries:
+        mine = shapely.multilinestrings(shapely.linestrings(ours(i).reshape(-1, 2, 2)))
+        lost = max(lost, theirs(i).difference(mine.buffer(2e-4)).length)
+    return Claim(
+        text=f"frontier of a node, {np.median([len(n) for n in neighbours.values()]):.0f} "
+        "neighbours: shapely",
+        ours_us=times["ours"],
+        theirs_us=times["theirs"],
+        at_least=9.0,
+        holds=lost < 1e-3,
+        note=f"{lost:.0e} m of shapely's frontier missing at most",
+    )
+
+
+def raster(free: shapely.Polygon) -> Claim:
+    text = "raster of a region, 0.1 m: rasterio"
+    if not installed("rasterio"):
+        return skipped(text, "rasterio")
+    from rasterio.features import rasterize
+    from rasterio.transform import Affine
+
+    known = regions_of(free, worlds.viewpoints(free, 60, seed=23))
+    boundaries = [np.array(region.boundary) for region in known]
+    polygons = [region.polygon() for region in known]
+    mine = Raster(CELL, free.bounds)
+    rows, columns = mine.cells.shape
+    x0, y0 = mine.x0, mine.y0
+    grid = np.zeros((rows, columns), np.uint8)
+
+    def ours(i: int) -> object:
+        return mine.paint(boundaries[i])
+
+    def theirs(i: int) -> object:
+        low = np.floor((boundaries[i].min(axis=0) - (x0, y0)) / CELL).astype(int)
+        high = np.ceil((boundaries[i].max(axis=0) - (x0, y0)) / CELL).astype(int) + 1
+        (c0, r0), (c1, r1) = np.maximum(low, 0), np.minimum(high, (columns, rows))
+        grid[r0:r1, c0:c1] |= rasterize(
+            [polygons[i]],
+            out_shape=(r1 - r0, c1 - c0),
+            transform=Affine(CELL, 0, x0 + c0 * CELL, 0, CELL, y0 + r0 * CELL),
+            dtype="uint8",
+        )
+        return grid
+
+    times = in_turns(list(range(len(known))), {"ours": ours, "theirs": theirs})
+    x, y = np.meshgrid(*mine.centres())
+    wrong = wrong_theirs = 0
+    for i, polygon in enumerate(polygons):
+        shapely.prepare(polygon)
+        truth = shapely.contains_xy(polygon, x, y)
+        mine.cells[:], grid[:] = False, 0
+        ours(i), theirs(i)
+        wrong += int(np.count_nonzero(mine.cells != truth))
+        wrong_theirs += int(np.count_nonzero(grid.astype(bool) != truth))
+    return Claim(
+        text=text,
+        ours_us=times["ours"],
+        theirs_us=times["theirs"],
+        at_least=25.0,
+        holds=wrong == 0,
+        note=f"cells wrong: {wrong}, theirs {wrong_theirs}",
+    )
+
+
+def geodesic_field() -> Claim:
+    text = "geodesic field, 400 x 400 cells, rooms: scikit-fmm order 2"
+    if not installed("skfmm"):
+        return skipped(text, "scikit-fmm")
+    import skfmm
+
+    free = worlds.rooms()
+    size = round(40.0 / CELL)
+    centres = (np.arange(size) + 0.5) * CELL
+    cells = shapely.contains_xy(free, *np.meshgrid(centres, centres))
+    targets = np.floor(worlds.viewpoints(free, 200, seed=24) / CELL).astype(int)
+    sources, targets = targets[:6], targets[6:]
+    speed = np.ones((size, size))
+
+    def ours(source: np.ndarray) -> np.ndarray:
+        return distance_field(cells, CELL, [centres[source]])
+
+    def theirs(source: np.ndarray) -> np.ndarray:
+        front = np.ones((size, size))
+        front[source[1], source[0]] = -1.0
+        masked = np.ma.MaskedArray(front, ~cells)
+        times = skfmm.travel_time(masked, speed, dx=CELL, order=2)
+        # Its front starts half a cell away from the source's centre.
+        return np.ma.filled(times, np.inf) + 0.5 * CELL
+
+    times = in_turns(list(sources), {"ours": ours, "theirs": theirs})
+    errors = {"ours": [], "theirs": []}
+    for source in sources[:2]:
+        truth = shortest_paths(free, centres[source], centres[targets])
+        far = truth > 10 * CELL
+        for name, side in (("ours", ours), ("theirs", theirs)):
+            field = side(source)[targets[:, 1], targets[:, 0]]
+            errors[name].append(np.abs(field[far] / truth[far] - 1.0).mean())
+    mine, other = float(np.mean(errors["ours"])), float(np.mean(errors["theirs"]))
+    return Claim(
+        text=text,
+        ours_us=times["ours"],
+        theirs_us=times["theirs"],
+        at_least=1.0,
+        holds=mine <= other,
+        note=f"mean error {100 * mine:.2f} %, theirs {100 * other:.2f} %",
+    )
+
+
+def shortest_paths(
+    free: shapely.Polygon, source: np.ndarray, targets: np.ndarray
+) -> np.ndarray:
+    """Exact lengths by a visibility graph of all corners."""
+    corners = np.unique(worlds.edges(free)[:, :2], axis=0)
+    points = np.vstack([source, corners, targets])
+    first, second = np.triu_indices(len(points), 1)
+    first, second = first[first <= len(corners)], second[first <= len(corners)]
+    room = free.buffer(1e-7)
+    shapely.prepare(room)
+    sees = shapely.covers(
+        room, shapely.linestrings(np.stack([points[first], points[second]], axis=1))
+    )
+    i, j = first[sees], second[sees]
+    lengths = np.hypot(*(points[i] - points[j]).T)
+    graph = csr_array((lengths, (i, j)), shape=(len(points), len(points)))
+    return dijkstra(graph, directed=False, indices=0)[1 + len(corners) :]
+
+
+def node_at(index: EdgeIndex, x: float, y: float, node_id: NodeId) -> Node:
+    """One more node: sense, and build the region."""
+    at = Configuration(x, y)
+    region = local_safe_region(take_scan(index, at, 0.0, R), "radial")
+    return Node(id=node_id, configuration=at, region=region, parent=None, time_s=0.0)
+
+
+def map_of(index: EdgeIndex, places: np.ndarray) -> ExplorationMap:
+    known = ExplorationMap(reach_m=R, shortest_arc_m=0.3)
+    known.raster(CELL)
+    for serial, (x, y) in enumerate(places.tolist()):
+        known.add(node_at(index, x, y, NodeId(0, serial)))
+    return known
+
+
+def node_in_large_map(small: int = 100, large: int = 10_000) -> Claim:
+    """The same new nodes in the middle of two maps that differ in their extent only."""
+    width = 240.0
+    free = worlds.office(width, 48, seed=4)
+    index = EdgeIndex(worlds.edges(free), R / 3.0)
+    places = worlds.viewpoints(free, large, seed=6)
+    places = places[np.argsort(np.hypot(*(places - width / 2).T), kind="stable")]
+    little, big = map_of(index, places[:small]), map_of(index, places)
+    middle = np.hypot(*(worlds.viewpoints(free, 40_000, seed=7) - width / 2).T) < 5.0
+    new = worlds.viewpoints(free, 40_000, seed=7)[middle]
+    serial = iter(range(10**9))
+
+    def in_map(known: ExplorationMap) -> object:
+        def add(place: list[float]) -> object:
+            return known.add(node_at(index, *place, NodeId(1, next(serial))))
+
+        return add
+
+    # Adding twice is not the same as adding once: one run per place and map.
+    times = in_turns(new.tolist(), {"large": in_map(big), "small": in_map(little)}, repeats=1)
+    return Claim(
+        text=f"one node more, map of {large:,} against map of {small}",
+        ours_us=times["large"],
+        theirs_us=times["small"],
+        at_most=1.3,
+        note=f"{len(new)} nodes added",
+    )
+
+
+def node_against_global_union(nodes: int = 3000) -> Claim:
+    """Against one union of all regions that is kept up to date, which is what shapely offers."""
+    free = worlds.office(120.0, 24, seed=3)
+    index = EdgeIndex(worlds.edges(free), R / 3.0)
+    places = worlds.viewpoints(free, nodes + 100, seed=5)
+    known = map_of(index, places[:nodes])
+    union = known.region_union()
+
+    def ours(i: int) -> object:
+        return known.add(node_at(index, *places[i].tolist(), NodeId(0, i)))
+
+    def theirs(i: int) -> object:
+        nonlocal union
+        view, _ = visibility_polygon(index, *places[i], R)
+        union = union.union(shapely.Polygon(view))
+        return union
+
+    queries = list(range(nodes, nodes + 100))
+    times = in_turns(queries, {"ours": ours, "theirs": theirs}, repeats=1)
+    return Claim(
+        text=f"one node more at {nodes:,}: incremental union of all regions",
+        ours_us=times["ours"],
+        theirs_us=times["theirs"],
+        at_least=100.0,
+        note=f"ours with frontier arcs and raster; open frontier {known.open_frontier_m():.0f} m",
+    )
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,101 @@
+"""Multi-robot exploration of unknown planar worlds.
+
+>>> import multisrt as ms
+>>> run = ms.explore(ms.environment("office"), strategy="srt-radial", seed=1)  # doctest: +SKIP
+>>> run.metrics.coverage, run.save_svg("tree.svg")  # doctest: +SKIP
+
+Everything is imported when it is first used, so that `import multisrt` is quick.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from multisrt.environments.catalog import catalog, environment
+    from multisrt.environments.environment import Environment
+    from multisrt.environments.formats import read_environment
+    from multisrt.geometry.errors import InvalidInputError, MultiSrtError
+    from multisrt.geometry.footprint import Footprint
+    from multisrt.metrics import Metrics, measure
+    from multisrt.recording import Recording
+    from multisrt.run import Run, explore
+    from multisrt.simulation import simulate
+    from multisrt.spec import (
+        CatalogEnvironment,
+        DriveSpec,
+        FileEnvironment,
+        InlineEnvironment,
+        RangeFinderSpec,
+        RobotSpec,
+        RunSpec,
+        StopRule,
+    )
+    from multisrt.registry import Strategy, register, strategies
+
+_HOMES = {
+    "CatalogEnvironment": "spec",
+    "DriveSpec": "spec",
+    "Environment": "environments.environment",
+    "FileEnvironment": "spec",
+    "Footprint": "geometry.footprint",
+    "InlineEnvironment": "spec",
+    "InvalidInputError": "geometry.errors",
+    "Metrics": "metrics",
+    "MultiSrtError": "geometry.errors",
+    "RangeFinderSpec": "spec",
+    "Recording": "recording",
+    "RobotSpec": "spec",
+    "Run": "run",
+    "RunSpec": "spec",
+    "StopRule": "spec",
+    "Strategy": "registry",
+    "catalog": "environments.catalog",
+    "environment": "environments.catalog",
+    "explore": "run",
+    "measure": "metrics",
+    "read_environment": "environments.formats",
+    "register": "registry",
+    "simulate": "simulation",
+    "strategies": "registry",
+}
+
+__all__ = [
+    "CatalogEnvironment",
+    "DriveSpec",
+    "Environment",
+    "FileEnvironment",
+    "Footprint",
+    "InlineEnvironment",
+    "InvalidInputError",
+    "Metrics",
+    "MultiSrtError",
+    "RangeFinderSpec",
+    "Recording",
+    "RobotSpec",
+    "Run",
+    "RunSpec",
+    "StopRule",
+    "Strategy",
+    "catalog",
+    "environment",
+    "explore",
+    "measure",
+    "read_environment",
+    "register",
+    "simulate",
+    "strategies",
+]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOMES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    value = getattr(import_module(f"{__name__}.{_HOMES[name]}"), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -1,0 +1,68 @@
+"""The picture of a world."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from multisrt.drawing.colours import SUGGESTED_START
+from multisrt.drawing.sheet import LegendEntry, Sheet
+from multisrt.drawing.svg import child
+from multisrt.environments.environment import Environment
+from multisrt.recording import written_whole
+
+START_MM = 1.6
+
+
+def environment_svg(environment: Environment) -> str:
+    """Draw a world: free space, obstacles and suggested starts.
+
+    Parameters
+    ----------
+    environment : Environment
+        The world.
+
+    Returns
+    -------
+    str
+        An SVG document; its user units are metres. Equal worlds give equal documents.
+    """
+    x0, y0, x1, y1 = environment.bounds
+    parts = len(environment.free.geoms)
+    sheet = Sheet(
+        environment,
+        [
+            environment.name,
+            f"{x1 - x0:.4g} m x {y1 - y0:.4g} m, {environment.area_m2:,.4g} m² free"
+            + (f" in {parts} separate parts" if parts > 1 else ""),
+        ],
+        description=f"A world to explore. Origin: {environment.origin or 'not known'}. "
+        f"Coordinates of the layer 'map' are metres, y up.",
+    )
+    sheet.draw_ground("free space")
+    sheet.draw_obstacles(environment)
+    if environment.starts:
+        layer = sheet.layer("suggested starts", SUGGESTED_START)
+        size = START_MM * sheet.mm
+        path = "".join(sheet.pen.marker("diamond", x, y, size) for x, y in environment.starts)
+        child(layer, "path", d=path)
+        sheet.legend.append(
+            LegendEntry(
+                label="suggested start",
+                style=SUGGESTED_START,
+                marker="diamond",
+                size_mm=START_MM,
+            )
+        )
+    return sheet.svg()
+
+
+def save_environment_svg(environment: Environment, path: str | Path) -> None:
+    """Draw a world into a file, wholly or not at all.
+
+    Raises
+    ------
+    InvalidInputError
+        If the file cannot be written.
+    """
+    with written_whole(Path(path)) as file:
+        file.write(environment_svg(environment).encode())

@@ -1,0 +1,97 @@
+"""What frontier a run left open, also where it was cut off and nobody said so."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import msgspec
+import numpy as np
+import shapely
+
+from multisrt.events import ArcClosed, Ended, NodeAdded, Segment
+from multisrt.exploration_map import ExplorationMap, Node, NodeId
+from multisrt.geometry.configuration import Configuration
+from multisrt.geometry.errors import InvalidInputError
+from multisrt.geometry.footprint import Footprint
+from multisrt.geometry.safe_region import LocalSafeRegion
+from multisrt.recording import Recording
+from multisrt.spec import Scalar
+
+ON_ARC_M = 1e-5
+"""A segment whose middle is within this of a closed arc is part of it."""
+
+
+def remaining_frontier(recording: Recording) -> dict[int, tuple[Segment, ...]]:
+    """Give the frontier that every robot left open.
+
+    A robot that came to its end says itself what it left. For one that was cut off, by the
+    stop rule or a collision, it is what no region of the team covers of its nodes' frontiers,
+    without the arcs that were given up.
+
+    Parameters
+    ----------
+    recording : Recording
+        What happened.
+
+    Returns
+    -------
+    dict
+        Segments x0, y0, x1, y1 by robot, the region on their left.
+    """
+    said = {event.robot: event.frontier for event in recording.events if isinstance(event, Ended)}
+    robots = range(len(recording.spec.robots))
+    if len(said) == len(robots):
+        return {robot: said[robot] for robot in robots}
+    team_map = _team_map(recording)
+    left: dict[int, list[Segment]] = {robot: [] for robot in robots}
+    for node in team_map.open_nodes():
+        left[node.robot] += [(a, b, c, d) for a, b, c, d in team_map.frontier(node).tolist()]
+    return {robot: said.get(robot, tuple(left[robot])) for robot in robots}
+
+
+def _team_map(recording: Recording) -> ExplorationMap:
+    # What all robots know together, with the arcs that each of them gave up.
+    spec = recording.spec
+    team_map = ExplorationMap(
+        reach_m=max(robot.range_finder.range_m for robot in spec.robots),
+        shortest_arc_m=min(Footprint.parse(robot.footprint).width_m for robot in spec.robots),
+        gaps_count=_gaps_count(spec.options),
+    )
+    for event in recording.events:
+        match event:
+            case NodeAdded():
+                team_map.add(_node(event, spec.robots[event.robot].range_finder.range_m))
+            case ArcClosed():
+                node = NodeId(event.robot, event.node)
+                frontier = team_map.frontier(node)
+                arc = shapely.MultiLineString([((a, b), (c, d)) for a, b, c, d in event.arc])
+                middles = shapely.points((frontier[:, :2] + frontier[:, 2:]) / 2.0)
+                team_map.close(node, frontier[shapely.distance(middles, arc) <= ON_ARC_M])
+    return team_map
+
+
+def _gaps_count(options: Mapping[str, Scalar]) -> bool:
+    # Options may be written as text; a strategy that has no such option counts them.
+    try:
+        return msgspec.convert(options.get("gaps_count", True), bool, strict=False)
+    except msgspec.ValidationError as error:
+        raise InvalidInputError(f"option gaps_count of the recording: {error}") from None
+
+
+def _node(event: NodeAdded, range_m: float) -> Node:
+    configuration = Configuration(*event.configuration)
+    region = LocalSafeRegion(
+        x=configuration.x,
+        y=configuration.y,
+        range_m=range_m,
+        boundary=np.asarray(event.boundary, np.float64),
+        tags=np.asarray([int(tag) for tag in event.tags], np.int8),
+    )
+    return Node(
+        id=NodeId(event.robot, event.serial),
+        configuration=configuration,
+        region=region,
+        parent=None if event.parent is None else NodeId(event.robot, event.parent),
+        time_s=event.time_s,
+    )
+

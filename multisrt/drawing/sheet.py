@@ -1,0 +1,287 @@
+"""A sheet of paper with a map on it: heading above, scale bar and legend below.
+
+User units are metres. Whatever is on the sheet besides the map is measured in millimetres on
+paper, so that a room and a campus come out equally readable.
+"""
+
+from __future__ import annotations
+
+import math
+import xml.etree.ElementTree as ET
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+from multisrt.drawing.colours import FREE, FREE_SAMPLE, INK, OBSTACLE, WHITE, Style
+from multisrt.drawing.svg import (
+    Bounds,
+    Marker,
+    Pen,
+    child,
+    layer,
+    plain,
+    printable,
+    set_attributes,
+    text_width,
+)
+from multisrt.environments.environment import Environment
+
+LARGEST_MAP_MM: Final = ((265.0, 160.0), (180.0, 225.0))
+"""The map fits one of these: with heading and legend an A4 sheet, landscape or portrait."""
+
+NARROWEST_MM: Final = 150.0
+"""The sheet is at least this wide, for heading and legend, however narrow the map."""
+
+MARGIN_MM: Final = 8.0
+GAP_MM: Final = 2.0
+FRAME_MM: Final = 2.0
+"""How much solid surroundings are drawn beyond free space."""
+
+HEADING_MM: Final = 4.4
+TEXT_MM: Final = 3.1
+LINE: Final = 1.4
+"""Distance of lines, in letter sizes."""
+
+SAMPLE_MM: Final = 8.0
+"""Width of a sample in the legend."""
+
+LONGEST_BAR_MM: Final = 45.0
+LONGEST_HEADING: Final = 400
+"""Longer lines of the heading are cut, at this many letters."""
+
+FONT: Final = "Helvetica, Arial, 'Liberation Sans', 'DejaVu Sans', sans-serif"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LegendEntry:
+    """What a kind of thing on the map looks like.
+
+    Attributes
+    ----------
+    label : str
+        What it is.
+    style : Style
+        How it is drawn.
+    marker : Marker, optional
+        Its shape, if it is a marker; else a sample of a line or an area is shown.
+    size_mm : float
+        The marker's size.
+    """
+
+    label: str
+    style: Style
+    marker: Marker | None = None
+    size_mm: float = 1.0
+
+
+class Sheet:
+    """A sheet with a map of a world.
+
+    Parameters
+    ----------
+    environment : Environment
+        The world.
+    heading : sequence of str
+        What is written above the map; the first line is the title.
+    description : str
+        What programs show of the document.
+
+    Attributes
+    ----------
+    mm : float
+        Metres of the world that are a millimetre on paper.
+    pen : Pen
+        Writes coordinates of the world.
+    legend : list of LegendEntry
+        What stands below the map.
+    """
+
+    def __init__(
+        self, environment: Environment, heading: Sequence[str], description: str
+    ) -> None:
+        x0, y0, x1, y1 = environment.bounds
+        self.mm = 1.0 / max(min(w / (x1 - x0), h / (y1 - y0)) for w, h in LARGEST_MAP_MM)
+        frame = FRAME_MM * self.mm
+        self.pen = Pen.for_bounds(environment.bounds)
+        self.legend: list[LegendEntry] = []
+        self._bounds: Bounds = (x0 - frame, y0 - frame, x1 + frame, y1 + frame)
+        self._map_mm = ((x1 - x0) / self.mm + 2 * FRAME_MM, (y1 - y0) / self.mm + 2 * FRAME_MM)
+        self._width_mm = max(self._map_mm[0], NARROWEST_MM)
+        self._root = ET.Element(
+            "svg",
+            {
+                "xmlns": "http://www.w3.org/2000/svg",
+                "xmlns:inkscape": "http://www.inkscape.org/namespaces/inkscape",
+                "version": "1.1",
+            },
+        )
+        child(self._root, "title", heading[0])
+        child(self._root, "desc", description)
+        self._paper = child(layer(self._root, "paper"), "rect", fill=WHITE)
+        below = self._write_heading(heading)
+        self._map = self._map_group(below + GAP_MM)
+        self._y_mm = below + GAP_MM + self._map_mm[1] + GAP_MM
+
+    def layer(self, label: str, style: Style | None = None, **attributes: str) -> ET.Element:
+        """Add a layer to the map, above those before; its coordinates are metres, y up."""
+        group = layer(self._map, label)
+        set_attributes(group, {} if style is None else style.attributes(self.mm))
+        set_attributes(group, attributes)
+        return group
+
+    def draw_ground(self, label: str) -> None:
+        """Draw the ground, on which what is not free comes to lie."""
+        child(self.layer("free space", FREE), "path", d=self._frame())
+        self.legend.append(LegendEntry(label=label, style=FREE_SAMPLE))
+
+    def draw_obstacles(self, environment: Environment) -> None:
+        """Draw all that is not free, over what is there already."""
+        rings = [r for part in environment.free.geoms for r in (part.exterior, *part.interiors)]
+        path = self._frame() + self.pen.rings(ring.coords for ring in rings)
+        child(self.layer("obstacles", OBSTACLE, fill_rule="evenodd"), "path", d=path)
+        self.legend.append(LegendEntry(label="obstacle", style=OBSTACLE))
+
+    def label(self, parent: ET.Element, text: str, x: float, y: float) -> None:
+        """Write a short text beside a place of the map, upright although y points up."""
+        x, y = x - self.pen.origin[0], y - self.pen.origin[1]
+        child(
+            parent,
+            "text",
+            text,
+            x=1.9,
+            y=-1.4,
+            font_size=TEXT_MM,
+            font_family=FONT,
+            font_weight="bold",
+            fill=INK,
+            stroke=WHITE,
+            stroke_width=0.8,
+            stroke_linejoin="round",
+            paint_order="stroke",
+            transform=f"translate({plain(x)} {plain(y)}) scale({plain(self.mm)} {plain(-self.mm)})",
+        )
+
+    def svg(self) -> str:
+        """Write scale bar and legend, and give the whole document."""
+        below = self._write_legend(self._write_scale_bar(self._y_mm))
+        width, height = self._width_mm + 2 * MARGIN_MM, below + MARGIN_MM
+        in_metres = {"width": plain(width * self.mm), "height": plain(height * self.mm)}
+        set_attributes(self._paper, in_metres)
+        self._root.set("width", f"{plain(width)}mm")
+        self._root.set("height", f"{plain(height)}mm")
+        self._root.set("viewBox", f"0 0 {in_metres['width']} {in_metres['height']}")
+        ET.indent(self._root, " ")
+        body = ET.tostring(self._root, encoding="unicode")
+        return f'<?xml version="1.0" encoding="UTF-8"?>\n{body}\n'
+
+    def _map_group(self, top_mm: float) -> ET.Element:
+        x0, _, _, y1 = self._bounds
+        left_mm = MARGIN_MM + (self._width_mm - self._map_mm[0]) / 2.0
+        right = left_mm * self.mm - (x0 - self.pen.origin[0])
+        down = top_mm * self.mm + (y1 - self.pen.origin[1])
+        group = layer(self._root, "map")
+        group.set("transform", f"translate({plain(right)} {plain(down)}) scale(1 -1)")
+        return group
+
+    def _frame(self) -> str:
+        x0, y0, x1, y1 = self._bounds
+        return self.pen.rings([[(x0, y0), (x1, y0), (x1, y1), (x0, y1)]])
+
+    def _paper_layer(self, label: str) -> ET.Element:
+        # A layer whose units are millimetres on paper, y down.
+        group = layer(self._root, label)
+        values = {"font_family": FONT, "font_size": plain(TEXT_MM), "fill": INK}
+        set_attributes(group, {"transform": f"scale({plain(self.mm)})", **values})
+        return group
+
+    def _write_heading(self, heading: Sequence[str]) -> float:
+        group = self._paper_layer("heading")
+        y = MARGIN_MM
+        for number, paragraph in enumerate(heading):
+            size, weight = (HEADING_MM, "bold") if number == 0 else (TEXT_MM, "normal")
+            for line in wrapped(paragraph, size, self._width_mm):
+                # Letters stand on y and are about 0.75 of their size high.
+                child(
+                    group,
+                    "text",
+                    line,
+                    x=MARGIN_MM,
+                    y=y + 0.75 * size,
+                    font_size=size,
+                    font_weight=weight,
+                )
+                y += LINE * size
+        return y
+
+    def _write_scale_bar(self, top_mm: float) -> float:
+        group = self._paper_layer("scale bar")
+        length = round_length(LONGEST_BAR_MM * self.mm)
+        x, y = MARGIN_MM + 0.3, top_mm + 2.0
+        end = x + length / self.mm
+        path = f"M{plain(x)} {plain(y - 1.2)}v2.4M{plain(x)} {plain(y)}H{plain(end)}m0-1.2v2.4"
+        child(group, "path", d=path, fill="none", stroke=INK, stroke_width=0.5)
+        child(group, "text", f"{plain(length)} m", x=end + 2.0, y=y + 0.36 * TEXT_MM)
+        return top_mm + 4.0 + GAP_MM
+
+    def _write_legend(self, top_mm: float) -> float:
+        group = self._paper_layer("legend")
+        widest = max(text_width(entry.label, TEXT_MM) for entry in self.legend)
+        column_mm = SAMPLE_MM + 2.0 + widest + 3.0
+        columns = max(1, math.floor((self._width_mm + 3.0) / column_mm))
+        rows = math.ceil(len(self.legend) / columns)
+        row_mm = 1.6 * TEXT_MM
+        for k, entry in enumerate(self.legend):
+            column, row = divmod(k, rows)
+            x, y = MARGIN_MM + column * column_mm, top_mm + (row + 0.5) * row_mm
+            _sample(group, entry, x, y)
+            child(group, "text", entry.label, x=x + SAMPLE_MM + 2.0, y=y + 0.36 * TEXT_MM)
+        return top_mm + rows * row_mm
+
+
+def wrapped(text: str, size: float, width: float) -> list[str]:
+    """Break text into lines that are no wider than `width`; words that are, are broken too."""
+    lines = [""]
+    for word in shortened(printable(text)).split(" "):
+        longer = f"{lines[-1]} {word}".strip()
+        if text_width(longer, size) <= width:
+            lines[-1] = longer
+            continue
+        if lines[-1]:
+            lines.append("")
+        for letter in word:
+            if text_width(lines[-1] + letter, size) > width:
+                lines.append("")
+            lines[-1] += letter
+    return lines
+
+
+def shortened(text: str) -> str:
+    """Cut text that would fill the sheet."""
+    return text if len(text) <= LONGEST_HEADING else text[: LONGEST_HEADING - 1] + "…"
+
+
+def round_length(longest: float) -> float:
+    """Give the largest of 1, 2, 5, 10, ... (and 0.5, 0.2, ...) that is not above a length.
+
+    Examples
+    --------
+    >>> round_length(7.3), round_length(0.19), round_length(20.0)
+    (5.0, 0.1, 20.0)
+    """
+    power = math.floor(math.log10(longest))
+    candidates = [float(f"{m}e{p}") for p in (power - 1, power, power + 1) for m in (1, 2, 5)]
+    return max(c for c in candidates if c <= longest)
+
+
+def _sample(parent: ET.Element, entry: LegendEntry, x: float, y: float) -> None:
+    # Upright as on the map, where y points up.
+    drawn = entry.style.attributes(1.0)
+    place = f"translate({plain(x + SAMPLE_MM / 2)} {plain(y)}) scale(1 -1)"
+    half = SAMPLE_MM / 2.0
+    if entry.marker is not None:
+        path = Pen(decimals=3).marker(entry.marker, 0.0, 0.0, entry.size_mm)
+    elif entry.style.fill is not None:
+        path = f"M{plain(-half + 0.5)}-1.4h{plain(SAMPLE_MM - 1.0)}v2.8h{plain(1.0 - SAMPLE_MM)}z"
+    else:
+        path = f"M{plain(-half)} 0h{plain(SAMPLE_MM)}"
+    child(parent, "path", d=path, transform=place, **drawn)

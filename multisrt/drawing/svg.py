@@ -1,0 +1,191 @@
+"""Writing SVG: path data from coordinates, and elements that hold any text."""
+
+from __future__ import annotations
+
+import math
+import re
+import unicodedata
+import xml.etree.ElementTree as ET
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from multisrt.geometry.kernel import FloatArray
+
+Bounds = tuple[float, float, float, float]
+Marker = Literal["disc", "triangle", "diamond", "square", "arrow", "cross"]
+
+FINEST = 1 / 5000
+"""Coordinates are rounded to a power of ten that is at most this share of the map's extent."""
+
+FAR_M = 10_000.0
+"""Beyond this from the world's origin coordinates are written from a place near by.
+
+Browsers calculate with 24 binary digits, which leaves millimetres up to here.
+"""
+
+_CORNERS: dict[Marker, tuple[tuple[float, float], ...]] = {
+    "triangle": ((-1.1, -0.75), (1.1, -0.75), (0.0, 1.25)),
+    "diamond": ((0.0, -1.25), (1.25, 0.0), (0.0, 1.25), (-1.25, 0.0)),
+    "square": ((-0.9, -0.9), (0.9, -0.9), (0.9, 0.9), (-0.9, 0.9)),
+    "arrow": ((1.3, 0.0), (-0.9, 0.9), (-0.4, 0.0), (-0.9, -0.9)),
+}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Pen:
+    """Writes coordinates in metres as path data: rounded, in relative commands.
+
+    Attributes
+    ----------
+    origin : (x, y)
+        The world's place that is written as 0, 0.
+    decimals : int
+        How many decimals are kept.
+    """
+
+    origin: tuple[float, float] = (0.0, 0.0)
+    decimals: int = 3
+
+    @classmethod
+    def for_bounds(cls, bounds: Bounds) -> Pen:
+        """Give the pen for a map: fine enough to zoom in, with no more digits than that needs."""
+        x0, y0, x1, y1 = bounds
+        extent = max(x1 - x0, y1 - y0)
+        far = max(map(abs, bounds)) > FAR_M
+        return cls(
+            origin=(float(math.floor(x0)), float(math.floor(y0))) if far else (0.0, 0.0),
+            decimals=max(0, math.ceil(-math.log10(extent * FINEST))),
+        )
+
+    @property
+    def step_m(self) -> float:
+        """What coordinates are rounded to."""
+        return 10.0**-self.decimals
+
+    def line(self, points: ArrayLike) -> str:
+        """Write an open line through ``(n, 2)`` points."""
+        return self._path(points, closed=False)
+
+    def rings(self, rings: Iterable[ArrayLike]) -> str:
+        """Write closed rings of ``(n, 2)`` corners; those below the rounding are left out."""
+        return "".join(self._path(ring, closed=True) for ring in rings)
+
+    def marker(self, marker: Marker, x: float, y: float, size: float, turn: float = 0.0) -> str:
+        """Write a marker around a place.
+
+        Parameters
+        ----------
+        marker : Marker
+            Its shape.
+        x, y : float
+            Its place in metres.
+        size : float
+            Radius of a disc; the other shapes look as large.
+        turn : float
+            Angle by which it is turned, in radians.
+        """
+        fine = Pen(origin=self.origin, decimals=max(self.decimals, 1 - _exponent(size)) + 1)
+        if marker == "disc":
+            start = fine.line([(x - size, y)])
+            r, d = number(fine._steps(size), fine.decimals), fine._steps(size) * 2
+            there, back = number(d, fine.decimals), number(-d, fine.decimals)
+            return f"{start}a{r} {r} 0 1 0 {there} 0a{r} {r} 0 1 0 {back} 0z"
+        c, s = size * math.cos(turn), size * math.sin(turn)
+        if marker == "cross":
+            arms = (((-1.0, -1.0), (1.0, 1.0)), ((-1.0, 1.0), (1.0, -1.0)))
+            return "".join(
+                fine.line([(x + c * u - s * v, y + s * u + c * v) for u, v in arm]) for arm in arms
+            )
+        corners = [(x + c * u - s * v, y + s * u + c * v) for u, v in _CORNERS[marker]]
+        return fine._path(corners, closed=True)
+
+    def _path(self, points: ArrayLike, *, closed: bool) -> str:
+        # Rounded before it is differenced: errors do not add up along the line.
+        places: FloatArray = np.asarray(points, np.float64).reshape(-1, 2) - self.origin
+        steps = np.rint(places * 10.0**self.decimals).astype(np.int64)
+        moves = np.diff(steps, axis=0)
+        moves = moves[moves.any(axis=1)]
+        if closed:
+            if len(moves) and not moves.sum(axis=0).any():
+                moves = moves[:-1]
+            if len(moves) < 2:
+                return ""
+        text = "M" + _joined(steps[0].tolist(), self.decimals)
+        if len(moves):
+            text += "l" + _joined(moves.ravel().tolist(), self.decimals)
+        return text + "z" if closed else text
+
+    def _steps(self, length: float) -> int:
+        return round(length * 10.0**self.decimals)
+
+
+def number(steps: int, decimals: int) -> str:
+    """Write a whole number of steps of ``10**-decimals``, as short as it goes."""
+    whole, rest = divmod(abs(steps), 10**decimals)
+    fraction = f"{rest:0{decimals}d}".rstrip("0") if rest else ""
+    text = (str(whole) if whole or not fraction else "") + (f".{fraction}" if fraction else "")
+    return f"-{text}" if steps < 0 else text
+
+
+def plain(value: float) -> str:
+    """Write a number with eight significant digits, without an exponent."""
+    if value == 0.0:
+        return "0"
+    decimals = max(0, 7 - _exponent(value))
+    return number(round(value * 10.0**decimals), decimals)
+
+
+def child(
+    parent: ET.Element, tag: str, text: str = "", /, **attributes: str | float
+) -> ET.Element:
+    """Add an element with a text and attributes, which are set as by `set_attributes`."""
+    element = ET.SubElement(parent, tag)
+    set_attributes(element, attributes)
+    if text:
+        element.text = printable(text)
+    return element
+
+
+def layer(parent: ET.Element, label: str) -> ET.Element:
+    """Add a named group that opens as a layer in Inkscape."""
+    group = child(parent, "g", id=identifier(label))
+    group.set("inkscape:groupmode", "layer")
+    group.set("inkscape:label", label)
+    return group
+
+
+def set_attributes(element: ET.Element, attributes: Mapping[str, str | float]) -> None:
+    """Set attributes: ``stroke_width`` becomes ``stroke-width``, numbers have no exponent."""
+    for name, value in attributes.items():
+        element.set(name.replace("_", "-"), value if isinstance(value, str) else plain(value))
+
+
+def identifier(label: str) -> str:
+    """Turn a label into an id."""
+    return re.sub(r"[^A-Za-z0-9]+", "-", label).strip("-").lower()
+
+
+def printable(text: str) -> str:
+    """Give text on one line, without the characters that XML has no place for."""
+    text = " ".join(text.split())
+    return "".join("�" if unicodedata.category(c) in ("Cc", "Cs", "Cn") else c for c in text)
+
+
+def text_width(text: str, size: float) -> float:
+    """Estimate how wide text runs, rather too wide: nobody knows which font there will be."""
+    wide = sum(unicodedata.east_asian_width(c) in "WF" for c in text)
+    return size * (0.6 * (len(text) - wide) + wide)
+
+
+def _joined(values: Iterable[int], decimals: int) -> str:
+    # A minus sign separates by itself.
+    words = (number(value, decimals) for value in values)
+    return "".join(w if w[0] == "-" else f" {w}" for w in words).removeprefix(" ")
+
+
+def _exponent(value: float) -> int:
+    return math.floor(math.log10(abs(value)))

@@ -89,9 +89,7 @@ def show(claims: Iterable[Claim]) -> bool:
         if claim.skipped:
             print(f"{claim.text:60} {claim.note}", flush=True)
             continue
-        target = (
-            f">= {claim.at_least:g}" if claim.at_least is not None else f"<= {claim.at_most:g}"
-        )
+        target = f">= {claim.at_least:g}" if claim.at_least is not None else f"<= {claim.at_most:g}"
         verdict = "met" if claim.met else "NOT MET"
         print(
             f"{claim.text:60} {claim.ours_us:9.1f} {claim.theirs_us:10.1f} {claim.ratio:8.2f} "

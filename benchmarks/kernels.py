@@ -98,14 +98,10 @@ def visibility(free: shapely.Polygon) -> Iterator[Claim]:
         )
 
         def by_visilibity(place: list[float]) -> object:
-            return visilibity.Visibility_Polygon(
-                visilibity.Point(*place), environment, 1e-7
-            )
+            return visilibity.Visibility_Polygon(visilibity.Point(*place), environment, 1e-7)
 
         times = in_turns(places[:20].tolist(), {"ours": ours, "theirs": by_visilibity})
-        yield Claim(
-            text=text, ours_us=times["ours"], theirs_us=times["theirs"], at_least=50.0
-        )
+        yield Claim(text=text, ours_us=times["ours"], theirs_us=times["theirs"], at_least=50.0)
     else:
         yield skipped(text, "visilibity")
 
@@ -132,9 +128,7 @@ def beams(free: shapely.Polygon, count: int = 720) -> Claim:
 
     def theirs(place: list[float]) -> np.ndarray:
         origins = np.broadcast_to(np.float32([*place, 0.0]), (count, 3))
-        return scene.run(
-            np.ascontiguousarray(origins), directions, dists=R, query="DISTANCE"
-        )
+        return scene.run(np.ascontiguousarray(origins), directions, dists=R, query="DISTANCE")
 
     def ours(place: list[float]) -> np.ndarray:
         return laser_ranges(index, *place, R, count)
@@ -306,9 +300,7 @@ def geodesic_field() -> Claim:
     )
 
 
-def shortest_paths(
-    free: shapely.Polygon, source: np.ndarray, targets: np.ndarray
-) -> np.ndarray:
+def shortest_paths(free: shapely.Polygon, source: np.ndarray, targets: np.ndarray) -> np.ndarray:
     """Exact lengths by a visibility graph of all corners."""
     corners = np.unique(worlds.edges(free)[:, :2], axis=0)
     points = np.vstack([source, corners, targets])

@@ -16,6 +16,7 @@ __all__ = ["BoolArray", "FloatArray", "IntArray", "inlined_kernel", "kernel"]
 P = ParamSpec("P")
 R = TypeVar("R")
 
+
 def kernel(function: Callable[P, R]) -> Callable[P, R]:
     """Compile a function on first use, keeping its types for readers and checkers."""
     compiled: Callable[P, R] = numba.njit(cache=True, nogil=True, fastmath=False)(function)
@@ -24,7 +25,7 @@ def kernel(function: Callable[P, R]) -> Callable[P, R]:
 
 def inlined_kernel(function: Callable[P, R]) -> Callable[P, R]:
     """Compile a small kernel into each kernel that calls it, where a call would dominate."""
-    compiled: Callable[P, R] = numba.njit(
-        cache=True, nogil=True, fastmath=False, inline="always"
-    )(function)
+    compiled: Callable[P, R] = numba.njit(cache=True, nogil=True, fastmath=False, inline="always")(
+        function
+    )
     return compiled

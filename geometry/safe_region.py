@@ -227,7 +227,10 @@ def _cut_at_smallest_readings(
             count += 1
         for k in range(cone * parts, (cone + 1) * parts):
             theta = k * width
-            result[count, 0], result[count, 1] = x + depth * np.cos(theta), y + depth * np.sin(theta)
+            result[count, 0], result[count, 1] = (
+                x + depth * np.cos(theta),
+                y + depth * np.sin(theta),
+            )
             if depth == reach:
                 result_tags[count] = RANGE
             elif contact[k] - depth <= contact_tolerance:

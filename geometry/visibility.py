@@ -30,6 +30,9 @@ MIN_CLEARANCE_M: Final = 1e-9
 MAX_RANGE_M: Final = 1e7
 """As far as coordinates may lie from the origin: a range beyond it reaches no further."""
 
+GRAZING_M: Final = 1e-5
+"""A gap that has a wall behind it within this runs along that wall: it is no gap."""
+
 ARC_TOLERANCE_M: Final = 0.01
 """Largest distance between an arc and the chords that stand for it, which lie inside it."""
 
@@ -298,17 +301,21 @@ def _sweep(
     source = np.empty(2 * count + 1, np.int64)
     angles = np.empty((2 * count + 1, 2))
     n = 0
+    # Edges that are seen along their length: where there is a gap, it ends at them.
+    grazed = np.empty(count, np.int64)
+    grazed_count = 0
     radius2 = radius * radius
     for k in range(count):
         e = found[k]
         ax, ay = edges[e, 0] - x, edges[e, 1] - y
         bx, by = edges[e, 2] - x, edges[e, 3] - y
         cross = ax * by - ay * bx
-        if cross <= 0.0:
-            continue
         dx, dy = bx - ax, by - ay
         length2 = dx * dx + dy * dy
-        if cross * cross >= radius2 * length2:
+        if cross * cross <= GRAZING_M * GRAZING_M * length2:
+            grazed[grazed_count] = e
+            grazed_count += 1
+        if cross <= 0.0 or cross * cross >= radius2 * length2:
             continue
         if ax * ax + ay * ay > radius2 or bx * bx + by * by > radius2:
             middle = -(ax * dx + ay * dy) / length2
@@ -347,8 +354,8 @@ def _sweep(
     #    before the first piece.
     active = np.empty(n + 1, np.int64)
     active_count = 0
-    boundary = np.empty((4 * n + divisions + 16, 2))
-    tags = np.empty(4 * n + divisions + 16, np.int8)
+    boundary = np.empty((4 * n + divisions + 16 + 2 * grazed_count, 2))
+    tags = np.empty(4 * n + divisions + 16 + 2 * grazed_count, np.int8)
     corners = 0
     piece, piece_segment = -3, -1
     angle, next_event = 0.0, 0
@@ -388,10 +395,9 @@ def _sweep(
             px, py = _end_point(segments, angles, nearest, angle, ux, uy, radius)
             if piece != -3:
                 lx, ly = _end_point(segments, angles, piece_segment, angle, ux, uy, radius)
-                if abs(lx - px) + abs(ly - py) > 1e-9:
-                    boundary[corners, 0], boundary[corners, 1] = x + lx, y + ly
-                    tags[corners] = GAP
-                    corners += 1
+                corners = _add_gap(
+                    boundary, tags, corners, x, y, lx, ly, px, py, edges, grazed, grazed_count
+                )
             boundary[corners, 0], boundary[corners, 1] = x + px, y + py
             tags[corners] = RANGE if now < 0 else OBSTACLE
             corners += 1
@@ -417,11 +423,65 @@ def _sweep(
         angle = until
 
     lx, ly = _end_point(segments, angles, piece_segment, 4.0, 1.0, 0.0, radius)
-    if abs(x + lx - boundary[0, 0]) + abs(y + ly - boundary[0, 1]) > 1e-9:
-        boundary[corners, 0], boundary[corners, 1] = x + lx, y + ly
-        tags[corners] = GAP
-        corners += 1
+    px, py = boundary[0, 0] - x, boundary[0, 1] - y
+    corners = _add_gap(boundary, tags, corners, x, y, lx, ly, px, py, edges, grazed, grazed_count)
     return boundary[:corners].copy(), tags[:corners].copy(), clearance
+
+
+@kernel
+def _add_gap(
+    boundary: FloatArray,
+    tags: TagArray,
+    corners: int,
+    x: float,
+    y: float,
+    lx: float,
+    ly: float,
+    px: float,
+    py: float,
+    edges: FloatArray,
+    grazed: NDArray[np.int64],
+    grazed_count: int,
+) -> int:
+    # A radial piece from (lx, ly) to (px, py), relative to the viewpoint: open, but for the
+    # stretches where it runs along a wall that is seen along its length.
+    dx, dy = px - lx, py - ly
+    length = np.hypot(dx, dy)
+    if length <= 1e-9:
+        return corners
+    ux, uy = dx / length, dy / length
+    begin = 0.0
+    while begin < length:
+        # The wall that begins next along the piece, if there is one.
+        low, high = length, length
+        for k in range(grazed_count):
+            e = grazed[k]
+            ax, ay = edges[e, 0] - x - lx, edges[e, 1] - y - ly
+            bx, by = edges[e, 2] - x - lx, edges[e, 3] - y - ly
+            along_a, along_b = ax * ux + ay * uy, bx * ux + by * uy
+            off_a, off_b = ax * uy - ay * ux, bx * uy - by * ux
+            if along_a > along_b:
+                along_a, along_b, off_a, off_b = along_b, along_a, off_b, off_a
+            first, last = max(along_a, begin), min(along_b, length)
+            if last - first <= 1e-9 or first >= low:
+                continue
+            slope = (off_b - off_a) / (along_b - along_a)
+            off_first = off_a + slope * (first - along_a)
+            off_last = off_a + slope * (last - along_a)
+            if abs(off_first) <= GRAZING_M and abs(off_last) <= GRAZING_M:
+                low, high = first, last
+        if low - begin > 1e-9:
+            boundary[corners, 0], boundary[corners, 1] = x + lx + ux * begin, y + ly + uy * begin
+            tags[corners] = GAP
+            corners += 1
+        else:
+            low = begin
+        if high > low:
+            boundary[corners, 0], boundary[corners, 1] = x + lx + ux * low, y + ly + uy * low
+            tags[corners] = OBSTACLE
+            corners += 1
+        begin = high
+    return corners
 
 
 @kernel
@@ -475,6 +535,7 @@ def _z_buffer(
     )
     if clearance < MIN_CLEARANCE_M:
         return ranges, clearance
+    radius2 = radius * radius
     per_rad = beams / (2.0 * np.pi)
     last_x, last_y, last_angle = 0.0, 0.0, 0.0
     for k in range(count):
@@ -485,7 +546,11 @@ def _z_buffer(
         if cross <= 0.0:
             continue
         dx, dy = bx - ax, by - ay
-        if cross * cross >= radius * radius * (dx * dx + dy * dy):
+        if cross * cross >= radius2 * (dx * dx + dy * dy):
+            continue
+        leaves_range = ax * dx + ay * dy >= 0.0 and ax * ax + ay * ay > radius2
+        never_enters = bx * dx + by * dy <= 0.0 and bx * bx + by * by > radius2
+        if leaves_range or never_enters:
             continue
         # Edges of one wall follow each other: an end's direction is computed once.
         angle_a = last_angle if ax == last_x and ay == last_y else np.arctan2(ay, ax)

@@ -72,6 +72,8 @@ class SrtOptions(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
         How far the body stays away from the border of what it knows.
     completion_spacing : float
         In the third stage, least distance from all nodes as a share of `d_min_m`.
+    max_views : int
+        In the third stage, how many places an arc is looked at from before it is given up.
     """
 
     alpha: float = 0.8
@@ -86,6 +88,7 @@ class SrtOptions(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     contact_tolerance_m: float = CONTACT_TOLERANCE_M
     margin_m: float = 0.02
     completion_spacing: float = 0.5
+    max_views: int = 3
 
     def __post_init__(self) -> None:
         for name, ok, allowed in (
@@ -95,6 +98,7 @@ class SrtOptions(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
             ("cones", self.cones >= 3, "at least 3"),
             ("contact_tolerance_m", 0.0 <= self.contact_tolerance_m < math.inf, "0 or more"),
             ("margin_m", 0.0 <= self.margin_m < math.inf, "0 or more"),
+            ("max_views", self.max_views >= 1, "at least 1"),
             ("completion_spacing", 0.0 < self.completion_spacing < math.inf, "positive"),
         ):
             if not ok:

@@ -29,8 +29,11 @@ NODE_MM: Final = (0.3, 0.8)
 NODE_SHARE: Final = 0.2
 """A node's radius as a share of the median edge, within that range."""
 
+SIMPLER_MM: Final = 0.015
+"""Outlines of regions are drawn to within this."""
+
 START_MM: Final = 2.0
-END_MM: Final = 1.2
+END_MM: Final = 1.7
 
 STAGES: Final[dict[Stage, tuple[Marker, str]]] = {
     "root": ("square", "root node"),
@@ -80,7 +83,7 @@ def tree_svg(recording: Recording) -> str:
             draw(sheet, trace)
     if len(traces) > 1:
         _draw_numbers(sheet, traces)
-    sheet.legend += _legend(traces, node_mm)
+    sheet.legend += _legend(traces)
     return sheet.svg()
 
 
@@ -100,8 +103,8 @@ def save_tree_svg(recording: Recording, path: str | Path) -> None:
 def _draw_regions(sheet: Sheet, trace: Trace) -> None:
     layer = sheet.layer(f"robot {trace.robot}: regions", RobotStyles.of(trace.robot).region)
     outlines = [shapely.linearrings(node.boundary) for node in trace.nodes]
-    # Round arcs have many corners that are lost in the rounding anyway.
-    simple = shapely.simplify(shapely.polygons(outlines), sheet.pen.step_m / 2.0)
+    # Round arcs have more corners than anybody can see.
+    simple = shapely.simplify(shapely.polygons(outlines), SIMPLER_MM * sheet.mm)
     for node, region in zip(trace.nodes, simple, strict=True):
         path = sheet.pen.rings([shapely.get_coordinates(region)])
         child(layer, "path", id=f"robot-{trace.robot}-region-{node.serial}", d=path)
@@ -167,7 +170,7 @@ def _draw_numbers(sheet: Sheet, traces: list[Trace]) -> None:
         sheet.label(layer, str(trace.robot), trace.start.x, trace.start.y)
 
 
-def _legend(traces: list[Trace], node_mm: float) -> list[LegendEntry]:
+def _legend(traces: list[Trace]) -> list[LegendEntry]:
     # Only what there is on the map.
     styles = RobotStyles.of(0)
     team = len(traces) > 1
@@ -182,9 +185,8 @@ def _legend(traces: list[Trace], node_mm: float) -> list[LegendEntry]:
         entries.append(LegendEntry(label="edge of the tree", style=styles.edge))
     for stage, (marker, label) in STAGES.items():
         if stage != "root" and any(node.stage == stage for node in nodes):
-            style = styles.node.scaled(node_mm / NODE_MM[1])
             entries.append(
-                LegendEntry(label=label, style=style, marker=marker, size_mm=node_mm)
+                LegendEntry(label=label, style=styles.node, marker=marker, size_mm=NODE_MM[1])
             )
     if any(trace.is_off_tree() for trace in traces):
         entries.append(LegendEntry(label="way travelled off the tree", style=styles.path))

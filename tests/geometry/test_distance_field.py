@@ -30,7 +30,9 @@ def shortest_paths(worlds, free, source, targets):
     corners = np.unique(worlds.edges(free)[:, :2], axis=0)
     points = np.vstack([source, corners, targets])
     known = 1 + len(corners)
-    pairs = np.array([(i, j) for i, j in itertools.product(range(known), range(len(points))) if i < j])
+    pairs = np.array(
+        [(i, j) for i, j in itertools.product(range(known), range(len(points))) if i < j]
+    )
     room = free.buffer(1e-7)
     shapely.prepare(room)
     sees = shapely.covers(room, shapely.linestrings(points[pairs]))

@@ -185,7 +185,9 @@ def test_arcs_by_dense_sampling(worlds, name):
             pieces = shapely.linestrings(rest[source == k].reshape(-1, 2, 2))
             distance = np.full(mine.sum(), np.inf)
             for piece in pieces:
-                distance = np.minimum(distance, shapely.distance(piece, shapely.points(points[mine])))
+                distance = np.minimum(
+                    distance, shapely.distance(piece, shapely.points(points[mine]))
+                )
             in_frontier = distance < 2e-6
             assert (in_frontier == ~seen[mine]).all()
             checked[0] += int(in_frontier.sum())

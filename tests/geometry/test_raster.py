@@ -56,9 +56,9 @@ def test_ties_are_broken_the_same_way_by_neighbouring_polygons():
     cells = np.zeros((4, 6), np.bool_)
     left = np.array([[0.0, 0.0], [2.5, 0.0], [2.5, 4.0], [0.0, 4.0]])
     right = np.array([[2.5, 0.0], [6.0, 0.0], [6.0, 4.0], [2.5, 4.0]])
-    assert paint_polygon(left, 0.0, 0.0, 1.0, cells) + paint_polygon(
-        right, 0.0, 0.0, 1.0, cells
-    ) == 24
+    assert (
+        paint_polygon(left, 0.0, 0.0, 1.0, cells) + paint_polygon(right, 0.0, 0.0, 1.0, cells) == 24
+    )
     assert cells.all()
     below = np.array([[0.0, 0.0], [6.0, 0.0], [6.0, 1.5], [0.0, 1.5]])
     above = np.array([[0.0, 1.5], [6.0, 1.5], [6.0, 4.0], [0.0, 4.0]])

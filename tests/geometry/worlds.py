@@ -24,9 +24,7 @@ def pillar() -> Polygon:
     return box(0, 0, 10, 10).difference(box(4, 4, 6, 6))
 
 
-def rooms(
-    width: float = 18.0, count: int = 3, door: float = 1.5, wall: float = 0.15
-) -> Polygon:
+def rooms(width: float = 18.0, count: int = 3, door: float = 1.5, wall: float = 0.15) -> Polygon:
     """Count x count empty rooms."""
     walls = _walls(width, count, door, wall, np.random.default_rng(0))
     return _free(width, walls)

@@ -25,7 +25,7 @@ def office(width: float = 40.0, count: int = 8, desks: int = 2, seed: int = 1) -
     for i in range(count):
         for j in range(count):
             for _ in range(desks):
-                x, y = rng.uniform(0.9, room - 0.9, 2) + (i * room, j * room)
+                x, y = rng.uniform(0.9, room - 0.9, 2) + np.array([i, j]) * room
                 w, h = rng.uniform(0.25, 0.6, 2)
                 turn = rng.choice([0.0, 0.0, 0.0, rng.uniform(0, 90)])
                 solid.append(affinity.rotate(box(x - w, y - h, x + w, y + h), turn))

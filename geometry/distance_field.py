@@ -198,15 +198,15 @@ def _upwind(distance: FloatArray, state: NDArray[np.uint8], v: int, width: int) 
         c = weight_x * base_x * base_x + weight_y * base_y * base_y - 1.0
         discriminant = b * b - a * c
         if discriminant >= 0.0:
-            value = (b + np.sqrt(discriminant)) / a
+            value = (b + math.sqrt(discriminant)) / a
             if value >= max(base_x, base_y):
                 return value
     # The front comes along one axis only.
     value = np.inf
     if weight_x > 0.0:
-        value = base_x + 1.0 / np.sqrt(weight_x)
+        value = base_x + 1.0 / math.sqrt(weight_x)
     if weight_y > 0.0:
-        value = min(value, base_y + 1.0 / np.sqrt(weight_y))
+        value = min(value, base_y + 1.0 / math.sqrt(weight_y))
     return value
 
 

@@ -63,7 +63,8 @@ def frontier_candidates(
     keep = tags != OBSTACLE
     if not include_gaps:
         keep &= tags != GAP
-    return np.hstack([boundary, np.roll(boundary, -1, axis=0)])[keep]
+    candidates: FloatArray = np.hstack([boundary, np.roll(boundary, -1, axis=0)])[keep]
+    return candidates
 
 
 @kernel
@@ -179,7 +180,7 @@ def uncovered(
 
 @kernel
 def arc_labels(segments: FloatArray) -> tuple[IntArray, int]:
-    """Number the arcs of one node: runs of segments of which each begins where the last ends.
+    """Tell arcs of one node apart: runs of segments of which each begins where the last ends.
 
     Parameters
     ----------

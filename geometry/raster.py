@@ -96,8 +96,8 @@ class Raster:
         """Give the x of every column's and the y of every row's cell centres."""
         rows, columns = self.cells.shape
         return (
-            self.x0 + (np.arange(columns) + 0.5) * self.cell_m,
-            self.y0 + (np.arange(rows) + 0.5) * self.cell_m,
+            self.x0 + (np.arange(columns, dtype=np.float64) + 0.5) * self.cell_m,
+            self.y0 + (np.arange(rows, dtype=np.float64) + 0.5) * self.cell_m,
         )
 
     def area_m2(self) -> float:

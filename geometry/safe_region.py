@@ -66,7 +66,7 @@ class LocalSafeRegion:
     tags: TagArray
 
     def polygon(self) -> shapely.Polygon:
-        """The region as a shapely polygon."""
+        """Give the region as a shapely polygon."""
         return shapely.Polygon(self.boundary)
 
 
@@ -252,5 +252,5 @@ def _crossing(
         return 0.0
     if theta >= end:
         return 1.0
-    ux, uy = np.cos(theta), np.sin(theta)
+    ux, uy = math.cos(theta), math.sin(theta)
     return min(1.0, max(0.0, (ax * uy - ay * ux) / (ux * dy - uy * dx)))

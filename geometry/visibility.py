@@ -262,7 +262,7 @@ def _signed_clearance(
         if distance < nearest * (1.0 - 1e-9) or face > facing:
             nearest, facing = min(nearest, distance), face
             free = cross > 0.0
-    clearance = np.sqrt(nearest)
+    clearance = math.sqrt(nearest)
     if clearance > radius:
         # There may be nearer edges that were not looked up.
         winding = winding_number(x, y, edges, grid, starts, items, stamps, query + 1)

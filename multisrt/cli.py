@@ -238,7 +238,7 @@ def _spec(environment: str, strategy: str, **given: Any) -> RunSpec:
 
     drive = DriveSpec(kind=given["drive"], speed_m_s=given["speed"])
     eyes = RangeFinderSpec(range_m=given["range_m"], beams=given["beams"])
-    starts = [_start(text) for text in given["starts"]] or [None]
+    starts: list[Any] = [_start(text) for text in given["starts"]] or [None]
     max_time = given["max_time"]
     return RunSpec(
         environment=environment_spec(

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 import shapely
+from shapely.geometry.base import BaseGeometry
 
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.frontier_arcs import (
@@ -23,6 +24,9 @@ from multisrt.geometry.frontier_arcs import (
 from multisrt.geometry.kernel import FloatArray, IntArray
 from multisrt.geometry.raster import Raster
 from multisrt.geometry.safe_region import LocalSafeRegion
+
+
+Array = TypeVar("Array", FloatArray, IntArray)
 
 
 class NodeId(NamedTuple):
@@ -189,29 +193,14 @@ class ExplorationMap:
         found = self._within(x, y, radius_m)
         return sorted((self._nodes[self._ids[i]] for i in found), key=lambda node: node.id)
 
-    def nearest_distance(self, x: float, y: float, radius_m: float) -> float:
-        """Distance to the nearest node within a radius; ``inf`` if there is none."""
-        found = self._within(x, y, radius_m)
-        if not len(found):
-            return math.inf
-        offsets = self._positions[found] - (x, y)
-        return float(np.sqrt((offsets**2).sum(axis=1).min()))
-
-    def covered_by(self, x: float, y: float) -> list[Node]:
-        """Give the nodes whose regions hold a point in their interior or on their boundary."""
-        near = self.near(x, y, self._reach)
-        polygons = shapely.polygons([shapely.linearrings(node.region.boundary) for node in near])
-        inside = shapely.intersects_xy(polygons, x, y)
-        return [node for node, holds in zip(near, inside, strict=True) if holds]
-
-    def local_union(self, x: float, y: float, half_width_m: float) -> shapely.Geometry:
+    def local_union(self, x: float, y: float, half_width_m: float) -> BaseGeometry:
         """Unite the regions of all nodes inside a square window around a place."""
         near = self.near(x, y, math.sqrt(2.0) * half_width_m + self._reach)
         polygons = np.array([node.region.polygon() for node in near])
         window = (x - half_width_m, y - half_width_m, x + half_width_m, y + half_width_m)
         return shapely.union_all(shapely.clip_by_rect(polygons, *window))
 
-    def region_union(self) -> shapely.Geometry:
+    def region_union(self) -> BaseGeometry:
         """Unite all regions, exactly. Costs more the larger the map is: not for the loop."""
         return shapely.union_all([node.region.polygon() for node in self._nodes.values()])
 
@@ -231,7 +220,8 @@ class ExplorationMap:
                 found.extend(self._hash.get((i, j), ()))
         indices = np.asarray(found, np.int64)
         offsets = self._positions[indices] - (x, y)
-        return indices[(offsets**2).sum(axis=1) <= radius * radius]
+        near: IntArray = indices[(offsets**2).sum(axis=1) <= radius * radius]
+        return near
 
     def _store(self, node: Node) -> int:
         index = len(self._ids)
@@ -298,12 +288,12 @@ class ExplorationMap:
         ]
         lengths = joined_lengths(np.concatenate([own, *others]))[: len(own)]
         labels, _ = arc_labels(arcs)
-        kept = arcs[(lengths >= self._shortest_arc)[labels]]
+        kept: FloatArray = arcs[(lengths >= self._shortest_arc)[labels]]
         kept.setflags(write=False)
         return kept
 
 
-def _grown(array: np.ndarray, length: int) -> np.ndarray:
+def _grown(array: Array, length: int) -> Array:
     larger = np.zeros((length, *array.shape[1:]), array.dtype)
     larger[: len(array)] = array
     return larger

@@ -246,7 +246,8 @@ def lower_bounds(
 
 def smallest_clearance(recording: Recording, environment: Environment) -> float:
     """Least distance between a body and an obstacle, over all motions; by shapely alone."""
-    tree = shapely.STRtree(shapely.linestrings(environment.edges.reshape(-1, 2, 2)))
+    walls = [shapely.LineString(edge) for edge in environment.edges.reshape(-1, 2, 2)]
+    tree = shapely.STRtree(walls)
     smallest = math.inf
     for number, robot in enumerate(recording.spec.robots):
         footprint = Footprint.parse(robot.footprint)

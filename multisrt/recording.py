@@ -230,7 +230,7 @@ def header_of(
         spec=spec,
         world=environment.name,
         free=free,
-        starts=tuple(tuple(start) for start in starts),
+        starts=tuple((*start,) for start in starts),
     )
 
 

@@ -15,6 +15,7 @@ from multisrt.recording import Recording, RunOutcome, written_whole
 from multisrt.simulation import Watcher, simulate
 from multisrt.spec import (
     DriveSpec,
+    EnvironmentSpec,
     RangeFinderSpec,
     RobotSpec,
     RunSpec,
@@ -164,6 +165,7 @@ def explore(
     if isinstance(environment, RunSpec):
         world = build_environment(environment.environment)
         return Run(simulate(environment, world, path=recording_path, watch=watch), world)
+    where: EnvironmentSpec
     if isinstance(environment, Environment):
         world, where = environment, inline(environment)
     else:

@@ -304,7 +304,8 @@ def build_environment(spec: EnvironmentSpec) -> Environment:
     if isinstance(spec, CatalogEnvironment):
         from multisrt.environments.catalog import environment
 
-        return environment(spec.name, seed=spec.seed, **spec.parameters)
+        parameters: dict[str, Any] = dict(spec.parameters)
+        return environment(spec.name, seed=spec.seed, **parameters)
     if isinstance(spec, FileEnvironment):
         from multisrt.environments.formats import read_environment
 

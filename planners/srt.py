@@ -15,6 +15,7 @@ import msgspec
 import numpy as np
 import shapely
 from numpy.random import Generator
+from shapely.geometry.base import BaseGeometry
 
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.edge_index import EdgeIndex
@@ -260,7 +261,7 @@ class SrtPlanner:
     def viewing_place(
         self,
         arc: FloatArray,
-        known: shapely.Geometry,
+        known: BaseGeometry,
         within_m: float,
         nodes: FloatArray,
     ) -> tuple[tuple[float, float], int] | str:
@@ -325,12 +326,12 @@ def arc_middle(arc: FloatArray) -> tuple[float, float, float, float]:
     return float(x), float(y), float(-dy / lengths[k]), float(dx / lengths[k])
 
 
-def _eroded(region: shapely.Geometry, radius: float) -> shapely.Geometry:
+def _eroded(region: BaseGeometry, radius: float) -> BaseGeometry:
     # Rounded corners are chords: these are moved to where they keep the whole radius.
     return region.buffer(-radius / ROUND - INWARD_M / 2, quad_segs=ROUND_SEGMENTS)
 
 
-def _view(known: shapely.Geometry, x: float, y: float, range_m: float) -> shapely.Polygon | None:
+def _view(known: BaseGeometry, x: float, y: float, range_m: float) -> shapely.Polygon | None:
     # What of the known region can be seen from a place in it, and so sees that place.
     for part in shapely.get_parts(known):
         if part.geom_type == "Polygon" and shapely.contains_xy(part, x, y):
@@ -397,7 +398,7 @@ def nearest_point(points: FloatArray, x: float, y: float) -> float:
     nearest = np.inf
     for i in range(points.shape[0]):
         nearest = min(nearest, (points[i, 0] - x) ** 2 + (points[i, 1] - y) ** 2)
-    return np.sqrt(nearest)
+    return math.sqrt(nearest)
 
 
 @kernel

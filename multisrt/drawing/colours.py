@@ -13,19 +13,21 @@ from multisrt.drawing.svg import plain
 
 WHITE: Final = "#ffffff"
 INK: Final = "#1a1a1a"
-VERMILION: Final = "#d55e00"
+VERMILION: Final = "#b94600"
+"""Darker than in the source, so that it stands out in grey, too."""
+
 
 ROBOT_COLOURS: Final = (
     "#0072b2",  # blue
     "#e69f00",  # orange
     "#009e73",  # bluish green
     "#cc79a7",  # reddish purple
-    "#000000",  # black
+    "#a8a000",  # olive
     "#56b4e9",  # sky blue
     "#8a5a2b",  # brown
     "#7a68d8",  # violet
 )
-"""Colours of robots, in turn; vermilion is the frontier's."""
+"""Colours of robots, in turn. Vermilion is the frontier's, black and grey are the world's."""
 
 ROBOT_DASHES_MM: Final[tuple[tuple[float, ...], ...]] = (
     (),
@@ -37,7 +39,7 @@ ROBOT_DASHES_MM: Final[tuple[tuple[float, ...], ...]] = (
     (3.0, 0.5, 0.4, 0.5, 0.4, 0.5),
     (2.4, 0.6, 0.8, 0.6),
 )
-"""Dashes of robots' trees: the next ones each time that all colours are used up."""
+"""Dashes of robots' trees, in turn, one further each time that all colours are used up."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -116,7 +118,7 @@ class RobotStyles:
         """Give a robot's styles; 64 robots differ, then they repeat."""
         turn, number = divmod(robot, len(ROBOT_COLOURS))
         colour = ROBOT_COLOURS[number]
-        dashes = ROBOT_DASHES_MM[turn % len(ROBOT_DASHES_MM)]
+        dashes = ROBOT_DASHES_MM[(number + turn) % len(ROBOT_DASHES_MM)]
         return cls(
             # Where many regions overlap the sum is the fill itself, which is therefore light.
             region=Style(

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from multisrt.drawing.colours import SUGGESTED_START
 from multisrt.drawing.sheet import LegendEntry, Sheet
-from multisrt.drawing.svg import child
+from multisrt.drawing.svg import child, length
 from multisrt.environments.environment import Environment
 from multisrt.recording import written_whole
 
@@ -32,11 +32,10 @@ def environment_svg(environment: Environment) -> str:
         environment,
         [
             environment.name,
-            f"{x1 - x0:.4g} m x {y1 - y0:.4g} m, {environment.area_m2:,.4g} m² free"
+            f"{length(x1 - x0)} x {length(y1 - y0)}, {length(environment.area_m2)}² free"
             + (f" in {parts} separate parts" if parts > 1 else ""),
         ],
-        description=f"A world to explore. Origin: {environment.origin or 'not known'}. "
-        f"Coordinates of the layer 'map' are metres, y up.",
+        description=f"A world to explore. Origin: {environment.origin or 'not known'}.",
     )
     sheet.draw_ground("free space")
     sheet.draw_obstacles(environment)

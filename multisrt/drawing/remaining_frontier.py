@@ -94,4 +94,3 @@ def _node(event: NodeAdded, range_m: float) -> Node:
         parent=None if event.parent is None else NodeId(event.robot, event.parent),
         time_s=event.time_s,
     )
-

@@ -19,6 +19,7 @@ from multisrt.drawing.svg import (
     Pen,
     child,
     layer,
+    length,
     plain,
     printable,
     set_attributes,
@@ -96,9 +97,7 @@ class Sheet:
         What stands below the map.
     """
 
-    def __init__(
-        self, environment: Environment, heading: Sequence[str], description: str
-    ) -> None:
+    def __init__(self, environment: Environment, heading: Sequence[str], description: str) -> None:
         x0, y0, x1, y1 = environment.bounds
         self.mm = 1.0 / max(min(w / (x1 - x0), h / (y1 - y0)) for w, h in LARGEST_MAP_MM)
         frame = FRAME_MM * self.mm
@@ -116,7 +115,7 @@ class Sheet:
             },
         )
         child(self._root, "title", heading[0])
-        child(self._root, "desc", description)
+        child(self._root, "desc", f"{description} {self._units()}")
         self._paper = child(layer(self._root, "paper"), "rect", fill=WHITE)
         below = self._write_heading(heading)
         self._map = self._map_group(below + GAP_MM)
@@ -174,6 +173,11 @@ class Sheet:
         body = ET.tostring(self._root, encoding="unicode")
         return f'<?xml version="1.0" encoding="UTF-8"?>\n{body}\n'
 
+    def _units(self) -> str:
+        x, y = self.pen.origin
+        place = f" from ({x:.0f}, {y:.0f})" if x or y else ""
+        return f"Coordinates of the layer 'map' are metres{place}, y up."
+
     def _map_group(self, top_mm: float) -> ET.Element:
         x0, _, _, y1 = self._bounds
         left_mm = MARGIN_MM + (self._width_mm - self._map_mm[0]) / 2.0
@@ -215,12 +219,12 @@ class Sheet:
 
     def _write_scale_bar(self, top_mm: float) -> float:
         group = self._paper_layer("scale bar")
-        length = round_length(LONGEST_BAR_MM * self.mm)
+        bar = round_length(LONGEST_BAR_MM * self.mm)
         x, y = MARGIN_MM + 0.3, top_mm + 2.0
-        end = x + length / self.mm
+        end = x + bar / self.mm
         path = f"M{plain(x)} {plain(y - 1.2)}v2.4M{plain(x)} {plain(y)}H{plain(end)}m0-1.2v2.4"
         child(group, "path", d=path, fill="none", stroke=INK, stroke_width=0.5)
-        child(group, "text", f"{plain(length)} m", x=end + 2.0, y=y + 0.36 * TEXT_MM)
+        child(group, "text", length(bar), x=end + 2.0, y=y + 0.36 * TEXT_MM)
         return top_mm + 4.0 + GAP_MM
 
     def _write_legend(self, top_mm: float) -> float:

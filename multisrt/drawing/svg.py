@@ -61,11 +61,6 @@ class Pen:
             decimals=max(0, math.ceil(-math.log10(extent * FINEST))),
         )
 
-    @property
-    def step_m(self) -> float:
-        """What coordinates are rounded to."""
-        return 10.0**-self.decimals
-
     def line(self, points: ArrayLike) -> str:
         """Write an open line through ``(n, 2)`` points."""
         return self._path(points, closed=False)
@@ -139,9 +134,19 @@ def plain(value: float) -> str:
     return number(round(value * 10.0**decimals), decimals)
 
 
-def child(
-    parent: ET.Element, tag: str, text: str = "", /, **attributes: str | float
-) -> ET.Element:
+def length(metres: float) -> str:
+    """Write a length for people.
+
+    Examples
+    --------
+    >>> length(0.05), length(36.4567), length(1234.56)
+    ('0.05 m', '36.46 m', '1,234.6 m')
+    """
+    text = f"{metres:,.{max(1, 3 - _exponent(metres))}f}"
+    return text.rstrip("0").rstrip(".") + " m"
+
+
+def child(parent: ET.Element, tag: str, text: str = "", /, **attributes: str | float) -> ET.Element:
     """Add an element with a text and attributes, which are set as by `set_attributes`."""
     element = ET.SubElement(parent, tag)
     set_attributes(element, attributes)

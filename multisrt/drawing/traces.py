@@ -29,15 +29,17 @@ class Trace:
         Its number, from 0.
     start : Configuration
         Where it started.
-    nodes, motions, closed, collisions : list of events
-        What happened to it, in order.
+    nodes : dict
+        The nodes of its tree by serial number, in the order in which they were added.
+    motions, closed, collisions : list of events
+        What else happened to it, in order.
     frontier : tuple of segments
         What frontier it left open.
     """
 
     robot: int
     start: Configuration
-    nodes: list[NodeAdded] = field(default_factory=list)
+    nodes: dict[int, NodeAdded] = field(default_factory=dict)
     motions: list[Motion] = field(default_factory=list)
     closed: list[ArcClosed] = field(default_factory=list)
     collisions: list[Collision] = field(default_factory=list)
@@ -64,13 +66,11 @@ class Trace:
 
     def edges(self) -> list[tuple[Point, Point]]:
         """Give the places of parent and child for every edge of its tree."""
-        places = {node.serial: node.configuration[:2] for node in self.nodes}
         return [
-            (places[node.parent], places[node.serial])
-            for node in self.nodes
+            (self.nodes[node.parent].configuration[:2], node.configuration[:2])
+            for node in self.nodes.values()
             if node.parent is not None
         ]
-
 
     def is_off_tree(self) -> bool:
         """Whether it also went otherwise than straight along the edges of its tree."""
@@ -85,8 +85,14 @@ def traces_of(recording: Recording) -> list[Trace]:
     Raises
     ------
     InvalidInputError
-        If an event is of a robot that is not in the team, or a node's parent is not in the tree.
+        If an event is of a robot that is not in the team, a node's parent is not in the tree,
+        or a region is none; the message names the node.
     """
+    if len(recording.starts) != len(recording.spec.robots):
+        raise InvalidInputError(
+            f"the recording has {len(recording.starts)} starts for a team of "
+            f"{len(recording.spec.robots)}"
+        )
     traces = [Trace(robot=k, start=start) for k, start in enumerate(recording.starts)]
     for event in recording.events:
         if not 0 <= event.robot < len(traces):
@@ -97,11 +103,12 @@ def traces_of(recording: Recording) -> list[Trace]:
         trace = traces[event.robot]
         match event:
             case NodeAdded():
-                _require_parent(event, trace)
-                trace.nodes.append(event)
+                _require_sound(event, trace)
+                trace.nodes[event.serial] = event
             case Motion() if event.waypoints:
                 trace.motions.append(event)
             case ArcClosed():
+                _require_known(event.node, trace, "closes an arc of")
                 trace.closed.append(event)
             case Collision():
                 trace.collisions.append(event)
@@ -138,9 +145,26 @@ def _rounded(place: Sequence[float]) -> tuple[float, ...]:
     return tuple(round(value, 6) for value in place)
 
 
-def _require_parent(node: NodeAdded, trace: Trace) -> None:
-    if node.parent is not None and all(known.serial != node.parent for known in trace.nodes):
+def _require_sound(node: NodeAdded, trace: Trace) -> None:
+    name = f"node {node.serial} of robot {node.robot}"
+    if node.serial in trace.nodes:
+        raise InvalidInputError(f"the recording adds {name} twice")
+    if node.parent is not None:
+        _require_known(node.parent, trace, f"gives {name} as parent")
+    if len(node.boundary) < 3 or len(node.boundary) != len(node.tags):
         raise InvalidInputError(
-            f"the recording gives node {node.serial} of robot {node.robot} the parent "
-            f"{node.parent}, which is not in the robot's tree"
+            f"the recording gives the region of {name} {len(node.boundary)} corners and "
+            f"{len(node.tags)} tags; a region has at least 3 corners, and a tag for each"
+        )
+    if not set(node.tags) <= set("0123"):
+        raise InvalidInputError(
+            f"the recording gives the region of {name} the tags {node.tags!r}; "
+            "tags are digits from 0 to 3"
+        )
+
+
+def _require_known(serial: int, trace: Trace, doing: str) -> None:
+    if serial not in trace.nodes:
+        raise InvalidInputError(
+            f"the recording {doing} node {serial}, which is not in the tree of robot {trace.robot}"
         )

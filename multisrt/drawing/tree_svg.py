@@ -102,10 +102,10 @@ def save_tree_svg(recording: Recording, path: str | Path) -> None:
 
 def _draw_regions(sheet: Sheet, trace: Trace) -> None:
     layer = sheet.layer(f"robot {trace.robot}: regions", RobotStyles.of(trace.robot).region)
-    outlines = [shapely.linearrings(node.boundary) for node in trace.nodes]
+    outlines = [shapely.linearrings(node.boundary) for node in trace.nodes.values()]
     # Round arcs have more corners than anybody can see.
     simple = shapely.simplify(shapely.polygons(outlines), SIMPLER_MM * sheet.mm)
-    for node, region in zip(trace.nodes, simple, strict=True):
+    for node, region in zip(trace.nodes.values(), simple, strict=True):
         path = sheet.pen.rings([shapely.get_coordinates(region)])
         child(layer, "path", id=f"robot-{trace.robot}-region-{node.serial}", d=path)
 
@@ -126,7 +126,7 @@ def _draw_nodes(sheet: Sheet, trace: Trace, node_mm: float) -> None:
     styles = RobotStyles.of(trace.robot)
     layer = sheet.layer(f"robot {trace.robot}: nodes", styles.node.scaled(node_mm / NODE_MM[1]))
     for stage, (marker, _) in STAGES.items():
-        places = [node.configuration[:2] for node in trace.nodes if node.stage == stage]
+        places = [node.configuration[:2] for node in trace.nodes.values() if node.stage == stage]
         if places:
             size = node_mm * sheet.mm
             path = "".join(sheet.pen.marker(marker, x, y, size) for x, y in places)
@@ -174,7 +174,7 @@ def _legend(traces: list[Trace]) -> list[LegendEntry]:
     # Only what there is on the map.
     styles = RobotStyles.of(0)
     team = len(traces) > 1
-    nodes = [node for trace in traces for node in trace.nodes]
+    nodes = [node for trace in traces for node in trace.nodes.values()]
     entries = [LegendEntry(label="local safe region", style=styles.region.scaled(2.0))]
     if team:
         entries += [
@@ -218,9 +218,7 @@ def _heading(recording: Recording, traces: list[Trace]) -> list[str]:
         f"{OUTCOMES[footer.outcome]} after {footer.time_s:,.0f} s: "
         f"{nodes:,} node{'s' if nodes != 1 else ''}, {distance:,.0f} m travelled",
     ]
-    left = math.fsum(
-        math.hypot(x1 - x0, y1 - y0) for t in traces for x0, y0, x1, y1 in t.frontier
-    )
+    left = math.fsum(math.hypot(x1 - x0, y1 - y0) for t in traces for x0, y0, x1, y1 in t.frontier)
     if left:
         lines[-1] += f", {left:,.1f} m of frontier left open"
     if footer.outcome == "stalled":
@@ -233,7 +231,7 @@ def _heading(recording: Recording, traces: list[Trace]) -> list[str]:
 def _description(recording: Recording) -> str:
     return (
         f"A run of multisrt {recording.header.versions.get('multisrt', '')}, "
-        f"digest {recording.footer.digest}. Coordinates of the layer 'map' are metres, y up."
+        f"digest {recording.footer.digest}."
     )
 
 

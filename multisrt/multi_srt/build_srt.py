@@ -154,7 +154,7 @@ class SrtExplorer:
                 robot=self.me.robot,
                 serial=node.id.serial,
                 parent=None if node.parent is None else node.parent.serial,
-                configuration=tuple(node.configuration),
+                configuration=(*node.configuration,),
                 stage=stage,
                 boundary=tuple(map(tuple, node.region.boundary.tolist())),
                 tags="".join(map(str, node.region.tags.tolist())),

@@ -110,7 +110,7 @@ def test_cells_nobody_can_reach_are_infinite():
 
 @pytest.mark.parametrize("name", ["rooms", "office"])
 def test_several_sources_are_the_nearest_of_each(worlds, name):
-    cells, x, y = grid(worlds.WORLDS[name](), 0.1)
+    cells, _, _ = grid(worlds.WORLDS[name](), 0.1)
     sources = worlds.viewpoints(worlds.WORLDS[name](), 4, seed=62)
     together = distance_field(cells, 0.1, sources)
     apart = np.min([distance_field(cells, 0.1, [source]) for source in sources], axis=0)

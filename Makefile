@@ -1,0 +1,50 @@
+# Every target sets up what it needs, in a virtual environment, and is quick the second time.
+PYTHON ?= python3
+VENV ?= .venv
+BIN := $(VENV)/bin
+READY := $(VENV)/.ready
+OUT := out
+
+.PHONY: help demo test lint bench docs clean
+
+help:
+	@echo "make demo   explore a bundled map with SRT-Radial and SRT-Star; pictures in $(OUT)/demo"
+	@echo "make test   run the tests"
+	@echo "make lint   check style, types and import rules"
+	@echo "make bench  print the benchmarks' ratios"
+	@echo "make docs   write the API reference to site/"
+	@echo "make clean  remove the virtual environment and all that was generated"
+
+$(READY): pyproject.toml constraints.txt
+	@$(PYTHON) -c 'import sys; (3, 11) <= sys.version_info[:2] <= (3, 13) or sys.exit("multisrt needs Python 3.11 to 3.13, not %d.%d: make PYTHON=python3.12" % sys.version_info[:2])'
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt pip setuptools
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[test,lint,bench,docs]'
+	@touch $(READY)
+
+demo: $(READY)
+	$(BIN)/multisrt explore museum --strategy srt-radial --seed 1 --out $(OUT)/demo/radial
+	$(BIN)/multisrt explore museum --strategy srt-star --seed 1 --out $(OUT)/demo/star
+	@echo
+	@echo "Open the trees in a browser or in Inkscape:"
+	@echo "  $(OUT)/demo/radial/tree.svg"
+	@echo "  $(OUT)/demo/star/tree.svg"
+
+test: $(READY)
+	$(BIN)/python -m pytest --numprocesses 2 --quiet
+
+lint: $(READY)
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+
+bench: $(READY)
+	$(BIN)/python -m benchmarks
+
+docs: $(READY)
+	$(BIN)/pdoc --docformat numpy --output-directory site multisrt
+
+clean:
+	rm -rf $(VENV) $(OUT) build site *.egg-info .pytest_cache .mypy_cache .ruff_cache .import_linter_cache
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +

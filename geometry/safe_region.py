@@ -31,6 +31,7 @@ from multisrt.geometry.visibility import (
     OBSTACLE,
     RANGE,
     TagArray,
+    add_open_piece,
     arc_divisions,
 )
 
@@ -169,12 +170,15 @@ def _cut_at_smallest_readings(
     parts: int,
     contact_tolerance: float,
 ) -> tuple[FloatArray, TagArray]:
-    # 1. The smallest reading in every part of every cone, and the smallest at a surface; a part
-    #    is one chord of the result.
+    # 1. The smallest reading in every cone, and the surfaces with the angles that they span.
     n = cones * parts
     width = 2.0 * np.pi / n
-    smallest, contact = np.full(n, reach), np.full(n, np.inf)
+    opening = parts * width
+    smallest = np.full(cones, reach)
     corners = boundary.shape[0]
+    walls = np.empty((corners, 4))
+    spans = np.empty((corners, 2))
+    wall_count = 0
     for i in range(corners):
         j = i + 1 if i + 1 < corners else 0
         ax, ay = boundary[i, 0] - x, boundary[i, 1] - y
@@ -193,53 +197,113 @@ def _cut_at_smallest_readings(
         if end < start - np.pi:
             end += 2.0 * np.pi
         closest = -(ax * dx + ay * dy) / length2
-        first = int(np.floor((start - 1e-12) / width))
-        last = int(np.floor((end + 1e-12) / width))
-        for part in range(first, last + 1):
-            t0 = _crossing(ax, ay, dx, dy, start, end, part * width)
-            t1 = _crossing(ax, ay, dx, dy, start, end, (part + 1) * width)
+        first = int(np.floor((start - 1e-12) / opening))
+        last = int(np.floor((end + 1e-12) / opening))
+        for cone in range(first, last + 1):
+            t0 = _crossing(ax, ay, dx, dy, start, end, cone * opening)
+            t1 = _crossing(ax, ay, dx, dy, start, end, (cone + 1) * opening)
             t = min(max(closest, t0), max(t0, t1))
-            distance = np.hypot(ax + t * dx, ay + t * dy)
-            k = part % n
-            smallest[k] = min(smallest[k], distance)
-            # Of a gap only the near end is a surface: the corner that hides what is behind.
-            if tags[i] == OBSTACLE or (tags[i] == GAP and distance < near_end + 1e-9):
-                contact[k] = min(contact[k], distance)
+            k = cone % cones
+            smallest[k] = min(smallest[k], np.hypot(ax + t * dx, ay + t * dy))
+        if tags[i] == OBSTACLE:
+            walls[wall_count] = ax, ay, bx, by
+            spans[wall_count, 0] = start if start >= 0.0 else start + 2.0 * np.pi
+            spans[wall_count, 1] = end - start
+            wall_count += 1
+    walls, spans = walls[:wall_count], spans[:wall_count]
 
-    # 2. Every cone ends at its smallest reading; radial sides join cones of different depth.
-    result = np.empty((n + cones + 1, 2))
-    result_tags = np.empty(n + cones + 1, np.int8)
+    # 2. Every cone ends at its smallest reading, on an arc of chords; radial sides join cones of
+    #    different depth. Arcs and sides are obstacle where a wall is close behind them.
+    most = n + (cones + 1) * (2 + 4 * wall_count)
+    result = np.empty((most, 2))
+    result_tags = np.empty(most, np.int8)
     count = 0
-    previous = reach
-    for k in range((cones - 1) * parts, n):
-        previous = min(previous, smallest[k])
+    placed = walls + np.array([x, y, x, y])
+    previous = smallest[cones - 1]
     for cone in range(cones):
-        depth = reach
-        for k in range(cone * parts, (cone + 1) * parts):
-            depth = min(depth, smallest[k])
+        depth = smallest[cone]
+        begin = cone * opening
         if abs(previous - depth) > 1e-9:
-            theta = cone * parts * width
-            result[count, 0], result[count, 1] = (
-                x + previous * np.cos(theta),
-                y + previous * np.sin(theta),
+            ux, uy = np.cos(begin), np.sin(begin)
+            count = add_open_piece(
+                result,
+                result_tags,
+                count,
+                (x + previous * ux, y + previous * uy),
+                (x + depth * ux, y + depth * uy),
+                placed,
+                contact_tolerance,
+                1e-6,
+                CUT,
             )
-            result_tags[count] = CUT
-            count += 1
-        for k in range(cone * parts, (cone + 1) * parts):
-            theta = k * width
+        previous = depth
+        contacts = np.empty((0, 2))
+        if depth < reach:
+            contacts = _contacts(walls, spans, depth + contact_tolerance, begin, opening)
+        angle, part = 0.0, 0
+        while part < parts:
+            # The next corner of the chords, or border of a contact, whichever comes first.
+            until = (part + 1) * width
+            touching = False
+            for k in range(contacts.shape[0]):
+                low, high = contacts[k, 0], contacts[k, 1]
+                if low <= angle + 1e-9:
+                    if high > angle + 1e-9:
+                        touching = True
+                        until = min(until, high)
+                else:
+                    until = min(until, low)
+            theta = begin + angle
             result[count, 0], result[count, 1] = (
                 x + depth * np.cos(theta),
                 y + depth * np.sin(theta),
             )
-            if depth == reach:
-                result_tags[count] = RANGE
-            elif contact[k] - depth <= contact_tolerance:
-                result_tags[count] = OBSTACLE
-            else:
-                result_tags[count] = CUT
+            result_tags[count] = RANGE if depth == reach else (OBSTACLE if touching else CUT)
             count += 1
-        previous = depth
+            angle = until
+            if angle >= (part + 1) * width - 1e-9:
+                part += 1
+                angle = part * width
     return result[:count].copy(), result_tags[:count].copy()
+
+
+@kernel
+def _contacts(
+    walls: FloatArray, spans: FloatArray, radius: float, begin: float, opening: float
+) -> FloatArray:
+    # Between which angles from `begin`, over one cone, walls lie within a radius.
+    contacts = np.empty((walls.shape[0] + 1, 2))
+    count = 0
+    for k in range(walls.shape[0]):
+        first = (spans[k, 0] - begin) % (2.0 * np.pi)
+        if first > opening and first + spans[k, 1] < 2.0 * np.pi:
+            continue
+        ax, ay = walls[k, 0], walls[k, 1]
+        dx, dy = walls[k, 2] - ax, walls[k, 3] - ay
+        length2 = dx * dx + dy * dy
+        cross = ax * dy - ay * dx
+        chord2 = radius * radius - cross * cross / length2
+        if chord2 <= 0.0:
+            continue
+        middle, half = -(ax * dx + ay * dy) / length2, math.sqrt(chord2 / length2)
+        t0, t1 = max(0.0, middle - half), min(1.0, middle + half)
+        if t1 <= t0:
+            continue
+        # Angles relative to the wall's own begin never wrap: a wall spans less than pi.
+        low = _angle_between(ax, ay, ax + t0 * dx, ay + t0 * dy)
+        high = _angle_between(ax, ay, ax + t1 * dx, ay + t1 * dy)
+        if first > opening:
+            first -= 2.0 * np.pi
+        low, high = max(0.0, first + low), min(opening, first + high)
+        if high > low:
+            contacts[count, 0], contacts[count, 1] = low, high
+            count += 1
+    return contacts[:count]
+
+
+@kernel
+def _angle_between(ax: float, ay: float, bx: float, by: float) -> float:
+    return math.atan2(ax * by - ay * bx, ax * bx + ay * by)
 
 
 @kernel

@@ -395,8 +395,16 @@ def _sweep(
             px, py = _end_point(segments, angles, nearest, angle, ux, uy, radius)
             if piece != -3:
                 lx, ly = _end_point(segments, angles, piece_segment, angle, ux, uy, radius)
-                corners = _add_gap(
-                    boundary, tags, corners, x, y, lx, ly, px, py, edges, grazed, grazed_count
+                corners = add_open_piece(
+                    boundary,
+                    tags,
+                    corners,
+                    (x + lx, y + ly),
+                    (x + px, y + py),
+                    edges[grazed[:grazed_count]],
+                    GRAZING_M,
+                    GRAZING_M,
+                    GAP,
                 )
             boundary[corners, 0], boundary[corners, 1] = x + px, y + py
             tags[corners] = RANGE if now < 0 else OBSTACLE
@@ -423,61 +431,91 @@ def _sweep(
         angle = until
 
     lx, ly = _end_point(segments, angles, piece_segment, 4.0, 1.0, 0.0, radius)
-    px, py = boundary[0, 0] - x, boundary[0, 1] - y
-    corners = _add_gap(boundary, tags, corners, x, y, lx, ly, px, py, edges, grazed, grazed_count)
+    corners = add_open_piece(
+        boundary,
+        tags,
+        corners,
+        (x + lx, y + ly),
+        (boundary[0, 0], boundary[0, 1]),
+        edges[grazed[:grazed_count]],
+        GRAZING_M,
+        GRAZING_M,
+        GAP,
+    )
     return boundary[:corners].copy(), tags[:corners].copy(), clearance
 
 
 @kernel
-def _add_gap(
+def add_open_piece(
     boundary: FloatArray,
     tags: TagArray,
     corners: int,
-    x: float,
-    y: float,
-    lx: float,
-    ly: float,
-    px: float,
-    py: float,
-    edges: FloatArray,
-    grazed: NDArray[np.int64],
-    grazed_count: int,
+    start: tuple[float, float],
+    end: tuple[float, float],
+    walls: FloatArray,
+    right: float,
+    left: float,
+    open_tag: int,
 ) -> int:
-    # A radial piece from (lx, ly) to (px, py), relative to the viewpoint: open, but for the
-    # stretches where it runs along a wall that is seen along its length.
-    dx, dy = px - lx, py - ly
-    length = np.hypot(dx, dy)
+    """Write a straight piece of a boundary, open but for the stretches that run along walls.
+
+    Parameters
+    ----------
+    boundary, tags : arrays
+        What is written to, from index `corners` on: up to two entries a wall, and one.
+    corners : int
+        How many corners there are already.
+    start, end : (x, y)
+        The piece; the corner at its end is not written.
+    walls : (k, 4) array
+        Segments x0, y0, x1, y1.
+    right, left : float
+        A wall counts where it lies no further from the piece than this to either side.
+    open_tag : int
+        Tag of the stretches without a wall; those with one are `OBSTACLE`.
+
+    Returns
+    -------
+    int
+        How many corners there are now.
+    """
+    x, y = start
+    length = np.hypot(end[0] - x, end[1] - y)
     if length <= 1e-9:
         return corners
-    ux, uy = dx / length, dy / length
+    ux, uy = (end[0] - x) / length, (end[1] - y) / length
+    count = walls.shape[0]
+    lows, highs = np.empty(count), np.empty(count)
+    for k in range(count):
+        ax, ay, bx, by = walls[k, 0] - x, walls[k, 1] - y, walls[k, 2] - x, walls[k, 3] - y
+        along_a, along_b = ax * ux + ay * uy, bx * ux + by * uy
+        off_a, off_b = ux * ay - uy * ax, ux * by - uy * bx
+        # The wall's part between the two parallels of the piece.
+        t0, t1 = 0.0, 1.0
+        if off_a != off_b:
+            first, second = (-right - off_a) / (off_b - off_a), (left - off_a) / (off_b - off_a)
+            t0, t1 = max(0.0, min(first, second)), min(1.0, max(first, second))
+        elif off_a < -right or off_a > left:
+            t1 = -1.0
+        if t1 >= t0:
+            p, q = along_a + t0 * (along_b - along_a), along_a + t1 * (along_b - along_a)
+            lows[k], highs[k] = max(0.0, min(p, q)), min(length, max(p, q))
+        else:
+            lows[k], highs[k] = length, 0.0
     begin = 0.0
-    while begin < length:
-        # The wall that begins next along the piece, if there is one.
+    while length - begin > 1e-9:
         low, high = length, length
-        for k in range(grazed_count):
-            e = grazed[k]
-            ax, ay = edges[e, 0] - x - lx, edges[e, 1] - y - ly
-            bx, by = edges[e, 2] - x - lx, edges[e, 3] - y - ly
-            along_a, along_b = ax * ux + ay * uy, bx * ux + by * uy
-            off_a, off_b = ax * uy - ay * ux, bx * uy - by * ux
-            if along_a > along_b:
-                along_a, along_b, off_a, off_b = along_b, along_a, off_b, off_a
-            first, last = max(along_a, begin), min(along_b, length)
-            if last - first <= 1e-9 or first >= low:
-                continue
-            slope = (off_b - off_a) / (along_b - along_a)
-            off_first = off_a + slope * (first - along_a)
-            off_last = off_a + slope * (last - along_a)
-            if abs(off_first) <= GRAZING_M and abs(off_last) <= GRAZING_M:
-                low, high = first, last
+        for k in range(count):
+            if highs[k] - max(lows[k], begin) > 1e-9 and max(lows[k], begin) < low:
+                low, high = max(lows[k], begin), highs[k]
         if low - begin > 1e-9:
-            boundary[corners, 0], boundary[corners, 1] = x + lx + ux * begin, y + ly + uy * begin
-            tags[corners] = GAP
+            boundary[corners, 0], boundary[corners, 1] = x + ux * begin, y + uy * begin
+            tags[corners] = open_tag
             corners += 1
         else:
             low = begin
         if high > low:
-            boundary[corners, 0], boundary[corners, 1] = x + lx + ux * low, y + ly + uy * low
+            boundary[corners, 0], boundary[corners, 1] = x + ux * low, y + uy * low
             tags[corners] = OBSTACLE
             corners += 1
         begin = high

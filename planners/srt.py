@@ -74,7 +74,8 @@ class SrtOptions(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     completion_spacing : float
         In the third stage, least distance from all nodes as a share of `d_min_m`.
     max_views : int
-        In the third stage, how many places an arc is looked at from before it is given up.
+        In the third stage, how many times arcs in one spot, as wide as `d_min_m`, are looked at
+        before they are given up.
     """
 
     alpha: float = 0.8

@@ -102,11 +102,10 @@ def save_tree_svg(recording: Recording, path: str | Path) -> None:
 
 def _draw_regions(sheet: Sheet, trace: Trace) -> None:
     layer = sheet.layer(f"robot {trace.robot}: regions", RobotStyles.of(trace.robot).region)
-    outlines = [shapely.linearrings(node.boundary) for node in trace.nodes.values()]
-    # Round arcs have more corners than anybody can see.
-    simple = shapely.simplify(shapely.polygons(outlines), SIMPLER_MM * sheet.mm)
-    for node, region in zip(trace.nodes.values(), simple, strict=True):
-        path = sheet.pen.rings([shapely.get_coordinates(region)])
+    for node in trace.nodes.values():
+        # Round arcs have more corners than anybody can see.
+        outline = shapely.simplify(shapely.Polygon(node.boundary), SIMPLER_MM * sheet.mm)
+        path = sheet.pen.rings([shapely.get_coordinates(outline)])
         child(layer, "path", id=f"robot-{trace.robot}-region-{node.serial}", d=path)
 
 

@@ -86,7 +86,7 @@ class SrtExplorer:
         self.time_s = 0.0
         self._bridged = 0
         self._roomy: set[frozenset[NodeId]] = set()
-        self._views: Counter[tuple[float, float]] = Counter()
+        self._views: Counter[tuple[int, int]] = Counter()
         self._exhausted: set[NodeId] = set()
         self._completing = False
         self._told_complete = False
@@ -274,9 +274,10 @@ class SrtExplorer:
         # Stage 3 for one node: a place from which an arc of it can be seen, or the arc is closed.
         for arc in self.map.frontier_arcs(node):
             x, y, *_ = arc_middle(arc)
+            spot = round(x / self.d_min_m), round(y / self.d_min_m)
             found: tuple[tuple[float, float], int] | str = "seen from near"
             for window in self._windows():
-                if self._views[x, y] >= self.options.max_views:
+                if self._views[spot] >= self.options.max_views:
                     break
                 near = self.map.near(x, y, math.sqrt(2.0) * window)
                 found = self.planner.viewing_place(
@@ -291,7 +292,7 @@ class SrtExplorer:
                 place, k = found
                 way = self.roadmap.way(here, near[k].id)
                 if way is not None:
-                    self._views[x, y] += 1
+                    self._views[spot] += 1
                     return NewPlace(*place, "complete", tuple(way))
                 found = "not reachable"
             self.map.close(node, arc)

@@ -122,7 +122,10 @@ def test_star_in_a_corridor_by_hand():
     region = local_safe_region(scan, "star", cones=8)
     outer = np.hypot(*(region.boundary - (20.0, 0.5)).T)
     # A cone from 0 to 45 degrees sees the wall from its far side: 0.5 / sin 45.
-    assert sorted(set(np.round(outer, 9))) == pytest.approx([0.5, 0.5 * math.sqrt(2)])
+    # The side between a deep and a shallow cone ends at the wall, which is within 5 cm of its
+    # last stretch: there a corner is added where the wall comes that near.
+    near_wall = 0.5 * math.sqrt(2) - 0.05
+    assert sorted(set(np.round(outer, 9))) == pytest.approx([0.5, near_wall, 0.5 * math.sqrt(2)])
 
 
 @pytest.mark.parametrize("first", [0.0, math.pi / 4, math.pi / 2])

@@ -208,8 +208,7 @@ def _polygons(geometry: BaseGeometry) -> list[Polygon]:
 def _require_valid(geometry: BaseGeometry, name: str) -> None:
     if geometry.geom_type not in ("Polygon", "MultiPolygon", "GeometryCollection"):
         raise InvalidInputError(
-            f"environment {name!r}: free space and obstacles are polygons, "
-            f"not {geometry.geom_type}"
+            f"environment {name!r}: free space and obstacles are polygons, not {geometry.geom_type}"
         )
     coordinates, index = shapely.get_coordinates(geometry, return_index=False), 0
     bad = np.flatnonzero(
@@ -239,9 +238,5 @@ def _is_sliver(part: Polygon) -> bool:
 
 
 def _without_sliver_holes(part: Polygon) -> Polygon:
-    holes = [
-        ring
-        for ring in part.interiors
-        if not _is_sliver(Polygon(ring))
-    ]
+    holes = [ring for ring in part.interiors if not _is_sliver(Polygon(ring))]
     return part if len(holes) == len(part.interiors) else Polygon(part.exterior, holes)

@@ -36,6 +36,9 @@ GRAZING_M: Final = 1e-5
 ARC_TOLERANCE_M: Final = 0.01
 """Largest distance between an arc and the chords that stand for it, which lie inside it."""
 
+ARC_TOLERANCE: Final = 0.0025
+"""The same as a share of the arc's radius, for short ranges."""
+
 
 def visibility_polygon(
     index: EdgeIndex,
@@ -176,8 +179,7 @@ def line_of_sight(index: EdgeIndex, ax: float, ay: float, bx: float, by: float) 
 
 def arc_divisions(radius_m: float, arc_tolerance_m: float) -> int:
     """How many equal chords a full circle needs to lie within a tolerance of it."""
-    if arc_tolerance_m >= radius_m:
-        return 8
+    arc_tolerance_m = min(arc_tolerance_m, ARC_TOLERANCE * radius_m)
     return max(8, math.ceil(math.pi / math.acos(1.0 - arc_tolerance_m / radius_m)))
 
 

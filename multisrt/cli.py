@@ -80,9 +80,7 @@ def cli() -> None:
     help="How the body moves.",
 )
 @click.option("--speed", default=0.5, show_default=True, help="Greatest speed (m/s).")
-@click.option(
-    "--resolution", type=float, help="Metres per pixel of an image without its own (m)."
-)
+@click.option("--resolution", type=float, help="Metres per pixel of an image without its own (m).")
 @click.option("--threshold", type=float, help="Lightness from 0 to 1 above which a pixel is free.")
 @click.option("--max-time", type=float, help="End the run at this time (s).")
 @click.option(
@@ -145,7 +143,10 @@ def environments(context: click.Context) -> None:
 @environments.command()
 @click.argument("environment", metavar="ENV")
 @click.option(
-    "--out", type=click.Path(path_type=Path), metavar="FILE", help="The picture.  [default: ENV.svg]"
+    "--out",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="The picture.  [default: ENV.svg]",
 )
 @click.option("--resolution", type=float, help="Metres per pixel of an image without its own.")
 @click.option("--threshold", type=float, help="Lightness from 0 to 1 above which a pixel is free.")
@@ -255,15 +256,13 @@ def _spec(environment: str, strategy: str, **given: Any) -> RunSpec:
     )
 
 
-def _start(text: str) -> tuple[float, float] | tuple[float, float, float]:
+def _start(text: str) -> tuple[float, ...]:
     try:
-        numbers = [float(part) for part in text.split(",")]
+        numbers = tuple(float(part) for part in text.split(","))
     except ValueError:
-        numbers = []
-    if len(numbers) == 2:
-        return numbers[0], numbers[1]
-    if len(numbers) == 3:
-        return numbers[0], numbers[1], numbers[2]
+        numbers = ()
+    if len(numbers) in (2, 3):
+        return numbers
     raise click.BadParameter(f"{text!r} is not X,Y or X,Y,HEADING", param_hint="--start")
 
 
@@ -377,8 +376,11 @@ def _print_summary(run: Run, out: Path) -> None:
     click.echo(f"{spec.strategy} in {run.environment.name}, seed {spec.seed}: {run.outcome}")
     click.echo(f"  {run.reason}")
     table = _table("measure", ">value")
+    x, y, _ = run.recording.starts[0]
     rows = (
+        ("start", f"({x:.2f}, {y:.2f})"),
         ("covered", f"{m.coverage:.2%} of {m.explorable_area_m2:.1f} m2 explorable"),
+        ("free space of the world", f"{m.free_area_m2:.1f} m2"),
         ("map known complete at", _seconds(m.exploration_time_s)),
         ("home at", _seconds(m.makespan_s)),
         ("90, 95, 99 % covered at", _times(m.time_to_90_s, m.time_to_95_s, m.time_to_99_s)),

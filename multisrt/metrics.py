@@ -16,7 +16,6 @@ from multisrt.events import (
     ArcClosed,
     Collision,
     Decision,
-    Ended,
     MapComplete,
     Motion,
     NodeAdded,
@@ -27,6 +26,7 @@ from multisrt.geometry.footprint import Footprint
 from multisrt.geometry.kernel import FloatArray
 from multisrt.geometry.raster import Raster
 from multisrt.recording import Recording, RunOutcome
+from multisrt.remaining_frontier import remaining_frontier
 from multisrt.spec import RunSpec
 
 THRESHOLDS = (0.90, 0.95, 0.99)
@@ -56,6 +56,8 @@ class Metrics(msgspec.Struct, frozen=True, kw_only=True):
     coverage_integral_s : float
         Time integral of the share not yet covered, up to the makespan: lower is better, and
         early coverage counts more.
+    free_area_m2 : float
+        Area of all free space of the world, reachable or not.
     explorable_area_m2 : float
         Area that can be seen from where the body can get to.
     covered_area_m2 : float
@@ -91,6 +93,7 @@ class Metrics(msgspec.Struct, frozen=True, kw_only=True):
     distance_by_robot_m: tuple[float, ...]
     coverage: float
     coverage_integral_s: float
+    free_area_m2: float
     explorable_area_m2: float
     covered_area_m2: float
     time_to_90_s: float | None
@@ -124,7 +127,7 @@ def measure(recording: Recording, environment: Environment | None = None) -> Met
     motions = [event for event in events if isinstance(event, Motion)]
     nodes = [event for event in events if isinstance(event, NodeAdded)]
     closed = [event for event in events if isinstance(event, ArcClosed)]
-    left = [segment for event in events if isinstance(event, Ended) for segment in event.frontier]
+    left = [s for segments in remaining_frontier(recording).values() for s in segments]
     distances = [0.0] * len(spec.robots)
     for motion in motions:
         distances[motion.robot] += _length(motion)
@@ -143,6 +146,7 @@ def measure(recording: Recording, environment: Environment | None = None) -> Met
         distance_by_robot_m=tuple(distances),
         coverage=coverage.share,
         coverage_integral_s=coverage.integral_of_rest(end),
+        free_area_m2=environment.area_m2,
         explorable_area_m2=coverage.explorable.area_m2,
         covered_area_m2=coverage.share * coverage.explorable.area_m2,
         time_to_90_s=times[0.90],
@@ -263,9 +267,7 @@ def smallest_clearance(recording: Recording, environment: Environment) -> float:
     return smallest
 
 
-def _swept(
-    footprint: Footprint, a: tuple[float, ...], b: tuple[float, ...]
-) -> shapely.Geometry:
+def _swept(footprint: Footprint, a: tuple[float, ...], b: tuple[float, ...]) -> shapely.Geometry:
     # What a leg covers; for a disc the way of its centre, from which the radius is taken off.
     if footprint.is_disc:
         if a[1:3] == b[1:3]:

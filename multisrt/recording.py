@@ -209,9 +209,7 @@ class Recorder:
             self.file.write(line + b"\n")
 
 
-def header_of(
-    spec: RunSpec, environment: Environment, starts: tuple[Configuration, ...]
-) -> Header:
+def header_of(spec: RunSpec, environment: Environment, starts: tuple[Configuration, ...]) -> Header:
     """Make the header for a run that begins now."""
     packages = ("multisrt", "numba", "numpy", "scipy", "shapely", "python-fcl", "simpy")
     versions = {package: version(package) for package in packages}

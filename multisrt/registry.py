@@ -62,9 +62,7 @@ class Strategy:
             try:
                 msgspec.convert(value, known[key].type, strict=False)
             except msgspec.ValidationError as error:
-                raise InvalidInputError(
-                    f"option {key}={value!r} of {self.name}: {error}"
-                ) from None
+                raise InvalidInputError(f"option {key}={value!r} of {self.name}: {error}") from None
         return msgspec.convert(dict(options), self.options, strict=False)
 
 

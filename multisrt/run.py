@@ -9,7 +9,6 @@ from pathlib import Path
 import msgspec
 
 from multisrt.environments.environment import Environment
-from multisrt.geometry.errors import InvalidInputError
 from multisrt.metrics import Metrics, measure
 from multisrt.recording import Recording, RunOutcome, written_whole
 from multisrt.simulation import Watcher, simulate
@@ -171,10 +170,8 @@ def explore(
     else:
         where = environment_spec(str(environment))
         world = build_environment(where)
-    if start is not None and len(start) not in (2, 3):
-        raise InvalidInputError(f"a start is (x, y) or (x, y, heading), not {start!r}")
     robot = RobotSpec(
-        start=None if start is None else tuple(map(float, start)),  # type: ignore[arg-type]
+        start=None if start is None else tuple(start),
         footprint=footprint,
         drive=DriveSpec() if drive is None else drive,
         range_finder=RangeFinderSpec(range_m=range_m, beams=beams),

@@ -73,8 +73,7 @@ def simulate(
     if environment is None:
         environment = build_environment(spec.environment)
     starts = tuple(
-        start_of(robot, environment, spec.seed, number)
-        for number, robot in enumerate(spec.robots)
+        start_of(robot, environment, spec.seed, number) for number, robot in enumerate(spec.robots)
     )
     header = header_of(spec, environment, starts)
     explorers = [
@@ -97,9 +96,7 @@ def simulate(
         return _Simulation(spec, environment, Recorder(header, file), watch).run(explorers, starts)
 
 
-def start_of(
-    robot: RobotSpec, environment: Environment, seed: int, number: int
-) -> Configuration:
+def start_of(robot: RobotSpec, environment: Environment, seed: int, number: int) -> Configuration:
     """Give the configuration in which a robot starts.
 
     Raises

@@ -143,7 +143,7 @@ class RobotSpec(_Spec, frozen=True, kw_only=True):
         What it sees with.
     """
 
-    start: tuple[float, float] | tuple[float, float, float] | None = None
+    start: tuple[float, ...] | None = None
     footprint: str = "disc:0.25"
     drive: DriveSpec = DriveSpec()
     range_finder: RangeFinderSpec = RangeFinderSpec()
@@ -151,8 +151,14 @@ class RobotSpec(_Spec, frozen=True, kw_only=True):
     def __post_init__(self) -> None:
         Footprint.parse(self.footprint)
         self.drive.kinematics()
-        if self.start is not None and not all(map(math.isfinite, self.start)):
-            raise InvalidInputError(f"a start is finite, not {self.start}")
+        if self.start is None:
+            return
+        if len(self.start) not in (2, 3):
+            raise InvalidInputError(f"a start is (x, y) or (x, y, heading), not {self.start!r}")
+        numbers = tuple(map(float, self.start))
+        if not all(map(math.isfinite, numbers)):
+            raise InvalidInputError(f"a start is finite, not {numbers}")
+        msgspec.structs.force_setattr(self, "start", numbers)
 
 
 class StopRule(_Spec, frozen=True, kw_only=True):

@@ -20,13 +20,18 @@ from shapely.geometry.base import BaseGeometry
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.edge_index import EdgeIndex
 from multisrt.geometry.errors import ClearanceError, InvalidInputError
-from multisrt.geometry.frontier_arcs import total_length
 from multisrt.geometry.kernel import FloatArray, kernel
 from multisrt.geometry.safe_region import CONTACT_TOLERANCE_M, LocalSafeRegion
 from multisrt.geometry.visibility import visibility_polygon
 from multisrt.planners.motion.body import PlanningBody
 from multisrt.planners.motion.kinematics import Kinematics
 from multisrt.planners.motion.steering import reach
+
+Refusal = Literal["too narrow", "not reachable", "seen from near"]
+"""Why no place opens a frontier arc: the body fits nowhere from where it could be seen; it
+would fit, but no known way leads there; it has been looked at from every such place."""
+
+REFUSALS: tuple[Refusal, ...] = ("too narrow", "not reachable", "seen from near")
 
 FAN = 72
 """Directions in which the approach looks for a place, besides those to the frontier itself."""
@@ -265,7 +270,7 @@ class SrtPlanner:
         known: BaseGeometry,
         within_m: float,
         nodes: FloatArray,
-    ) -> tuple[tuple[float, float], int] | str:
+    ) -> tuple[tuple[float, float], int] | Refusal:
         """Stage 3: a place in the known region from which the body can see a frontier arc.
 
         Parameters
@@ -284,47 +289,69 @@ class SrtPlanner:
         ((x, y), k)
             The place, and the node from which a straight way leads there; or
         str
-            Why there is none: `too narrow`, `not reachable` or `seen from near`.
+            Why there is none; see `Refusal`.
         """
-        x, y, left_x, left_y = arc_middle(arc)
-        radius = self.body.roomy_radius_m
         # Regions that meet along a line leave cracks of rounding between them.
         closed = known.buffer(INWARD_M / 2, join_style="mitre")
-        room = _eroded(closed, radius)
-        view = _view(known, x + left_x * INWARD_M, y + left_y * INWARD_M, within_m)
-        if view is None or room.is_empty:
+        room = _eroded(closed, self.body.roomy_radius_m)
+        if room.is_empty:
             return "too narrow"
-        places = _lattice(x, y, within_m, self.d_min_m / 4.0)
         shapely.prepare(room)
-        shapely.prepare(view)
-        places = places[shapely.contains_xy(view, places)]
-        places = places[shapely.contains_xy(room, places)]
+        ample = _eroded(closed, self.body.ample_radius_m)
+        shapely.prepare(ample)
+        reasons: list[Refusal] = []
+        for x, y, left_x, left_y in arc_points(arc, self.d_min_m):
+            view = _view(known, x + left_x * INWARD_M, y + left_y * INWARD_M, within_m)
+            if view is None:
+                continue
+            places = _lattice(x, y, within_m, self.d_min_m / 4.0)
+            shapely.prepare(view)
+            places = places[shapely.contains_xy(view, places)]
+            places = places[shapely.contains_xy(room, places)]
+            roomy = shapely.contains_xy(ample, places)
+            found = self._place_with_a_way(np.vstack([places[roomy], places[~roomy]]), room, nodes)
+            if not isinstance(found, str):
+                return found
+            reasons.append(found)
+        return max(reasons, key=REFUSALS.index, default="too narrow")
+
+    def _place_with_a_way(
+        self, places: FloatArray, room: BaseGeometry, nodes: FloatArray
+    ) -> tuple[tuple[float, float], int] | Refusal:
+        # The first place that is not close to a node and has a straight way from one.
         if not len(places):
             return "too narrow"
-        ample = shapely.contains_xy(_eroded(closed, self.body.ample_radius_m), places)
-        places = np.vstack([places[ample], places[~ample]])
-        nodes_room = np.flatnonzero(shapely.contains_xy(room, nodes))
+        reason: Refusal = "seen from near"
+        roomy_nodes = np.flatnonzero(shapely.contains_xy(room, nodes))
         unseen = nearest_points(nodes, places) >= self.options.completion_spacing * self.d_min_m
-        reason = "seen from near"
         for place in places[unseen]:
-            offsets = np.hypot(*(nodes[nodes_room] - place).T)
-            for k in nodes_room[np.argsort(offsets, kind="stable")][:12]:
+            reason = "not reachable"
+            offsets = np.hypot(*(nodes[roomy_nodes] - place).T)
+            for k in roomy_nodes[np.argsort(offsets, kind="stable")][:12]:
                 if shapely.contains_properly(room, shapely.LineString([nodes[k], place])):
                     return (float(place[0]), float(place[1])), int(k)
-            reason = "not reachable"
         return reason
 
 
-def arc_middle(arc: FloatArray) -> tuple[float, float, float, float]:
-    """Give the middle of an arc, and the unit vector into its region there."""
+def arc_points(arc: FloatArray, spacing: float) -> list[tuple[float, float, float, float]]:
+    """Give points along an arc, its middle first, each with the unit vector into its region.
+
+    They are `spacing` apart, but not more than seven.
+    """
     lengths = np.hypot(arc[:, 2] - arc[:, 0], arc[:, 3] - arc[:, 1])
-    position = 0.5 * total_length(arc)
     along = np.cumsum(lengths)
-    k = min(int(np.searchsorted(along, position)), len(arc) - 1)
-    t = 1.0 - (along[k] - position) / lengths[k]
-    dx, dy = arc[k, 2] - arc[k, 0], arc[k, 3] - arc[k, 1]
-    x, y = arc[k, 0] + t * dx, arc[k, 1] + t * dy
-    return float(x), float(y), float(-dy / lengths[k]), float(dx / lengths[k])
+    whole = float(along[-1])
+    pairs = min(3, int(0.5 * whole / spacing))
+    step = max(spacing, whole / 7.0)
+    points = []
+    for k in range(-pairs, pairs + 1):
+        position = 0.5 * whole + k * step
+        i = min(int(np.searchsorted(along, position)), len(arc) - 1)
+        t = 1.0 - (along[i] - position) / lengths[i]
+        dx, dy = (arc[i, 2:] - arc[i, :2]).tolist()
+        x, y = (arc[i, :2] + t * (arc[i, 2:] - arc[i, :2])).tolist()
+        points.append((x, y, -dy / float(lengths[i]), dx / float(lengths[i])))
+    return sorted(points, key=lambda point: abs(points.index(point) - pairs))
 
 
 def _eroded(region: BaseGeometry, radius: float) -> BaseGeometry:

@@ -8,7 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from multisrt.drawing.remaining_frontier import remaining_frontier
+from multisrt.remaining_frontier import remaining_frontier
 from multisrt.events import ArcClosed, Collision, Motion, NodeAdded, Point, Segment
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import InvalidInputError

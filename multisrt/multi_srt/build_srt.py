@@ -22,7 +22,7 @@ from multisrt.planners.motion.body import PlanningBody
 from multisrt.planners.motion.roadmap import Roadmap
 from multisrt.planners.motion.steering import steer, turn_and_drive
 from multisrt.planners.motion.trajectory import Trajectory
-from multisrt.planners.srt import CLOSE_BY, SrtOptions, SrtPlanner, arc_middle
+from multisrt.planners.srt import CLOSE_BY, Refusal, SrtOptions, SrtPlanner, arc_points
 
 Steps = Generator[Action, Outcome, None]
 
@@ -190,8 +190,10 @@ class SrtExplorer:
             )
         ):
             choice, target = "approach", NewPlace(*place, "approach", (here,))
-        elif node.parent is not None and self.options.backtrack == "parent" and not (
-            self._completing
+        elif (
+            node.parent is not None
+            and self.options.backtrack == "parent"
+            and not (self._completing)
         ):
             choice, target = "parent", KnownNode((here, node.parent))
         else:
@@ -254,9 +256,7 @@ class SrtExplorer:
         if self.options.complete:
             self._completing = True
             self._extend_roadmap()
-            while (
-                way := self.roadmap.way_to_nearest(here, self.map.has_frontier)
-            ) is not None:
+            while (way := self.roadmap.way_to_nearest(here, self.map.has_frontier)) is not None:
                 place = yield from self._complete(here, way[-1])
                 if place is not None:
                     return "complete", place
@@ -268,14 +268,12 @@ class SrtExplorer:
             raise AssertionError("the tree joins every node to the root")
         return "home", KnownNode(tuple(way))
 
-    def _complete(
-        self, here: NodeId, node: NodeId
-    ) -> Generator[Action, Outcome, NewPlace | None]:
+    def _complete(self, here: NodeId, node: NodeId) -> Generator[Action, Outcome, NewPlace | None]:
         # Stage 3 for one node: a place from which an arc of it can be seen, or the arc is closed.
         for arc in self.map.frontier_arcs(node):
-            x, y, *_ = arc_middle(arc)
+            x, y, *_ = arc_points(arc, self.d_min_m)[0]
             spot = round(x / self.d_min_m), round(y / self.d_min_m)
-            found: tuple[tuple[float, float], int] | str = "seen from near"
+            found: tuple[tuple[float, float], int] | Refusal = "seen from near"
             for window in self._windows():
                 if self._views[spot] >= self.options.max_views:
                     break
@@ -301,9 +299,7 @@ class SrtExplorer:
                     time_s=self.time_s,
                     robot=self.me.robot,
                     node=node.serial,
-                    reason=cast(
-                        Literal["too narrow", "not reachable", "seen from near"], found
-                    ),
+                    reason=found,
                     arc=_segments(arc),
                 )
             )

@@ -87,9 +87,7 @@ class PlanningBody:
                 radius = max(least, min(radius + self.margin_m, room))
             return free_travel_disc(boundary, x, y, cosine, sine, radius, limit)
         if known_way:
-            return free_travel_polygon(
-                boundary, self._narrow, x, y, heading, cosine, sine, limit
-            )
+            return free_travel_polygon(boundary, self._narrow, x, y, heading, cosine, sine, limit)
         room = free_travel_polygon(boundary, self._wide, x, y, heading, cosine, sine, limit)
         if room > 0.0:
             return room

@@ -73,9 +73,7 @@ def turns_between(heading: float, wanted: float) -> tuple[float, float]:
     return short, long
 
 
-def _straight(
-    start: Configuration, x: float, y: float, heading: float, speed: float
-) -> Trajectory:
+def _straight(start: Configuration, x: float, y: float, heading: float, speed: float) -> Trajectory:
     begin = Waypoint(0.0, start.x, start.y, heading)
     distance = math.hypot(x - start.x, y - start.y)
     if distance == 0.0:

@@ -24,9 +24,7 @@ class Roadmap(Generic[Place]):
         self._ways.setdefault(a, {})[b] = length_m
         self._ways.setdefault(b, {})[a] = length_m
 
-    def way_to_nearest(
-        self, start: Place, wanted: Callable[[Place], bool]
-    ) -> list[Place] | None:
+    def way_to_nearest(self, start: Place, wanted: Callable[[Place], bool]) -> list[Place] | None:
         """Find the shortest way to the nearest of the wanted places.
 
         Dijkstra's search, ended at the first wanted place: its cost depends on how far that is,

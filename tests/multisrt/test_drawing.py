@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from multisrt.drawing import environment_svg, save_environment_svg, save_tree_svg, tree_svg
 from multisrt.drawing.colours import ROBOT_COLOURS, RobotStyles
-from multisrt.drawing.remaining_frontier import remaining_frontier
+from multisrt.remaining_frontier import remaining_frontier
 from multisrt.drawing.sheet import round_length, wrapped
 from multisrt.drawing.svg import Pen, number, plain, text_width
 from multisrt.environments.catalog import environment

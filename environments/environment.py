@@ -46,7 +46,8 @@ class Environment:
     Examples
     --------
     >>> import shapely
-    >>> hall = Environment.from_outline("hall", shapely.box(0, 0, 10, 10), [shapely.box(4, 4, 6, 6)])
+    >>> outline, pillar = shapely.box(0, 0, 10, 10), shapely.box(4, 4, 6, 6)
+    >>> hall = Environment.from_outline("hall", outline, [pillar])
     >>> hall.area_m2, hall.edges.shape
     (96.0, (8, 4))
     """

@@ -25,7 +25,6 @@ from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.kernel import FloatArray, kernel
 from multisrt.geometry.scan import LaserScan, Scan, beam_spacing_rad
 from multisrt.geometry.visibility import (
-    ARC_TOLERANCE_M,
     CUT,
     GAP,
     OBSTACLE,
@@ -33,6 +32,7 @@ from multisrt.geometry.visibility import (
     TagArray,
     add_open_piece,
     arc_divisions,
+    arc_tolerance,
 )
 
 Shape = Literal["ball", "star", "radial"]
@@ -115,7 +115,7 @@ def local_safe_region(
         if cones < 3:
             raise InvalidInputError(f"a star has at least 3 cones, not {cones}")
         count = cones if shape == "star" else 1
-        parts = math.ceil(arc_divisions(scan.range_m, ARC_TOLERANCE_M) / count)
+        parts = math.ceil(arc_divisions(scan.range_m, arc_tolerance(scan.range_m)) / count)
         boundary, tags = _cut_at_smallest_readings(
             boundary, tags, x, y, reach, count, parts, contact_tolerance_m
         )

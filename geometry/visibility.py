@@ -46,7 +46,7 @@ def visibility_polygon(
     y: float,
     range_m: float,
     *,
-    arc_tolerance_m: float = ARC_TOLERANCE_M,
+    arc_tolerance_m: float | None = None,
 ) -> tuple[FloatArray, TagArray]:
     """Compute the exact visibility polygon of a point, cut at a range.
 
@@ -58,8 +58,9 @@ def visibility_polygon(
         The viewpoint, strictly inside free space.
     range_m : float
         How far the view reaches; at most `MAX_RANGE_M`.
-    arc_tolerance_m : float
-        Where the view ends at its range, chords lie inside the arc by at most this.
+    arc_tolerance_m : float, optional
+        Where the view ends at its range, chords lie inside the arc by at most this; see
+        `arc_tolerance`.
 
     Returns
     -------
@@ -98,7 +99,7 @@ def visibility_polygon(
         scratch.stamps,
         scratch.next_query(),
         scratch.found,
-        arc_divisions(range_m, arc_tolerance_m),
+        arc_divisions(range_m, arc_tolerance_m or arc_tolerance(range_m)),
     )
     _require_clearance(x, y, clearance)
     return boundary, tags
@@ -177,9 +178,15 @@ def line_of_sight(index: EdgeIndex, ax: float, ay: float, bx: float, by: float) 
     )
 
 
+def arc_tolerance(radius_m: float) -> float:
+    """How far chords may lie inside an arc, where nothing else is asked for."""
+    return min(ARC_TOLERANCE_M, ARC_TOLERANCE * radius_m)
+
+
 def arc_divisions(radius_m: float, arc_tolerance_m: float) -> int:
     """How many equal chords a full circle needs to lie within a tolerance of it."""
-    arc_tolerance_m = min(arc_tolerance_m, ARC_TOLERANCE * radius_m)
+    if arc_tolerance_m >= radius_m:
+        return 8
     return max(8, math.ceil(math.pi / math.acos(1.0 - arc_tolerance_m / radius_m)))
 
 

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from multisrt.geometry.footprint import Footprint
     from multisrt.metrics import Metrics, measure
     from multisrt.recording import Recording
+    from multisrt.registry import Strategy, register, strategies
     from multisrt.run import Run, explore
     from multisrt.simulation import simulate
     from multisrt.spec import (
@@ -32,7 +33,6 @@ if TYPE_CHECKING:
         RunSpec,
         StopRule,
     )
-    from multisrt.registry import Strategy, register, strategies
 
 _HOMES = {
     "CatalogEnvironment": "spec",

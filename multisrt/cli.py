@@ -107,7 +107,7 @@ def explore(environment: str, strategy: str, out: Path | None, quiet: bool, **gi
     with _Progress(quiet) as progress:
         progress.say("reading the world")
         world = build_environment(spec.environment)
-        with _output_folder(out):
+        with _OutputFolder(out):
             watch = progress.watcher(spec, world)
             run = Run(simulate(spec, world, path=out / RECORDING_NAME, watch=watch), world)
             progress.say("measuring and drawing")
@@ -273,7 +273,7 @@ def _key_and_value(text: str) -> tuple[str, str]:
     return key.strip(), value.strip()
 
 
-class _output_folder:  # noqa: N801 - a context manager that reads as a function
+class _OutputFolder:
     """Make a folder; if what follows fails and the folder was new, take it away again."""
 
     def __init__(self, folder: Path) -> None:

@@ -25,7 +25,6 @@ from multisrt.geometry.kernel import FloatArray, IntArray
 from multisrt.geometry.raster import Raster
 from multisrt.geometry.safe_region import LocalSafeRegion
 
-
 Array = TypeVar("Array", FloatArray, IntArray)
 
 

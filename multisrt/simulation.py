@@ -28,8 +28,8 @@ from multisrt.geometry.footprint import Footprint
 from multisrt.geometry.scan import take_scan
 from multisrt.planners.motion.trajectory import Trajectory, Waypoint
 from multisrt.recording import Recorder, Recording, RunOutcome, header_of, written_whole
-from multisrt.spec import RobotSpec, RunSpec, build_environment, random_stream
 from multisrt.registry import strategy
+from multisrt.spec import RobotSpec, RunSpec, build_environment, random_stream
 
 Watcher = Callable[[AnyEvent], None]
 

@@ -8,12 +8,12 @@ from itertools import pairwise
 
 import numpy as np
 
-from multisrt.remaining_frontier import remaining_frontier
 from multisrt.events import ArcClosed, Collision, Motion, NodeAdded, Point, Segment
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.kernel import FloatArray
 from multisrt.recording import Recording
+from multisrt.remaining_frontier import remaining_frontier
 
 JOINED_M = 1e-6
 """Segments are one line where one begins within this of the other's end."""

@@ -12,7 +12,6 @@ from hypothesis import strategies as st
 
 from multisrt.drawing import environment_svg, save_environment_svg, save_tree_svg, tree_svg
 from multisrt.drawing.colours import ROBOT_COLOURS, RobotStyles
-from multisrt.remaining_frontier import remaining_frontier
 from multisrt.drawing.sheet import round_length, wrapped
 from multisrt.drawing.svg import Pen, number, plain, text_width
 from multisrt.environments.catalog import environment
@@ -20,6 +19,7 @@ from multisrt.environments.environment import Environment
 from multisrt.events import ArcClosed, Collision, Ended, MapComplete, NodeAdded
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.recording import Recording
+from multisrt.remaining_frontier import remaining_frontier
 from multisrt.simulation import simulate
 from multisrt.spec import InlineEnvironment, RobotSpec, RunSpec, StopRule, inline
 

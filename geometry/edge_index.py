@@ -30,15 +30,14 @@ class EdgeIndex:
     """
 
     __slots__ = (
+        "bins",
         "cell_m",
         "columns",
         "edges",
         "free_winding",
         "grid",
-        "items",
         "rows",
         "scratch",
-        "starts",
         "x0",
         "y0",
     )
@@ -59,7 +58,7 @@ class EdgeIndex:
         self.x0, self.y0 = float(x0), float(y0)
         self.columns = int(width / cell_m) + 1
         self.rows = int(height / cell_m) + 1
-        self.starts, self.items = _bin_edges(
+        self.bins = _bin_edges(
             edges, self.x0, self.y0, self.cell_m, self.columns, self.rows
         )
         # As the kernels take them.
@@ -73,13 +72,15 @@ class EdgeIndex:
 
 
 class Scratch:
-    """Memory that queries reuse: in which query each edge was last met, and the edges met now."""
+    """Memory that queries reuse: in which query each edge was last met, and the edges met now.
 
-    __slots__ = ("found", "query", "stamps")
+    Both are rows of one array, for every array that is handed to a kernel costs time.
+    """
+
+    __slots__ = ("memory", "query")
 
     def __init__(self, edges: int) -> None:
-        self.stamps: IntArray = np.zeros(edges, np.int64)
-        self.found: IntArray = np.empty(edges, np.int64)
+        self.memory: IntArray = np.zeros((2, edges), np.int64)
         self.query = 0
 
     def next_query(self) -> int:
@@ -91,23 +92,24 @@ class Scratch:
 @kernel
 def _bin_edges(
     edges: FloatArray, x0: float, y0: float, cell: float, columns: int, rows: int
-) -> tuple[IntArray, IntArray]:
-    # Compressed rows: items[starts[k]:starts[k + 1]] are the edges that touch cell k, which
-    # has its whole border, and a hair more for rounding: what passes exactly through a cell's
-    # corner may be looked up in any cell around it. Two passes, one to count and one to fill.
+) -> IntArray:
+    # Compressed rows in one array: bins[bins[k]:bins[k + 1]] are the edges that touch cell k,
+    # which has its whole border, and a hair more for rounding: what passes exactly through a
+    # cell's corner may be looked up in any cell around it. Two passes, to count and to fill.
     margin = 1e-6 * cell
-    counts = np.zeros(columns * rows + 1, np.int64)
-    items = np.empty(0, np.int64)
+    bins = np.zeros(columns * rows + 1, np.int64)
     fill = np.empty(0, np.int64)
     for counting in (True, False):
         if not counting:
-            total = 0
-            for k in range(columns * rows + 1):
-                count = counts[k]
-                counts[k] = total
+            cells = columns * rows + 1
+            total = cells
+            for k in range(cells):
+                count = bins[k]
+                bins[k] = total
                 total += count
-            items = np.empty(total, np.int64)
-            fill = counts.copy()
+            fill = bins
+            bins = np.empty(total, np.int64)
+            bins[:cells] = fill
         for e in range(edges.shape[0]):
             ax, ay, bx, by = edges[e, 0], edges[e, 1], edges[e, 2], edges[e, 3]
             dx, dy = bx - ax, by - ay
@@ -123,11 +125,11 @@ def _bin_edges(
                     if abs((cx - ax) * dy - (cy - ay) * dx) <= reach:
                         k = i * rows + j
                         if counting:
-                            counts[k] += 1
+                            bins[k] += 1
                         else:
-                            items[fill[k]] = e
+                            bins[fill[k]] = e
                             fill[k] += 1
-    return counts, items
+    return bins
 
 
 @kernel
@@ -136,8 +138,7 @@ def edges_within(
     y: float,
     radius: float,
     grid: tuple[float, float, float, int, int],
-    starts: IntArray,
-    items: IntArray,
+    bins: IntArray,
     stamps: IntArray,
     query: int,
     found: IntArray,
@@ -155,8 +156,8 @@ def edges_within(
             dy = max(0.0, max(y0 + j * cell - y, y - y0 - (j + 1) * cell))
             if dx * dx + dy * dy > radius * radius:
                 continue
-            for k in range(starts[i * rows + j], starts[i * rows + j + 1]):
-                e = items[k]
+            for k in range(bins[i * rows + j], bins[i * rows + j + 1]):
+                e = bins[k]
                 if stamps[e] != query:
                     stamps[e] = query
                     found[count] = e
@@ -170,8 +171,7 @@ def winding_number(
     y: float,
     edges: FloatArray,
     grid: tuple[float, float, float, int, int],
-    starts: IntArray,
-    items: IntArray,
+    bins: IntArray,
     stamps: IntArray,
     query: int,
 ) -> int:
@@ -183,8 +183,8 @@ def winding_number(
     j = int(row)
     winding = 0
     for i in range(int(min(max(0.0, np.floor((x - x0) / cell)), float(columns))), columns):
-        for k in range(starts[i * rows + j], starts[i * rows + j + 1]):
-            e = items[k]
+        for k in range(bins[i * rows + j], bins[i * rows + j + 1]):
+            e = bins[k]
             if stamps[e] == query:
                 continue
             stamps[e] = query

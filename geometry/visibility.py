@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from functools import lru_cache
-from typing import Final
+from typing import Final, NoReturn
 
 import numpy as np
 from numpy.typing import NDArray
@@ -83,9 +83,10 @@ def visibility_polygon(
     the interval's middle, so that events in the same direction need no order among themselves.
     Cost: O(m log m) for m edges in range, whatever the size of the world.
     """
-    if not (math.isfinite(x) and math.isfinite(y)):
+    if not (-math.inf < x < math.inf and -math.inf < y < math.inf):
         raise InvalidInputError(f"the viewpoint is finite, not ({x}, {y})")
-    _require_range(range_m)
+    if not 0.0 < range_m <= MAX_RANGE_M:
+        _refuse_range(range_m)
     scratch = index.scratch
     boundary, tags, clearance = _sweep(
         x,
@@ -94,14 +95,13 @@ def visibility_polygon(
         index.free_winding,
         index.edges,
         index.grid,
-        index.starts,
-        index.items,
-        scratch.stamps,
+        index.bins,
+        scratch.memory,
         scratch.next_query(),
-        scratch.found,
         arc_divisions(range_m, arc_tolerance_m or arc_tolerance(range_m)),
     )
-    _require_clearance(x, y, clearance)
+    if clearance < MIN_CLEARANCE_M:
+        _refuse_clearance(x, y, clearance)
     return boundary, tags
 
 
@@ -129,9 +129,10 @@ def laser_ranges(
     ClearanceError, InvalidInputError
         As for `visibility_polygon`; also for fewer than 3 beams.
     """
-    if not (math.isfinite(x) and math.isfinite(y)):
+    if not (-math.inf < x < math.inf and -math.inf < y < math.inf):
         raise InvalidInputError(f"the viewpoint is finite, not ({x}, {y})")
-    _require_range(range_m)
+    if not 0.0 < range_m <= MAX_RANGE_M:
+        _refuse_range(range_m)
     if beams < 3:
         raise InvalidInputError(f"a laser has at least 3 beams, not {beams}")
     scratch = index.scratch
@@ -144,13 +145,12 @@ def laser_ranges(
         index.free_winding,
         index.edges,
         index.grid,
-        index.starts,
-        index.items,
-        scratch.stamps,
+        index.bins,
+        scratch.memory,
         scratch.next_query(),
-        scratch.found,
     )
-    _require_clearance(x, y, clearance)
+    if clearance < MIN_CLEARANCE_M:
+        _refuse_clearance(x, y, clearance)
     return ranges
 
 
@@ -169,11 +169,9 @@ def line_of_sight(index: EdgeIndex, ax: float, ay: float, bx: float, by: float) 
             by,
             index.edges,
             index.grid,
-            index.starts,
-            index.items,
-            index.scratch.stamps,
+            index.bins,
+            index.scratch.memory,
             index.scratch.next_query(),
-            index.scratch.found,
         )
     )
 
@@ -198,20 +196,18 @@ def _beam_directions(beams: int, first_rad: float) -> FloatArray:
     return directions
 
 
-def _require_range(range_m: float) -> None:
-    if not 0.0 < range_m <= MAX_RANGE_M:
-        raise InvalidInputError(
-            f"a range is a positive number of metres, at most {MAX_RANGE_M:g}, not {range_m:g}"
-        )
+def _refuse_range(range_m: float) -> NoReturn:
+    raise InvalidInputError(
+        f"a range is a positive number of metres, at most {MAX_RANGE_M:g}, not {range_m:g}"
+    )
 
 
-def _require_clearance(x: float, y: float, clearance: float) -> None:
-    if clearance < MIN_CLEARANCE_M:
-        raise ClearanceError(
-            f"({x:g}, {y:g}) is on or inside an obstacle (clearance {clearance:.3g} m): "
-            f"a viewpoint needs more than {MIN_CLEARANCE_M:g} m",
-            clearance,
-        )
+def _refuse_clearance(x: float, y: float, clearance: float) -> NoReturn:
+    raise ClearanceError(
+        f"({x:g}, {y:g}) is on or inside an obstacle (clearance {clearance:.3g} m): "
+        f"a viewpoint needs more than {MIN_CLEARANCE_M:g} m",
+        clearance,
+    )
 
 
 @kernel
@@ -242,8 +238,7 @@ def _signed_clearance(
     free_winding: int,
     edges: FloatArray,
     grid: tuple[float, float, float, int, int],
-    starts: NDArray[np.int64],
-    items: NDArray[np.int64],
+    bins: NDArray[np.int64],
     stamps: NDArray[np.int64],
     query: int,
     found: NDArray[np.int64],
@@ -274,7 +269,7 @@ def _signed_clearance(
     clearance = math.sqrt(nearest)
     if clearance > radius:
         # There may be nearer edges that were not looked up.
-        winding = winding_number(x, y, edges, grid, starts, items, stamps, query + 1)
+        winding = winding_number(x, y, edges, grid, bins, stamps, query + 1)
         clearance = radius
         free = winding >= free_winding
     return clearance if free else -clearance
@@ -288,16 +283,15 @@ def _sweep(
     free_winding: int,
     edges: FloatArray,
     grid: tuple[float, float, float, int, int],
-    starts: NDArray[np.int64],
-    items: NDArray[np.int64],
-    stamps: NDArray[np.int64],
+    bins: NDArray[np.int64],
+    scratch: NDArray[np.int64],
     query: int,
-    found: NDArray[np.int64],
     divisions: int,
 ) -> tuple[FloatArray, TagArray, float]:
-    count = edges_within(x, y, radius, grid, starts, items, stamps, query, found)
+    stamps, found = scratch[0], scratch[1]
+    count = edges_within(x, y, radius, grid, bins, stamps, query, found)
     clearance = _signed_clearance(
-        x, y, radius, free_winding, edges, grid, starts, items, stamps, query, found, count
+        x, y, radius, free_winding, edges, grid, bins, stamps, query, found, count
     )
     if clearance < MIN_CLEARANCE_M:
         return np.empty((0, 2)), np.empty(0, np.int8), clearance
@@ -565,20 +559,19 @@ def _z_buffer(
     free_winding: int,
     edges: FloatArray,
     grid: tuple[float, float, float, int, int],
-    starts: NDArray[np.int64],
-    items: NDArray[np.int64],
-    stamps: NDArray[np.int64],
+    bins: NDArray[np.int64],
+    scratch: NDArray[np.int64],
     query: int,
-    found: NDArray[np.int64],
 ) -> tuple[FloatArray, float]:
+    stamps, found = scratch[0], scratch[1]
     # Every edge that faces the viewpoint visits only the beams that it spans. They keep the
     # largest inverse distance: it is linear in the direction, so that this takes no division.
     # `ranges` holds it until the end.
     beams = directions.shape[1]
-    count = edges_within(x, y, radius, grid, starts, items, stamps, query, found)
+    count = edges_within(x, y, radius, grid, bins, stamps, query, found)
     ranges = np.zeros(beams)
     clearance = _signed_clearance(
-        x, y, radius, free_winding, edges, grid, starts, items, stamps, query, found, count
+        x, y, radius, free_winding, edges, grid, bins, stamps, query, found, count
     )
     if clearance < MIN_CLEARANCE_M:
         return ranges, clearance
@@ -630,12 +623,11 @@ def _line_of_sight(
     by: float,
     edges: FloatArray,
     grid: tuple[float, float, float, int, int],
-    starts: NDArray[np.int64],
-    items: NDArray[np.int64],
-    stamps: NDArray[np.int64],
+    bins: NDArray[np.int64],
+    scratch: NDArray[np.int64],
     query: int,
-    found: NDArray[np.int64],
 ) -> bool:
+    stamps, found = scratch[0], scratch[1]
     # Walk the cells along the segment and add up how much of it lies inside obstacles: minus
     # the distance of every crossing into one, plus that of every crossing out of one. An end
     # exactly on the line counts as right of it in one sum and as left of it in the other; what
@@ -657,8 +649,8 @@ def _line_of_sight(
     travelled = 0.0
     while travelled <= length:
         if 0 <= i < columns and 0 <= j < rows:
-            for k in range(starts[i * rows + j], starts[i * rows + j + 1]):
-                e = items[k]
+            for k in range(bins[i * rows + j], bins[i * rows + j + 1]):
+                e = bins[k]
                 if stamps[e] == query:
                     continue
                 stamps[e] = query

@@ -17,13 +17,12 @@ def lookup(index, x, y, radius):
         y,
         radius,
         index.grid,
-        index.starts,
-        index.items,
-        scratch.stamps,
+        index.bins,
+        scratch.memory[0],
         scratch.next_query(),
-        scratch.found,
+        scratch.memory[1],
     )
-    return scratch.found[:count].copy()
+    return scratch.memory[1, :count].copy()
 
 
 def wind(index, x, y):
@@ -33,9 +32,8 @@ def wind(index, x, y):
         y,
         index.edges,
         index.grid,
-        index.starts,
-        index.items,
-        scratch.stamps,
+        index.bins,
+        scratch.memory[0],
         scratch.next_query(),
     )
 

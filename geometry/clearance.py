@@ -106,6 +106,19 @@ def free_travel_disc(
 
 
 @kernel
+def free_travel_disc_fan(
+    boundary: FloatArray, x: float, y: float, directions: FloatArray, radius: float, limit: float
+) -> FloatArray:
+    """Give `free_travel_disc` for many directions in radians, as an array of their length."""
+    travels = np.empty(directions.shape[0])
+    for k in range(directions.shape[0]):
+        travels[k] = free_travel_disc(
+            boundary, x, y, math.cos(directions[k]), math.sin(directions[k]), radius, limit
+        )
+    return travels
+
+
+@kernel
 def free_travel_polygon(
     boundary: FloatArray,
     body: FloatArray,

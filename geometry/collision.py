@@ -45,6 +45,14 @@ RESOLUTION_M = 1e-3
 CONTACT_PRECISION_M = 1e-6
 """How precisely the place of a contact is found, as a length of motion."""
 
+TILE_M = 8.0
+MOST_TILES = 32
+"""Obstacles are cut into tiles of this width, but not more than so many a side: triangles that
+reach across a whole world would be met by every query."""
+
+CAPSULE_MARGIN_M = 1e-4
+"""More than FCL errs about a capsule."""
+
 THINNEST_TRIANGLE_M = 1e-9
 """Triangles thinner than this have no normal to compute with; their sides are in neighbours."""
 
@@ -118,7 +126,10 @@ class CollisionWorld:
         frame = shapely.box(*shapely.bounds(free)).buffer(1.0, join_style="mitre")
         solid = frame.difference(free)
         self._bounds: tuple[float, float, float, float] = frame.bounds
-        self._obstacles = fcl.CollisionObject(_standing_prisms(_polygons(solid), "world"))
+        x0, y0, x1, y1 = self._bounds
+        tile = max(TILE_M, (x1 - x0) / MOST_TILES, (y1 - y0) / MOST_TILES)
+        tiles = [part for whole in _polygons(solid) for part in _tiles(whole, tile)]
+        self._obstacles = fcl.CollisionObject(_standing_prisms(tiles, "world"))
         self._bodies: dict[Footprint, Body] = {}
 
     def body(self, footprint: Footprint) -> Body:
@@ -192,6 +203,8 @@ class CollisionWorld:
             If the configuration or the turn is not finite, or the resolution not positive.
         """
         start = checked_configuration(configuration)
+        if body.footprint.is_disc and math.isfinite(turn):
+            return self._pose_is_free(body, start)
         end = (start[0], start[1], start[2] + turn)
         return self.first_contact(body, start, end, turn, resolution_m=resolution_m) is None
 
@@ -506,11 +519,36 @@ def _convex_prism(outline: FloatArray) -> fcl.Convex:
     return fcl.Convex(vertices, n + 2, faces)
 
 
+def _lying_capsule(start: Configuration, end: Configuration, radius: float) -> fcl.CollisionObject:
+    """Give what a sphere sweeps along a line on the floor."""
+    (x0, y0, _), (x1, y1, _) = start, end
+    length = math.hypot(x1 - x0, y1 - y0)
+    cosine, sine = (x1 - x0) / length, (y1 - y0) / length
+    turned = np.array([[-sine, 0.0, cosine], [cosine, 0.0, sine], [0.0, 1.0, 0.0]])
+    middle = np.array([(x0 + x1) / 2.0, (y0 + y1) / 2.0, 0.0])
+    return fcl.CollisionObject(fcl.Capsule(radius, length), fcl.Transform(turned, middle))
+
+
 def _upright_sheet(start: Configuration, end: Configuration) -> fcl.Convex:
     """Give a sheet over a line on the floor, through the floor."""
     (x0, y0, _), (x1, y1, _), z = start, end, BODY_REACH_M
     corners = np.array([(x0, y0, -z), (x1, y1, -z), (x1, y1, z), (x0, y0, z)])
     return fcl.Convex(corners, 2, [4, 0, 1, 2, 3, 4, 3, 2, 1, 0])
+
+
+def _tiles(polygon: Polygon, width: float) -> list[Polygon]:
+    """Halve a polygon across its longer side until no part is wider than a tile."""
+    x0, y0, x1, y1 = polygon.bounds
+    if max(x1 - x0, y1 - y0) <= width:
+        return [polygon]
+    if x1 - x0 >= y1 - y0:
+        middle = (x0 + x1) / 2.0
+        halves = shapely.box(x0, y0, middle, y1), shapely.box(middle, y0, x1, y1)
+    else:
+        middle = (y0 + y1) / 2.0
+        halves = shapely.box(x0, y0, x1, middle), shapely.box(x0, middle, x1, y1)
+    parts = [part for half in halves for part in _polygons(polygon.intersection(half))]
+    return [tile for part in parts for tile in _tiles(part, width)]
 
 
 def _standing_prisms(polygons: Sequence[Polygon], name: str) -> fcl.BVHModel:

@@ -58,9 +58,7 @@ class EdgeIndex:
         self.x0, self.y0 = float(x0), float(y0)
         self.columns = int(width / cell_m) + 1
         self.rows = int(height / cell_m) + 1
-        self.bins = _bin_edges(
-            edges, self.x0, self.y0, self.cell_m, self.columns, self.rows
-        )
+        self.bins = _bin_edges(edges, self.x0, self.y0, self.cell_m, self.columns, self.rows)
         # As the kernels take them.
         self.grid = (self.x0, self.y0, self.cell_m, self.columns, self.rows)
         self.scratch = Scratch(len(edges))

@@ -22,6 +22,7 @@ from multisrt.geometry.frontier_arcs import (
     uncovered,
 )
 from multisrt.geometry.kernel import FloatArray, IntArray
+from multisrt.geometry.point_hash import PointHash
 from multisrt.geometry.raster import Raster
 from multisrt.geometry.safe_region import LocalSafeRegion
 
@@ -92,8 +93,7 @@ class ExplorationMap:
         self._ends: list[FloatArray] = []
         self._frontiers: dict[int, FloatArray] = {}
         self._maybe_open: dict[NodeId, None] = {}
-        self._hash: dict[tuple[int, int], list[int]] = {}
-        self._positions: FloatArray = np.empty((64, 2))
+        self._places = PointHash(reach_m)
         self._boxes: FloatArray = np.empty((64, 4))
         self._starts: IntArray = np.zeros(65, np.int64)
         self._corners: FloatArray = np.empty((4096, 2))
@@ -123,7 +123,9 @@ class ExplorationMap:
         """
         if node.id in self._nodes:
             return False
-        neighbours = self._within(node.configuration.x, node.configuration.y, 2.0 * self._reach)
+        neighbours = self._places.within(
+            node.configuration.x, node.configuration.y, 2.0 * self._reach
+        )
         index = self._store(node)
         candidates = frontier_candidates(
             node.region.boundary, node.region.tags, include_gaps=self._gaps_count
@@ -189,8 +191,12 @@ class ExplorationMap:
 
     def near(self, x: float, y: float, radius_m: float) -> list[Node]:
         """Give the nodes whose place lies within a radius, in the order of their ids."""
-        found = self._within(x, y, radius_m)
+        found = self._places.within(x, y, radius_m)
         return sorted((self._nodes[self._ids[i]] for i in found), key=lambda node: node.id)
+
+    def places_near(self, x: float, y: float, radius_m: float) -> FloatArray:
+        """Give the places of the nodes within a radius, ``(n, 2)``."""
+        return self._places.points[self._places.within(x, y, radius_m)]
 
     def local_union(self, x: float, y: float, half_width_m: float) -> BaseGeometry:
         """Unite the regions of all nodes inside a square window around a place."""
@@ -211,21 +217,9 @@ class ExplorationMap:
                 self._raster.paint(node.region.boundary)
         return self._raster
 
-    def _within(self, x: float, y: float, radius: float) -> IntArray:
-        cell = self._reach
-        found: list[int] = []
-        for i in range(math.floor((x - radius) / cell), math.floor((x + radius) / cell) + 1):
-            for j in range(math.floor((y - radius) / cell), math.floor((y + radius) / cell) + 1):
-                found.extend(self._hash.get((i, j), ()))
-        indices = np.asarray(found, np.int64)
-        offsets = self._positions[indices] - (x, y)
-        near: IntArray = indices[(offsets**2).sum(axis=1) <= radius * radius]
-        return near
-
     def _store(self, node: Node) -> int:
         index = len(self._ids)
-        if index == len(self._positions):
-            self._positions = _grown(self._positions, 2 * index)
+        if index == len(self._boxes):
             self._boxes = _grown(self._boxes, 2 * index)
             self._starts = _grown(self._starts, 2 * index + 1)
         boundary = node.region.boundary
@@ -237,9 +231,7 @@ class ExplorationMap:
         self._boxes[index, :2] = boundary.min(axis=0)
         self._boxes[index, 2:] = boundary.max(axis=0)
         x, y, _ = node.configuration
-        self._positions[index] = x, y
-        cell = math.floor(x / self._reach), math.floor(y / self._reach)
-        self._hash.setdefault(cell, []).append(index)
+        self._places.add(x, y)
         self._nodes[node.id] = node
         self._ids.append(node.id)
         self._index[node.id] = index
@@ -250,18 +242,20 @@ class ExplorationMap:
         if not still_open:
             return
         arcs = [self._uncovered[i] for i in still_open]
-        sizes = np.asarray([len(a) for a in arcs])
+        owners = np.repeat(np.arange(len(arcs)), [len(a) for a in arcs])
         segments = np.concatenate(arcs)
         rest, source = uncovered(
             segments, self._starts, self._corners, self._boxes, np.asarray([index])
         )
-        if len(rest) == len(segments) and np.array_equal(rest, segments):
+        pieces = np.bincount(source, minlength=len(segments))
+        whole = pieces == 1
+        first = np.cumsum(pieces) - pieces
+        whole[whole] = (rest[first[whole]] == segments[whole]).all(axis=1)
+        if whole.all():
             return
-        borders = np.searchsorted(source, np.concatenate([[0], np.cumsum(sizes)]))
-        for k, i in enumerate(still_open):
-            trimmed = rest[borders[k] : borders[k + 1]]
-            if not np.array_equal(trimmed, arcs[k]):
-                self._set_uncovered(i, trimmed)
+        borders = np.searchsorted(owners[source], np.arange(len(arcs) + 1))
+        for k in np.unique(owners[~whole]).tolist():
+            self._set_uncovered(still_open[k], rest[borders[k] : borders[k + 1]])
 
     def _set_uncovered(self, index: int, arcs: FloatArray) -> None:
         arcs = long_arcs(arcs, SHORTEST_ARC_M)
@@ -279,10 +273,10 @@ class ExplorationMap:
         if not len(arcs):
             return arcs
         own = self._ends[index]
-        x, y = self._positions[index]
+        x, y = self._places.points[index].tolist()
         others = [
             self._ends[i]
-            for i in self._within(x, y, 2.0 * self._reach).tolist()
+            for i in self._places.within(x, y, 2.0 * self._reach).tolist()
             if i != index and len(self._ends[i])
         ]
         lengths = joined_lengths(np.concatenate([own, *others]))[: len(own)]

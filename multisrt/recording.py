@@ -17,6 +17,7 @@ import platform
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 from typing import IO, Literal
@@ -211,11 +212,6 @@ class Recorder:
 
 def header_of(spec: RunSpec, environment: Environment, starts: tuple[Configuration, ...]) -> Header:
     """Make the header for a run that begins now."""
-    packages = ("multisrt", "numba", "numpy", "scipy", "shapely", "python-fcl", "simpy")
-    versions = {package: version(package) for package in packages}
-    versions["geos"] = shapely.geos_version_string
-    versions["python"] = platform.python_version()
-    versions["architecture"] = platform.machine()
     free = tuple(
         tuple(
             tuple(map(tuple, shapely.get_coordinates(ring).tolist()))
@@ -224,12 +220,22 @@ def header_of(spec: RunSpec, environment: Environment, starts: tuple[Configurati
         for part in environment.free.geoms
     )
     return Header(
-        versions=versions,
+        versions=_versions(),
         spec=spec,
         world=environment.name,
         free=free,
         starts=tuple((*start,) for start in starts),
     )
+
+
+@cache
+def _versions() -> dict[str, str]:
+    packages = ("multisrt", "numba", "numpy", "scipy", "shapely", "python-fcl", "simpy")
+    versions = {package: version(package) for package in packages}
+    versions["geos"] = shapely.geos_version_string
+    versions["python"] = platform.python_version()
+    versions["architecture"] = platform.machine()
+    return versions
 
 
 @contextmanager

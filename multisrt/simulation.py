@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Generator
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -150,6 +151,12 @@ def _drawn_start(
             return Configuration(float(x), float(y))
 
 
+@lru_cache(maxsize=8)
+def _collision_world(environment: Environment) -> CollisionWorld:
+    # Many runs in one world build its solids once.
+    return CollisionWorld(environment.free)
+
+
 class _Simulation:
     def __init__(
         self,
@@ -165,7 +172,7 @@ class _Simulation:
         self.index = EdgeIndex(
             environment.edges, max(r.range_finder.range_m for r in spec.robots) / 3.0
         )
-        self.world = CollisionWorld(environment.free)
+        self.world = _collision_world(environment)
         self.ends: list[Ended] = []
         self.out_of_time = False
         self.collision: Collision | None = None

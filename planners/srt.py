@@ -25,7 +25,7 @@ from multisrt.geometry.safe_region import CONTACT_TOLERANCE_M, LocalSafeRegion
 from multisrt.geometry.visibility import visibility_polygon
 from multisrt.planners.motion.body import PlanningBody
 from multisrt.planners.motion.kinematics import Kinematics
-from multisrt.planners.motion.steering import reach
+from multisrt.planners.motion.steering import reach, reach_fan
 
 Refusal = Literal["too narrow", "not reachable", "seen from near"]
 """Why no place opens a frontier arc: the body fits nowhere from where it could be seen; it
@@ -237,20 +237,10 @@ class SrtPlanner:
                 np.arctan2(ends[:, 1] - at.y, ends[:, 0] - at.x),
             ]
         )
-        places: list[FloatArray] = []
-        step = self.d_min_m / 4.0
-        for direction in directions.tolist():
-            limit = reach(
-                self.body, self.kinematics, region.boundary, at, direction, region.range_m
-            )
-            if limit < self.d_min_m:
-                continue
-            distances = np.append(np.arange(self.d_min_m, limit, step), limit)
-            unit = np.array([math.cos(direction), math.sin(direction)])
-            places.append((at.x, at.y) + distances[:, None] * unit)
-        if not places:
-            return None
-        candidates = np.vstack(places)
+        limits = reach_fan(
+            self.body, self.kinematics, region.boundary, at, directions, region.range_m
+        )
+        candidates = _along_rays(at.x, at.y, directions, limits, self.d_min_m, self.d_min_m / 4.0)
         candidates = candidates[nearest_points(others, candidates) >= self.d_min_m]
         if not len(candidates):
             return None
@@ -403,6 +393,26 @@ def distance_to_boundary(boundary: FloatArray, x: float, y: float, ux: float, uy
                 nearest = t
         px, py, side_p = qx, qy, side_q
     return nearest
+
+
+@kernel
+def _along_rays(
+    x: float, y: float, directions: FloatArray, limits: FloatArray, first: float, step: float
+) -> FloatArray:
+    # Places on rays from a point: from `first` on at equal steps, and at the rays' ends.
+    counts = np.zeros(directions.shape[0], np.int64)
+    for k in range(directions.shape[0]):
+        if limits[k] >= first:
+            counts[k] = int(np.ceil((limits[k] - first) / step)) + 1
+    places = np.empty((counts.sum(), 2))
+    n = 0
+    for k in range(directions.shape[0]):
+        ux, uy = math.cos(directions[k]), math.sin(directions[k])
+        for i in range(counts[k]):
+            distance = min(first + i * step, limits[k])
+            places[n, 0], places[n, 1] = x + distance * ux, y + distance * uy
+            n += 1
+    return places
 
 
 @kernel

@@ -16,13 +16,13 @@ from multisrt.explorer import Action, Done, Move, Moved, Note, Outcome, RobotSel
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.frontier_arcs import total_length
 from multisrt.geometry.kernel import FloatArray
-from multisrt.geometry.safe_region import Shape, local_safe_region
+from multisrt.geometry.safe_region import LocalSafeRegion, Shape, local_safe_region
 from multisrt.geometry.scan import Scan
 from multisrt.planners.motion.body import PlanningBody
 from multisrt.planners.motion.roadmap import Roadmap
 from multisrt.planners.motion.steering import steer, turn_and_drive
 from multisrt.planners.motion.trajectory import Trajectory
-from multisrt.planners.srt import CLOSE_BY, Refusal, SrtOptions, SrtPlanner, arc_points
+from multisrt.planners.srt import CLOSE_BY, Draws, Refusal, SrtOptions, SrtPlanner, arc_points
 
 Steps = Generator[Action, Outcome, None]
 
@@ -167,15 +167,12 @@ class SrtExplorer:
         node = self.map[here]
         x, y, _ = node.configuration
         frontier = self.map.frontier(here)
-        others = self._places_near(x, y, self.me.range_m + self.d_min_m)
-        regions = (
-            []
-            if self.options.frontier_bias
-            else [n.region for n in self.map.near(x, y, 2.0 * self.me.range_m) if n.id != here]
-        )
-        place, draws = self.planner.draw(
-            self.q_act, node.region, frontier, others, regions, self.me.rng
-        )
+        place, draws = None, Draws()
+        if len(frontier) or not self.options.frontier_bias:
+            others = self.map.places_near(x, y, self.me.range_m + self.d_min_m)
+            place, draws = self.planner.draw(
+                self.q_act, node.region, frontier, others, self._regions_around(here), self.me.rng
+            )
         choice: Literal["draw", "approach", "complete", "parent", "nearest_open", "home", "end"]
         target: Target | None
         if place is not None:
@@ -218,7 +215,7 @@ class SrtExplorer:
             yield from self._follow(self._hop(a, b))
         if isinstance(target, NewPlace):
             last = self.map[target.way[-1]]
-            if target.stage == "complete":
+            if target.stage == "complete" or self.body.is_disc:
                 motion: Trajectory | None = turn_and_drive(
                     self.me.kinematics, self.q_act, target.x, target.y
                 )
@@ -235,6 +232,14 @@ class SrtExplorer:
             if motion is None:
                 raise AssertionError(f"no way to ({target.x}, {target.y}), which was found free")
             yield from self._follow(motion)
+
+    def _regions_around(self, here: NodeId) -> list[LocalSafeRegion]:
+        # Where candidates must not lie, if they are not drawn towards the frontier.
+        if self.options.frontier_bias:
+            return []
+        x, y, _ = self.map[here].configuration
+        near = self.map.near(x, y, 2.0 * self.me.range_m)
+        return [node.region for node in near if node.id != here]
 
     def _what_is_left(
         self, here: NodeId
@@ -365,10 +370,6 @@ class SrtExplorer:
         if not self._told_complete and self.map.is_complete():
             self._told_complete = True
             yield Note(MapComplete(time_s=self.time_s, robot=self.me.robot))
-
-    def _places_near(self, x: float, y: float, radius: float) -> FloatArray:
-        near = self.map.near(x, y, radius)
-        return np.array([node.configuration[:2] for node in near]).reshape(-1, 2)
 
     def _place_of(self, target: Target | None) -> tuple[float, float] | None:
         if target is None:

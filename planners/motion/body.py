@@ -10,6 +10,7 @@ from shapely import Polygon
 from multisrt.geometry.clearance import (
     disc_clearance,
     free_travel_disc,
+    free_travel_disc_fan,
     free_travel_polygon,
     rotation_is_free,
 )
@@ -78,13 +79,7 @@ class PlanningBody:
         x, y, heading = at
         cosine, sine = math.cos(direction), math.sin(direction)
         if self.is_disc:
-            radius = self.outer_radius_m
-            if known_way:
-                radius -= TOUCH_M
-            else:
-                room = disc_clearance(boundary, x, y) - TOUCH_M
-                least = min(radius + self._least_margin, max(radius, room))
-                radius = max(least, min(radius + self.margin_m, room))
+            radius = self.outer_radius_m - TOUCH_M if known_way else self._kept(boundary, x, y)
             return free_travel_disc(boundary, x, y, cosine, sine, radius, limit)
         if known_way:
             return free_travel_polygon(boundary, self._narrow, x, y, heading, cosine, sine, limit)
@@ -92,6 +87,14 @@ class PlanningBody:
         if room > 0.0:
             return room
         return free_travel_polygon(boundary, self._outline, x, y, heading, cosine, sine, limit)
+
+    def disc_fan(
+        self, boundary: FloatArray, at: Configuration, directions: FloatArray, limit: float
+    ) -> FloatArray:
+        """Give `travel` of a disc for many directions at once."""
+        x, y, _ = at
+        radius = self._kept(boundary, x, y)
+        return free_travel_disc_fan(boundary, x, y, directions, radius, limit)
 
     def disc_travel(self, boundary: FloatArray, x: float, y: float, tx: float, ty: float) -> bool:
         """Whether the body gets straight to a place in whatever heading: as a disc around it."""
@@ -103,6 +106,13 @@ class PlanningBody:
             boundary, x, y, (tx - x) / distance, (ty - y) / distance, radius, distance
         )
         return travel >= distance
+
+    def _kept(self, boundary: FloatArray, x: float, y: float) -> float:
+        # The radius that a disc keeps free around it on a way from here.
+        radius = self.outer_radius_m
+        room = disc_clearance(boundary, x, y) - TOUCH_M
+        least = min(radius + self._least_margin, max(radius, room))
+        return max(least, min(radius + self.margin_m, room))
 
     def can_turn(self, boundary: FloatArray, at: Configuration, turn: float) -> bool:
         """Whether the body can turn in place by a signed angle inside a region."""

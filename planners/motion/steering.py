@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
+import numpy as np
+
 from multisrt.geometry.configuration import Configuration, wrap_angle
 from multisrt.geometry.kernel import FloatArray
 from multisrt.planners.motion.body import PlanningBody
@@ -41,6 +43,22 @@ def reach(
     ):
         return 0.0
     return distance
+
+
+def reach_fan(
+    body: PlanningBody,
+    kinematics: Kinematics,
+    boundary: FloatArray,
+    start: Configuration,
+    directions: FloatArray,
+    limit: float,
+) -> FloatArray:
+    """Give `reach` for many directions."""
+    if body.is_disc:
+        return body.disc_fan(boundary, start, directions, limit)
+    return np.array(
+        [reach(body, kinematics, boundary, start, t, limit) for t in directions.tolist()]
+    )
 
 
 def steer(

@@ -1,0 +1,90 @@
+"""What a whole run costs beside its own kernels.
+
+A run is recorded with every call that it makes to the visibility, frontier and raster kernels;
+then the run and a replay of just those calls are timed in turns.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any
+from unittest import mock
+
+import numpy as np
+
+from benchmarks.harness import Claim
+from multisrt.environments.catalog import environment
+from multisrt.events import NodeAdded
+from multisrt.geometry import scan, visibility
+from multisrt.geometry.raster import Raster
+from multisrt.recording import Recording
+from multisrt.simulation import simulate
+from multisrt.spec import CatalogEnvironment, RunSpec
+
+WORLD, SEED, ROUNDS, CELL_M = "hospital", 2, 5, 0.1
+
+Call = tuple[Callable[..., Any], tuple[Any, ...], dict[str, Any]]
+
+
+def whole_run() -> Iterator[Claim]:
+    """Measure a run of about 300 nodes against the kernels that it cannot do without."""
+    world = environment(WORLD)
+    spec = RunSpec(environment=CatalogEnvironment(name=WORLD), strategy="srt-radial", seed=SEED)
+    calls: list[Call] = []
+    with _captured(calls):
+        recording = simulate(spec, world)
+    boundaries = [np.asarray(e.boundary) for e in recording.events if isinstance(e, NodeAdded)]
+
+    def run() -> Recording:
+        return simulate(spec, world)
+
+    def kernels() -> None:
+        for function, positional, named in calls:
+            function(*positional, **named)
+        raster = Raster(CELL_M, world.bounds)
+        for boundary in boundaries:
+            raster.paint(boundary)
+
+    best = {run: float("inf"), kernels: float("inf")}
+    for _ in range(ROUNDS):
+        for side in best:
+            begin = time.perf_counter()
+            side()
+            best[side] = min(best[side], time.perf_counter() - begin)
+    whole, least = best[run], best[kernels]
+    yield Claim(
+        text=f"whole run, {len(boundaries)} nodes, {WORLD}: its own kernels",
+        ours_us=whole * 1e6,
+        theirs_us=least * 1e6,
+        at_most=10.0,
+        note=f"{len(boundaries) / whole:.0f} nodes a second; {len(calls)} kernel calls",
+    )
+
+
+@contextmanager
+def _captured(calls: list[Call]) -> Iterator[None]:
+    # Every module looks its kernels up by their own names: these are what is replaced.
+    from multisrt import exploration_map
+
+    def recorder(function: Callable[..., Any]) -> Callable[..., Any]:
+        def wrapper(*positional: Any, **named: Any) -> Any:
+            calls.append((function, positional, named))
+            return function(*positional, **named)
+
+        return wrapper
+
+    with mock.patch.object(scan, "visibility_polygon", recorder(visibility.visibility_polygon)):
+        names = ("frontier_candidates", "uncovered", "long_arcs", "arc_ends", "joined_lengths")
+        patches = [
+            mock.patch.object(exploration_map, name, recorder(getattr(exploration_map, name)))
+            for name in names
+        ]
+        for patch in patches:
+            patch.start()
+        try:
+            yield
+        finally:
+            for patch in patches:
+                patch.stop()

@@ -1,0 +1,150 @@
+import math
+
+import numpy as np
+import pytest
+import shapely
+from hypothesis import given
+from hypothesis import strategies as st
+
+from multisrt.geometry.configuration import Configuration
+from multisrt.geometry.footprint import Footprint
+from multisrt.planners.motion.body import TOUCH_M, PlanningBody
+
+
+def ring(polygon: shapely.Polygon) -> np.ndarray:
+    return np.asarray(shapely.orient_polygons(polygon).exterior.coords)[:-1].copy()
+
+
+HALL = ring(shapely.box(0, 0, 10, 4))
+DISC = PlanningBody(Footprint.disc(0.25), margin_m=0.02)
+BOX = PlanningBody(Footprint.box(0.6, 0.4), margin_m=0.02)
+
+
+def test_radii():
+    assert DISC.outer_radius_m == 0.25
+    assert DISC.roomy_radius_m == pytest.approx(0.252)
+    assert DISC.ample_radius_m == pytest.approx(0.27)
+    assert BOX.outer_radius_m == pytest.approx(math.hypot(0.3, 0.2))
+    assert DISC.is_disc
+    assert not BOX.is_disc
+
+
+def test_a_disc_with_room_keeps_the_margin():
+    # The wall ahead is 8 m off, the disc reaches 0.25 m, the margin is 0.02 m.
+    assert DISC.travel(HALL, Configuration(2.0, 2.0), 0.0, 99.0) == pytest.approx(7.73)
+    assert DISC.travel(HALL, Configuration(2.0, 2.0), math.pi, 99.0) == pytest.approx(1.73)
+    assert DISC.travel(HALL, Configuration(2.0, 2.0), 0.0, 5.0) == 5.0
+
+
+def test_a_disc_near_a_wall_goes_on_as_near_as_it_stands():
+    # 0.26 m from the wall below: less than radius and margin, so it stays 0.26 m off the next.
+    at = Configuration(2.0, 0.26)
+    assert DISC.travel(HALL, at, 0.0, 99.0) == pytest.approx(10.0 - 2.0 - 0.26, abs=1e-6)
+
+
+def test_a_disc_that_touches_a_wall_may_slide_along_it_but_not_into_it():
+    at = Configuration(2.0, 0.25)
+    assert DISC.travel(HALL, at, 0.0, 99.0) == pytest.approx(10.0 - 2.0 - 0.25, abs=1e-6)
+    assert DISC.travel(HALL, at, -math.pi / 2, 99.0) == 0.0
+
+
+def test_a_known_way_needs_no_margin():
+    at = Configuration(2.0, 2.0)
+    assert DISC.travel(HALL, at, 0.0, 99.0, known_way=True) == pytest.approx(
+        7.75 + TOUCH_M, abs=1e-9
+    )
+    assert BOX.travel(HALL, at, 0.0, 99.0, known_way=True) == pytest.approx(7.7 + TOUCH_M, abs=1e-9)
+
+
+def test_a_way_once_taken_can_be_taken_back():
+    # Into the corner by the margin's rules, and back by the rules for known ways.
+    distance = DISC.travel(HALL, Configuration(2.0, 0.26), 0.0, 99.0)
+    there = Configuration(2.0 + distance, 0.26)
+    assert DISC.travel(HALL, there, math.pi, distance, known_way=True) == distance
+
+
+def test_a_box_keeps_the_margin_where_it_has_it():
+    assert BOX.travel(HALL, Configuration(2.0, 2.0, 0.0), 0.0, 99.0) == pytest.approx(7.68)
+    # Across its heading it is 0.4 m wide: 2 m to the wall less 0.2 m and the margin.
+    at = Configuration(2.0, 2.0, 0.0)
+    assert BOX.travel(HALL, at, math.pi / 2, 99.0) == pytest.approx(1.78)
+
+
+def test_a_box_without_room_for_the_margin_goes_by_its_outline():
+    # 0.01 m beside a wall: the margin does not fit, so only the outline is kept.
+    at = Configuration(2.0, 0.21, 0.0)
+    assert BOX.travel(HALL, at, 0.0, 99.0) == pytest.approx(7.7)
+
+
+def test_a_body_outside_of_the_region_does_not_move():
+    for body in (DISC, BOX):
+        assert body.travel(HALL, Configuration(2.0, 0.1), 0.0, 99.0) == 0.0
+
+
+# A corridor 0.5 m wide: a box of 0.6 x 0.4 m gets along it but cannot turn round. Turned by t it
+# is 0.6 sin t + 0.4 cos t high, which is 0.5 at t = asin(0.25 / 0.36056) - atan(2 / 3) = 0.1781.
+CORRIDOR = ring(shapely.box(0, 0, 10, 0.5))
+CRITICAL = math.asin(0.25 / math.hypot(0.3, 0.2)) - math.atan2(2.0, 3.0)
+
+
+@pytest.mark.parametrize(
+    ("turn", "possible"),
+    [
+        (0.0, True),
+        (CRITICAL - 1e-3, True),
+        (CRITICAL - 1e-3 - 2.0 * math.pi, False),
+        (CRITICAL + 1e-3, False),
+        (math.pi / 2, False),
+        (math.pi, False),
+        (-math.pi, False),
+    ],
+)
+def test_turning_in_a_corridor(turn, possible):
+    at = Configuration(5.0, 0.25, 0.0)
+    assert BOX.can_turn(CORRIDOR, at, turn) is possible
+    assert BOX.can_turn(HALL, Configuration(5.0, 2.0, 0.0), turn) is True
+
+
+def test_a_disc_can_always_turn():
+    assert DISC.can_turn(CORRIDOR, Configuration(5.0, 0.25), 6.0) is True
+
+
+def test_travel_in_any_heading():
+    # The disc around the box, with a tenth of the margin, has a radius of 0.3626 m.
+    corridor = ring(shapely.box(0, 0, 10, 0.73))
+    assert BOX.disc_travel(corridor, 1.0, 0.365, 9.0, 0.365) is True
+    assert BOX.disc_travel(corridor, 1.0, 0.365, 9.7, 0.365) is False
+    assert BOX.disc_travel(CORRIDOR, 1.0, 0.25, 2.0, 0.25) is False
+    assert BOX.disc_travel(CORRIDOR, 1.0, 0.25, 1.0, 0.25) is True
+
+
+stars = st.lists(st.floats(0.7, 3.0), min_size=5, max_size=24)
+bodies = st.sampled_from(
+    [
+        Footprint.disc(0.25),
+        Footprint.box(0.6, 0.4),
+        Footprint.polygon([(-0.2, -0.2), (0.4, 0.0), (-0.2, 0.2)]),
+        Footprint.polygon(
+            [(-0.1, -0.1), (0.4, -0.1), (0.4, 0.1), (0.1, 0.1), (0.1, 0.4), (-0.1, 0.4)]
+        ),
+    ]
+)
+
+
+@given(stars, bodies, st.floats(-math.pi, math.pi), st.floats(-math.pi, math.pi), st.booleans())
+def test_what_a_body_sweeps_lies_in_the_region(radii, footprint, heading, direction, known_way):
+    angles = np.arange(len(radii)) * (2.0 * math.pi / len(radii))
+    boundary = np.asarray(radii)[:, None] * np.column_stack([np.cos(angles), np.sin(angles)])
+    region = shapely.Polygon(boundary)
+    body = PlanningBody(footprint, 0.02)
+    start = Configuration(0.0, 0.0, heading)
+    travel = body.travel(boundary, start, direction, 5.0, known_way=known_way)
+    if travel == 0.0:
+        return
+    way = shapely.LineString([(0, 0), (travel * math.cos(direction), travel * math.sin(direction))])
+    if footprint.is_disc:
+        assert way.distance(region.exterior) >= footprint.radius_m - 2.0 * TOUCH_M
+    else:
+        end = Configuration(*way.coords[1], heading)
+        outside = footprint.swept(start, end).difference(region)
+        assert outside.area <= 2.0 * TOUCH_M * region.length

@@ -1,0 +1,81 @@
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from multisrt.geometry.configuration import Configuration
+from multisrt.geometry.errors import InvalidInputError
+from multisrt.planners.motion.kinematics import Differential, Holonomic, turns_between
+
+
+def test_a_holonomic_body_drives_anywhere_and_keeps_its_heading():
+    motion = Holonomic(speed_m_s=0.5).drive(Configuration(1.0, 1.0, 0.3), 4.0, 5.0)
+    assert motion.duration_s == 10.0
+    assert motion.end == (4.0, 5.0, 0.3)
+
+
+def test_a_differential_body_turns_at_its_rate():
+    drive = Differential(turn_rate_rad_s=0.5)
+    left = drive.turn(Configuration(1.0, 2.0, 3.0), 1.0)
+    right = drive.turn(Configuration(1.0, 2.0, 3.0), -1.0)
+    assert left.duration_s == right.duration_s == 2.0
+    assert [w.heading for w in left.waypoints] == [3.0, 4.0]
+    assert [w.heading for w in right.waypoints] == [3.0, 2.0]
+    assert left.length_m == 0.0
+
+
+def test_driving_backwards_takes_as_long_as_forwards():
+    drive = Differential(speed_m_s=0.25)
+    assert drive.drive(Configuration(0.0, 0.0, 0.0), -1.0, 0.0).duration_s == 4.0
+    assert drive.drive(Configuration(0.0, 0.0, 0.0), -1.0, 0.0).end == (-1.0, 0.0, 0.0)
+
+
+def test_nothing_to_do_takes_no_time():
+    here = Configuration(1.0, 2.0, 0.5)
+    for motion in (
+        Holonomic().drive(here, 1.0, 2.0),
+        Differential().drive(here, 1.0, 2.0),
+        Differential().turn(here, 0.0),
+    ):
+        assert motion.duration_s == 0.0
+        assert motion.start == motion.end == here
+
+
+@pytest.mark.parametrize("value", [0.0, -1.0, math.inf, math.nan])
+@pytest.mark.parametrize(
+    ("drive", "name"),
+    [
+        (Holonomic, "speed_m_s"),
+        (Differential, "speed_m_s"),
+        (Differential, "turn_rate_rad_s"),
+    ],
+)
+def test_limits_are_positive_and_finite(drive, name, value):
+    with pytest.raises(InvalidInputError, match=name):
+        drive(**{name: value})
+
+
+@pytest.mark.parametrize(
+    ("heading", "wanted", "short", "long"),
+    [
+        (0.0, 1.0, 1.0, 1.0 - 2.0 * math.pi),
+        (0.0, -1.0, -1.0, 2.0 * math.pi - 1.0),
+        (3.0, -3.0, 2.0 * math.pi - 6.0, -6.0),
+        (0.5, 0.5, 0.0, -2.0 * math.pi),
+    ],
+)
+def test_turns_between(heading, wanted, short, long):
+    assert turns_between(heading, wanted) == pytest.approx((short, long))
+
+
+angles = st.floats(-20.0, 20.0)
+
+
+@given(angles, angles)
+def test_both_turns_lead_there_and_the_shorter_one_is_first(heading, wanted):
+    short, long = turns_between(heading, wanted)
+    for turn in (short, long):
+        assert math.cos(heading + turn - wanted) == pytest.approx(1.0)
+    assert abs(short) <= math.pi <= abs(long)
+    assert abs(short) + abs(long) == pytest.approx(2.0 * math.pi)

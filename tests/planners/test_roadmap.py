@@ -1,0 +1,127 @@
+import math
+from itertools import pairwise, permutations
+
+import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.sparse import lil_array
+from scipy.sparse.csgraph import dijkstra
+
+from multisrt.planners.motion.roadmap import Roadmap
+
+
+def roadmap(ways: dict[tuple[str, str], float]) -> Roadmap[str]:
+    result: Roadmap[str] = Roadmap()
+    for (a, b), length in ways.items():
+        result.connect(a, b, length)
+    return result
+
+
+DETOUR = roadmap(
+    {("a", "b"): 1.0, ("b", "c"): 1.0, ("c", "d"): 1.0, ("a", "d"): 4.0, ("e", "f"): 1.0}
+)
+
+
+def test_three_short_ways_beat_a_long_one():
+    assert DETOUR.way("a", "d") == ["a", "b", "c", "d"]
+    assert DETOUR.way("d", "a") == ["d", "c", "b", "a"]
+
+
+def test_here_is_no_way_at_all():
+    assert DETOUR.way("a", "a") == ["a"]
+    assert DETOUR.way_to_nearest("a", lambda place: True) == ["a"]
+
+
+def test_no_way_to_another_part_or_to_nothing():
+    assert DETOUR.way("a", "f") is None
+    assert DETOUR.way_to_nearest("a", lambda place: False) is None
+
+
+def test_the_nearest_of_several():
+    assert DETOUR.way_to_nearest("a", lambda place: place in "cd") == ["a", "b", "c"]
+
+
+def test_a_place_alone():
+    lonely: Roadmap[int] = Roadmap()
+    lonely.add(7)
+    lonely.add(7)
+    assert lonely.way(7, 7) == [7]
+    assert lonely.way_to_nearest(7, lambda place: place == 8) is None
+
+
+def test_adding_a_known_place_keeps_its_ways():
+    again = roadmap({("a", "b"): 1.0})
+    again.add("a")
+    assert again.way("a", "b") == ["a", "b"]
+
+
+def test_ties_go_to_what_was_joined_first():
+    assert roadmap({("s", "b"): 1.0, ("s", "a"): 1.0}).way_to_nearest(
+        "s", lambda place: place != "s"
+    ) == ["s", "b"]
+
+
+def test_the_search_ends_at_the_first_place_wanted():
+    line: Roadmap[int] = Roadmap()
+    for place in range(1000):
+        line.connect(place, place + 1, 1.0)
+    asked = []
+
+    def wanted(place: int) -> bool:
+        asked.append(place)
+        return place == 3
+
+    line.way_to_nearest(0, wanted)
+    assert asked == [0, 1, 2, 3]
+
+
+graphs = st.integers(2, 7).flatmap(
+    lambda n: st.tuples(
+        st.just(n),
+        st.dictionaries(
+            st.tuples(st.integers(0, n - 1), st.integers(0, n - 1)).filter(lambda p: p[0] < p[1]),
+            st.integers(1, 50).map(float),
+        ),
+    )
+)
+
+
+@given(graphs)
+def test_against_scipy_and_against_trying_every_way(graph):
+    n, ways = graph
+    matrix, ours = lil_array((n, n)), Roadmap()
+    for place in range(n):
+        ours.add(place)
+    for (a, b), length in ways.items():
+        matrix[a, b] = length
+        ours.connect(a, b, length)
+    lengths = ways | {(b, a): length for (a, b), length in ways.items()}
+    theirs = dijkstra(matrix.tocsr(), directed=False, indices=0)
+    for goal in range(1, n):
+        way = ours.way(0, goal)
+        every_way = (
+            (0, *middle, goal)
+            for count in range(n - 1)
+            for middle in permutations([p for p in range(1, n) if p != goal], count)
+        )
+        shortest = min(
+            (
+                sum(lengths[step] for step in pairwise(tried))
+                for tried in every_way
+                if all(step in lengths for step in pairwise(tried))
+            ),
+            default=math.inf,
+        )
+        assert theirs[goal] == shortest
+        if way is None:
+            assert shortest == math.inf
+        else:
+            assert way[0] == 0
+            assert way[-1] == goal
+            assert sum(lengths[step] for step in pairwise(way)) == shortest
+    nearest = ours.way_to_nearest(0, lambda place: place % 2 == 1)
+    odd = theirs[1::2]
+    assert (nearest is None) == bool(np.isinf(odd).all())
+    if nearest is not None:
+        assert nearest[-1] % 2 == 1
+        assert theirs[nearest[-1]] == odd.min()

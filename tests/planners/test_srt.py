@@ -1,0 +1,377 @@
+import math
+
+import numpy as np
+import pytest
+import shapely
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy import stats
+
+from multisrt.geometry.configuration import Configuration
+from multisrt.geometry.edge_index import EdgeIndex
+from multisrt.geometry.errors import InvalidInputError
+from multisrt.geometry.footprint import Footprint
+from multisrt.geometry.frontier_arcs import arc_labels, frontier_candidates
+from multisrt.geometry.safe_region import LocalSafeRegion, local_safe_region
+from multisrt.geometry.scan import take_scan
+from multisrt.geometry.visibility import OBSTACLE
+from multisrt.planners.motion.body import PlanningBody
+from multisrt.planners.motion.kinematics import Differential, Holonomic
+from multisrt.planners.srt import (
+    SrtOptions,
+    SrtPlanner,
+    arc_middle,
+    distance_to_boundary,
+    distance_to_segments,
+    inside,
+    nearest_point,
+    nearest_points,
+)
+
+NONE = np.empty((0, 2))
+D_MIN = 0.5
+
+
+def planner(footprint: str = "disc:0.25", drive=None, **options) -> SrtPlanner:
+    chosen = SrtOptions(**options)
+    body = PlanningBody(Footprint.parse(footprint), chosen.margin_m)
+    return SrtPlanner(body, Holonomic() if drive is None else drive, chosen, D_MIN)
+
+
+def region(polygon: shapely.Polygon, x: float, y: float, range_m: float = 4.0) -> LocalSafeRegion:
+    boundary = np.asarray(shapely.orient_polygons(polygon).exterior.coords)[:-1].copy()
+    tags = np.full(len(boundary), OBSTACLE, np.int8)
+    return LocalSafeRegion(x=x, y=y, range_m=range_m, boundary=boundary, tags=tags)
+
+
+SQUARE = region(shapely.box(0, 0, 4, 4), 2.0, 2.0)
+MIDDLE = Configuration(2.0, 2.0, 0.0)
+# Three metres of frontier in two pieces on the right, one on the left.
+RIGHT = np.array([(4.0, 0.5, 4.0, 1.5), (4.0, 1.5, 4.0, 3.5)])
+LEFT = np.array([(0.0, 2.5, 0.0, 1.5)])
+BOTH = np.vstack([RIGHT, LEFT])
+
+
+def drawn(chosen: SrtPlanner, frontier: np.ndarray, count: int, seed: int) -> np.ndarray:
+    rng = np.random.default_rng(seed)
+    places = [chosen.draw(MIDDLE, SQUARE, frontier, NONE, [], rng)[0] for _ in range(count)]
+    return np.array(places)
+
+
+def test_arcs_are_drawn_in_proportion_to_their_length():
+    places = drawn(planner(), BOTH, 2000, seed=1)
+    right = int((places[:, 0] > 2.0).sum())
+    assert stats.binomtest(right, len(places), 0.75).pvalue > 1e-3
+
+
+def test_points_of_an_arc_are_drawn_uniformly():
+    places = drawn(planner(), BOTH, 2000, seed=2)
+    right = places[places[:, 0] > 2.0]
+    # The ray through a candidate meets the wall at x = 4, twice as far as one at x = 3.
+    heights = 2.0 + (right[:, 1] - 2.0) * 2.0 / (right[:, 0] - 2.0)
+    assert stats.kstest(heights, stats.uniform(0.5, 3.0).cdf).pvalue > 1e-3
+
+
+def test_without_bias_directions_are_drawn_uniformly():
+    places = drawn(planner(frontier_bias=False), np.empty((0, 4)), 2000, seed=3)
+    directions = np.arctan2(places[:, 1] - 2.0, places[:, 0] - 2.0)
+    assert stats.kstest(directions, stats.uniform(-math.pi, 2.0 * math.pi).cdf).pvalue > 1e-3
+
+
+def test_a_candidate_lies_at_its_share_of_the_way_to_the_boundary():
+    for x, y in drawn(planner(alpha=0.6), RIGHT, 50, seed=4):
+        ahead = distance_to_boundary(SQUARE.boundary, 2.0, 2.0, *_unit(x - 2.0, y - 2.0))
+        assert math.hypot(x - 2.0, y - 2.0) == pytest.approx(0.6 * ahead)
+
+
+def _unit(dx: float, dy: float) -> tuple[float, float]:
+    length = math.hypot(dx, dy)
+    return dx / length, dy / length
+
+
+def test_a_candidate_stops_where_the_body_no_longer_fits():
+    # To the right the room goes on as a slit 0.3 m wide, up to x = 6: the disc stops before it.
+    polygon = shapely.union(shapely.box(0, 0, 4, 4), shapely.box(4, 1.85, 6, 2.15))
+    slit = np.array([(6.0, 1.999, 6.0, 2.001)])
+    (x, y), draws = planner().draw(
+        MIDDLE, region(polygon, 2.0, 2.0), slit, NONE, [], np.random.default_rng(0)
+    )
+    # It touches the corners (4, 1.85) and (4, 2.15), each 0.15 m off its way, with 0.27 m.
+    assert x == pytest.approx(4.0 - math.sqrt(0.27**2 - 0.15**2), abs=2e-3)
+    assert y == pytest.approx(2.0, abs=2e-3)
+    assert (draws.drawn, draws.refused) == (1, {})
+
+
+def test_no_frontier_no_draws():
+    place, draws = planner().draw(
+        MIDDLE, SQUARE, np.empty((0, 4)), NONE, [], np.random.default_rng(0)
+    )
+    assert place is None
+    assert (draws.drawn, draws.refused) == (0, {})
+
+
+def test_refused_near_a_node():
+    # With alpha = 0.8 every candidate to the left lies on x = 0.4, y from 1.6 to 2.4.
+    nodes = np.array([(0.4, 2.0)])
+    place, draws = planner(max_draws=7).draw(
+        MIDDLE, SQUARE, LEFT, nodes, [], np.random.default_rng(0)
+    )
+    assert place is None
+    assert (draws.drawn, draws.refused) == (7, {"near a node": 7})
+
+
+@pytest.mark.parametrize(("offset", "accepted"), [(D_MIN - 1e-6, False), (D_MIN + 1e-6, True)])
+def test_a_candidate_is_d_min_from_every_node(offset, accepted):
+    point = np.array([(4.0, 2.0 - 1e-9, 4.0, 2.0 + 1e-9)])
+    nodes = np.array([(3.6, 2.0 + offset), (2.0, 2.0)])
+    place, _ = planner().draw(MIDDLE, SQUARE, point, nodes, [], np.random.default_rng(0))
+    assert (place is not None) is accepted
+
+
+def test_refused_for_want_of_room():
+    # 0.6 m to the wall: at 0.8 of it the candidate is nearer than d_min.
+    at = Configuration(3.4, 2.0, 0.0)
+    point = np.array([(4.0, 1.99, 4.0, 2.01)])
+    place, draws = planner().draw(
+        at, region(shapely.box(0, 0, 4, 4), 3.4, 2.0), point, NONE, [], np.random.default_rng(0)
+    )
+    assert place is None
+    assert draws.refused == {"no room": 10}
+
+
+def test_refused_in_another_region_only_without_bias():
+    whole = region(shapely.box(-1, -1, 5, 5), 2.0, 2.0)
+    rng = np.random.default_rng(0)
+    place, draws = planner(frontier_bias=False).draw(
+        MIDDLE, SQUARE, np.empty((0, 4)), NONE, [whole], rng
+    )
+    assert place is None
+    assert draws.refused == {"in another region": 10}
+    place, _ = planner().draw(MIDDLE, SQUARE, RIGHT, NONE, [whole], rng)
+    assert place is not None
+
+
+def test_a_body_that_cannot_turn_draws_only_where_it_looks():
+    # A box of 0.6 x 0.4 m in a corridor 0.5 m wide, a frontier at both ends.
+    corridor = region(shapely.box(0, 0, 4, 0.5), 2.0, 0.25)
+    ends = np.array([(4.0, 0.2, 4.0, 0.3), (0.0, 0.3, 0.0, 0.2)])
+    chosen = planner("box:0.6x0.4", Differential())
+    rng = np.random.default_rng(0)
+    at = Configuration(2.0, 0.25, 0.0)
+    places = [chosen.draw(at, corridor, ends, NONE, [], rng)[0] for _ in range(20)]
+    assert all(place is not None and place[0] > 2.0 for place in places)
+
+
+def test_equal_streams_draw_alike():
+    assert np.array_equal(drawn(planner(), BOTH, 20, 5), drawn(planner(), BOTH, 20, 5))
+    assert not np.array_equal(drawn(planner(), BOTH, 20, 5), drawn(planner(), BOTH, 20, 6))
+
+
+# Two rooms of 6 x 6 m, a wall of 0.15 m between them, a door in it from y = 4 to y = 5.
+ROOMS = shapely.box(0, 0, 12.15, 6).difference(
+    shapely.union(shapely.box(6, 0, 6.15, 4), shapely.box(6, 5, 6.15, 6))
+)
+
+
+def looking(x: float, y: float) -> tuple[LocalSafeRegion, list[np.ndarray]]:
+    coords = [np.asarray(ring.coords) for ring in [shapely.orient_polygons(ROOMS).exterior]]
+    edges = np.vstack([np.hstack([ring[:-1], ring[1:]]) for ring in coords])
+    scan = take_scan(EdgeIndex(edges, 1.5), Configuration(x, y), 0.0, 4.5)
+    seen = local_safe_region(scan, "radial")
+    segments = frontier_candidates(seen.boundary, seen.tags)
+    labels, count = arc_labels(segments)
+    return seen, [segments[labels == k] for k in range(count)]
+
+
+def test_a_door_seen_edge_on_is_approached():
+    # Close to the wall, the disc hits it right away on every line through the door.
+    at = Configuration(5.74, 1.0)
+    seen, arcs = looking(*at[:2])
+    door = [arc for arc in arcs if (arc[:, 0] > 5.9).any() and (arc[:, 1] > 3.9).any()]
+    assert door
+    chosen = planner()
+    place, draws = chosen.draw(at, seen, door[0], NONE, [], np.random.default_rng(0))
+    assert place is None
+    assert set(draws.refused) == {"no room"}
+    x, y = chosen.approach(at, seen, door, NONE)
+    # The nearest place to the door: beside it, as near to the wall as the body gets.
+    target = shapely.MultiLineString([arc.reshape(-1, 2, 2)[k] for arc in door for k in [0, -1]])
+    there = shapely.Point(x, y).distance(target)
+    assert there < 0.5 * shapely.Point(at[:2]).distance(target)
+    assert y > 3.0
+    assert seen.polygon().exterior.distance(shapely.Point(x, y)) >= 0.25
+    way = shapely.LineString([at[:2], (x, y)])
+    assert way.buffer(0.25).difference(seen.polygon()).area < 1e-6
+
+
+def test_no_approach_without_arcs():
+    assert planner().approach(MIDDLE, SQUARE, [], NONE) is None
+
+
+def test_no_approach_where_all_places_are_near_nodes():
+    grid = np.stack(np.meshgrid(np.arange(0, 4.1, 0.4), np.arange(0, 4.1, 0.4)), -1).reshape(-1, 2)
+    assert planner().approach(MIDDLE, SQUARE, [RIGHT], NONE) is not None
+    assert planner().approach(MIDDLE, SQUARE, [RIGHT], grid) is None
+
+
+def test_no_approach_by_less_than_half_of_d_min():
+    # In the room beside the slit, the disc stands as near to its end as it can but for 0.2 m.
+    polygon = shapely.union(shapely.box(0, 0, 4, 4), shapely.box(4, 1.85, 6, 2.15))
+    arc = np.array([(6.0, 1.85, 6.0, 2.15)])
+    nearest = 4.0 - math.sqrt(0.27**2 - 0.15**2)
+    for back, found in ((0.2, False), (0.7, True)):
+        at = Configuration(nearest - back, 2.0)
+        place = planner().approach(at, region(polygon, *at[:2]), [arc], NONE)
+        assert (place is not None) is found
+
+
+def test_no_approach_without_room_to_move():
+    closet = region(shapely.box(0, 0, 0.7, 0.7), 0.35, 0.35)
+    arc = np.array([(0.7, 0.1, 0.7, 0.6)])
+    assert planner().approach(Configuration(0.35, 0.35), closet, [arc], NONE) is None
+
+
+ARC = np.array([(6.0, 1.0, 6.0, 2.0), (6.0, 2.0, 6.0, 3.0)])
+
+
+def test_a_viewing_place():
+    # The lattice has steps of d_min / 4 = 0.125 m around (6, 2). At x = 5.75 the disc of 0.252 m
+    # does not fit; at x = 5.625 there is the whole margin.
+    found = planner().viewing_place(ARC, shapely.box(0, 0, 6, 4), 3.0, np.array([(1.0, 2.0)]))
+    assert found == ((5.625, 2.0), 0)
+
+
+def test_a_viewing_place_keeps_off_nodes_and_names_the_nearest():
+    # Half of d_min, 0.25 m, from the node: two steps of the lattice to a side.
+    nodes = np.array([(1.0, 2.0), (5.625, 2.0)])
+    (x, y), k = planner().viewing_place(ARC, shapely.box(0, 0, 6, 4), 3.0, nodes)
+    assert math.hypot(x - 5.625, y - 2.0) >= 0.25
+    assert k == 1
+
+
+def test_a_viewing_place_sees_the_arc():
+    # A screen stands in front of the arc's middle: places right behind it do not see it.
+    known = shapely.box(0, 0, 6, 4).difference(shapely.box(5.2, 1.5, 5.3, 2.5))
+    (x, y), _ = planner().viewing_place(ARC, known, 3.0, np.array([(1.0, 2.0)]))
+    assert shapely.LineString([(x, y), (6.0 - 1e-3, 2.0)]).within(known)
+    assert known.boundary.distance(shapely.Point(x, y)) >= 0.252 - 1e-6
+
+
+def test_refused_too_narrow():
+    arc = np.array([(6.0, 0.0, 6.0, 0.4)])
+    nodes = np.array([(1.0, 0.2)])
+    assert planner().viewing_place(arc, shapely.box(0, 0, 6, 0.4), 3.0, nodes) == "too narrow"
+
+
+def test_refused_too_narrow_where_the_room_does_not_see_the_arc():
+    # Round the corner of a slit: the room beside it is wide, but sees none of the arc's middle.
+    known = shapely.union_all(
+        [shapely.box(0, 0, 2, 2), shapely.box(2, 0, 3, 0.2), shapely.box(2.8, 0, 3, 2)]
+    )
+    arc = np.array([(3.0, 2.0, 2.8, 2.0)])
+    assert planner().viewing_place(arc, known, 3.0, np.array([(1.0, 1.0)])) == "too narrow"
+
+
+def test_refused_not_reachable():
+    # The pocket before the arc has room for the body, but a slit leads there.
+    known = shapely.union_all(
+        [shapely.box(0, 0, 4, 4), shapely.box(4, 1.9, 4.5, 2.1), shapely.box(4.5, 1, 6, 3)]
+    )
+    assert planner().viewing_place(ARC, known, 3.0, np.array([(1.0, 2.0)])) == "not reachable"
+    assert planner().viewing_place(ARC, known, 3.0, NONE) == "not reachable"
+
+
+def test_refused_seen_from_near():
+    # A niche with room for places within 0.1 m of its middle, where there was a scan already.
+    known = shapely.box(5.3, 1.65, 6.0, 2.35)
+    arc = np.array([(6.0, 1.9, 6.0, 2.1)])
+    nodes = np.array([(5.65, 2.0)])
+    assert planner().viewing_place(arc, known, 3.0, nodes) == "seen from near"
+
+
+def test_refused_where_the_arc_is_not_at_known_space():
+    away = ARC + (50.0, 0.0, 50.0, 0.0)
+    known = shapely.box(0, 0, 6, 4)
+    assert planner().viewing_place(away, known, 3.0, np.array([(1.0, 2.0)])) == "too narrow"
+
+
+def test_the_middle_of_an_arc():
+    # One metre up, then three to the left: its middle is one metre along the second piece.
+    arc = np.array([(4.0, 0.0, 4.0, 1.0), (4.0, 1.0, 1.0, 1.0)])
+    assert arc_middle(arc) == pytest.approx((3.0, 1.0, 0.0, -1.0))
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("alpha", 0.0),
+        ("alpha", 1.1),
+        ("alpha", math.nan),
+        ("max_draws", 0),
+        ("d_min_m", -1.0),
+        ("d_min_m", math.inf),
+        ("cones", 2),
+        ("contact_tolerance_m", -0.1),
+        ("margin_m", -0.1),
+        ("margin_m", math.nan),
+        ("max_views", 0),
+        ("completion_spacing", 0.0),
+    ],
+)
+def test_options_out_of_bounds_are_refused_by_name(name, value):
+    with pytest.raises(InvalidInputError, match=name):
+        SrtOptions(**{name: value})
+
+
+@st.composite
+def stars(draw):
+    radii = np.array(draw(st.lists(st.floats(0.5, 3.0), min_size=5, max_size=20)))
+    angles = np.arange(len(radii)) * (2.0 * math.pi / len(radii))
+    return radii[:, None] * np.column_stack([np.cos(angles), np.sin(angles)])
+
+
+coordinates = st.floats(-3.5, 3.5)
+points = st.lists(st.tuples(coordinates, coordinates), max_size=6).map(
+    lambda p: np.array(p).reshape(-1, 2)
+)
+segments = st.lists(
+    st.tuples(coordinates, coordinates, coordinates, coordinates), min_size=1, max_size=6
+).map(np.array)
+
+
+@given(stars(), st.floats(-math.pi, math.pi))
+def test_distance_to_boundary(boundary, direction):
+    ux, uy = math.cos(direction), math.sin(direction)
+    ray = shapely.LineString([(0, 0), (10 * ux, 10 * uy)])
+    expected = ray.intersection(shapely.Polygon(boundary).exterior).distance(shapely.Point(0, 0))
+    assert distance_to_boundary(boundary, 0.0, 0.0, ux, uy) == pytest.approx(expected, abs=1e-9)
+
+
+def test_no_boundary_ahead():
+    assert distance_to_boundary(SQUARE.boundary, 9.0, 2.0, 1.0, 0.0) == math.inf
+    assert distance_to_boundary(SQUARE.boundary, 9.0, 2.0, -1.0, 0.0) == 5.0
+
+
+@given(stars(), coordinates, coordinates)
+def test_inside(boundary, x, y):
+    polygon = shapely.Polygon(boundary)
+    if polygon.exterior.distance(shapely.Point(x, y)) > 1e-9:
+        assert inside(boundary, x, y) == shapely.contains_xy(polygon, x, y)
+
+
+@given(points, points)
+def test_nearest_points(nodes, places):
+    expected = [
+        shapely.MultiPoint(nodes).distance(shapely.Point(place)) if len(nodes) else math.inf
+        for place in places
+    ]
+    assert nearest_points(nodes, places) == pytest.approx(expected)
+    for place, distance in zip(places, expected, strict=True):
+        assert nearest_point(nodes, *place) == pytest.approx(distance)
+
+
+@given(segments, points)
+def test_distance_to_segments(lines, places):
+    shape = shapely.MultiLineString(list(lines.reshape(-1, 2, 2)))
+    expected = [shape.distance(shapely.Point(place)) for place in places]
+    assert distance_to_segments(places, lines) == pytest.approx(expected, abs=1e-9)

@@ -1,0 +1,169 @@
+import math
+from itertools import pairwise
+
+import numpy as np
+import pytest
+import shapely
+from hypothesis import given
+from hypothesis import strategies as st
+
+from multisrt.geometry.configuration import Configuration
+from multisrt.geometry.footprint import Footprint
+from multisrt.planners.motion.body import PlanningBody
+from multisrt.planners.motion.kinematics import Differential, Holonomic
+from multisrt.planners.motion.steering import reach, steer, turn_and_drive
+
+
+def ring(polygon: shapely.Polygon) -> np.ndarray:
+    return np.asarray(shapely.orient_polygons(polygon).exterior.coords)[:-1].copy()
+
+
+def turns(motion) -> list[float]:
+    return [b.heading - a.heading for a, b in pairwise(motion.waypoints) if a.heading != b.heading]
+
+
+HALL = ring(shapely.box(0, 0, 10, 10))
+CORRIDOR = ring(shapely.box(0, 0, 10, 0.5))
+DISC = PlanningBody(Footprint.disc(0.25), 0.02)
+BOX = PlanningBody(Footprint.box(0.6, 0.4), 0.02)
+# Its nose is 0.8 m ahead of its reference point, its tail 0.2 m behind it.
+NOSE = PlanningBody(Footprint.polygon([(-0.2, -0.15), (0.8, -0.15), (0.8, 0.15), (-0.2, 0.15)]), 0)
+DRIVE = Differential(speed_m_s=0.5, turn_rate_rad_s=1.0)
+
+
+def test_a_holonomic_body_drives_sideways():
+    motion = steer(BOX, Holonomic(), HALL, Configuration(5.0, 5.0, 0.0), 5.0, 8.0)
+    assert motion.end == (5.0, 8.0, 0.0)
+    assert turns(motion) == []
+
+
+def test_a_holonomic_body_stops_at_nothing_short_of_its_goal():
+    # 0.2 m of body and 0.02 m of margin do not fit between y = 9.9 and the wall at 10.
+    assert steer(BOX, Holonomic(), HALL, Configuration(5.0, 5.0, 0.0), 5.0, 9.9) is None
+
+
+def test_a_differential_body_turns_the_shorter_way_and_drives_forwards():
+    left = steer(DISC, DRIVE, HALL, Configuration(5.0, 5.0, 0.0), 5.0, 8.0)
+    assert turns(left) == pytest.approx([math.pi / 2])
+    assert left.end == pytest.approx((5.0, 8.0, math.pi / 2))
+    assert left.duration_s == pytest.approx(math.pi / 2 + 6.0)
+    right = steer(DISC, DRIVE, HALL, Configuration(5.0, 5.0, 0.0), 3.0, 3.0)
+    assert turns(right) == pytest.approx([-0.75 * math.pi])
+
+
+def test_no_turn_where_none_is_needed():
+    motion = steer(BOX, DRIVE, HALL, Configuration(5.0, 5.0, 0.0), 7.0, 5.0)
+    assert len(motion.waypoints) == 2
+
+
+def test_backwards_where_there_is_no_room_to_turn_round():
+    start = Configuration(5.0, 0.25, 0.0)
+    motion = steer(BOX, DRIVE, CORRIDOR, start, 2.0, 0.25)
+    assert turns(motion) == []
+    assert motion.end == pytest.approx((2.0, 0.25, 0.0))
+    # A disc has room to turn, and looks where it goes.
+    assert turns(steer(DISC, DRIVE, ring(shapely.box(0, 0, 10, 0.6)), start, 2.0, 0.25)) == [
+        math.pi
+    ]
+
+
+def test_the_longer_turn_where_a_wall_blocks_the_shorter():
+    # Under the wall at y = 10, to a place on the left: its nose has to go round below.
+    start = Configuration(5.0, 9.6, 0.0)
+    motion = steer(NOSE, DRIVE, HALL, start, 4.0, 9.7)
+    wanted = math.atan2(0.1, -1.0)
+    assert turns(motion) == pytest.approx([wanted - 2.0 * math.pi])
+    assert motion.end == pytest.approx((4.0, 9.7, wanted))
+
+
+def test_no_way_at_all():
+    start = Configuration(5.0, 0.25, 0.0)
+    assert steer(BOX, DRIVE, CORRIDOR, start, 5.0, 0.4) is None
+    assert steer(BOX, DRIVE, CORRIDOR, start, 9.9, 0.25) is None
+    assert steer(BOX, DRIVE, HALL, start, 15.0, 5.0) is None
+
+
+def test_turning_in_one_region_and_driving_in_another():
+    # In the corridor it cannot turn; where it stands there is a bay wide enough to.
+    bay = ring(shapely.box(4, -1, 6, 1.5))
+    start = Configuration(5.0, 0.25, math.pi / 2)
+    assert steer(BOX, DRIVE, CORRIDOR, start, 8.0, 0.25) is None
+    motion = steer(BOX, DRIVE, CORRIDOR, start, 8.0, 0.25, turn_boundary=bay)
+    assert turns(motion) == pytest.approx([-math.pi / 2])
+
+
+def test_a_known_way_is_driven_without_margin():
+    start = Configuration(5.0, 5.0, 0.0)
+    assert steer(DISC, DRIVE, HALL, start, 9.74, 5.0) is None
+    assert steer(DISC, DRIVE, HALL, start, 9.74, 5.0, known_way=True).end.x == 9.74
+
+
+class StiffBody(PlanningBody):
+    """Turns between two headings only by way of a third, 0.4."""
+
+    def can_turn(self, boundary, at, turn):
+        ends = {round(at.heading, 6), round(at.heading + turn, 6)}
+        return turn == 0.0 or 0.4 in ends
+
+
+def test_by_way_of_the_heading_of_arrival():
+    body = StiffBody(Footprint.box(0.6, 0.4), 0.02)
+    start = Configuration(5.0, 5.0, 0.0)
+    goal = (5.0 + math.cos(1.0), 5.0 + math.sin(1.0))
+    assert steer(body, DRIVE, HALL, start, *goal) is None
+    motion = steer(body, DRIVE, HALL, start, *goal, via_heading=0.4)
+    assert turns(motion) == pytest.approx([0.4, 0.6])
+    assert motion.end == pytest.approx((*goal, 1.0))
+
+
+def test_at_once_rather_than_by_way_of_another_heading():
+    motion = steer(BOX, DRIVE, HALL, Configuration(5.0, 5.0, 0.0), 5.0, 8.0, via_heading=-1.0)
+    assert turns(motion) == pytest.approx([math.pi / 2])
+
+
+def test_reach():
+    at = Configuration(5.0, 0.25, 0.0)
+    assert reach(BOX, DRIVE, CORRIDOR, at, 0.0, 99.0) == pytest.approx(4.7, abs=0.021)
+    # It could drive there backwards, but a new place is gone to forwards.
+    assert reach(BOX, DRIVE, CORRIDOR, at, math.pi, 99.0) == 0.0
+    assert reach(BOX, Holonomic(), CORRIDOR, at, math.pi, 99.0) == pytest.approx(4.7, abs=0.021)
+    assert reach(BOX, DRIVE, CORRIDOR, at, math.pi / 2, 99.0) == 0.0
+    assert reach(DISC, DRIVE, HALL, Configuration(5.0, 5.0), 1e-9, 2.0) == 2.0
+
+
+def test_turn_and_drive():
+    start = Configuration(1.0, 1.0, math.pi)
+    motion = turn_and_drive(DRIVE, start, 1.0, 0.0)
+    assert turns(motion) == pytest.approx([math.pi / 2])
+    assert motion.end == pytest.approx((1.0, 0.0, -math.pi / 2))
+    assert turn_and_drive(Holonomic(), start, 1.0, 0.0).end == (1.0, 0.0, math.pi)
+    assert turn_and_drive(DRIVE, start, 1.0, 1.0).duration_s == 0.0
+
+
+bodies = st.sampled_from([DISC, BOX, NOSE])
+places = st.tuples(st.floats(-2.5, 2.5), st.floats(-2.5, 2.5))
+
+
+@given(
+    st.lists(st.floats(0.9, 3.0), min_size=5, max_size=24),
+    bodies,
+    st.floats(-math.pi, math.pi),
+    places,
+    st.sampled_from([DRIVE, Holonomic()]),
+)
+def test_every_motion_stays_in_the_region_and_arrives(radii, body, heading, goal, kinematics):
+    angles = np.arange(len(radii)) * (2.0 * math.pi / len(radii))
+    boundary = np.asarray(radii)[:, None] * np.column_stack([np.cos(angles), np.sin(angles)])
+    start = Configuration(0.0, 0.0, heading)
+    motion = steer(body, kinematics, boundary, start, *goal)
+    if motion is None:
+        return
+    assert motion.start == pytest.approx(start)
+    assert motion.end[:2] == pytest.approx(goal)
+    region = shapely.Polygon(boundary).buffer(1e-6, join_style="mitre")
+    for time in np.linspace(0.0, motion.duration_s, 100):
+        at = motion.at(time)
+        if body.is_disc:
+            assert shapely.Point(at[:2]).distance(region.exterior) >= body.outer_radius_m
+        else:
+            assert region.contains(body.footprint.placed(at))

@@ -13,6 +13,7 @@ from scipy.spatial import cKDTree
 
 from benchmarks import worlds
 from benchmarks.harness import Claim, in_turns, installed, show, skipped
+from benchmarks.whole_run import whole_run
 from multisrt.exploration_map import ExplorationMap, Node, NodeId
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.distance_field import distance_field
@@ -47,6 +48,7 @@ def claims() -> Iterator[Claim]:
     yield geodesic_field()
     yield node_in_large_map()
     yield node_against_global_union()
+    yield from whole_run()
 
 
 def visibility(free: shapely.Polygon) -> Iterator[Claim]:

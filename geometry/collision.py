@@ -178,7 +178,11 @@ class CollisionWorld:
         if not step.any():
             return self._pose_is_free(body, first)
         if footprint.is_disc:
-            # A disc sweeps whatever is nearer than its radius to the way of its centre.
+            # A disc sweeps whatever is nearer than its radius to the way of its centre. FCL's
+            # capsule is quick but rounds: a wider one clears the way, or it is measured.
+            wider = footprint.radius_m + CAPSULE_MARGIN_M
+            if not _touch((_lying_capsule(first, last, wider),), self._obstacles):
+                return True
             way = fcl.CollisionObject(_upright_sheet(first, last))
             return bool(_gap((way,), self._obstacles) > footprint.radius_m)
         swept = (

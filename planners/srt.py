@@ -8,6 +8,7 @@ papers'; *approach* and *complete* are ours, and without them an exploration doe
 from __future__ import annotations
 
 import math
+from bisect import bisect_right
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -183,18 +184,17 @@ class SrtPlanner:
         if biased and not len(frontier):
             return None, draws
         lengths = np.hypot(frontier[:, 2] - frontier[:, 0], frontier[:, 3] - frontier[:, 1])
-        along = np.cumsum(lengths)
+        along = np.cumsum(lengths).tolist()
         for _ in range(self.options.max_draws):
             draws.drawn += 1
             if biased:
                 # A point of the frontier, uniform over its length: an arc with probability
                 # proportional to its length, and a point on it uniformly.
                 position = rng.random() * along[-1]
-                k = min(int(np.searchsorted(along, position, side="right")), len(along) - 1)
-                t = 1.0 - (along[k] - position) / lengths[k]
-                px = frontier[k, 0] + t * (frontier[k, 2] - frontier[k, 0])
-                py = frontier[k, 1] + t * (frontier[k, 3] - frontier[k, 1])
-                direction = math.atan2(py - at.y, px - at.x)
+                k = min(bisect_right(along, position), len(along) - 1)
+                t = 1.0 - (along[k] - position) / float(lengths[k])
+                x0, y0, x1, y1 = frontier[k].tolist()
+                direction = math.atan2(y0 + t * (y1 - y0) - at.y, x0 + t * (x1 - x0) - at.x)
             else:
                 direction = rng.random() * 2.0 * math.pi
             ux, uy = math.cos(direction), math.sin(direction)

@@ -156,8 +156,8 @@ class SrtExplorer:
                 parent=None if node.parent is None else node.parent.serial,
                 configuration=(*node.configuration,),
                 stage=stage,
-                boundary=tuple(map(tuple, node.region.boundary.tolist())),
-                tags="".join(map(str, node.region.tags.tolist())),
+                boundary=tuple(zip(*node.region.boundary.T.tolist(), strict=True)),
+                tags=(node.region.tags + ord("0")).tobytes().decode(),
             )
         )
         yield from self._tell_when_complete()

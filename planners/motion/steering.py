@@ -34,7 +34,7 @@ def reach(
     float
         Metres, at most `limit`; 0 where it cannot turn or move at all.
     """
-    if isinstance(kinematics, Holonomic):
+    if body.is_disc or isinstance(kinematics, Holonomic):
         return body.travel(boundary, start, direction, limit)
     turned = Configuration(start.x, start.y, wrap_angle(direction))
     distance = body.travel(boundary, turned, direction, limit)

@@ -20,7 +20,7 @@ from multisrt.planners.motion.kinematics import Differential, Holonomic
 from multisrt.planners.srt import (
     SrtOptions,
     SrtPlanner,
-    arc_middle,
+    arc_points,
     distance_to_boundary,
     distance_to_segments,
     inside,
@@ -273,10 +273,10 @@ def test_refused_too_narrow_where_the_room_does_not_see_the_arc():
 
 
 def test_refused_not_reachable():
-    # The pocket before the arc has room for the body, but a slit leads there.
-    known = shapely.union_all(
-        [shapely.box(0, 0, 4, 4), shapely.box(4, 1.9, 4.5, 2.1), shapely.box(4.5, 1, 6, 3)]
-    )
+    # The pocket before the arc has room for the body, but only a slit, round a corner, leads there.
+    rooms = shapely.box(0, 0, 4, 4), shapely.box(4.5, 1, 6, 3)
+    slit = shapely.box(4, 0, 5.2, 0.2), shapely.box(5, 0, 5.2, 1)
+    known = shapely.union_all([*rooms, *slit])
     assert planner().viewing_place(ARC, known, 3.0, np.array([(1.0, 2.0)])) == "not reachable"
     assert planner().viewing_place(ARC, known, 3.0, NONE) == "not reachable"
 
@@ -290,15 +290,19 @@ def test_refused_seen_from_near():
 
 
 def test_refused_where_the_arc_is_not_at_known_space():
-    away = ARC + (50.0, 0.0, 50.0, 0.0)
+    away = ARC + 50.0
     known = shapely.box(0, 0, 6, 4)
     assert planner().viewing_place(away, known, 3.0, np.array([(1.0, 2.0)])) == "too narrow"
 
 
-def test_the_middle_of_an_arc():
+def test_points_of_an_arc_its_middle_first():
     # One metre up, then three to the left: its middle is one metre along the second piece.
     arc = np.array([(4.0, 0.0, 4.0, 1.0), (4.0, 1.0, 1.0, 1.0)])
-    assert arc_middle(arc) == pytest.approx((3.0, 1.0, 0.0, -1.0))
+    assert np.array(arc_points(arc, 9.0)) == pytest.approx(np.array([(3.0, 1.0, 0.0, -1.0)]))
+    assert np.array(arc_points(arc, 1.5)) == pytest.approx(
+        np.array([(3.0, 1.0, 0.0, -1.0), (4.0, 0.5, -1.0, 0.0), (1.5, 1.0, 0.0, -1.0)])
+    )
+    assert len(arc_points(arc, 0.01)) == 7
 
 
 @pytest.mark.parametrize(

@@ -402,7 +402,7 @@ def _seconds(value: float | None) -> str:
 
 
 def _times(*values: float | None) -> str:
-    return ", ".join("never" if value is None else f"{value:.0f}" for value in values) + " s"
+    return ", ".join("never" if value is None else f"{value:.0f} s" for value in values)
 
 
 def _counted(count: int, kinds: dict[str, int]) -> str:

@@ -59,7 +59,11 @@ class Explorable:
         for x, y in np.unique(shapely.get_coordinates(border), axis=0).tolist():
             boundary, _ = visibility_polygon(index, x, y, range_m, arc_tolerance_m=cell / 10.0)
             self.raster.paint(boundary)
-        self.area_m2 = self.raster.area_m2()
+        # A raster of walls on round coordinates is off by up to a permille; the share of the
+        # component's cells times its exact area is much less so.
+        whole = Raster(cell, environment.bounds)
+        _paint_all(whole, component)
+        self.area_m2 = self.raster.area_m2() * float(component.area) / whole.area_m2()
 
     def farthest_m(self, start: Configuration) -> float:
         """Length of the shortest way from a place to the explorable point farthest from it.

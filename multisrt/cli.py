@@ -283,8 +283,8 @@ class _OutputFolder:
     def __enter__(self) -> None:
         from multisrt.geometry.errors import InvalidInputError
 
-        missing = [path for path in (self.folder, *self.folder.parents) if not path.exists()]
         try:
+            missing = [path for path in (self.folder, *self.folder.parents) if not path.exists()]
             for path in reversed(missing):
                 path.mkdir()
                 self.made.insert(0, path)

@@ -135,8 +135,6 @@ class ExplorationMap:
         self._ends.append(arc_ends(arcs))
         self._set_uncovered(index, arcs)
         self._trim(neighbours, index)
-        for i in neighbours.tolist():
-            self._frontiers.pop(i, None)
         if self._raster is not None:
             self._raster.paint(node.region.boundary)
         return True
@@ -187,7 +185,6 @@ class ExplorationMap:
         gone = {tuple(segment) for segment in segments.tolist()}
         keep = [tuple(segment) not in gone for segment in arcs.tolist()]
         self._set_uncovered(index, arcs[np.asarray(keep, np.bool_)])
-        self._frontiers.pop(index, None)
 
     def near(self, x: float, y: float, radius_m: float) -> list[Node]:
         """Give the nodes whose place lies within a radius, in the order of their ids."""
@@ -203,7 +200,7 @@ class ExplorationMap:
         near = self.near(x, y, math.sqrt(2.0) * half_width_m + self._reach)
         polygons = np.array([node.region.polygon() for node in near])
         window = (x - half_width_m, y - half_width_m, x + half_width_m, y + half_width_m)
-        return shapely.union_all(shapely.clip_by_rect(polygons, *window))
+        return shapely.union_all(shapely.intersection(polygons, shapely.box(*window)))
 
     def region_union(self) -> BaseGeometry:
         """Unite all regions, exactly. Costs more the larger the map is: not for the loop."""
@@ -262,6 +259,10 @@ class ExplorationMap:
         arcs.setflags(write=False)
         self._uncovered[index] = arcs
         self._ends[index] = arc_ends(arcs)
+        # Arcs that others join to these may now be too narrow, or wide enough.
+        x, y = self._places.points[index].tolist()
+        for i in self._places.within(x, y, 2.0 * self._reach).tolist():
+            self._frontiers.pop(i, None)
         if len(arcs):
             self._maybe_open[self._ids[index]] = None
         else:

@@ -15,7 +15,7 @@ import hashlib
 import os
 import platform
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from functools import cache
 from importlib.metadata import version
@@ -26,7 +26,7 @@ import msgspec
 import shapely
 
 from multisrt.environments.environment import Environment
-from multisrt.events import AnyEvent
+from multisrt.events import AnyEvent, Motion, NodeAdded
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.spec import RunSpec
@@ -120,9 +120,19 @@ class Recording:
         return tuple(Configuration(*start) for start in self.header.starts)
 
     def environment(self) -> Environment:
-        """Build the world that was explored."""
-        parts = [shapely.Polygon(rings[0], rings[1:]) for rings in self.header.free]
-        return Environment(self.header.world, shapely.MultiPolygon(parts))
+        """Build the world that was explored.
+
+        Raises
+        ------
+        InvalidInputError
+            If the header holds no valid free space.
+        """
+        world, free = self.header.world, self.header.free
+        try:
+            parts = [shapely.Polygon(rings[0], rings[1:]) for rings in free]
+        except (IndexError, ValueError, shapely.errors.ShapelyError) as error:
+            raise InvalidInputError(f"environment {world!r} of the recording: {error}") from None
+        return Environment(world, shapely.MultiPolygon(parts))
 
     def save(self, path: str | Path) -> None:
         """Write the recording to a file, wholly or not at all."""
@@ -158,7 +168,7 @@ class Recording:
         for number, text in enumerate(file, 1):
             try:
                 lines.append(decoder.decode(text))
-            except (msgspec.MsgspecError, UnicodeDecodeError, InvalidInputError) as error:
+            except (msgspec.MsgspecError, ValueError, RecursionError) as error:
                 raise InvalidInputError(
                     f"{path}, line {number}: not a line of a recording: {error}"
                 ) from None
@@ -173,7 +183,31 @@ class Recording:
         events = tuple(e for e in lines[1:-1] if not isinstance(e, Header | Footer))
         if len(events) != len(lines) - 2:
             raise InvalidInputError(f"{path}: a header or an end stands among the events")
+        if len(header.starts) != len(header.spec.robots):
+            raise InvalidInputError(
+                f"{path}, line 1: {len(header.starts)} starts for {len(header.spec.robots)} robots"
+            )
+        for number, event in enumerate(events, 2):
+            if flaw := _flaw(event, len(header.starts)):
+                raise InvalidInputError(f"{path}, line {number}: {flaw}")
         return cls(header=header, events=events, footer=footer)
+
+
+def _flaw(event: AnyEvent, robots: int) -> str:
+    # What is wrong with an event although all of its fields are of the right kind.
+    if not 0 <= event.robot < robots:
+        return f"robot {event.robot} is none of the {robots}, which count from 0"
+    if isinstance(event, Motion) and not event.waypoints:
+        return "a motion has at least one waypoint"
+    if isinstance(event, NodeAdded):
+        if len(event.boundary) < 3 or len(event.tags) != len(event.boundary):
+            return (
+                f"a region of {len(event.boundary)} corners with {len(event.tags)} tags; "
+                "it has at least 3 corners and as many tags"
+            )
+        if not set(event.tags) <= set("0123"):
+            return f"tags are digits from 0 to 3, not {event.tags!r}"
+    return ""
 
 
 @dataclass(slots=True)
@@ -247,14 +281,16 @@ def written_whole(path: Path) -> Iterator[IO[bytes]]:
     InvalidInputError
         If it cannot be written; nothing is left behind.
     """
+    if not path.name:
+        raise InvalidInputError(f"cannot write {path}: it is a folder; name a file")
     part = path.with_name(path.name + ".part")
     try:
         with part.open("wb") as file:
             yield file
         os.replace(part, path)
-    except OSError as error:
-        part.unlink(missing_ok=True)
-        raise InvalidInputError(f"cannot write {path}: {error.strerror or error}") from None
-    except BaseException:
-        part.unlink(missing_ok=True)
+    except BaseException as error:
+        with suppress(OSError):
+            part.unlink()
+        if isinstance(error, OSError):
+            raise InvalidInputError(f"cannot write {path}: {error.strerror or error}") from None
         raise

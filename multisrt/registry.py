@@ -63,7 +63,10 @@ class Strategy:
                 msgspec.convert(value, known[key].type, strict=False)
             except msgspec.ValidationError as error:
                 raise InvalidInputError(f"option {key}={value!r} of {self.name}: {error}") from None
-        return msgspec.convert(dict(options), self.options, strict=False)
+        try:
+            return msgspec.convert(dict(options), self.options, strict=False)
+        except msgspec.ValidationError as error:
+            raise InvalidInputError(f"options of {self.name}: {error}") from None
 
 
 def register(strategy: Strategy) -> None:

@@ -9,6 +9,7 @@ from pathlib import Path
 import msgspec
 
 from multisrt.environments.environment import Environment
+from multisrt.geometry.errors import InvalidInputError
 from multisrt.metrics import Metrics, measure
 from multisrt.recording import Recording, RunOutcome, written_whole
 from multisrt.simulation import Watcher, simulate
@@ -162,6 +163,11 @@ def explore(
     'complete'
     """
     if isinstance(environment, RunSpec):
+        given = strategy, seed, options, start, footprint, range_m, beams, drive, max_time_s
+        if given != _NOTHING_GIVEN:
+            raise InvalidInputError(
+                "a RunSpec says everything: with it, give only recording_path and watch"
+            )
         world = build_environment(environment.environment)
         return Run(simulate(environment, world, path=recording_path, watch=watch), world)
     where: EnvironmentSpec
@@ -185,3 +191,7 @@ def explore(
         seed=seed,
     )
     return Run(simulate(spec, world, path=recording_path, watch=watch), world)
+
+
+_NOTHING_GIVEN = "srt-radial", 0, None, None, "disc:0.25", 4.0, None, None, None
+"""The defaults of `explore`."""

@@ -117,16 +117,31 @@ def start_of(robot: RobotSpec, environment: Environment, seed: int, number: int)
     else:
         start = _drawn_start(footprint, environment, random_stream(seed, "starts", number))
     environment.component(start.x, start.y)
-    if not shapely.contains_properly(environment.free, footprint.placed(start)):
-        clearance = environment.clearance(start.x, start.y)
+    clearance = environment.clearance(start.x, start.y)
+    if footprint.is_disc:
+        fits = clearance > footprint.radius_m
+        needed = f"more than {footprint.radius_m:g} m"
+    else:
+        fits = bool(shapely.contains_properly(environment.free, footprint.placed(start)))
+        needed = (
+            f"{footprint.inscribed_radius_m:.3g} to {footprint.circumscribed_radius_m:.3g} m, "
+            "by its heading"
+        )
+    if not fits:
         raise ClearanceError(
             f"the body {footprint} does not fit at the start ({start.x:g}, {start.y:g}) of "
-            f"{environment.name!r}: the clearance there is {clearance:.3g} m, and it needs "
-            f"{footprint.inscribed_radius_m:.3g} to {footprint.circumscribed_radius_m:.3g} m; "
-            "choose another start or a smaller body",
+            f"{environment.name!r}: the clearance there is {clearance:.6g} m, and it needs "
+            f"{needed}; choose another start or a smaller body",
             clearance,
         )
     return start
+
+
+def _room_needed(footprint: Footprint) -> str:
+    if footprint.is_disc:
+        return f"{footprint.radius_m:.3g} m"
+    least, most = footprint.inscribed_radius_m, footprint.circumscribed_radius_m
+    return f"{least:.3g} to {most:.3g} m, after its heading"
 
 
 def _drawn_start(
@@ -184,7 +199,9 @@ class _Simulation:
         ]
         self.clock.run(until=self.clock.all_of(processes))
         outcome, reason = self._outcome()
-        return self.recorder.finish(float(self.clock.now), outcome, reason)
+        # Now plus what was left of the time can be the time's end but for rounding.
+        time = self.spec.stop.max_time_s if self.out_of_time else float(self.clock.now)
+        return self.recorder.finish(time, outcome, reason)
 
     def _outcome(self) -> tuple[RunOutcome, str]:
         if self.collision is not None:
@@ -204,7 +221,12 @@ class _Simulation:
         outcome: Outcome = None
         actions = explorer.run()
         while True:
-            action = actions.send(outcome)
+            try:
+                action = actions.send(outcome)
+            except StopIteration:
+                raise InvalidInputError(
+                    f"the explorer of robot {number} stopped without a last action Done"
+                ) from None
             outcome = None
             match action:
                 case Sense():
@@ -241,6 +263,10 @@ class _Simulation:
                     self.ends.append(end)
                     self._record(end)
                     return
+                case _:
+                    raise InvalidInputError(
+                        f"the explorer of robot {number} yielded {action!r}, which is no action"
+                    )
 
     def _record(self, event: AnyEvent) -> None:
         self.recorder.record(event)
@@ -248,8 +274,10 @@ class _Simulation:
             self.watch(event)
 
     def _record_motion(self, number: int, trajectory: Trajectory) -> None:
-        now = float(self.clock.now)
-        waypoints = tuple((now + w.time_s, w.x, w.y, w.heading) for w in trajectory.waypoints)
+        now, end = float(self.clock.now), self.spec.stop.max_time_s
+        waypoints = tuple(
+            (min(now + w.time_s, end), w.x, w.y, w.heading) for w in trajectory.waypoints
+        )
         self._record(Motion(time_s=now, robot=number, waypoints=waypoints))
 
     def _is_free(self, body: Body, trajectory: Trajectory, number: int) -> bool:

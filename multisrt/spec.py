@@ -97,6 +97,9 @@ class DriveSpec(_Spec, frozen=True, kw_only=True):
     speed_m_s: float = 0.5
     turn_rate_rad_s: float = math.pi / 2
 
+    def __post_init__(self) -> None:
+        Differential(speed_m_s=self.speed_m_s, turn_rate_rad_s=self.turn_rate_rad_s)
+
     def kinematics(self) -> Kinematics:
         """Build the kinematics that this describes."""
         if self.kind == "holonomic":
@@ -150,7 +153,6 @@ class RobotSpec(_Spec, frozen=True, kw_only=True):
 
     def __post_init__(self) -> None:
         Footprint.parse(self.footprint)
-        self.drive.kinematics()
         if self.start is None:
             return
         if len(self.start) not in (2, 3):
@@ -254,7 +256,7 @@ class RunSpec(_Spec, frozen=True, kw_only=True):
         """
         try:
             return msgspec.toml.decode(text, type=cls)
-        except msgspec.MsgspecError as error:
+        except (msgspec.MsgspecError, RecursionError) as error:
             raise InvalidInputError(f"not a run spec: {error}") from None
 
 
@@ -280,7 +282,7 @@ def environment_spec(
             )
         return CatalogEnvironment(name=text)
     path = Path(text)
-    if not path.exists() and not path.suffix and len(path.parts) == 1:
+    if not _exists(path) and not path.suffix and len(path.parts) == 1:
         close = difflib.get_close_matches(text, names(), n=1)
         hint = f" (did you mean {close[0]!r}?)" if close else ""
         raise InvalidInputError(
@@ -288,6 +290,14 @@ def environment_spec(
             f"the catalogue has: {', '.join(names())}"
         )
     return FileEnvironment(path=text, resolution_m=resolution_m, threshold=threshold)
+
+
+def _exists(path: Path) -> bool:
+    # What cannot be asked for, by too long a name or for want of rights, is no file here.
+    try:
+        return path.exists()
+    except OSError:
+        return False
 
 
 def inline(environment: Environment) -> InlineEnvironment:

@@ -287,8 +287,7 @@ class SrtPlanner:
         if room.is_empty:
             return "too narrow"
         shapely.prepare(room)
-        ample = _eroded(closed, self.body.ample_radius_m)
-        shapely.prepare(ample)
+        ample: BaseGeometry | None = None
         reasons: list[Refusal] = []
         for x, y, left_x, left_y in arc_points(arc, self.d_min_m):
             view = _view(known, x + left_x * INWARD_M, y + left_y * INWARD_M, within_m)
@@ -299,7 +298,13 @@ class SrtPlanner:
             places = places[shapely.contains_xy(view, places)]
             places = places[shapely.contains_xy(room, places)]
             roomy = shapely.contains_xy(ample, places)
-            found = self._place_with_a_way(np.vstack([places[roomy], places[~roomy]]), room, nodes)
+            if len(places):
+                # Where there is room for the whole margin, that is better.
+                ample = ample or _eroded(closed, self.body.ample_radius_m)
+                shapely.prepare(ample)
+                roomy = shapely.contains_xy(ample, places)
+                places = np.vstack([places[roomy], places[~roomy]])
+            found = self._place_with_a_way(places, room, nodes)
             if not isinstance(found, str):
                 return found
             reasons.append(found)

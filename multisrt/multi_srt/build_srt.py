@@ -289,7 +289,10 @@ class SrtExplorer:
                     min(window, self.me.range_m),
                     np.array([n.configuration[:2] for n in near]).reshape(-1, 2),
                 )
-                if not isinstance(found, str):
+                # A wider window than the robot sees holds no more places, only more ways.
+                if found != "not reachable" and (
+                    not isinstance(found, str) or window >= self.me.range_m
+                ):
                     break
             if not isinstance(found, str):
                 place, k = found

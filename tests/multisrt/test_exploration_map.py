@@ -132,7 +132,7 @@ def test_two_scans_take_from_each_other():
     known = map_of(pair)
     for each in pair:
         length = total_length(known.frontier(each.id))
-        assert length == pytest.approx(2.0 / 3.0 * 2.0 * math.pi * REACH, rel=1e-3)
+        assert length == pytest.approx(2.0 / 3.0 * 2.0 * math.pi * REACH, rel=5e-3)
     left = known.frontier(pair[0].id)
     assert left[:, [0, 2]].max() == pytest.approx(1.5, abs=0.02)
 
@@ -191,16 +191,16 @@ def test_an_opening_loses_its_width_when_a_part_of_it_is_seen_through():
 
 
 def test_the_width_of_an_opening_changes_far_from_the_node_that_sees_it():
-    # Three nodes side by side, 4 m apart; what the last one loses is beyond the range of what the
-    # first one is near to, but the arcs that were joined at a common end are no longer.
+    # The first node sees 4 m of an opening of 8 m, another one the rest. A third takes from the
+    # other's part; it is 2.4 ranges away from the first, which no longer counts either.
     parts = [
         box_node(0, 0.0, 0.0, 4.0, 0.3, "above"),
         box_node(1, -4.0, 0.0, 0.0, 0.3, "above"),
     ]
-    known = map_of(parts, shortest_arc_m=5.0)
+    known = map_of(parts, shortest_arc_m=7.0)
     assert known.open_nodes() == [NodeId(0, 0), NodeId(0, 1)]
-    known.add(box_node(2, -6.0, 0.2, -0.0, 1.0, ""))
-    assert known.open_nodes() == map_of([*known.nodes], shortest_arc_m=5.0).open_nodes() == []
+    known.add(box_node(2, -8.0, 0.2, -2.2, 1.0, ""))
+    assert known.open_nodes() == map_of([*known.nodes], shortest_arc_m=7.0).open_nodes() == []
 
 
 def test_closing_an_arc():

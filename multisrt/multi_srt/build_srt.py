@@ -19,6 +19,7 @@ from multisrt.geometry.kernel import FloatArray
 from multisrt.geometry.safe_region import LocalSafeRegion, Shape, local_safe_region
 from multisrt.geometry.scan import Scan
 from multisrt.planners.motion.body import PlanningBody
+from multisrt.planners.motion.kinematics import Holonomic, turns_between
 from multisrt.planners.motion.roadmap import Roadmap
 from multisrt.planners.motion.steering import steer, turn_and_drive
 from multisrt.planners.motion.trajectory import Trajectory
@@ -87,6 +88,8 @@ class SrtExplorer:
         self._bridged = 0
         self._roomy: set[frozenset[NodeId]] = set()
         self._views: Counter[tuple[int, int]] = Counter()
+        self._turns: dict[NodeId, float] = {}
+        self._has_room: set[NodeId] = set()
         self._exhausted: set[NodeId] = set()
         self._completing = False
         self._told_complete = False
@@ -147,7 +150,9 @@ class SrtExplorer:
             length = parent.configuration.distance(node.configuration)
             self.roadmap.connect(node.parent, node.id, length)
             if stage == "complete":
-                self._roomy.add(frozenset((node.parent, node.id)))
+                self._join_roomy(node.parent, node.id)
+        if self.body.has_room(node.region.boundary, node.configuration):
+            self._has_room.add(node.id)
         yield Note(
             NodeAdded(
                 time_s=self.time_s,
@@ -214,24 +219,7 @@ class SrtExplorer:
         for a, b in zip(target.way, target.way[1:], strict=False):
             yield from self._follow(self._hop(a, b))
         if isinstance(target, NewPlace):
-            last = self.map[target.way[-1]]
-            if target.stage == "complete" or self.body.is_disc:
-                motion: Trajectory | None = turn_and_drive(
-                    self.me.kinematics, self.q_act, target.x, target.y
-                )
-            else:
-                motion = steer(
-                    self.body,
-                    self.me.kinematics,
-                    last.region.boundary,
-                    self.q_act,
-                    target.x,
-                    target.y,
-                    known_way=True,
-                )
-            if motion is None:
-                raise AssertionError(f"no way to ({target.x}, {target.y}), which was found free")
-            yield from self._follow(motion)
+            yield from self._follow(self._first_way(target))
 
     def _regions_around(self, here: NodeId) -> list[LocalSafeRegion]:
         # Where candidates must not lie, if they are not drawn towards the frontier.
@@ -322,28 +310,62 @@ class SrtExplorer:
             windows.append(2.0 * windows[-1])
         return [min(window, widest) for window in windows]
 
-    def _hop(self, a: NodeId, b: NodeId) -> Trajectory:
-        # Between nodes that are joined: by a way with room for any heading, or by the tree's own
-        # way, where a body that is no disc turns and drives as it did when it came.
-        start, end = self.map[a], self.map[b]
-        x, y, _ = end.configuration
-        if self.body.is_disc or frozenset((a, b)) in self._roomy:
-            return turn_and_drive(self.me.kinematics, self.q_act, x, y)
-        holder = start if end.parent == a else end
+    def _first_way(self, target: NewPlace) -> Trajectory:
+        # The way to a place without a node; how the body turned for it is remembered.
+        if target.stage == "complete" or self.body.is_disc:
+            return turn_and_drive(self.me.kinematics, self.q_act, target.x, target.y)
+        here = self.map[target.way[-1]]
         motion = steer(
             self.body,
             self.me.kinematics,
-            holder.region.boundary,
+            here.region.boundary,
             self.q_act,
-            x,
-            y,
-            turn_boundary=start.region.boundary,
-            via_heading=start.configuration.heading,
-            known_way=True,
+            target.x,
+            target.y,
         )
         if motion is None:
-            raise AssertionError(f"the way from node {a.serial} to {b.serial} was driven before")
+            raise AssertionError(f"no way to ({target.x}, {target.y}), which was found free")
+        first, last = motion.waypoints[0], motion.waypoints[-1]
+        self._turns[NodeId(self.me.robot, len(self.map))] = last.heading - first.heading
         return motion
+
+    def _hop(self, a: NodeId, b: NodeId) -> Trajectory:
+        """Give the way between two nodes that are joined.
+
+        Where there is room, a body turns and drives. In a narrow place a body that is no disc
+        retraces the way on which it first came to the child of the two: it stands at a narrow
+        node as it first came there, turns as it then turned, and drives; and back in reverse.
+        """
+        start, end = self.map[a], self.map[b]
+        x, y, _ = end.configuration
+        drive = self.me.kinematics
+        if (
+            self.body.is_disc
+            or isinstance(drive, Holonomic)
+            or frozenset((a, b)) in self._roomy
+            or self._is_wide(start, end)
+        ):
+            return turn_and_drive(drive, self.q_act, x, y)
+        child = end if end.parent == a else start
+        along = child.configuration.heading
+        if a in self._has_room:
+            turned = drive.turn(self.q_act, turns_between(self.q_act.heading, along)[0])
+        elif child is end:
+            turned = drive.turn(self.q_act, self._turns[b])
+        else:
+            turned = drive.turn(self.q_act, 0.0)
+        driven = turned.then(drive.drive(turned.end, x, y))
+        if child is start and b not in self._has_room:
+            return driven.then(drive.turn(driven.end, -self._turns[a]))
+        return driven
+
+    def _is_wide(self, a: Node, b: Node) -> bool:
+        # Whether the tree's way between two nodes has room for any heading.
+        if a.id not in self._has_room or b.id not in self._has_room:
+            return False
+        parent, child = (a, b) if b.parent == a.id else (b, a)
+        (px, py, _), (cx, cy, _) = parent.configuration, child.configuration
+        return self.body.disc_travel(parent.region.boundary, px, py, cx, cy)
 
     def _follow(self, motion: Trajectory) -> Steps:
         outcome = yield Move(motion)
@@ -363,11 +385,15 @@ class SrtExplorer:
                 if self.body.disc_travel(
                     node.region.boundary, x, y, ox, oy
                 ) or self.body.disc_travel(other.region.boundary, ox, oy, x, y):
-                    self._roomy.add(pair)
+                    self._join_roomy(node.id, other.id)
                     self.roadmap.connect(
                         node.id, other.id, node.configuration.distance(other.configuration)
                     )
         self._bridged = len(nodes)
+
+    def _join_roomy(self, a: NodeId, b: NodeId) -> None:
+        self._roomy.add(frozenset((a, b)))
+        self._has_room.update((a, b))
 
     def _tell_when_complete(self) -> Steps:
         if not self._told_complete and self.map.is_complete():

@@ -19,7 +19,13 @@ from multisrt.geometry.footprint import Footprint
 from multisrt.geometry.kernel import FloatArray
 
 TOUCH_M = 1e-7
-"""A way that was driven before may touch the region's boundary by rounding."""
+"""How near a body may come to what it stands next to already."""
+
+HAIR_M = 5e-4
+"""The least that a body which is no disc keeps away."""
+
+NO_TURN_RAD = 1e-9
+"""Smaller turns are rounding."""
 
 
 class PlanningBody:
@@ -48,9 +54,11 @@ class PlanningBody:
         self.ample_radius_m = self.outer_radius_m + margin_m
         if not self.is_disc:
             outline = np.ascontiguousarray(footprint.planning_vertices)
-            self._outline: FloatArray = outline
-            self._wide = _offset(outline, margin_m)
-            self._narrow = _offset(outline, -TOUCH_M)
+            # With the whole margin, less of it, and hardly any, to be tried in this order.
+            self._grown = [
+                _offset(outline, margin)
+                for margin in (margin_m, margin_m / 2.0, margin_m / 5.0, HAIR_M)
+            ]
 
     def travel(
         self,
@@ -58,8 +66,6 @@ class PlanningBody:
         at: Configuration,
         direction: float,
         limit: float,
-        *,
-        known_way: bool = False,
     ) -> float:
         """How far the body can move in a direction, keeping its heading, inside a region.
 
@@ -73,20 +79,19 @@ class PlanningBody:
             Direction of the motion in radians.
         limit : float
             How far is asked for, in metres.
-        known_way : bool
-            The body has been this way before: no margin is kept.
         """
         x, y, heading = at
         cosine, sine = math.cos(direction), math.sin(direction)
         if self.is_disc:
-            radius = self.outer_radius_m - TOUCH_M if known_way else self._kept(boundary, x, y)
+            radius = self._kept(boundary, x, y)
             return free_travel_disc(boundary, x, y, cosine, sine, radius, limit)
-        if known_way:
-            return free_travel_polygon(boundary, self._narrow, x, y, heading, cosine, sine, limit)
-        room = free_travel_polygon(boundary, self._wide, x, y, heading, cosine, sine, limit)
-        if room > 0.0:
-            return room
-        return free_travel_polygon(boundary, self._outline, x, y, heading, cosine, sine, limit)
+        for outline in self._grown:
+            room = free_travel_polygon(boundary, outline, x, y, heading, cosine, sine, limit)
+            if room > 0.0:
+                break
+        if room < limit and outline is self._grown[-1]:
+            room = max(0.0, room - self.margin_m / 5.0)
+        return room
 
     def disc_fan(
         self, boundary: FloatArray, at: Configuration, directions: FloatArray, limit: float
@@ -107,6 +112,10 @@ class PlanningBody:
         )
         return travel >= distance
 
+    def has_room(self, boundary: FloatArray, at: Configuration) -> bool:
+        """Whether a region holds the body in any heading."""
+        return self.is_disc or disc_clearance(boundary, at.x, at.y) >= self.roomy_radius_m
+
     def _kept(self, boundary: FloatArray, x: float, y: float) -> float:
         # The radius that a disc keeps free around it on a way from here.
         radius = self.outer_radius_m
@@ -116,12 +125,10 @@ class PlanningBody:
 
     def can_turn(self, boundary: FloatArray, at: Configuration, turn: float) -> bool:
         """Whether the body can turn in place by a signed angle inside a region."""
-        if self.is_disc or turn == 0.0:
+        if self.is_disc or abs(turn) < NO_TURN_RAD or self.has_room(boundary, at):
             return True
         x, y, heading = at
-        if disc_clearance(boundary, x, y) >= self.outer_radius_m:
-            return True
-        return bool(rotation_is_free(boundary, self._narrow, x, y, heading, turn))
+        return bool(rotation_is_free(boundary, self._grown[-1], x, y, heading, turn))
 
 
 def _offset(outline: FloatArray, distance: float) -> FloatArray:

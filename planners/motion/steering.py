@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 
 import numpy as np
 
@@ -11,12 +10,15 @@ from multisrt.geometry.configuration import Configuration, wrap_angle
 from multisrt.geometry.kernel import FloatArray
 from multisrt.planners.motion.body import PlanningBody
 from multisrt.planners.motion.kinematics import (
-    Differential,
     Holonomic,
     Kinematics,
     turns_between,
 )
 from multisrt.planners.motion.trajectory import Trajectory
+
+
+ROUNDING_M = 1e-9
+"""A way that was found to be so long may come out shorter by this."""
 
 
 def reach(
@@ -68,10 +70,6 @@ def steer(
     start: Configuration,
     x: float,
     y: float,
-    *,
-    turn_boundary: FloatArray | None = None,
-    via_heading: float | None = None,
-    known_way: bool = False,
 ) -> Trajectory | None:
     """Plan the straight way to a place inside a region.
 
@@ -80,18 +78,11 @@ def steer(
     body, kinematics
         What moves, and how.
     boundary : (n, 2) array
-        The region that holds the way.
+        The region.
     start : Configuration
         Where the body is.
     x, y : float
         Where it shall be.
-    turn_boundary : (n, 2) array, optional
-        The region that the body turns in at the start, if it is another one.
-    via_heading : float, optional
-        A heading to which the body may turn first: the one in which it came to `start`, from
-        which it could turn to every way that it has taken since.
-    known_way : bool
-        The body has been this way before: no margin is kept.
 
     Returns
     -------
@@ -102,13 +93,15 @@ def steer(
     distance = math.hypot(x - start.x, y - start.y)
     direction = math.atan2(y - start.y, x - start.x)
     if isinstance(kinematics, Holonomic):
-        travel = body.travel(boundary, start, direction, distance, known_way=known_way)
-        return kinematics.drive(start, x, y) if travel >= distance else None
-    around = boundary if turn_boundary is None else turn_boundary
-    for turned in _turned(body, kinematics, around, start, direction, via_heading):
-        at = turned.end
-        if body.travel(boundary, at, direction, distance, known_way=known_way) >= distance:
-            return turned.then(kinematics.drive(at, x, y))
+        travel = body.travel(boundary, start, direction, distance)
+        return kinematics.drive(start, x, y) if travel >= distance - ROUNDING_M else None
+    for wanted in (direction, direction + math.pi):
+        for turn in turns_between(start.heading, wanted):
+            if body.can_turn(boundary, start, turn):
+                turned = kinematics.turn(start, turn)
+                at = turned.end
+                if body.travel(boundary, at, direction, distance) >= distance - ROUNDING_M:
+                    return turned.then(kinematics.drive(at, x, y))
     return None
 
 
@@ -121,28 +114,3 @@ def turn_and_drive(kinematics: Kinematics, start: Configuration, x: float, y: fl
     direction = math.atan2(y - start.y, x - start.x)
     turned = kinematics.turn(start, turns_between(start.heading, direction)[0])
     return turned.then(kinematics.drive(turned.end, x, y))
-
-
-def _turned(
-    body: PlanningBody,
-    kinematics: Differential,
-    boundary: FloatArray,
-    start: Configuration,
-    direction: float,
-    via_heading: float | None,
-) -> Iterator[Trajectory]:
-    # Forwards before backwards, the shorter turn before the longer, at once before by the
-    # heading of arrival.
-    vias = [start.heading] if via_heading is None else [start.heading, via_heading]
-    for via in vias:
-        for first in turns_between(start.heading, via):
-            if not body.can_turn(boundary, start, first):
-                continue
-            turned = kinematics.turn(start, first)
-            middle = turned.end
-            for wanted in (direction, direction + math.pi):
-                for turn in turns_between(middle.heading, wanted):
-                    if body.can_turn(boundary, middle, turn):
-                        yield turned.then(kinematics.turn(middle, turn))
-            if first == 0.0:
-                break

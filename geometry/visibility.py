@@ -545,7 +545,11 @@ def _end_point(
     if angles[s, 1] == angle and angle != 4.0:
         return segments[s, 2], segments[s, 3]
     ex, ey = segments[s, 2] - segments[s, 0], segments[s, 3] - segments[s, 1]
-    t = (segments[s, 0] * ey - segments[s, 1] * ex) / (ux * ey - uy * ex)
+    denominator = ux * ey - uy * ex
+    if denominator == 0.0:
+        # So short that rounding has turned it along the ray.
+        return segments[s, 0], segments[s, 1]
+    t = (segments[s, 0] * ey - segments[s, 1] * ex) / denominator
     return ux * t, uy * t
 
 

@@ -9,8 +9,9 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_right
+from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Literal, NamedTuple, Protocol
 
 import msgspec
 import numpy as np
@@ -24,15 +25,18 @@ from multisrt.geometry.errors import ClearanceError, InvalidInputError
 from multisrt.geometry.kernel import FloatArray, kernel
 from multisrt.geometry.safe_region import CONTACT_TOLERANCE_M, LocalSafeRegion
 from multisrt.geometry.visibility import visibility_polygon
-from multisrt.planners.motion.body import PlanningBody
+from multisrt.planners.motion.body import HAIR_M, PlanningBody
 from multisrt.planners.motion.kinematics import Kinematics
-from multisrt.planners.motion.steering import reach, reach_fan
+from multisrt.planners.motion.steering import reach, reach_fan, steer
 
 Refusal = Literal["too narrow", "not reachable", "seen from near"]
 """Why no place opens a frontier arc: the body fits nowhere from where it could be seen; it
 would fit, but no known way leads there; it has been looked at from every such place."""
 
 REFUSALS: tuple[Refusal, ...] = ("too narrow", "not reachable", "seen from near")
+
+NEAREST_NODES = 12
+"""From so many nodes a way to a place is looked for."""
 
 FAN = 72
 """Directions in which the approach looks for a place, besides those to the frontier itself."""
@@ -76,7 +80,7 @@ class SrtOptions(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     contact_tolerance_m : float
         A star's or ball's arc is at an obstacle where a reading ends this close behind it.
     margin_m : float
-        How far the body stays away from the border of what it knows.
+        How far the body stays away from the border of what it knows, where it has the room.
     completion_spacing : float
         In the third stage, least distance from all nodes as a share of `d_min_m`.
     max_views : int
@@ -105,7 +109,7 @@ class SrtOptions(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
             ("d_min_m", self.d_min_m is None or 0.0 < self.d_min_m < math.inf, "positive"),
             ("cones", self.cones >= 3, "at least 3"),
             ("contact_tolerance_m", 0.0 <= self.contact_tolerance_m < math.inf, "0 or more"),
-            ("margin_m", 0.0 <= self.margin_m < math.inf, "0 or more"),
+            ("margin_m", 5.0 * HAIR_M <= self.margin_m < math.inf, f"at least {5.0 * HAIR_M:g}"),
             ("max_views", self.max_views >= 1, "at least 1"),
             ("completion_spacing", 0.0 < self.completion_spacing < math.inf, "positive"),
         ):
@@ -123,6 +127,37 @@ class Draws:
     def refuse(self, reason: str) -> None:
         """Count a candidate that was refused."""
         self.refused[reason] = self.refused.get(reason, 0) + 1
+
+
+class Viewpoint(Protocol):
+    """What the planner needs to know of a node."""
+
+    @property
+    def configuration(self) -> Configuration:
+        """Where the scan was taken."""
+
+    @property
+    def region(self) -> LocalSafeRegion:
+        """What is surely free around it."""
+
+
+class Way(NamedTuple):
+    """A place without a node, and how to get there.
+
+    Attributes
+    ----------
+    x, y : float
+        The place.
+    node : int
+        Number of the node from which the way is straight.
+    roomy : bool
+        Whether there is room for any heading all along the way.
+    """
+
+    x: float
+    y: float
+    node: int
+    roomy: bool
 
 
 class SrtPlanner:
@@ -259,8 +294,8 @@ class SrtPlanner:
         arc: FloatArray,
         known: BaseGeometry,
         within_m: float,
-        nodes: FloatArray,
-    ) -> tuple[tuple[float, float], int] | Refusal:
+        nodes: Sequence[Viewpoint],
+    ) -> Way | Refusal:
         """Stage 3: a place in the known region from which the body can see a frontier arc.
 
         Parameters
@@ -271,13 +306,13 @@ class SrtPlanner:
             The union of the known regions in a window around the arc.
         within_m : float
             How far from the arc's middle to look for places.
-        nodes : (n, 2) array
-            The places of all nodes near by.
+        nodes : sequence of Viewpoint
+            All nodes near by.
 
         Returns
         -------
-        ((x, y), k)
-            The place, and the node from which a straight way leads there; or
+        Way
+            The place, and how to get there; or
         str
             Why there is none; see `Refusal`.
         """
@@ -297,7 +332,6 @@ class SrtPlanner:
             shapely.prepare(view)
             places = places[shapely.contains_xy(view, places)]
             places = places[shapely.contains_xy(room, places)]
-            roomy = shapely.contains_xy(ample, places)
             if len(places):
                 # Where there is room for the whole margin, that is better.
                 ample = ample or _eroded(closed, self.body.ample_radius_m)
@@ -311,21 +345,31 @@ class SrtPlanner:
         return max(reasons, key=REFUSALS.index, default="too narrow")
 
     def _place_with_a_way(
-        self, places: FloatArray, room: BaseGeometry, nodes: FloatArray
-    ) -> tuple[tuple[float, float], int] | Refusal:
-        # The first place that is not close to a node and has a straight way from one.
+        self, places: FloatArray, room: BaseGeometry, nodes: Sequence[Viewpoint]
+    ) -> Way | Refusal:
+        # The first place that is not close to a node and has a straight way from one: through
+        # the room for any heading or, from a narrow node, inside what it sees.
         if not len(places):
             return "too narrow"
         reason: Refusal = "seen from near"
-        roomy_nodes = np.flatnonzero(shapely.contains_xy(room, nodes))
-        unseen = nearest_points(nodes, places) >= self.options.completion_spacing * self.d_min_m
-        for place in places[unseen]:
+        spots = np.array([node.configuration[:2] for node in nodes]).reshape(-1, 2)
+        roomy = shapely.contains_xy(room, spots)
+        unseen = nearest_points(spots, places) >= self.options.completion_spacing * self.d_min_m
+        for x, y in places[unseen].tolist():
             reason = "not reachable"
-            offsets = np.hypot(*(nodes[roomy_nodes] - place).T)
-            for k in roomy_nodes[np.argsort(offsets, kind="stable")][:12]:
-                if shapely.contains_properly(room, shapely.LineString([nodes[k], place])):
-                    return (float(place[0]), float(place[1])), int(k)
+            distances = np.hypot(spots[:, 0] - x, spots[:, 1] - y)
+            for k in np.argsort(distances, kind="stable")[:NEAREST_NODES].tolist():
+                if roomy[k]:
+                    line = shapely.LineString([spots[k], (x, y)])
+                    if shapely.contains_properly(room, line):
+                        return Way(x, y, k, roomy=True)
+                elif self._gets_straight(nodes[k], x, y):
+                    return Way(x, y, k, roomy=False)
         return reason
+
+    def _gets_straight(self, node: Viewpoint, x: float, y: float) -> bool:
+        boundary, at = node.region.boundary, node.configuration
+        return steer(self.body, self.kinematics, boundary, at, x, y) is not None
 
 
 def arc_points(arc: FloatArray, spacing: float) -> list[tuple[float, float, float, float]]:
@@ -358,7 +402,7 @@ def _view(known: BaseGeometry, x: float, y: float, range_m: float) -> shapely.Po
     # What of the known region can be seen from a place in it, and so sees that place.
     for part in shapely.get_parts(known):
         if part.geom_type == "Polygon" and shapely.contains_xy(part, x, y):
-            part = shapely.orient_polygons(part)
+            part = shapely.orient_polygons(shapely.remove_repeated_points(part, 1e-9))
             rings = [np.asarray(ring.coords) for ring in (part.exterior, *part.interiors)]
             edges = np.vstack([np.hstack([ring[:-1], ring[1:]]) for ring in rings])
             try:

@@ -8,8 +8,6 @@ from collections.abc import Generator
 from dataclasses import dataclass
 from typing import Literal, cast
 
-import numpy as np
-
 from multisrt.events import ArcClosed, Decision, MapComplete, NodeAdded, Segment, Stage
 from multisrt.exploration_map import ExplorationMap, Node, NodeId
 from multisrt.explorer import Action, Done, Move, Moved, Note, Outcome, RobotSelf, Sense
@@ -23,7 +21,7 @@ from multisrt.planners.motion.kinematics import Holonomic, turns_between
 from multisrt.planners.motion.roadmap import Roadmap
 from multisrt.planners.motion.steering import steer, turn_and_drive
 from multisrt.planners.motion.trajectory import Trajectory
-from multisrt.planners.srt import CLOSE_BY, Draws, Refusal, SrtOptions, SrtPlanner, arc_points
+from multisrt.planners.srt import CLOSE_BY, Draws, Refusal, SrtOptions, SrtPlanner, Way, arc_points
 
 Steps = Generator[Action, Outcome, None]
 
@@ -40,12 +38,15 @@ class NewPlace:
         How it was found.
     way : tuple of NodeId
         Nodes to pass on the way, from the current one; the last becomes the parent.
+    roomy : bool
+        Whether there is room for any heading all along the way from there.
     """
 
     x: float
     y: float
     stage: Stage
     way: tuple[NodeId, ...]
+    roomy: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,6 +114,7 @@ class SrtExplorer:
         """BUILD_SRT (paper 003, Figure 2), each turn: perceive, add, plan, move."""
         parent: NodeId | None = None
         stage: Stage = "root"
+        roomy = False
         while True:
             scan = yield Sense()
             region = local_safe_region(
@@ -129,7 +131,7 @@ class SrtExplorer:
                 parent=parent,
                 time_s=self.time_s,
             )
-            yield from self.add(node, stage)
+            yield from self.add(node, stage, roomy)
             here = node.id
             while True:
                 target = yield from self.plan(here)
@@ -139,9 +141,9 @@ class SrtExplorer:
                 here = target.way[-1]
                 if isinstance(target, NewPlace):
                     break
-            parent, stage = here, target.stage
+            parent, stage, roomy = here, target.stage, target.roomy
 
-    def add(self, node: Node, stage: Stage) -> Steps:
+    def add(self, node: Node, stage: Stage, roomy: bool) -> Steps:
         """ADD: a node to the tree, its region to the map, its place to the roadmap."""
         self.map.add(node)
         self.roadmap.add(node.id)
@@ -149,7 +151,7 @@ class SrtExplorer:
             parent = self.map[node.parent]
             length = parent.configuration.distance(node.configuration)
             self.roadmap.connect(node.parent, node.id, length)
-            if stage == "complete":
+            if roomy:
                 self._join_roomy(node.parent, node.id)
         if self.body.has_room(node.region.boundary, node.configuration):
             self._has_room.add(node.id)
@@ -266,7 +268,7 @@ class SrtExplorer:
         for arc in self.map.frontier_arcs(node):
             x, y, *_ = arc_points(arc, self.d_min_m)[0]
             spot = round(x / self.d_min_m), round(y / self.d_min_m)
-            found: tuple[tuple[float, float], int] | Refusal = "seen from near"
+            found: Way | Refusal = "seen from near"
             for window in self._windows():
                 if self._views[spot] >= self.options.max_views:
                     break
@@ -275,7 +277,7 @@ class SrtExplorer:
                     arc,
                     self.map.local_union(x, y, window),
                     min(window, self.me.range_m),
-                    np.array([n.configuration[:2] for n in near]).reshape(-1, 2),
+                    near,
                 )
                 # A wider window than the robot sees holds no more places, only more ways.
                 if found != "not reachable" and (
@@ -283,11 +285,10 @@ class SrtExplorer:
                 ):
                     break
             if not isinstance(found, str):
-                place, k = found
-                way = self.roadmap.way(here, near[k].id)
+                way = self.roadmap.way(here, near[found.node].id)
                 if way is not None:
                     self._views[spot] += 1
-                    return NewPlace(*place, "complete", tuple(way))
+                    return NewPlace(found.x, found.y, "complete", tuple(way), found.roomy)
                 found = "not reachable"
             self.map.close(node, arc)
             yield Note(
@@ -312,7 +313,7 @@ class SrtExplorer:
 
     def _first_way(self, target: NewPlace) -> Trajectory:
         # The way to a place without a node; how the body turned for it is remembered.
-        if target.stage == "complete" or self.body.is_disc:
+        if target.roomy or self.body.is_disc:
             return turn_and_drive(self.me.kinematics, self.q_act, target.x, target.y)
         here = self.map[target.way[-1]]
         motion = steer(

@@ -22,7 +22,13 @@ TOUCH_M = 1e-7
 """How near a body may come to what it stands next to already."""
 
 HAIR_M = 5e-4
-"""The least that a body which is no disc keeps away."""
+"""The least margin: touching counts as a collision."""
+
+ROUNDING_M = 1e-9
+"""A way that was found to be so long may come out shorter by this."""
+
+ROUNDING_M = 1e-9
+"""A way that was found to be so long may come out shorter by this."""
 
 NO_TURN_RAD = 1e-9
 """Smaller turns are rounding."""
@@ -43,6 +49,7 @@ class PlanningBody:
     """
 
     def __init__(self, footprint: Footprint, margin_m: float) -> None:
+        margin_m = max(margin_m, HAIR_M)
         self.footprint = footprint
         self.margin_m = margin_m
         self.is_disc = footprint.is_disc
@@ -92,6 +99,37 @@ class PlanningBody:
         if room < limit and outline is self._grown[-1]:
             room = max(0.0, room - self.margin_m / 5.0)
         return room
+
+    def passes(
+        self, boundary: FloatArray, at: Configuration, direction: float, distance: float
+    ) -> bool:
+        """Whether a way is free that `travel` found, also if it is turned by rounding.
+
+        It is asked with the least margin: how much of it `travel` kept is not known any more.
+        """
+        x, y, heading = at
+        cosine, sine = math.cos(direction), math.sin(direction)
+        if self.is_disc:
+            travel = self.travel(boundary, at, direction, distance)
+        else:
+            travel = free_travel_polygon(
+                boundary, self._grown[-1], x, y, heading, cosine, sine, distance
+            )
+        return travel >= distance - ROUNDING_M
+
+    def gets_to(
+        self, boundary: FloatArray, at: Configuration, direction: float, distance: float
+    ) -> bool:
+        """Whether the body can move so far in a direction, with whatever margin it can keep."""
+        wanted = distance - ROUNDING_M
+        if self.is_disc:
+            return self.travel(boundary, at, direction, distance) >= wanted
+        x, y, heading = at
+        cosine, sine = math.cos(direction), math.sin(direction)
+        return any(
+            free_travel_polygon(boundary, outline, x, y, heading, cosine, sine, distance) >= wanted
+            for outline in self._grown
+        )
 
     def disc_fan(
         self, boundary: FloatArray, at: Configuration, directions: FloatArray, limit: float

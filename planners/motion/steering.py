@@ -17,10 +17,6 @@ from multisrt.planners.motion.kinematics import (
 from multisrt.planners.motion.trajectory import Trajectory
 
 
-ROUNDING_M = 1e-9
-"""A way that was found to be so long may come out shorter by this."""
-
-
 def reach(
     body: PlanningBody,
     kinematics: Kinematics,
@@ -93,14 +89,14 @@ def steer(
     distance = math.hypot(x - start.x, y - start.y)
     direction = math.atan2(y - start.y, x - start.x)
     if isinstance(kinematics, Holonomic):
-        travel = body.travel(boundary, start, direction, distance)
-        return kinematics.drive(start, x, y) if travel >= distance - ROUNDING_M else None
+        passes = body.passes(boundary, start, direction, distance)
+        return kinematics.drive(start, x, y) if passes else None
     for wanted in (direction, direction + math.pi):
         for turn in turns_between(start.heading, wanted):
             if body.can_turn(boundary, start, turn):
                 turned = kinematics.turn(start, turn)
                 at = turned.end
-                if body.travel(boundary, at, direction, distance) >= distance - ROUNDING_M:
+                if body.passes(boundary, at, direction, distance):
                     return turned.then(kinematics.drive(at, x, y))
     return None
 

@@ -216,12 +216,12 @@ def test_the_stop_rule_cuts_a_motion_where_it_is(drive):
     assert measure(recording, HALL).total_distance_m == 1.5
 
 
-@pytest.mark.parametrize("end", [0.1 * k + 0.3 for k in range(1, 40)])
+@pytest.mark.parametrize("end", [0.6, 0.82, 0.85, 2.31, 2.4])
 def test_the_stop_rule_in_a_later_motion_ends_exactly_at_its_time(drive, end):
-    # Among these are some whose rest of the time, added to the time, is not their sum.
+    # With 2.31 and 2.4 the rest of the time, added to the time, is not quite the end.
     recording, _ = drive(
         straight(1, 1, 1.1, 1, seconds=0.1),
-        straight(1.1, 1, 3, 1, seconds=0.1999),
+        straight(1.1, 1, 3, 1, seconds=0.2),
         straight(3, 1, 5, 1, seconds=17.0),
         max_time_s=end,
     )

@@ -317,6 +317,7 @@ def test_points_of_an_arc_its_middle_first():
         ("cones", 2),
         ("contact_tolerance_m", -0.1),
         ("margin_m", -0.1),
+        ("margin_m", 0.0),
         ("margin_m", math.nan),
         ("max_views", 0),
         ("completion_spacing", 0.0),

@@ -83,44 +83,6 @@ def test_no_way_at_all():
     assert steer(BOX, DRIVE, HALL, start, 15.0, 5.0) is None
 
 
-def test_turning_in_one_region_and_driving_in_another():
-    # In the corridor it cannot turn; where it stands there is a bay wide enough to.
-    bay = ring(shapely.box(4, -1, 6, 1.5))
-    start = Configuration(5.0, 0.25, math.pi / 2)
-    assert steer(BOX, DRIVE, CORRIDOR, start, 8.0, 0.25) is None
-    motion = steer(BOX, DRIVE, CORRIDOR, start, 8.0, 0.25, turn_boundary=bay)
-    assert turns(motion) == pytest.approx([-math.pi / 2])
-
-
-def test_a_known_way_is_driven_without_margin():
-    start = Configuration(5.0, 5.0, 0.0)
-    assert steer(DISC, DRIVE, HALL, start, 9.74, 5.0) is None
-    assert steer(DISC, DRIVE, HALL, start, 9.74, 5.0, known_way=True).end.x == 9.74
-
-
-class StiffBody(PlanningBody):
-    """Turns between two headings only by way of a third, 0.4."""
-
-    def can_turn(self, boundary, at, turn):
-        ends = {round(at.heading, 6), round(at.heading + turn, 6)}
-        return turn == 0.0 or 0.4 in ends
-
-
-def test_by_way_of_the_heading_of_arrival():
-    body = StiffBody(Footprint.box(0.6, 0.4), 0.02)
-    start = Configuration(5.0, 5.0, 0.0)
-    goal = (5.0 + math.cos(1.0), 5.0 + math.sin(1.0))
-    assert steer(body, DRIVE, HALL, start, *goal) is None
-    motion = steer(body, DRIVE, HALL, start, *goal, via_heading=0.4)
-    assert turns(motion) == pytest.approx([0.4, 0.6])
-    assert motion.end == pytest.approx((*goal, 1.0))
-
-
-def test_at_once_rather_than_by_way_of_another_heading():
-    motion = steer(BOX, DRIVE, HALL, Configuration(5.0, 5.0, 0.0), 5.0, 8.0, via_heading=-1.0)
-    assert turns(motion) == pytest.approx([math.pi / 2])
-
-
 def test_reach():
     at = Configuration(5.0, 0.25, 0.0)
     assert reach(BOX, DRIVE, CORRIDOR, at, 0.0, 99.0) == pytest.approx(4.7, abs=0.021)
@@ -147,7 +109,7 @@ places = st.tuples(st.floats(-2.5, 2.5), st.floats(-2.5, 2.5))
 @given(
     st.lists(st.floats(0.9, 3.0), min_size=5, max_size=24),
     bodies,
-    st.floats(-math.pi, math.pi),
+    st.floats(-3.14, 3.14),
     places,
     st.sampled_from([DRIVE, Holonomic()]),
 )
@@ -158,9 +120,9 @@ def test_every_motion_stays_in_the_region_and_arrives(radii, body, heading, goal
     motion = steer(body, kinematics, boundary, start, *goal)
     if motion is None:
         return
-    assert motion.start == pytest.approx(start)
+    assert motion.start == start
     assert motion.end[:2] == pytest.approx(goal)
-    region = shapely.Polygon(boundary).buffer(1e-6, join_style="mitre")
+    region = shapely.Polygon(boundary)
     for time in np.linspace(0.0, motion.duration_s, 100):
         at = motion.at(time)
         if body.is_disc:

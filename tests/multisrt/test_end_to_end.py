@@ -1,0 +1,176 @@
+"""Whole runs, and a check of their motions that shares no code with the simulation's."""
+
+import math
+from functools import cache
+from itertools import pairwise
+
+import numpy as np
+import pytest
+import shapely
+from shapely import affinity
+
+import multisrt as ms
+from multisrt.environments.catalog import names
+from multisrt.environments.environment import Environment
+from multisrt.events import Motion, NodeAdded
+from multisrt.run import Run
+from multisrt.spec import DriveSpec
+
+TURN_STEP_RAD = math.radians(1.0)
+
+L_SHAPE = "polygon:-0.15,-0.15 0.35,-0.15 0.35,0.1 0.1,0.1 0.1,0.35 -0.15,0.35"
+TRIANGLE = "polygon:-0.2,-0.25 0.4,0 -0.2,0.25"
+
+BODIES = {
+    "disc:0.25": None,
+    "box:0.5x0.3": [(-0.25, -0.15), (0.25, -0.15), (0.25, 0.15), (-0.25, 0.15)],
+    L_SHAPE: [(-0.15, -0.15), (0.35, -0.15), (0.35, 0.1), (0.1, 0.1), (0.1, 0.35), (-0.15, 0.35)],
+    TRIANGLE: [(-0.2, -0.25), (0.4, 0), (-0.2, 0.25)],
+}
+"""Footprints as text, and their corners written out once more; a disc has a radius of 0.25 m."""
+
+
+@cache
+def world(name: str) -> Environment:
+    return ms.environment(name)
+
+
+def deepest_overlap(run: Run) -> float:
+    """How deep the body goes into obstacles anywhere on its way, by shapely alone; 0 if never."""
+    footprint = run.spec.robots[0].footprint
+    free = run.environment.free
+    obstacles = shapely.box(*free.bounds).buffer(2.0, join_style="mitre").difference(free)
+    solids = shapely.STRtree(shapely.get_parts(obstacles))
+    deepest = 0.0
+    for event in run.recording.events:
+        if not isinstance(event, Motion):
+            continue
+        for a, b in pairwise(event.waypoints):
+            for covered in covered_by_leg(BODIES[footprint], a[1:], b[1:]):
+                for k in solids.query(covered, predicate="intersects"):
+                    overlap = covered.intersection(solids.geometries[k])
+                    # Twice the area over the outline is about the depth of a sliver.
+                    deepest = max(deepest, 2.0 * overlap.area / max(overlap.length, 1e-9))
+    return deepest
+
+
+def covered_by_leg(corners, a, b):
+    """What a body covers on a leg: areas inside the truth, by less than a tenth of a millimetre."""
+    if corners is None:
+        way = shapely.Point(a[:2]) if a[:2] == b[:2] else shapely.LineString([a[:2], b[:2]])
+        # Chords of 256 a circle lie within 0.25 m (1 - cos(pi / 256)) = 0.02 mm of it.
+        return [way.buffer(0.25, quad_segs=64)]
+    body = shapely.Polygon(corners)
+    if a[2] == b[2]:
+        # Each triangle of the body sweeps the hull of where it was and where it is.
+        triangles = shapely.get_parts(shapely.constrained_delaunay_triangles(body))
+        return [shapely.union(placed(part, a), placed(part, b)).convex_hull for part in triangles]
+    steps = 2 + math.ceil(abs(b[2] - a[2]) / TURN_STEP_RAD)
+    return [placed(body, pose) for pose in np.linspace(a, b, steps).tolist()]
+
+
+def placed(body, pose):
+    x, y, heading = pose
+    turned = affinity.rotate(body, heading, origin=(0, 0), use_radians=True)
+    return affinity.translate(turned, x, y)
+
+
+def check(run: Run, least_coverage: float) -> None:
+    metrics = run.metrics
+    assert run.outcome == "complete", run.reason
+    assert metrics.collisions == 0
+    assert metrics.coverage >= least_coverage
+    assert metrics.smallest_clearance_m >= 0.0
+    assert deepest_overlap(run) <= 1e-6
+    assert metrics.exploration_time_s <= metrics.makespan_s
+    assert metrics.makespan_s >= metrics.lower_bound_s
+    home, place = run.recording.starts[0], run.recording.starts[0]
+    for event in run.recording.events:
+        if isinstance(event, Motion):
+            # Every motion begins where the one before it ended.
+            assert event.waypoints[0][1:3] == pytest.approx(place[:2], abs=1e-9)
+            place = event.waypoints[-1][1:]
+        elif isinstance(event, NodeAdded):
+            assert event.configuration[:2] == pytest.approx(place[:2], abs=1e-9)
+    assert place[:2] == pytest.approx(home[:2], abs=1e-9)
+
+
+MAPS = ("museum", "apartment", "workshop", "library", "clinic", "cave")
+
+
+def test_all_bundled_maps_are_here():
+    assert set(MAPS) == {entry.name for entry in ms.catalog() if entry.kind == "map"}
+    assert set(MAPS) < set(names())
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+@pytest.mark.parametrize(("strategy", "share"), [("srt-radial", 0.99), ("srt-star", 0.95)])
+@pytest.mark.parametrize("name", MAPS)
+def test_bundled_maps_are_explored(name, strategy, share, seed):
+    check(ms.explore(world(name), strategy=strategy, seed=seed), share)
+
+
+@pytest.mark.parametrize("drive", ["holonomic", "differential"])
+@pytest.mark.parametrize("footprint", [text for text in BODIES if text != "disc:0.25"])
+@pytest.mark.parametrize(
+    ("name", "strategy"),
+    [("rooms", "srt-star"), ("office", "srt-radial"), ("apartment", "srt-radial")],
+)
+def test_other_bodies(name, strategy, footprint, drive):
+    run = ms.explore(
+        world(name), strategy=strategy, footprint=footprint, drive=DriveSpec(kind=drive), seed=2
+    )
+    # Measured against what the disc inscribed in the body could see: more than it can get to.
+    check(run, 0.93)
+
+
+@pytest.mark.parametrize("name", ["rooms", "office", "apartment"])
+def test_a_laser(name):
+    run = ms.explore(world(name), strategy="srt-radial", beams=720, seed=3)
+    check(run, 0.97)
+
+
+def test_a_laser_and_a_box_and_a_star():
+    run = ms.explore(
+        world("apartment"), strategy="srt-star", beams=720, footprint="box:0.5x0.3", seed=4
+    )
+    check(run, 0.93)
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {"backtrack": "nearest_open"},
+        {"frontier_bias": False},
+        {"gaps_count": False},
+        {"alpha": 1.0, "margin_m": 0.0025},
+        {"max_draws": 1, "cones": 8},
+    ],
+)
+def test_options(options):
+    strategy = "srt-star" if "cones" in options else "srt-radial"
+    run = ms.explore(world("apartment"), strategy=strategy, options=options, seed=5)
+    check(run, 0.90)
+
+
+def test_without_its_later_stages_it_stops_early_but_never_collides():
+    run = ms.explore(
+        world("office"), options={"approach": False, "complete": False}, seed=1, max_time_s=1e6
+    )
+    assert run.outcome == "stalled"
+    assert "frontier left open" in run.reason
+    assert run.metrics.frontier_left_m > 0.0
+    assert run.metrics.coverage < 0.9
+    assert deepest_overlap(run) <= 1e-6
+
+
+def test_the_independent_check_finds_what_touches():
+    # The same check on a motion through a wall 0.1 m thick: it has to be able to fail.
+    run = ms.explore(Environment("closet", shapely.box(0, 0, 3, 3)), start=(1.0, 1.5))
+    assert deepest_overlap(run) == 0.0
+    walled = shapely.box(0, 0, 3, 3).difference(shapely.box(1.4, 0, 1.5, 3))
+    through = Motion(time_s=0.0, robot=0, waypoints=((0, 1.0, 1.5, 0.0), (1, 2.0, 1.5, 0.0)))
+    recording = type(run.recording)(
+        header=run.recording.header, events=(through,), footer=run.recording.footer
+    )
+    assert deepest_overlap(Run(recording, Environment("walled", walled))) > 0.05

@@ -15,6 +15,9 @@ if TYPE_CHECKING:
 COMPLETE, BAD_INPUT, NOT_COMPLETE, INTERRUPTED = 0, 2, 3, 130
 """Exit codes."""
 
+MOSTLY = 0.9
+"""Where less of the free space than this can be explored, a person is told so."""
+
 EXPLORE_EXAMPLES = """
 \b
 Examples:
@@ -97,6 +100,7 @@ def explore(environment: str, strategy: str, out: Path | None, quiet: bool, **gi
     ENV is a name that 'multisrt environments' lists, or a map file: a ROS map_server YAML, an
     image with --resolution (its origin is the lower left corner), GeoJSON or WKT.
     """
+    from multisrt.output_folder import output_folder
     from multisrt.run import RECORDING_NAME, RUN_NAME, TREE_NAME, Run
     from multisrt.simulation import simulate
     from multisrt.spec import build_environment
@@ -107,12 +111,12 @@ def explore(environment: str, strategy: str, out: Path | None, quiet: bool, **gi
     with _Progress(quiet) as progress:
         progress.say("reading the world")
         world = build_environment(spec.environment)
-        with _OutputFolder(out):
+        with output_folder(out) as folder:
             watch = progress.watcher(spec, world)
-            run = Run(simulate(spec, world, path=out / RECORDING_NAME, watch=watch), world)
+            run = Run(simulate(spec, world, path=folder / RECORDING_NAME, watch=watch), world)
             progress.say("measuring and drawing")
-            run.save_svg(out / TREE_NAME)
-            run.save_summary(out / RUN_NAME)
+            run.save_svg(folder / TREE_NAME)
+            run.save_summary(folder / RUN_NAME)
     if not quiet:
         _print_summary(run, out)
     if run.outcome != "complete":
@@ -273,40 +277,6 @@ def _key_and_value(text: str) -> tuple[str, str]:
     return key.strip(), value.strip()
 
 
-class _OutputFolder:
-    """Make a folder; if what follows fails and the folder was new, take it away again."""
-
-    def __init__(self, folder: Path) -> None:
-        self.folder = folder
-        self.made: list[Path] = []
-
-    def __enter__(self) -> None:
-        from multisrt.geometry.errors import InvalidInputError
-
-        try:
-            missing = [path for path in (self.folder, *self.folder.parents) if not path.exists()]
-            for path in reversed(missing):
-                path.mkdir()
-                self.made.insert(0, path)
-            if not self.folder.is_dir():
-                raise InvalidInputError(f"{self.folder} is a file; --out names a folder")
-        except OSError as error:
-            self._unmake()
-            raise InvalidInputError(
-                f"cannot make the folder {self.folder}: {error.strerror or error}"
-            ) from None
-
-    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
-        if kind is not None:
-            self._unmake()
-
-    def _unmake(self) -> None:
-        for path in self.made:
-            if any(path.iterdir()):
-                return
-            path.rmdir()
-
-
 class _Progress:
     """What a person sees while a run goes on: the share covered, on a terminal only."""
 
@@ -375,6 +345,11 @@ def _print_summary(run: Run, out: Path) -> None:
     spec = run.spec
     click.echo(f"{spec.strategy} in {run.environment.name}, seed {spec.seed}: {run.outcome}")
     click.echo(f"  {run.reason}")
+    if m.explorable_area_m2 < MOSTLY * m.free_area_m2:
+        click.echo(
+            f"  the body {spec.robots[0].footprint} gets only to where {m.explorable_area_m2:.1f} "
+            f"of {m.free_area_m2:.1f} m2 of free space can be seen"
+        )
     table = _table("measure", ">value")
     x, y, _ = run.recording.starts[0]
     rows = (

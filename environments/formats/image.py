@@ -1,6 +1,7 @@
 """Plain images as maps: light pixels are free, dark ones are not."""
 
 import math
+import re
 import warnings
 from dataclasses import dataclass
 from pathlib import Path
@@ -155,8 +156,10 @@ def read_pixels(path: Path) -> Pixels:
                 f"save it as one of {', '.join(PILLOW_FORMATS)}"
             ) from error
         except Image.DecompressionBombError as error:
+            pixels = re.search(r"\d+", str(error))
+            size = f"{int(pixels.group()):,} pixels" if pixels else "too many pixels"
             raise MapFormatError(
-                f"{path} is too large: {error}; images are read up to {MAX_CELLS:,} pixels"
+                f"{path} says that it has {size}; images are read up to {MAX_CELLS:,} pixels"
             ) from error
         except Exception as error:  # a damaged file makes decoders raise almost anything
             raise MapFormatError(f"{path} is a damaged image: {error}") from error

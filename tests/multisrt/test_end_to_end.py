@@ -7,7 +7,6 @@ from itertools import pairwise
 import numpy as np
 import pytest
 import shapely
-from shapely import affinity
 
 import multisrt as ms
 from multisrt.environments.catalog import names
@@ -37,42 +36,42 @@ def world(name: str) -> Environment:
 
 def deepest_overlap(run: Run) -> float:
     """How deep the body goes into obstacles anywhere on its way, by shapely alone; 0 if never."""
-    footprint = run.spec.robots[0].footprint
+    corners = BODIES[run.spec.robots[0].footprint]
     free = run.environment.free
     obstacles = shapely.box(*free.bounds).buffer(2.0, join_style="mitre").difference(free)
-    solids = shapely.STRtree(shapely.get_parts(obstacles))
-    deepest = 0.0
-    for event in run.recording.events:
-        if not isinstance(event, Motion):
-            continue
-        for a, b in pairwise(event.waypoints):
-            for covered in covered_by_leg(BODIES[footprint], a[1:], b[1:]):
-                for k in solids.query(covered, predicate="intersects"):
-                    overlap = covered.intersection(solids.geometries[k])
-                    # Twice the area over the outline is about the depth of a sliver.
-                    deepest = max(deepest, 2.0 * overlap.area / max(overlap.length, 1e-9))
-    return deepest
+    solids = shapely.get_parts(obstacles)
+    motions = [event for event in run.recording.events if isinstance(event, Motion)]
+    legs = [(run.recording.starts[0], run.recording.starts[0])]
+    legs += [(a[1:], b[1:]) for motion in motions for a, b in pairwise(motion.waypoints)]
+    covered = np.concatenate([covered_by_leg(corners, a, b) for a, b in legs])
+    which, solid = shapely.STRtree(solids).query(covered, predicate="intersects")
+    overlap = shapely.intersection(covered[which], solids[solid])
+    # Twice the area over the outline is about the depth of a sliver.
+    depth = 2.0 * shapely.area(overlap) / np.maximum(shapely.length(overlap), 1e-9)
+    return float(depth.max(initial=0.0))
 
 
-def covered_by_leg(corners, a, b):
-    """What a body covers on a leg: areas inside the truth, by less than a tenth of a millimetre."""
+def covered_by_leg(corners, a, b) -> np.ndarray:
+    """What a body covers on a leg, as polygons; of discs and turns a hair's breadth less."""
     if corners is None:
         way = shapely.Point(a[:2]) if a[:2] == b[:2] else shapely.LineString([a[:2], b[:2]])
         # Chords of 256 a circle lie within 0.25 m (1 - cos(pi / 256)) = 0.02 mm of it.
-        return [way.buffer(0.25, quad_segs=64)]
-    body = shapely.Polygon(corners)
+        return np.array([way.buffer(0.25, quad_segs=64)])
     if a[2] == b[2]:
         # Each triangle of the body sweeps the hull of where it was and where it is.
-        triangles = shapely.get_parts(shapely.constrained_delaunay_triangles(body))
-        return [shapely.union(placed(part, a), placed(part, b)).convex_hull for part in triangles]
+        triangles = shapely.constrained_delaunay_triangles(shapely.Polygon(corners))
+        parts = [shapely.get_coordinates(part)[:3] for part in shapely.get_parts(triangles)]
+        swept = [np.vstack([placed(part, a), placed(part, b)]) for part in parts]
+        return shapely.convex_hull([shapely.MultiPoint(points) for points in swept])
     steps = 2 + math.ceil(abs(b[2] - a[2]) / TURN_STEP_RAD)
-    return [placed(body, pose) for pose in np.linspace(a, b, steps).tolist()]
+    poses = np.linspace(a, b, steps).tolist()
+    return shapely.polygons([placed(np.asarray(corners), pose) for pose in poses])
 
 
-def placed(body, pose):
+def placed(corners, pose) -> np.ndarray:
     x, y, heading = pose
-    turned = affinity.rotate(body, heading, origin=(0, 0), use_radians=True)
-    return affinity.translate(turned, x, y)
+    c, s = math.cos(heading), math.sin(heading)
+    return corners @ np.array([[c, s], [-s, c]]) + (x, y)
 
 
 def check(run: Run, least_coverage: float) -> None:

@@ -1,0 +1,126 @@
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from multisrt.environments.catalog import environment
+from multisrt.recording import Recording
+from multisrt.simulation import simulate
+from multisrt.spec import CatalogEnvironment, FileEnvironment, RobotSpec, RunSpec, inline
+
+ROOT = Path(__file__).parents[2]
+
+APARTMENT = RunSpec(environment=CatalogEnvironment(name="apartment"), seed=5)
+CAVE = RunSpec(
+    environment=CatalogEnvironment(name="cave"),
+    strategy="srt-star",
+    robots=(RobotSpec(footprint="box:0.5x0.3"),),
+    seed=6,
+)
+
+IN_A_PROCESS_OF_ITS_OWN = """
+import json, sys
+from multisrt.simulation import simulate
+from multisrt.spec import RunSpec
+for order, text in enumerate(json.load(sys.stdin)):
+    recording = simulate(RunSpec.from_json(text), path=f"{sys.argv[1]}/{order}.jsonl")
+    print(recording.footer.digest)
+"""
+
+
+def digests(folder: Path, *specs: RunSpec, hash_seed: str) -> list[str]:
+    done = subprocess.run(
+        [sys.executable, "-c", IN_A_PROCESS_OF_ITS_OWN, str(folder)],
+        input=json.dumps([spec.to_json() for spec in specs]),
+        env=os.environ | {"PYTHONHASHSEED": hash_seed},
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    return done.stdout.split()
+
+
+def test_equal_specs_give_equal_bytes_in_one_process(tmp_path):
+    runs = [simulate(APARTMENT, path=tmp_path / f"{k}.jsonl") for k in range(2)]
+    assert runs[0].footer.digest == runs[1].footer.digest
+    assert (tmp_path / "0.jsonl").read_bytes() == (tmp_path / "1.jsonl").read_bytes()
+
+
+def test_equal_specs_give_equal_bytes_in_any_process_and_order(tmp_path):
+    here = simulate(APARTMENT), simulate(CAVE)
+    folders = tmp_path / "forwards", tmp_path / "backwards"
+    for folder in folders:
+        folder.mkdir()
+    forwards = digests(folders[0], APARTMENT, CAVE, hash_seed="0")
+    backwards = digests(folders[1], CAVE, APARTMENT, hash_seed="4242")
+    assert forwards == backwards[::-1] == [run.footer.digest for run in here]
+    for k, run in enumerate(here):
+        run.save(tmp_path / "here.jsonl")
+        bytes_here = (tmp_path / "here.jsonl").read_bytes()
+        assert (folders[0] / f"{k}.jsonl").read_bytes() == bytes_here
+        assert (folders[1] / f"{1 - k}.jsonl").read_bytes() == bytes_here
+
+
+def test_a_world_at_hand_and_one_built_from_the_spec_are_the_same():
+    world = environment("apartment")
+    assert simulate(APARTMENT, world).footer.digest == simulate(APARTMENT).footer.digest
+
+
+def test_a_world_written_out_is_explored_the_same_way():
+    world = environment("apartment")
+    spec = RunSpec(environment=inline(world), seed=5)
+    assert simulate(spec).events == simulate(APARTMENT).events
+
+
+def test_a_recording_is_the_same_with_a_watcher_and_without():
+    seen = []
+    assert simulate(APARTMENT, watch=seen.append).footer == simulate(APARTMENT).footer
+    assert seen
+
+
+@pytest.mark.parametrize(
+    "other",
+    [
+        {"seed": 6},
+        {"strategy": "srt-star"},
+        {"options": {"alpha": 0.7}},
+        {"robots": (RobotSpec(start=(2.0, 3.0)),)},
+        {"environment": CatalogEnvironment(name="open")},
+    ],
+)
+def test_another_spec_gives_another_digest(other):
+    spec = RunSpec(**{"environment": APARTMENT.environment, "seed": 5} | other)
+    assert simulate(spec).footer.digest != simulate(APARTMENT).footer.digest
+
+
+def test_the_digest_of_a_map_file_does_not_depend_on_the_program_but_on_the_world(tmp_path):
+    files = [tmp_path / "a.wkt", tmp_path / "b.wkt"]
+    files[0].write_text("POLYGON ((0 0, 6 0, 6 5, 0 5, 0 0))")
+    digest = []
+    for x in (6, 7):
+        files[0].write_text(f"POLYGON ((0 0, {x} 0, {x} 5, 0 5, 0 0))")
+        spec = RunSpec(environment=FileEnvironment(path=str(files[0])), seed=1)
+        digest.append(simulate(spec).footer.digest)
+    assert digest[0] != digest[1]
+
+
+def test_a_digest_can_be_computed_from_the_file(tmp_path):
+    # As the recording's description says: spec, free space, starts, then every event's line.
+    import hashlib
+
+    import msgspec
+
+    path = tmp_path / "run.jsonl"
+    simulate(APARTMENT, path=path)
+    recording = Recording.load(path)
+    lines = path.read_bytes().splitlines(keepends=True)
+    digest = hashlib.sha256()
+    for part in (recording.header.spec, recording.header.free, recording.header.starts):
+        digest.update(msgspec.json.encode(part) + b"\n")
+    for line in lines[1:-1]:
+        digest.update(line)
+    assert digest.hexdigest() == recording.footer.digest

@@ -91,7 +91,10 @@ class ExplorationMap:
         self._index: dict[NodeId, int] = {}
         self._uncovered: list[FloatArray] = []
         self._ends: list[FloatArray] = []
-        self._frontiers: dict[int, FloatArray] = {}
+        self._frontiers: dict[int, tuple[int, FloatArray]] = {}
+        self._sizes: IntArray = np.zeros(64, np.int64)
+        self._changed: IntArray = np.zeros(64, np.int64)
+        self._revision = 0
         self._maybe_open: dict[NodeId, None] = {}
         self._places = PointHash(reach_m)
         self._boxes: FloatArray = np.empty((64, 4))
@@ -142,9 +145,17 @@ class ExplorationMap:
     def frontier(self, node_id: NodeId) -> FloatArray:
         """Give a node's local frontier as ``(m, 4)`` segments, the region on their left."""
         index = self._index[node_id]
-        if index not in self._frontiers:
-            self._frontiers[index] = self._wide_enough(index)
-        return self._frontiers[index]
+        if not self._sizes[index]:
+            return self._uncovered[index]
+        # Arcs of others that join a node's own count too: it is as new as the newest change near.
+        x, y = self._places.points[index].tolist()
+        near = self._places.within(x, y, 2.0 * self._reach)
+        revision = int(self._changed[near].max())
+        known = self._frontiers.get(index)
+        if known is None or known[0] != revision:
+            known = revision, self._wide_enough(index, near[self._sizes[near] > 0])
+            self._frontiers[index] = known
+        return known[1]
 
     def frontier_arcs(self, node_id: NodeId) -> list[FloatArray]:
         """Give a node's local frontier arc by arc, each as ``(k, 4)`` joined segments."""
@@ -218,6 +229,8 @@ class ExplorationMap:
         index = len(self._ids)
         if index == len(self._boxes):
             self._boxes = _grown(self._boxes, 2 * index)
+            self._sizes = _grown(self._sizes, 2 * index)
+            self._changed = _grown(self._changed, 2 * index)
             self._starts = _grown(self._starts, 2 * index + 1)
         boundary = node.region.boundary
         first, last = self._starts[index], self._starts[index] + len(boundary)
@@ -235,11 +248,11 @@ class ExplorationMap:
         return index
 
     def _trim(self, neighbours: IntArray, index: int) -> None:
-        still_open = [i for i in neighbours.tolist() if len(self._uncovered[i])]
-        if not still_open:
+        still_open = neighbours[self._sizes[neighbours] > 0]
+        if not len(still_open):
             return
-        arcs = [self._uncovered[i] for i in still_open]
-        owners = np.repeat(np.arange(len(arcs)), [len(a) for a in arcs])
+        arcs = [self._uncovered[i] for i in still_open.tolist()]
+        owners = np.repeat(np.arange(len(arcs)), self._sizes[still_open])
         segments = np.concatenate(arcs)
         rest, source = uncovered(
             segments, self._starts, self._corners, self._boxes, np.asarray([index])
@@ -252,34 +265,26 @@ class ExplorationMap:
             return
         borders = np.searchsorted(owners[source], np.arange(len(arcs) + 1))
         for k in np.unique(owners[~whole]).tolist():
-            self._set_uncovered(still_open[k], rest[borders[k] : borders[k + 1]])
+            self._set_uncovered(int(still_open[k]), rest[borders[k] : borders[k + 1]])
 
     def _set_uncovered(self, index: int, arcs: FloatArray) -> None:
         arcs = long_arcs(arcs, SHORTEST_ARC_M)
         arcs.setflags(write=False)
         self._uncovered[index] = arcs
         self._ends[index] = arc_ends(arcs)
-        # Arcs that others join to these may now be too narrow, or wide enough.
-        x, y = self._places.points[index].tolist()
-        for i in self._places.within(x, y, 2.0 * self._reach).tolist():
-            self._frontiers.pop(i, None)
+        self._sizes[index] = len(arcs)
+        self._revision += 1
+        self._changed[index] = self._revision
         if len(arcs):
             self._maybe_open[self._ids[index]] = None
         else:
             self._maybe_open.pop(self._ids[index], None)
 
-    def _wide_enough(self, index: int) -> FloatArray:
+    def _wide_enough(self, index: int, near: IntArray) -> FloatArray:
         # The node's arcs that are long enough together with those of others that they join.
         arcs = self._uncovered[index]
-        if not len(arcs):
-            return arcs
         own = self._ends[index]
-        x, y = self._places.points[index].tolist()
-        others = [
-            self._ends[i]
-            for i in self._places.within(x, y, 2.0 * self._reach).tolist()
-            if i != index and len(self._ends[i])
-        ]
+        others = [self._ends[i] for i in near.tolist() if i != index]
         lengths = joined_lengths(np.concatenate([own, *others]))[: len(own)]
         labels, _ = arc_labels(arcs)
         kept: FloatArray = arcs[(lengths >= self._shortest_arc)[labels]]

@@ -329,7 +329,8 @@ def build_environment(spec: EnvironmentSpec) -> Environment:
             Path(spec.path), resolution_m=spec.resolution_m, threshold=spec.threshold
         )
     try:
-        free = shapely.from_wkt(spec.wkt)
+        with np.errstate(invalid="ignore"):  # coordinates that are no numbers are refused below
+            free = shapely.from_wkt(spec.wkt)
     except shapely.errors.ShapelyError as error:
         raise InvalidInputError(f"environment {spec.name!r}: {error}") from None
     return Environment(spec.name, free, starts=spec.starts)

@@ -363,12 +363,14 @@ class SrtPlanner:
                     line = shapely.LineString([spots[k], (x, y)])
                     if shapely.contains_properly(room, line):
                         return Way(x, y, k, roomy=True)
-                elif self._gets_straight(nodes[k], x, y):
+                elif self._leaves_a_narrow_node(nodes[k], x, y):
                     return Way(x, y, k, roomy=False)
         return reason
 
-    def _gets_straight(self, node: Viewpoint, x: float, y: float) -> bool:
+    def _leaves_a_narrow_node(self, node: Viewpoint, x: float, y: float) -> bool:
         boundary, at = node.region.boundary, node.configuration
+        if self.body.has_room(boundary, at):
+            return False
         return steer(self.body, self.kinematics, boundary, at, x, y) is not None
 
 

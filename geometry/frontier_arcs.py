@@ -11,7 +11,7 @@ from typing import Final
 
 import numpy as np
 
-from multisrt.geometry.kernel import FloatArray, IntArray, kernel
+from multisrt.geometry.kernel import BoolArray, FloatArray, IntArray, kernel
 from multisrt.geometry.visibility import GAP, OBSTACLE, TagArray
 
 OUTWARD_M: Final = 1e-6
@@ -291,6 +291,51 @@ def joined_lengths(ends: FloatArray) -> FloatArray:
         roots[i] = root
         lengths[root] += ends[i, 4]
     return lengths[roots]
+
+
+@kernel
+def pieces_by_owner(
+    segments: FloatArray, owners: IntArray, count: int, rest: FloatArray, source: IntArray
+) -> tuple[IntArray, BoolArray]:
+    """Sort what `uncovered` left by the owners of the segments.
+
+    Parameters
+    ----------
+    segments : (m, 4) array
+        What was given to `uncovered`.
+    owners : (m,) array
+        Whose each segment is, from 0 and never falling.
+    count : int
+        How many owners there are.
+    rest, source
+        What `uncovered` gave.
+
+    Returns
+    -------
+    begins : (count + 1,) array
+        Owner k is left with ``rest[begins[k]:begins[k + 1]]``.
+    cut : (count,) array of bool
+        Who lost something.
+    """
+    begins = np.zeros(count + 1, np.int64)
+    cut = np.zeros(count, np.bool_)
+    r = 0
+    for i in range(segments.shape[0]):
+        k = owners[i]
+        whole = False
+        pieces = 0
+        while r < rest.shape[0] and source[r] == i:
+            whole = True
+            for c in range(4):
+                whole = whole and rest[r, c] == segments[i, c]
+            pieces += 1
+            r += 1
+        if pieces != 1 or not whole:
+            cut[k] = True
+        begins[k + 1] = r
+    for k in range(count):
+        begins[k + 1] = max(begins[k], begins[k + 1])
+    return begins, cut
 
 
 def total_length(segments: FloatArray) -> float:

@@ -85,7 +85,7 @@ class Raster:
         InvalidInputError
             If the raster would grow beyond `MAX_CELLS`.
         """
-        self._cover(_bounds(boundary))
+        self._cover(bounds_of(boundary))
         return paint_polygon(boundary, self.x0, self.y0, self.cell_m, self.cells)
 
     def paint_inside(self, boundary: FloatArray) -> int:
@@ -142,7 +142,8 @@ class Raster:
 
 
 @kernel
-def _bounds(boundary: FloatArray) -> tuple[float, float, float, float]:
+def bounds_of(boundary: FloatArray) -> tuple[float, float, float, float]:
+    """Give the least x, least y, greatest x and greatest y of some points."""
     x0 = x1 = boundary[0, 0]
     y0 = y1 = boundary[0, 1]
     for i in range(1, boundary.shape[0]):

@@ -18,12 +18,13 @@ from multisrt.geometry.frontier_arcs import (
     frontier_candidates,
     joined_lengths,
     long_arcs,
+    pieces_by_owner,
     total_length,
     uncovered,
 )
 from multisrt.geometry.kernel import FloatArray, IntArray
 from multisrt.geometry.point_hash import PointHash
-from multisrt.geometry.raster import Raster
+from multisrt.geometry.raster import Raster, bounds_of
 from multisrt.geometry.safe_region import LocalSafeRegion
 
 Array = TypeVar("Array", FloatArray, IntArray)
@@ -238,8 +239,7 @@ class ExplorationMap:
             self._corners = _grown(self._corners, max(int(last), 2 * len(self._corners)))
         self._corners[first:last] = boundary
         self._starts[index + 1] = last
-        self._boxes[index, :2] = boundary.min(axis=0)
-        self._boxes[index, 2:] = boundary.max(axis=0)
+        self._boxes[index] = bounds_of(boundary)
         x, y, _ = node.configuration
         self._places.add(x, y)
         self._nodes[node.id] = node
@@ -257,15 +257,9 @@ class ExplorationMap:
         rest, source = uncovered(
             segments, self._starts, self._corners, self._boxes, np.asarray([index])
         )
-        pieces = np.bincount(source, minlength=len(segments))
-        whole = pieces == 1
-        first = np.cumsum(pieces) - pieces
-        whole[whole] = (rest[first[whole]] == segments[whole]).all(axis=1)
-        if whole.all():
-            return
-        borders = np.searchsorted(owners[source], np.arange(len(arcs) + 1))
-        for k in np.unique(owners[~whole]).tolist():
-            self._set_uncovered(int(still_open[k]), rest[borders[k] : borders[k + 1]])
+        begins, cut = pieces_by_owner(segments, owners, len(arcs), rest, source)
+        for k in np.flatnonzero(cut).tolist():
+            self._set_uncovered(int(still_open[k]), rest[begins[k] : begins[k + 1]])
 
     def _set_uncovered(self, index: int, arcs: FloatArray) -> None:
         arcs = long_arcs(arcs, SHORTEST_ARC_M)

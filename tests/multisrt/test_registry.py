@@ -19,7 +19,8 @@ class Options(msgspec.Struct, frozen=True, kw_only=True):
 @pytest.fixture
 def own(monkeypatch):
     """A registry of its own, so that nothing stays registered."""
-    monkeypatch.setattr(registry, "_registry", lambda known=dict(registry._registry()): known)
+    known = dict(registry._registry())
+    monkeypatch.setattr(registry, "_registry", lambda: known)
     return Strategy(name="own", summary="mine", options=Options, explorer=lambda me, options: None)
 
 

@@ -215,7 +215,7 @@ def main() -> None:
     from multisrt.geometry.errors import MultiSrtError
 
     try:
-        result = cli.main(standalone_mode=False)
+        result = cli.main(prog_name="multisrt", standalone_mode=False)
     except click.exceptions.Abort:
         _fail("interrupted", INTERRUPTED)
     except click.ClickException as error:

@@ -1,4 +1,5 @@
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -20,6 +21,7 @@ from multisrt.planners.motion.kinematics import Differential, Holonomic
 from multisrt.planners.srt import (
     SrtOptions,
     SrtPlanner,
+    Way,
     arc_points,
     distance_to_boundary,
     distance_to_segments,
@@ -234,17 +236,30 @@ def test_no_approach_without_room_to_move():
 ARC = np.array([(6.0, 1.0, 6.0, 2.0), (6.0, 2.0, 6.0, 3.0)])
 
 
+def standing_at(*places):
+    """Nodes with an open view of 4 m, where the body has room for any heading."""
+    return [
+        SimpleNamespace(
+            configuration=Configuration(x, y, 0.0),
+            region=SimpleNamespace(
+                boundary=np.array(shapely.Point(x, y).buffer(4).exterior.coords)[:-1]
+            ),
+        )
+        for x, y in places
+    ]
+
+
 def test_a_viewing_place():
     # The lattice has steps of d_min / 4 = 0.125 m around (6, 2). At x = 5.75 the disc of 0.252 m
     # does not fit; at x = 5.625 there is the whole margin.
-    found = planner().viewing_place(ARC, shapely.box(0, 0, 6, 4), 3.0, np.array([(1.0, 2.0)]))
-    assert found == ((5.625, 2.0), 0)
+    found = planner().viewing_place(ARC, shapely.box(0, 0, 6, 4), 3.0, standing_at((1.0, 2.0)))
+    assert found == Way(5.625, 2.0, 0, roomy=True)
 
 
 def test_a_viewing_place_keeps_off_nodes_and_names_the_nearest():
     # Half of d_min, 0.25 m, from the node: two steps of the lattice to a side.
-    nodes = np.array([(1.0, 2.0), (5.625, 2.0)])
-    (x, y), k = planner().viewing_place(ARC, shapely.box(0, 0, 6, 4), 3.0, nodes)
+    nodes = standing_at((1.0, 2.0), (5.625, 2.0))
+    x, y, k, _ = planner().viewing_place(ARC, shapely.box(0, 0, 6, 4), 3.0, nodes)
     assert math.hypot(x - 5.625, y - 2.0) >= 0.25
     assert k == 1
 
@@ -252,14 +267,14 @@ def test_a_viewing_place_keeps_off_nodes_and_names_the_nearest():
 def test_a_viewing_place_sees_the_arc():
     # A screen stands in front of the arc's middle: places right behind it do not see it.
     known = shapely.box(0, 0, 6, 4).difference(shapely.box(5.2, 1.5, 5.3, 2.5))
-    (x, y), _ = planner().viewing_place(ARC, known, 3.0, np.array([(1.0, 2.0)]))
+    x, y, *_ = planner().viewing_place(ARC, known, 3.0, standing_at((1.0, 2.0)))
     assert shapely.LineString([(x, y), (6.0 - 1e-3, 2.0)]).within(known)
     assert known.boundary.distance(shapely.Point(x, y)) >= 0.252 - 1e-6
 
 
 def test_refused_too_narrow():
     arc = np.array([(6.0, 0.0, 6.0, 0.4)])
-    nodes = np.array([(1.0, 0.2)])
+    nodes = standing_at((1.0, 0.2))
     assert planner().viewing_place(arc, shapely.box(0, 0, 6, 0.4), 3.0, nodes) == "too narrow"
 
 
@@ -269,7 +284,7 @@ def test_refused_too_narrow_where_the_room_does_not_see_the_arc():
         [shapely.box(0, 0, 2, 2), shapely.box(2, 0, 3, 0.2), shapely.box(2.8, 0, 3, 2)]
     )
     arc = np.array([(3.0, 2.0, 2.8, 2.0)])
-    assert planner().viewing_place(arc, known, 3.0, np.array([(1.0, 1.0)])) == "too narrow"
+    assert planner().viewing_place(arc, known, 3.0, standing_at((1.0, 1.0))) == "too narrow"
 
 
 def test_refused_not_reachable():
@@ -277,22 +292,22 @@ def test_refused_not_reachable():
     rooms = shapely.box(0, 0, 4, 4), shapely.box(4.5, 1, 6, 3)
     slit = shapely.box(4, 0, 5.2, 0.2), shapely.box(5, 0, 5.2, 1)
     known = shapely.union_all([*rooms, *slit])
-    assert planner().viewing_place(ARC, known, 3.0, np.array([(1.0, 2.0)])) == "not reachable"
-    assert planner().viewing_place(ARC, known, 3.0, NONE) == "not reachable"
+    assert planner().viewing_place(ARC, known, 3.0, standing_at((1.0, 2.0))) == "not reachable"
+    assert planner().viewing_place(ARC, known, 3.0, []) == "not reachable"
 
 
 def test_refused_seen_from_near():
     # A niche with room for places within 0.1 m of its middle, where there was a scan already.
     known = shapely.box(5.3, 1.65, 6.0, 2.35)
     arc = np.array([(6.0, 1.9, 6.0, 2.1)])
-    nodes = np.array([(5.65, 2.0)])
+    nodes = standing_at((5.65, 2.0))
     assert planner().viewing_place(arc, known, 3.0, nodes) == "seen from near"
 
 
 def test_refused_where_the_arc_is_not_at_known_space():
     away = ARC + 50.0
     known = shapely.box(0, 0, 6, 4)
-    assert planner().viewing_place(away, known, 3.0, np.array([(1.0, 2.0)])) == "too narrow"
+    assert planner().viewing_place(away, known, 3.0, standing_at((1.0, 2.0))) == "too narrow"
 
 
 def test_points_of_an_arc_its_middle_first():
@@ -335,7 +350,7 @@ def stars(draw):
     return radii[:, None] * np.column_stack([np.cos(angles), np.sin(angles)])
 
 
-coordinates = st.floats(-3.5, 3.5)
+coordinates = st.integers(-3500, 3500).map(lambda n: n / 1000)
 points = st.lists(st.tuples(coordinates, coordinates), max_size=6).map(
     lambda p: np.array(p).reshape(-1, 2)
 )

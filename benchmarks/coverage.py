@@ -1,0 +1,119 @@
+"""How well every world is covered, over many seeds: ``python -m benchmarks.coverage``.
+
+One line for every world, strategy and body. A run counts as right if it ends complete, without
+a collision, and covers what its strategy has to; the exit code is 1 where one is not.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from collections import Counter
+from dataclasses import dataclass
+
+import numpy as np
+
+from multisrt.environments.catalog import environment, names
+from multisrt.environments.environment import Environment
+from multisrt.run import explore
+from multisrt.spec import DriveSpec
+
+LEAST_COVERAGE = {"srt-radial": 0.99, "srt-star": 0.95, "srt-ball": 0.85}
+"""Of the explorable area. A star leaves corners out, a ball more of them."""
+
+LEAST_COVERAGE_NO_DISC = 0.90
+"""A body that is no disc is measured against what the disc inscribed in it could see."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Result:
+    """What is kept of one run."""
+
+    coverage: float
+    outcome: str
+    collisions: int
+    nodes: int
+    seconds: float
+
+
+def main() -> None:
+    """Print the table; exit with 1 where a run is not right."""
+    given = _arguments()
+    print(
+        f"{'world':10} {'strategy':10} {'least':>8} {'median':>8} {'collisions':>10} "
+        f"{'nodes':>6} {'s a run':>8}  outcomes"
+    )
+    all_right = True
+    for name in given.worlds:
+        world = environment(name)
+        for strategy in given.strategies:
+            results = [
+                run(world, strategy, seed, given.footprint, given.drive, given.beams)
+                for seed in range(given.seeds)
+            ]
+            right = is_right(results, strategy, given.footprint)
+            all_right = all_right and right
+            print(line(name, strategy, results) + ("" if right else "  NOT RIGHT"), flush=True)
+    sys.exit(0 if all_right else 1)
+
+
+def run(
+    world: Environment, strategy: str, seed: int, footprint: str, drive: str, beams: int | None
+) -> Result:
+    """Explore once; the time is that of the exploration, without measuring it."""
+    begin = time.perf_counter()
+    explored = explore(
+        world,
+        strategy=strategy,
+        seed=seed,
+        footprint=footprint,
+        beams=beams,
+        drive=DriveSpec(kind="holonomic" if drive == "holonomic" else "differential"),
+    )
+    seconds = time.perf_counter() - begin
+    metrics = explored.metrics
+    return Result(
+        coverage=metrics.coverage,
+        outcome=metrics.outcome,
+        collisions=metrics.collisions,
+        nodes=metrics.nodes,
+        seconds=seconds,
+    )
+
+
+def is_right(results: list[Result], strategy: str, footprint: str) -> bool:
+    """Whether all runs ended as they have to."""
+    least = LEAST_COVERAGE.get(strategy, 0.0)
+    if not footprint.startswith("disc"):
+        least = min(least, LEAST_COVERAGE_NO_DISC)
+    return all(
+        r.outcome == "complete" and r.collisions == 0 and r.coverage >= least for r in results
+    )
+
+
+def line(name: str, strategy: str, results: list[Result]) -> str:
+    """Write one line of the table."""
+    coverage = np.array([r.coverage for r in results])
+    outcomes = Counter(r.outcome for r in results)
+    return (
+        f"{name:10} {strategy:10} {coverage.min():8.2%} {np.median(coverage):8.2%} "
+        f"{sum(r.collisions for r in results):10} {np.median([r.nodes for r in results]):6.0f} "
+        f"{np.median([r.seconds for r in results]):8.2f}  "
+        + ", ".join(f"{count} {outcome}" for outcome, count in sorted(outcomes.items()))
+    )
+
+
+def _arguments() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.coverage", description=__doc__)
+    parser.add_argument("worlds", nargs="*", default=names(), help="default: the whole catalogue")
+    parser.add_argument("--strategies", nargs="+", default=["srt-radial", "srt-star"])
+    parser.add_argument("--seeds", type=int, default=20, help="seeds from 0 to this (20)")
+    parser.add_argument("--footprint", default="disc:0.25")
+    parser.add_argument("--drive", choices=["differential", "holonomic"], default="differential")
+    parser.add_argument("--beams", type=int, help="beams of a laser; default: exact sensor")
+    return parser.parse_args()
+
+
+if __name__ == "__main__":
+    main()

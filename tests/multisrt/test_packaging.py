@@ -1,0 +1,140 @@
+import os
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+
+import multisrt
+from multisrt.environments.catalog import MAPS
+
+ROOT = Path(__file__).parents[2]
+ROOMS = ("geometry", "planners", "environments")
+SETUP = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["setuptools"]
+
+
+def folders_of_packages() -> set[str]:
+    """What a package is: a folder with an __init__.py; links are followed by their own names."""
+    found = set()
+    for top in ("multisrt", *ROOMS):
+        prefix = "" if top == "multisrt" else "multisrt."
+        for init in (ROOT / top).rglob("__init__.py"):
+            parts = init.parent.relative_to(ROOT).parts
+            if not (parts[0] == "multisrt" and len(parts) > 1 and parts[1] in ROOMS):
+                found.add(prefix + ".".join(parts))
+    return found
+
+
+def test_every_package_is_listed():
+    assert set(SETUP["packages"]) == folders_of_packages()
+    assert len(SETUP["packages"]) == len(set(SETUP["packages"]))
+
+
+def test_every_folder_with_modules_is_a_package():
+    for top in ("multisrt", *ROOMS):
+        for module in (ROOT / top).rglob("*.py"):
+            assert (module.parent / "__init__.py").exists(), module
+
+
+def test_the_rooms_are_mapped_and_linked():
+    assert SETUP["package-dir"] == {"multisrt": "multisrt"} | {
+        f"multisrt.{room}": room for room in ROOMS
+    }
+    for room in ROOMS:
+        link = ROOT / "multisrt" / room
+        assert link.is_symlink()
+        assert os.readlink(link) == f"../{room}"
+
+
+def test_all_data_files_are_packaged():
+    data = SETUP["package-data"]
+    assert not SETUP["include-package-data"]
+    assert (ROOT / "multisrt" / "py.typed").exists()
+    listed = {
+        path
+        for package, patterns in data.items()
+        for pattern in patterns
+        for path in (ROOT / Path(*package.split("."))).resolve().glob(pattern)
+    }
+    code = {".py", ".pyc", ".nbi", ".nbc"}
+    present = {
+        path
+        for top in ("multisrt", *ROOMS)
+        for path in (ROOT / top).resolve().rglob("*")
+        if path.is_file() and path.suffix not in code
+    }
+    assert present == listed
+    assert {path for path in listed if path.parent == MAPS.resolve()}
+
+
+def python(code: str, *, cwd: Path) -> str:
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=cwd, capture_output=True, text=True, check=True
+    )
+    return done.stdout
+
+
+def test_no_bare_room_can_be_imported_from_elsewhere(tmp_path):
+    code = (
+        "import importlib.util as u\n"
+        f"print([name for name in {ROOMS} if u.find_spec(name) is not None])"
+    )
+    assert python(code, cwd=tmp_path) == "[]\n"
+
+
+HEAVY = ("numba", "shapely", "scipy", "trimesh", "fcl", "rich", "matplotlib", "numpy", "simpy")
+
+
+def loaded_by(code: str) -> set[str]:
+    check = f"\nimport sys; print('LOADED', *(m for m in {HEAVY} if m in sys.modules))"
+    last = python(code + check, cwd=ROOT).splitlines()[-1]
+    return set(last.split()[1:])
+
+
+@pytest.mark.parametrize(
+    "code",
+    [
+        "import multisrt",
+        "import multisrt; dir(multisrt)",
+        "import multisrt.cli",
+        "import multisrt.environments",
+        "import multisrt.geometry",
+        "import multisrt.planners",
+    ],
+)
+def test_importing_the_package_imports_nothing_heavy(code):
+    assert loaded_by(code) == set()
+
+
+@pytest.mark.parametrize("words", [["--help"], ["--version"], ["explore", "--help"]])
+def test_help_imports_nothing_heavy(words):
+    code = (
+        "import sys, contextlib\n"
+        f"sys.argv = {['multisrt', *words]}\n"
+        "from multisrt.cli import main\n"
+        "with contextlib.suppress(SystemExit): main()"
+    )
+    assert loaded_by(code) == set()
+
+
+def test_that_check_can_fail():
+    assert "shapely" in loaded_by("import multisrt; multisrt.Environment")
+
+
+def test_every_public_name_is_there():
+    for name in multisrt.__all__:
+        assert getattr(multisrt, name) is not None
+    assert sorted(multisrt.__all__) == dir(multisrt)
+    assert set(multisrt._HOMES) == set(multisrt.__all__)
+    with pytest.raises(AttributeError, match="'bogus'"):
+        multisrt.bogus  # noqa: B018
+
+
+def test_public_names_mean_the_same_whatever_was_imported_before():
+    code = (
+        "import multisrt.environments.catalog, multisrt.environments.environment\n"
+        "import multisrt as ms\n"
+        "print(callable(ms.environment), callable(ms.catalog), ms.environment('open').area_m2)"
+    )
+    assert python(code, cwd=ROOT).startswith("True True ")

@@ -19,10 +19,11 @@ from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.distance_field import distance_field
 from multisrt.geometry.edge_index import EdgeIndex
 from multisrt.geometry.frontier_arcs import frontier_candidates, uncovered
+from multisrt.geometry.laser import laser_ranges
 from multisrt.geometry.raster import Raster
 from multisrt.geometry.safe_region import LocalSafeRegion, local_safe_region
 from multisrt.geometry.scan import take_scan
-from multisrt.geometry.visibility import laser_ranges, visibility_polygon
+from multisrt.geometry.visibility import visibility_polygon
 
 R = 4.0
 """Range of the sensor in metres."""

@@ -11,8 +11,8 @@ from typing import Final
 
 import numpy as np
 
+from multisrt.geometry.boundary import GAP, OBSTACLE, TagArray
 from multisrt.geometry.kernel import BoolArray, FloatArray, IntArray, kernel
-from multisrt.geometry.visibility import GAP, OBSTACLE, TagArray
 
 OUTWARD_M: Final = 1e-6
 """How far outside its region a segment is asked whether another region covers it.

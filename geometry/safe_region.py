@@ -21,10 +21,7 @@ from typing import Final, Literal
 import numpy as np
 import shapely
 
-from multisrt.geometry.errors import InvalidInputError
-from multisrt.geometry.kernel import FloatArray, kernel
-from multisrt.geometry.scan import LaserScan, Scan, beam_spacing_rad
-from multisrt.geometry.visibility import (
+from multisrt.geometry.boundary import (
     CUT,
     GAP,
     OBSTACLE,
@@ -34,6 +31,9 @@ from multisrt.geometry.visibility import (
     arc_divisions,
     arc_tolerance,
 )
+from multisrt.geometry.errors import InvalidInputError
+from multisrt.geometry.kernel import FloatArray, kernel
+from multisrt.geometry.scan import LaserScan, Scan, beam_spacing_rad
 
 Shape = Literal["ball", "star", "radial"]
 

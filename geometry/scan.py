@@ -5,10 +5,12 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from multisrt.geometry.boundary import TagArray
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.edge_index import EdgeIndex
 from multisrt.geometry.kernel import FloatArray
-from multisrt.geometry.visibility import TagArray, laser_ranges, visibility_polygon
+from multisrt.geometry.laser import laser_ranges
+from multisrt.geometry.visibility import visibility_polygon
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

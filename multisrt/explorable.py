@@ -58,7 +58,7 @@ class Explorable:
         border = shapely.segmentize(reachable.boundary, cell)
         for x, y in np.unique(shapely.get_coordinates(border), axis=0).tolist():
             boundary, _ = visibility_polygon(index, x, y, range_m, arc_tolerance_m=cell / 10.0)
-            self.raster.paint(boundary)
+            self.raster.paint_inside(boundary)
         # A raster of walls on round coordinates is off by up to a permille; the share of the
         # component's cells times its exact area is much less so.
         whole = Raster(cell, environment.bounds)

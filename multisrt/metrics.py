@@ -22,7 +22,7 @@ from multisrt.events import (
 )
 from multisrt.explorable import Explorable, explorable
 from multisrt.geometry.configuration import Configuration
-from multisrt.geometry.footprint import Footprint
+from multisrt.geometry.footprint import Footprint, place
 from multisrt.geometry.kernel import FloatArray
 from multisrt.geometry.raster import Raster
 from multisrt.recording import Recording, RunOutcome
@@ -256,28 +256,32 @@ def smallest_clearance(recording: Recording, environment: Environment) -> float:
     for number, robot in enumerate(recording.spec.robots):
         footprint = Footprint.parse(robot.footprint)
         legs = [recording.header.starts[number]]
-        shapes = [_swept(footprint, (0.0, *legs[0]), (0.0, *legs[0]))]
+        shapes = _swept(footprint, (0.0, *legs[0]), (0.0, *legs[0]))
         for event in recording.events:
             if isinstance(event, Motion) and event.robot == number:
                 for a, b in itertools.pairwise(event.waypoints):
-                    shapes.append(_swept(footprint, a, b))
+                    shapes += _swept(footprint, a, b)
         _, distances = tree.query_nearest(shapes, return_distance=True, all_matches=False)
         radius = footprint.radius_m if footprint.is_disc else 0.0
         smallest = min(smallest, float(distances.min()) - radius)
     return smallest
 
 
-def _swept(footprint: Footprint, a: tuple[float, ...], b: tuple[float, ...]) -> shapely.Geometry:
+def _swept(
+    footprint: Footprint, a: tuple[float, ...], b: tuple[float, ...]
+) -> list[shapely.Geometry]:
     # What a leg covers; for a disc the way of its centre, from which the radius is taken off.
     if footprint.is_disc:
         if a[1:3] == b[1:3]:
-            return shapely.Point(a[1:3])
-        return shapely.LineString([a[1:3], b[1:3]])
+            return [shapely.Point(a[1:3])]
+        return [shapely.LineString([a[1:3], b[1:3]])]
     if a[3] == b[3]:
-        return footprint.swept(Configuration(*a[1:]), Configuration(*b[1:]))
+        return [footprint.swept(Configuration(*a[1:]), Configuration(*b[1:]))]
     steps = max(2, math.ceil(abs(b[3] - a[3]) / TURN_STEP_RAD) + 1)
     poses: FloatArray = np.linspace(a[1:], b[1:], steps)
-    return shapely.union_all([footprint.placed(Configuration(*pose)) for pose in poses.tolist()])
+    outlines = [place(footprint.vertices, *pose) for pose in poses.tolist()]
+    swept: list[shapely.Geometry] = np.asarray(shapely.polygons(np.stack(outlines))).tolist()
+    return swept
 
 
 def _length(motion: Motion) -> float:

@@ -7,6 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from shapely import box
 
+from multisrt.geometry.boundary import CUT, GAP, OBSTACLE, RANGE
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.frontier_arcs import (
     arc_labels,
@@ -17,7 +18,6 @@ from multisrt.geometry.frontier_arcs import (
 )
 from multisrt.geometry.safe_region import local_safe_region
 from multisrt.geometry.scan import take_scan
-from multisrt.geometry.visibility import CUT, GAP, OBSTACLE, RANGE
 
 R = 4.0
 

@@ -7,19 +7,13 @@ import pytest
 import shapely
 from shapely import Point, Polygon
 
+from multisrt.geometry.boundary import ARC_TOLERANCE_M, CUT, GAP, OBSTACLE, RANGE
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.edge_index import EdgeIndex
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.safe_region import CONTACT_TOLERANCE_M, local_safe_region
 from multisrt.geometry.scan import ExactScan, take_scan
-from multisrt.geometry.visibility import (
-    ARC_TOLERANCE_M,
-    CUT,
-    GAP,
-    OBSTACLE,
-    RANGE,
-    visibility_polygon,
-)
+from multisrt.geometry.visibility import visibility_polygon
 
 R = 4.0
 

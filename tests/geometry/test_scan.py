@@ -7,8 +7,9 @@ import pytest
 
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import ClearanceError
+from multisrt.geometry.laser import laser_ranges
 from multisrt.geometry.scan import ExactScan, LaserScan, beam_spacing_rad, take_scan
-from multisrt.geometry.visibility import laser_ranges, visibility_polygon
+from multisrt.geometry.visibility import visibility_polygon
 
 
 def test_exact_scan_is_the_visibility_polygon(worlds):

@@ -11,17 +11,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 from shapely import LineString, Point, Polygon, affinity, box
 
+from multisrt.geometry.boundary import GAP, OBSTACLE, RANGE, arc_divisions
 from multisrt.geometry.edge_index import EdgeIndex
 from multisrt.geometry.errors import ClearanceError, InvalidInputError
-from multisrt.geometry.visibility import (
-    GAP,
-    OBSTACLE,
-    RANGE,
-    arc_divisions,
-    laser_ranges,
-    line_of_sight,
-    visibility_polygon,
-)
+from multisrt.geometry.laser import laser_ranges
+from multisrt.geometry.line_of_sight import line_of_sight
+from multisrt.geometry.visibility import visibility_polygon
 
 UNLIMITED = 60.0
 """Farther than any of the test worlds is wide."""

@@ -8,13 +8,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from multisrt.exploration_map import ExplorationMap, Node, NodeId
+from multisrt.geometry.boundary import GAP, OBSTACLE, RANGE
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.edge_index import EdgeIndex
 from multisrt.geometry.frontier_arcs import frontier_candidates, total_length
 from multisrt.geometry.raster import Raster
 from multisrt.geometry.safe_region import LocalSafeRegion, local_safe_region
 from multisrt.geometry.scan import take_scan
-from multisrt.geometry.visibility import GAP, OBSTACLE, RANGE
 
 REACH = 3.0
 WIDTH = 0.5

@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy import stats
 
+from multisrt.geometry.boundary import OBSTACLE
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.edge_index import EdgeIndex
 from multisrt.geometry.errors import InvalidInputError
@@ -15,7 +16,6 @@ from multisrt.geometry.footprint import Footprint
 from multisrt.geometry.frontier_arcs import arc_labels, frontier_candidates
 from multisrt.geometry.safe_region import LocalSafeRegion, local_safe_region
 from multisrt.geometry.scan import take_scan
-from multisrt.geometry.visibility import OBSTACLE
 from multisrt.planners.motion.body import PlanningBody
 from multisrt.planners.motion.kinematics import Differential, Holonomic
 from multisrt.planners.srt import (

@@ -20,7 +20,6 @@ from dataclasses import dataclass
 import fcl
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 from shapely import MultiPolygon, Polygon
 from shapely.geometry.base import BaseGeometry
 
@@ -33,11 +32,16 @@ from multisrt.geometry.footprint import (
     require_constant_heading,
     sweep_convex,
 )
-from multisrt.geometry.kernel import FloatArray
-
-OBSTACLE_HEIGHT_M = 0.5
-BODY_REACH_M = 1.0
-"""Bodies reach this far below and above the floor: farther than the obstacles."""
+from multisrt.geometry.solids import (
+    MOST_TILES,
+    TILE_M,
+    convex_prism,
+    lying_capsule,
+    polygons_of,
+    standing_prisms,
+    tiles_of,
+    upright_sheet,
+)
 
 RESOLUTION_M = 1e-3
 """Default length of the shortest step along a motion."""
@@ -45,16 +49,8 @@ RESOLUTION_M = 1e-3
 CONTACT_PRECISION_M = 1e-6
 """How precisely the place of a contact is found, as a length of motion."""
 
-TILE_M = 8.0
-MOST_TILES = 32
-"""Obstacles are cut into tiles of this width, but not more than so many a side: triangles that
-reach across a whole world would be met by every query."""
-
 CAPSULE_MARGIN_M = 1e-4
 """More than FCL errs about a capsule."""
-
-THINNEST_TRIANGLE_M = 1e-9
-"""Triangles thinner than this have no normal to compute with; their sides are in neighbours."""
 
 # The distance is FCL's return value. A result that is already nearer keeps the bindings from
 # filling it with arrays for nearest points that nobody reads.
@@ -76,10 +72,10 @@ class Body:
             self._obstacle = fcl.CollisionObject(fcl.Sphere(footprint.radius_m))
         else:
             self._movers = tuple(
-                fcl.CollisionObject(_convex_prism(piece)) for piece in footprint.convex_pieces
+                fcl.CollisionObject(convex_prism(piece)) for piece in footprint.convex_pieces
             )
             outline = Polygon(footprint.vertices)
-            self._obstacle = fcl.CollisionObject(_standing_prisms([outline], f"body {footprint}"))
+            self._obstacle = fcl.CollisionObject(standing_prisms([outline], f"body {footprint}"))
 
     @property
     def footprint(self) -> Footprint:
@@ -128,8 +124,8 @@ class CollisionWorld:
         self._bounds: tuple[float, float, float, float] = frame.bounds
         x0, y0, x1, y1 = self._bounds
         tile = max(TILE_M, (x1 - x0) / MOST_TILES, (y1 - y0) / MOST_TILES)
-        tiles = [part for whole in _polygons(solid) for part in _tiles(whole, tile)]
-        self._obstacles = fcl.CollisionObject(_standing_prisms(tiles, "world"))
+        tiles = [part for whole in polygons_of(solid) for part in tiles_of(whole, tile)]
+        self._obstacles = fcl.CollisionObject(standing_prisms(tiles, "world"))
         self._bodies: dict[Footprint, Body] = {}
 
     def body(self, footprint: Footprint) -> Body:
@@ -181,12 +177,12 @@ class CollisionWorld:
             # A disc sweeps whatever is nearer than its radius to the way of its centre. FCL's
             # capsule is quick but rounds: a wider one clears the way, or it is measured.
             wider = footprint.radius_m + CAPSULE_MARGIN_M
-            if not _touch((_lying_capsule(first, last, wider),), self._obstacles):
+            if not _touch((lying_capsule(first, last, wider),), self._obstacles):
                 return True
-            way = fcl.CollisionObject(_upright_sheet(first, last))
+            way = fcl.CollisionObject(upright_sheet(first, last))
             return bool(_gap((way,), self._obstacles) > footprint.radius_m)
         swept = (
-            fcl.CollisionObject(_convex_prism(sweep_convex(place(piece, *first), step)))
+            fcl.CollisionObject(convex_prism(sweep_convex(place(piece, *first), step)))
             for piece in footprint.convex_pieces
         )
         return not any(_touch((solid,), self._obstacles) for solid in swept)
@@ -509,92 +505,6 @@ def _gap(movers: tuple[fcl.CollisionObject, ...], obstacle: fcl.CollisionObject)
     return max(0.0, float(min(distances)))
 
 
-def _convex_prism(outline: FloatArray) -> fcl.Convex:
-    """Give a solid over a convex counter-clockwise outline, through the floor."""
-    n = len(outline)
-    vertices = np.empty((2 * n, 3))
-    vertices[:n, :2] = vertices[n:, :2] = outline
-    vertices[:n, 2], vertices[n:, 2] = -BODY_REACH_M, BODY_REACH_M
-    # Faces as FCL lists them: number of corners, then the corners, seen from outside.
-    faces = [n, *range(n - 1, -1, -1), n, *range(n, 2 * n)]
-    for i in range(n):
-        j = (i + 1) % n
-        faces += [4, i, j, n + j, n + i]
-    return fcl.Convex(vertices, n + 2, faces)
-
-
-def _lying_capsule(start: Configuration, end: Configuration, radius: float) -> fcl.CollisionObject:
-    """Give what a sphere sweeps along a line on the floor."""
-    (x0, y0, _), (x1, y1, _) = start, end
-    length = math.hypot(x1 - x0, y1 - y0)
-    cosine, sine = (x1 - x0) / length, (y1 - y0) / length
-    turned = np.array([[-sine, 0.0, cosine], [cosine, 0.0, sine], [0.0, 1.0, 0.0]])
-    middle = np.array([(x0 + x1) / 2.0, (y0 + y1) / 2.0, 0.0])
-    return fcl.CollisionObject(fcl.Capsule(radius, length), fcl.Transform(turned, middle))
-
-
-def _upright_sheet(start: Configuration, end: Configuration) -> fcl.Convex:
-    """Give a sheet over a line on the floor, through the floor."""
-    (x0, y0, _), (x1, y1, _), z = start, end, BODY_REACH_M
-    corners = np.array([(x0, y0, -z), (x1, y1, -z), (x1, y1, z), (x0, y0, z)])
-    return fcl.Convex(corners, 2, [4, 0, 1, 2, 3, 4, 3, 2, 1, 0])
-
-
-def _tiles(polygon: Polygon, width: float) -> list[Polygon]:
-    """Halve a polygon across its longer side until no part is wider than a tile."""
-    x0, y0, x1, y1 = polygon.bounds
-    if max(x1 - x0, y1 - y0) <= width:
-        return [polygon]
-    if x1 - x0 >= y1 - y0:
-        middle = (x0 + x1) / 2.0
-        halves = shapely.box(x0, y0, middle, y1), shapely.box(middle, y0, x1, y1)
-    else:
-        middle = (y0 + y1) / 2.0
-        halves = shapely.box(x0, y0, x1, middle), shapely.box(x0, middle, x1, y1)
-    parts = [part for half in halves for part in _polygons(polygon.intersection(half))]
-    return [tile for part in parts for tile in _tiles(part, width)]
-
-
-def _standing_prisms(polygons: Sequence[Polygon], name: str) -> fcl.BVHModel:
-    """Give one mesh of capped prisms that stand on the floor over polygons with holes."""
-    from trimesh.creation import extrude_polygon  # half a second to import
-
-    solids = [extrude_polygon(part, OBSTACLE_HEIGHT_M, engine="earcut") for part in polygons]
-    vertices = np.vstack([np.asarray(solid.vertices) for solid in solids])
-    first = np.cumsum([0, *(len(solid.vertices) for solid in solids[:-1])])
-    triangles = np.vstack(
-        [np.asarray(solid.faces) + n for solid, n in zip(solids, first, strict=True)]
-    )
-    triangles = triangles[~_is_thin(vertices[triangles])]
-    _require_whole(vertices[triangles], sum(part.area for part in polygons), name)
-    # A model that is empty or not ended crashes at the first query.
-    model = fcl.BVHModel()
-    model.beginModel(len(triangles), len(vertices))
-    model.addSubModel(vertices, triangles)
-    model.endModel()
-    return model
-
-
-def _is_thin(triangles: FloatArray) -> NDArray[np.bool_]:
-    """Whether each of ``(n, 3, 3)`` triangles is thinner than can be computed with."""
-    sides = np.roll(triangles, -1, axis=1) - triangles
-    longest = np.linalg.norm(sides, axis=2).max(axis=1)
-    area = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1)
-    return np.asarray(area <= THINNEST_TRIANGLE_M * longest)
-
-
-def _require_whole(triangles: FloatArray, area: float, name: str) -> None:
-    """Check that the triangles on the floor cover the area that they stand for."""
-    on_floor = triangles[(triangles[:, :, 2] == 0.0).all(axis=1)]
-    sides = np.roll(on_floor, -1, axis=1) - on_floor
-    covered = 0.5 * float(np.abs(np.cross(sides[:, 0], sides[:, 1])[:, 2]).sum())
-    if not abs(covered - area) <= 1e-6 * area:
-        raise InvalidInputError(
-            f"{name}: obstacles of {area:g} m2 were cut into triangles of {covered:g} m2; "
-            "a polygon that nearly touches itself can do that: simplify its outline"
-        )
-
-
 def _require_area(free: BaseGeometry) -> None:
     if not isinstance(free, (Polygon, MultiPolygon)):
         raise InvalidInputError(
@@ -609,7 +519,3 @@ def _require_area(free: BaseGeometry) -> None:
             f"world: free space is not valid: {shapely.is_valid_reason(free)}; draw outlines "
             "that do not cross themselves"
         )
-
-
-def _polygons(geometry: BaseGeometry) -> list[Polygon]:
-    return [part for part in shapely.get_parts(geometry) if isinstance(part, Polygon)]

@@ -10,6 +10,13 @@ from scipy import stats
 
 from multisrt.geometry.boundary import OBSTACLE
 from multisrt.geometry.configuration import Configuration
+from multisrt.geometry.distances import (
+    distance_to_boundary,
+    distance_to_segments,
+    inside,
+    nearest_point,
+    nearest_points,
+)
 from multisrt.geometry.edge_index import EdgeIndex
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.footprint import Footprint
@@ -18,17 +25,7 @@ from multisrt.geometry.safe_region import LocalSafeRegion, local_safe_region
 from multisrt.geometry.scan import take_scan
 from multisrt.planners.motion.body import PlanningBody
 from multisrt.planners.motion.kinematics import Differential, Holonomic
-from multisrt.planners.srt import (
-    SrtOptions,
-    SrtPlanner,
-    Way,
-    arc_points,
-    distance_to_boundary,
-    distance_to_segments,
-    inside,
-    nearest_point,
-    nearest_points,
-)
+from multisrt.planners.srt import SrtOptions, SrtPlanner, Way, arc_points
 
 NONE = np.empty((0, 2))
 D_MIN = 0.5

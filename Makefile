@@ -3,6 +3,7 @@ PYTHON ?= python3
 VENV ?= .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
+BENCH_READY := $(VENV)/.ready-bench
 OUT := out
 
 .PHONY: help demo test lint bench docs clean
@@ -39,7 +40,14 @@ lint: $(READY)
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
-bench: $(READY)
+# VisiLibity comes as source only: swig writes its bindings, and a C++ compiler builds them.
+$(BENCH_READY): $(READY)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt swig wheel
+	@PATH="$(abspath $(BIN)):$$PATH" $(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --no-build-isolation VisiLibity \
+		|| echo "VisiLibity cannot be built here (it needs a C++ compiler): the line that compares with it will be skipped"
+	@touch $(BENCH_READY)
+
+bench: $(BENCH_READY)
 	$(BIN)/python -m benchmarks
 
 docs: $(READY)

@@ -19,6 +19,11 @@ from multisrt.planners.motion.kinematics import Differential, Holonomic, Kinemat
 Scalar = bool | int | float | str
 
 
+SHORTEST_RANGE_M, LONGEST_RANGE_M = 0.01, 1e6
+MOST_BEAMS = 100_000
+"""What a range finder may be: far beyond these a run takes all memory before it begins."""
+
+
 class _Spec(
     msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, omit_defaults=True
 ):
@@ -122,12 +127,13 @@ class RangeFinderSpec(_Spec, frozen=True, kw_only=True):
     beams: int | None = None
 
     def __post_init__(self) -> None:
-        if not 0.0 < self.range_m < math.inf:
+        if not SHORTEST_RANGE_M <= self.range_m <= LONGEST_RANGE_M:
             raise InvalidInputError(
-                f"the range of a range finder is a positive number of metres, not {self.range_m:g}"
+                "the range of a range finder is a positive number of metres, from "
+                f"{SHORTEST_RANGE_M:g} to {LONGEST_RANGE_M:g}, not {self.range_m:g}"
             )
-        if self.beams is not None and self.beams < 3:
-            raise InvalidInputError(f"a laser has at least 3 beams, not {self.beams}")
+        if self.beams is not None and not 5 <= self.beams <= MOST_BEAMS:
+            raise InvalidInputError(f"a laser has 5 to {MOST_BEAMS} beams, not {self.beams}")
 
 
 class RobotSpec(_Spec, frozen=True, kw_only=True):

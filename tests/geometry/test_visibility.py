@@ -483,3 +483,25 @@ def test_arcs_have_as_many_chords_as_their_tolerance_needs(radius, tolerance, di
     if divisions > 8:
         assert radius * (1 - math.cos(math.pi / divisions)) <= tolerance
         assert radius * (1 - math.cos(math.pi / (divisions - 1))) > tolerance
+
+
+def test_nothing_is_seen_through_an_edge_that_is_looked_at_along_its_length(worlds):
+    # The edge from (0.74, 0) to (0.29, 0.49) points at the viewpoint but for rounding; the floor
+    # ends where it begins.
+    corners = [
+        (0.7400528586779441, 0.0),
+        (0.29134328615842636, 0.4859010818264945),
+        (1.184421098299711, 1.310621540991217),
+        (2.0210350826795813, 0.40466440306171425),
+        (1.5828298754220365, 0.0),
+    ]
+    free = shapely.box(0, 0, 6, 12).difference(shapely.Polygon(corners))
+    index = worlds.index(free, 1.5)
+    boundary, tags = visibility_polygon(index, 0.1895792364227318, 0.596099893899906, 1.5)
+    assert boundary.min() >= -1e-9
+    seen = shapely.Polygon(boundary)
+    assert seen.difference(free.buffer(1e-9)).area < 1e-9
+    # What lies at the edge is a wall: nothing there is left to be seen.
+    ends = np.roll(boundary, -1, axis=0)
+    pieces = shapely.linestrings(np.stack([boundary, ends], axis=1))[tags != OBSTACLE]
+    assert shapely.distance(pieces, shapely.Point(0.5, 0.26)).min() > 0.2

@@ -60,7 +60,7 @@ robots = st.builds(
         turn_rate_rad_s=positive,
     ),
     range_finder=st.builds(
-        RangeFinderSpec, range_m=positive, beams=st.none() | st.integers(5, 5000)
+        RangeFinderSpec, range_m=st.floats(0.01, 1e6), beams=st.none() | st.integers(5, 5000)
     ),
 )
 specs = st.builds(

@@ -1,7 +1,8 @@
 """How well every world is covered, over many seeds: ``python -m benchmarks.coverage``.
 
 One line for every world, strategy and body. A run counts as right if it ends complete, without
-a collision, and covers what its strategy has to; the exit code is 1 where one is not.
+a collision, covers what its strategy has to, and if shapely, asked for every recorded motion
+afterwards, finds the body clear of all walls; the exit code is 1 where one is not.
 """
 
 from __future__ import annotations
@@ -33,6 +34,7 @@ class Result:
     coverage: float
     outcome: str
     collisions: int
+    clearance_m: float
     nodes: int
     seconds: float
 
@@ -42,7 +44,7 @@ def main() -> None:
     given = _arguments()
     print(
         f"{'world':10} {'strategy':10} {'least':>8} {'median':>8} {'collisions':>10} "
-        f"{'nodes':>6} {'s a run':>8}  outcomes"
+        f"{'clear mm':>9} {'nodes':>6} {'s a run':>8}  outcomes"
     )
     all_right = True
     for name in given.worlds:
@@ -77,6 +79,7 @@ def run(
         coverage=metrics.coverage,
         outcome=metrics.outcome,
         collisions=metrics.collisions,
+        clearance_m=metrics.smallest_clearance_m,
         nodes=metrics.nodes,
         seconds=seconds,
     )
@@ -88,7 +91,11 @@ def is_right(results: list[Result], strategy: str, footprint: str) -> bool:
     if not footprint.startswith("disc"):
         least = min(least, LEAST_COVERAGE_NO_DISC)
     return all(
-        r.outcome == "complete" and r.collisions == 0 and r.coverage >= least for r in results
+        r.outcome == "complete"
+        and r.collisions == 0
+        and r.clearance_m > 0.0
+        and r.coverage >= least
+        for r in results
     )
 
 
@@ -98,7 +105,9 @@ def line(name: str, strategy: str, results: list[Result]) -> str:
     outcomes = Counter(r.outcome for r in results)
     return (
         f"{name:10} {strategy:10} {coverage.min():8.2%} {np.median(coverage):8.2%} "
-        f"{sum(r.collisions for r in results):10} {np.median([r.nodes for r in results]):6.0f} "
+        f"{sum(r.collisions for r in results):10} "
+        f"{1e3 * min(r.clearance_m for r in results):9.1f} "
+        f"{np.median([r.nodes for r in results]):6.0f} "
         f"{np.median([r.seconds for r in results]):8.2f}  "
         + ", ".join(f"{count} {outcome}" for outcome, count in sorted(outcomes.items()))
     )

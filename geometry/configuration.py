@@ -15,10 +15,6 @@ class Configuration(NamedTuple):
         """Euclidean distance between two positions in metres."""
         return math.hypot(other.x - self.x, other.y - self.y)
 
-    def bearing(self, other: "Configuration") -> float:
-        """Direction from this position to another in radians."""
-        return math.atan2(other.y - self.y, other.x - self.x)
-
 
 def wrap_angle(angle_rad: float) -> float:
     """Bring an angle into (-pi, pi]."""

@@ -137,13 +137,6 @@ def start_of(robot: RobotSpec, environment: Environment, seed: int, number: int)
     return start
 
 
-def _room_needed(footprint: Footprint) -> str:
-    if footprint.is_disc:
-        return f"{footprint.radius_m:.3g} m"
-    least, most = footprint.inscribed_radius_m, footprint.circumscribed_radius_m
-    return f"{least:.3g} to {most:.3g} m, after its heading"
-
-
 def _drawn_start(
     footprint: Footprint, environment: Environment, rng: np.random.Generator
 ) -> Configuration:

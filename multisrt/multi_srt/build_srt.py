@@ -195,9 +195,7 @@ class SrtExplorer:
         ):
             choice, target = "approach", NewPlace(*place, "approach", (here,))
         elif (
-            node.parent is not None
-            and self.options.backtrack == "parent"
-            and not (self._completing)
+            node.parent is not None and self.options.backtrack == "parent" and not self._completing
         ):
             choice, target = "parent", KnownNode((here, node.parent))
         else:

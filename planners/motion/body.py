@@ -27,9 +27,6 @@ HAIR_M = 5e-4
 ROUNDING_M = 1e-9
 """A way that was found to be so long may come out shorter by this."""
 
-ROUNDING_M = 1e-9
-"""A way that was found to be so long may come out shorter by this."""
-
 NO_TURN_RAD = 1e-9
 """Smaller turns are rounding."""
 
@@ -64,7 +61,7 @@ class PlanningBody:
             # With the whole margin, less of it, and hardly any, to be tried in this order.
             self._grown = [
                 _offset(outline, margin)
-                for margin in (margin_m, margin_m / 2.0, margin_m / 5.0, HAIR_M)
+                for margin in (margin_m, margin_m / 2.0, self._least_margin, HAIR_M)
             ]
 
     def travel(
@@ -97,7 +94,7 @@ class PlanningBody:
             if room > 0.0:
                 break
         if room < limit and outline is self._grown[-1]:
-            room = max(0.0, room - self.margin_m / 5.0)
+            room = max(0.0, room - self._least_margin)
         return room
 
     def passes(
@@ -116,20 +113,6 @@ class PlanningBody:
                 boundary, self._grown[-1], x, y, heading, cosine, sine, distance
             )
         return travel >= distance - ROUNDING_M
-
-    def gets_to(
-        self, boundary: FloatArray, at: Configuration, direction: float, distance: float
-    ) -> bool:
-        """Whether the body can move so far in a direction, with whatever margin it can keep."""
-        wanted = distance - ROUNDING_M
-        if self.is_disc:
-            return self.travel(boundary, at, direction, distance) >= wanted
-        x, y, heading = at
-        cosine, sine = math.cos(direction), math.sin(direction)
-        return any(
-            free_travel_polygon(boundary, outline, x, y, heading, cosine, sine, distance) >= wanted
-            for outline in self._grown
-        )
 
     def disc_fan(
         self, boundary: FloatArray, at: Configuration, directions: FloatArray, limit: float

@@ -14,8 +14,17 @@ Point = tuple[float, float]
 Segment = tuple[float, float, float, float]
 """x0, y0, x1, y1; a frontier segment has its region on the left."""
 
-Stage = Literal["root", "draw", "approach", "complete"]
-"""How the planner found a node's place."""
+Pose = tuple[float, float, float]
+"""x, y, heading."""
+
+NodeName = tuple[int, int]
+"""The robot that made a node, and the node's serial number among that robot's."""
+
+Stage = Literal["root", "draw", "approach", "complete", "coordinate"]
+"""How a node's place was found: by a stage of the planner, or by a master that organised."""
+
+Purpose = Literal["explore", "support", "home", "give way", "retreat"]
+"""Why a robot moves."""
 
 
 class Event(msgspec.Struct, frozen=True, kw_only=True, tag_field="event"):
@@ -39,11 +48,16 @@ class Motion(Event, frozen=True, kw_only=True, tag="motion"):
     Attributes
     ----------
     waypoints : tuple of (time_s, x, y, heading)
-        Times from the start of the run. Between two waypoints position and heading change at
-        constant rates; headings are not wrapped, so turns are signed.
+        Times from the start of the run. Between two waypoints the body moves with a constant
+        twist: straight where the heading stays, in place where the position stays, else on a
+        circular arc. Headings are not wrapped, so turns are signed.
+    purpose : {"explore", "support", "home", "give way", "retreat"}
+        Why: for its own tree, to or for another's, back to its root, out of another's way, or
+        back to where it came from, because a body stood in its way.
     """
 
     waypoints: tuple[tuple[float, float, float, float], ...]
+    purpose: Purpose = "explore"
 
 
 class NodeAdded(Event, frozen=True, kw_only=True, tag="node"):
@@ -53,12 +67,12 @@ class NodeAdded(Event, frozen=True, kw_only=True, tag="node"):
     ----------
     serial : int
         The node's number among its robot's.
-    parent : int or None
-        Serial number of the node that the robot came from.
+    parent : (robot, serial) or None
+        The node that the robot came from; None at a root.
     configuration : (x, y, heading)
         Where the scan was taken.
-    stage : {"root", "draw", "approach", "complete"}
-        How the planner found the place.
+    stage : {"root", "draw", "approach", "complete", "coordinate"}
+        How the place was found.
     boundary : tuple of (x, y)
         The local safe region, counter-clockwise, not closed.
     tags : str
@@ -66,8 +80,8 @@ class NodeAdded(Event, frozen=True, kw_only=True, tag="node"):
     """
 
     serial: int
-    parent: int | None
-    configuration: tuple[float, float, float]
+    parent: NodeName | None
+    configuration: Pose
     stage: Stage
     boundary: tuple[Point, ...]
     tags: str
@@ -78,26 +92,199 @@ class Decision(Event, frozen=True, kw_only=True, tag="decision"):
 
     Attributes
     ----------
-    node : int
-        Serial number of the node that it stood at.
+    node : (robot, serial)
+        The node that it stood at.
     frontier_m : float
         Length of the local frontier there.
     choice : str
-        `draw`, `approach`, `complete`, `parent`, `nearest_open`, `home` or `end`.
+        `draw`, `approach`, `complete`, `parent`, `nearest_open`, `home`, `stay` or `end`.
     target : (x, y) or None
         The place chosen.
     draws : int
         How many candidates were drawn.
     refused : dict
-        Why candidates were refused, with how often: `no room`, `near a node`, `in another region`.
+        Why candidates were refused, with how often: `no room`, `near a node`, `in another region`,
+        `blocked by a robot`.
+    candidates : tuple of (x, y, reason)
+        The candidates that were refused, in the order in which they were drawn.
+    gpr, ger : tuple of int
+        The groups of pre-engaged and of engaged robots, itself among them.
     """
 
-    node: int
+    node: NodeName
     frontier_m: float
-    choice: Literal["draw", "approach", "complete", "parent", "nearest_open", "home", "end"]
+    choice: Literal[
+        "draw", "approach", "complete", "parent", "nearest_open", "home", "stay", "end"
+    ]
     target: Point | None
     draws: int = 0
     refused: dict[str, int] = {}
+    candidates: tuple[tuple[float, float, str], ...] = ()
+    gpr: tuple[int, ...] = ()
+    ger: tuple[int, ...] = ()
+
+
+class Coordinated(Event, frozen=True, kw_only=True, tag="coordinated"):
+    """Paths of a group conflicted; this is what became of a robot's target.
+
+    Attributes
+    ----------
+    ger : tuple of int
+        The group that was coordinated.
+    master : int
+        Who organised.
+    feasible, unfeasible : tuple of int
+        Robots whose paths conflicted with no other's, and the rest (paper: G_f and G_u).
+    target : (x, y)
+        What the robot had planned.
+    order : {"keep", "wait", "new target", "give way"}
+        What it was told.
+    new_target : (x, y)
+        Where it goes now; where it stands, if it waits.
+    """
+
+    ger: tuple[int, ...]
+    master: int
+    feasible: tuple[int, ...]
+    unfeasible: tuple[int, ...]
+    target: Point
+    order: Literal["keep", "wait", "new target", "give way"]
+    new_target: Point
+
+
+class Organized(Event, frozen=True, kw_only=True, tag="organized"):
+    """A master rearranged the targets of its group (paper: ORGANIZE).
+
+    Attributes
+    ----------
+    feasible, unfeasible : tuple of int
+        As in `Coordinated`.
+    before, after : dict of robot to (x, y)
+        Targets as planned and as organised; a robot that waits has its place.
+    orders : dict of robot to str
+        `keep`, `wait`, `new target` or `give way`.
+    conflicts : tuple of (int, int)
+        Pairs of robots whose planned paths conflicted; (i, j) with j standing in the way of i
+        is among them.
+    deadlock : bool
+        Whether nobody could be let go.
+    """
+
+    feasible: tuple[int, ...]
+    unfeasible: tuple[int, ...]
+    before: dict[int, Point]
+    after: dict[int, Point]
+    orders: dict[int, str]
+    conflicts: tuple[tuple[int, int], ...]
+    deadlock: bool = False
+
+
+class Supports(Event, frozen=True, kw_only=True, tag="supports"):
+    """A robot that is done with its own tree chose another's to support (paper: SELECT).
+
+    Attributes
+    ----------
+    tree : int or None
+        The robot at whose start the chosen tree is rooted; None: no tree needs support.
+    open_frontier_m : dict of tree to float
+        Open frontier of every tree known.
+    active_robots : dict of tree to int
+        How many robots are active in it.
+    candidates : tuple of int
+        The trees that may need support (paper: I).
+    """
+
+    tree: int | None
+    open_frontier_m: dict[int, float]
+    active_robots: dict[int, int]
+    candidates: tuple[int, ...]
+
+
+class Sent(Event, frozen=True, kw_only=True, tag="sent"):
+    """A robot sent a message.
+
+    Attributes
+    ----------
+    kind : str
+        The message's type.
+    size_bytes : int
+        Its size.
+    reached : tuple of int
+        Robots to which the radio carries it.
+    lost : tuple of int
+        Robots in reach that it does not come to, by loss.
+    """
+
+    kind: str
+    size_bytes: int
+    reached: tuple[int, ...] = ()
+    lost: tuple[int, ...] = ()
+
+
+class Learned(Event, frozen=True, kw_only=True, tag="learned"):
+    """A robot learned of nodes that others made.
+
+    Attributes
+    ----------
+    nodes : tuple of (robot, serial)
+        The nodes that were new to it.
+    """
+
+    nodes: tuple[NodeName, ...]
+
+
+class TakenAsLost(Event, frozen=True, kw_only=True, tag="taken_as_lost"):
+    """A robot has had no answer from another for so long that it does not wait for it any more.
+
+    Attributes
+    ----------
+    other : int
+        The robot that did not answer.
+    """
+
+    other: int
+
+
+class Blocked(Event, frozen=True, kw_only=True, tag="blocked"):
+    """A robot stopped because another's body came too near: its protective stop.
+
+    Attributes
+    ----------
+    by : int
+        The robot whose body it was.
+    configuration : (x, y, heading)
+        Where it stopped.
+    """
+
+    by: int
+    configuration: Pose
+
+
+class Died(Event, frozen=True, kw_only=True, tag="died"):
+    """A robot died; its body stays where it is.
+
+    Attributes
+    ----------
+    configuration : (x, y, heading)
+        Where.
+    doing : {"moving", "waiting", "master"}
+        What it was doing.
+    """
+
+    configuration: Pose
+    doing: Literal["moving", "waiting", "master"]
+
+
+class FellSilent(Event, frozen=True, kw_only=True, tag="fell_silent"):
+    """A robot's radio failed: it neither sends nor hears, and goes on."""
+
+
+class CameBack(Event, frozen=True, kw_only=True, tag="came_back"):
+    """A robot's radio works again."""
+
+
+class Joined(Event, frozen=True, kw_only=True, tag="joined"):
+    """A robot that stood switched off at its start began."""
 
 
 class ArcClosed(Event, frozen=True, kw_only=True, tag="arc_closed"):
@@ -105,18 +292,18 @@ class ArcClosed(Event, frozen=True, kw_only=True, tag="arc_closed"):
 
     Attributes
     ----------
-    node : int
-        Serial number of the arc's node.
+    node : (robot, serial)
+        The arc's node.
     reason : str
         `too narrow`: the body fits nowhere from which the arc can be seen. `not reachable`: it
         would fit, but no known way leads there. `seen from near`: the robot has looked from
-        every such place.
+        every such place. `blocked by a robot`: a robot that does not answer stands in the way.
     arc : tuple of (x0, y0, x1, y1)
         The arc's segments.
     """
 
-    node: int
-    reason: Literal["too narrow", "not reachable", "seen from near"]
+    node: NodeName
+    reason: Literal["too narrow", "not reachable", "seen from near", "blocked by a robot"]
     arc: tuple[Segment, ...]
 
 
@@ -125,7 +312,7 @@ class MapComplete(Event, frozen=True, kw_only=True, tag="map_complete"):
 
 
 class Collision(Event, frozen=True, kw_only=True, tag="collision"):
-    """A body touched an obstacle: a defect, which ends the run.
+    """A body touched an obstacle or another body: a defect, which ends the run.
 
     Attributes
     ----------
@@ -140,7 +327,7 @@ class Collision(Event, frozen=True, kw_only=True, tag="collision"):
 
 
 class Ended(Event, frozen=True, kw_only=True, tag="ended"):
-    """A robot is done.
+    """A robot is done. One that is called on again ends again; the last end counts.
 
     Attributes
     ----------
@@ -157,4 +344,23 @@ class Ended(Event, frozen=True, kw_only=True, tag="ended"):
     frontier: tuple[Segment, ...]
 
 
-AnyEvent = Motion | NodeAdded | Decision | ArcClosed | MapComplete | Collision | Ended
+AnyEvent = (
+    Motion
+    | NodeAdded
+    | Decision
+    | Coordinated
+    | Organized
+    | Supports
+    | ArcClosed
+    | MapComplete
+    | Sent
+    | Learned
+    | TakenAsLost
+    | Blocked
+    | Died
+    | FellSilent
+    | CameBack
+    | Joined
+    | Collision
+    | Ended
+)

@@ -32,7 +32,7 @@ from multisrt.geometry.errors import InvalidInputError
 from multisrt.spec import RunSpec
 
 FORMAT = "multisrt-recording"
-VERSION = 1
+VERSION = 2
 LARGEST_BYTES = 2_000_000_000
 """A larger file is refused."""
 

@@ -62,7 +62,7 @@ def _team_map(recording: Recording) -> ExplorationMap:
             case NodeAdded():
                 team_map.add(_node(event, spec.robots[event.robot].range_finder.range_m))
             case ArcClosed():
-                node = NodeId(event.robot, event.node)
+                node = NodeId(*event.node)
                 frontier = team_map.frontier(node)
                 arc = shapely.MultiLineString([((a, b), (c, d)) for a, b, c, d in event.arc])
                 middles = shapely.points((frontier[:, :2] + frontier[:, 2:]) / 2.0)
@@ -91,6 +91,6 @@ def _node(event: NodeAdded, range_m: float) -> Node:
         id=NodeId(event.robot, event.serial),
         configuration=configuration,
         region=region,
-        parent=None if event.parent is None else NodeId(event.robot, event.parent),
+        parent=None if event.parent is None else NodeId(*event.parent),
         time_s=event.time_s,
     )

@@ -169,6 +169,119 @@ class RobotSpec(_Spec, frozen=True, kw_only=True):
         msgspec.structs.force_setattr(self, "start", numbers)
 
 
+class RadioSpec(_Spec, frozen=True, kw_only=True):
+    """How messages travel.
+
+    Attributes
+    ----------
+    range_m : float or None
+        How far a message reaches in the open (paper: R_c); None: everywhere.
+    multi_hop : bool
+        Whether robots that are in range of one another relay messages.
+    latency_s : float
+        Time that a message takes, relayed or not.
+    jitter_s : float
+        Additional time, uniform from 0 to this, for each message and receiver anew.
+    loss : float
+        Probability that a message does not come to a receiver, for each anew.
+    walls : {"pass", "block", "weaken"}
+        Whether a wall between two robots is nothing to the radio, stops it, or takes
+        `wall_loss_db` each from the strength of the signal.
+    path_loss_exponent : float
+        With walls that weaken: how fast the signal fades, 2 in the open. At `range_m` without
+        a wall it is just strong enough.
+    wall_loss_db : float
+        With walls that weaken: what a wall takes, in decibels.
+    """
+
+    range_m: float | None = None
+    multi_hop: bool = True
+    latency_s: float = 0.0
+    jitter_s: float = 0.0
+    loss: float = 0.0
+    walls: Literal["pass", "block", "weaken"] = "pass"
+    path_loss_exponent: float = 2.0
+    wall_loss_db: float = 5.0
+
+    def __post_init__(self) -> None:
+        for name, ok, allowed in (
+            ("range_m", self.range_m is None or 0.0 <= self.range_m < math.inf, "0 or more"),
+            ("latency_s", 0.0 <= self.latency_s < math.inf, "0 or more"),
+            ("jitter_s", 0.0 <= self.jitter_s < math.inf, "0 or more"),
+            ("loss", 0.0 <= self.loss < 1.0, "from 0 to below 1"),
+            ("path_loss_exponent", 1.0 <= self.path_loss_exponent <= 10.0, "from 1 to 10"),
+            ("wall_loss_db", 0.0 <= self.wall_loss_db < math.inf, "0 or more"),
+        ):
+            if not ok:
+                raise InvalidInputError(
+                    f"{name} of a radio is {getattr(self, name)}; it must be {allowed}"
+                )
+        if self.walls == "weaken" and self.range_m is None:
+            raise InvalidInputError(
+                "walls weaken a signal that has a range: give range_m, or let walls pass or block"
+            )
+
+
+class Death(_Spec, frozen=True, kw_only=True, tag_field="fault", tag="death"):
+    """A robot dies for good; its body stays where it is.
+
+    Attributes
+    ----------
+    robot : int
+        Which.
+    time_s : float
+        When.
+    when : {"any", "moving", "waiting", "master"}
+        Not before it does this: moves, waits, or organises a group as its master.
+    """
+
+    robot: int
+    time_s: float
+    when: Literal["any", "moving", "waiting", "master"] = "any"
+
+
+class Silence(_Spec, frozen=True, kw_only=True, tag_field="fault", tag="silence"):
+    """A robot's radio fails for a while; the robot goes on.
+
+    Attributes
+    ----------
+    robot : int
+        Which.
+    time_s : float
+        When.
+    duration_s : float
+        For how long.
+    """
+
+    robot: int
+    time_s: float
+    duration_s: float
+
+    def __post_init__(self) -> None:
+        if not 0.0 < self.duration_s < math.inf:
+            raise InvalidInputError(
+                f"a silence lasts a positive number of seconds, not {self.duration_s:g}"
+            )
+
+
+class LateStart(_Spec, frozen=True, kw_only=True, tag_field="fault", tag="late_start"):
+    """A robot stands switched off at its start and begins late.
+
+    Attributes
+    ----------
+    robot : int
+        Which.
+    time_s : float
+        When it begins.
+    """
+
+    robot: int
+    time_s: float
+
+
+Fault = Death | Silence | LateStart
+
+
 class StopRule(_Spec, frozen=True, kw_only=True):
     """When a run ends although its robots would go on.
 
@@ -200,6 +313,12 @@ class RunSpec(_Spec, frozen=True, kw_only=True):
         The strategy's parameters, where they are not its defaults.
     robots : tuple of RobotSpec
         The team.
+    starts : {"scattered", "clustered"}
+        Where robots start that are not told where: far apart from one another, or together.
+    radio : RadioSpec
+        How messages travel.
+    faults : tuple of Death, Silence or LateStart
+        What goes wrong.
     stop : StopRule
         When the run ends although its robots would go on.
     seed : int
@@ -216,6 +335,9 @@ class RunSpec(_Spec, frozen=True, kw_only=True):
     strategy: str = "srt-radial"
     options: dict[str, Scalar] = {}
     robots: tuple[RobotSpec, ...] = (RobotSpec(),)
+    starts: Literal["scattered", "clustered"] = "scattered"
+    radio: RadioSpec = RadioSpec()
+    faults: tuple[Fault, ...] = ()
     stop: StopRule = StopRule()
     seed: int = 0
 
@@ -224,6 +346,26 @@ class RunSpec(_Spec, frozen=True, kw_only=True):
             raise InvalidInputError("a team has at least one robot")
         if self.seed < 0:
             raise InvalidInputError(f"a seed is 0 or a positive whole number, not {self.seed}")
+        self._check_faults()
+
+    def _check_faults(self) -> None:
+        for number, fault in enumerate(self.faults):
+            what = f"fault {number + 1} ({_FAULTS[type(fault)]} of robot {fault.robot})"
+            if not 0 <= fault.robot < len(self.robots):
+                raise InvalidInputError(
+                    f"{what}: there is no such robot; the {len(self.robots)} count from 0"
+                )
+            if not 0.0 <= fault.time_s < self.stop.max_time_s:
+                raise InvalidInputError(
+                    f"{what}: at {fault.time_s:g} s, which is not within the run; it ends at "
+                    f"{self.stop.max_time_s:g} s (stop.max_time_s)"
+                )
+        late = [fault.robot for fault in self.faults if isinstance(fault, LateStart)]
+        dead = [fault.robot for fault in self.faults if isinstance(fault, Death)]
+        for name, robots in (("late_start", late), ("death", dead)):
+            for robot in set(robots):
+                if robots.count(robot) > 1:
+                    raise InvalidInputError(f"robot {robot} has more than one fault {name}")
 
     def to_json(self) -> str:
         """Write the spec as JSON."""
@@ -264,6 +406,9 @@ class RunSpec(_Spec, frozen=True, kw_only=True):
             return msgspec.toml.decode(text, type=cls)
         except (msgspec.MsgspecError, RecursionError) as error:
             raise InvalidInputError(f"not a run spec: {error}") from None
+
+
+_FAULTS = {Death: "death", Silence: "silence", LateStart: "late start"}
 
 
 def environment_spec(

@@ -160,7 +160,7 @@ class SrtExplorer:
                 time_s=self.time_s,
                 robot=self.me.robot,
                 serial=node.id.serial,
-                parent=None if node.parent is None else node.parent.serial,
+                parent=node.parent,
                 configuration=(*node.configuration,),
                 stage=stage,
                 boundary=tuple(zip(*node.region.boundary.T.tolist(), strict=True)),
@@ -204,7 +204,7 @@ class SrtExplorer:
             Decision(
                 time_s=self.time_s,
                 robot=self.me.robot,
-                node=here.serial,
+                node=here,
                 frontier_m=total_length(frontier),
                 choice=choice,
                 target=self._place_of(target),
@@ -293,7 +293,7 @@ class SrtExplorer:
                 ArcClosed(
                     time_s=self.time_s,
                     robot=self.me.robot,
-                    node=node.serial,
+                    node=node,
                     reason=found,
                     arc=_segments(arc),
                 )

@@ -9,7 +9,7 @@ OUT := out
 .PHONY: help demo test lint bench docs clean
 
 help:
-	@echo "make demo   explore a bundled map with SRT-Radial and SRT-Star; pictures in $(OUT)/demo"
+	@echo "make demo   a team of four explores the museum with SRT-Radial and SRT-Star; pictures in $(OUT)/demo"
 	@echo "make test   run the tests"
 	@echo "make lint   check style, types and import rules"
 	@echo "make bench  print the benchmarks' ratios"
@@ -24,12 +24,11 @@ $(READY): pyproject.toml constraints.txt
 	@touch $(READY)
 
 demo: $(READY)
-	$(BIN)/multisrt explore museum --strategy srt-radial --seed 1 --out $(OUT)/demo/radial
-	$(BIN)/multisrt explore museum --strategy srt-star --seed 1 --out $(OUT)/demo/star
+	$(BIN)/multisrt explore museum --robots 4 --strategy srt-radial --strategy srt-star --seed 1 --out $(OUT)/demo
 	@echo
 	@echo "Open the trees in a browser or in Inkscape:"
-	@echo "  $(OUT)/demo/radial/tree.svg"
-	@echo "  $(OUT)/demo/star/tree.svg"
+	@echo "  $(OUT)/demo/srt-radial/tree.svg"
+	@echo "  $(OUT)/demo/srt-star/tree.svg"
 
 test: $(READY)
 	$(BIN)/python -m pytest --numprocesses 2 --quiet

@@ -4,6 +4,11 @@ The kernels a planner asks about the region around a robot. The region is a clos
 ``(m, 2)`` of corners, counter-clockwise, the first repeated at the end or not; the
 body starts inside it. All lengths are in metres, headings in radians. Arrays are float64.
 
+A region with holes is its rings one after another, each closed by its first corner and followed
+by a row of NaN, the holes clockwise (`rings_of`): `pose_is_inside`, `free_travel_polygon`,
+`rotation_is_free`, `disc_clearance` and `path_clearance` take it, too. No comparison holds for
+the pieces to and from NaN, so they are nowhere.
+
 Touching is allowed, and so is sliding along the boundary: bodies and boundary may overlap by
 `TOLERANCE_M`, which is what rounding makes of a touch; whatever goes deeper is blocked. A body
 that already overlaps deeper, or whose numbers are not finite, may not move at all.
@@ -12,6 +17,8 @@ that already overlaps deeper, or whose numbers are not finite, may not move at a
 import math
 
 import numpy as np
+import shapely
+from shapely.geometry.base import BaseGeometry
 
 from multisrt.geometry.kernel import FloatArray, kernel
 
@@ -19,6 +26,21 @@ TOLERANCE_M = 1e-9
 """Overlaps up to this depth count as touching."""
 
 TWO_PI = 2.0 * math.pi
+
+
+def rings_of(region: BaseGeometry) -> FloatArray:
+    """Give the rings of a polygon or several, with their holes, as one ``(m, 2)`` array.
+
+    Every ring is closed and followed by a row of NaN; the region is on the left.
+    """
+    gap = np.full((1, 2), np.nan)
+    rows = [gap]
+    for part in shapely.get_parts(region):
+        if part.geom_type == "Polygon" and not part.is_empty:
+            part = shapely.orient_polygons(part)
+            for ring in (part.exterior, *part.interiors):
+                rows += [np.asarray(ring.coords)[:, :2], gap]
+    return np.ascontiguousarray(np.vstack(rows))
 
 
 @kernel
@@ -31,6 +53,55 @@ def disc_clearance(boundary: FloatArray, x: float, y: float) -> float:
         nearest = min(nearest, _squared_distance(ax, ay, bx, by))
         ax, ay = bx, by
     return math.sqrt(nearest)
+
+
+@kernel
+def path_clearance(
+    boundary: FloatArray, x: float, y: float, dx: float, dy: float, turn: float
+) -> float:
+    """Distance from the boundary to a straight way, or to one along a circular arc.
+
+    Parameters
+    ----------
+    boundary : (m, 2) array
+        The ring, or rings.
+    x, y : float
+        Where the way begins.
+    dx, dy : float
+        From there to where it ends.
+    turn : float
+        Angle of the arc, counter-clockwise positive, at most a whole circle; 0: straight.
+
+    Returns
+    -------
+    float
+        Metres; 0 where the way meets the boundary.
+    """
+    # Seen from the way's beginning, or from the arc's centre.
+    px, py = 0.0, 0.0
+    radius = 0.0
+    if turn != 0.0:
+        away = 0.5 / math.tan(0.5 * turn)
+        px, py = 0.5 * -dx + away * dy, 0.5 * -dy - away * dx
+        radius = math.hypot(px, py)
+    qx, qy = px + dx, py + dy
+    ox, oy = x - px, y - py
+    nearest = np.inf
+    ax, ay = boundary[-1, 0] - ox, boundary[-1, 1] - oy
+    for j in range(boundary.shape[0]):
+        bx, by = boundary[j, 0] - ox, boundary[j, 1] - oy
+        nearest = min(nearest, math.sqrt(_squared_distance(ax - px, ay - py, bx - px, by - py)))
+        nearest = min(nearest, math.sqrt(_squared_distance(ax - qx, ay - qy, bx - qx, by - qy)))
+        if turn == 0.0:
+            nearest = min(nearest, math.sqrt(_squared_distance(-ax, -ay, dx - ax, dy - ay)))
+            if _cross_each_other(ax, ay, bx, by, px, py, qx, qy):
+                return 0.0
+        else:
+            nearest = _near_arc(nearest, ax, ay, bx, by, px, py, radius, turn)
+        if nearest == 0.0:
+            return 0.0
+        ax, ay = bx, by
+    return nearest
 
 
 @kernel
@@ -304,6 +375,55 @@ def _squared_distance(ax: float, ay: float, bx: float, by: float) -> float:
             return area * area / squared
         return bx * bx + by * by
     return ax * ax + ay * ay
+
+
+@kernel
+def _near_arc(
+    nearest: float,
+    ax: float,
+    ay: float,
+    bx: float,
+    by: float,
+    px: float,
+    py: float,
+    radius: float,
+    turn: float,
+) -> float:
+    """Give the lesser of a distance and that from segment a-b to an arc about the origin.
+
+    The arc begins at p. Its ends are nowhere the nearest points here: they are looked at apart.
+    """
+    gap = abs(math.hypot(ax, ay) - radius)
+    if gap < nearest and _is_on_arc(ax, ay, px, py, turn):
+        nearest = gap
+    ex, ey = bx - ax, by - ay
+    squared = ex * ex + ey * ey
+    if not squared > 0.0:
+        return nearest
+    foot = -(ax * ex + ay * ey) / squared
+    fx, fy = ax + foot * ex, ay + foot * ey
+    offset = math.hypot(fx, fy)
+    if offset > radius:
+        gap = offset - radius
+        if gap < nearest and 0.0 <= foot <= 1.0 and _is_on_arc(fx, fy, px, py, turn):
+            nearest = gap
+        return nearest
+    half = math.sqrt((radius - offset) * (radius + offset) / squared)
+    for along in (foot - half, foot + half):
+        if 0.0 <= along <= 1.0 and _is_on_arc(ax + along * ex, ay + along * ey, px, py, turn):
+            return 0.0
+    return nearest
+
+
+@kernel
+def _is_on_arc(x: float, y: float, px: float, py: float, turn: float) -> bool:
+    """Whether an arc about the origin, which begins at p, passes the direction of a point."""
+    angle = math.atan2(px * y - py * x, px * x + py * y)
+    if turn < 0.0:
+        angle = -angle
+    if angle < 0.0:
+        angle += TWO_PI
+    return angle <= abs(turn)
 
 
 @kernel

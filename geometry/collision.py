@@ -311,13 +311,11 @@ def body_distance(
     InvalidInputError
         If a configuration is not three finite numbers.
     """
-    return _gap(
-        *_pair(
-            body_a,
-            checked_configuration(configuration_a),
-            body_b,
-            checked_configuration(configuration_b),
-        )
+    return _apart(
+        body_a,
+        checked_configuration(configuration_a),
+        body_b,
+        checked_configuration(configuration_b),
     )
 
 
@@ -333,9 +331,12 @@ def first_contact_between(
     turn_b: float | None = None,
     arc_a: bool = False,
     arc_b: bool = False,
+    gap_m: float = 0.0,
     resolution_m: float = RESOLUTION_M,
 ) -> float | None:
-    """Find when two bodies that move over the same time first meet.
+    """Find when two bodies that move over the same time first meet, or come too near.
+
+    Exact for two discs on straight lines; else by conservative advancement.
 
     Parameters
     ----------
@@ -345,18 +346,23 @@ def first_contact_between(
         Where they are when the time begins and when it ends; speeds are constant between.
     turn_a, turn_b, arc_a, arc_b, resolution_m
         As in `CollisionWorld.first_contact`.
+    gap_m : float
+        The distance that counts as contact, and any below it; 0: they touch.
 
     Returns
     -------
     float or None
-        Fraction of the time, from 0 to 1, at which they are still apart but within a
-        micrometre of contact; 0 if they start in contact; None if they never meet.
+        Fraction of the time, from 0 to 1, at which they are still farther apart than the gap
+        but within a micrometre of motion of it; 0 if they start in contact; None if they never
+        meet.
 
     Raises
     ------
     InvalidInputError
-        As in `CollisionWorld.first_contact`.
+        As in `CollisionWorld.first_contact`, or if the gap is negative or not finite.
     """
+    if not 0.0 <= gap_m < math.inf:
+        raise InvalidInputError(f"a gap of {gap_m:g} m; it is 0 or more, and finite")
     a = _motion(body_a, start_a, end_a, turn_a, arc_a)
     b = _motion(body_b, start_b, end_b, turn_b, arc_b)
     if a.center is None and b.center is None:
@@ -364,12 +370,62 @@ def first_contact_between(
     else:
         approach = a.length + b.length
     turning = body_a.turning_radius_m * abs(a.turn) + body_b.turning_radius_m * abs(b.turn)
+
+    def beyond_gap(fraction: float) -> float:
+        return _apart(body_a, a.pose(fraction), body_b, b.pose(fraction)) - gap_m
+
+    # Until the circles around the bodies come within the gap, the bodies do not.
+    x, y = b.start.x - a.start.x, b.start.y - a.start.y
+    vx, vy = b.step[0] - a.step[0], b.step[1] - a.step[1]
+    reach = body_a.footprint.circumscribed_radius_m + body_b.footprint.circumscribed_radius_m
+    reach += gap_m
+    if body_a.footprint.is_disc and body_b.footprint.is_disc and a.center is b.center is None:
+        return _last_apart(x, y, vx, vy, reach)
+    begin = _first_within(x, y, vx, vy, reach + a.bulge + b.bulge + CONTACT_PRECISION_M)
+    if begin is None:
+        return None
     return _advance(
-        lambda fraction: _gap(*_pair(body_a, a.pose(fraction), body_b, b.pose(fraction))),
-        lambda fraction: not _touch(*_pair(body_a, a.pose(fraction), body_b, b.pose(fraction))),
+        beyond_gap,
+        lambda fraction: beyond_gap(fraction) > 0.0,
         approach + turning,
         resolution_m,
+        begin,
     )
+
+
+def _apart(body_a: Body, pose_a: Configuration, body_b: Body, pose_b: Configuration) -> float:
+    if body_a.footprint.is_disc and body_b.footprint.is_disc:
+        between = math.hypot(pose_b[0] - pose_a[0], pose_b[1] - pose_a[1])
+        return max(0.0, between - (body_a.footprint.radius_m + body_b.footprint.radius_m))
+    return _gap(*_pair(body_a, pose_a, body_b, pose_b))
+
+
+def _first_within(x: float, y: float, vx: float, vy: float, radius: float) -> float | None:
+    """Fraction at which a point that moves from (x, y) by (vx, vy) enters a disc at the origin."""
+    distance = math.hypot(x, y)
+    if distance <= radius:
+        return 0.0
+    closing = -(x * vx + y * vy)
+    speed, aside = math.hypot(vx, vy), abs(x * vy - y * vx)
+    if closing <= 0.0 or aside > radius * speed:
+        return None
+    root = math.sqrt((radius * speed - aside) * (radius * speed + aside))
+    fraction = (distance - radius) * (distance + radius) / (closing + root)
+    return fraction if fraction <= 1.0 else None
+
+
+def _last_apart(x: float, y: float, vx: float, vy: float, radius: float) -> float | None:
+    """Fraction, as `_first_within`, at which the point is still outside by half the precision."""
+    fraction = _first_within(x, y, vx, vy, radius)
+    if fraction is None or fraction == 0.0:
+        return fraction
+    back = 0.5 * CONTACT_PRECISION_M / math.hypot(vx, vy)
+    while True:
+        # More than once only for a way that all but misses the disc.
+        fraction = max(0.0, fraction - back)
+        if math.hypot(x + fraction * vx, y + fraction * vy) > radius:
+            return fraction
+        back *= 2.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -381,6 +437,11 @@ class _Motion:
     turn: float
     center: tuple[float, float] | None
     length: float
+
+    @property
+    def bulge(self) -> float:
+        """No more than this far the motion is from one straight to its end, at any moment."""
+        return 0.0 if self.center is None else self.length * abs(self.turn) / 8.0
 
     def pose(self, fraction: float) -> Configuration:
         x, y, heading = self.start
@@ -431,18 +492,19 @@ def _advance(
     is_free: Callable[[float], bool],
     length: float,
     resolution: float,
+    begin: float = 0.0,
 ) -> float | None:
     """Conservative advancement: the fraction of a motion up to its first contact, or None.
 
     No point comes nearer to what it might hit than by ``length`` times the fraction passed, so
-    a step may use up the whole gap.
+    a step may use up the whole gap. Up to ``begin`` there is no contact.
     """
     if not (math.isfinite(resolution) and resolution > 0.0):
         raise InvalidInputError(f"a resolution of {resolution:g} m; it is positive and finite")
-    distance = gap(0.0)
+    distance = gap(begin)
     if distance <= 0.0:
-        return 0.0
-    fraction = 0.0
+        return begin
+    fraction = begin
     while fraction * length < length:
         before = fraction
         fraction = min(1.0, fraction + max(distance, resolution) / length)

@@ -3,6 +3,8 @@
 >>> import multisrt as ms
 >>> run = ms.explore(ms.environment("office"), strategy="srt-radial", seed=1)  # doctest: +SKIP
 >>> run.metrics.coverage, run.save_svg("tree.svg")  # doctest: +SKIP
+>>> team = ms.explore("museum", robots=4, starts="clustered", seed=1)  # doctest: +SKIP
+>>> print(team.why(robot=2, time_s=31.5))  # doctest: +SKIP
 
 Everything is imported when it is first used, so that `import multisrt` is quick.
 """
@@ -25,30 +27,38 @@ if TYPE_CHECKING:
     from multisrt.simulation import simulate
     from multisrt.spec import (
         CatalogEnvironment,
+        Death,
         DriveSpec,
         FileEnvironment,
         InlineEnvironment,
+        LateStart,
+        RadioSpec,
         RangeFinderSpec,
         RobotSpec,
         RunSpec,
+        Silence,
         StopRule,
     )
 
 _HOMES = {
     "CatalogEnvironment": "spec",
+    "Death": "spec",
     "DriveSpec": "spec",
     "Environment": "environments.environment",
     "FileEnvironment": "spec",
     "Footprint": "geometry.footprint",
     "InlineEnvironment": "spec",
     "InvalidInputError": "geometry.errors",
+    "LateStart": "spec",
     "Metrics": "metrics",
     "MultiSrtError": "geometry.errors",
+    "RadioSpec": "spec",
     "RangeFinderSpec": "spec",
     "Recording": "recording",
     "RobotSpec": "spec",
     "Run": "run",
     "RunSpec": "spec",
+    "Silence": "spec",
     "StopRule": "spec",
     "Strategy": "registry",
     "catalog": "environments.catalog",
@@ -63,19 +73,23 @@ _HOMES = {
 
 __all__ = [
     "CatalogEnvironment",
+    "Death",
     "DriveSpec",
     "Environment",
     "FileEnvironment",
     "Footprint",
     "InlineEnvironment",
     "InvalidInputError",
+    "LateStart",
     "Metrics",
     "MultiSrtError",
+    "RadioSpec",
     "RangeFinderSpec",
     "Recording",
     "RobotSpec",
     "Run",
     "RunSpec",
+    "Silence",
     "StopRule",
     "Strategy",
     "catalog",

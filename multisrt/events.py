@@ -97,7 +97,8 @@ class Decision(Event, frozen=True, kw_only=True, tag="decision"):
     frontier_m : float
         Length of the local frontier there.
     choice : str
-        `draw`, `approach`, `complete`, `parent`, `nearest_open`, `home`, `stay` or `end`.
+        `draw`, `approach`, `complete`, `parent`, `nearest_open`, `home`, `transfer` (to
+        another's tree and back), `stay` (for now) or `end`.
     target : (x, y) or None
         The place chosen.
     draws : int
@@ -114,7 +115,15 @@ class Decision(Event, frozen=True, kw_only=True, tag="decision"):
     node: NodeName
     frontier_m: float
     choice: Literal[
-        "draw", "approach", "complete", "parent", "nearest_open", "home", "stay", "end"
+        "draw",
+        "approach",
+        "complete",
+        "parent",
+        "nearest_open",
+        "home",
+        "transfer",
+        "stay",
+        "end",
     ]
     target: Point | None
     draws: int = 0

@@ -2,26 +2,30 @@
 
 A robot can see a point if the point is in sight, within range, of a place that its body can
 get to from its start. What cannot be seen so, the inside of a closed room or a crack, is no
-part of the task.
+part of the task. A team's task is what any of its robots can see, also one that dies: the task
+is set before anything goes wrong.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 import shapely
-from shapely import Polygon
+from shapely import MultiPolygon, Polygon
 
 from multisrt.environments.environment import Environment
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.distance_field import distance_field
 from multisrt.geometry.edge_index import EdgeIndex
 from multisrt.geometry.footprint import Footprint
-from multisrt.geometry.kernel import BoolArray
+from multisrt.geometry.kernel import BoolArray, FloatArray
 from multisrt.geometry.raster import Raster, paint_polygon
 from multisrt.geometry.visibility import visibility_polygon
+from multisrt.spec import RunSpec
 
 CELL_M = 0.1
 """Width of a cell in which areas are counted, where the world is not too large for it."""
@@ -29,60 +33,50 @@ CELL_M = 0.1
 MOST_CELLS = 16_000_000
 """A larger world is counted in larger cells."""
 
+Viewer = tuple[Footprint, float, Configuration]
+"""A robot's body, how far it sees (m), and where it starts."""
 
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Explorable:
-    """What one robot could see of a world from all places that it can get to.
+    """What a team could see of a world from all places that its robots can get to.
 
     Attributes
     ----------
     raster : Raster
         Its window holds the world; cells whose centre can be seen are marked.
     area_m2 : float
-        Area of the marked cells.
-    reachable_m2 : float
-        Area of the places that the body's reference point can get to.
+        Area of what can be seen.
+    reachable : Polygon or MultiPolygon
+        The places that a robot's reference point can get to.
     """
 
-    def __init__(
-        self, environment: Environment, footprint: Footprint, range_m: float, start: Configuration
-    ) -> None:
-        component = environment.component(start.x, start.y)
-        cell = cell_width(environment)
-        self.raster = Raster(cell, environment.bounds)
-        reachable = reachable_area(component, footprint, start)
-        self.reachable_m2 = float(reachable.area)
-        _paint_all(self.raster, reachable)
-        # What lies outside the reachable places is seen across their border, and so from a
-        # point of the border that is nearer.
-        index = EdgeIndex(environment.edges, range_m / 3.0)
-        border = shapely.segmentize(reachable.boundary, cell)
-        for x, y in np.unique(shapely.get_coordinates(border), axis=0).tolist():
-            boundary, _ = visibility_polygon(index, x, y, range_m, arc_tolerance_m=cell / 10.0)
-            self.raster.paint_inside(boundary)
-        # A raster of walls on round coordinates is off by up to a permille; the share of the
-        # component's cells times its exact area is much less so.
-        whole = Raster(cell, environment.bounds)
-        _paint_all(whole, component)
-        self.area_m2 = self.raster.area_m2() * float(component.area) / whole.area_m2()
+    raster: Raster
+    area_m2: float
+    reachable: Polygon | MultiPolygon
 
-    def farthest_m(self, start: Configuration) -> float:
-        """Length of the shortest way from a place to the explorable point farthest from it.
+    @property
+    def cell_m2(self) -> float:
+        """Area that a marked cell stands for."""
+        return self.area_m2 / int(np.count_nonzero(self.raster.cells))
+
+    def farthest_m(self, *starts: Configuration) -> float:
+        """Longest of the shortest ways from the nearest start to an explorable point.
 
         The way is one of a point through free space, measured on the raster; cells at the walls
         whose centres are joined to the rest by no free cell are left out.
         """
-        return float(np.max(self._distances(start), initial=0.0))
-
-    def _distances(self, start: Configuration) -> np.ndarray:
         raster = self.raster
         cells: BoolArray = raster.cells.copy()
-        column = math.floor((start.x - raster.x0) / raster.cell_m)
-        row = math.floor((start.y - raster.y0) / raster.cell_m)
-        cells[row, column] = True
-        field = distance_field(
-            cells, raster.cell_m, [(start.x, start.y)], x0=raster.x0, y0=raster.y0
+        sources = [(start.x, start.y) for start in starts]
+        for x, y in sources:
+            column = math.floor((x - raster.x0) / raster.cell_m)
+            row = math.floor((y - raster.y0) / raster.cell_m)
+            cells[row, column] = True
+        field: FloatArray = distance_field(
+            cells, raster.cell_m, sources, x0=raster.x0, y0=raster.y0
         )
-        return field[np.isfinite(field)]
+        return float(np.max(field[np.isfinite(field)], initial=0.0))
 
 
 def cell_width(environment: Environment) -> float:
@@ -97,32 +91,83 @@ def reachable_area(component: Polygon, footprint: Footprint, start: Configuratio
     Exact for a disc. For a polygon these are the places with room for its inscribed disc: more
     than it can get to where it has to turn in a narrow place, never less.
     """
-    radius = footprint.inscribed_radius_m
-    # Chords of the rounded corners lie inside the true border by less than this.
-    eroded = component.buffer(-radius + 1e-6, quad_segs=16)
-    parts = [part for part in shapely.get_parts(eroded) if not part.is_empty]
     here = shapely.Point(start.x, start.y)
-    nearest = min(parts, key=lambda part: float(part.distance(here)))
-    assert isinstance(nearest, Polygon)
-    return nearest
+    return min(_roomy_parts(component, footprint), key=lambda part: float(part.distance(here)))
 
 
-@lru_cache(maxsize=64)
-def explorable(
-    environment: Environment, footprint: Footprint, range_m: float, start: Configuration
-) -> Explorable:
-    """Give what can be explored, computed once for a world, body, range and start's component."""
-    return Explorable(environment, footprint, range_m, start)
-
-
-def _paint_all(raster: Raster, polygon: Polygon) -> None:
-    # A polygon with holes, by the even-odd rule over all of its rings.
-    cells = np.zeros_like(raster.cells)
-    paint_polygon(
-        shapely.get_coordinates(polygon.exterior), raster.x0, raster.y0, raster.cell_m, cells
+def viewers(spec: RunSpec, starts: Sequence[Configuration]) -> tuple[Viewer, ...]:
+    """Give the bodies, ranges and starts of a run's team."""
+    return tuple(
+        (Footprint.parse(robot.footprint), robot.range_finder.range_m, start)
+        for robot, start in zip(spec.robots, starts, strict=True)
     )
+
+
+@lru_cache(maxsize=16)
+def explorable(environment: Environment, team: tuple[Viewer, ...]) -> Explorable:
+    """Give what a team can explore: what any of its robots could see.
+
+    Computed once for a world and team; robots of one body and range that can get to the same
+    places are computed together.
+
+    Parameters
+    ----------
+    environment : Environment
+        The truth.
+    team : tuple of (Footprint, range_m, Configuration)
+        The robots' bodies, ranges and starts; see `viewers`.
+    """
+    # Who sees farther from the same places sees all that the others see.
+    ranges: dict[tuple[Polygon, Polygon], float] = {}
+    for footprint, range_m, start in team:
+        component = environment.component(start.x, start.y)
+        places = component, reachable_area(component, footprint, start)
+        ranges[places] = max(range_m, ranges.get(places, 0.0))
+    raster = Raster(cell_width(environment), environment.bounds)
+    area = 0.0
+    for component in dict.fromkeys(component for component, _ in ranges):
+        cells = np.zeros_like(raster.cells)
+        for (whose, reachable), range_m in ranges.items():
+            if whose == component:
+                cells |= _seen_from(environment, reachable, range_m)
+        # A raster of walls on round coordinates is off by up to a permille; the share of the
+        # component's cells times its exact area is much less so.
+        whole = int(np.count_nonzero(_filled(environment, component)))
+        area += int(np.count_nonzero(cells)) * float(component.area) / whole
+        raster.cells |= cells
+    reachable_by_any = shapely.union_all([reachable for _, reachable in ranges])
+    assert isinstance(reachable_by_any, Polygon | MultiPolygon)
+    return Explorable(raster=raster, area_m2=area, reachable=reachable_by_any)
+
+
+@lru_cache(maxsize=16)
+def _roomy_parts(component: Polygon, footprint: Footprint) -> tuple[Polygon, ...]:
+    # Chords of the rounded corners lie inside the true border by less than a micrometre.
+    eroded = component.buffer(1e-6 - footprint.inscribed_radius_m, quad_segs=16)
+    return tuple(part for part in shapely.get_parts(eroded) if not part.is_empty)
+
+
+@lru_cache(maxsize=16)
+def _seen_from(environment: Environment, reachable: Polygon, range_m: float) -> BoolArray:
+    raster = Raster(cell_width(environment), environment.bounds)
+    raster.cells |= _filled(environment, reachable)
+    # What lies outside the reachable places is seen across their border, and so from a
+    # point of the border that is nearer.
+    index = EdgeIndex(environment.edges, range_m / 3.0)
+    border = shapely.segmentize(reachable.boundary, raster.cell_m)
+    for x, y in np.unique(shapely.get_coordinates(border), axis=0).tolist():
+        boundary, _ = visibility_polygon(index, x, y, range_m, arc_tolerance_m=raster.cell_m / 10.0)
+        raster.paint_inside(boundary)
+    return raster.cells
+
+
+def _filled(environment: Environment, polygon: Polygon) -> BoolArray:
+    # A polygon with holes, by the even-odd rule over all of its rings.
+    raster = Raster(cell_width(environment), environment.bounds)
+    raster.paint_inside(shapely.get_coordinates(polygon.exterior))
+    cells = raster.cells
     for ring in polygon.interiors:
         hole = np.zeros_like(cells)
         paint_polygon(shapely.get_coordinates(ring), raster.x0, raster.y0, raster.cell_m, hole)
         cells &= ~hole
-    raster.cells |= cells
+    return cells

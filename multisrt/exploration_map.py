@@ -1,17 +1,21 @@
-"""What one robot knows of the world: a grow-only set of nodes, and what follows from it."""
+"""What one robot knows of the world: grow-only sets of nodes and closings, and what follows."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import NamedTuple, TypeVar
+from bisect import insort
+from collections.abc import Iterable
+from typing import Final, TypeVar
 
 import numpy as np
 import shapely
 from shapely.geometry.base import BaseGeometry
 
-from multisrt.geometry.configuration import Configuration
+from multisrt.entries import Closing, ClosingId, Entries, Entry, Have, Node, NodeId
+from multisrt.geometry.arc_pieces import apart_from, common_pieces, in_long_arcs
+from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.frontier_arcs import (
+    OUTWARD_M,
     SHORTEST_ARC_M,
     arc_ends,
     arc_labels,
@@ -22,74 +26,77 @@ from multisrt.geometry.frontier_arcs import (
     total_length,
     uncovered,
 )
-from multisrt.geometry.kernel import FloatArray, IntArray
+from multisrt.geometry.kernel import BoolArray, FloatArray, IntArray
 from multisrt.geometry.point_hash import PointHash
 from multisrt.geometry.raster import Raster, bounds_of
-from multisrt.geometry.safe_region import LocalSafeRegion
+
+__all__ = ["Closing", "ClosingId", "Entry", "ExplorationMap", "Have", "Node", "NodeId"]
+
+ON_ARC_M: Final = 1e-6
+"""Frontier within this of an arc that was given up is part of it."""
+
+ONE_BORDER_M: Final = 0.5 * OUTWARD_M
+"""Borders of two nodes within this of each other are one. Further apart than twice this, the
+region of the outer one takes the inner one away."""
+
+ROUNDING_M: Final = 1e-9
+"""Widths and lengths that differ by less are equal."""
+
+NOTHING: Final[FloatArray] = np.empty((0, 4))
 
 Array = TypeVar("Array", FloatArray, IntArray)
 
 
-class NodeId(NamedTuple):
-    """Who made a node, and its serial number among that robot's nodes."""
-
-    robot: int
-    serial: int
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Node:
-    """A place that was visited, with what was seen from there.
-
-    Attributes
-    ----------
-    id : NodeId
-        Unique in the team.
-    configuration : Configuration
-        Where the scan was taken.
-    region : LocalSafeRegion
-        What the robot took as surely free around it.
-    parent : NodeId or None
-        The node that the robot came from; None at a root.
-    time_s : float
-        When the scan was taken.
-    """
-
-    id: NodeId
-    configuration: Configuration
-    region: LocalSafeRegion
-    parent: NodeId | None
-    time_s: float
-
-
 class ExplorationMap:
-    """A robot's knowledge. Adding a node is its only change; the order does not matter.
+    """A robot's knowledge: nodes and closings. It only grows; order and repetition do not matter.
 
     Frontier arcs are kept per node and trimmed by the regions that arrive near by, so that one
     more node costs the same however many there are. Where the boundary of the whole known
     region passes from one node's arc to another's, the two are joined: an opening that several
-    nodes see in parts is as wide as its parts together.
+    nodes see in parts is as wide as its parts together. A border that several nodes share is
+    frontier of the one with the lowest id.
 
     Parameters
     ----------
     reach_m : float
-        No region reaches further from its node than this.
+        No region of the team reaches further from its node than this.
     shortest_arc_m : float
         Frontier below this length, joined over all nodes, cannot be passed by the body and
         does not count.
     gaps_count : bool
         Whether radial pieces behind corners are frontier.
+    width_m : float or None
+        How wide the own body is; None: `shortest_arc_m`. What was too narrow for another is
+        closed where the own body is no narrower.
+    robot : int or None
+        Whose map this is: what others could not reach, or found blocked by a robot, stays open
+        for it. None: nobody's, and all such arcs are closed.
     """
 
     def __init__(
-        self, *, reach_m: float, shortest_arc_m: float = 0.0, gaps_count: bool = True
+        self,
+        *,
+        reach_m: float,
+        shortest_arc_m: float = 0.0,
+        gaps_count: bool = True,
+        width_m: float | None = None,
+        robot: int | None = None,
     ) -> None:
         self._reach = reach_m
         self._shortest_arc = shortest_arc_m
         self._gaps_count = gaps_count
-        self._nodes: dict[NodeId, Node] = {}
+        self._width = shortest_arc_m if width_m is None else width_m
+        self._robot = robot
+        self._entries = Entries()
+        self._nodes = self._entries.nodes
+        self._closed_arcs: dict[NodeId, list[FloatArray]] = {}
+        self._roots: list[NodeId] = []
+        self._root_of: dict[NodeId, NodeId] = {}
+        self._orphans: dict[NodeId, list[NodeId]] = {}
         self._ids: list[NodeId] = []
         self._index: dict[NodeId, int] = {}
+        self._pieces: list[FloatArray] = []
+        self._wholes: list[FloatArray] = []
         self._uncovered: list[FloatArray] = []
         self._ends: list[FloatArray] = []
         self._frontiers: dict[int, tuple[int, FloatArray]] = {}
@@ -97,6 +104,9 @@ class ExplorationMap:
         self._changed: IntArray = np.zeros(64, np.int64)
         self._revision = 0
         self._maybe_open: dict[NodeId, None] = {}
+        self._unlisted: dict[int, None] = {}
+        self._open: dict[NodeId | None, dict[NodeId, float]] = {}
+        self._open_m: dict[NodeId | None, float] = {}
         self._places = PointHash(reach_m)
         self._boxes: FloatArray = np.empty((64, 4))
         self._starts: IntArray = np.zeros(65, np.int64)
@@ -117,40 +127,131 @@ class ExplorationMap:
         """All nodes, in the order in which they became known here."""
         return tuple(self._nodes.values())
 
+    @property
+    def closings(self) -> tuple[Closing, ...]:
+        """All closings, in the order in which they became known here."""
+        return tuple(self._entries.closings.values())
+
     def add(self, node: Node) -> bool:
         """Take in a node; one that is known already changes nothing.
+
+        Its parent need not be known.
 
         Returns
         -------
         bool
             Whether the node was new.
+
+        Raises
+        ------
+        InvalidInputError
+            If the node's region reaches further than `reach_m`.
         """
         if node.id in self._nodes:
             return False
+        if node.region.range_m > self._reach + ROUNDING_M:
+            raise InvalidInputError(
+                f"node {tuple(node.id)} reaches {node.region.range_m} m, but the map was made for "
+                f"{self._reach} m: reach_m is the largest range of the team"
+            )
         neighbours = self._places.within(
             node.configuration.x, node.configuration.y, 2.0 * self._reach
         )
+        self._entries.add_node(node)
         index = self._store(node)
         candidates = frontier_candidates(
             node.region.boundary, node.region.tags, include_gaps=self._gaps_count
         )
-        arcs, _ = uncovered(candidates, self._starts, self._corners, self._boxes, neighbours)
-        self._uncovered.append(arcs)
-        self._ends.append(arc_ends(arcs))
-        self._set_uncovered(index, arcs)
-        self._trim(neighbours, index)
+        pieces, source = uncovered(candidates, self._starts, self._corners, self._boxes, neighbours)
+        still_open = neighbours[self._sizes[neighbours] > 0]
+        self._set_pieces(
+            index, *self._without_shared_borders(node.id, pieces, candidates[source], still_open)
+        )
+        self._trim(still_open, index)
+        self._join_tree(node)
         if self._raster is not None:
             self._raster.paint(node.region.boundary)
         return True
 
+    def close(self, closing: Closing) -> bool:
+        """Take in that an arc was given up; what is known already changes nothing.
+
+        What lies along the arc is no longer frontier of the node, also when the node becomes
+        known later. Whether this holds for the own body, too, depends on the reason: what was
+        seen from near is closed for all; what was too narrow, where the own body is no narrower;
+        what was not reachable or blocked, for its maker alone.
+
+        Returns
+        -------
+        bool
+            Whether the closing was new.
+        """
+        if not self._entries.add_closing(closing):
+            return False
+        if self._applies(closing):
+            self._closed_arcs.setdefault(closing.node, []).append(closing.arc)
+            if closing.node in self._index:
+                self._set_uncovered(self._index[closing.node])
+        return True
+
+    def merge(self, entries: Iterable[Entry]) -> tuple[NodeId, ...]:
+        """Take in nodes and closings, in any order.
+
+        Returns
+        -------
+        tuple of NodeId
+            The nodes that were new.
+        """
+        new = []
+        for entry in entries:
+            if isinstance(entry, Closing):
+                self.close(entry)
+            elif self.add(entry):
+                new.append(entry.id)
+        return tuple(new)
+
+    def have(self) -> dict[int, tuple[int, int]]:
+        """Say what is known, in short: the version vector.
+
+        Returns
+        -------
+        dict
+            By robot, in rising order: of how many of its nodes and of how many of its closings,
+            from the first on, none is missing.
+        """
+        return self._entries.have()
+
+    def lacks(self, theirs: Have) -> tuple[Entry, ...]:
+        """Give what another robot lacks, as far as what it said with `have` tells.
+
+        Returns
+        -------
+        tuple of Node or Closing
+            What is known here beyond the other's counts: by robot, nodes first, by number.
+        """
+        return tuple(self._entries.lacks(theirs))
+
+    def knows_more_than(self, theirs: Have) -> bool:
+        """Whether `lacks` would give anything."""
+        return self._entries.more_than(theirs)
+
+    def roots(self) -> list[NodeId]:
+        """Give the roots of all trees, in the order of their ids."""
+        return list(self._roots)
+
+    def tree(self, node_id: NodeId) -> NodeId | None:
+        """Give the root at the end of a known node's parent links; None while one is missing."""
+        if node_id not in self._nodes:
+            raise InvalidInputError(f"node {tuple(node_id)} is not known, nor is its tree")
+        return self._root_of.get(node_id)
+
     def frontier(self, node_id: NodeId) -> FloatArray:
         """Give a node's local frontier as ``(m, 4)`` segments, the region on their left."""
         index = self._index[node_id]
-        if not self._sizes[index]:
+        if not len(self._uncovered[index]):
             return self._uncovered[index]
         # Arcs of others that join a node's own count too: it is as new as the newest change near.
-        x, y = self._places.points[index].tolist()
-        near = self._places.within(x, y, 2.0 * self._reach)
+        near = self._around(index)
         revision = int(self._changed[near].max())
         known = self._frontiers.get(index)
         if known is None or known[0] != revision:
@@ -182,21 +283,32 @@ class ExplorationMap:
             self._maybe_open[witness] = None
         return True
 
-    def open_nodes(self) -> list[NodeId]:
-        """Give all nodes that have a local frontier, in the order of their ids."""
-        return sorted(node_id for node_id in self._maybe_open if self.has_frontier(node_id))
+    def open_nodes(self, tree: NodeId | None = None) -> list[NodeId]:
+        """Give the nodes that have a local frontier, in the order of their ids.
 
-    def open_frontier_m(self) -> float:
-        """Sum of all local frontiers' lengths in metres."""
-        return math.fsum(total_length(self.frontier(node_id)) for node_id in self.open_nodes())
+        Parameters
+        ----------
+        tree : NodeId or None
+            The root of the tree that is asked for; None: all nodes.
+        """
+        if tree is None:
+            self._list_open()
+            return sorted(node_id for nodes in self._open.values() for node_id in nodes)
+        return sorted(self._open_in(tree))
 
-    def close(self, node_id: NodeId, segments: FloatArray) -> None:
-        """Take segments out of a node's frontier: nothing can be done about them."""
-        index = self._index[node_id]
-        arcs = self._uncovered[index]
-        gone = {tuple(segment) for segment in segments.tolist()}
-        keep = [tuple(segment) not in gone for segment in arcs.tolist()]
-        self._set_uncovered(index, arcs[np.asarray(keep, np.bool_)])
+    def open_frontier_m(self, tree: NodeId | None = None) -> float:
+        """Sum of all local frontiers' lengths in metres, of all nodes or of a tree's.
+
+        What changed since it was asked last is looked at, and nothing else.
+        """
+        if tree is None:
+            self._list_open()
+            return math.fsum(m for nodes in self._open.values() for m in nodes.values())
+        nodes = self._open_in(tree)
+        known = self._open_m.get(tree)
+        if known is None:
+            known = self._open_m[tree] = math.fsum(nodes.values())
+        return known
 
     def near(self, x: float, y: float, radius_m: float) -> list[Node]:
         """Give the nodes whose place lies within a radius, in the order of their ids."""
@@ -242,37 +354,138 @@ class ExplorationMap:
         self._boxes[index] = bounds_of(boundary)
         x, y, _ = node.configuration
         self._places.add(x, y)
-        self._nodes[node.id] = node
         self._ids.append(node.id)
         self._index[node.id] = index
+        self._pieces.append(NOTHING)
+        self._wholes.append(NOTHING)
+        self._uncovered.append(NOTHING)
+        self._ends.append(NOTHING)
         return index
 
-    def _trim(self, neighbours: IntArray, index: int) -> None:
-        still_open = neighbours[self._sizes[neighbours] > 0]
-        if not len(still_open):
-            return
-        arcs = [self._uncovered[i] for i in still_open.tolist()]
-        owners = np.repeat(np.arange(len(arcs)), self._sizes[still_open])
-        segments = np.concatenate(arcs)
-        rest, source = uncovered(
-            segments, self._starts, self._corners, self._boxes, np.asarray([index])
-        )
-        begins, cut = pieces_by_owner(segments, owners, len(arcs), rest, source)
-        for k in np.flatnonzero(cut).tolist():
-            self._set_uncovered(int(still_open[k]), rest[begins[k] : begins[k + 1]])
+    def _without_shared_borders(
+        self, node_id: NodeId, pieces: FloatArray, wholes: FloatArray, neighbours: IntArray
+    ) -> tuple[FloatArray, FloatArray]:
+        # Of a border on which several regions end on one side, the node with the lowest id keeps
+        # the frontier. Regions on two sides have taken it from each other already.
+        earlier = [self._wholes[i] for i in neighbours.tolist() if self._ids[i] < node_id]
+        if not len(pieces) or not earlier:
+            return pieces, wholes
+        concerned = np.ones(len(wholes), np.bool_)
+        rest, source = apart_from(wholes, concerned, np.concatenate(earlier), ONE_BORDER_M)
+        left, origin = common_pieces(pieces, wholes, rest, source)
+        return left, wholes[origin]
 
-    def _set_uncovered(self, index: int, arcs: FloatArray) -> None:
-        arcs = long_arcs(arcs, SHORTEST_ARC_M)
+    def _trim(self, neighbours: IntArray, index: int) -> None:
+        # Takes a new node's region from the frontiers near by, and the borders that it shares
+        # with nodes of higher ids.
+        if not len(neighbours):
+            return
+        indices = neighbours.tolist()
+        pieces = np.concatenate([self._pieces[i] for i in indices])
+        wholes = np.concatenate([self._wholes[i] for i in indices])
+        owners = np.repeat(np.arange(len(indices)), self._sizes[neighbours])
+        rest, source = uncovered(
+            wholes, self._starts, self._corners, self._boxes, np.asarray([index])
+        )
+        left, origin = common_pieces(pieces, wholes, rest, source)
+        later = np.asarray([self._ids[i] > self._ids[index] for i in indices])
+        if later.any():
+            concerned: BoolArray = later[owners[origin]]
+            left_wholes = wholes[origin]
+            rest, source = apart_from(left_wholes, concerned, self._wholes[index], ONE_BORDER_M)
+            left, further = common_pieces(left, left_wholes, rest, source)
+            origin = origin[further]
+        begins, cut = pieces_by_owner(pieces, owners, len(indices), left, origin)
+        for k in np.flatnonzero(cut).tolist():
+            own = slice(begins[k], begins[k + 1])
+            self._set_pieces(indices[k], left[own], wholes[origin[own]])
+
+    def _set_pieces(self, index: int, pieces: FloatArray, wholes: FloatArray) -> None:
+        # What no other region takes of a node's frontier.
+        keep = in_long_arcs(pieces, SHORTEST_ARC_M)
+        self._pieces[index] = pieces[keep]
+        self._wholes[index] = wholes[keep]
+        self._sizes[index] = len(self._pieces[index])
+        self._set_uncovered(index)
+
+    def _set_uncovered(self, index: int) -> None:
+        # That, without what was given up.
+        node_id = self._ids[index]
+        arcs, wholes = self._pieces[index], self._wholes[index]
+        closed = self._closed_arcs.get(node_id)
+        if closed and len(arcs):
+            rest, source = apart_from(
+                wholes, np.ones(len(wholes), np.bool_), np.concatenate(closed), ON_ARC_M
+            )
+            arcs = long_arcs(common_pieces(arcs, wholes, rest, source)[0], SHORTEST_ARC_M)
         arcs.setflags(write=False)
         self._uncovered[index] = arcs
         self._ends[index] = arc_ends(arcs)
-        self._sizes[index] = len(arcs)
         self._revision += 1
         self._changed[index] = self._revision
+        self._unlisted[index] = None
         if len(arcs):
-            self._maybe_open[self._ids[index]] = None
+            self._maybe_open[node_id] = None
         else:
-            self._maybe_open.pop(self._ids[index], None)
+            self._maybe_open.pop(node_id, None)
+
+    def _applies(self, closing: Closing) -> bool:
+        if closing.reason == "seen from near":
+            return True
+        if closing.reason == "too narrow":
+            return self._width >= closing.width_m - ROUNDING_M
+        return self._robot is None or closing.id.robot == self._robot
+
+    def _join_tree(self, node: Node) -> None:
+        # A node's root is known once its parent's is; then so is that of all that waited for it.
+        if node.parent is None:
+            root = node.id
+            insort(self._roots, root)
+        elif node.parent in self._root_of:
+            root = self._root_of[node.parent]
+        else:
+            self._orphans.setdefault(node.parent, []).append(node.id)
+            return
+        found = [node.id]
+        while found:
+            node_id = found.pop()
+            self._root_of[node_id] = root
+            found += self._orphans.pop(node_id, [])
+            self._set_open(None, node_id, 0.0)
+            self._unlisted[self._index[node_id]] = None
+
+    def _open_in(self, tree: NodeId) -> dict[NodeId, float]:
+        if self._root_of.get(tree) != tree:
+            raise InvalidInputError(f"{tuple(tree)} is not the root of a tree known here")
+        self._list_open()
+        return self._open.get(tree, {})
+
+    def _list_open(self) -> None:
+        # Looks again at the nodes near those that changed: arcs of others that join theirs count.
+        if not self._unlisted:
+            return
+        near = [self._around(index) for index in self._unlisted]
+        for index in np.unique(np.concatenate(near)).tolist():
+            node_id = self._ids[index]
+            if index in self._unlisted or len(self._uncovered[index]):
+                length = total_length(self.frontier(node_id))
+                self._set_open(self._root_of.get(node_id), node_id, length)
+        self._unlisted.clear()
+
+    def _set_open(self, tree: NodeId | None, node_id: NodeId, length_m: float) -> None:
+        nodes = self._open.setdefault(tree, {})
+        if nodes.get(node_id, 0.0) == length_m:
+            return
+        self._open_m.pop(tree, None)
+        if length_m:
+            nodes[node_id] = length_m
+        else:
+            del nodes[node_id]
+
+    def _around(self, index: int) -> IntArray:
+        # The nodes whose regions can meet a node's, itself among them.
+        x, y = self._places.points[index].tolist()
+        return self._places.within(x, y, 2.0 * self._reach)
 
     def _wide_enough(self, index: int, near: IntArray) -> FloatArray:
         # The node's arcs that are long enough together with those of others that they join.
@@ -281,7 +494,7 @@ class ExplorationMap:
         others = [self._ends[i] for i in near.tolist() if i != index]
         lengths = joined_lengths(np.concatenate([own, *others]))[: len(own)]
         labels, _ = arc_labels(arcs)
-        kept: FloatArray = arcs[(lengths >= self._shortest_arc)[labels]]
+        kept: FloatArray = arcs[(lengths >= self._shortest_arc - ROUNDING_M)[labels]]
         kept.setflags(write=False)
         return kept
 

@@ -217,12 +217,16 @@ class RadioSelf:
         Share of messages that never come.
     multi_hop : bool
         Whether robots in between relay messages.
+    reaches_all : bool
+        Whether every message comes to everybody: nothing limits the range, stands in the way,
+        or loses it.
     """
 
     range_m: float = float("inf")
     latency_s: float = 0.0
     loss: float = 0.0
     multi_hop: bool = True
+    reaches_all: bool = True
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -249,6 +253,8 @@ class RobotSelf:
         What its radio can do.
     time_s : float
         When it begins.
+    team_range_m : float or None
+        How far any range finder of the team reaches; None: as far as its own.
     """
 
     robot: int
@@ -260,6 +266,12 @@ class RobotSelf:
     team: int = 1
     radio: RadioSelf = RadioSelf()
     time_s: float = 0.0
+    team_range_m: float | None = None
+
+    @property
+    def longest_range_m(self) -> float:
+        """How far the best range finder of the team reaches."""
+        return self.range_m if self.team_range_m is None else self.team_range_m
 
 
 class Explorer(Protocol):

@@ -2,38 +2,43 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections import Counter
 from collections.abc import Iterable
 
 import msgspec
 import numpy as np
-import shapely
 
+from multisrt.closeness import (
+    motions_by_robot,
+    moving_spans,
+    path_length,
+    smallest_clearance,
+    smallest_distance_between_robots,
+)
+from multisrt.coverage import CoverageMeter, team_areas
 from multisrt.environments.environment import Environment
 from multisrt.events import (
     ArcClosed,
+    Blocked,
     Collision,
     Decision,
+    Died,
+    Ended,
+    Joined,
     MapComplete,
-    Motion,
     NodeAdded,
+    Organized,
+    Sent,
 )
-from multisrt.explorable import Explorable, explorable
+from multisrt.explorable import Explorable
 from multisrt.geometry.configuration import Configuration
-from multisrt.geometry.footprint import Footprint, place
-from multisrt.geometry.kernel import FloatArray
-from multisrt.geometry.raster import Raster
 from multisrt.recording import Recording, RunOutcome
 from multisrt.remaining_frontier import remaining_frontier
-from multisrt.spec import RunSpec
+from multisrt.spec import LateStart, RunSpec
 
 THRESHOLDS = (0.90, 0.95, 0.99)
 """Shares of the explorable area whose times are reported: no two papers agree on one."""
-
-TURN_STEP_RAD = math.radians(2.0)
-"""Turns in place are measured in steps of this."""
 
 
 class Metrics(msgspec.Struct, frozen=True, kw_only=True):
@@ -51,25 +56,63 @@ class Metrics(msgspec.Struct, frozen=True, kw_only=True):
         Distance travelled by all robots.
     distance_by_robot_m : tuple of float
         The same, robot by robot.
+    distance_spread_m : float
+        Standard deviation of the distance over the robots, all of the team.
+    waiting_time_s : float
+        Time that all robots together stood still between their start and their last end. A robot
+        that starts late counts from then, one that dies until then.
+    waiting_time_by_robot_s : tuple of float
+        The same, robot by robot.
     coverage : float
-        Share of the explorable area that lies in a safe region, from 0 to 1.
+        Share of the explorable area that lies in a safe region of any robot, from 0 to 1.
     coverage_integral_s : float
         Time integral of the share not yet covered, up to the makespan: lower is better, and
         early coverage counts more.
     free_area_m2 : float
         Area of all free space of the world, reachable or not.
     explorable_area_m2 : float
-        Area that can be seen from where the body can get to.
+        Area that any robot could see from where its body can get to from its start. Robots that
+        die or start late count: it is the task that the team was given.
     covered_area_m2 : float
         Area of it that was covered.
+    unseen_m2 : float
+        Area of it that no robot saw.
+    overlap_area_m2 : float
+        Area of it that at least two robots saw.
+    overlap_share : float
+        The same as a share of the covered area, from 0 to 1; 0 where nothing was covered.
+    lost_area_m2 : float
+        Area of it that robots saw which died, and that no robot that lives on knows at the end.
+    lost_area_by_robot_m2 : tuple of float
+        What each of the dead saw of it; what two of them saw counts for both.
     time_to_90_s, time_to_95_s, time_to_99_s : float or None
         When that share was covered; None if it never was.
     nodes : int
         Nodes of all trees.
+    nodes_by_robot : tuple of int
+        The same, robot by robot.
     nodes_by_stage : dict
         How their places were found.
     decisions : int
         How many times a robot chose where to go.
+    coordinations : int
+        How many times a master organised its group.
+    deadlocks : int
+        How many times it could let nobody go.
+    protective_stops : int
+        How many motions ended before another robot's body.
+    deaths : int
+        How many robots died.
+    messages : int
+        How many times a robot sent something, whether or not anybody heard it.
+    deliveries : int
+        How many receivers the messages came to, relayed or not.
+    lost_deliveries : int
+        How many receivers in reach a message did not come to, by loss.
+    bytes_sent : int
+        Size of all messages, each counted once.
+    messages_by_kind, bytes_by_kind : dict
+        The same by type of message.
     arcs_closed : dict
         Frontier arcs that were given up, by reason.
     frontier_left_m : float
@@ -78,6 +121,8 @@ class Metrics(msgspec.Struct, frozen=True, kw_only=True):
         Must be none.
     smallest_clearance_m : float
         Least distance between a body and an obstacle during the whole run.
+    smallest_distance_between_robots_m : float or None
+        Least distance between two bodies during the whole run; None for a single robot.
     lower_bound_s : float
         No run can be shorter: the larger one of the two bounds below.
     lower_bound_reach_s : float
@@ -91,21 +136,41 @@ class Metrics(msgspec.Struct, frozen=True, kw_only=True):
     makespan_s: float
     total_distance_m: float
     distance_by_robot_m: tuple[float, ...]
+    distance_spread_m: float
+    waiting_time_s: float
+    waiting_time_by_robot_s: tuple[float, ...]
     coverage: float
     coverage_integral_s: float
     free_area_m2: float
     explorable_area_m2: float
     covered_area_m2: float
+    unseen_m2: float
+    overlap_area_m2: float
+    overlap_share: float
+    lost_area_m2: float
+    lost_area_by_robot_m2: tuple[float, ...]
     time_to_90_s: float | None
     time_to_95_s: float | None
     time_to_99_s: float | None
     nodes: int
+    nodes_by_robot: tuple[int, ...]
     nodes_by_stage: dict[str, int]
     decisions: int
+    coordinations: int
+    deadlocks: int
+    protective_stops: int
+    deaths: int
+    messages: int
+    deliveries: int
+    lost_deliveries: int
+    bytes_sent: int
+    messages_by_kind: dict[str, int]
+    bytes_by_kind: dict[str, int]
     arcs_closed: dict[str, int]
     frontier_left_m: float
     collisions: int
     smallest_clearance_m: float
+    smallest_distance_between_robots_m: float | None
     lower_bound_s: float
     lower_bound_reach_s: float
     lower_bound_area_s: float
@@ -124,16 +189,20 @@ def measure(recording: Recording, environment: Environment | None = None) -> Met
     if environment is None:
         environment = recording.environment()
     spec, events, end = recording.spec, recording.events, recording.footer.time_s
-    motions = [event for event in events if isinstance(event, Motion)]
     nodes = [event for event in events if isinstance(event, NodeAdded)]
     closed = [event for event in events if isinstance(event, ArcClosed)]
+    organized = [event for event in events if isinstance(event, Organized)]
+    sent = [event for event in events if isinstance(event, Sent)]
     left = [s for segments in remaining_frontier(recording).values() for s in segments]
-    distances = [0.0] * len(spec.robots)
-    for motion in motions:
-        distances[motion.robot] += _length(motion)
+    motions = motions_by_robot(recording)
+    distances = [math.fsum(map(path_length, motions[robot])) for robot in range(len(spec.robots))]
+    waiting = waiting_times(recording)
+    made = Counter(node.robot for node in nodes)
     coverage = CoverageMeter(spec, environment, recording.starts)
     for node in nodes:
         coverage.add(node)
+    areas = team_areas(recording, coverage.explorable)
+    covered = coverage.share * coverage.explorable.area_m2
     reach, sweep = lower_bounds(spec, coverage.explorable, recording.starts)
     times = {share: coverage.time_to(share) for share in THRESHOLDS}
     return Metrics(
@@ -144,83 +213,45 @@ def measure(recording: Recording, environment: Environment | None = None) -> Met
         makespan_s=end,
         total_distance_m=math.fsum(distances),
         distance_by_robot_m=tuple(distances),
+        distance_spread_m=float(np.std(distances)),
+        waiting_time_s=math.fsum(waiting),
+        waiting_time_by_robot_s=waiting,
         coverage=coverage.share,
         coverage_integral_s=coverage.integral_of_rest(end),
         free_area_m2=environment.area_m2,
         explorable_area_m2=coverage.explorable.area_m2,
-        covered_area_m2=coverage.share * coverage.explorable.area_m2,
+        covered_area_m2=covered,
+        unseen_m2=(1.0 - coverage.share) * coverage.explorable.area_m2,
+        overlap_area_m2=areas.overlap_m2,
+        overlap_share=areas.overlap_m2 / covered if covered else 0.0,
+        lost_area_m2=areas.lost_m2,
+        lost_area_by_robot_m2=areas.lost_by_robot_m2,
         time_to_90_s=times[0.90],
         time_to_95_s=times[0.95],
         time_to_99_s=times[0.99],
         nodes=len(nodes),
+        nodes_by_robot=tuple(made[robot] for robot in range(len(spec.robots))),
         nodes_by_stage=_counts(node.stage for node in nodes),
         decisions=sum(isinstance(event, Decision) for event in events),
+        coordinations=len(organized),
+        deadlocks=sum(event.deadlock for event in organized),
+        protective_stops=sum(isinstance(event, Blocked) for event in events),
+        deaths=sum(isinstance(event, Died) for event in events),
+        messages=len(sent),
+        deliveries=sum(len(event.reached) for event in sent),
+        lost_deliveries=sum(len(event.lost) for event in sent),
+        bytes_sent=sum(event.size_bytes for event in sent),
+        messages_by_kind=_counts(event.kind for event in sent),
+        bytes_by_kind=_sums((event.kind, event.size_bytes) for event in sent),
         arcs_closed=_counts(event.reason for event in closed),
         frontier_left_m=math.fsum(math.hypot(x1 - x0, y1 - y0) for x0, y0, x1, y1 in left),
         collisions=sum(isinstance(event, Collision) for event in events),
         smallest_clearance_m=smallest_clearance(recording, environment),
+        smallest_distance_between_robots_m=smallest_distance_between_robots(recording),
         lower_bound_s=max(reach, sweep),
         lower_bound_reach_s=reach,
         lower_bound_area_s=sweep,
     )
-
-
-class CoverageMeter:
-    """Counts the share of the explorable area that is covered, node by node.
-
-    Parameters
-    ----------
-    spec : RunSpec
-        The run.
-    environment : Environment
-        The truth.
-    starts : sequence of Configuration
-        Where the robots start.
-
-    Attributes
-    ----------
-    explorable : Explorable
-        What is measured against: what the first robot could see.
-    steps : list of (time_s, share)
-        The share covered after every node.
-    """
-
-    def __init__(
-        self, spec: RunSpec, environment: Environment, starts: tuple[Configuration, ...]
-    ) -> None:
-        robot = spec.robots[0]
-        self.explorable: Explorable = explorable(
-            environment, Footprint.parse(robot.footprint), robot.range_finder.range_m, starts[0]
-        )
-        seen = self.explorable.raster
-        # Cells that do not count are marked from the beginning: what is painted new counts.
-        self._raster = Raster(seen.cell_m, environment.bounds)
-        self._raster.cells |= ~seen.cells
-        self._all = int(np.count_nonzero(seen.cells))
-        self._covered = 0
-        self.steps: list[tuple[float, float]] = []
-
-    @property
-    def share(self) -> float:
-        """Share covered so far, from 0 to 1."""
-        return self._covered / self._all
-
-    def add(self, node: NodeAdded) -> None:
-        """Count what a node adds."""
-        self._covered += self._raster.paint_inside(np.asarray(node.boundary))
-        self.steps.append((node.time_s, self.share))
-
-    def time_to(self, share: float) -> float | None:
-        """When a share was covered; None if it never was."""
-        return next((time for time, covered in self.steps if covered >= share), None)
-
-    def integral_of_rest(self, end_s: float) -> float:
-        """Time integral of the share not yet covered, from 0 to an end."""
-        times = [0.0, *(time for time, _ in self.steps), end_s]
-        rests = [1.0, *(1.0 - covered for _, covered in self.steps)]
-        return math.fsum(
-            rest * (b - a) for rest, (a, b) in zip(rests, itertools.pairwise(times), strict=True)
-        )
 
 
 def lower_bounds(
@@ -231,7 +262,7 @@ def lower_bounds(
     Returns
     -------
     reach_s : float
-        Someone must come within range of the point that is farthest from all starts.
+        Someone must come within range of the point that is farthest from its nearest start.
     area_s : float
         Robots that see `2 R_p` wide sweep no faster than that times their speed, and begin with
         one disc for each distinct start.
@@ -239,7 +270,7 @@ def lower_bounds(
     speed = max(robot.drive.speed_m_s for robot in spec.robots)
     range_m = max(robot.range_finder.range_m for robot in spec.robots)
     # A way measured on the raster may come out a little long.
-    farthest = 0.99 * what.farthest_m(starts[0]) - what.raster.cell_m
+    farthest = 0.99 * what.farthest_m(*starts) - what.raster.cell_m
     seen_at_once = len(set(starts)) * math.pi * range_m**2
     area = what.area_m2 - seen_at_once
     return (
@@ -248,46 +279,43 @@ def lower_bounds(
     )
 
 
-def smallest_clearance(recording: Recording, environment: Environment) -> float:
-    """Least distance between a body and an obstacle, over all motions; by shapely alone."""
-    walls = [shapely.LineString(edge) for edge in environment.edges.reshape(-1, 2, 2)]
-    tree = shapely.STRtree(walls)
-    smallest = math.inf
-    for number, robot in enumerate(recording.spec.robots):
-        footprint = Footprint.parse(robot.footprint)
-        legs = [recording.header.starts[number]]
-        shapes = _swept(footprint, (0.0, *legs[0]), (0.0, *legs[0]))
-        for event in recording.events:
-            if isinstance(event, Motion) and event.robot == number:
-                for a, b in itertools.pairwise(event.waypoints):
-                    shapes += _swept(footprint, a, b)
-        _, distances = tree.query_nearest(shapes, return_distance=True, all_matches=False)
-        radius = footprint.radius_m if footprint.is_disc else 0.0
-        smallest = min(smallest, float(distances.min()) - radius)
-    return smallest
+def waiting_times(recording: Recording) -> tuple[float, ...]:
+    """Time that each robot stood still between its start and its last end (s).
+
+    A robot that starts late counts from then; if it never came to start, it has not waited. One
+    that dies counts until then, one that never ended until the end of the run.
+    """
+    end = recording.footer.time_s
+    late = [fault.robot for fault in recording.spec.faults if isinstance(fault, LateStart)]
+    begin = {robot: math.inf if robot in late else 0.0 for robot in range(len(recording.starts))}
+    last = dict.fromkeys(begin, end)
+    died: dict[int, float] = {}
+    for event in recording.events:
+        match event:
+            case Joined():
+                begin[event.robot] = event.time_s
+            case Ended():
+                last[event.robot] = event.time_s
+            case Died():
+                died[event.robot] = event.time_s
+    motions = motions_by_robot(recording)
+    waited = []
+    for robot, since in begin.items():
+        until = min(last[robot], died.get(robot, math.inf))
+        moving = math.fsum(
+            max(0.0, min(b, until) - max(a, since))
+            for motion in motions[robot]
+            for a, b in moving_spans(motion)
+        )
+        waited.append(max(0.0, until - since - moving) if since < until else 0.0)
+    return tuple(waited)
 
 
-def _swept(
-    footprint: Footprint, a: tuple[float, ...], b: tuple[float, ...]
-) -> list[shapely.Geometry]:
-    # What a leg covers; for a disc the way of its centre, from which the radius is taken off.
-    if footprint.is_disc:
-        if a[1:3] == b[1:3]:
-            return [shapely.Point(a[1:3])]
-        return [shapely.LineString([a[1:3], b[1:3]])]
-    if a[3] == b[3]:
-        return [footprint.swept(Configuration(*a[1:]), Configuration(*b[1:]))]
-    steps = max(2, math.ceil(abs(b[3] - a[3]) / TURN_STEP_RAD) + 1)
-    poses: FloatArray = np.linspace(a[1:], b[1:], steps)
-    outlines = [place(footprint.vertices, *pose) for pose in poses.tolist()]
-    swept: list[shapely.Geometry] = np.asarray(shapely.polygons(np.stack(outlines))).tolist()
-    return swept
-
-
-def _length(motion: Motion) -> float:
-    return math.fsum(
-        math.hypot(b[1] - a[1], b[2] - a[2]) for a, b in itertools.pairwise(motion.waypoints)
-    )
+def _sums(sizes: Iterable[tuple[str, int]]) -> dict[str, int]:
+    sums: Counter[str] = Counter()
+    for name, size in sizes:
+        sums[name] += size
+    return dict(sorted(sums.items()))
 
 
 def _counts(names: Iterable[str]) -> dict[str, int]:

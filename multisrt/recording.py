@@ -12,9 +12,10 @@ digests, in any process and on any machine of the same architecture with the sam
 from __future__ import annotations
 
 import hashlib
+import itertools
 import os
 import platform
-from collections.abc import Iterator
+from collections.abc import Container, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from functools import cache
@@ -26,7 +27,21 @@ import msgspec
 import shapely
 
 from multisrt.environments.environment import Environment
-from multisrt.events import AnyEvent, Motion, NodeAdded
+from multisrt.events import (
+    AnyEvent,
+    ArcClosed,
+    Blocked,
+    Coordinated,
+    Decision,
+    Learned,
+    Motion,
+    NodeAdded,
+    NodeName,
+    Organized,
+    Sent,
+    Supports,
+    TakenAsLost,
+)
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.spec import RunSpec
@@ -147,8 +162,8 @@ class Recording:
         Raises
         ------
         InvalidInputError
-            If the file cannot be read, is no recording, or is of a run that was cut off; the
-            message names the line.
+            If the file cannot be read, is no recording, is of a run that was cut off, or was
+            changed after the run; the message names the line, or the digests that differ.
         """
         path = Path(path)
         try:
@@ -187,18 +202,31 @@ class Recording:
             raise InvalidInputError(
                 f"{path}, line 1: {len(header.starts)} starts for {len(header.spec.robots)} robots"
             )
+        nodes = {(event.robot, event.serial) for event in events if isinstance(event, NodeAdded)}
         for number, event in enumerate(events, 2):
-            if flaw := _flaw(event, len(header.starts)):
+            if flaw := _flaw(event, len(header.starts), nodes):
                 raise InvalidInputError(f"{path}, line {number}: {flaw}")
+        if (digest := _digest(header, events)) != footer.digest:
+            raise InvalidInputError(
+                f"{path}: its last line says digest {footer.digest[:12]}..., but its contents have "
+                f"{digest[:12]}...: the file was changed after the run; run its spec again"
+            )
         return cls(header=header, events=events, footer=footer)
 
 
-def _flaw(event: AnyEvent, robots: int) -> str:
+def _flaw(event: AnyEvent, robots: int, nodes: Container[NodeName]) -> str:
     # What is wrong with an event although all of its fields are of the right kind.
-    if not 0 <= event.robot < robots:
-        return f"robot {event.robot} is none of the {robots}, which count from 0"
-    if isinstance(event, Motion) and not event.waypoints:
-        return "a motion has at least one waypoint"
+    for robot in (event.robot, *_others(event)):
+        if not 0 <= robot < robots:
+            return f"robot {robot} is none of the {robots}, which count from 0"
+    for name in _nodes_named(event):
+        if name not in nodes:
+            return f"node {name[1]} of robot {name[0]} is nowhere in the recording"
+    if isinstance(event, Motion):
+        if not event.waypoints:
+            return "a motion has at least one waypoint"
+        if any(b[0] < a[0] for a, b in itertools.pairwise(event.waypoints)):
+            return "the times of a motion's waypoints never fall"
     if isinstance(event, NodeAdded):
         if len(event.boundary) < 3 or len(event.tags) != len(event.boundary):
             return (
@@ -208,6 +236,48 @@ def _flaw(event: AnyEvent, robots: int) -> str:
         if not set(event.tags) <= set("0123"):
             return f"tags are digits from 0 to 3, not {event.tags!r}"
     return ""
+
+
+def _others(event: AnyEvent) -> Iterable[int]:
+    # The other robots that an event names.
+    match event:
+        case Decision():
+            return (*event.gpr, *event.ger)
+        case Coordinated():
+            return (*event.ger, event.master, *event.feasible, *event.unfeasible)
+        case Organized():
+            in_tables = (*event.before, *event.after, *event.orders)
+            in_conflict = itertools.chain.from_iterable(event.conflicts)
+            return (*event.feasible, *event.unfeasible, *in_tables, *in_conflict)
+        case Supports():
+            chosen = () if event.tree is None else (event.tree,)
+            return (*chosen, *event.open_frontier_m, *event.active_robots, *event.candidates)
+        case Sent():
+            return (*event.reached, *event.lost)
+        case TakenAsLost():
+            return (event.other,)
+        case Blocked():
+            return (event.by,)
+    return ()
+
+
+def _nodes_named(event: AnyEvent) -> Iterable[NodeName]:
+    # The nodes that an event refers to.
+    match event:
+        case NodeAdded():
+            return () if event.parent is None else (event.parent,)
+        case Decision() | ArcClosed():
+            return (event.node,)
+        case Learned():
+            return event.nodes
+    return ()
+
+
+def _digest(header: Header, events: Iterable[AnyEvent]) -> str:
+    digest = hashlib.sha256()
+    for part in (header.spec, header.free, header.starts, *events):
+        digest.update(msgspec.json.encode(part) + b"\n")
+    return digest.hexdigest()
 
 
 @dataclass(slots=True)

@@ -18,8 +18,9 @@ import msgspec
 from multisrt.explorer import Explorer, RobotSelf
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.safe_region import Shape
-from multisrt.multi_srt.build_srt import SrtExplorer
-from multisrt.planners.srt import SrtOptions
+from multisrt.multi_srt.build_multi_srt import SrtExplorer
+from multisrt.multi_srt.options import MultiSrtOptions
+from multisrt.spec import RunSpec
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -36,12 +37,26 @@ class Strategy:
         A frozen msgspec structure with the strategy's parameters and their defaults.
     explorer : callable
         Builds one robot's explorer from what the robot knows of itself, and the options.
+    fits : callable or None
+        Raises `InvalidInputError` if a spec is not for this strategy.
     """
 
     name: str
     summary: str
     options: type[msgspec.Struct]
     explorer: Callable[[RobotSelf, Any], Explorer]
+    fits: Callable[[RunSpec], None] | None = None
+
+    def require_fit(self, spec: RunSpec) -> None:
+        """Check that a run is one for this strategy.
+
+        Raises
+        ------
+        InvalidInputError
+            If it is not; the message says why.
+        """
+        if self.fits is not None:
+            self.fits(spec)
 
     def parse_options(self, options: Mapping[str, object]) -> msgspec.Struct:
         """Check a strategy's parameters, which may be written as text, and fill in defaults.
@@ -119,10 +134,27 @@ def _registry() -> dict[str, Strategy]:
 
 
 def _srt(shape: Shape, summary: str) -> Strategy:
-    def explorer(me: RobotSelf, options: SrtOptions) -> Explorer:
+    def explorer(me: RobotSelf, options: MultiSrtOptions) -> Explorer:
         return SrtExplorer(me, shape, options)
 
-    return Strategy(name=f"srt-{shape}", summary=summary, options=SrtOptions, explorer=explorer)
+    return Strategy(
+        name=f"srt-{shape}",
+        summary=summary,
+        options=MultiSrtOptions,
+        explorer=explorer,
+        fits=_require_reach,
+    )
+
+
+def _require_reach(spec: RunSpec) -> None:
+    # Whoever may become engaged must be heard before: R_c >= 3 R_p (Multi-SRT, section 2).
+    reach, ranges = spec.radio.range_m, [robot.range_finder.range_m for robot in spec.robots]
+    if len(spec.robots) > 1 and reach is not None and reach < 3.0 * max(ranges):
+        raise InvalidInputError(
+            f"{spec.strategy} needs a radio range of at least three times the sensor range: "
+            f"{3.0 * max(ranges):g} m for a sensor range of {max(ranges):g} m, not {reach:g} m; "
+            "give a longer radio range, or none for an unlimited one"
+        )
 
 
 _OWN = (

@@ -6,10 +6,9 @@ from collections.abc import Mapping
 
 import msgspec
 import numpy as np
-import shapely
 
-from multisrt.events import ArcClosed, Ended, NodeAdded, Segment
-from multisrt.exploration_map import ExplorationMap, Node, NodeId
+from multisrt.events import ArcClosed, Ended, Motion, NodeAdded, Segment
+from multisrt.exploration_map import Closing, ClosingId, ExplorationMap, Node, NodeId
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.footprint import Footprint
@@ -17,16 +16,14 @@ from multisrt.geometry.safe_region import LocalSafeRegion
 from multisrt.recording import Recording
 from multisrt.spec import Scalar
 
-ON_ARC_M = 1e-5
-"""A segment whose middle is within this of a closed arc is part of it."""
-
 
 def remaining_frontier(recording: Recording) -> dict[int, tuple[Segment, ...]]:
     """Give the frontier that every robot left open.
 
-    A robot that came to its end says itself what it left. For one that was cut off, by the
-    stop rule or a collision, it is what no region of the team covers of its nodes' frontiers,
-    without the arcs that were given up.
+    A robot that came to its end says itself what it left; if it was called on again, what it
+    says at its last end counts. For one that did not come to an end after what it did last,
+    because it died or the run was cut off, it is what no region of the team covers of the
+    frontiers of the nodes that it made, without the arcs that any robot gave up.
 
     Parameters
     ----------
@@ -38,7 +35,7 @@ def remaining_frontier(recording: Recording) -> dict[int, tuple[Segment, ...]]:
     dict
         Segments x0, y0, x1, y1 by robot, the region on their left.
     """
-    said = {event.robot: event.frontier for event in recording.events if isinstance(event, Ended)}
+    said = _said(recording)
     robots = range(len(recording.spec.robots))
     if len(said) == len(robots):
         return {robot: said[robot] for robot in robots}
@@ -49,24 +46,42 @@ def remaining_frontier(recording: Recording) -> dict[int, tuple[Segment, ...]]:
     return {robot: said.get(robot, tuple(left[robot])) for robot in robots}
 
 
+def _said(recording: Recording) -> dict[int, tuple[Segment, ...]]:
+    # What robots said at their ends. Who went on after it takes back what it said.
+    said: dict[int, tuple[Segment, ...]] = {}
+    for event in recording.events:
+        match event:
+            case Ended():
+                said[event.robot] = event.frontier
+            case Motion() | NodeAdded():
+                said.pop(event.robot, None)
+    return said
+
+
 def _team_map(recording: Recording) -> ExplorationMap:
-    # What all robots know together, with the arcs that each of them gave up.
+    # What all robots know together, with the arcs that any of them gave up.
     spec = recording.spec
+    widths = [Footprint.parse(robot.footprint).width_m for robot in spec.robots]
     team_map = ExplorationMap(
         reach_m=max(robot.range_finder.range_m for robot in spec.robots),
-        shortest_arc_m=min(Footprint.parse(robot.footprint).width_m for robot in spec.robots),
+        shortest_arc_m=min(widths),
+        # What is too narrow for any of them counts as closed.
+        width_m=max(widths),
         gaps_count=_gaps_count(spec.options),
     )
-    for event in recording.events:
+    for number, event in enumerate(recording.events):
         match event:
             case NodeAdded():
                 team_map.add(_node(event, spec.robots[event.robot].range_finder.range_m))
             case ArcClosed():
-                node = NodeId(*event.node)
-                frontier = team_map.frontier(node)
-                arc = shapely.MultiLineString([((a, b), (c, d)) for a, b, c, d in event.arc])
-                middles = shapely.points((frontier[:, :2] + frontier[:, 2:]) / 2.0)
-                team_map.close(node, frontier[shapely.distance(middles, arc) <= ON_ARC_M])
+                closing = Closing(
+                    id=ClosingId(event.robot, number),
+                    node=NodeId(*event.node),
+                    arc=np.asarray(event.arc, np.float64).reshape(-1, 4),
+                    reason=event.reason,
+                    width_m=widths[event.robot],
+                )
+                team_map.close(closing)
     return team_map
 
 

@@ -1,38 +1,83 @@
 """The simulation: an interpreter of explorers' actions over a discrete-event clock.
 
-It holds the truth. It moves bodies along their trajectories, senses for them, and checks every
-motion against the world. It proceeds from event to event: what a run costs follows what
-happens in it, not how long that takes.
+It holds the truth. It moves bodies along their trajectories, senses for them, carries their
+messages, lets go wrong what the spec says goes wrong, and checks every motion against the world
+and all other bodies. It proceeds from event to event: what a run costs follows what happens in
+it, not how long that takes.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Generator
-from functools import lru_cache
+from functools import lru_cache, partial
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
-import numpy as np
-import shapely
 import simpy
-from shapely import Polygon
 
 from multisrt.environments.environment import Environment
-from multisrt.events import AnyEvent, Collision, Ended, Motion
-from multisrt.explorer import Done, Explorer, Move, Moved, Note, Outcome, RobotSelf, Sense
+from multisrt.events import (
+    AnyEvent,
+    Blocked,
+    CameBack,
+    Collision,
+    Died,
+    Ended,
+    FellSilent,
+    Joined,
+    Motion,
+    Organized,
+    Sent,
+)
+from multisrt.explorer import (
+    Action,
+    Done,
+    Explorer,
+    Look,
+    Move,
+    Moved,
+    Note,
+    Outcome,
+    Receive,
+    Received,
+    RobotSelf,
+    Send,
+    Sense,
+    Sighting,
+    Stop,
+    TimedOut,
+)
 from multisrt.geometry.collision import Body, CollisionWorld
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.edge_index import EdgeIndex
-from multisrt.geometry.errors import ClearanceError, InvalidInputError
+from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.footprint import Footprint
 from multisrt.geometry.scan import take_scan
+from multisrt.messages import Message
 from multisrt.planners.motion.trajectory import Trajectory, Waypoint
+from multisrt.radio import Radio
 from multisrt.recording import Recorder, Recording, RunOutcome, header_of, written_whole
 from multisrt.registry import strategy
-from multisrt.spec import RobotSpec, RunSpec, build_environment, random_stream
+from multisrt.spec import (
+    Death,
+    LateStart,
+    RobotSpec,
+    RunSpec,
+    Silence,
+    build_environment,
+    random_stream,
+)
+from multisrt.starts import starts_of
+from multisrt.traffic import Encounter, Traffic
 
 Watcher = Callable[[AnyEvent], None]
+
+PROMPT, LATE = 1, 2
+"""Priorities of what happens at one moment: a timeout comes after all else."""
+
+ROUNDING_S = 1e-9
+"""An arrival or an encounter may come earlier than it was foreseen by this."""
 
 
 def simulate(
@@ -67,16 +112,13 @@ def simulate(
     """
     chosen = strategy(spec.strategy)
     options = chosen.parse_options(spec.options)
-    if len(spec.robots) > 1:
-        raise InvalidInputError(
-            f"{spec.strategy} explores with one robot; the spec has {len(spec.robots)}"
-        )
+    chosen.require_fit(spec)
     if environment is None:
         environment = build_environment(spec.environment)
-    starts = tuple(
-        start_of(robot, environment, spec.seed, number) for number, robot in enumerate(spec.robots)
-    )
-    header = header_of(spec, environment, starts)
+    starts = starts_of(spec, environment)
+    index = EdgeIndex(environment.edges, max(r.range_finder.range_m for r in spec.robots) / 3.0)
+    radio = Radio(spec.radio, index, random_stream(spec.seed, "radio"))
+    joins = {fault.robot: fault.time_s for fault in spec.faults if isinstance(fault, LateStart)}
     explorers = [
         chosen.explorer(
             RobotSelf(
@@ -86,77 +128,25 @@ def simulate(
                 kinematics=robot.drive.kinematics(),
                 range_m=robot.range_finder.range_m,
                 rng=random_stream(spec.seed, "robots", number),
+                team=len(spec.robots),
+                radio=radio.datasheet(),
+                time_s=joins.get(number, 0.0),
+                team_range_m=max(r.range_finder.range_m for r in spec.robots),
             ),
             options,
         )
         for number, (robot, start) in enumerate(zip(spec.robots, starts, strict=True))
     ]
+    header = header_of(spec, environment, starts)
+    world = _collision_world(environment)
     if path is None:
-        return _Simulation(spec, environment, Recorder(header), watch).run(explorers, starts)
+        return _Simulation(spec, world, index, radio, Recorder(header), watch).run(
+            explorers, starts
+        )
     with written_whole(Path(path)) as file:
-        return _Simulation(spec, environment, Recorder(header, file), watch).run(explorers, starts)
-
-
-def start_of(robot: RobotSpec, environment: Environment, seed: int, number: int) -> Configuration:
-    """Give the configuration in which a robot starts.
-
-    Raises
-    ------
-    ClearanceError
-        If the body does not fit there; the message says the clearance and what it needs.
-    InvalidInputError
-        If no start is given and the body fits nowhere.
-    """
-    footprint = Footprint.parse(robot.footprint)
-    if robot.start is not None:
-        x, y = robot.start[:2]
-        heading = robot.start[2] if len(robot.start) == 3 else 0.0
-        start = Configuration(float(x), float(y), float(heading))
-    elif environment.starts:
-        start = Configuration(*environment.starts[0])
-    else:
-        start = _drawn_start(footprint, environment, random_stream(seed, "starts", number))
-    environment.component(start.x, start.y)
-    clearance = environment.clearance(start.x, start.y)
-    if footprint.is_disc:
-        fits = clearance > footprint.radius_m
-        needed = f"more than {footprint.radius_m:g} m"
-    else:
-        fits = bool(shapely.contains_properly(environment.free, footprint.placed(start)))
-        needed = (
-            f"{footprint.inscribed_radius_m:.3g} to {footprint.circumscribed_radius_m:.3g} m, "
-            "by its heading"
+        return _Simulation(spec, world, index, radio, Recorder(header, file), watch).run(
+            explorers, starts
         )
-    if not fits:
-        raise ClearanceError(
-            f"the body {footprint} does not fit at the start ({start.x:g}, {start.y:g}) of "
-            f"{environment.name!r}: the clearance there is {clearance:.6g} m, and it needs "
-            f"{needed}; choose another start or a smaller body",
-            clearance,
-        )
-    return start
-
-
-def _drawn_start(
-    footprint: Footprint, environment: Environment, rng: np.random.Generator
-) -> Configuration:
-    # Uniform in the largest area where the body fits in any heading.
-    radius = footprint.circumscribed_radius_m
-    room = environment.free.buffer(-1.1 * radius)
-    parts = [part for part in shapely.get_parts(room) if isinstance(part, Polygon)]
-    parts = [part for part in parts if not part.is_empty]
-    if not parts:
-        raise InvalidInputError(
-            f"the body {footprint} fits nowhere in {environment.name!r}: it needs a clearance of "
-            f"{radius:.3g} m; choose a smaller body"
-        )
-    largest = max(parts, key=lambda part: part.area)
-    shapely.prepare(largest)
-    x0, y0, x1, y1 = largest.bounds
-    while True:
-        x, y = rng.uniform((x0, y0), (x1, y1))
-        if shapely.contains_xy(largest, x, y):
-            return Configuration(float(x), float(y))
 
 
 @lru_cache(maxsize=8)
@@ -165,124 +155,356 @@ def _collision_world(environment: Environment) -> CollisionWorld:
     return CollisionWorld(environment.free)
 
 
+class _Later(simpy.Event):  # type: ignore[misc]
+    """Something that happens after a delay, at a moment's end where it must not forestall."""
+
+    def __init__(
+        self,
+        clock: simpy.Environment,
+        delay_s: float,
+        then: Callable[[], None],
+        priority: int = PROMPT,
+    ) -> None:
+        super().__init__(clock)
+        self._ok = True
+        self._value = None
+        self.callbacks.append(lambda _: then())
+        clock.schedule(self, priority, delay_s)
+
+
+class _Robot:
+    """One robot of the run, as the simulation sees it."""
+
+    def __init__(self, number: int, spec: RobotSpec, body: Body, clock: simpy.Environment) -> None:
+        self.number = number
+        self.spec = spec
+        self.body = body
+        self.mailbox: list[Message] = []
+        self.wake = clock.event()
+        self.state: Literal["off", "on", "done", "dead"] = "off"
+        self.hears = False
+        self.set_out_s = 0.0
+        self.arrival_s = 0.0
+        self.encounter: Encounter | None = None
+        self.move: Move | None = None
+        self.waits = False
+        self.doom: Death | None = None
+        self.end: Ended | None = None
+
+    def poke(self) -> None:
+        """Have the robot see what happened."""
+        if not self.wake.triggered:
+            self.wake.succeed()
+
+
+class _Dead(Exception):
+    """Ends the process of a robot that died."""
+
+
 class _Simulation:
     def __init__(
         self,
         spec: RunSpec,
-        environment: Environment,
+        world: CollisionWorld,
+        index: EdgeIndex,
+        radio: Radio,
         recorder: Recorder,
         watch: Watcher | None,
     ) -> None:
         self.spec = spec
+        self.world = world
+        self.index = index
+        self.radio = radio
         self.recorder = recorder
         self.watch = watch
         self.clock = simpy.Environment()
-        self.index = EdgeIndex(
-            environment.edges, max(r.range_finder.range_m for r in spec.robots) / 3.0
-        )
-        self.world = _collision_world(environment)
-        self.ends: list[Ended] = []
-        self.out_of_time = False
+        self.robots = [
+            _Robot(number, robot, world.body(Footprint.parse(robot.footprint)), self.clock)
+            for number, robot in enumerate(spec.robots)
+        ]
+        self.on_the_air = 0
+        self.last_s = 0.0
         self.collision: Collision | None = None
 
+    @property
+    def now(self) -> float:
+        return float(self.clock.now)
+
     def run(self, explorers: list[Explorer], starts: tuple[Configuration, ...]) -> Recording:
-        processes = [
-            self.clock.process(self._drive(number, explorer, start))
-            for number, (explorer, start) in enumerate(zip(explorers, starts, strict=True))
-        ]
-        self.clock.run(until=self.clock.all_of(processes))
+        self.traffic = Traffic([robot.body for robot in self.robots], starts, self.index)
+        joins = {f.robot: f.time_s for f in self.spec.faults if isinstance(f, LateStart)}
+        for fault in self.spec.faults:
+            self._foresee(fault)
+        for robot, explorer in zip(self.robots, explorers, strict=True):
+            self.clock.process(self._live(robot, explorer, joins.get(robot.number)))
+        max_time = self.spec.stop.max_time_s
+        while not self._is_over() and self.clock.peek() <= max_time:
+            self.clock.step()
+        if self.collision is None and not self._is_over() and self.clock.peek() > max_time:
+            if math.isfinite(self.clock.peek()):
+                return self._run_out_of_time(max_time)
         outcome, reason = self._outcome()
-        # Now plus what was left of the time can be the time's end but for rounding.
-        time = self.spec.stop.max_time_s if self.out_of_time else float(self.clock.now)
-        return self.recorder.finish(time, outcome, reason)
+        return self.recorder.finish(self.last_s, outcome, reason)
+
+    def _is_over(self) -> bool:
+        # All are done or dead, and nothing is on its way that could call one on.
+        return self.collision is not None or (
+            self.on_the_air == 0
+            and all(
+                robot.state == "dead" or (robot.state == "done" and not robot.mailbox)
+                for robot in self.robots
+            )
+        )
+
+    def _run_out_of_time(self, max_time: float) -> Recording:
+        for robot in self.robots:
+            if robot.move is not None:
+                self._end_motion(robot, max_time)
+        return self.recorder.finish(
+            max_time, "out_of_time", f"the {max_time:g} s of the stop rule are over"
+        )
 
     def _outcome(self) -> tuple[RunOutcome, str]:
         if self.collision is not None:
             return "stalled", f"robot {self.collision.robot} {self.collision.account}"
-        if self.out_of_time:
-            return "out_of_time", f"the {self.spec.stop.max_time_s:g} s of the stop rule are over"
-        reasons = "; ".join(f"robot {end.robot}: {end.reason}" for end in self.ends)
-        return ("complete" if all(end.complete for end in self.ends) else "stalled"), reasons
+        living = [robot for robot in self.robots if robot.state != "dead"]
+        if not living:
+            return "stalled", "all robots died"
+        waiting = [robot.number for robot in living if robot.state != "done" or robot.end is None]
+        if waiting:
+            return "stalled", f"robots {waiting} wait for a message that never comes"
+        ends = [robot.end for robot in living if robot.end is not None]
+        if len({end.reason for end in ends}) == 1 and len(ends) > 1:
+            reasons = f"all robots: {ends[0].reason}"
+        else:
+            reasons = "; ".join(f"robot {end.robot}: {end.reason}" for end in ends)
+        return ("complete" if all(end.complete for end in ends) else "stalled"), reasons
 
-    def _drive(
-        self, number: int, explorer: Explorer, start: Configuration
+    # What a robot does -------------------------------------------------------------------
+
+    def _live(
+        self, robot: _Robot, explorer: Explorer, join_s: float | None
     ) -> Generator[Any, Any, None]:
-        # One robot: carries out what its explorer yields, until that is done or time is up.
-        robot = self.spec.robots[number]
-        body = self.world.body(Footprint.parse(robot.footprint))
-        configuration = start
+        try:
+            if join_s is not None:
+                while self.now < join_s - ROUNDING_S:
+                    self._later(join_s - self.now, robot.poke)
+                    yield from self._sleep(robot)
+                self._record(Joined(time_s=self.now, robot=robot.number))
+            robot.state, robot.hears = "on", not self._is_silent(robot.number)
+            yield from self._drive(robot, explorer)
+        except _Dead:
+            pass
+
+    def _drive(self, robot: _Robot, explorer: Explorer) -> Generator[Any, Any, None]:
+        # Carries out what the explorer yields, until it is done for good.
         outcome: Outcome = None
         actions = explorer.run()
         while True:
-            try:
-                action = actions.send(outcome)
-            except StopIteration:
-                raise InvalidInputError(
-                    f"the explorer of robot {number} stopped without a last action Done"
-                ) from None
+            action = self._ask(robot, actions, outcome)
             outcome = None
             match action:
                 case Sense():
                     outcome = take_scan(
                         self.index,
-                        configuration,
-                        float(self.clock.now),
-                        robot.range_finder.range_m,
-                        robot.range_finder.beams,
+                        self.traffic.where(robot.number, self.now),
+                        self.now,
+                        robot.spec.range_finder.range_m,
+                        robot.spec.range_finder.beams,
                     )
-                case Move(trajectory):
-                    _require_start(trajectory, configuration, number)
-                    left = self.spec.stop.max_time_s - float(self.clock.now)
-                    driven = trajectory if trajectory.duration_s <= left else trajectory.until(left)
-                    self._record_motion(number, driven)
-                    if not self._is_free(body, driven, number):
+                case Look():
+                    seen = self.traffic.in_sight(
+                        robot.number, self.now, robot.spec.range_finder.range_m
+                    )
+                    outcome = tuple(self._sighting(other) for other in seen)
+                case Move():
+                    if not self._begin_motion(robot, action):
                         return
-                    yield self.clock.timeout(driven.duration_s)
-                    configuration = driven.end
-                    if driven is not trajectory:
-                        self.out_of_time = True
-                        return
-                    outcome = Moved(configuration=configuration, time_s=float(self.clock.now))
+                    if action.listen:
+                        outcome = yield from self._wait(robot, None)
+                    else:
+                        outcome = yield from self._wait(robot, None, hears=False)
+                case Stop():
+                    if robot.move is None:
+                        raise InvalidInputError(
+                            f"the explorer of robot {robot.number} yielded Stop, but it stands"
+                        )
+                    outcome = self._end_motion(robot, self.now)
+                case Send(message, to):
+                    self._send(robot, message, to)
+                case Receive(timeout_s):
+                    outcome = yield from self._wait(robot, timeout_s)
                 case Note(event):
                     self._record(event)
-                case Done(complete, reason, frontier):
-                    end = Ended(
-                        time_s=float(self.clock.now),
-                        robot=number,
-                        reason=reason,
-                        complete=complete,
-                        frontier=frontier,
-                    )
-                    self.ends.append(end)
-                    self._record(end)
-                    return
+                    if isinstance(event, Organized):
+                        self._doom(robot, "master")
+                case Done():
+                    self._finish(robot, action)
+                    if not action.on_call:
+                        return
+                    outcome = yield from self._wait(robot, None)
+                    robot.state = "on"
                 case _:
                     raise InvalidInputError(
-                        f"the explorer of robot {number} yielded {action!r}, which is no action"
+                        f"the explorer of robot {robot.number} yielded {action!r}, "
+                        "which is no action"
                     )
+            if robot.state == "dead":
+                raise _Dead
+            if self.collision is not None:
+                return
 
-    def _record(self, event: AnyEvent) -> None:
-        self.recorder.record(event)
-        if self.watch is not None:
-            self.watch(event)
+    def _ask(
+        self, robot: _Robot, actions: Generator[Action, Outcome, None], outcome: Outcome
+    ) -> Action:
+        self.last_s = max(self.last_s, self.now)
+        try:
+            return actions.send(outcome)
+        except StopIteration:
+            raise InvalidInputError(
+                f"the explorer of robot {robot.number} stopped without a last action Done"
+            ) from None
 
-    def _record_motion(self, number: int, trajectory: Trajectory) -> None:
-        now, end = float(self.clock.now), self.spec.stop.max_time_s
-        waypoints = tuple(
-            (min(now + w.time_s, end), w.x, w.y, w.heading) for w in trajectory.waypoints
+    def _finish(self, robot: _Robot, done: Done) -> None:
+        end = Ended(
+            time_s=self.now,
+            robot=robot.number,
+            reason=done.reason,
+            complete=done.complete,
+            frontier=done.frontier,
         )
-        self._record(Motion(time_s=now, robot=number, waypoints=waypoints))
+        # One that is called on and has nothing new to say need not say it again.
+        if robot.end is None or _said(robot.end) != _said(end):
+            self._record(end)
+        robot.end = end
+        robot.state = "done"
 
-    def _is_free(self, body: Body, trajectory: Trajectory, number: int) -> bool:
+    def _wait(
+        self, robot: _Robot, timeout_s: float | None, hears: bool = True
+    ) -> Generator[Any, Any, Moved | Received | TimedOut]:
+        # Until a motion ends, messages come, or time is up; the last at a moment's end.
+        times_out = None
+        if timeout_s is not None:
+            times_out = _Later(self.clock, max(0.0, timeout_s), robot.poke, LATE)
+        robot.waits = robot.move is None
+        if robot.waits:
+            self._doom(robot, "waiting")
+        try:
+            while True:
+                if robot.state == "dead":
+                    raise _Dead
+                if (moved := self._motion_ended(robot)) is not None:
+                    return moved
+                if hears and robot.mailbox:
+                    if robot.move is None or any(m.wakes for m in robot.mailbox):
+                        messages = tuple(robot.mailbox)
+                        robot.mailbox.clear()
+                        return Received(messages, self.now)
+                if times_out is not None and times_out.processed:
+                    return TimedOut(self.now)
+                yield from self._sleep(robot)
+        finally:
+            robot.waits = False
+
+    def _sleep(self, robot: _Robot) -> Generator[Any, Any, None]:
+        robot.wake = self.clock.event()
+        yield robot.wake
+        if robot.state == "dead":
+            raise _Dead
+
+    # Motion ------------------------------------------------------------------------------
+
+    def _begin_motion(self, robot: _Robot, move: Move) -> bool:
+        # False where it would touch an obstacle: a defect, which ends the run.
+        if robot.move is not None:
+            raise InvalidInputError(
+                f"the explorer of robot {robot.number} yielded Move while a motion goes on; "
+                "yield Receive to wait for its end, or Stop"
+            )
+        number, trajectory = robot.number, move.trajectory
+        _require_start(trajectory, self.traffic.where(number, self.now), number)
+        left = self.spec.stop.max_time_s - self.now
+        if not self._is_free(
+            robot, trajectory if trajectory.duration_s <= left else trajectory.until(left)
+        ):
+            return False
+        robot.move, robot.set_out_s = move, self.now
+        robot.arrival_s = self.now + trajectory.duration_s
+        self.traffic.begin(number, self.now, trajectory, move.guard_m)
+        self._later(trajectory.duration_s, robot.poke)
+        self._foresee_encounter(robot)
+        self._foresee_others(robot)
+        if robot.doom is not None and robot.doom.when == "moving":
+            self._later(trajectory.duration_s / 2.0, lambda: self._doom(robot, "moving"))
+        return True
+
+    def _foresee_encounter(self, robot: _Robot) -> None:
+        robot.encounter = self.traffic.next_event(robot.number, self.now)
+        if robot.encounter is not None:
+            self._later(max(0.0, robot.encounter.time_s - self.now), robot.poke)
+
+    def _foresee_others(self, robot: _Robot) -> None:
+        for other in self.traffic.affected(robot.number):
+            self._foresee_encounter(self.robots[other])
+
+    def _motion_ended(self, robot: _Robot) -> Moved | None:
+        if robot.move is None:
+            return None
+        met = robot.encounter
+        if met is not None and met.time_s <= self.now + ROUNDING_S:
+            if met.kind == "contact":
+                self._collide(robot, met)
+                raise _Dead
+            moved = self._end_motion(robot, self.now)
+            self._record(
+                Blocked(
+                    time_s=self.now,
+                    robot=robot.number,
+                    by=met.other,
+                    configuration=(*moved.configuration,),
+                )
+            )
+            return Moved(
+                configuration=moved.configuration,
+                time_s=self.now,
+                blocked_by=self._sighting(met.other),
+            )
+        if self.now >= robot.arrival_s - ROUNDING_S:
+            return self._end_motion(robot, robot.arrival_s)
+        return None
+
+    def _end_motion(self, robot: _Robot, time_s: float) -> Moved:
+        assert robot.move is not None
+        move, robot.move, robot.encounter = robot.move, None, None
+        arrived = time_s >= robot.arrival_s - ROUNDING_S
+        driven = move.trajectory if arrived else move.trajectory.until(time_s - robot.set_out_s)
+        self.traffic.end(robot.number, max(time_s, robot.arrival_s) if arrived else time_s)
+        end = self.spec.stop.max_time_s
+        waypoints = tuple(
+            (min(robot.set_out_s + w.time_s, end), w.x, w.y, w.heading) for w in driven.waypoints
+        )
+        self._record(
+            Motion(
+                time_s=robot.set_out_s,
+                robot=robot.number,
+                waypoints=waypoints,
+                purpose=move.purpose,
+            )
+        )
+        self._foresee_others(robot)
+        return Moved(configuration=driven.end, time_s=self.now)
+
+    def _is_free(self, robot: _Robot, trajectory: Trajectory) -> bool:
         for a, b in zip(trajectory.waypoints, trajectory.waypoints[1:], strict=False):
-            if not self._leg_is_free(body, a, b):
+            if not self._leg_is_free(robot.body, a, b):
                 self.collision = Collision(
-                    time_s=float(self.clock.now) + a.time_s,
-                    robot=number,
+                    time_s=self.now + a.time_s,
+                    robot=robot.number,
                     configuration=(a.x, a.y, a.heading),
                     account=f"touched an obstacle on its way from ({a.x:.3f}, {a.y:.3f}) "
                     f"to ({b.x:.3f}, {b.y:.3f})",
                 )
+                self.last_s = self.collision.time_s
                 self._record(self.collision)
                 return False
         return True
@@ -293,7 +515,131 @@ class _Simulation:
             return self.world.straight_motion_is_free(body, start, end)
         if (a.x, a.y) == (b.x, b.y):
             return self.world.rotation_is_free(body, start, b.heading - a.heading)
-        return self.world.first_contact(body, start, end, b.heading - a.heading) is None
+        turn = b.heading - a.heading
+        return self.world.first_contact(body, start, end, turn, arc=True) is None
+
+    def _collide(self, robot: _Robot, met: Encounter) -> None:
+        here = self.traffic.where(robot.number, self.now)
+        there = self.traffic.where(met.other, self.now)
+        self.collision = Collision(
+            time_s=self.now,
+            robot=robot.number,
+            configuration=(*here,),
+            account=f"touched robot {met.other} at ({there.x:.3f}, {there.y:.3f}) on its way "
+            f"from ({here.x:.3f}, {here.y:.3f})",
+        )
+        self._end_motion(robot, self.now)
+        self._record(self.collision)
+
+    def _sighting(self, other: int) -> Sighting:
+        return Sighting(
+            robot=other,
+            configuration=self.traffic.where(other, self.now),
+            footprint=self.robots[other].body.footprint,
+        )
+
+    # Messages ----------------------------------------------------------------------------
+
+    def _send(self, robot: _Robot, message: Message, to: int | None) -> None:
+        deliveries: list[tuple[int, float]] = []
+        lost: list[int] = []
+        if robot.hears:
+            positions = [self.traffic.where(r.number, self.now)[:2] for r in self.robots]
+            working = [r.hears for r in self.robots]
+            deliveries, lost = self.radio.deliveries(robot.number, to, positions, working)
+        self._record(
+            Sent(
+                time_s=self.now,
+                robot=robot.number,
+                kind=message.kind,
+                size_bytes=message.size_bytes,
+                reached=tuple(receiver for receiver, _ in deliveries),
+                lost=tuple(lost),
+            )
+        )
+        for receiver, delay_s in deliveries:
+            if delay_s > 0.0:
+                self.on_the_air += 1
+                self._later(delay_s, partial(self._arrive, self.robots[receiver], message))
+            else:
+                self._deliver(self.robots[receiver], message)
+
+    def _arrive(self, robot: _Robot, message: Message) -> None:
+        self.on_the_air -= 1
+        self._deliver(robot, message)
+
+    def _deliver(self, robot: _Robot, message: Message) -> None:
+        if robot.hears:
+            robot.mailbox.append(message)
+            if robot.move is None or message.wakes:
+                robot.poke()
+
+    # Faults ------------------------------------------------------------------------------
+
+    def _foresee(self, fault: Death | Silence | LateStart) -> None:
+        robot = self.robots[fault.robot]
+        if isinstance(fault, Death):
+            self._later(fault.time_s, lambda: self._arm(robot, fault))
+        elif isinstance(fault, Silence):
+            self._later(fault.time_s, lambda: self._silence(robot))
+            self._later(fault.time_s + fault.duration_s, lambda: self._come_back(robot))
+
+    def _arm(self, robot: _Robot, fault: Death) -> None:
+        robot.doom = fault
+        for doing, so in (("any", True), ("moving", robot.move), ("waiting", robot.waits)):
+            if so:
+                self._doom(robot, doing)
+
+    def _doom(self, robot: _Robot, doing: str) -> None:
+        # Lets a robot die if that is what it was to be doing.
+        if robot.doom is None or robot.doom.when != doing or robot.state == "dead":
+            return
+        if doing == "moving" and robot.move is None:
+            return
+        was: Literal["moving", "waiting", "master"] = (
+            "master" if doing == "master" else "moving" if robot.move is not None else "waiting"
+        )
+        if robot.move is not None:
+            self._end_motion(robot, self.now)
+        robot.state, robot.hears = "dead", False
+        robot.mailbox.clear()
+        self.last_s = max(self.last_s, self.now)
+        place = self.traffic.where(robot.number, self.now)
+        self._record(
+            Died(time_s=self.now, robot=robot.number, configuration=(*place,), doing=was)
+        )
+        robot.poke()
+
+    def _is_silent(self, number: int) -> bool:
+        return any(
+            fault.time_s <= self.now < fault.time_s + fault.duration_s
+            for fault in self.spec.faults
+            if isinstance(fault, Silence) and fault.robot == number
+        )
+
+    def _silence(self, robot: _Robot) -> None:
+        if robot.state in ("on", "done"):
+            robot.hears = False
+            self._record(FellSilent(time_s=self.now, robot=robot.number))
+
+    def _come_back(self, robot: _Robot) -> None:
+        if robot.state in ("on", "done") and not robot.hears and not self._is_silent(robot.number):
+            robot.hears = True
+            self._record(CameBack(time_s=self.now, robot=robot.number))
+
+    # ---------------------------------------------------------------------------------------
+
+    def _later(self, delay_s: float, then: Callable[[], None]) -> None:
+        _Later(self.clock, delay_s, then)
+
+    def _record(self, event: AnyEvent) -> None:
+        self.recorder.record(event)
+        if self.watch is not None:
+            self.watch(event)
+
+
+def _said(end: Ended) -> tuple[object, ...]:
+    return end.reason, end.complete, end.frontier
 
 
 def _require_start(trajectory: Trajectory, configuration: Configuration, number: int) -> None:

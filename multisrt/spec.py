@@ -14,7 +14,7 @@ import shapely
 from multisrt.environments.environment import Environment
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.footprint import Footprint
-from multisrt.planners.motion.kinematics import Differential, Holonomic, Kinematics
+from multisrt.planners.motion.kinematics import Car, Differential, Holonomic, Kinematics
 
 Scalar = bool | int | float | str
 
@@ -92,24 +92,35 @@ class DriveSpec(_Spec, frozen=True, kw_only=True):
 
     Attributes
     ----------
-    kind : {"differential", "holonomic"}
-        Turns in place and drives along its heading, or drives in any direction.
+    kind : {"differential", "holonomic", "reeds-shepp", "dubins"}
+        Turns in place and drives along its heading; drives in any direction; is a car that
+        drives forwards and backwards; or is a car that only drives forwards.
     speed_m_s, turn_rate_rad_s : float
-        Its limits; a holonomic body does not turn.
+        Its limits; only a differential body turns in place.
+    turning_radius_m : float
+        Radius of a car's tightest curve.
     """
 
-    kind: Literal["differential", "holonomic"] = "differential"
+    kind: Literal["differential", "holonomic", "reeds-shepp", "dubins"] = "differential"
     speed_m_s: float = 0.5
     turn_rate_rad_s: float = math.pi / 2
+    turning_radius_m: float = 0.6
 
     def __post_init__(self) -> None:
         Differential(speed_m_s=self.speed_m_s, turn_rate_rad_s=self.turn_rate_rad_s)
+        Car(speed_m_s=self.speed_m_s, turning_radius_m=self.turning_radius_m)
 
     def kinematics(self) -> Kinematics:
         """Build the kinematics that this describes."""
         if self.kind == "holonomic":
             return Holonomic(speed_m_s=self.speed_m_s)
-        return Differential(speed_m_s=self.speed_m_s, turn_rate_rad_s=self.turn_rate_rad_s)
+        if self.kind == "differential":
+            return Differential(speed_m_s=self.speed_m_s, turn_rate_rad_s=self.turn_rate_rad_s)
+        return Car(
+            speed_m_s=self.speed_m_s,
+            turning_radius_m=self.turning_radius_m,
+            reverse=self.kind == "reeds-shepp",
+        )
 
 
 class RangeFinderSpec(_Spec, frozen=True, kw_only=True):

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_right
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Literal, NamedTuple, Protocol
 
@@ -33,7 +33,7 @@ from multisrt.geometry.kernel import FloatArray, kernel
 from multisrt.geometry.safe_region import CONTACT_TOLERANCE_M, LocalSafeRegion
 from multisrt.geometry.visibility import visibility_polygon
 from multisrt.planners.motion.body import HAIR_M, PlanningBody
-from multisrt.planners.motion.kinematics import Kinematics
+from multisrt.planners.motion.kinematics import Car, Kinematics
 from multisrt.planners.motion.steering import reach, reach_fan, steer
 
 Refusal = Literal["too narrow", "not reachable", "seen from near"]
@@ -44,6 +44,9 @@ REFUSALS: tuple[Refusal, ...] = ("too narrow", "not reachable", "seen from near"
 
 NEAREST_NODES = 12
 """From so many nodes a way to a place is looked for."""
+
+MOST_ASKED = 24
+"""So many times at each point of an arc it is asked whether a way leads to a place."""
 
 FAN = 72
 """Directions in which the approach looks for a place, besides those to the frontier itself."""
@@ -124,16 +127,32 @@ class SrtOptions(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
                 raise InvalidInputError(f"{name} is {getattr(self, name)}; it must be {allowed}")
 
 
+Accept = Callable[[float, float], str | None]
+"""Says why a place is refused that is a candidate otherwise; None: it is accepted."""
+
+
 @dataclass(slots=True)
 class Draws:
-    """How many candidates were drawn at a node, and why they were refused."""
+    """How many candidates were drawn at a node, and why they were refused.
+
+    Attributes
+    ----------
+    drawn : int
+        How many there were.
+    refused : dict
+        Why they were refused, with how often.
+    candidates : list of (x, y, reason)
+        Those that were refused, in their order.
+    """
 
     drawn: int = 0
     refused: dict[str, int] = field(default_factory=dict)
+    candidates: list[tuple[float, float, str]] = field(default_factory=list)
 
-    def refuse(self, reason: str) -> None:
+    def refuse(self, x: float, y: float, reason: str) -> None:
         """Count a candidate that was refused."""
         self.refused[reason] = self.refused.get(reason, 0) + 1
+        self.candidates.append((x, y, reason))
 
 
 class Viewpoint(Protocol):
@@ -196,6 +215,7 @@ class SrtPlanner:
         others: FloatArray,
         other_regions: list[LocalSafeRegion],
         rng: Generator,
+        accept: Accept | None = None,
     ) -> tuple[tuple[float, float] | None, Draws]:
         """Stage 1: draw candidates until one is accepted.
 
@@ -213,6 +233,8 @@ class SrtPlanner:
             Their regions, where candidates must lie in none of them (`frontier_bias=False`).
         rng : numpy.random.Generator
             The robot's own stream.
+        accept : callable, optional
+            Asked last about a candidate: why it is refused, or None.
 
         Returns
         -------
@@ -248,14 +270,19 @@ class SrtPlanner:
                 else 0.0
             )
             x, y = at.x + distance * ux, at.y + distance * uy
+            reason: str | None = None
             if distance < self.d_min_m:
-                draws.refuse("no room")
+                # The body does not get anywhere: the candidate is where it was drawn.
+                x, y, reason = at.x + wanted * ux, at.y + wanted * uy, "no room"
             elif nearest_point(others, x, y) < self.d_min_m:
-                draws.refuse("near a node")
+                reason = "near a node"
             elif not biased and any(inside(other.boundary, x, y) for other in other_regions):
-                draws.refuse("in another region")
-            else:
+                reason = "in another region"
+            elif accept is not None:
+                reason = accept(x, y)
+            if reason is None:
                 return (x, y), draws
+            draws.refuse(x, y, reason)
         return None, draws
 
     def approach(
@@ -264,11 +291,25 @@ class SrtPlanner:
         region: LocalSafeRegion,
         arcs: list[FloatArray],
         others: FloatArray,
+        accept: Accept | None = None,
+        draws: Draws | None = None,
     ) -> tuple[float, float] | None:
         """Stage 2: the place straight from here that lies nearest to a frontier arc.
 
         It is taken if it lies clearly nearer to its arc than the robot does, by half of
         `d_min_m`, and `d_min_m` from every node.
+
+        Parameters
+        ----------
+        at, region, others
+            As in `draw`.
+        arcs : list of (k, 4) array
+            The local frontier.
+        accept : callable, optional
+            Asked last about a place: why it is refused, or None. The next nearest is taken
+            then, not close to one that was refused, of at most `max_draws`.
+        draws : Draws, optional
+            Where refusals are counted.
         """
         if not arcs:
             return None
@@ -287,14 +328,33 @@ class SrtPlanner:
         if not len(candidates):
             return None
         here = np.array([[at.x, at.y]])
-        best, best_distance = None, math.inf
-        for arc in arcs:
+        # Of every place the arc that lies nearest to it, and how near.
+        nearest = np.full(len(candidates), math.inf)
+        number = np.zeros(len(candidates), np.int64)
+        for k, arc in enumerate(arcs):
             distances = distance_to_segments(candidates, arc)
-            k = int(distances.argmin())
             clearly = distance_to_segments(here, arc)[0] - 0.5 * self.d_min_m
-            if distances[k] < min(clearly, best_distance):
-                best, best_distance = candidates[k], float(distances[k])
-        return None if best is None else (float(best[0]), float(best[1]))
+            nearer = distances < np.minimum(clearly, nearest)
+            nearest[nearer], number[nearer] = distances[nearer], k
+        order = np.lexsort((number, nearest))
+        places = candidates[order[: np.count_nonzero(nearest < math.inf)]]
+        return self._first_accepted(places, accept, Draws() if draws is None else draws)
+
+    def _first_accepted(
+        self, places: FloatArray, accept: Accept | None, draws: Draws
+    ) -> tuple[float, float] | None:
+        # Neighbours of a place that is refused mostly are for the same reason: they are skipped.
+        for _ in range(self.options.max_draws):
+            if not len(places):
+                return None
+            x, y = places[0].tolist()
+            reason = None if accept is None else accept(x, y)
+            if reason is None:
+                return x, y
+            draws.refuse(x, y, reason)
+            apart = np.hypot(places[:, 0] - x, places[:, 1] - y) >= 0.5 * self.d_min_m
+            places = places[apart]
+        return None
 
     def viewing_place(
         self,
@@ -302,6 +362,7 @@ class SrtPlanner:
         known: BaseGeometry,
         within_m: float,
         nodes: Sequence[Viewpoint],
+        leads: Callable[[int, float, float], bool] | None = None,
     ) -> Way | Refusal:
         """Stage 3: a place in the known region from which the body can see a frontier arc.
 
@@ -315,6 +376,9 @@ class SrtPlanner:
             How far from the arc's middle to look for places.
         nodes : sequence of Viewpoint
             All nodes near by.
+        leads : callable, optional
+            Whether a way leads from a node, given by its number, to a place and back, for a
+            body that does not drive straight; asked at most `MOST_ASKED` times.
 
         Returns
         -------
@@ -345,20 +409,25 @@ class SrtPlanner:
                 shapely.prepare(ample)
                 roomy = shapely.contains_xy(ample, places)
                 places = np.vstack([places[roomy], places[~roomy]])
-            found = self._place_with_a_way(places, room, nodes)
+            found = self._place_with_a_way(places, room, nodes, leads)
             if not isinstance(found, str):
                 return found
             reasons.append(found)
         return max(reasons, key=REFUSALS.index, default="too narrow")
 
     def _place_with_a_way(
-        self, places: FloatArray, room: BaseGeometry, nodes: Sequence[Viewpoint]
+        self,
+        places: FloatArray,
+        room: BaseGeometry,
+        nodes: Sequence[Viewpoint],
+        leads: Callable[[int, float, float], bool] | None,
     ) -> Way | Refusal:
         # The first place that is not close to a node and has a straight way from one: through
         # the room for any heading or, from a narrow node, inside what it sees.
         if not len(places):
             return "too narrow"
         reason: Refusal = "seen from near"
+        asked = 0
         spots = np.array([node.configuration[:2] for node in nodes]).reshape(-1, 2)
         roomy = shapely.contains_xy(room, spots)
         unseen = nearest_points(spots, places) >= self.options.completion_spacing * self.d_min_m
@@ -366,7 +435,13 @@ class SrtPlanner:
             reason = "not reachable"
             distances = np.hypot(spots[:, 0] - x, spots[:, 1] - y)
             for k in np.argsort(distances, kind="stable")[:NEAREST_NODES].tolist():
-                if roomy[k]:
+                if leads is not None:
+                    if asked == MOST_ASKED:
+                        return reason
+                    asked += 1
+                    if leads(k, x, y):
+                        return Way(x, y, k, roomy=False)
+                elif roomy[k]:
                     line = shapely.LineString([spots[k], (x, y)])
                     if shapely.contains_properly(room, line):
                         return Way(x, y, k, roomy=True)
@@ -376,7 +451,7 @@ class SrtPlanner:
 
     def _leaves_a_narrow_node(self, node: Viewpoint, x: float, y: float) -> bool:
         boundary, at = node.region.boundary, node.configuration
-        if self.body.has_room(boundary, at):
+        if isinstance(self.kinematics, Car) or self.body.has_room(boundary, at):
             return False
         return steer(self.body, self.kinematics, boundary, at, x, y) is not None
 

@@ -6,13 +6,16 @@ nodes by their shape. Source of most colours: Okabe and Ito, Color Universal Des
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Final
 
-from multisrt.drawing.svg import plain
+from multisrt.drawing.svg import Marker, plain
+from multisrt.events import Stage
 
 WHITE: Final = "#ffffff"
 INK: Final = "#1a1a1a"
+ANY_ROBOT: Final = "#5c5c5c"
 VERMILION: Final = "#b94600"
 """Darker than in the source, so that it stands out in grey, too."""
 
@@ -40,6 +43,10 @@ ROBOT_DASHES_MM: Final[tuple[tuple[float, ...], ...]] = (
     (2.4, 0.6, 0.8, 0.6),
 )
 """Dashes of robots' trees, in turn, one further each time that all colours are used up."""
+
+SHADES: Final = ((0.0, 0.0, 0.36), (0.55, 0.12, 0.58), (0.0, 0.0, 0.16), (0.55, 0.5, 0.3))
+"""Shares of black in the colours of a robot's lines and of its area, and strength of the area's
+tint; in turn, one further each time that all colours are used up."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -94,44 +101,121 @@ FRONTIER: Final = Style(stroke=VERMILION, width_mm=0.9)
 START: Final = Style(fill=WHITE, stroke=INK, width_mm=0.35)
 END: Final = Style(fill=INK, stroke=WHITE, width_mm=0.25)
 SUGGESTED_START: Final = Style(fill=WHITE, stroke=INK, width_mm=0.35)
+LATE_START: Final = Style(fill="#c9c9c9", stroke=INK, width_mm=0.35)
 COLLISION: Final = Style(stroke=VERMILION, width_mm=0.8)
+DEATH: Final = Style(stroke=INK, width_mm=0.9)
+HALO: Final = Style(stroke=WHITE, width_mm=2.0)
+"""Under a cross, so that it stands out from lines."""
+
+STOP: Final = Style(fill=WHITE, stroke=INK, width_mm=0.25)
 
 CLOSED: Final = {
     "too narrow": Style(stroke=INK, width_mm=0.7, dashes_mm=(0.4, 0.35)),
     "not reachable": Style(stroke=INK, width_mm=0.7, dashes_mm=(1.4, 0.5)),
     "seen from near": Style(stroke=INK, width_mm=0.7, dashes_mm=(1.4, 0.4, 0.4, 0.4)),
+    "blocked by a robot": Style(stroke=INK, width_mm=0.7, dashes_mm=(2.6, 0.4, 0.4, 0.4)),
 }
 """Arcs that were given up, by reason."""
 
 
+NODE_MM: Final = (0.3, 0.8)
+"""Nodes are drawn with a radius in this range: smaller where they stand close together."""
+
+START_MM: Final = 2.0
+END_MM: Final = 1.7
+STOP_MM: Final = 0.9
+DEATH_MM: Final = 1.5
+
+BADGE_MM: Final = (0.8, 2.1)
+"""Starts of a team are drawn with a radius in this range: smaller where they are crowded."""
+
+STAGES: Final[dict[Stage, tuple[Marker, str]]] = {
+    "root": ("square", "root node"),
+    "draw": ("disc", "node drawn at random"),
+    "approach": ("triangle", "node on the way to a frontier"),
+    "complete": ("diamond", "node for a frontier left behind"),
+    "coordinate": ("star", "node where a master sent the robot"),
+}
+"""How nodes are marked by how the planner found their place."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RobotStyles:
-    """How what belongs to one robot is drawn."""
+    """How what belongs to one robot is drawn.
+
+    Attributes
+    ----------
+    region, outline : Style
+        A local safe region of a robot that is alone, and of one among others.
+    area : Style
+        What it saw first among others. Areas lie side by side, so that colours never mix.
+    path, way : Style
+        Where a robot went that is alone, and one among others.
+    support, bridge : Style
+        Where it went to support others; its ways between nodes off the tree.
+    edge, node : Style
+        Its tree.
+    start, late_start, end : Style
+        Where it started, or was switched on late, and where it was at last, among others.
+    """
 
     region: Style
+    outline: Style
+    area: Style
     path: Style
+    way: Style
+    support: Style
+    bridge: Style
     edge: Style
     node: Style
+    start: Style
+    late_start: Style
+    end: Style
 
     @classmethod
     def of(cls, robot: int) -> RobotStyles:
         """Give a robot's styles; 64 robots differ, then they repeat."""
         turn, number = divmod(robot, len(ROBOT_COLOURS))
+        black, of_area, strength = SHADES[turn % len(SHADES)]
         colour = ROBOT_COLOURS[number]
         dashes = ROBOT_DASHES_MM[(number + turn) % len(ROBOT_DASHES_MM)]
+        fill = tint(shade(colour, of_area), strength)
+        return cls._in(shade(colour, black), fill, dashes)
+
+    @classmethod
+    def of_any(cls) -> RobotStyles:
+        """Give the styles of any robot, to explain them."""
+        return cls._in(ANY_ROBOT, tint(ANY_ROBOT, SHADES[0][2]), ())
+
+    @classmethod
+    def _in(cls, colour: str, fill: str, dashes: tuple[float, ...]) -> RobotStyles:
         return cls(
             # Where many regions overlap the sum is the fill itself, which is therefore light.
             region=Style(
-                fill=tint(colour, 0.36),
+                fill=fill,
                 fill_opacity=0.65,
                 stroke=colour,
                 stroke_opacity=0.45,
                 width_mm=0.09,
             ),
+            outline=Style(stroke=colour, stroke_opacity=0.45, width_mm=0.09),
+            area=Style(fill=fill, stroke=colour, width_mm=0.18),
             path=Style(stroke=INK, width_mm=0.14, dashes_mm=(0.5, 0.4)),
+            way=Style(stroke=colour, width_mm=0.16, dashes_mm=(0.5, 0.4)),
+            # Where many go the same way the last one's is seen, not a sum of all colours.
+            support=Style(stroke=tint(colour, 0.72), width_mm=1.0, dashes_mm=(1.1, 0.9)),
+            bridge=Style(stroke=colour, width_mm=0.22),
             edge=Style(stroke=colour, width_mm=0.4, dashes_mm=dashes),
             node=Style(fill=colour, stroke=WHITE, width_mm=0.12),
+            start=Style(fill=WHITE, stroke=colour, width_mm=0.45),
+            late_start=Style(fill=LATE_START.fill, stroke=colour, width_mm=0.45),
+            end=Style(fill=colour, stroke=INK, width_mm=0.18),
         )
+
+
+def shade(colour: str, black: float) -> str:
+    """Mix a colour, as ``#rrggbb``, with a share of black from 0 to 1."""
+    return _hex((1.0 - black) * channel for channel in _channels(colour))
 
 
 def tint(colour: str, strength: float) -> str:
@@ -144,5 +228,12 @@ def tint(colour: str, strength: float) -> str:
     strength : float
         Share of the colour, from 0 (white) to 1.
     """
-    channels = (int(colour[i : i + 2], 16) for i in (1, 3, 5))
-    return "#" + "".join(f"{round(255 - strength * (255 - c)):02x}" for c in channels)
+    return _hex(255 - strength * (255 - channel) for channel in _channels(colour))
+
+
+def _channels(colour: str) -> tuple[int, ...]:
+    return tuple(int(colour[i : i + 2], 16) for i in (1, 3, 5))
+
+
+def _hex(channels: Iterable[float]) -> str:
+    return "#" + "".join(f"{round(channel):02x}" for channel in channels)

@@ -26,6 +26,7 @@ from multisrt.drawing.svg import (
     text_width,
 )
 from multisrt.environments.environment import Environment
+from multisrt.events import Point
 
 LARGEST_MAP_MM: Final = ((265.0, 160.0), (180.0, 225.0))
 """The map fits one of these: with heading and legend an A4 sheet, landscape or portrait."""
@@ -75,6 +76,23 @@ class LegendEntry:
     size_mm: float = 1.0
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Swatch:
+    """What the things of one of many look like.
+
+    Attributes
+    ----------
+    label : str
+        Whose they are.
+    area, line : Style
+        How its areas and its lines are drawn.
+    """
+
+    label: str
+    area: Style
+    line: Style
+
+
 class Sheet:
     """A sheet with a map of a world.
 
@@ -95,6 +113,10 @@ class Sheet:
         Writes coordinates of the world.
     legend : list of LegendEntry
         What stands below the map.
+    swatches : list of Swatch
+        What stands below the legend, in as many columns as there is room for.
+    swatches_heading : str
+        What the swatches are of.
     """
 
     def __init__(self, environment: Environment, heading: Sequence[str], description: str) -> None:
@@ -103,6 +125,8 @@ class Sheet:
         frame = FRAME_MM * self.mm
         self.pen = Pen.for_bounds(environment.bounds)
         self.legend: list[LegendEntry] = []
+        self.swatches: list[Swatch] = []
+        self.swatches_heading = ""
         self._bounds: Bounds = (x0 - frame, y0 - frame, x1 + frame, y1 + frame)
         self._map_mm = ((x1 - x0) / self.mm + 2 * FRAME_MM, (y1 - y0) / self.mm + 2 * FRAME_MM)
         self._width_mm = max(self._map_mm[0], NARROWEST_MM)
@@ -140,29 +164,33 @@ class Sheet:
         child(self.layer("obstacles", OBSTACLE, fill_rule="evenodd"), "path", d=path)
         self.legend.append(LegendEntry(label="obstacle", style=OBSTACLE))
 
-    def label(self, parent: ET.Element, text: str, x: float, y: float) -> None:
-        """Write a short text beside a place of the map, upright although y points up."""
-        x, y = x - self.pen.origin[0], y - self.pen.origin[1]
+    def label(
+        self, parent: ET.Element, text: str, place: Point, size_mm: float, halo_mm: float = 0.0
+    ) -> None:
+        """Write a short text in the middle of a place, upright although y points up."""
+        x, y = place[0] - self.pen.origin[0], place[1] - self.pen.origin[1]
+        halo: dict[str, str | float] = {"stroke": "none"}
+        if halo_mm:
+            halo = {"stroke": WHITE, "stroke_width": halo_mm, "paint_order": "stroke"}
         child(
             parent,
             "text",
             text,
-            x=1.9,
-            y=-1.4,
-            font_size=TEXT_MM,
+            y=0.36 * size_mm,
+            font_size=size_mm,
             font_family=FONT,
             font_weight="bold",
+            text_anchor="middle",
             fill=INK,
-            stroke=WHITE,
-            stroke_width=0.8,
-            stroke_linejoin="round",
-            paint_order="stroke",
+            **halo,
             transform=f"translate({plain(x)} {plain(y)}) scale({plain(self.mm)} {plain(-self.mm)})",
         )
 
     def svg(self) -> str:
         """Write scale bar and legend, and give the whole document."""
         below = self._write_legend(self._write_scale_bar(self._y_mm))
+        if self.swatches:
+            below = self._write_swatches(below + GAP_MM)
         width, height = self._width_mm + 2 * MARGIN_MM, below + MARGIN_MM
         in_metres = {"width": plain(width * self.mm), "height": plain(height * self.mm)}
         set_attributes(self._paper, in_metres)
@@ -240,6 +268,23 @@ class Sheet:
             _sample(group, entry, x, y)
             child(group, "text", entry.label, x=x + SAMPLE_MM + 2.0, y=y + 0.36 * TEXT_MM)
         return top_mm + rows * row_mm
+
+    def _write_swatches(self, top_mm: float) -> float:
+        group = self._paper_layer("swatches")
+        row_mm = 1.6 * TEXT_MM
+        y = top_mm + 0.5 * row_mm
+        child(group, "text", self.swatches_heading, x=MARGIN_MM, y=y + 0.36 * TEXT_MM)
+        widest = max(text_width(swatch.label, TEXT_MM) for swatch in self.swatches)
+        column_mm = SAMPLE_MM + 1.0 + widest + 2.0
+        columns = max(1, math.floor((self._width_mm + 2.0) / column_mm))
+        rows = math.ceil(len(self.swatches) / columns)
+        for k, swatch in enumerate(self.swatches):
+            column, row = divmod(k, rows)
+            x, y = MARGIN_MM + column * column_mm, top_mm + (row + 1.5) * row_mm
+            _sample(group, LegendEntry(label="", style=swatch.area), x, y)
+            _sample(group, LegendEntry(label="", style=swatch.line), x, y)
+            child(group, "text", swatch.label, x=x + SAMPLE_MM + 1.0, y=y + 0.36 * TEXT_MM)
+        return top_mm + (rows + 1) * row_mm
 
 
 def wrapped(text: str, size: float, width: float) -> list[str]:

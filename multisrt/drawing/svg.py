@@ -16,7 +16,9 @@ from numpy.typing import ArrayLike
 from multisrt.geometry.kernel import FloatArray
 
 Bounds = tuple[float, float, float, float]
-Marker = Literal["disc", "triangle", "diamond", "square", "arrow", "cross"]
+Marker = Literal[
+    "disc", "triangle", "diamond", "square", "star", "octagon", "pin", "arrow", "cross"
+]
 
 FINEST = 1 / 5000
 """Coordinates are rounded to a power of ten that is at most this share of the map's extent."""
@@ -31,6 +33,20 @@ _CORNERS: dict[Marker, tuple[tuple[float, float], ...]] = {
     "triangle": ((-1.1, -0.75), (1.1, -0.75), (0.0, 1.25)),
     "diamond": ((0.0, -1.25), (1.25, 0.0), (0.0, 1.25), (-1.25, 0.0)),
     "square": ((-0.9, -0.9), (0.9, -0.9), (0.9, 0.9), (-0.9, 0.9)),
+    "star": tuple(
+        (1.5 * math.cos(a), 1.5 * math.sin(a))
+        if k % 2 == 0
+        else (0.55 * math.cos(a), 0.55 * math.sin(a))
+        for k, a in enumerate(math.pi / 4 * n for n in range(8))
+    ),
+    "octagon": tuple(
+        (math.cos(a), math.sin(a)) for a in (math.pi / 8 * n for n in range(1, 17, 2))
+    ),
+    # A disc with a nose in the direction of the heading.
+    "pin": (
+        *((math.cos(a), math.sin(a)) for a in (math.pi / 16 * n for n in range(3, 30))),
+        (1.6, 0.0),
+    ),
     "arrow": ((1.3, 0.0), (-0.9, 0.9), (-0.4, 0.0), (-0.9, -0.9)),
 }
 

@@ -2,21 +2,41 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
+from typing import Final
 
 import numpy as np
 
-from multisrt.events import ArcClosed, Collision, Motion, NodeAdded, Point, Segment
+from multisrt.events import (
+    ArcClosed,
+    Blocked,
+    Collision,
+    Died,
+    Motion,
+    NodeAdded,
+    NodeName,
+    Point,
+    Purpose,
+    Segment,
+)
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.kernel import FloatArray
+from multisrt.planners.motion.trajectory import leg_length, leg_points
 from multisrt.recording import Recording
 from multisrt.remaining_frontier import remaining_frontier
+from multisrt.spec import LateStart
 
 JOINED_M = 1e-6
 """Segments are one line where one begins within this of the other's end."""
+
+SUPPORTING: Final[tuple[Purpose, ...]] = ("support", "home")
+"""What a robot moves for that is done with its own tree."""
+
+Edge = tuple[Point, Point]
+"""The places of parent and child."""
 
 
 @dataclass(slots=True, kw_only=True)
@@ -29,21 +49,40 @@ class Trace:
         Its number, from 0.
     start : Configuration
         Where it started.
+    late : bool
+        Whether it was switched on late.
     nodes : dict
-        The nodes of its tree by serial number, in the order in which they were added.
-    motions, closed, collisions : list of events
+        The nodes that it made by serial number, in the order in which they were added.
+    edges : dict
+        The edges to these nodes, by the robot at whose start their tree is rooted.
+    motions, closed, stops, collisions : list of events
         What else happened to it, in order.
+    death : Died or None
+        Its death.
     frontier : tuple of segments
         What frontier it left open.
+    supporting : list of ``(n, 2)`` points
+        Its ways to, along and back from trees of others.
+    bridges : list of ``(n, 2)`` points
+        Its ways between nodes that no edge joins, each once.
+    is_off_tree : bool
+        Whether it also went otherwise than along edges and bridges.
     """
 
     robot: int
     start: Configuration
+    late: bool = False
     nodes: dict[int, NodeAdded] = field(default_factory=dict)
+    edges: dict[int, list[Edge]] = field(default_factory=dict)
     motions: list[Motion] = field(default_factory=list)
     closed: list[ArcClosed] = field(default_factory=list)
+    stops: list[Blocked] = field(default_factory=list)
     collisions: list[Collision] = field(default_factory=list)
+    death: Died | None = None
     frontier: tuple[Segment, ...] = ()
+    supporting: list[FloatArray] = field(default_factory=list)
+    bridges: list[FloatArray] = field(default_factory=list)
+    is_off_tree: bool = False
 
     @property
     def end(self) -> Configuration:
@@ -53,30 +92,22 @@ class Trace:
         return Configuration(*self.motions[-1].waypoints[-1][1:])
 
     @property
+    def is_away(self) -> bool:
+        """Whether it was at last not where it started, to the eye."""
+        return self.end.distance(self.start) > 1e-3
+
+    @property
     def path(self) -> FloatArray:
         """Where it went, as ``(n, 2)`` points."""
         points = [(self.start.x, self.start.y)]
-        points += [(x, y) for motion in self.motions for _, x, y, _ in motion.waypoints]
+        points += [point for motion in self.motions for point in _points(motion.waypoints)]
         return np.asarray(points)
 
     @property
     def distance_m(self) -> float:
         """How far it went."""
-        return float(np.hypot(*np.diff(self.path, axis=0).T).sum())
-
-    def edges(self) -> list[tuple[Point, Point]]:
-        """Give the places of parent and child for every edge of its tree."""
-        return [
-            (self.nodes[node.parent].configuration[:2], node.configuration[:2])
-            for node in self.nodes.values()
-            if node.parent is not None
-        ]
-
-    def is_off_tree(self) -> bool:
-        """Whether it also went otherwise than straight along the edges of its tree."""
-        edges = {frozenset(map(_rounded, edge)) for edge in self.edges()}
-        legs = (frozenset(map(_rounded, leg)) for leg in pairwise(self.path.tolist()))
-        return any(len(leg) == 2 and leg not in edges for leg in legs)
+        legs = (leg for motion in self.motions for leg in pairwise(motion.waypoints))
+        return sum(leg_length(*leg) for leg in legs)
 
 
 def traces_of(recording: Recording) -> list[Trace]:
@@ -85,15 +116,20 @@ def traces_of(recording: Recording) -> list[Trace]:
     Raises
     ------
     InvalidInputError
-        If an event is of a robot that is not in the team, a node's parent is not in the tree,
-        or a region is none; the message names the node.
+        If an event is of a robot that is not in the team, a node's parent is not known before
+        it, or a region is none; the message names the node.
     """
     if len(recording.starts) != len(recording.spec.robots):
         raise InvalidInputError(
             f"the recording has {len(recording.starts)} starts for a team of "
             f"{len(recording.spec.robots)}"
         )
-    traces = [Trace(robot=k, start=start) for k, start in enumerate(recording.starts)]
+    late = {fault.robot for fault in recording.spec.faults if isinstance(fault, LateStart)}
+    traces = [
+        Trace(robot=robot, start=start, late=robot in late)
+        for robot, start in enumerate(recording.starts)
+    ]
+    trees: dict[NodeName, int] = {}
     for event in recording.events:
         if not 0 <= event.robot < len(traces):
             raise InvalidInputError(
@@ -103,17 +139,23 @@ def traces_of(recording: Recording) -> list[Trace]:
         trace = traces[event.robot]
         match event:
             case NodeAdded():
-                _require_sound(event, trace)
+                _require_sound(event, trees)
                 trace.nodes[event.serial] = event
+                _hang(event, traces, trees)
             case Motion() if event.waypoints:
                 trace.motions.append(event)
             case ArcClosed():
-                _require_known(event.node, trace, "closes an arc of")
+                _require_known(event.node, trees, "closes an arc of")
                 trace.closed.append(event)
+            case Blocked():
+                trace.stops.append(event)
+            case Died():
+                trace.death = event
             case Collision():
                 trace.collisions.append(event)
     for robot, segments in remaining_frontier(recording).items():
         traces[robot].frontier = segments
+    _sort_ways(traces)
     return traces
 
 
@@ -135,22 +177,101 @@ def joined(segments: tuple[Segment, ...]) -> list[list[Point]]:
 
 def median_edge_m(traces: list[Trace]) -> float | None:
     """Give the median length of all trees' edges; None if there are none."""
-    edges = np.asarray([edge for trace in traces for edge in trace.edges()])
+    edges = np.asarray([e for trace in traces for edges in trace.edges.values() for e in edges])
     if not len(edges):
         return None
     return float(np.median(np.hypot(*(edges[:, 1] - edges[:, 0]).T)))
 
 
-def _rounded(place: Sequence[float]) -> tuple[float, ...]:
-    return tuple(round(value, 6) for value in place)
+def _hang(node: NodeAdded, traces: list[Trace], trees: dict[NodeName, int]) -> None:
+    # A tree is that of the root at the end of the parent links.
+    name = (node.robot, node.serial)
+    if node.parent is None:
+        trees[name] = node.robot
+        return
+    robot, serial = node.parent
+    trees[name] = tree = trees[robot, serial]
+    parent = traces[robot].nodes[serial]
+    edge = (parent.configuration[:2], node.configuration[:2])
+    traces[node.robot].edges.setdefault(tree, []).append(edge)
 
 
-def _require_sound(node: NodeAdded, trace: Trace) -> None:
+def _sort_ways(traces: list[Trace]) -> None:
+    # What every robot went along: edges of any tree, bridges between nodes, or neither.
+    places = {_rounded(n.configuration) for trace in traces for n in trace.nodes.values()}
+    edges = {
+        frozenset(map(_rounded, edge))
+        for trace in traces
+        for edges in trace.edges.values()
+        for edge in edges
+    }
+    for trace in traces:
+        bridges: dict[frozenset[Point], FloatArray] = {}
+        for points in (p for motion in trace.motions for p in _sections(motion, places)):
+            ends = frozenset((_rounded(points[0]), _rounded(points[-1])))
+            if ends in edges and len(points) == 2:
+                continue
+            if len(ends) == 2 and ends <= places and ends not in edges:
+                bridges.setdefault(ends, points)
+            else:
+                trace.is_off_tree = True
+        trace.bridges = list(bridges.values())
+        trace.supporting = _supporting(trace.motions, places)
+
+
+def _supporting(motions: list[Motion], places: set[Point]) -> list[FloatArray]:
+    # Each way once, however often it was gone, and in whichever direction.
+    known: set[tuple[Point, ...]] = set()
+    lines: list[FloatArray] = []
+    for motion in motions:
+        if motion.purpose not in SUPPORTING:
+            continue
+        for points in _sections(motion, places):
+            way = tuple(map(_rounded, points))
+            if way not in known and way[::-1] not in known:
+                known.add(way)
+                _extend(lines, points)
+    return lines
+
+
+def _sections(motion: Motion, places: set[Point]) -> Iterator[FloatArray]:
+    # A motion's way from one node's place to the next; what only turns in place is none.
+    section = [motion.waypoints[0]]
+    for waypoint in motion.waypoints[1:]:
+        section.append(waypoint)
+        if _rounded(waypoint[1:]) in places or waypoint is motion.waypoints[-1]:
+            points = _points(section)
+            if len(points) > 1:
+                yield np.asarray(points)
+            section = [waypoint]
+
+
+def _points(waypoints: Sequence[Sequence[float]]) -> list[Point]:
+    # A way as points, arcs as chords, each place once.
+    points = [(waypoints[0][1], waypoints[0][2])]
+    for leg in pairwise(waypoints):
+        points += [point for point in leg_points(*leg)[1:] if point != points[-1]]
+    return points
+
+
+def _extend(lines: list[FloatArray], points: FloatArray) -> None:
+    # Dashes run on where one way begins at the other's end.
+    if lines and _rounded(lines[-1][-1]) == _rounded(points[0]):
+        lines[-1] = np.vstack([lines[-1], points[1:]])
+    else:
+        lines.append(points)
+
+
+def _rounded(place: Sequence[float]) -> Point:
+    return round(float(place[0]), 6), round(float(place[1]), 6)
+
+
+def _require_sound(node: NodeAdded, known: dict[NodeName, int]) -> None:
     name = f"node {node.serial} of robot {node.robot}"
-    if node.serial in trace.nodes:
+    if (node.robot, node.serial) in known:
         raise InvalidInputError(f"the recording adds {name} twice")
     if node.parent is not None:
-        _require_known(node.parent, trace, f"gives {name} as parent")
+        _require_known(node.parent, known, f"gives {name} as parent")
     if len(node.boundary) < 3 or len(node.boundary) != len(node.tags):
         raise InvalidInputError(
             f"the recording gives the region of {name} {len(node.boundary)} corners and "
@@ -163,8 +284,10 @@ def _require_sound(node: NodeAdded, trace: Trace) -> None:
         )
 
 
-def _require_known(serial: int, trace: Trace, doing: str) -> None:
-    if serial not in trace.nodes:
+def _require_known(name: NodeName, known: dict[NodeName, int], doing: str) -> None:
+    robot, serial = name
+    if name not in known:
         raise InvalidInputError(
-            f"the recording {doing} node {serial}, which is not in the tree of robot {trace.robot}"
+            f"the recording {doing} node {serial} of robot {robot}, "
+            "which it has not told of by then"
         )

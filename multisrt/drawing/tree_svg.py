@@ -1,49 +1,49 @@
-"""The picture of an exploration tree."""
+"""The picture of exploration trees."""
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 from typing import Final
 
 import numpy as np
 import shapely
 
+from multisrt.drawing.account import description, heading, legend, swatches, swatches_heading
+from multisrt.drawing.areas import seen_first
 from multisrt.drawing.colours import (
+    BADGE_MM,
     CLOSED,
     COLLISION,
+    DEATH,
+    DEATH_MM,
     END,
+    END_MM,
     FRONTIER,
+    HALO,
+    LATE_START,
+    NODE_MM,
+    STAGES,
     START,
+    START_MM,
+    STOP,
+    STOP_MM,
     RobotStyles,
+    Style,
 )
-from multisrt.drawing.sheet import LegendEntry, Sheet
-from multisrt.drawing.svg import Marker, child
+from multisrt.drawing.sheet import TEXT_MM, Sheet
+from multisrt.drawing.svg import child
 from multisrt.drawing.traces import Trace, joined, median_edge_m, traces_of
-from multisrt.events import Stage
+from multisrt.events import Died, NodeAdded
 from multisrt.recording import Recording, written_whole
-
-NODE_MM: Final = (0.3, 0.8)
-"""Nodes are drawn with a radius in this range: smaller where they stand close together."""
 
 NODE_SHARE: Final = 0.2
 """A node's radius as a share of the median edge, within that range."""
 
+BADGE_SHARE: Final = 0.45
+"""That radius as a share of the distance to the next start, within that range."""
+
 SIMPLER_MM: Final = 0.015
 """Outlines of regions are drawn to within this."""
-
-START_MM: Final = 2.0
-END_MM: Final = 1.7
-
-STAGES: Final[dict[Stage, tuple[Marker, str]]] = {
-    "root": ("square", "root node"),
-    "draw": ("disc", "node drawn at random"),
-    "approach": ("triangle", "node on the way to a frontier"),
-    "complete": ("diamond", "node for a frontier left behind"),
-}
-"""How nodes are marked by how the planner found their place."""
-
-OUTCOMES: Final = {"complete": "complete", "stalled": "stalled", "out_of_time": "out of time"}
 
 
 def tree_svg(recording: Recording) -> str:
@@ -67,23 +67,37 @@ def tree_svg(recording: Recording) -> str:
     """
     environment = recording.environment()
     traces = traces_of(recording)
-    sheet = Sheet(environment, _heading(recording, traces), _description(recording))
-    node_mm = _node_mm(traces, sheet.mm)
+    sheet = Sheet(environment, heading(recording, traces), description(recording))
+    node_mm, badge_mm = _node_mm(traces, sheet.mm), _badge_mm(traces, sheet.mm)
+    team = len(traces) > 1
     sheet.draw_ground("free space, not seen")
+    if team:
+        _draw_areas(sheet, recording)
     for trace in traces:
-        _draw_regions(sheet, trace)
+        styles = RobotStyles.of(trace.robot)
+        _draw_regions(sheet, trace, styles.outline if team else styles.region)
     sheet.draw_obstacles(environment)
-    for draw in (_draw_path, _draw_edges):
+    for trace in traces:
+        styles = RobotStyles.of(trace.robot)
+        _draw_path(sheet, trace, styles.way if team else styles.path)
+    for draw in (_draw_supporting, _draw_bridges, _draw_edges):
         for trace in traces:
             draw(sheet, trace)
     for trace in traces:
         _draw_nodes(sheet, trace, node_mm)
-    for draw in (_draw_closed_arcs, _draw_frontier, _draw_ends):
+    for draw in (_draw_closed_arcs, _draw_frontier, _draw_stops):
         for trace in traces:
             draw(sheet, trace)
-    if len(traces) > 1:
-        _draw_numbers(sheet, traces)
-    sheet.legend += _legend(traces)
+    for trace in traces:
+        if team:
+            _draw_badge(sheet, trace, badge_mm)
+        else:
+            _draw_start(sheet, trace)
+        _draw_end(sheet, trace, team)
+    sheet.legend += legend(traces)
+    if team:
+        sheet.swatches = swatches(traces)
+        sheet.swatches_heading = swatches_heading(len(traces))
     return sheet.svg()
 
 
@@ -100,25 +114,54 @@ def save_tree_svg(recording: Recording, path: str | Path) -> None:
         file.write(text.encode())
 
 
-def _draw_regions(sheet: Sheet, trace: Trace) -> None:
-    layer = sheet.layer(f"robot {trace.robot}: regions", RobotStyles.of(trace.robot).region)
+def _draw_areas(sheet: Sheet, recording: Recording) -> None:
+    nodes = [event for event in recording.events if isinstance(event, NodeAdded)]
+    regions = [_region(node, sheet.mm) for node in nodes]
+    areas = seen_first(regions, [node.robot for node in nodes], 10.0**-sheet.pen.decimals)
+    for robot in range(len(recording.starts)):
+        style = RobotStyles.of(robot).area
+        layer = sheet.layer(f"robot {robot}: seen first", style, fill_rule="evenodd")
+        if rings := areas.get(robot):
+            child(layer, "path", d=sheet.pen.rings(rings))
+
+
+def _draw_regions(sheet: Sheet, trace: Trace, style: Style) -> None:
+    layer = sheet.layer(f"robot {trace.robot}: regions", style)
     for node in trace.nodes.values():
-        # Round arcs have more corners than anybody can see.
-        outline = shapely.simplify(shapely.Polygon(node.boundary), SIMPLER_MM * sheet.mm)
-        path = sheet.pen.rings([shapely.get_coordinates(outline)])
+        path = sheet.pen.rings([shapely.get_coordinates(_region(node, sheet.mm))])
         child(layer, "path", id=f"robot-{trace.robot}-region-{node.serial}", d=path)
 
 
-def _draw_path(sheet: Sheet, trace: Trace) -> None:
-    layer = sheet.layer(f"robot {trace.robot}: path", RobotStyles.of(trace.robot).path)
+def _region(node: NodeAdded, mm: float) -> shapely.Polygon:
+    # Round arcs have more corners than anybody can see.
+    return shapely.simplify(shapely.Polygon(node.boundary), SIMPLER_MM * mm)
+
+
+def _draw_path(sheet: Sheet, trace: Trace, style: Style) -> None:
+    layer = sheet.layer(f"robot {trace.robot}: path", style)
     if trace.motions:
         child(layer, "path", d=sheet.pen.line(trace.path))
 
 
+def _draw_supporting(sheet: Sheet, trace: Trace) -> None:
+    if trace.supporting:
+        style = RobotStyles.of(trace.robot).support
+        layer = sheet.layer(f"robot {trace.robot}: supporting moves", style)
+        child(layer, "path", d="".join(map(sheet.pen.line, trace.supporting)))
+
+
+def _draw_bridges(sheet: Sheet, trace: Trace) -> None:
+    if trace.bridges:
+        style = RobotStyles.of(trace.robot).bridge
+        layer = sheet.layer(f"robot {trace.robot}: bridges", style)
+        child(layer, "path", d="".join(map(sheet.pen.line, trace.bridges)))
+
+
 def _draw_edges(sheet: Sheet, trace: Trace) -> None:
     layer = sheet.layer(f"robot {trace.robot}: tree", RobotStyles.of(trace.robot).edge)
-    if edges := trace.edges():
-        child(layer, "path", d="".join(sheet.pen.line(edge) for edge in edges))
+    for tree, edges in trace.edges.items():
+        path = "".join(map(sheet.pen.line, edges))
+        child(layer, "path", id=f"robot-{trace.robot}-edges-in-tree-{tree}", d=path)
 
 
 def _draw_nodes(sheet: Sheet, trace: Trace, node_mm: float) -> None:
@@ -148,13 +191,39 @@ def _draw_frontier(sheet: Sheet, trace: Trace) -> None:
         child(layer, "path", d="".join(map(sheet.pen.line, joined(trace.frontier))))
 
 
-def _draw_ends(sheet: Sheet, trace: Trace) -> None:
+def _draw_stops(sheet: Sheet, trace: Trace) -> None:
+    if trace.stops:
+        layer = sheet.layer(f"robot {trace.robot}: protective stops", STOP)
+        places = dict.fromkeys(event.configuration[:2] for event in trace.stops)
+        size = STOP_MM * sheet.mm
+        path = "".join(sheet.pen.marker("octagon", x, y, size) for x, y in places)
+        child(layer, "path", d=path)
+
+
+def _draw_start(sheet: Sheet, trace: Trace) -> None:
     x, y, heading = trace.start
-    start = sheet.layer(f"robot {trace.robot}: start", START)
-    child(start, "path", d=sheet.pen.marker("arrow", x, y, START_MM * sheet.mm, heading))
-    if _is_away(trace):
+    layer = sheet.layer(f"robot {trace.robot}: start", LATE_START if trace.late else START)
+    child(layer, "path", d=sheet.pen.marker("arrow", x, y, START_MM * sheet.mm, heading))
+
+
+def _draw_badge(sheet: Sheet, trace: Trace, badge_mm: float) -> None:
+    # Where a robot of a team started, with its number.
+    x, y, heading = trace.start
+    styles = RobotStyles.of(trace.robot)
+    style = styles.late_start if trace.late else styles.start
+    layer = sheet.layer(f"robot {trace.robot}: start", style.scaled(badge_mm / BADGE_MM[1]))
+    child(layer, "path", d=sheet.pen.marker("pin", x, y, badge_mm * sheet.mm, heading))
+    number = str(trace.robot)
+    sheet.label(layer, number, (x, y), badge_mm * (1.5 if len(number) == 1 else 1.3))
+
+
+def _draw_end(sheet: Sheet, trace: Trace, team: bool) -> None:
+    if trace.death is not None:
+        _draw_death(sheet, trace, trace.death)
+    elif trace.is_away:
         x, y, heading = trace.end
-        end = sheet.layer(f"robot {trace.robot}: end", END)
+        style = RobotStyles.of(trace.robot).end if team else END
+        end = sheet.layer(f"robot {trace.robot}: end", style)
         child(end, "path", d=sheet.pen.marker("arrow", x, y, END_MM * sheet.mm, heading))
     if trace.collisions:
         layer = sheet.layer(f"robot {trace.robot}: collision", COLLISION)
@@ -163,75 +232,14 @@ def _draw_ends(sheet: Sheet, trace: Trace) -> None:
             child(layer, "path", d=sheet.pen.marker("cross", x, y, START_MM * sheet.mm))
 
 
-def _draw_numbers(sheet: Sheet, traces: list[Trace]) -> None:
-    layer = sheet.layer("robots' numbers")
-    for trace in traces:
-        sheet.label(layer, str(trace.robot), trace.start.x, trace.start.y)
-
-
-def _legend(traces: list[Trace]) -> list[LegendEntry]:
-    # Only what there is on the map.
-    styles = RobotStyles.of(0)
-    team = len(traces) > 1
-    nodes = [node for trace in traces for node in trace.nodes.values()]
-    entries = [LegendEntry(label="local safe region", style=styles.region.scaled(2.0))]
-    if team:
-        entries += [
-            LegendEntry(label=f"tree of robot {t.robot}", style=RobotStyles.of(t.robot).edge)
-            for t in traces
-        ]
-    elif any(trace.edges() for trace in traces):
-        entries.append(LegendEntry(label="edge of the tree", style=styles.edge))
-    for stage, (marker, label) in STAGES.items():
-        if stage != "root" and any(node.stage == stage for node in nodes):
-            entries.append(
-                LegendEntry(label=label, style=styles.node, marker=marker, size_mm=NODE_MM[1])
-            )
-    if any(trace.is_off_tree() for trace in traces):
-        entries.append(LegendEntry(label="way travelled off the tree", style=styles.path))
-    if any(trace.frontier for trace in traces):
-        entries.append(LegendEntry(label="frontier left open", style=FRONTIER))
-    reasons = {event.reason for trace in traces for event in trace.closed}
-    entries += [
-        LegendEntry(label=f"frontier given up: {reason}", style=style)
-        for reason, style in CLOSED.items()
-        if reason in reasons
-    ]
-    entries.append(LegendEntry(label="start", style=START, marker="arrow", size_mm=START_MM))
-    if any(map(_is_away, traces)):
-        entries.append(LegendEntry(label="end", style=END, marker="arrow", size_mm=END_MM))
-    if any(trace.collisions for trace in traces):
-        entries.append(
-            LegendEntry(label="collision", style=COLLISION, marker="cross", size_mm=START_MM)
-        )
-    return entries
-
-
-def _heading(recording: Recording, traces: list[Trace]) -> list[str]:
-    spec, footer = recording.spec, recording.footer
-    team = f", {len(traces)} robots" if len(traces) > 1 else ""
-    nodes = sum(len(trace.nodes) for trace in traces)
-    distance = math.fsum(trace.distance_m for trace in traces)
-    lines = [
-        f"{spec.strategy} in {recording.header.world}{team}, seed {spec.seed}",
-        f"{OUTCOMES[footer.outcome]} after {footer.time_s:,.0f} s: "
-        f"{nodes:,} node{'s' if nodes != 1 else ''}, {distance:,.0f} m travelled",
-    ]
-    left = math.fsum(math.hypot(x1 - x0, y1 - y0) for t in traces for x0, y0, x1, y1 in t.frontier)
-    if left:
-        lines[-1] += f", {left:,.1f} m of frontier left open"
-    if footer.outcome == "stalled":
-        lines.append(footer.reason)
-    if spec.options:
-        lines.append("with " + ", ".join(f"{k} = {v}" for k, v in spec.options.items()))
-    return lines
-
-
-def _description(recording: Recording) -> str:
-    return (
-        f"A run of multisrt {recording.header.versions.get('multisrt', '')}, "
-        f"digest {recording.footer.digest}."
-    )
+def _draw_death(sheet: Sheet, trace: Trace, death: Died) -> None:
+    layer = sheet.layer(f"robot {trace.robot}: death")
+    x, y, _ = death.configuration
+    cross = sheet.pen.marker("cross", x, y, DEATH_MM * sheet.mm)
+    for style in (HALO, DEATH):
+        child(layer, "path", d=cross, **style.attributes(sheet.mm))
+    beside = (x + 1.9 * DEATH_MM * sheet.mm, y + 1.5 * DEATH_MM * sheet.mm)
+    sheet.label(layer, str(trace.robot), beside, TEXT_MM, halo_mm=0.8)
 
 
 def _node_mm(traces: list[Trace], mm: float) -> float:
@@ -239,6 +247,11 @@ def _node_mm(traces: list[Trace], mm: float) -> float:
     return NODE_MM[1] if edge is None else float(np.clip(NODE_SHARE * edge / mm, *NODE_MM))
 
 
-def _is_away(trace: Trace) -> bool:
-    # Not where it started, to the eye.
-    return trace.end.distance(trace.start) > 1e-3
+def _badge_mm(traces: list[Trace], mm: float) -> float:
+    if len(traces) == 1:
+        return BADGE_MM[1]
+    starts = shapely.points([trace.start[:2] for trace in traces])
+    apart = shapely.distance(starts[:, None], starts[None, :])
+    np.fill_diagonal(apart, np.inf)
+    crowd = float(np.quantile(apart.min(axis=0), 0.1))
+    return float(np.clip(BADGE_SHARE * crowd / mm, *BADGE_MM))

@@ -17,15 +17,13 @@ from multisrt.geometry.clearance import (
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.footprint import Footprint
 from multisrt.geometry.kernel import FloatArray
+from multisrt.planners.motion.room import ROUNDING_M, Room
 
 TOUCH_M = 1e-7
 """How near a body may come to what it stands next to already."""
 
 HAIR_M = 5e-4
 """The least margin: touching counts as a collision."""
-
-ROUNDING_M = 1e-9
-"""A way that was found to be so long may come out shorter by this."""
 
 NO_TURN_RAD = 1e-9
 """Smaller turns are rounding."""
@@ -124,14 +122,17 @@ class PlanningBody:
 
     def disc_travel(self, boundary: FloatArray, x: float, y: float, tx: float, ty: float) -> bool:
         """Whether the body gets straight to a place in whatever heading: as a disc around it."""
+        return self.disc_reach(boundary, x, y, tx, ty) >= math.hypot(tx - x, ty - y)
+
+    def disc_reach(self, boundary: FloatArray, x: float, y: float, tx: float, ty: float) -> float:
+        """How far the body gets straight towards a place in whatever heading."""
         distance = math.hypot(tx - x, ty - y)
         if distance == 0.0:
-            return True
+            return 0.0
         radius = self.roomy_radius_m
-        travel = free_travel_disc(
+        return free_travel_disc(
             boundary, x, y, (tx - x) / distance, (ty - y) / distance, radius, distance
         )
-        return travel >= distance
 
     def has_room(self, boundary: FloatArray, at: Configuration) -> bool:
         """Whether a region holds the body in any heading."""
@@ -143,6 +144,31 @@ class PlanningBody:
         room = disc_clearance(boundary, x, y) - TOUCH_M
         least = min(radius + self._least_margin, max(radius, room))
         return max(least, min(radius + self.margin_m, room))
+
+    def room(self, boundary: FloatArray, *places: Configuration) -> Room | None:
+        """Give the room in a region, with as much of the margin as there is at some places.
+
+        Parameters
+        ----------
+        boundary : (n, 2) array
+            The region's ring, or its rings as `rings_of` gives them.
+        *places : Configuration
+            Where the body stands, or is to stand.
+
+        Returns
+        -------
+        Room or None
+            None where the body does not fit at one of the places.
+        """
+        if self.is_disc:
+            radius = min(self._kept(boundary, x, y) for x, y, _ in places)
+            rooms = [Room(boundary, radius)]
+        else:
+            rooms = [Room(boundary, outline) for outline in self._grown]
+        for room in rooms:
+            if all(room.holds(place) for place in places):
+                return room
+        return None
 
     def can_turn(self, boundary: FloatArray, at: Configuration, turn: float) -> bool:
         """Whether the body can turn in place by a signed angle inside a region."""

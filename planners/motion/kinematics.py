@@ -1,4 +1,4 @@
-"""How bodies can move: holonomic and differential drives with their speed limits."""
+"""How bodies can move: holonomic and differential drives and cars, with their limits."""
 
 from __future__ import annotations
 
@@ -63,7 +63,31 @@ class Differential:
         return _straight(start, x, y, start.heading, self.speed_m_s)
 
 
-Kinematics = Holonomic | Differential
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Car:
+    """A body that steers as a car does: along its heading, in curves that are not too tight.
+
+    Attributes
+    ----------
+    speed_m_s : float
+        Its greatest speed, forwards and backwards.
+    turning_radius_m : float
+        Radius of its tightest curve.
+    reverse : bool
+        Whether it can drive backwards: its shortest ways are Reeds-Shepp's curves, or else
+        Dubins's.
+    """
+
+    speed_m_s: float = 0.5
+    turning_radius_m: float = 0.6
+    reverse: bool = True
+
+    def __post_init__(self) -> None:
+        _require_positive("speed_m_s", self.speed_m_s)
+        _require_positive("turning_radius_m", self.turning_radius_m)
+
+
+Kinematics = Holonomic | Differential | Car
 
 
 def turns_between(heading: float, wanted: float) -> tuple[float, float]:

@@ -24,11 +24,29 @@ class Roadmap(Generic[Place]):
         self._ways.setdefault(a, {})[b] = length_m
         self._ways.setdefault(b, {})[a] = length_m
 
-    def way_to_nearest(self, start: Place, wanted: Callable[[Place], bool]) -> list[Place] | None:
+    def neighbours(self, place: Place) -> tuple[Place, ...]:
+        """Give the places that are joined to one, in the order in which they were joined."""
+        return tuple(self._ways.get(place, ()))
+
+    def way_to_nearest(
+        self,
+        start: Place,
+        wanted: Callable[[Place], bool],
+        passable: Callable[[Place, Place], bool] | None = None,
+    ) -> list[Place] | None:
         """Find the shortest way to the nearest of the wanted places.
 
         Dijkstra's search, ended at the first wanted place: its cost depends on how far that is,
         not on the size of the roadmap. Ties go to the place that was joined first.
+
+        Parameters
+        ----------
+        start : Place
+            Where the way begins.
+        wanted : callable
+            Whether a place is one of those looked for.
+        passable : callable, optional
+            Whether the way from one place to a neighbour can be gone at present.
 
         Returns
         -------
@@ -51,13 +69,22 @@ class Roadmap(Generic[Place]):
                 return way[::-1]
             for neighbour, length in self._ways[place].items():
                 reach = travelled + length
-                if neighbour not in settled and reach < distance.get(neighbour, float("inf")):
+                if (
+                    neighbour not in settled
+                    and reach < distance.get(neighbour, float("inf"))
+                    and (passable is None or passable(place, neighbour))
+                ):
                     distance[neighbour] = reach
                     came_from[neighbour] = place
                     order += 1
                     heapq.heappush(queue, (reach, order, neighbour))
         return None
 
-    def way(self, start: Place, end: Place) -> list[Place] | None:
+    def way(
+        self,
+        start: Place,
+        end: Place,
+        passable: Callable[[Place, Place], bool] | None = None,
+    ) -> list[Place] | None:
         """Find the shortest way between two places."""
-        return self.way_to_nearest(start, lambda place: place == end)
+        return self.way_to_nearest(start, lambda place: place == end, passable)

@@ -10,6 +10,8 @@ from multisrt.geometry.configuration import Configuration, wrap_angle
 from multisrt.geometry.kernel import FloatArray
 from multisrt.planners.motion.body import PlanningBody
 from multisrt.planners.motion.kinematics import (
+    Car,
+    Differential,
     Holonomic,
     Kinematics,
     turns_between,
@@ -27,6 +29,8 @@ def reach(
 ) -> float:
     """How far a body gets straight in a direction, after turning to it where it must.
 
+    A car is taken to look in the direction already: how it gets to do so is not asked here.
+
     Returns
     -------
     float
@@ -36,6 +40,8 @@ def reach(
         return body.travel(boundary, start, direction, limit)
     turned = Configuration(start.x, start.y, wrap_angle(direction))
     distance = body.travel(boundary, turned, direction, limit)
+    if isinstance(kinematics, Car):
+        return distance
     if distance > 0.0 and not any(
         body.can_turn(boundary, start, turn) for turn in turns_between(start.heading, direction)
     ):
@@ -61,7 +67,7 @@ def reach_fan(
 
 def steer(
     body: PlanningBody,
-    kinematics: Kinematics,
+    kinematics: Holonomic | Differential,
     boundary: FloatArray,
     start: Configuration,
     x: float,
@@ -101,7 +107,9 @@ def steer(
     return None
 
 
-def turn_and_drive(kinematics: Kinematics, start: Configuration, x: float, y: float) -> Trajectory:
+def turn_and_drive(
+    kinematics: Holonomic | Differential, start: Configuration, x: float, y: float
+) -> Trajectory:
     """Plan the straight way to a place where there is room for any heading."""
     if isinstance(kinematics, Holonomic):
         return kinematics.drive(start, x, y)

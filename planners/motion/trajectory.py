@@ -4,10 +4,22 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_right
+from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import NamedTuple
 
+import numpy as np
+
+from multisrt.geometry.arrays import FloatArray
 from multisrt.geometry.configuration import Configuration, wrap_angle
+from multisrt.geometry.errors import InvalidInputError
+
+NO_TURN_RAD = 1e-9
+"""A leg that turns by less is straight; collision checks draw the line there, too."""
+
+CHORD_RAD = math.radians(3.0)
+"""Arcs are drawn as chords of this angle: of a circle of 1 m they are off by 0.3 mm."""
 
 
 class Waypoint(NamedTuple):
@@ -21,15 +33,32 @@ class Waypoint(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Trajectory:
-    """A body's motion: between waypoints, position and heading change at constant rates.
+    """A body's motion: between two waypoints it moves with a constant twist.
+
+    So the body goes straight where the heading stays, turns in place where the position stays,
+    and otherwise follows a circular arc, along which it looks ahead in the same way all the
+    time. A leg that translates turns by at most half a circle.
 
     Attributes
     ----------
     waypoints : tuple of Waypoint
         At least one; times from 0 and never falling.
+
+    Raises
+    ------
+    InvalidInputError
+        If a leg translates and turns by more than half a circle.
     """
 
     waypoints: tuple[Waypoint, ...]
+
+    def __post_init__(self) -> None:
+        for a, b in pairwise(self.waypoints):
+            if abs(b.heading - a.heading) > math.pi + NO_TURN_RAD and (a.x, a.y) != (b.x, b.y):
+                raise InvalidInputError(
+                    f"the leg from ({a.x:g}, {a.y:g}) to ({b.x:g}, {b.y:g}) turns by "
+                    f"{b.heading - a.heading:g} rad; split an arc of more than half a circle"
+                )
 
     @property
     def duration_s(self) -> float:
@@ -39,8 +68,7 @@ class Trajectory:
     @property
     def length_m(self) -> float:
         """How far the reference point travels."""
-        pairs = zip(self.waypoints, self.waypoints[1:], strict=False)
-        return math.fsum(math.hypot(b.x - a.x, b.y - a.y) for a, b in pairs)
+        return math.fsum(leg_length(a, b) for a, b in pairwise(self.waypoints))
 
     @property
     def start(self) -> Configuration:
@@ -60,12 +88,8 @@ class Trajectory:
         if following == len(self.waypoints):
             return self.end
         a, b = self.waypoints[following - 1], self.waypoints[following]
-        t = (time_s - a.time_s) / (b.time_s - a.time_s)
-        return Configuration(
-            a.x + t * (b.x - a.x),
-            a.y + t * (b.y - a.y),
-            wrap_angle(a.heading + t * (b.heading - a.heading)),
-        )
+        x, y, heading = leg_pose(a, b, (time_s - a.time_s) / (b.time_s - a.time_s))
+        return Configuration(x, y, wrap_angle(heading))
 
     def until(self, time_s: float) -> Trajectory:
         """Cut the motion off at a time."""
@@ -73,8 +97,7 @@ class Trajectory:
         if not kept or len(kept) == len(self.waypoints):
             return Trajectory(self.waypoints[:1]) if not kept else self
         a, b = kept[-1], self.waypoints[len(kept)]
-        t = (time_s - a.time_s) / (b.time_s - a.time_s)
-        last = (v + t * (w - v) for v, w in zip(a[1:], b[1:], strict=True))
+        last = leg_pose(a, b, (time_s - a.time_s) / (b.time_s - a.time_s))
         return Trajectory((*kept, Waypoint(time_s, *last)))
 
     def then(self, other: Trajectory) -> Trajectory:
@@ -88,6 +111,75 @@ class Trajectory:
                 for w in other.waypoints[1:]
             )
         )
+
+    def reversed(self) -> Trajectory:
+        """Give the motion back along the same way, at the same speeds."""
+        whole = self.duration_s
+        return Trajectory(
+            tuple(Waypoint(whole - w.time_s, *w[1:]) for w in reversed(self.waypoints))
+        )
+
+    def points(self, spacing_rad: float = CHORD_RAD) -> FloatArray:
+        """Give the way of the reference point as ``(n, 2)`` points, arcs as chords.
+
+        Parameters
+        ----------
+        spacing_rad : float
+            Largest angle of a chord.
+        """
+        points = [self.waypoints[0][1:3]]
+        for a, b in pairwise(self.waypoints):
+            points += leg_points(a, b, spacing_rad)[1:]
+        return np.array(points)
+
+
+def leg_pose(a: Sequence[float], b: Sequence[float], fraction: float) -> tuple[float, float, float]:
+    """Give x, y and the heading, not wrapped, at a fraction of a motion with constant twist.
+
+    Parameters
+    ----------
+    a, b : (time, x, y, heading)
+        The waypoints at its ends.
+    fraction : float
+        How much of it has passed, from 0 to 1.
+    """
+    _, x, y, heading = a
+    dx, dy, turn = b[1] - x, b[2] - y, b[3] - heading
+    if abs(turn) < NO_TURN_RAD:
+        return x + fraction * dx, y + fraction * dy, heading + fraction * turn
+    # The chord to here from where the leg begins: the whole one, shortened and turned back.
+    share = math.sin(0.5 * fraction * turn) / math.sin(0.5 * turn)
+    back = 0.5 * (fraction - 1.0) * turn
+    c, s = share * math.cos(back), share * math.sin(back)
+    return x + c * dx - s * dy, y + s * dx + c * dy, heading + fraction * turn
+
+
+def leg_length(a: Sequence[float], b: Sequence[float]) -> float:
+    """Give how far the reference point travels between two waypoints (time, x, y, heading)."""
+    chord = math.hypot(b[1] - a[1], b[2] - a[2])
+    half = 0.5 * abs(b[3] - a[3])
+    if chord == 0.0 or 2.0 * half < NO_TURN_RAD:
+        return chord
+    return chord * half / math.sin(half)
+
+
+def leg_points(
+    a: Sequence[float], b: Sequence[float], spacing_rad: float = CHORD_RAD
+) -> list[tuple[float, float]]:
+    """Give the way between two waypoints (time, x, y, heading) as points, both ends included.
+
+    Parameters
+    ----------
+    a, b : (time, x, y, heading)
+        The waypoints.
+    spacing_rad : float
+        Largest angle of a chord of an arc. A straight way has two points, as has a turn in place.
+    """
+    chords = 1
+    if (a[1], a[2]) != (b[1], b[2]):
+        chords = max(1, math.ceil(abs(b[3] - a[3]) / spacing_rad))
+    inner = [leg_pose(a, b, k / chords)[:2] for k in range(1, chords)]
+    return [(a[1], a[2]), *inner, (b[1], b[2])]
 
 
 def _configuration(waypoint: Waypoint) -> Configuration:

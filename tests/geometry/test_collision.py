@@ -433,6 +433,95 @@ def test_meetings_agree_with_sampling(pair, arcs):
     assert 3 < found.count(None) < 27
 
 
+@pytest.mark.parametrize("pair", PAIRS)
+@pytest.mark.parametrize("arcs", [(False, False), (True, True)])
+def test_coming_within_a_gap_agrees_with_sampling(pair, arcs):
+    footprint_a, footprint_b = (FOOTPRINTS[name] for name in pair)
+    body_a, body_b = Body(footprint_a), Body(footprint_b)
+    rng = np.random.default_rng(9)
+    fractions = np.linspace(0, 1, 2001)
+    found = []
+    while len(found) < 25:
+        gap = rng.choice([0.01, 0.3, 1.0])
+        start_a, start_b = random_poses(rng, 2, 0, 4)
+        turn_a, turn_b = rng.uniform(-4, 4, 2)
+        end_a = np.array([*rng.uniform(0, 4, 2), start_a[2] + turn_a])
+        end_b = np.array([*rng.uniform(0, 4, 2), start_b[2] + turn_b])
+        turns = {"turn_a": turn_a, "turn_b": turn_b, "arc_a": arcs[0], "arc_b": arcs[1]}
+        near = first_contact_between(
+            body_a, start_a, end_a, body_b, start_b, end_b, gap_m=gap, **turns
+        )
+        path_a, path_b = (on_arc if arc else on_line for arc in arcs)
+
+        def apart(at, path_a=path_a, path_b=path_b, a=(start_a, turn_a, end_a),
+                  b=(start_b, turn_b, end_b)):  # fmt: skip
+            return gaps(footprint_a, path_a(*a, at), footprint_b, path_b(*b, at))
+
+        if apart(np.array([0.0]))[0] <= gap:
+            assert near == 0.0
+            continue
+        found.append(near)
+        before = fractions[fractions < (2.0 if near is None else near)]
+        assert (apart(before) > gap - MILLIMETRE / 2).all()
+        if near is not None:
+            assert gap < apart(np.array([near]))[0] < gap + 2e-6
+    assert 3 < found.count(None) < 22
+
+
+@given(
+    st.tuples(*[st.floats(-5, 5)] * 8),
+    st.floats(0.05, 1.0),
+    st.floats(0.05, 1.0),
+    st.sampled_from([0.0, 0.2, 2.0]),
+)
+def test_discs_on_lines_meet_as_bodies_that_are_followed(numbers, radius_a, radius_b, gap):
+    # A disc on a line has a closed form; on an arc, as straight as this one, it is followed.
+    ax, ay, bx, by, to_ax, to_ay, to_bx, to_by = numbers
+    body_a, body_b = Body(Footprint.disc(radius_a)), Body(Footprint.disc(radius_b))
+    ends = (body_a, (ax, ay, 0), (to_ax, to_ay, 0), body_b, (bx, by, 0), (to_bx, to_by, 0))
+    exact = first_contact_between(*ends, gap_m=gap)
+    bent = (body_a, (ax, ay, 0), (to_ax, to_ay, 1e-6), *ends[3:])
+    followed = first_contact_between(*bent, turn_a=1e-6, arc_a=True, gap_m=gap, resolution_m=1e-5)
+    reach = radius_a + radius_b + gap
+    if exact is None:
+        assert followed is None or followed > 1 - 1e-5 or _least(numbers) > reach - 1e-6
+    else:
+        at = np.array(numbers[:4]) + exact * (np.array(numbers[4:]) - np.array(numbers[:4]))
+        distance = math.hypot(at[2] - at[0], at[3] - at[1])
+        assert exact == 0.0 or reach < distance < reach + 2e-6
+        grazes = _least(numbers) > reach - 1e-5
+        assert grazes or followed == pytest.approx(exact, abs=1e-3)
+
+
+def _least(numbers):
+    way = shapely.LineString(
+        [(numbers[2] - numbers[0], numbers[3] - numbers[1]),
+         (numbers[6] - numbers[4], numbers[7] - numbers[5])]
+    )  # fmt: skip
+    return way.distance(shapely.Point(0, 0))
+
+
+def test_discs_that_all_but_miss_each_other_are_apart_where_they_meet():
+    disc = Body(Footprint.disc(0.5))
+    for offset in (1.0, 1.0 - 1e-15, 1.0 - 1e-12, 1.0 - 1e-9):
+        ends = (disc, (0, 0, 0), (10, 0, 0), disc, (5, offset, 0), (5, offset, 0))
+        meeting = first_contact_between(*ends)
+        assert meeting is not None
+        assert meeting == pytest.approx(0.5, abs=1e-4)
+        assert math.hypot(5 - 10 * meeting, offset) > 1.0
+    ends = (disc, (0, 0, 0), (10, 0, 0), disc, (5, 1 + 1e-9, 0), (5, 1 + 1e-9, 0))
+    assert first_contact_between(*ends) is None
+    assert first_contact_between(*ends, gap_m=1e-8) is not None
+    assert first_contact_between(*ends, gap_m=5.0) == 0.0
+
+
+def test_a_gap_is_a_finite_length():
+    disc, at = Body(Footprint.disc(0.5)), (0, 0, 0)
+    for gap in (-0.1, math.nan, math.inf):
+        with pytest.raises(InvalidInputError, match="a gap of"):
+            first_contact_between(disc, at, at, disc, (5, 0, 0), at, gap_m=gap)
+
+
 def test_bodies_that_keep_pace_never_meet():
     body = Body(Footprint.box(1.0, 1.0))
     side_by_side = first_contact_between(

@@ -14,10 +14,22 @@ from PIL import Image
 
 from multisrt import cli
 from multisrt.environments.catalog import names
+from multisrt.geometry.errors import InvalidInputError
 from multisrt.recording import Recording
 from multisrt.registry import strategies
+from multisrt.spec import (
+    Death,
+    DriveSpec,
+    LateStart,
+    RadioSpec,
+    RangeFinderSpec,
+    RobotSpec,
+    Silence,
+)
 
 ROOT = Path(__file__).parents[2]
+
+FILES = ["recording.jsonl", "run.json", "spec.toml", "tree.svg"]
 
 ROOM = "POLYGON ((0 0, 6 0, 6 5, 0 5, 0 0))"
 PILLAR = "POLYGON ((0 0, 9 0, 9 6, 0 6, 0 0), (3 2, 5 2, 5 4, 3 4, 3 2))"
@@ -61,7 +73,7 @@ def test_explore(call, folder):
     assert (code, err) == (0, "")
     assert "srt-radial in room, seed 3: complete" in out
     results = folder / "runs" / "room-srt-radial-3"
-    assert sorted(os.listdir(results)) == ["recording.jsonl", "run.json", "tree.svg"]
+    assert sorted(os.listdir(results)) == FILES
     summary = json.loads((results / "run.json").read_text())
     recording = Recording.load(results / "recording.jsonl")
     assert summary["outcome"] == "complete"
@@ -69,7 +81,7 @@ def test_explore(call, folder):
     assert summary["spec"] == json.loads(recording.spec.to_json())
     assert summary["metrics"]["coverage"] > 0.99
     assert ET.parse(results / "tree.svg").getroot().tag.endswith("svg")
-    for name in ("recording.jsonl", "run.json", "tree.svg"):
+    for name in FILES:
         assert str(Path("runs") / "room-srt-radial-3" / name) in out
 
 
@@ -129,6 +141,148 @@ def test_a_body_wider_than_every_door_is_told_how_much_it_can_reach(call):
     assert 30.0 < explorable < 45.0
     assert re.search(r"disc:0\.25 gets only to where [\d.]+ of 60\.1 m2 of free space", out)
     assert re.search(r"too narrow|not reachable|seen from near", out)
+
+
+def test_a_spec_repeats_its_run(call, folder):
+    code, first, _ = call("explore", "pillar.wkt", "--seed", "5", "--out", "a")
+    assert code == 0
+    again = call("explore", "--spec", "a/spec.toml", "--out", "b")
+    assert again == (0, first.replace("a/", "b/"), "")
+    for name in FILES:
+        assert (folder / "a" / name).read_bytes() == (folder / "b" / name).read_bytes()
+    (folder / "spec.json").write_text(Recording.load("a/recording.jsonl").spec.to_json())
+    assert call("explore", "--spec", "spec.json", "--quiet") == (0, "", "")
+    assert sorted(os.listdir(folder / "runs" / "spec-srt-radial-5")) == FILES
+
+
+def test_two_strategies_side_by_side(call, folder):
+    code, out, err = call(
+        *("explore", "pillar.wkt", "--strategy", "srt-radial", "--strategy", "srt-star"),
+        *("--out", "both"),
+    )
+    assert (code, err) == (0, "")
+    assert sorted(os.listdir(folder / "both")) == ["srt-radial", "srt-star"]
+    assert re.search(r"measure +srt-radial +srt-star", out)
+    distances = []
+    for name in ("srt-radial", "srt-star"):
+        assert sorted(os.listdir(folder / "both" / name)) == FILES
+        assert f"both/{name}/tree.svg" in out
+        assert f"{name} in pillar, seed 0: complete" in out
+        metrics = json.loads((folder / "both" / name / "run.json").read_text())["metrics"]
+        distances.append(f"{metrics['total_distance_m']:.1f} m")
+    assert re.search(rf"distance +{distances[0]} +{distances[1]} *\n", out)
+    assert max(map(len, out.splitlines())) <= 100
+
+
+def test_one_that_is_not_complete_tells(call):
+    words = "--strategy", "srt-radial", "--strategy", "srt-star", "--max-time", "3"
+    code, out, _ = call("explore", "pillar.wkt", "--range", "2", *words)
+    assert code == 3
+    assert "runs/pillar-0/srt-star/tree.svg" in out
+
+
+def test_why(call, folder):
+    call("explore", "pillar.wkt", "--out", "out", "--quiet")
+    recording = "out/recording.jsonl"
+    code, out, err = call("why", recording, "--robot", "0", "--time", "0")
+    assert (code, err) == (0, "")
+    assert "Robot 0 at 0.00 s: its last decision was at 0.00 s." in out
+    assert "at node 0" in out
+    code, out, _ = call("why", recording)
+    assert code == 0
+    assert "it chose end" in out
+    code, out, _ = call("why", recording, "--all")
+    decisions = [e for e in Recording.load(recording).events if type(e).__name__ == "Decision"]
+    assert code == 0
+    assert len(out.splitlines()) == 1 + len(decisions)
+
+
+@pytest.mark.parametrize(
+    ("words", "named"),
+    [
+        (["out/recording.jsonl", "--robot", "1"], "there is no robot 1: the run has 1"),
+        (["out/recording.jsonl", "--robot", "-1"], "there is no robot -1"),
+        (["out/recording.jsonl", "--robot", "1", "--all"], "there is no robot 1"),
+        (["out/recording.jsonl", "--time", "1e6"], "not within the run"),
+        (["out/recording.jsonl", "--time", "-1"], "not within the run"),
+        (["out/recording.jsonl", "--time", "nan"], "not within the run"),
+        (["none.jsonl"], "none.jsonl: No such file"),
+        (["room.wkt"], "room.wkt, line 1"),
+    ],
+)
+def test_why_of_what_is_not_there(call, folder, words, named):
+    call("explore", "room.wkt", "--out", "out", "--quiet")
+    code, out, err = call("why", *words)
+    assert (code, out) == (2, "")
+    assert err.startswith("error: ")
+    assert err.count("\n") == 1
+    assert named in err
+
+
+def spec_of(folder: Path, call, *words: str):
+    """The spec that words make, without running it."""
+    given = None
+
+    def kept(spec, *args, **kwargs):
+        nonlocal given
+        given = spec
+        raise InvalidInputError("that will do")
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("multisrt.simulation.simulate", kept)
+        code, _, err = call("explore", *words)
+    assert (code, err) == (2, "error: that will do\n")
+    return given
+
+
+def test_words_for_a_team(call, folder):
+    spec = spec_of(
+        folder,
+        call,
+        *("room.wkt", "--robots", "4", "--starts", "clustered", "--radio-range", "15"),
+        *("--no-multi-hop", "--latency", "0.1", "--jitter", "0.2", "--loss", "0.3"),
+        *("--walls", "weaken", "--drive", "dubins", "--turning-radius", "0.8"),
+        *("--fault", "death:2@30", "--fault", "silence:1@20+15", "--fault", "late:3@60"),
+        *("--fault", "death:0@1.5:moving"),
+    )
+    assert spec.starts == "clustered"
+    assert spec.robots == 4 * (RobotSpec(drive=DriveSpec(kind="dubins", turning_radius_m=0.8)),)
+    assert spec.radio == RadioSpec(
+        range_m=15.0, multi_hop=False, latency_s=0.1, jitter_s=0.2, loss=0.3, walls="weaken"
+    )
+    assert spec.faults == (
+        Death(robot=2, time_s=30.0),
+        Silence(robot=1, time_s=20.0, duration_s=15.0),
+        LateStart(robot=3, time_s=60.0),
+        Death(robot=0, time_s=1.5, when="moving"),
+    )
+
+
+def test_words_for_robots_that_differ(call, folder):
+    spec = spec_of(
+        folder,
+        call,
+        *("room.wkt", "--speed", "0.7", "--robots", "3"),
+        *("--robot", "footprint=polygon:-0.2,-0.1 0.3,0 -0.2,0.1,range=6,speed=1,beams=90"),
+        *("--robot", "start=2,3,0.5,drive=reeds-shepp,turning-radius=0.9"),
+    )
+    usual = DriveSpec(speed_m_s=0.7)
+    assert spec.robots == (
+        RobotSpec(
+            footprint="polygon:-0.2,-0.1 0.3,0 -0.2,0.1",
+            drive=DriveSpec(speed_m_s=1.0),
+            range_finder=RangeFinderSpec(range_m=6.0, beams=90),
+        ),
+        RobotSpec(
+            start=(2.0, 3.0, 0.5),
+            drive=DriveSpec(kind="reeds-shepp", speed_m_s=0.7, turning_radius_m=0.9),
+        ),
+        RobotSpec(drive=usual),
+    )
+    starts = spec_of(folder, call, "room.wkt", "--start", "1,1", "--start", "3,3,1")
+    assert [robot.start for robot in starts.robots] == [(1.0, 1.0), (3.0, 3.0, 1.0)]
+    two = spec_of(folder, call, "room.wkt", "--robot", "range=2", "--robot", "range=3")
+    assert [robot.range_finder.range_m for robot in two.robots] == [2.0, 3.0]
 
 
 def bad_worlds(folder: Path) -> None:
@@ -210,6 +364,27 @@ def bad_worlds(folder: Path) -> None:
         (["room.wkt", "--option", "alpha=much"], "alpha"),
         (["room.wkt", "--option", "alpha=7"], "alpha"),
         (["room.wkt", "--option", "cones=2"], "cones"),
+        (["room.wkt", "--drive", "dubins", "--turning-radius", "0"], "turning_radius_m"),
+        (["room.wkt", "--robots", "0"], "at least one robot"),
+        (["room.wkt", "--robots", "3", "--start", "1,1", "--start", "2,2"], "2 starts for 3"),
+        (["room.wkt", "--robots", "1", "--robot", "range=2", "--robot", "range=3"], "2 times"),
+        (["room.wkt", "--robot", "footprint=disc:-1"], "disc:-1"),
+        (["room.wkt", "--robot", "drive=sail"], "sail"),
+        (["room.wkt", "--robot", "range=0"], "range"),
+        (["room.wkt", "--radio-range", "-1"], "range_m of a radio"),
+        (["room.wkt", "--loss", "1"], "loss of a radio"),
+        (["room.wkt", "--walls", "weaken"], "give range_m"),
+        (["room.wkt", "--fault", "death:1@30"], "there is no such robot"),
+        (["room.wkt", "--fault", "death:0@30", "--max-time", "20"], "not within the run"),
+        (["room.wkt", "--fault", "silence:0@3+-1"], "positive number of seconds"),
+        (["--spec", "nothing.toml"], "nothing.toml: No such file"),
+        (["--spec", "room.wkt"], "room.wkt: not a run spec"),
+        (["--spec", "folder.png"], "folder.png: Is a directory"),
+        (["room.wkt", "--strategy", "srt-star", "--strategy", "srt-square"], "srt-square"),
+        (
+            ["room.wkt", "--strategy", "srt-star", "--strategy", "srt-ball", "--option", "x=1"],
+            "option 'x'",
+        ),
         (["room.wkt", "--out", "room.wkt"], "room.wkt"),
         (["room.wkt", "--out", "room.wkt/below"], "room.wkt"),
         (["room.wkt", "--out", "/proc/results"], "/proc/results"),
@@ -271,6 +446,31 @@ def test_a_folder_that_may_not_be_looked_into(call, monkeypatch):
         ["explore", "room.wkt", "--option", "alpha"],
         ["explore", "room.wkt", "--colour"],
         ["explore", "room.wkt", "--drive", "sail"],
+        ["explore", "room.wkt", "--starts", "nowhere"],
+        ["explore", "room.wkt", "--robots", "many"],
+        ["explore", "room.wkt", "--robot", "range"],
+        ["explore", "room.wkt", "--robot", "colour=red"],
+        ["explore", "room.wkt", "--robot", "range=wide"],
+        ["explore", "room.wkt", "--robot", "start=1"],
+        ["explore", "room.wkt", "--strategy", "srt-star", "--strategy", "srt-star"],
+        *(
+            ["explore", "room.wkt", "--fault", fault]
+            for fault in (
+                "death:1",
+                "death:x@3",
+                "death:0@soon",
+                "death:0@3:dancing",
+                "silence:0@3",
+                "death:0@3+4",
+                "late:0@3:moving",
+                "flood:0@3",
+            )
+        ),
+        ["explore", "room.wkt", "--spec", "spec.toml"],
+        ["explore", "--spec", "spec.toml", "--seed", "1"],
+        ["why"],
+        ["why", "r.jsonl", "--robot", "x"],
+        ["why", "r.jsonl", "--time", "3", "--all"],
         ["dance"],
     ],
 )
@@ -284,10 +484,12 @@ def test_words_that_are_not_understood(call, folder, words):
 
 
 def test_help(call):
-    for words in (["--help"], ["explore", "-h"], ["environments", "--help"], ["strategies", "-h"]):
+    commands = "explore", "why", "environments", "strategies"
+    for words in (["--help"], *([command, "-h"] for command in commands)):
         code, out, err = call(*words)
         assert (code, err) == (0, "")
         assert "Usage: multisrt" in out
+        assert max(map(len, out.splitlines())) <= 100
     code, out, err = call("--version")
     assert (code, err) == (0, "")
     assert out.startswith("multisrt, version ")

@@ -11,17 +11,35 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from multisrt.drawing import environment_svg, save_environment_svg, save_tree_svg, tree_svg
+from multisrt.drawing.areas import seen_first
 from multisrt.drawing.colours import ROBOT_COLOURS, RobotStyles
 from multisrt.drawing.sheet import round_length, wrapped
 from multisrt.drawing.svg import Pen, number, plain, text_width
+from multisrt.drawing.traces import traces_of
 from multisrt.environments.catalog import environment
 from multisrt.environments.environment import Environment
-from multisrt.events import ArcClosed, Collision, Ended, MapComplete, NodeAdded
+from multisrt.events import (
+    ArcClosed,
+    Blocked,
+    Collision,
+    Decision,
+    Died,
+    Ended,
+    Event,
+    Joined,
+    MapComplete,
+    Motion,
+    NodeAdded,
+)
+from multisrt.geometry.configuration import Configuration
+from multisrt.geometry.edge_index import EdgeIndex
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.recording import Recording
+from multisrt.geometry.safe_region import local_safe_region
+from multisrt.geometry.scan import take_scan
+from multisrt.recording import Footer, Recording, header_of
 from multisrt.remaining_frontier import remaining_frontier
 from multisrt.simulation import simulate
-from multisrt.spec import InlineEnvironment, RobotSpec, RunSpec, StopRule, inline
+from multisrt.spec import InlineEnvironment, LateStart, RobotSpec, RunSpec, StopRule, inline
 
 SVG = "{http://www.w3.org/2000/svg}"
 INKSCAPE = "{http://www.inkscape.org/namespaces/inkscape}"
@@ -55,17 +73,98 @@ def one_node() -> Recording:
     return run(Environment("closet", shapely.box(0, 0, 2, 1)), start=(0.5, 0.5))
 
 
+def of_robot(event: Event, robot: int) -> Event:
+    changes = {"robot": robot}
+    match event:
+        case NodeAdded(parent=(_, serial)):
+            changes["parent"] = robot, serial
+        case Decision(node=(_, serial)) | ArcClosed(node=(_, serial)):
+            changes["node"] = robot, serial
+    return msgspec.structs.replace(event, **changes)
+
+
 def team(*runs: Recording) -> Recording:
     """Put runs of one world together, as if each robot knew nothing of the others."""
     spec = msgspec.structs.replace(runs[0].spec, robots=tuple(r.spec.robots[0] for r in runs))
     starts = tuple(r.header.starts[0] for r in runs)
     events = [
-        msgspec.structs.replace(event, robot=number)
+        of_robot(event, number)
         for number, recording in enumerate(runs)
         for event in recording.events
     ]
     header = msgspec.structs.replace(runs[0].header, spec=spec, starts=starts)
     return replace(runs[0], header=header, events=tuple(sorted(events, key=lambda e: e.time_s)))
+
+
+HALL = Environment("hall", shapely.box(0, 0, 20, 8))
+HALL_INDEX = EdgeIndex(
+    np.array([(0, 0, 20, 0), (20, 0, 20, 8), (20, 8, 0, 8), (0, 8, 0, 0)], float), 1.0
+)
+
+
+def node(time_s, robot, serial, place, parent=None, stage="draw") -> NodeAdded:
+    """A node in the hall, seen from there as far as 4 m."""
+    scan = take_scan(HALL_INDEX, Configuration(*place), 0.0, 4.0)
+    region = local_safe_region(scan, "radial")
+    return NodeAdded(
+        time_s=time_s,
+        robot=robot,
+        serial=serial,
+        parent=parent,
+        configuration=(*place, 0.0),
+        stage=stage if parent else "root",
+        boundary=tuple(map(tuple, region.boundary.tolist())),
+        tags="".join(map(str, region.tags.tolist())),
+    )
+
+
+def motion(time_s, robot, *places, purpose="explore") -> Motion:
+    """A drive without turns through places of the hall, a second each."""
+    waypoints = tuple((time_s + k, x, y, 0.0) for k, (x, y) in enumerate(places))
+    return Motion(time_s=time_s, robot=robot, waypoints=waypoints, purpose=purpose)
+
+
+def end(time_s, robot, frontier=()) -> Ended:
+    return Ended(time_s=time_s, robot=robot, reason="done", complete=True, frontier=frontier)
+
+
+def recorded(starts, events, world=HALL, **spec) -> Recording:
+    robots = tuple(RobotSpec(start=start) for start in starts)
+    run_spec = RunSpec(environment=inline(world), robots=robots, **spec)
+    header = header_of(run_spec, world, tuple(Configuration(*start) for start in starts))
+    footer = Footer(time_s=100.0, outcome="complete", reason="done", digest="0")
+    return Recording(header=header, events=tuple(events), footer=footer)
+
+
+A, B = (2.0, 3.0), (5.0, 3.0)  # of robot 0
+C, D, E = (18.0, 3.0), (15.0, 3.0), (10.0, 3.0)  # of robot 1; E is seen by neither B nor D
+F = (11.5, 4.0)  # of robot 0 in the tree of robot 1
+
+
+@pytest.fixture(scope="module")
+def support() -> Recording:
+    """Robot 0 is done, goes over a bridge to the tree of robot 1, adds a node there, goes home."""
+    return recorded(
+        [A, C],
+        [
+            node(0.0, 0, 0, A),
+            node(0.0, 1, 0, C),
+            motion(1.0, 0, A, B),
+            motion(1.0, 1, C, D),
+            node(2.0, 0, 1, B, parent=(0, 0)),
+            node(2.0, 1, 1, D, parent=(1, 0)),
+            end(2.0, 0, frontier=((9.0, 1.0, 9.0, 5.0),)),
+            motion(3.0, 1, D, E),
+            node(4.0, 1, 2, E, parent=(1, 1)),
+            motion(5.0, 1, E, D, C),
+            end(7.0, 1),
+            motion(8.0, 0, A, B, E, purpose="support"),
+            motion(11.0, 0, E, F, purpose="support"),
+            node(12.0, 0, 2, F, parent=(1, 2)),
+            motion(12.0, 0, F, E, B, A, purpose="home"),
+            end(15.0, 0),
+        ],
+    )
 
 
 def layers(svg: str) -> dict[str, ET.Element]:
@@ -119,8 +218,8 @@ def test_ids_are_unique(museum):
 def test_every_node_edge_and_region_is_drawn_in_its_place(museum):
     found = layers(tree_svg(museum))
     nodes = [event for event in museum.events if isinstance(event, NodeAdded)]
-    places = {node.serial: node.configuration[:2] for node in nodes}
-    edges = [(places[n.parent], places[n.serial]) for n in nodes if n.parent is not None]
+    places = {(node.robot, node.serial): node.configuration[:2] for node in nodes}
+    edges = [(places[n.parent], n.configuration[:2]) for n in nodes if n.parent is not None]
     np.testing.assert_allclose(lines(paths(found["robot 0: tree"])), edges, atol=0.51e-3)
     regions = found["robot 0: regions"].findall(SVG + "path")
     assert len(regions) == len(nodes)
@@ -132,7 +231,7 @@ def test_every_node_edge_and_region_is_drawn_in_its_place(museum):
     discs = paths(found["robot 0: nodes"]).split("M")
     drawn = [re.match(r"(-?[\d.]+) ?(-?[\d.]+)a([\d.]+)", disc) for disc in discs]
     centres = [(float(m[1]) + float(m[3]), float(m[2])) for m in drawn if m]
-    random_places = [places[n.serial] for n in nodes if n.stage == "draw"]
+    random_places = [n.configuration[:2] for n in nodes if n.stage == "draw"]
     assert len(random_places) > 10
     np.testing.assert_allclose(centres, random_places, atol=1e-3)
 
@@ -263,7 +362,7 @@ def test_closed_arcs_are_drawn_by_reason_and_are_no_frontier(cut_off):
         node = min(boundaries, key=lambda k: boundaries[k].distance(middle))
         arcs[node].append(segment)
     node, arc = next((n, tuple(a)) for n, a in arcs.items() if a)
-    closing = ArcClosed(time_s=60.0, robot=0, node=node, reason="not reachable", arc=arc)
+    closing = ArcClosed(time_s=60.0, robot=0, node=(0, node), reason="not reachable", arc=arc)
     closed = replace(cut_off, events=(*cut_off.events, closing))
     assert set(remaining_frontier(closed)[0]) == set(left) - set(arc)
     svg = tree_svg(closed)
@@ -283,9 +382,180 @@ def test_teams_have_layers_colours_and_numbers_for_every_robot(cut_off):
     strokes = {found[f"robot {k}: tree"].get("stroke") for k in range(3)}
     assert len(strokes) == 3
     assert [t for t in texts(svg) if t.isdigit()] == ["0", "1", "2"]
-    numbers = found["robots' numbers"].findall(SVG + "text")
+    numbers = [found[f"robot {k}: start"].find(SVG + "text") for k in range(3)]
     assert all(re.search(r"scale\((\S+) -\1\)$", t.get("transform", "")) for t in numbers)
-    assert "tree of robot 2" in texts(svg)
+    assert len([t for t in texts(svg) if re.fullmatch(r"\d: \d+ nodes, \d+ m", t)]) == 3
+
+
+def test_nodes_in_the_tree_of_another_hang_there(support):
+    svg = tree_svg(support)
+    own, other = layers(svg)["robot 0: tree"].findall(SVG + "path")
+    assert [own.get("id"), other.get("id")] == [
+        "robot-0-edges-in-tree-0",
+        "robot-0-edges-in-tree-1",
+    ]
+    np.testing.assert_allclose(lines(own.get("d", "")), [(A, B)])
+    np.testing.assert_allclose(lines(other.get("d", "")), [(E, F)])
+    np.testing.assert_allclose(lines(paths(layers(svg)["robot 1: tree"])), [(C, D), (D, E)])
+    assert "0: 3 nodes, 23 m" in texts(svg)
+    assert "1: 3 nodes, 16 m" in texts(svg)
+
+
+def test_bridges_are_ways_between_nodes_that_no_edge_joins(support):
+    svg = tree_svg(support)
+    np.testing.assert_allclose(lines(paths(layers(svg)["robot 0: bridges"])), [(B, E)])
+    assert "robot 1: bridges" not in layers(svg)
+    assert "bridge, a way between two nodes" in texts(svg)
+    assert "way travelled off the tree" not in texts(svg)
+
+
+def test_moves_to_support_others_are_dashed_and_drawn_once(support):
+    found = layers(tree_svg(support))
+    (line,) = lines(paths(found["robot 0: supporting moves"]))
+    np.testing.assert_allclose(line, [A, B, E, F])
+    assert found["robot 0: supporting moves"].get("stroke-dasharray")
+    assert "robot 1: supporting moves" not in found
+
+
+def test_places_belong_to_who_saw_them_first(support):
+    found = layers(tree_svg(support))
+    areas = []
+    for robot in (0, 1):
+        rings = lines(paths(found[f"robot {robot}: seen first"]))
+        areas.append(shapely.union_all([shapely.Polygon(ring) for ring in rings]))
+    assert areas[0].intersection(areas[1]).area < 1e-3
+    # Seen from E first, then from F; the way back to B was seen from B.
+    assert areas[1].contains(shapely.Point(F))
+    assert areas[0].contains(shapely.Point(8.5, 3.0))
+    assert found["robot 0: regions"].get("fill") == "none"
+    assert len(found["robot 0: regions"]) == 3
+
+
+def test_a_robot_that_is_alone_needs_no_numbers_and_no_areas(museum):
+    found = layers(tree_svg(museum))
+    assert not {"robot 0: seen first", "swatches"} & set(found)
+    assert found["robot 0: start"].find(SVG + "text") is None
+
+
+boxes = st.tuples(
+    st.integers(0, 20), st.integers(0, 20), st.integers(1, 9), st.integers(1, 9), st.integers(0, 3)
+)
+
+
+@given(st.lists(boxes, min_size=1, max_size=12), st.data())
+def test_areas_share_out_what_was_seen(found, data):
+    regions = [shapely.box(x, y, x + w, y + h) for x, y, w, h, _ in found]
+    robots = [robot for *_, robot in found]
+    areas = {
+        robot: shapely.build_area(shapely.MultiLineString(rings))
+        for robot, rings in seen_first(regions, robots, 0.01).items()
+    }
+    assert sum(area.area for area in areas.values()) == pytest.approx(
+        shapely.union_all(regions).area
+    )
+    # Cells of the grid on which the boxes lie.
+    x, y = (data.draw(st.integers(0, 29)) + 0.5 for _ in "xy")
+    first = next(
+        (r for r, b in zip(robots, regions, strict=True) if shapely.contains_xy(b, x, y)), None
+    )
+    assert [r for r, area in areas.items() if shapely.contains_xy(area, x, y)] == (
+        [] if first is None else [first]
+    )
+
+
+def test_regions_that_cross_themselves_can_be_shared_out():
+    bow = shapely.Polygon([(0, 0), (2, 2), (2, 0), (0, 2)])
+    areas = seen_first([bow, shapely.box(0, 0, 2, 2), shapely.box(0, 0, 1, 1)], [0, 1, 2], 0.01)
+    assert sorted(areas) == [0, 1]
+    assert sum(shapely.Polygon(ring).area for ring in areas[0]) == pytest.approx(2.0)
+
+
+def test_a_death_is_marked_with_its_number_and_told():
+    events = [
+        node(0.0, 0, 0, A),
+        node(0.0, 1, 0, C),
+        motion(1.0, 1, C, D),
+        Died(time_s=2.0, robot=1, configuration=(*D, 0.0), doing="moving"),
+    ]
+    svg = tree_svg(recorded([A, C], events))
+    found = layers(svg)
+    halo, cross = found["robot 1: death"].findall(SVG + "path")
+    np.testing.assert_allclose([line.mean(axis=0) for line in lines(cross.get("d", ""))], [D, D])
+    assert halo.get("d") == cross.get("d")
+    assert found["robot 1: death"].findtext(SVG + "text") == "1"
+    assert "robot 1: end" not in found
+    assert "robot 0: death" not in found
+    assert "died: robot 1 at 2 s" in texts(svg)
+    assert "death" in texts(svg)
+
+
+def test_protective_stops_and_late_starts_are_marked():
+    stop = Blocked(time_s=2.0, robot=0, by=1, configuration=(*B, 0.0))
+    events = [
+        node(0.0, 0, 0, A),
+        motion(1.0, 0, A, B),
+        stop,
+        stop,
+        Joined(time_s=40.0, robot=1),
+        node(40.0, 1, 0, C),
+    ]
+    late = LateStart(robot=1, time_s=40.0)
+    svg = tree_svg(recorded([A, C], events, faults=(late,)))
+    found = layers(svg)
+    (octagon,) = lines(paths(found["robot 0: protective stops"]))
+    assert len(octagon) == 8
+    np.testing.assert_allclose(octagon.mean(axis=0), B, atol=1e-3)
+    assert found["robot 0: start"].get("fill") != found["robot 1: start"].get("fill")
+    assert {"protective stop", "start of one switched on late"} <= set(texts(svg))
+    assert "joined late: robot 1 at 40 s" in texts(svg)
+
+
+def test_ways_on_an_arc_are_drawn_round():
+    quarter = Motion(
+        time_s=0.0,
+        robot=0,
+        waypoints=((0.0, 5.0, 1.0, 0.0), (4.0, 8.0, 4.0, np.pi / 2)),
+    )
+    nodes = node(0.0, 0, 0, (5.0, 1.0)), node(4.0, 0, 1, (8.0, 4.0), parent=(0, 0))
+    recording = recorded([(5.0, 1.0)], [nodes[0], quarter, nodes[1]])
+    svg = tree_svg(recording)
+    (line,) = lines(paths(layers(svg)["robot 0: path"]))
+    np.testing.assert_allclose(np.hypot(*(line - (5.0, 4.0)).T), 3.0, atol=5e-3)
+    assert len(line) > 8
+    assert traces_of(recording)[0].distance_m == pytest.approx(1.5 * np.pi)
+    assert "way travelled off the tree" in texts(svg)
+
+
+def crowd(robots: int, apart_m: float) -> str:
+    starts = [(1.0 + apart_m * (k % 16), 1.0 + apart_m * (k // 16)) for k in range(robots)]
+    world = Environment("square", shapely.box(0, 0, 100, 60))
+    return tree_svg(recorded(starts, [], world))
+
+
+def test_legends_of_large_teams_stay_short():
+    small, large = crowd(16, 3.0), crowd(64, 3.0)
+    accounts = [t for t in texts(small) if re.fullmatch(r"\d+: 0 nodes, 0 m", t)]
+    assert len(accounts) == 16
+    swatches = layers(large)["swatches"]
+    assert [t.text for t in swatches.iter(SVG + "text")][1:] == [str(k) for k in range(64)]
+    assert len(swatches.findall(SVG + "path")) == 2 * 64
+    rows = {t.get("y") for t in swatches.iter(SVG + "text")}
+    assert len(rows) <= 6
+    right = max(float(t.get("x", "")) for t in swatches.iter(SVG + "text"))
+    page = ET.fromstring(large)
+    assert right + 5 < float(page.get("width", "").removesuffix("mm"))
+    assert float(page.get("height", "").removesuffix("mm")) < 240
+
+
+@pytest.mark.parametrize("apart_m", [1.0, 2.0, 5.0])
+def test_numbers_at_crowded_starts_do_not_cover_one_another(apart_m):
+    found = layers(crowd(64, apart_m))
+    discs = []
+    for robot in range(64):
+        (pin,) = lines(paths(found[f"robot {robot}: start"]))
+        discs.append(shapely.Polygon(pin).centroid.buffer(np.ptp(pin[:, 1]) / 2))
+    pairs = shapely.STRtree(discs).query(discs, predicate="intersects").T
+    assert all(a == b for a, b in pairs.tolist())
 
 
 def test_the_frontier_of_one_that_was_cut_off_bounds_what_was_seen(cut_off):
@@ -305,10 +575,49 @@ def test_a_frontier_that_another_robot_has_seen_is_none(cut_off):
     assert remaining_frontier(team(cut_off, everything)) == {0: (), 1: ()}
 
 
+def test_what_a_robot_says_at_its_last_end_counts(support):
+    assert remaining_frontier(support) == {0: (), 1: ()}
+    early = replace(support, events=support.events[:11])
+    assert remaining_frontier(early) == {0: ((9.0, 1.0, 9.0, 5.0),), 1: ()}
+
+
+def test_who_went_on_after_its_end_takes_back_what_it_said(support):
+    dying = Died(time_s=13.0, robot=0, configuration=(*F, 0.0), doing="waiting")
+    dead = replace(support, events=(*support.events[:-2], dying))
+    # Nobody saw the hall's upper wall.
+    left = remaining_frontier(dead)
+    assert left[1] == ()
+    seen = shapely.union_all(
+        [shapely.Polygon(e.boundary) for e in dead.events if isinstance(e, NodeAdded)]
+    )
+    assert left[0]
+    for x0, y0, x1, y1 in left[0]:
+        middle = shapely.Point((x0 + x1) / 2, (y0 + y1) / 2)
+        assert seen.boundary.distance(middle) < 1e-6
+        assert shapely.box(1e-6, 1e-6, 20 - 1e-6, 8 - 1e-6).contains(middle)
+
+
+@pytest.mark.parametrize(
+    "reason", ["too narrow", "not reachable", "seen from near", "blocked by a robot"]
+)
+def test_an_arc_that_any_robot_gave_up_counts_as_closed(reason):
+    events = [node(0.0, 0, 0, A), node(0.0, 1, 0, C)]
+    arc = remaining_frontier(recorded([A, C], events))[0]
+    assert arc
+    closing = ArcClosed(time_s=1.0, robot=1, node=(0, 0), reason=reason, arc=arc)
+    closed = recorded([A, C], [*events, closing])
+    assert remaining_frontier(closed)[0] == ()
+    assert remaining_frontier(closed)[1] != ()
+    svg = tree_svg(closed)
+    assert f"frontier given up: {reason}" in texts(svg)
+    assert len(layers(svg)["robot 1: frontier given up"]) == 1
+
+
 def test_sixty_four_robots_differ():
     looks = {(s.stroke, s.dashes_mm) for s in (RobotStyles.of(k).edge for k in range(64))}
     assert len(looks) == 64
     assert RobotStyles.of(64) == RobotStyles.of(0)
+    assert len({RobotStyles.of(k).area.fill for k in range(32)}) == 32
     assert len({RobotStyles.of(k).edge.dashes_mm for k in range(8)}) == 8
 
 
@@ -432,7 +741,8 @@ def test_coordinates_stay_small_where_the_world_is_far_away():
     ("change", "message"),
     [
         ({"robot": 3}, "tells of robot 3, but its team has 1"),
-        ({"parent": 77}, "node 77, which is not in the tree of robot 0"),
+        ({"parent": (0, 77)}, "node 77 of robot 0, which it has not told of"),
+        ({"parent": (5, 0)}, "node 0 of robot 5, which it has not told of"),
         ({"boundary": ((0.0, 0.0), (1.0, 1.0)), "tags": "00"}, "2 corners and 2 tags"),
         ({"tags": "01"}, "2 tags"),
         ({"tags": "09000"}, "digits from 0 to 3"),

@@ -7,10 +7,11 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from multisrt.exploration_map import ExplorationMap, Node, NodeId
+from multisrt.exploration_map import Closing, ClosingId, ExplorationMap, Node, NodeId
 from multisrt.geometry.boundary import GAP, OBSTACLE, RANGE
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.edge_index import EdgeIndex
+from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.frontier_arcs import frontier_candidates, total_length
 from multisrt.geometry.raster import Raster
 from multisrt.geometry.safe_region import LocalSafeRegion, local_safe_region
@@ -203,25 +204,140 @@ def test_the_width_of_an_opening_changes_far_from_the_node_that_sees_it():
     assert known.open_nodes() == map_of([*known.nodes], shortest_arc_m=7.0).open_nodes() == []
 
 
+def closing(number: int, arc, serial: int = 0, **fields) -> Closing:
+    """Robot 1 gives up an arc of robot 0's."""
+    given = {"reason": "seen from near", "width_m": WIDTH} | fields
+    return Closing(
+        id=ClosingId(1, number), node=NodeId(0, serial), arc=np.asarray(arc, float), **given
+    )
+
+
 def test_closing_an_arc():
     known = map_of([box_node(0, 0, 0, 2, 2, "right left")])
     arcs = known.frontier_arcs(NodeId(0, 0))
     assert [total_length(arc) for arc in arcs] == [2.0, 2.0]
-    known.close(NodeId(0, 0), arcs[0])
+    first, second = closing(0, arcs[0]), closing(1, arcs[1])
+    assert known.close(first)
     assert np.array_equal(known.frontier(NodeId(0, 0)), arcs[1])
     assert not known.is_complete()
-    known.close(NodeId(0, 0), arcs[1])
+    assert not known.close(first)
+    assert known.close(second)
     assert known.is_complete()
     assert known.open_nodes() == []
+    assert known.open_frontier_m() == 0.0
+    assert known.closings == (first, second)
 
 
 def test_closing_a_part_of_an_opening_leaves_the_rest_too_narrow():
     parts = [box_node(k, 0.0, 0.3 * k, 2.0, 0.3 * k + 0.3, "right") for k in range(2)]
     known = map_of(parts)
     assert known.has_frontier(NodeId(0, 1))
-    known.close(NodeId(0, 0), known.frontier(NodeId(0, 0)))
+    known.close(closing(0, known.frontier(NodeId(0, 0))))
     assert not known.has_frontier(NodeId(0, 1))
     assert known.is_complete()
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_an_arc_takes_with_it_what_lies_along_it_and_no_more(turned):
+    # The node's side runs from (2, 0) to (2, 4); the arc from 1 to 2.5, and beyond other sides.
+    arc = np.array([[2.0, 1.0, 2.0, 2.0], [2.0, 2.0, 2.0, 2.5], [3.0, 0.0, 3.0, 4.0]])
+    if turned:
+        arc = arc[:, [2, 3, 0, 1]]
+    known = map_of([box_node(0, 0, 0, 2, 4, "right above")])
+    known.close(closing(0, arc))
+    expected = [[2, 0, 2, 1], [2, 2.5, 2, 4], [2, 4, 0, 4]]
+    assert known.frontier(NodeId(0, 0)) == pytest.approx(np.array(expected, float), abs=1e-9)
+    known.close(closing(1, [[2, 2.4, 2, 9], [0, 4.00001, 2, 4.00001]]))
+    assert known.open_frontier_m() == pytest.approx(3.0)
+
+
+def test_an_arc_across_takes_nothing():
+    known = map_of([box_node(0, 0, 0, 2, 2, "right")])
+    known.close(closing(0, [[1, 1, 3, 1], [1.5, 0.5, 2.5, 1.5], [2, -1, 2, 0]]))
+    assert np.array_equal(known.frontier(NodeId(0, 0)), [[2, 0, 2, 2]])
+
+
+def test_an_arc_is_closed_before_its_node_is_known():
+    known = new_map()
+    assert known.close(closing(0, [[2, 0, 2, 1]]))
+    assert known.is_complete()
+    known.add(box_node(0, 0, 0, 2, 2, "right"))
+    assert known.frontier(NodeId(0, 0)) == pytest.approx(np.array([[2.0, 1.0, 2.0, 2.0]]))
+
+
+@pytest.mark.parametrize(
+    ("reason", "width_m", "robot", "own_width_m", "closed"),
+    [
+        ("seen from near", 9.0, 0, 0.1, True),
+        ("too narrow", 0.5, 0, 0.5, True),
+        ("too narrow", 0.5, 0, 0.6, True),
+        ("too narrow", 0.5, 0, 0.4, False),
+        ("too narrow", 0.5, None, 0.4, False),
+        ("not reachable", 0.5, 0, 0.5, False),
+        ("not reachable", 0.5, 1, 0.5, True),
+        ("not reachable", 0.5, None, 0.5, True),
+        ("blocked by a robot", 0.5, 0, 0.5, False),
+        ("blocked by a robot", 0.5, 1, 0.5, True),
+        ("blocked by a robot", 0.5, None, 0.5, True),
+    ],
+)
+def test_who_gave_up_and_why_decides_for_whom(reason, width_m, robot, own_width_m, closed):
+    known = map_of([box_node(0, 0, 0, 2, 2, "right")], width_m=own_width_m, robot=robot)
+    known.close(closing(0, [[2, 0, 2, 2]], reason=reason, width_m=width_m))
+    assert known.is_complete() == closed
+    assert len(known.closings) == 1
+
+
+def test_the_own_width_is_that_of_the_shortest_arc_unless_it_is_said():
+    known = map_of([box_node(0, 0, 0, 2, 2, "right")])
+    known.close(closing(0, [[2, 0, 2, 2]], reason="too narrow", width_m=WIDTH))
+    assert known.is_complete()
+
+
+@pytest.mark.parametrize(
+    ("fields", "message"),
+    [({"reason": "too far"}, "not 'too far'"), ({"arc": [2, 0, 2, 2]}, r"shape \(4,\)")],
+)
+def test_a_closing_that_makes_no_sense(fields, message):
+    given = {"number": 0, "arc": [[2, 0, 2, 2]]} | fields
+    with pytest.raises(InvalidInputError, match=message):
+        closing(**given)
+
+
+def test_the_arc_of_a_closing_is_its_own():
+    arc = np.array([[2.0, 0.0, 2.0, 2.0]])
+    made = closing(0, arc)
+    arc[0, 0] = 7.0
+    assert made.arc[0, 0] == 2.0
+    with pytest.raises(ValueError, match="read-only"):
+        made.arc[0, 0] = 7.0
+
+
+def test_a_region_may_not_reach_further_than_the_map_was_made_for():
+    with pytest.raises(InvalidInputError, match="largest range of the team"):
+        new_map(reach_m=2.0).add(box_node(0, 0, 0, 2, 2, "right"))
+
+
+def test_a_border_that_two_nodes_share_counts_once():
+    # Both end at x = 2: the first from 0 to 2, the second from 1 to 3.
+    pair = [box_node(0, 0, 0, 2, 2, "right"), box_node(1, 0, 1, 2, 3, "right")]
+    for order in permutations(pair):
+        known = map_of(order)
+        assert known.open_frontier_m() == pytest.approx(3.0)
+        assert known.frontier(NodeId(0, 0)) == pytest.approx(np.array([[2.0, 0.0, 2.0, 2.0]]))
+        assert known.frontier(NodeId(0, 1)) == pytest.approx(np.array([[2.0, 2.0, 2.0, 3.0]]))
+
+
+def test_a_border_with_regions_on_both_sides_is_no_frontier():
+    pair = [box_node(0, 0, 0, 2, 2, "right"), box_node(1, 2, 0, 4, 2, "left")]
+    for order in permutations(pair):
+        assert map_of(order).is_complete()
+
+
+def test_a_border_of_which_the_other_node_sees_that_it_is_a_wall_stays_open():
+    # What one takes for a wall may be a robot's body; nothing that is open is lost.
+    known = map_of([box_node(0, 0, 0, 2, 2, ""), box_node(1, 0, 0, 2, 2, "right")])
+    assert known.open_nodes() == [NodeId(0, 1)]
 
 
 def check_against_a_map_without_history(known: ExplorationMap, **options) -> None:

@@ -1,4 +1,5 @@
 import errno
+import hashlib
 import json
 import os
 from pathlib import Path
@@ -11,7 +12,7 @@ from multisrt.environments.environment import Environment
 from multisrt.events import Ended, Motion, NodeAdded
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.metrics import measure
-from multisrt.recording import FORMAT, VERSION, Recording, written_whole
+from multisrt.recording import FORMAT, VERSION, Header, Recording, written_whole
 from multisrt.simulation import simulate
 from multisrt.spec import RunSpec, inline
 
@@ -38,6 +39,16 @@ def load(folder: Path, *parts: list[bytes]) -> Recording:
     path = folder / "changed.jsonl"
     path.write_bytes(b"".join(line for part in parts for line in part))
     return Recording.load(path)
+
+
+def signed(lines: list[bytes]) -> list[bytes]:
+    """The lines with the digest that they should have, by the documented rule."""
+    head, *events, last = lines
+    header = msgspec.json.decode(head, type=Header)
+    about = header.spec, header.free, header.starts
+    parts = [msgspec.json.encode(part) + b"\n" for part in about]
+    digest = hashlib.sha256(b"".join([*parts, *events])).hexdigest()
+    return [head, *events, changed(last, digest=digest)]
 
 
 def changed(line: bytes, **fields) -> bytes:
@@ -151,6 +162,77 @@ def test_a_line_of_garbage_is_named(tmp_path, lines, garbage):
         load(tmp_path, lines[:2], [garbage], lines[2:])
 
 
+NODE = '"time_s":0,"robot":0'
+
+
+@pytest.mark.parametrize(
+    ("event", "said"),
+    [
+        ('"motion",$,"waypoints":[[2,0,0,0],[1,1,0,0]]', "never fall"),
+        ('"decision",$,"node":[0,99],"frontier_m":1,"choice":"end","target":null', "node 99"),
+        ('"decision",$,"node":[1,0],"frontier_m":1,"choice":"end","target":null', "node 0 of"),
+        ('"decision",$,"node":0,"frontier_m":1,"choice":"end","target":null', "node"),
+        (
+            '"decision",$,"node":[0,0],"frontier_m":1,"choice":"end","target":null,"ger":[0,3]',
+            "robot 3",
+        ),
+        ('"arc_closed",$,"node":[0,99],"reason":"too narrow","arc":[]', "node 99"),
+        ('"learned",$,"nodes":[[0,0],[0,99]]', "node 99"),
+        ('"sent",$,"kind":"map","size_bytes":9,"reached":[7]', "robot 7"),
+        ('"sent",$,"kind":"map","size_bytes":9,"lost":[-1]', "robot -1"),
+        ('"taken_as_lost",$,"other":4', "robot 4"),
+        ('"blocked",$,"by":1,"configuration":[0,0,0]', "robot 1"),
+        (
+            '"supports",$,"tree":2,"open_frontier_m":{},"active_robots":{},"candidates":[]',
+            "robot 2",
+        ),
+        (
+            '"supports",$,"tree":null,"open_frontier_m":{"6":1},"active_robots":{},"candidates":[]',
+            "robot 6",
+        ),
+        (
+            '"organized",$,"feasible":[],"unfeasible":[],"before":{"5":[0,0]},"after":{},'
+            '"orders":{},"conflicts":[]',
+            "robot 5",
+        ),
+        (
+            '"organized",$,"feasible":[],"unfeasible":[],"before":{},"after":{},"orders":{},'
+            '"conflicts":[[0,8]]',
+            "robot 8",
+        ),
+        (
+            '"coordinated",$,"ger":[0],"master":9,"feasible":[],"unfeasible":[],"target":[0,0],'
+            '"order":"wait","new_target":[0,0]',
+            "robot 9",
+        ),
+    ],
+)
+def test_events_that_name_what_is_not_there(tmp_path, lines, event, said):
+    line = b'{"event":' + event.replace("$", NODE).encode() + b"}\n"
+    with pytest.raises(InvalidInputError, match=rf"changed\.jsonl, line 3: .*{said}"):
+        load(tmp_path, signed([*lines[:2], line, *lines[2:]]))
+
+
+def test_a_recording_that_was_changed_after_the_run(tmp_path, lines):
+    assert json.loads(signed(lines)[-1]) == json.loads(lines[-1])
+    k = next(k for k, line in enumerate(lines) if b'"event":"motion"' in line)
+    later = changed(lines[k], purpose="home")
+    spec = json.loads(lines[0])["spec"] | {"seed": 2}
+    for other in (
+        [*lines[:k], later, *lines[k + 1 :]],
+        [*lines[:k], *lines[k + 1 :]],
+        [changed(lines[0], spec=spec), *lines[1:]],
+        [*lines[:-1], changed(lines[-1], digest="0" * 64)],
+    ):
+        with pytest.raises(InvalidInputError, match=r"digest .* changed after the run"):
+            load(tmp_path, other)
+
+
+def test_line_ends_of_another_system_change_nothing(tmp_path, lines):
+    again = load(tmp_path, [line.replace(b"\n", b"\r\n") for line in lines])
+    assert again.footer.digest == json.loads(lines[-1])["digest"]
+
+
 @pytest.mark.parametrize(
     "fields",
     [{"tags": "0"}, {"tags": "9999"}, {"boundary": [[0, 0], [1, 1]], "tags": "00"}],
@@ -164,7 +246,7 @@ def test_a_region_that_is_none(tmp_path, lines, fields):
 def test_another_format_or_version(tmp_path, lines):
     with pytest.raises(InvalidInputError, match="no header"):
         load(tmp_path, [changed(lines[0], format="music")], lines[1:])
-    with pytest.raises(InvalidInputError, match="version 99; this program reads 1"):
+    with pytest.raises(InvalidInputError, match="version 99; this program reads 2"):
         load(tmp_path, [changed(lines[0], format_version=99)], lines[1:])
 
 
@@ -200,10 +282,11 @@ def test_starts_for_other_robots(tmp_path, lines):
 def test_a_world_that_is_none(tmp_path, lines, free):
     if free == [[[[0, 0], [4, 0], [4, 4]]]]:
         # A ring that does not close is closed.
-        assert load(tmp_path, [changed(lines[0], free=free)], lines[1:]).environment().area_m2 == 8
+        again = load(tmp_path, signed([changed(lines[0], free=free), *lines[1:]]))
+        assert again.environment().area_m2 == 8
         return
     with pytest.raises(InvalidInputError, match="two rooms"):
-        load(tmp_path, [changed(lines[0], free=free)], lines[1:]).environment()
+        load(tmp_path, signed([changed(lines[0], free=free), *lines[1:]])).environment()
 
 
 def test_files_that_cannot_be_read(tmp_path):

@@ -6,7 +6,8 @@ from hypothesis import strategies as st
 
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.planners.motion.kinematics import Differential, Holonomic, turns_between
+from multisrt.planners.motion.kinematics import Car, Differential, Holonomic, turns_between
+from multisrt.spec import DriveSpec
 
 
 def test_a_holonomic_body_drives_anywhere_and_keeps_its_heading():
@@ -49,6 +50,9 @@ def test_nothing_to_do_takes_no_time():
         (Holonomic, "speed_m_s"),
         (Differential, "speed_m_s"),
         (Differential, "turn_rate_rad_s"),
+        (Car, "speed_m_s"),
+        (Car, "turning_radius_m"),
+        (DriveSpec, "turning_radius_m"),
     ],
 )
 def test_limits_are_positive_and_finite(drive, name, value):
@@ -67,6 +71,12 @@ def test_limits_are_positive_and_finite(drive, name, value):
 )
 def test_turns_between(heading, wanted, short, long):
     assert turns_between(heading, wanted) == pytest.approx((short, long))
+
+
+@pytest.mark.parametrize(("kind", "reverse"), [("reeds-shepp", True), ("dubins", False)])
+def test_a_spec_describes_a_car(kind, reverse):
+    drive = DriveSpec(kind=kind, speed_m_s=2.0, turning_radius_m=1.5)
+    assert drive.kinematics() == Car(speed_m_s=2.0, turning_radius_m=1.5, reverse=reverse)
 
 
 angles = st.floats(-20.0, 20.0)

@@ -24,8 +24,8 @@ from multisrt.geometry.frontier_arcs import arc_labels, frontier_candidates
 from multisrt.geometry.safe_region import LocalSafeRegion, local_safe_region
 from multisrt.geometry.scan import take_scan
 from multisrt.planners.motion.body import PlanningBody
-from multisrt.planners.motion.kinematics import Differential, Holonomic
-from multisrt.planners.srt import SrtOptions, SrtPlanner, Way, arc_points
+from multisrt.planners.motion.kinematics import Car, Differential, Holonomic
+from multisrt.planners.srt import Draws, SrtOptions, SrtPlanner, Way, arc_points
 
 NONE = np.empty((0, 2))
 D_MIN = 0.5
@@ -138,6 +138,50 @@ def test_refused_for_want_of_room():
     assert draws.refused == {"no room": 10}
 
 
+def test_refused_by_whoever_asks_for_the_places():
+    asked = []
+
+    def accept(x, y):
+        asked.append((x, y))
+        return "blocked by a robot" if len(asked) < 4 else None
+
+    place, draws = planner().draw(
+        MIDDLE, SQUARE, BOTH, NONE, [], np.random.default_rng(0), accept=accept
+    )
+    assert place == asked[3]
+    assert (draws.drawn, draws.refused) == (4, {"blocked by a robot": 3})
+    assert draws.candidates == [(*xy, "blocked by a robot") for xy in asked[:3]]
+    # What is refused already is not asked about.
+    nodes = np.array(asked)
+    place, draws = planner(max_draws=4).draw(
+        MIDDLE, SQUARE, BOTH, nodes, [], np.random.default_rng(0), accept=lambda x, y: 1 / 0
+    )
+    assert place is None
+    assert draws.candidates == [(*xy, "near a node") for xy in asked]
+
+
+def test_candidates_without_room_are_put_down_where_they_were_drawn():
+    at = Configuration(3.4, 2.0, 0.0)
+    point = np.array([(4.0, 1.99, 4.0, 2.01)])
+    _, draws = planner(max_draws=1).draw(
+        at, region(shapely.box(0, 0, 4, 4), 3.4, 2.0), point, NONE, [], np.random.default_rng(0)
+    )
+    ((x, y, reason),) = draws.candidates
+    assert (x, y) == pytest.approx((3.4 + 0.8 * 0.6, 2.0), abs=0.01)
+    assert reason == "no room"
+
+
+def test_a_car_draws_where_it_fits_along_its_way():
+    # It cannot turn in place, but curves may lead there, which are asked for apart.
+    corridor = region(shapely.box(0, 0, 4, 0.5), 2.0, 0.25)
+    ends = np.array([(4.0, 0.2, 4.0, 0.3), (0.0, 0.3, 0.0, 0.2)])
+    chosen = planner("box:0.6x0.4", Car())
+    rng = np.random.default_rng(0)
+    at = Configuration(2.0, 0.25, 0.0)
+    places = [chosen.draw(at, corridor, ends, NONE, [], rng)[0] for _ in range(20)]
+    assert {place[0] > 2.0 for place in places} == {True, False}
+
+
 def test_refused_in_another_region_only_without_bias():
     whole = region(shapely.box(-1, -1, 5, 5), 2.0, 2.0)
     rng = np.random.default_rng(0)
@@ -201,6 +245,31 @@ def test_a_door_seen_edge_on_is_approached():
     assert seen.polygon().exterior.distance(shapely.Point(x, y)) >= 0.25
     way = shapely.LineString([at[:2], (x, y)])
     assert way.buffer(0.25).difference(seen.polygon()).area < 1e-6
+
+
+def test_the_next_place_where_an_approach_is_refused():
+    draws = Draws()
+    first = planner().approach(MIDDLE, SQUARE, [RIGHT], NONE)
+    second = planner().approach(
+        MIDDLE,
+        SQUARE,
+        [RIGHT],
+        NONE,
+        lambda x, y: "blocked by a robot" if (x, y) == first else None,
+        draws,
+    )
+    assert draws.candidates == [(*first, "blocked by a robot")]
+    assert draws.refused == {"blocked by a robot": 1}
+    # Not close to the one that was refused, but still among the nearest.
+    assert math.dist(first, second) >= 0.5 * D_MIN
+    assert second[0] > 3.5
+
+
+def test_an_approach_is_given_up_after_so_many_refusals():
+    draws = Draws()
+    chosen = planner(max_draws=3)
+    assert chosen.approach(MIDDLE, SQUARE, [RIGHT], NONE, lambda x, y: "no way", draws) is None
+    assert draws.refused == {"no way": 3}
 
 
 def test_no_approach_without_arcs():
@@ -267,6 +336,23 @@ def test_a_viewing_place_sees_the_arc():
     x, y, *_ = planner().viewing_place(ARC, known, 3.0, standing_at((1.0, 2.0)))
     assert shapely.LineString([(x, y), (6.0 - 1e-3, 2.0)]).within(known)
     assert known.boundary.distance(shapely.Point(x, y)) >= 0.252 - 1e-6
+
+
+def test_a_viewing_place_to_which_other_ways_lead_than_straight_ones():
+    nodes = standing_at((1.0, 2.0), (5.0, 1.0))
+    known = shapely.box(0, 0, 6, 4)
+    asked = []
+
+    def leads(node, x, y):
+        asked.append((node, x, y))
+        return node == 0 and len(asked) > 2
+
+    found = planner().viewing_place(ARC, known, 3.0, nodes, leads)
+    assert found == Way(*asked[3][1:], 0, roomy=False)
+    # Nearest nodes first, place by place.
+    assert [node for node, *_ in asked] == [1, 0, 1, 0]
+    asked.clear()
+    assert planner().viewing_place(ARC, known, 3.0, nodes, lambda *_: False) == "not reachable"
 
 
 def test_refused_too_narrow():

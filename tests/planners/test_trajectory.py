@@ -1,12 +1,23 @@
 import math
 from itertools import pairwise
 
+import numpy as np
 import pytest
+import shapely
 from hypothesis import given
 from hypothesis import strategies as st
 
+from multisrt.geometry.collision import CollisionWorld, _motion
 from multisrt.geometry.configuration import Configuration
-from multisrt.planners.motion.trajectory import Trajectory, Waypoint
+from multisrt.geometry.errors import InvalidInputError
+from multisrt.geometry.footprint import Footprint
+from multisrt.planners.motion.trajectory import (
+    Trajectory,
+    Waypoint,
+    leg_length,
+    leg_points,
+    leg_pose,
+)
 
 # Two metres along x in four seconds, a quarter turn to the left in one, one metre along y in two.
 CORNER = Trajectory(
@@ -97,15 +108,88 @@ def test_then_adds_times_and_keeps_turns_signed():
     assert [w.heading for w in joined.waypoints] == pytest.approx([0.0, 4.0, 3.0])
 
 
+# A quarter circle to the left about (0, 1), from the origin.
+QUARTER = Trajectory((Waypoint(0.0, 0.0, 0.0, 0.0), Waypoint(2.0, 1.0, 1.0, math.pi / 2)))
+
+
+def test_a_body_that_translates_and_turns_follows_an_arc():
+    root = math.sqrt(0.5)
+    assert QUARTER.at(1.0) == pytest.approx((root, 1.0 - root, math.pi / 4))
+    assert QUARTER.length_m == pytest.approx(math.pi / 2)
+    half = QUARTER.until(1.0)
+    assert half.end == pytest.approx((root, 1.0 - root, math.pi / 4))
+    assert half.length_m == pytest.approx(math.pi / 4)
+
+
+def test_the_points_of_an_arc_lie_on_it():
+    points = QUARTER.points(spacing_rad=0.1)
+    assert points.shape == (17, 2)
+    assert np.hypot(points[:, 0], points[:, 1] - 1.0) == pytest.approx(1.0)
+    assert points[[0, -1]].tolist() == [[0.0, 0.0], [1.0, 1.0]]
+
+
+def test_the_points_of_straight_ways_and_turns_are_their_ends():
+    # The turn in place is there twice.
+    assert CORNER.points().tolist() == [[1.0, 1.0], [3.0, 1.0], [3.0, 1.0], [3.0, 2.0]]
+    assert Trajectory(CORNER.waypoints[:1]).points().tolist() == [[1.0, 1.0]]
+
+
+def test_reversed():
+    back = CORNER.reversed()
+    assert back.start == CORNER.end
+    assert back.end == CORNER.start
+    assert [w.time_s for w in back.waypoints] == [0.0, 2.0, 3.0, 7.0]
+    for time in (0.0, 1.0, 2.5, 6.9):
+        assert back.at(time) == pytest.approx(CORNER.at(7.0 - time))
+
+
+def test_an_arc_of_more_than_half_a_circle_is_refused():
+    first = Waypoint(0.0, 0.0, 0.0, 0.0)
+    with pytest.raises(InvalidInputError, match="half a circle"):
+        Trajectory((first, Waypoint(1.0, 0.1, 0.0, 3.2)))
+    # A turn in place may be longer.
+    assert Trajectory((first, Waypoint(1.0, 0.0, 0.0, 6.0))).length_m == 0.0
+
+
+SPOT = CollisionWorld(shapely.box(-1, -1, 1, 1)).body(Footprint.disc(0.1))
+
+turns = st.one_of(st.just(0.0), st.floats(1e-8, math.pi), st.floats(-math.pi, -1e-8))
 numbers = st.floats(-50.0, 50.0)
-steps = st.tuples(st.floats(0.0, 9.0), numbers, numbers, numbers)
+steps = st.tuples(st.floats(0.0, 9.0), numbers, numbers, turns)
+
+
+@given(numbers, numbers, numbers, numbers, numbers, turns, st.floats(0.0, 1.0))
+def test_arcs_are_those_that_are_checked_for_collisions(x0, y0, heading, x1, y1, turn, fraction):
+    a, b = (0.0, x0, y0, heading), (1.0, x1, y1, heading + turn)
+    motion = _motion(SPOT, a[1:], b[1:], b[3] - a[3], arc=True)
+    assert leg_pose(a, b, fraction) == pytest.approx(motion.pose(fraction), abs=1e-5)
+    assert leg_length(a, b) == pytest.approx(motion.length, abs=1e-6)
+    line = shapely.LineString(leg_points(a, b, 0.01))
+    assert line.length == pytest.approx(leg_length(a, b), rel=1e-4, abs=1e-9)
+
+
+@given(numbers, numbers, turns)
+def test_the_twist_is_constant(x, y, turn):
+    # Seen from the body, its motion begins and ends, and is everywhere, in one direction.
+    a, b = (0.0, 0.0, 0.0, 0.3), (1.0, x, y, 0.3 + turn)
+    step = 1e-4
+    seen = []
+    for fraction in (0.0, 0.4, 1.0 - step):
+        x0, y0, heading = leg_pose(a, b, fraction)
+        x1, y1, _ = leg_pose(a, b, fraction + step)
+        c, s = math.cos(heading), math.sin(heading)
+        dx, dy = x1 - x0, y1 - y0
+        seen.append((c * dx + s * dy, c * dy - s * dx))
+    assert seen[1] == pytest.approx(seen[0], abs=1e-9)
+    assert seen[2] == pytest.approx(seen[0], abs=1e-9)
 
 
 @st.composite
 def trajectories(draw):
-    time, waypoints = 0.0, []
-    for wait, x, y, heading in draw(st.lists(steps, min_size=1, max_size=6)):
+    time, heading, waypoints = 0.0, 0.0, []
+    for wait, x, y, turn in draw(st.lists(steps, min_size=1, max_size=6)):
         time = time + wait if waypoints else 0.0
+        heading += turn
         waypoints.append(Waypoint(time, x, y, heading))
     return Trajectory(tuple(waypoints))
 

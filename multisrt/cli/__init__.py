@@ -1,0 +1,52 @@
+"""The command line. What a command needs is imported when it runs, so that help comes at once."""
+
+from __future__ import annotations
+
+import click
+
+from multisrt.cli.explore import explore
+from multisrt.cli.lists import environments, strategies
+from multisrt.cli.why import why
+
+COMPLETE, BAD_INPUT, INTERRUPTED = 0, 2, 130
+"""Exit codes, besides that of an exploration which is not complete."""
+
+
+@click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
+@click.version_option(package_name="multisrt")
+def cli() -> None:
+    """Explore unknown planar worlds with robots, and compare how they do it.
+
+    \b
+    Examples:
+      multisrt explore office
+      multisrt explore museum --robots 4 --strategy srt-radial --strategy srt-star
+      multisrt why runs/office-srt-radial-0/recording.jsonl --robot 0 --time 31.5
+      multisrt environments
+      multisrt strategies
+    """
+
+
+for command in (explore, why, environments, strategies):
+    cli.add_command(command)
+
+
+def main() -> None:
+    """Run the command line; errors become one line and an exit code."""
+    from multisrt.geometry.errors import MultiSrtError
+
+    try:
+        result = cli.main(prog_name="multisrt", standalone_mode=False)
+    except click.exceptions.Abort:
+        _fail("interrupted", INTERRUPTED)
+    except click.ClickException as error:
+        error.show()
+        raise SystemExit(error.exit_code) from None
+    except MultiSrtError as error:
+        _fail(f"error: {error}", BAD_INPUT)
+    raise SystemExit(result if isinstance(result, int) else COMPLETE)
+
+
+def _fail(message: str, code: int) -> None:
+    click.echo(message, err=True)
+    raise SystemExit(code)

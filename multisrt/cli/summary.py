@@ -1,0 +1,128 @@
+"""What a person is told of runs that have ended: one table, a column for each."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from multisrt.cli.tables import show, table
+
+if TYPE_CHECKING:
+    from multisrt.run import Run
+
+MOSTLY = 0.9
+"""Where less of the free space than this can be explored, a person is told so."""
+
+MOST_ROBOTS = 16
+"""A team larger than this is told of in totals only."""
+
+Rows = dict[str, str]
+
+
+def print_summary(runs: list[Run], folders: list[Path]) -> None:
+    """Print how runs of one world ended, their measures side by side, and where their files are."""
+    from multisrt.run import RECORDING_NAME, RUN_NAME, SPEC_NAME, TREE_NAME
+
+    for run in runs:
+        spec = run.spec
+        many = f", {len(spec.robots)} robots" if len(spec.robots) > 1 else ""
+        click.echo(f"{spec.strategy} in {run.environment.name}{many}, seed {spec.seed}: ", nl=False)
+        click.echo(run.outcome)
+        click.echo(f"  {run.reason}")
+    _print_reach(runs[0])
+    rows = [_rows(run, alone=len(runs) == 1) for run in runs]
+    columns = [">value"] if len(runs) == 1 else [f">{run.spec.strategy}" for run in runs]
+    measures = table("measure", *columns)
+    for name in dict.fromkeys(name for row in rows for name in row):
+        measures.add_row(name, *(row.get(name, "") for row in rows))
+    show(measures)
+    if 1 < len(runs[0].spec.robots) <= MOST_ROBOTS:
+        _print_robots(runs)
+    for folder in folders:
+        for name in (TREE_NAME, RUN_NAME, SPEC_NAME, RECORDING_NAME):
+            click.echo(folder / name)
+
+
+def _print_reach(run: Run) -> None:
+    m = run.metrics
+    if m.explorable_area_m2 < MOSTLY * m.free_area_m2:
+        bodies = ", ".join(dict.fromkeys(robot.footprint for robot in run.spec.robots))
+        click.echo(
+            f"  the body {bodies} gets only to where {m.explorable_area_m2:.1f} "
+            f"of {m.free_area_m2:.1f} m2 of free space can be seen"
+        )
+
+
+def _rows(run: Run, alone: bool) -> Rows:
+    m = run.metrics
+    team = len(run.spec.robots) > 1
+    x, y, _ = run.recording.starts[0]
+    return {
+        **({} if team else {"start": f"({x:.2f}, {y:.2f})"}),
+        **(
+            {"covered": f"{m.coverage:.2%} of {m.explorable_area_m2:.1f} m2 explorable"}
+            if alone
+            else {"covered": f"{m.coverage:.2%}", "explorable": f"{m.explorable_area_m2:.1f} m2"}
+        ),
+        "free space of the world": f"{m.free_area_m2:.1f} m2",
+        "map known complete at": _seconds(m.exploration_time_s),
+        ("all home at" if team else "home at"): _seconds(m.makespan_s),
+        "90, 95, 99 % covered at": _times(m.time_to_90_s, m.time_to_95_s, m.time_to_99_s),
+        "no run can be shorter than": _seconds(m.lower_bound_s),
+        "distance": f"{m.total_distance_m:.1f} m",
+        **(_team_rows(run) if team else {}),
+        "nodes": _counted(m.nodes, m.nodes_by_stage),
+        "frontier arcs given up": _counted(sum(m.arcs_closed.values()), m.arcs_closed),
+        "collisions": str(m.collisions),
+        "smallest clearance": f"{m.smallest_clearance_m:.3f} m",
+    }
+
+
+def _team_rows(run: Run) -> Rows:
+    m = run.metrics
+    between = m.smallest_distance_between_robots_m
+    return {
+        "spread of the distance": f"{m.distance_spread_m:.1f} m",
+        "waiting": f"{m.waiting_time_s:.1f} s",
+        "seen by more than one": f"{m.overlap_area_m2:.1f} m2 ({m.overlap_share:.1%})",
+        "coordinations": f"{m.coordinations} ({m.deadlocks} deadlocks)",
+        "protective stops": str(m.protective_stops),
+        "messages": f"{m.messages} ({m.bytes_sent / 1e6:.2f} MB)",
+        "deliveries": f"{m.deliveries} ({m.lost_deliveries} lost)",
+        **(
+            {"robots that died": f"{m.deaths} (lost with them: {m.lost_area_m2:.1f} m2)"}
+            if m.deaths
+            else {}
+        ),
+        **({} if between is None else {"smallest distance of robots": f"{between:.3f} m"}),
+    }
+
+
+def _print_robots(runs: list[Run]) -> None:
+    alone = len(runs) == 1
+    columns = [f">{run.spec.strategy}: distance" for run in runs]
+    robots = table("robot", "start", *([">distance", ">waiting", ">nodes"] if alone else columns))
+    made = runs[0].metrics.nodes_by_robot
+    for robot, (x, y, _) in enumerate(runs[0].recording.starts):
+        values = [f"{run.metrics.distance_by_robot_m[robot]:.1f} m" for run in runs]
+        if alone:
+            waited = runs[0].metrics.waiting_time_by_robot_s[robot]
+            values += [f"{waited:.1f} s", str(made[robot])]
+        robots.add_row(str(robot), f"({x:.2f}, {y:.2f})", *values)
+    show(robots)
+
+
+def _seconds(value: float | None) -> str:
+    return "never" if value is None else f"{value:.1f} s"
+
+
+def _times(*values: float | None) -> str:
+    return ", ".join("never" if value is None else f"{value:.0f} s" for value in values)
+
+
+def _counted(count: int, kinds: dict[str, int]) -> str:
+    if not kinds:
+        return str(count)
+    return f"{count} ({', '.join(f'{n} {kind}' for kind, n in kinds.items())})"

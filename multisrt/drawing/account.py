@@ -1,0 +1,170 @@
+"""What stands around a picture of exploration trees: heading, legend, and whose is whose."""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from multisrt.drawing.colours import (
+    CLOSED,
+    COLLISION,
+    DEATH,
+    DEATH_MM,
+    END,
+    END_MM,
+    FRONTIER,
+    LATE_START,
+    NODE_MM,
+    STAGES,
+    START,
+    START_MM,
+    STOP,
+    STOP_MM,
+    RobotStyles,
+    Style,
+)
+from multisrt.drawing.sheet import LegendEntry, Swatch
+from multisrt.drawing.svg import Marker
+from multisrt.drawing.traces import Trace
+from multisrt.events import CameBack, Died, FellSilent, Joined
+from multisrt.recording import Recording
+
+MOST_ACCOUNTS: Final = 16
+"""A larger team's robots are not accounted for one by one."""
+
+OUTCOMES: Final = {"complete": "complete", "stalled": "stalled", "out_of_time": "out of time"}
+
+
+def heading(recording: Recording, traces: list[Trace]) -> list[str]:
+    """Say what was run, what came out, and what went wrong: the title and lines under it."""
+    spec, footer = recording.spec, recording.footer
+    team = f", {len(traces)} robots" if len(traces) > 1 else ""
+    nodes = sum(len(trace.nodes) for trace in traces)
+    distance = math.fsum(trace.distance_m for trace in traces)
+    lines = [
+        f"{spec.strategy} in {recording.header.world}{team}, seed {spec.seed}",
+        f"{OUTCOMES[footer.outcome]} after {footer.time_s:,.0f} s: "
+        f"{_counted(nodes)}, {distance:,.0f} m travelled",
+    ]
+    left = math.fsum(math.hypot(x1 - x0, y1 - y0) for t in traces for x0, y0, x1, y1 in t.frontier)
+    if left:
+        lines[-1] += f", {left:,.1f} m of frontier left open"
+    if footer.outcome == "stalled":
+        lines.append(footer.reason)
+    if faults := _faults(recording):
+        lines.append(faults)
+    if spec.options:
+        lines.append("with " + ", ".join(f"{k} = {v}" for k, v in spec.options.items()))
+    return lines
+
+
+def description(recording: Recording) -> str:
+    """Say where a picture comes from."""
+    return (
+        f"A run of multisrt {recording.header.versions.get('multisrt', '')}, "
+        f"digest {recording.footer.digest}."
+    )
+
+
+def legend(traces: list[Trace]) -> list[LegendEntry]:
+    """Explain what there is on the map, and nothing else."""
+    team = len(traces) > 1
+    styles = RobotStyles.of_any() if team else RobotStyles.of(0)
+    stages = {node.stage for trace in traces for node in trace.nodes.values()}
+    reasons = {event.reason for trace in traces for event in trace.closed}
+    entries = [
+        LegendEntry(label="outline of a local safe region", style=styles.outline.scaled(2.0))
+        if team
+        else LegendEntry(label="local safe region", style=styles.region.scaled(2.0))
+    ]
+    if any(trace.edges for trace in traces):
+        entries.append(LegendEntry(label="edge of the tree", style=styles.edge))
+    for stage, (marker, label) in STAGES.items():
+        if stage != "root" and stage in stages:
+            entries.append(
+                LegendEntry(label=label, style=styles.node, marker=marker, size_mm=NODE_MM[1])
+            )
+    for label, style, there in (
+        ("bridge, a way between two nodes", styles.bridge, any(t.bridges for t in traces)),
+        ("moves to support others", styles.support, any(t.supporting for t in traces)),
+        (
+            "way travelled off the tree",
+            styles.way if team else styles.path,
+            any(t.is_off_tree for t in traces),
+        ),
+        ("frontier left open", FRONTIER, any(t.frontier for t in traces)),
+        *((f"frontier given up: {why}", style, why in reasons) for why, style in CLOSED.items()),
+    ):
+        if there:
+            entries.append(LegendEntry(label=label, style=style))
+    return entries + _marks(traces, styles)
+
+
+def _marks(traces: list[Trace], styles: RobotStyles) -> list[LegendEntry]:
+    # What marks single places: starts, ends, and what went wrong.
+    team = len(traces) > 1
+    start: Marker = "pin" if team else "arrow"
+    late = styles.late_start if team else LATE_START
+    away = any(t.death is None and t.is_away for t in traces)
+    marks: list[tuple[str, Style, Marker, float, bool]] = [
+        (
+            "start, with the robot's number" if team else "start",
+            styles.start if team else START,
+            start,
+            START_MM,
+            not all(t.late for t in traces),
+        ),
+        ("start of one switched on late", late, start, START_MM, any(t.late for t in traces)),
+        ("end", styles.end if team else END, "arrow", END_MM, away),
+        ("protective stop", STOP, "octagon", STOP_MM, any(t.stops for t in traces)),
+        ("death", DEATH, "cross", DEATH_MM, any(t.death for t in traces)),
+        ("collision", COLLISION, "cross", START_MM, any(t.collisions for t in traces)),
+    ]
+    return [
+        LegendEntry(label=label, style=style, marker=marker, size_mm=size)
+        for label, style, marker, size, there in marks
+        if there
+    ]
+
+
+def swatches(traces: list[Trace]) -> list[Swatch]:
+    """Give the robots' colours, and in a small team what each robot did."""
+    return [_swatch(trace, len(traces)) for trace in traces]
+
+
+def swatches_heading(robots: int) -> str:
+    """Say what the robots' colours stand for."""
+    account = ": nodes made, metres travelled" if robots <= MOST_ACCOUNTS else ""
+    return f"what each robot saw first, and its tree{account}"
+
+
+def _swatch(trace: Trace, robots: int) -> Swatch:
+    styles = RobotStyles.of(trace.robot)
+    label = str(trace.robot)
+    if robots <= MOST_ACCOUNTS:
+        label += f": {_counted(len(trace.nodes))}, {trace.distance_m:,.0f} m"
+    return Swatch(label=label, area=styles.area, line=styles.edge)
+
+
+def _counted(nodes: int) -> str:
+    return f"{nodes:,} node{'s' if nodes != 1 else ''}"
+
+
+def _faults(recording: Recording) -> str:
+    # What went wrong, by robot.
+    told = {
+        Died: "died: {}",
+        FellSilent: "fell silent: {}",
+        CameBack: "heard again: {}",
+        Joined: "joined late: {}",
+    }
+    parts = []
+    for kind, words in told.items():
+        who = [
+            f"robot {event.robot} at {event.time_s:,.0f} s"
+            for event in recording.events
+            if isinstance(event, kind)
+        ]
+        if who:
+            parts.append(words.format(", ".join(who)))
+    return "; ".join(parts)

@@ -1,0 +1,185 @@
+"""What robots tell each other of the world: nodes and closings, numbered by their makers."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Final, NamedTuple
+
+import numpy as np
+
+from multisrt.geometry.configuration import Configuration
+from multisrt.geometry.errors import InvalidInputError
+from multisrt.geometry.kernel import FloatArray
+from multisrt.geometry.safe_region import LocalSafeRegion
+
+REASONS: Final = ("too narrow", "seen from near", "not reachable", "blocked by a robot")
+"""Why an arc may be given up, as recordings have it."""
+
+Have = Mapping[int, tuple[int, int]]
+"""By robot, of how many of its nodes and of its closings all are known, counted from its first."""
+
+
+class NodeId(NamedTuple):
+    """Who made a node, and its serial number among that robot's nodes."""
+
+    robot: int
+    serial: int
+
+
+class ClosingId(NamedTuple):
+    """Who gave an arc up, and the number among that robot's closings."""
+
+    robot: int
+    number: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Node:
+    """A place that was visited, with what was seen from there.
+
+    Attributes
+    ----------
+    id : NodeId
+        Unique in the team.
+    configuration : Configuration
+        Where the scan was taken.
+    region : LocalSafeRegion
+        What the robot took as surely free around it.
+    parent : NodeId or None
+        The node that the robot came from; None at a root.
+    time_s : float
+        When the scan was taken.
+    """
+
+    id: NodeId
+    configuration: Configuration
+    region: LocalSafeRegion
+    parent: NodeId | None
+    time_s: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Closing:
+    """A frontier arc that a robot gave up.
+
+    Attributes
+    ----------
+    id : ClosingId
+        Unique in the team.
+    node : NodeId
+        Whose frontier the arc is of.
+    arc : (k, 4) array
+        The arc's segments x0, y0, x1, y1 in metres; read-only.
+    reason : str
+        One of `REASONS`; what they mean is said at `multisrt.events.ArcClosed`.
+    width_m : float
+        How wide the body was that gave it up.
+
+    Raises
+    ------
+    InvalidInputError
+        For an unknown reason, or an arc that is no array of segments.
+    """
+
+    id: ClosingId
+    node: NodeId
+    arc: FloatArray
+    reason: str
+    width_m: float
+
+    def __post_init__(self) -> None:
+        if self.reason not in REASONS:
+            raise InvalidInputError(
+                f"an arc is closed for one of {', '.join(REASONS)}, not {self.reason!r}"
+            )
+        arc = np.array(self.arc, np.float64)
+        if arc.ndim != 2 or arc.shape[1] != 4:
+            raise InvalidInputError(
+                f"a closed arc has segments x0, y0, x1, y1, not the shape {arc.shape}"
+            )
+        arc.setflags(write=False)
+        object.__setattr__(self, "arc", arc)
+
+
+Entry = Node | Closing
+
+
+class Entries:
+    """All nodes and closings that a robot knows, by their ids and by their makers."""
+
+    __slots__ = ("_makers", "closings", "nodes")
+
+    def __init__(self) -> None:
+        self.nodes: dict[NodeId, Node] = {}
+        self.closings: dict[ClosingId, Closing] = {}
+        self._makers: dict[int, tuple[_Numbers, _Numbers]] = {}
+
+    def add_node(self, node: Node) -> bool:
+        """Take in a node; tell whether it was new."""
+        if node.id in self.nodes:
+            return False
+        self._numbers(node.id.robot)[0].add(node.id.serial)
+        self.nodes[node.id] = node
+        return True
+
+    def add_closing(self, closing: Closing) -> bool:
+        """Take in a closing; tell whether it was new."""
+        if closing.id in self.closings:
+            return False
+        self._numbers(closing.id.robot)[1].add(closing.id.number)
+        self.closings[closing.id] = closing
+        return True
+
+    def have(self) -> dict[int, tuple[int, int]]:
+        """Give, by robot, of how many nodes and closings there is no gap, in rising order."""
+        return {
+            robot: (nodes.count, closings.count)
+            for robot, (nodes, closings) in sorted(self._makers.items())
+        }
+
+    def lacks(self, theirs: Have) -> Iterator[Entry]:
+        """Give what is known beyond such counts, by robot, nodes first, by number."""
+        for robot, (nodes, closings) in sorted(self._makers.items()):
+            node_count, closing_count = theirs.get(robot, (0, 0))
+            for serial in nodes.since(node_count):
+                yield self.nodes[NodeId(robot, serial)]
+            for number in closings.since(closing_count):
+                yield self.closings[ClosingId(robot, number)]
+
+    def more_than(self, theirs: Have) -> bool:
+        """Whether anything is known beyond such counts."""
+        for robot, numbers in self._makers.items():
+            counts = theirs.get(robot, (0, 0))
+            if any(known.end > count for known, count in zip(numbers, counts, strict=True)):
+                return True
+        return False
+
+    def _numbers(self, robot: int) -> tuple[_Numbers, _Numbers]:
+        numbers = self._makers.get(robot)
+        if numbers is None:
+            numbers = self._makers[robot] = _Numbers(), _Numbers()
+        return numbers
+
+
+class _Numbers:
+    # Numbers from 0 that came in any order: all below `count`, and some beyond the first gap.
+
+    __slots__ = ("beyond", "count", "end")
+
+    def __init__(self) -> None:
+        self.count = 0
+        self.end = 0
+        self.beyond: set[int] = set()
+
+    def add(self, number: int) -> None:
+        if number < 0:
+            raise InvalidInputError(f"nodes and closings are numbered from 0, not {number}")
+        self.beyond.add(number)
+        self.end = max(self.end, number + 1)
+        while self.count in self.beyond:
+            self.beyond.remove(self.count)
+            self.count += 1
+
+    def since(self, first: int) -> list[int]:
+        return [*range(first, self.count), *sorted(n for n in self.beyond if n >= first)]

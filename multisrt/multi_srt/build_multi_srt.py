@@ -1,0 +1,81 @@
+"""BUILD_MULTI_SRT: what one robot of a team does from beginning to end (paper 003, Figure 1)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Generator
+
+from multisrt.explorer import Action, Done, Outcome, RobotSelf
+from multisrt.geometry.frontier_arcs import total_length
+from multisrt.geometry.safe_region import Shape
+from multisrt.multi_srt.build_srt import BoxedIn, build_srt
+from multisrt.multi_srt.options import MultiSrtOptions
+from multisrt.multi_srt.robot import SrtRobot, segments_of
+from multisrt.multi_srt.support import obey, support_others
+
+Steps = Generator[Action, Outcome, None]
+
+
+class SrtExplorer:
+    """Explores by Sensor-based Random Trees of balls, stars or radial regions, alone or in a team.
+
+    Parameters
+    ----------
+    me : RobotSelf
+        What the robot knows of itself.
+    shape : {"ball", "star", "radial"}
+        Shape of its local safe regions.
+    options : MultiSrtOptions
+        The parameters.
+    """
+
+    def __init__(self, me: RobotSelf, shape: Shape, options: MultiSrtOptions) -> None:
+        self.robot = SrtRobot(me, shape, options)
+
+    def run(self) -> Steps:
+        """BUILD_MULTI_SRT: the own tree, then those of others; and stand by at the end."""
+        robot = self.robot
+        try:
+            yield from robot.team.begin_step()
+            yield from build_srt(robot)
+            yield from self.finish_tree()
+            while True:
+                if not robot.team.is_alone:
+                    yield from support_others(robot)
+                outcome = yield self.done()
+                yield from robot.team.take(outcome)
+                yield from obey(robot)
+        except BoxedIn:
+            robot.tree = None
+            yield from robot.team.rest()
+        while True:
+            outcome = yield self.done(boxed_in=True)
+            yield from robot.team.take(outcome)
+
+    def finish_tree(self) -> Steps:
+        """Tell that the own tree is done."""
+        self.robot.tree = None
+        yield from self.robot.team.rest()
+
+    def done(self, boxed_in: bool = False) -> Done:
+        """Say how it ended: by what is known, all explored, or what was left and why."""
+        robot = self.robot
+        alone = robot.team.is_alone or not robot.options.support
+        nodes = robot.map.open_nodes(robot.root if alone else None)
+        frontier = [robot.map.frontier(node) for node in nodes]
+        if boxed_in:
+            reason = f"boxed in by robots {sorted(robot.bodies)}, which do not answer"
+        elif nodes:
+            length = math.fsum(total_length(arcs) for arcs in frontier)
+            reason = (
+                f"the planner has no target, with {length:.1f} m of frontier left open "
+                f"at {len(nodes)} nodes"
+            )
+        else:
+            reason = "every frontier arc is explored or closed"
+        return Done(
+            complete=not nodes and not boxed_in,
+            reason=reason,
+            frontier=tuple(segment for arcs in frontier for segment in segments_of(arcs)),
+            on_call=not robot.team.is_alone,
+        )

@@ -1,0 +1,183 @@
+"""Who steps together: the groups of pre-engaged and of engaged robots (GPR and GER).
+
+Source: Multi-SRT, paper section 2, "Construction of GPR/GER". Two robots are GPR-coupled when
+their targets are nearer than twice the range of perception; a robot that stands has itself as
+target. The GPR is the connected component of this relation, and the GER that of overlapping
+local safe regions, once all have perceived. Both relations are symmetric, so that every member
+finds the same group.
+
+The paper leaves open how robots come to agree. Ours: a group is named by its members and the
+number of the step that each is about to make (its key). Nobody goes on before all others have
+said that they have come as far with the same key; so nobody moves by a group that another
+member does not know, whatever the radio delays or loses.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Generator, Iterable, Mapping
+from typing import TYPE_CHECKING, TypeVar
+
+import shapely
+
+from multisrt.multi_srt.messages import Phase, RobotState
+
+if TYPE_CHECKING:
+    from multisrt.explorer import Action, Outcome
+    from multisrt.multi_srt.robot import SrtRobot
+
+Member = TypeVar("Member")
+
+REACHED: dict[Phase, int] = {"waiting": 0, "perceived": 1, "planned": 2, "moving": 3, "idle": 0}
+"""How far a robot has come in its step."""
+
+
+class Regroup(Exception):
+    """The group has changed since it was built: the step begins anew, without perceiving again."""
+
+
+def are_coupled(a: RobotState, b: RobotState) -> bool:
+    """Whether two robots may meet in their next steps (paper: GPR-coupled).
+
+    Their targets are nearer to one another than their ranges together (2 R_p for equal robots).
+    A path that is not straight (a car's) may also pass near to a robot without leading there:
+    that couples, too.
+    """
+    if math.dist(a.target, b.target) < a.range_m + b.range_m:
+        return True
+    for moving, other in ((a, b), (b, a)):
+        if moving.phase == "moving" and any(
+            math.dist(waypoint[1:3], other.target) < other.range_m for waypoint in moving.path
+        ):
+            return True
+    return False
+
+
+def regions_overlap(a: shapely.Polygon, b: shapely.Polygon) -> bool:
+    """Whether two local safe regions overlap (paper: GER-coupled)."""
+    return bool(shapely.intersects(a, b))
+
+
+def group_of(
+    number: int,
+    members: Mapping[int, Member],
+    coupled: Callable[[Member, Member], bool],
+) -> tuple[int, ...]:
+    """Give the connected component of a robot under a symmetric relation, in rising order."""
+    group = [number]
+    rest = [other for other in sorted(members) if other != number]
+    for one in group:
+        near = [other for other in rest if coupled(members[one], members[other])]
+        group += near
+        rest = [other for other in rest if other not in near]
+    return tuple(sorted(group))
+
+
+def build_and_wait_gpr(robot: SrtRobot) -> Generator[Action, Outcome, tuple[int, ...]]:
+    """BUILD_AND_WAIT_GPR: build the GPR, and wait until none of its members moves.
+
+    Returns
+    -------
+    tuple of int
+        The group, this robot among it; the team keeps its key.
+    """
+    team = robot.team
+    if team.is_alone:
+        return (team.number,)
+    awaited: list[int] = []
+    deadline = 0.0
+    while True:
+        gpr = team.gpr()
+        moving = [n for n in gpr if n != team.number and team.states[n].phase == "moving"]
+        if not moving:
+            team.key = team.key_of(gpr)
+            return gpr
+        if moving != awaited:
+            awaited = moving
+            arrival_s = max(team.states[number].arrival_s for number in moving)
+            deadline = max(arrival_s + robot.me.radio.latency_s, robot.time_s) + team.period_s
+        yield from team.hear(max(0.0, deadline - robot.time_s))
+        if robot.time_s >= deadline:
+            yield from team.ask(moving)
+            deadline = robot.time_s + team.period_s
+
+
+def build_ger(
+    robot: SrtRobot, gpr: tuple[int, ...]
+) -> Generator[Action, Outcome, tuple[int, ...]]:
+    """BUILD_GER: when all of the GPR have perceived, find who among them is engaged.
+
+    Raises
+    ------
+    Regroup
+        If the GPR has changed meanwhile.
+    """
+    team = robot.team
+    if team.is_alone:
+        return gpr
+    yield from _meet(robot, gpr, "perceived")
+    regions = {}
+    for number in gpr:
+        node = robot.here if number == team.number else team.states[number].node
+        if node is not None:
+            regions[number] = robot.map[node].region.polygon()
+    return group_of(team.number, regions, regions_overlap)
+
+
+def agree(robot: SrtRobot, group: Iterable[int]) -> Generator[Action, Outcome, None]:
+    """Tell the group what this robot plans, and hear what the others do.
+
+    Raises
+    ------
+    Regroup
+        If a member has left the group meanwhile.
+    """
+    yield from _meet(robot, group, "planned")
+
+
+def _meet(
+    robot: SrtRobot, group: Iterable[int], phase: Phase
+) -> Generator[Action, Outcome, None]:
+    # Says that this robot has come so far, and waits until all others have.
+    team = robot.team
+    yield from team.announce(phase)
+    others = [number for number in group if number != team.number]
+    deadline = robot.time_s + team.period_s
+    while True:
+        pending = [number for number in others if not _has_come(robot, number, phase)]
+        if not pending:
+            return
+        if any(is_elsewhere(robot, n) for n in pending) and (
+            team.key_of(team.gpr()) != team.key
+        ):
+            raise Regroup
+        yield from team.hear(max(0.0, deadline - robot.time_s))
+        if robot.time_s >= deadline:
+            yield from team.ask([n for n in pending if not _has_come(robot, n, phase)])
+            deadline = robot.time_s + team.period_s
+
+
+def _has_come(robot: SrtRobot, number: int, phase: Phase) -> bool:
+    # A member that stands idle is always there, and so is one that has gone on with this group.
+    team = robot.team
+    if number in team.lost:
+        return False
+    state, step = team.states[number], dict(team.key)[number]
+    if state.step == step:
+        if state.node is not None and state.node not in robot.map:
+            return False
+        return state.phase == "idle" or (
+            state.key == team.key and REACHED[state.phase] >= REACHED[phase]
+        )
+    return state.step == step + 1 and state.key == team.key
+
+
+def is_elsewhere(robot: SrtRobot, number: int) -> bool:
+    """Whether a member does not step with this group: it is lost, gone, or in another one."""
+    team = robot.team
+    if number in team.lost:
+        return True
+    state, step = team.states[number], dict(team.key)[number]
+    if state.step == step + 1 and state.key == team.key:
+        return False
+    return state.step != step or (REACHED[state.phase] > 0 and state.key != team.key)

@@ -1,0 +1,178 @@
+"""What Multi-SRT robots say to one another."""
+
+from __future__ import annotations
+
+from typing import ClassVar, Literal
+
+import msgspec
+
+from multisrt.exploration_map import Closing, Node, NodeId
+from multisrt.messages import Message
+from multisrt.planners.motion.kinematics import Kinematics
+
+Phase = Literal["waiting", "perceived", "planned", "moving", "idle"]
+"""What a robot is at: waits for its GPR; has perceived, and then planned, with that group; moves
+to its target; or has nothing to do and stands."""
+
+Key = tuple[tuple[int, int], ...]
+"""A group that steps together: for every member, which of its steps."""
+
+Path = tuple[tuple[float, float, float, float], ...]
+"""Waypoints of a motion: time from its start, x, y, heading."""
+
+
+class RobotState(msgspec.Struct, frozen=True, kw_only=True):
+    """What a robot says of itself; a newer one replaces an older one.
+
+    Attributes
+    ----------
+    robot : int
+        Who.
+    said : int
+        Number of this saying among the robot's.
+    step : int
+        How many steps it has made.
+    phase : Phase
+        What it is at.
+    key : Key
+        The group with which it makes this step; empty before there is one.
+    path : Path
+        Its planned or ongoing motion; where it stands, if it plans none.
+    arrival_s : float
+        When the ongoing motion ends.
+    node : NodeId or None
+        The node that it stands at, or left last.
+    frontier_m : float
+        Length of its local frontier, as far as it plans to go there.
+    tree : NodeId or None
+        Root of the tree that it is active in; None while it has nothing to do.
+    footprint : str
+        Its body.
+    kinematics : Kinematics
+        How it moves.
+    range_m : float
+        How far it sees (paper: R_p).
+    have : tuple of (robot, nodes, closings)
+        What it knows.
+    """
+
+    robot: int
+    said: int
+    step: int
+    phase: Phase
+    key: Key
+    path: Path
+    arrival_s: float
+    node: NodeId | None
+    frontier_m: float
+    tree: NodeId | None
+    footprint: str
+    kinematics: Kinematics
+    range_m: float
+    have: tuple[tuple[int, int, int], ...]
+
+    @property
+    def place(self) -> tuple[float, float, float]:
+        """Where it stands, or where its ongoing motion began."""
+        return self.path[0][1:]
+
+    @property
+    def target(self) -> tuple[float, float]:
+        """Where it goes: its own place, unless it moves."""
+        x, y = self.path[-1 if self.phase == "moving" else 0][1:3]
+        return x, y
+
+
+class StateMessage(Message, frozen=True, kw_only=True):
+    """The sender's state, those of others that it vouches for, and entries of its map.
+
+    Attributes
+    ----------
+    states : tuple of RobotState
+        The sender's own first.
+    ask : bool
+        Whether those are to answer who may meet the sender in their next step.
+    asked : tuple of int
+        Who is to answer in any case.
+    entries : tuple of Node or Closing
+        What is new in its map.
+    """
+
+    kind: ClassVar[str] = "state"
+
+    states: tuple[RobotState, ...]
+    ask: bool = False
+    asked: tuple[int, ...] = ()
+    entries: tuple[Node | Closing, ...] = ()
+
+    @property
+    def wakes(self) -> bool:
+        """Questions reach also a robot that moves."""
+        return self.ask or bool(self.asked)
+
+
+class WantMessage(Message, frozen=True, kw_only=True):
+    """Asks a robot that knows more for what the sender lacks.
+
+    Attributes
+    ----------
+    have : tuple of (robot, nodes, closings)
+        What the sender knows.
+    """
+
+    kind: ClassVar[str] = "want"
+
+    have: tuple[tuple[int, int, int], ...]
+
+    @property
+    def wakes(self) -> bool:
+        """Questions reach also a robot that moves."""
+        return True
+
+
+class EntriesMessage(Message, frozen=True, kw_only=True):
+    """Nodes and closings that another robot lacks."""
+
+    kind: ClassVar[str] = "entries"
+
+    entries: tuple[Node | Closing, ...]
+
+
+class Order(msgspec.Struct, frozen=True, kw_only=True):
+    """What a master tells one robot.
+
+    Attributes
+    ----------
+    order : {"keep", "wait", "new target", "give way"}
+        Go where it planned, stay, or go elsewhere.
+    path : Path
+        The motion, for a new target or to give way.
+    node : NodeId or None
+        The node at its end, if there is one.
+    """
+
+    order: Literal["keep", "wait", "new target", "give way"]
+    path: Path = ()
+    node: NodeId | None = None
+
+
+class OrdersMessage(Message, frozen=True, kw_only=True):
+    """A master's word to its group (paper: the signal that ends the waiting phase).
+
+    Attributes
+    ----------
+    key : Key
+        The group and its step.
+    orders : dict of robot to Order
+        What everyone shall do.
+    """
+
+    kind: ClassVar[str] = "orders"
+
+    key: Key
+    orders: dict[int, Order]
+
+    @property
+    def wakes(self) -> bool:
+        """An idle robot may have to give way."""
+        return True

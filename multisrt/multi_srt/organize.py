@@ -1,0 +1,290 @@
+"""ORGANIZE: how the targets of a group become feasible together.
+
+Source: Multi-SRT, paper section 2, "Coordination". The paper leaves open how ORGANIZE chooses;
+ours keeps, of the targets that can be reached without conflict while all others stay where they
+are, those of the largest total frontier length. The others get a new target, or wait; and who
+stands in another's way, gives way.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Protocol
+
+from multisrt.exploration_map import NodeId
+from multisrt.multi_srt.messages import Order, Path
+from multisrt.planners.motion.sweep import Sweep
+from multisrt.planners.motion.trajectory import Trajectory, Waypoint
+
+MOST_EXACT = 12
+"""Up to so many robots the best set of targets is found; above, a good one."""
+
+BEYOND_GUARD = 1.2
+"""Paths keep this share of the guard distance between them, so that none is stopped by it."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Prospect:
+    """What a robot would do in this step.
+
+    Attributes
+    ----------
+    robot : int
+        Which.
+    motion : Trajectory
+        Where it would go.
+    way : Sweep
+        What its body sweeps on the way.
+    body : Sweep
+        What its body covers where it stands.
+    frontier_m : float
+        Length of the local frontier that it goes for.
+    """
+
+    robot: int
+    motion: Trajectory
+    way: Sweep
+    body: Sweep
+    frontier_m: float
+
+    @property
+    def moves(self) -> bool:
+        """Whether it would go anywhere."""
+        return len(self.motion.waypoints) > 1
+
+    @property
+    def target(self) -> tuple[float, float]:
+        """Where it would be."""
+        end = self.motion.end
+        return end.x, end.y
+
+
+def path_of(motion: Trajectory) -> Path:
+    """Write a motion as messages hold it."""
+    return tuple((w.time_s, w.x, w.y, w.heading) for w in motion.waypoints)
+
+
+def motion_of(path: Path) -> Trajectory:
+    """Read a motion from a message."""
+    return Trajectory(tuple(Waypoint(*waypoint) for waypoint in path))
+
+
+def least_gap(now_m: float, guard_m: float) -> float:
+    """How near to one another the paths may come of two bodies that are a distance apart now.
+
+    So far that no protective stop ends them: that comes at the guard distance, or at half of the
+    distance that there was when the motion began.
+    """
+    beyond = BEYOND_GUARD * guard_m
+    if now_m >= beyond:
+        return beyond
+    return guard_m if now_m > guard_m else 0.75 * now_m
+
+
+class Conflicts:
+    """Which ways of a group's robots conflict, computed once for each pair.
+
+    Parameters
+    ----------
+    prospects : dict of int to Prospect
+        The group's plans.
+    guard_m : float
+        At what distance bodies stop before one another.
+    """
+
+    def __init__(self, prospects: Mapping[int, Prospect], guard_m: float) -> None:
+        self.prospects = prospects
+        self.guard_m = guard_m
+        self._gaps: dict[tuple[int, int], float] = {}
+        numbers = sorted(prospects)
+        self.pairs = tuple(
+            (i, j)
+            for i, j in itertools.combinations(numbers, 2)
+            if self.meet(i, prospects[i].way, j, prospects[j].way)
+        )
+
+    def gap(self, i: int, j: int) -> float:
+        """How near two robots' ways may come."""
+        pair = min(i, j), max(i, j)
+        if pair not in self._gaps:
+            a, b = self.prospects[pair[0]], self.prospects[pair[1]]
+            self._gaps[pair] = least_gap(a.body.distance_to(b.body), self.guard_m)
+        return self._gaps[pair]
+
+    def meet(self, i: int, way_i: Sweep, j: int, way_j: Sweep) -> bool:
+        """Whether two robots' ways come too near to one another."""
+        if way_i is self.prospects[i].body and way_j is self.prospects[j].body:
+            return False
+        return way_i.distance_to(way_j) < self.gap(i, j)
+
+    def in_the_way(self, i: int) -> list[int]:
+        """Give the robots that stand in the way of one."""
+        way = self.prospects[i].way
+        return [
+            j for j, other in self.prospects.items() if j != i and self.meet(i, way, j, other.body)
+        ]
+
+
+def best_targets(conflicts: Conflicts) -> tuple[int, ...]:
+    """Choose the targets that are jointly feasible and of the largest total frontier length.
+
+    A robot may go to its target if its way conflicts with no way of the others that go, and
+    with no body of those that stay. Of equal choices the one with more robots is taken, then
+    the one with the lower numbers.
+
+    Returns
+    -------
+    tuple of int
+        Robots that may go; of the largest total up to `MOST_EXACT` robots that could go, above
+        that chosen greedily, the longest frontier first.
+    """
+    prospects = conflicts.prospects
+    free = [i for i in sorted(prospects) if prospects[i].moves and not conflicts.in_the_way(i)]
+    foes: dict[int, set[int]] = {i: set() for i in free}
+    for i, j in conflicts.pairs:
+        if i in foes and j in foes:
+            foes[i].add(j)
+            foes[j].add(i)
+    free.sort(key=lambda i: (-prospects[i].frontier_m, i))
+    if len(free) > MOST_EXACT:
+        chosen: list[int] = []
+        for i in free:
+            if not foes[i].intersection(chosen):
+                chosen.append(i)
+        return tuple(sorted(chosen))
+    best: tuple[float, int, tuple[int, ...]] = (0.0, 0, ())
+    for size in range(1, len(free) + 1):
+        for group in itertools.combinations(sorted(free), size):
+            if any(foes[i].intersection(group) for i in group):
+                continue
+            total = math.fsum(prospects[i].frontier_m for i in group)
+            if (total, size) > best[:2]:
+                best = total, size, group
+    return best[2]
+
+
+class Wits(Protocol):
+    """What a master needs to know to find other targets for the robots of its group."""
+
+    def new_targets(self, robot: int) -> Iterator[Trajectory]:
+        """Draw other targets for a robot, in the order in which they shall be tried."""
+
+    def ways_aside(
+        self, robot: int, way: Sweep, gap_m: float, prospects: Mapping[int, Prospect]
+    ) -> Iterator[tuple[float, Trajectory, NodeId | None]]:
+        """Find where a robot could leave another's way: how far that is in all, and its first step."""
+
+    def sweep(self, robot: int, motion: Trajectory) -> Sweep:
+        """Give what a robot's body sweeps."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Arrangement:
+    """What ORGANIZE decided.
+
+    Attributes
+    ----------
+    orders : dict of int to Order
+        What everyone shall do.
+    targets : dict of int to (x, y)
+        Where everyone will be.
+    """
+
+    orders: dict[int, Order]
+    targets: dict[int, tuple[float, float]]
+
+    @property
+    def is_deadlock(self) -> bool:
+        """Whether nobody could be let go."""
+        return all(order.order == "wait" for order in self.orders.values())
+
+
+def organize(conflicts: Conflicts, wits: Wits) -> Arrangement:
+    """ORGANIZE: rearrange the targets of a group so that all can move at once.
+
+    Parameters
+    ----------
+    conflicts : Conflicts
+        The group's plans, and where they conflict.
+    wits : Wits
+        Finds other targets.
+    """
+    prospects = conflicts.prospects
+    orders: dict[int, Order] = {}
+    ways = {i: prospect.body for i, prospect in prospects.items()}
+    targets = {i: (p.motion.start.x, p.motion.start.y) for i, p in prospects.items()}
+
+    def grant(i: int, order: Order, motion: Trajectory, way: Sweep) -> None:
+        orders[i], ways[i] = order, way
+        targets[i] = motion.end.x, motion.end.y
+
+    def is_clear(i: int, way: Sweep) -> bool:
+        # Of the ways granted so far, and of everybody's body.
+        return not any(
+            conflicts.meet(i, way, j, ways[j]) or conflicts.meet(i, way, j, prospects[j].body)
+            for j in prospects
+            if j != i
+        )
+
+    for i in best_targets(conflicts):
+        grant(i, Order(order="keep"), prospects[i].motion, prospects[i].way)
+    rest = [i for i in prospects if i not in orders and prospects[i].moves]
+    rest.sort(key=lambda i: (-prospects[i].frontier_m, i))
+    for i in rest:
+        if prospects[i].frontier_m > 0.0:
+            for motion in wits.new_targets(i):
+                way = wits.sweep(i, motion)
+                if is_clear(i, way):
+                    grant(i, Order(order="new target", path=path_of(motion)), motion, way)
+                    break
+    for i in rest:
+        if i not in orders:
+            _clear_the_way(i, conflicts, wits, orders, grant, is_clear)
+    for i in prospects:
+        orders.setdefault(i, Order(order="wait"))
+    return Arrangement(orders=dict(sorted(orders.items())), targets=targets)
+
+
+class _Grant(Protocol):
+    def __call__(self, i: int, order: Order, motion: Trajectory, way: Sweep) -> None: ...
+
+
+class _IsClear(Protocol):
+    def __call__(self, i: int, way: Sweep) -> bool: ...
+
+
+def _clear_the_way(
+    i: int,
+    conflicts: Conflicts,
+    wits: Wits,
+    orders: dict[int, Order],
+    grant: _Grant,
+    is_clear: _IsClear,
+) -> None:
+    # Robots stand in the way of i. Where two block one another, the one that has the shorter
+    # way aside gives way; a robot that only stands there does so in any case.
+    prospects = conflicts.prospects
+    for j in conflicts.in_the_way(i):
+        if j in orders:
+            continue
+        options = [(j, i)]
+        if prospects[j].moves and i in conflicts.in_the_way(j):
+            options.append((i, j))
+        found = []
+        for who, for_whom in options:
+            gap = conflicts.gap(who, for_whom)
+            for length, motion, node in wits.ways_aside(
+                who, prospects[for_whom].way, gap, prospects
+            ):
+                way = wits.sweep(who, motion)
+                if is_clear(who, way):
+                    found.append((length, who, motion, node, way))
+                    break
+        if found:
+            length, who, motion, node, way = min(found, key=lambda option: option[:2])
+            grant(who, Order(order="give way", path=path_of(motion), node=node), motion, way)
+            if who == i:
+                return

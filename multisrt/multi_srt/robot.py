@@ -1,0 +1,450 @@
+"""One Multi-SRT robot: what it knows, where it is, and the ways that it can go."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Generator
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Literal
+
+import shapely
+from shapely.geometry.base import BaseGeometry
+
+from multisrt.events import ArcClosed, MapComplete, NodeAdded, Purpose, Segment, Stage
+from multisrt.exploration_map import Closing, ClosingId, ExplorationMap, Node, NodeId
+from multisrt.explorer import Action, Note, Outcome, RobotSelf, Sighting
+from multisrt.geometry.configuration import Configuration
+from multisrt.geometry.distances import inside
+from multisrt.geometry.kernel import FloatArray
+from multisrt.geometry.safe_region import LocalSafeRegion, Shape
+from multisrt.multi_srt.messages import Order
+from multisrt.multi_srt.options import MultiSrtOptions
+from multisrt.multi_srt.organize import least_gap, motion_of
+from multisrt.multi_srt.team import Team
+from multisrt.multi_srt.ways import OutAndBack, Ways
+from multisrt.planners.motion.body import PlanningBody
+from multisrt.planners.motion.kinematics import Car
+from multisrt.planners.motion.sweep import Sweep
+from multisrt.planners.motion.trajectory import Trajectory, Waypoint
+from multisrt.planners.srt import CLOSE_BY, Refusal, SrtPlanner, Way, arc_points
+
+Steps = Generator[Action, Outcome, None]
+GivenUp = Refusal | Literal["blocked by a robot"]
+"""Why an arc is given up."""
+
+@dataclass(frozen=True, slots=True)
+class NewPlace:
+    """A target without a node.
+
+    Attributes
+    ----------
+    x, y : float
+        The place.
+    stage : Stage
+        How it was found.
+    way : tuple of NodeId
+        Nodes to pass on the way, from the current one; the last becomes the parent.
+    roomy : bool
+        Whether there is room for any heading all along the way from there.
+    aim : NodeId or None
+        The node whose frontier is to be seen from there.
+    """
+
+    x: float
+    y: float
+    stage: Stage
+    way: tuple[NodeId, ...]
+    roomy: bool = False
+    aim: NodeId | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class KnownNode:
+    """A target that is a node, at the end of a way over the roadmap.
+
+    Attributes
+    ----------
+    way : tuple of NodeId
+        From the current node to the target.
+    aim : NodeId or None
+        The node whose frontier it is about.
+    """
+
+    way: tuple[NodeId, ...]
+    aim: NodeId | None = None
+
+
+Target = NewPlace | KnownNode
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Step:
+    """The next motion towards a target.
+
+    Attributes
+    ----------
+    way : OutAndBack
+        What is driven, and for a new place the way back from there.
+    node : NodeId or None
+        The node at its end; None where there is none yet.
+    rest : Target or None
+        What is left of the target afterwards.
+    parent : NodeId
+        The node from which a place without a node is reached.
+    stage : Stage
+        How such a place was found.
+    roomy : bool
+        Whether there is room for any heading all along.
+    frontier_m : float
+        How much frontier the robot goes for.
+    purpose : Purpose or None
+        Why, if it is not what the robot is at anyway.
+    """
+
+    way: OutAndBack
+    node: NodeId | None
+    rest: Target | None = None
+    parent: NodeId
+    stage: Stage = "draw"
+    roomy: bool = False
+    frontier_m: float = 0.0
+    purpose: Purpose | None = None
+
+    @property
+    def motion(self) -> Trajectory:
+        """What is driven."""
+        return self.way.out
+
+
+class SrtRobot:
+    """What the procedures of Multi-SRT work on: one robot's knowledge and place.
+
+    Parameters
+    ----------
+    me : RobotSelf
+        What the robot knows of itself.
+    shape : {"ball", "star", "radial"}
+        Shape of its local safe regions.
+    options : MultiSrtOptions
+        The parameters.
+
+    Attributes
+    ----------
+    map : ExplorationMap
+        What it knows of the world, of its own and from others (paper: T and all T_i).
+    ways : Ways
+        How its body gets from node to node, and to a new place.
+    q_act : Configuration
+        Where it is.
+    here : NodeId or None
+        The node that it stands at; None where there is none yet.
+    tree : NodeId or None
+        Root of the tree that it extends; None while it has nothing to do.
+    target : Target or None
+        What it is on its way to, over several steps.
+    bodies : dict of int to Sighting
+        Robots that stand where they were seen and do not answer.
+    """
+
+    def __init__(self, me: RobotSelf, shape: Shape, options: MultiSrtOptions) -> None:
+        self.me = me
+        self.shape = shape
+        self.options = options
+        width = me.footprint.width_m
+        self.d_min_m = width if options.d_min_m is None else options.d_min_m
+        self.body = PlanningBody(me.footprint, options.margin_m)
+        self.planner = SrtPlanner(self.body, me.kinematics, options, self.d_min_m)
+        self.map = ExplorationMap(
+            reach_m=me.longest_range_m,
+            shortest_arc_m=width,
+            gaps_count=options.gaps_count,
+            robot=me.robot,
+        )
+        self.ways = Ways(me, self.body, self.map)
+        self.root = NodeId(me.robot, 0)
+        self.q_act = me.start
+        self.time_s = me.time_s
+        self.here: NodeId | None = None
+        self.tree: NodeId | None = self.root
+        self.target: Target | None = None
+        self.came: Step | None = None
+        self.purpose: Purpose = "explore"
+        self.completing = False
+        self.exhausted: set[NodeId] = set()
+        self.bodies: dict[int, Sighting] = {}
+        self.boxed_in = 0
+        self._serial = 0
+        self._closings = 0
+        self._views: Counter[tuple[int, int]] = Counter()
+        self._told_complete = False
+        self.team = Team(self)
+
+    @property
+    def is_unlimited(self) -> bool:
+        """Whether its radio reaches everywhere (paper: unlimited communication range)."""
+        return math.isinf(self.me.radio.range_m)
+
+    @property
+    def is_car(self) -> bool:
+        """Whether it drives as a car does."""
+        return isinstance(self.me.kinematics, Car)
+
+    @property
+    def can_reverse(self) -> bool:
+        """Whether it can drive its way backwards."""
+        return self.ways.can_reverse
+
+    # Knowledge ---------------------------------------------------------------------------
+
+    def add(self, region: LocalSafeRegion) -> Steps:
+        """ADD: a node to the tree, its region to the map, its place to the roadmap."""
+        came = self.came
+        node = Node(
+            id=NodeId(self.me.robot, self._serial),
+            configuration=self.q_act,
+            region=region,
+            parent=None if came is None else came.parent,
+            time_s=self.time_s,
+        )
+        self._serial += 1
+        self.map.add(node)
+        self.here = node.id
+        self.ways.add(
+            node, None if came is None else came.way, came is not None and came.roomy
+        )
+        yield Note(
+            NodeAdded(
+                time_s=self.time_s,
+                robot=self.me.robot,
+                serial=node.id.serial,
+                parent=node.parent,
+                configuration=(*node.configuration,),
+                stage="root" if came is None else came.stage,
+                boundary=tuple(zip(*node.region.boundary.T.tolist(), strict=True)),
+                tags=(node.region.tags + ord("0")).tobytes().decode(),
+            )
+        )
+        yield from self.tell_when_complete()
+
+    def merge(self, entries: tuple[Node | Closing, ...]) -> tuple[NodeId, ...]:
+        """Take in what another robot knows; give the nodes that were new."""
+        return self.map.merge(entries)
+
+    def close(self, node: NodeId, arc: FloatArray, reason: GivenUp) -> Steps:
+        """Give up a frontier arc, and remember why."""
+        self.map.close(
+            Closing(
+                id=ClosingId(self.me.robot, self._closings),
+                node=node,
+                arc=arc,
+                reason=reason,
+                width_m=self.me.footprint.width_m,
+            )
+        )
+        self._closings += 1
+        yield Note(
+            ArcClosed(
+                time_s=self.time_s,
+                robot=self.me.robot,
+                node=node,
+                reason=reason,
+                arc=segments_of(arc),
+            )
+        )
+
+    def tell_when_complete(self) -> Steps:
+        """Put on record that no frontier is left in the map, once."""
+        if not self._told_complete and self.map.is_complete():
+            self._told_complete = True
+            yield Note(MapComplete(time_s=self.time_s, robot=self.me.robot))
+
+    def may_extend(self, node: NodeId) -> bool:
+        """Whether a node's frontier is this robot's concern: that of the tree it is active in."""
+        return self.map.has_frontier(node) and self.map.tree(node) == self.tree
+
+    # Other bodies ------------------------------------------------------------------------
+
+    def blocking(self, motion: Trajectory) -> int | None:
+        """Give a robot that does not answer and stands in the way of a motion, if there is one."""
+        if not self.bodies:
+            return None
+        sweep = Sweep(self.me.footprint, motion)
+        standing = Sweep(self.me.footprint, standing_at(self.q_act))
+        for number, sighting in self.bodies.items():
+            body = Sweep(sighting.footprint, standing_at(sighting.configuration))
+            if sweep.distance_to(body) < least_gap(
+                standing.distance_to(body), self.options.guard_m
+            ):
+                return number
+        return None
+
+    def is_passable(self, a: NodeId, b: NodeId) -> bool:
+        """Whether no robot that does not answer stands on the way between two nodes."""
+        if not self.bodies:
+            return True
+        (ax, ay, _), (bx, by, _) = self.map[a].configuration, self.map[b].configuration
+        way = shapely.LineString([(ax, ay), (bx, by)])
+        for sighting in self.bodies.values():
+            x, y, _ = sighting.configuration
+            reach = (
+                self.body.outer_radius_m
+                + sighting.footprint.circumscribed_radius_m
+                + self.options.guard_m
+            )
+            if way.distance(shapely.Point(x, y)) < reach and self.q_act.distance(
+                sighting.configuration
+            ) >= reach:
+                return False
+        return True
+
+    def refuse(self, x: float, y: float) -> str | None:
+        """Say why the robot cannot go straight to a candidate; None if it can."""
+        assert self.here is not None
+        if not self.bodies and not self.is_car:
+            return None
+        way = self.ways.to_place(self.q_act, self.map[self.here].region.boundary, x, y)
+        if way is None:
+            return "no way for the car" if self.is_car else "no room"
+        return None if self.blocking(way.out) is None else "blocked by a robot"
+
+    def believe_to_stand(self, number: int) -> None:
+        """Take a robot that does not answer for a body at the place that it last told."""
+        state = self.team.states[number]
+        x, y, heading = state.path[-1 if state.phase == "moving" else 0][1:]
+        self.bodies[number] = Sighting(
+            robot=number,
+            configuration=Configuration(x, y, heading),
+            footprint=self.team.footprint(number),
+        )
+
+    def meet_body(self, sighting: Sighting) -> None:
+        """Remember a body that stood in the way."""
+        self.bodies[sighting.robot] = sighting
+
+    def notice(self, seen: tuple[Sighting, ...]) -> None:
+        """Compare what is seen with what is believed of robots that do not answer."""
+        in_sight = {sighting.robot: sighting for sighting in seen}
+        region = None if self.here is None else self.map[self.here].region
+        for number, sighting in list(self.bodies.items()):
+            x, y, _ = sighting.configuration
+            if number not in in_sight and region is not None and inside(region.boundary, x, y):
+                del self.bodies[number]
+        for number, sighting in in_sight.items():
+            if number in self.team.lost or number not in self.team.states:
+                self.bodies[number] = sighting
+
+    # Ways --------------------------------------------------------------------------------
+
+    def step_to(self, target: Target, frontier_m: float = 0.0) -> Step:
+        """Give the next motion towards a target."""
+        a = target.way[0]
+        if len(target.way) > 1:
+            b = target.way[1]
+            is_last = isinstance(target, KnownNode) and len(target.way) == 2
+            return Step(
+                way=OutAndBack(self.ways.hop(self.q_act, a, b)),
+                node=b,
+                rest=None if is_last else replace(target, way=target.way[1:]),
+                parent=a,
+                frontier_m=frontier_m,
+            )
+        assert isinstance(target, NewPlace)
+        boundary = self.map[a].region.boundary
+        way = self.ways.to_place(self.q_act, boundary, target.x, target.y, target.roomy)
+        if way is None:
+            raise AssertionError(f"no way to ({target.x}, {target.y}), which was found free")
+        return Step(
+            way=way,
+            node=None,
+            parent=a,
+            stage=target.stage,
+            roomy=target.roomy,
+            frontier_m=frontier_m,
+        )
+
+    def step_by(self, order: Order, planned: Step | None) -> Step | None:
+        """Give the step that a master ordered; None: wait."""
+        here = self.here
+        if order.order == "keep":
+            return planned
+        if order.order == "wait" or here is None:
+            return None
+        if order.node is not None:
+            if not self.ways.knows_hop(here, order.node):
+                return None
+            return Step(
+                way=OutAndBack(self.ways.hop(self.q_act, here, order.node)),
+                node=order.node,
+                parent=here,
+                purpose="give way",
+            )
+        return Step(
+            way=OutAndBack(motion_of(order.path)),
+            node=None,
+            parent=here,
+            stage="coordinate",
+            purpose="give way" if order.order == "give way" else None,
+        )
+
+    def way(self, start: NodeId, end: NodeId) -> list[NodeId] | None:
+        """Find the shortest way between two nodes that no robot blocks."""
+        return self.ways.way(start, end, self.is_passable)
+
+    def way_to_nearest_open(self, start: NodeId) -> list[NodeId] | None:
+        """Find the way to the nearest node with a frontier in the tree that is extended."""
+        return self.ways.to_nearest(start, self.may_extend, self.is_passable)
+
+    def viewing_place(self, here: NodeId, node: NodeId, arc: FloatArray) -> NewPlace | GivenUp:
+        """Stage 3 for one arc: a place from which it can be seen, or why there is none."""
+        x, y, *_ = arc_points(arc, self.d_min_m)[0]
+        spot = round(x / self.d_min_m), round(y / self.d_min_m)
+        found: Way | Refusal = "seen from near"
+        for window in self._windows():
+            if self._views[spot] >= self.options.max_views:
+                break
+            near = self.map.near(x, y, math.sqrt(2.0) * window)
+            known = self.map.local_union(x, y, window)
+            found = self.planner.viewing_place(
+                arc,
+                known,
+                min(window, self.me.range_m),
+                near,
+                partial(self._leads, near, known) if self.is_car else None,
+            )
+            # A wider window than the robot sees holds no more places, only more ways.
+            if found != "not reachable" and (
+                not isinstance(found, str) or window >= self.me.range_m
+            ):
+                break
+        if isinstance(found, str):
+            return found
+        start = near[found.node].id
+        way = self.way(here, start)
+        if way is None:
+            return "blocked by a robot" if self.ways.way(here, start) else "not reachable"
+        self._views[spot] += 1
+        return NewPlace(found.x, found.y, "complete", tuple(way), found.roomy, node)
+
+    def _leads(self, near: list[Node], known: BaseGeometry, k: int, x: float, y: float) -> bool:
+        return self.ways.leads(near[k], known, x, y)
+
+    def _windows(self) -> list[float]:
+        # How far around an arc to look for a place: close by first, which is cheap and mostly
+        # enough; at last so far that there is room for the way to a place at the range's end.
+        widest = 1.5 * self.me.range_m + self.body.outer_radius_m
+        windows = [CLOSE_BY * self.body.outer_radius_m]
+        while windows[-1] < widest:
+            windows.append(2.0 * windows[-1])
+        return [min(window, widest) for window in windows]
+
+
+def standing_at(configuration: Configuration) -> Trajectory:
+    """Give the motion of a body that stands."""
+    return Trajectory((Waypoint(0.0, *configuration),))
+
+
+def segments_of(segments: FloatArray) -> tuple[Segment, ...]:
+    """Write segments as events hold them."""
+    return tuple((x0, y0, x1, y1) for x0, y0, x1, y1 in segments.tolist())

@@ -1,0 +1,208 @@
+"""SUPPORT_OTHERS: a robot that is done with its own tree helps to extend others' (Figure 5)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Generator
+
+from multisrt.events import Supports
+from multisrt.exploration_map import NodeId
+from multisrt.explorer import Action, Note, Outcome
+from multisrt.geometry.kernel import FloatArray
+from multisrt.multi_srt.build_srt import Plan, build_srt, move_to, take_steps
+from multisrt.multi_srt.robot import KnownNode, SrtRobot
+from multisrt.planners.srt import Draws
+
+Steps = Generator[Action, Outcome, None]
+
+CHECK_S = 30.0
+"""A robot that waits for others asks them after this time whether they are still there."""
+
+MOMENT_S = 1.0
+"""News that come within this time are looked at together."""
+
+AWAY_S = 5.0
+"""A robot that gave way goes home again after this time."""
+
+
+def support_others(robot: SrtRobot) -> Steps:
+    """SUPPORT_OTHERS: extend others' trees until every other robot is done.
+
+    With a limited radio only what nobody else will do: the frontier of robots that have not
+    been heard of for a long time (`take_over_after_s`).
+    """
+    while True:
+        tree = yield from select(robot)
+        if tree is not None:
+            yield from transfer_to(robot, tree, tree)
+            robot.purpose, robot.completing = "support", False
+            yield from build_srt(robot)
+            yield from transfer_to(robot, robot.root, None)
+            yield from robot.team.rest()
+        elif exploration_running(robot):
+            yield from wait_for_news(robot)
+        else:
+            return
+
+
+def select(robot: SrtRobot) -> Generator[Action, Outcome, NodeId | None]:
+    """SELECT: of the trees that may need support (paper: I), choose one.
+
+    A tree may need it if its open frontier is at least `support_m` (paper: F bar) for each robot
+    that is active in it.
+    """
+    if not robot.options.support:
+        return None
+    known, options = robot.map, robot.options
+    open_m = {root: open_frontier(robot, root) for root in known.roots()}
+    active = {root: active_robots(robot, root) for root in open_m}
+    threshold = robot.me.range_m if options.support_m is None else options.support_m
+    candidates = [
+        root
+        for root in open_m
+        if open_m[root] > 0.0
+        and open_m[root] >= threshold * active[root]
+        and (robot.is_unlimited or not _is_cared_for(robot, root))
+    ]
+    if not candidates:
+        return None
+    robot.ways.extend()
+    assert robot.here is not None
+    if options.select == "most_recent":
+        candidates.sort(key=lambda root: (-_last_extended_s(robot, root), root))
+        chosen = next((r for r in candidates if robot.way(robot.here, r) is not None), None)
+    else:
+        way = robot.ways.to_nearest(
+            robot.here, lambda node: node in candidates, robot.is_passable
+        )
+        chosen = None if way is None else way[-1]
+    yield Note(
+        Supports(
+            time_s=robot.time_s,
+            robot=robot.me.robot,
+            tree=None if chosen is None else chosen.robot,
+            open_frontier_m={root.robot: length for root, length in open_m.items()},
+            active_robots={root.robot: count for root, count in active.items()},
+            candidates=tuple(root.robot for root in candidates),
+        )
+    )
+    return chosen
+
+
+def open_frontier(robot: SrtRobot, root: NodeId) -> float:
+    """OPEN_FRONTIER: sum of the local frontiers of a tree's nodes, in metres."""
+    return robot.map.open_frontier_m(root)
+
+
+def active_robots(robot: SrtRobot, root: NodeId) -> int:
+    """ACTIVE_ROBOTS: how many robots extend a tree, as far as is known."""
+    team = robot.team
+    return sum(
+        state.tree == root for number, state in team.states.items() if number not in team.lost
+    )
+
+
+def transfer_to(robot: SrtRobot, end: NodeId, tree: NodeId | None) -> Steps:
+    """TRANSFER_TO: go to a node over the roadmap, every hop coordinated as a step.
+
+    Parameters
+    ----------
+    robot : SrtRobot
+        Who goes.
+    end : NodeId
+        Where to.
+    tree : NodeId or None
+        The tree in which it counts as active meanwhile.
+    """
+    robot.tree = tree
+    robot.purpose = "home" if end == robot.root else "support"
+
+    def way_on(robot: SrtRobot, frontier: FloatArray, draws: Draws) -> Plan:
+        assert robot.here is not None
+        yield from ()  # a planner may put events on record; this one has none
+        if robot.here == end:
+            return "end", None
+        robot.ways.extend()
+        way = robot.way(robot.here, end)
+        return ("stay", None) if way is None else ("transfer", KnownNode(tuple(way)))
+
+    robot.target = None
+    yield from robot.team.begin_step()
+    yield from take_steps(robot, way_on)
+
+
+def exploration_running(robot: SrtRobot) -> bool:
+    """EXPLORATION_RUNNING: whether another robot has not yet reported that it is done."""
+    team = robot.team
+    if not robot.is_unlimited:
+        return math.isfinite(_next_take_over_s(robot))
+    return any(
+        number not in team.lost
+        and (number not in team.states or team.states[number].tree is not None)
+        for number in team.others
+    )
+
+
+def wait_for_news(robot: SrtRobot) -> Steps:
+    """Stand by until something new was heard; ask now and then who was not heard of for long."""
+    team = robot.team
+    if robot.is_unlimited:
+        until = robot.time_s + CHECK_S
+    else:
+        until = max(robot.time_s, _next_take_over_s(robot)) + MOMENT_S
+    yield from stand_by(robot, until)
+    if robot.is_unlimited and robot.time_s >= until:
+        yield from team.ask(
+            n
+            for n in team.others
+            if n not in team.lost and team.heard_s.get(n, 0.0) <= robot.time_s - CHECK_S
+        )
+
+
+def stand_by(robot: SrtRobot, until_s: float) -> Steps:
+    """Stand, listen and give way where a master orders it, until news have come or time is up."""
+    news = robot.team.news()
+    while robot.time_s < until_s:
+        yield from robot.team.hear(until_s - robot.time_s)
+        yield from obey(robot)
+        if robot.team.news() != news:
+            # What else comes at this time is looked at together.
+            yield from robot.team.pause(MOMENT_S)
+            yield from obey(robot)
+            return
+
+
+def obey(robot: SrtRobot) -> Steps:
+    """Give way, if a master has ordered it; and go home again."""
+    order = robot.team.order_for_me()
+    if order is None or order.order != "give way":
+        return
+    yield from move_to(robot, robot.step_by(order, None))
+    yield from robot.team.pause(AWAY_S)
+    yield from transfer_to(robot, robot.root, None)
+    yield from robot.team.rest()
+
+
+def _last_extended_s(robot: SrtRobot, root: NodeId) -> float:
+    return max(node.time_s for node in robot.map.nodes if robot.map.tree(node.id) == root)
+
+
+def _is_cared_for(robot: SrtRobot, root: NodeId) -> bool:
+    # With a limited radio: whether a robot that works on a tree was heard of lately.
+    return _take_over_s(robot, root) > robot.time_s
+
+
+def _take_over_s(robot: SrtRobot, root: NodeId) -> float:
+    team = robot.team
+    heard = [
+        team.heard_s.get(number, 0.0)
+        for number, state in team.states.items()
+        if number not in team.lost and (number == root.robot or state.tree == root)
+    ]
+    return max(heard, default=-math.inf) + robot.options.take_over_after_s
+
+
+def _next_take_over_s(robot: SrtRobot) -> float:
+    # When the next tree of those that still have frontier is free to be taken over.
+    open_trees = [root for root in robot.map.roots() if robot.map.open_frontier_m(root) > 0.0]
+    return min((_take_over_s(robot, root) for root in open_trees), default=math.inf)

@@ -1,0 +1,277 @@
+"""The radio: which robots a message reaches, and when.
+
+A link between two robots holds in both directions or in none. Nothing stands in its way but the
+distance, or walls block it, or walls weaken it. Every obstacle that the straight line between
+two robots passes through counts as one wall each time, however thick it is; touching a corner or
+running along a wall is no passage, as for a line of sight.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.random import Generator as RandomGenerator
+
+from multisrt.explorer import RadioSelf
+from multisrt.geometry.arrays import BoolArray, IntArray
+from multisrt.geometry.edge_index import EdgeIndex
+from multisrt.geometry.kernel import FloatArray, kernel
+from multisrt.spec import RadioSpec
+
+TOUCH_M = 1e-9
+"""What a line passes through for no longer than this is only touched."""
+
+
+class Radio:
+    """Carries messages between robots.
+
+    Parameters
+    ----------
+    spec : RadioSpec
+        How messages travel.
+    index : EdgeIndex
+        The edges of the world.
+    rng : numpy.random.Generator
+        What losses and jitter are drawn from.
+    """
+
+    def __init__(self, spec: RadioSpec, index: EdgeIndex, rng: RandomGenerator) -> None:
+        self._spec = spec
+        self._index = index
+        self._rng = rng
+        self._range_m = math.inf if spec.range_m is None else spec.range_m
+
+    def datasheet(self) -> RadioSelf:
+        """Give what a robot knows of its radio."""
+        return RadioSelf(
+            range_m=self._range_m,
+            latency_s=self._spec.latency_s + self._spec.jitter_s,
+            loss=self._spec.loss,
+            multi_hop=self._spec.multi_hop,
+        )
+
+    def links(self, positions: Sequence[Sequence[float]], working: Sequence[bool]) -> BoolArray:
+        """Tell which robots reach each other without a relay, ``(n, n)``; none reaches itself.
+
+        Parameters
+        ----------
+        positions : (n, 2) array_like
+            Where the robots are, in metres.
+        working : sequence of bool
+            Whose radio works.
+        """
+        places = _places(positions)
+        robots = np.flatnonzero(working)
+        holds = np.zeros((len(places), len(places)), np.bool_)
+        for i, robot in enumerate(robots):
+            heard = self._heard(places, int(robot), robots[i + 1 :])
+            holds[robot, heard] = holds[heard, robot] = True
+        return holds
+
+    def reached(
+        self, sender: int, positions: Sequence[Sequence[float]], working: Sequence[bool]
+    ) -> list[int]:
+        """Give the robots that a message reaches, in increasing order.
+
+        They are those that the sender reaches directly and, where robots relay, all that are
+        connected to it through others. One whose radio does not work reaches nobody.
+
+        Parameters
+        ----------
+        sender : int
+            Who sends.
+        positions, working
+            As for `links`.
+        """
+        if not working[sender]:
+            return []
+        open_to = np.array(working, np.bool_)
+        open_to[sender] = False
+        if self._range_m == math.inf and self._spec.walls == "pass":
+            return [int(robot) for robot in np.flatnonzero(open_to)]
+        places = _places(positions)
+        found: list[int] = []
+        relays = [sender]
+        while relays and len(waiting := np.flatnonzero(open_to)):
+            heard = self._heard(places, relays.pop(), waiting)
+            open_to[heard] = False
+            found += heard.tolist()
+            if self._spec.multi_hop:
+                relays += heard.tolist()
+        return sorted(found)
+
+    def deliveries(
+        self,
+        sender: int,
+        to: int | None,
+        positions: Sequence[Sequence[float]],
+        working: Sequence[bool],
+    ) -> tuple[list[tuple[int, float]], list[int]]:
+        """Give who gets a message and after how many seconds, and to whom it is lost on the way.
+
+        Receivers come in increasing order; in this order it is drawn whether the message is lost
+        and else how long it takes. Nothing is drawn for what is certain.
+
+        Parameters
+        ----------
+        sender : int
+            Who sends.
+        to : int or None
+            Whom the message is for; None: all.
+        positions, working
+            As for `links`.
+        """
+        delivered: list[tuple[int, float]] = []
+        lost: list[int] = []
+        for receiver in self.reached(sender, positions, working):
+            if to is not None and receiver != to:
+                continue
+            if self._spec.loss > 0.0 and self._rng.random() < self._spec.loss:
+                lost.append(receiver)
+                continue
+            delay = self._spec.latency_s
+            if self._spec.jitter_s > 0.0:
+                delay += self._spec.jitter_s * self._rng.random()
+            delivered.append((receiver, delay))
+        return delivered, lost
+
+    def _heard(self, places: FloatArray, sender: int, others: IntArray) -> IntArray:
+        # Which of the others hear a sender directly.
+        distances = np.hypot(*(places[others] - places[sender]).T)
+        within = distances <= self._range_m
+        others, distances = others[within], distances[within]
+        if self._spec.walls == "pass" or not len(others):
+            return others
+        walls = self._walls_between(places, sender, others)
+        if self._spec.walls == "block":
+            in_sight: BoolArray = walls == 0
+            return others[in_sight]
+        # 10 n log10(distance / range) + wall loss <= 0, with n the exponent of the path loss.
+        decades = -self._spec.wall_loss_db * walls / (10.0 * self._spec.path_loss_exponent)
+        strong: BoolArray = distances <= self._range_m * 10.0**decades
+        return others[strong]
+
+    def _walls_between(self, places: FloatArray, sender: int, others: IntArray) -> IntArray:
+        # From the lower number to the higher, so that both robots count alike.
+        index = self._index
+        lines = np.hstack([places[np.minimum(others, sender)], places[np.maximum(others, sender)]])
+        query = index.scratch.next_query()
+        for _ in others[1:]:
+            index.scratch.next_query()
+        return _walls_on(lines, index.edges, index.grid, index.bins, index.scratch.memory, query)
+
+
+def _places(positions: Sequence[Sequence[float]]) -> FloatArray:
+    return np.array(positions, dtype=np.float64).reshape(-1, 2)
+
+
+@kernel
+def _walls_on(
+    lines: FloatArray,
+    edges: FloatArray,
+    grid: tuple[float, float, float, int, int],
+    bins: IntArray,
+    scratch: IntArray,
+    query: int,
+) -> IntArray:
+    # Line k takes query number `query + 2 k`.
+    walls = np.zeros(lines.shape[0], np.int64)
+    for k in range(lines.shape[0]):
+        count = _edges_along(lines[k], edges, grid, bins, scratch, query + 2 * k)
+        if count > 0:
+            walls[k] = _passages(lines[k], edges, scratch[1, :count])
+    return walls
+
+
+@kernel
+def _edges_along(
+    line: FloatArray,
+    edges: FloatArray,
+    grid: tuple[float, float, float, int, int],
+    bins: IntArray,
+    scratch: IntArray,
+    query: int,
+) -> int:
+    # Walk the cells along a line and write the edges that lie across it into the scratch memory.
+    stamps, found = scratch[0], scratch[1]
+    x0, y0, cell, columns, rows = grid
+    ax, ay = line[0], line[1]
+    length = np.hypot(line[2] - ax, line[3] - ay)
+    if length == 0.0:
+        return 0
+    ux, uy = (line[2] - ax) / length, (line[3] - ay) / length
+    i, j = int(np.floor((ax - x0) / cell)), int(np.floor((ay - y0) / cell))
+    step_i, step_j = (1 if ux > 0.0 else -1), (1 if uy > 0.0 else -1)
+    next_x = np.inf if ux == 0.0 else (x0 + (i + (step_i > 0)) * cell - ax) / ux
+    next_y = np.inf if uy == 0.0 else (y0 + (j + (step_j > 0)) * cell - ay) / uy
+    width_x = np.inf if ux == 0.0 else cell / abs(ux)
+    width_y = np.inf if uy == 0.0 else cell / abs(uy)
+    count = 0
+    travelled = 0.0
+    while travelled <= length:
+        if 0 <= i < columns and 0 <= j < rows:
+            for k in range(bins[i * rows + j], bins[i * rows + j + 1]):
+                e = bins[k]
+                if stamps[e] == query:
+                    continue
+                stamps[e] = query
+                side_p = ux * (edges[e, 1] - ay) - uy * (edges[e, 0] - ax)
+                side_q = ux * (edges[e, 3] - ay) - uy * (edges[e, 2] - ax)
+                if side_p != side_q and min(side_p, side_q) <= 0.0 <= max(side_p, side_q):
+                    found[count] = e
+                    count += 1
+        if next_x < next_y:
+            travelled = next_x
+            next_x += width_x
+            i += step_i
+        else:
+            travelled = next_y
+            next_y += width_y
+            j += step_j
+    return count
+
+
+@kernel
+def _passages(line: FloatArray, edges: FloatArray, across: IntArray) -> int:
+    # How many stretches of a line have obstacles on both of its sides. What only touches the
+    # line with a corner or a side is crossed by one of the two lines a hair beside it at most.
+    ax, ay = line[0], line[1]
+    length = np.hypot(line[2] - ax, line[3] - ay)
+    ux, uy = (line[2] - ax) / length, (line[3] - ay) / length
+    n = across.shape[0]
+    at = np.empty(n)
+    right, left = np.zeros(n, np.int64), np.zeros(n, np.int64)
+    for k in range(n):
+        e = across[k]
+        px, py = edges[e, 0] - ax, edges[e, 1] - ay
+        qx, qy = edges[e, 2] - ax, edges[e, 3] - ay
+        side_p, side_q = ux * py - uy * px, ux * qy - uy * qx
+        fraction = side_p / (side_p - side_q)
+        at[k] = ux * (px + fraction * (qx - px)) + uy * (py + fraction * (qy - py))
+        if not 0.0 < at[k] < length:
+            continue
+        into = 1 if side_q > side_p else -1
+        right[k] = into if (side_p > 0.0) != (side_q > 0.0) else 0
+        left[k] = into if (side_p < 0.0) != (side_q < 0.0) else 0
+    passages = 0
+    depth_right = depth_left = 0
+    entered, left_behind = 0.0, -np.inf
+    inside = False
+    for k in np.argsort(at):
+        depth_right += right[k]
+        depth_left += left[k]
+        if depth_right > 0 and depth_left > 0:
+            if not inside:
+                # Walls that meet in the line are passed as one.
+                if at[k] - left_behind > TOUCH_M:
+                    entered = at[k]
+                inside = True
+        elif inside:
+            inside = False
+            if at[k] - entered > TOUCH_M:
+                if entered > left_behind:
+                    passages += 1
+                left_behind = at[k]
+    return passages

@@ -1,0 +1,312 @@
+"""A car's shortest curves in the open, by OMPL: Reeds and Shepp's, or Dubins's.
+
+OMPL gives points of a curve, not what it is made of. Here a curve is taken apart into its arcs
+and straight pieces, from which every other point of it follows.
+
+Source: Reeds and Shepp 1990, Dubins 1957, as in OMPL's state spaces of these names.
+"""
+
+from __future__ import annotations
+
+import math
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from multisrt.geometry.arrays import BoolArray, FloatArray
+from multisrt.geometry.configuration import Configuration
+from multisrt.geometry.kernel import kernel
+from multisrt.planners.motion.kinematics import Car
+from multisrt.planners.motion.trajectory import Trajectory, Waypoint, leg_pose
+
+CLOSE = 1e-7
+"""How well a piece must fit OMPL's points, in metres and radians; OMPL rounds by 1e-6 itself."""
+
+SHORTEST_M = 1e-6
+"""A piece of a curve that is shorter than this is left out."""
+
+LONGEST_ARC_RAD = 0.5 * math.pi
+"""Longer arcs become several legs of a trajectory."""
+
+COARSE_RAD = 1.0
+"""First a curve is looked at at points that are no farther apart than this angle of an arc."""
+
+
+class Curves:
+    """The shortest curves of cars of one kind.
+
+    Parameters
+    ----------
+    reverse : bool
+        Whether they drive backwards, too.
+    radius_m : float
+        Radius of their tightest curve.
+    """
+
+    def __init__(self, reverse: bool, radius_m: float) -> None:
+        self.radius_m = radius_m
+        self._space = state_space(reverse, radius_m)
+        self._from, self._to, self._on = (self._space.allocState() for _ in range(3))
+
+    def length(self, start: Configuration, goal: Configuration) -> float:
+        """Give the length of the shortest curve in metres."""
+        set_state(self._from, start)
+        set_state(self._to, goal)
+        return float(self._space.distance(self._from, self._to))
+
+    def curve(self, start: Configuration, goal: Configuration, speed_m_s: float) -> Trajectory:
+        """Give the motion along the shortest curve; its last waypoint is exactly the goal."""
+        waypoints = [Waypoint(0.0, *start)]
+        if start == goal:
+            return Trajectory(tuple(waypoints))
+        for x, y, turn, length in self._pieces(start, goal).tolist():
+            a = waypoints[-1]
+            waypoints += _legs(a, x, y, turn, length / speed_m_s)
+        last = waypoints.pop()
+        heading = last.heading + math.remainder(goal.heading - last.heading, 2.0 * math.pi)
+        waypoints.append(Waypoint(last.time_s, goal.x, goal.y, heading))
+        return Trajectory(tuple(waypoints))
+
+    def _pieces(self, start: Configuration, goal: Configuration) -> FloatArray:
+        length = self.length(start, goal)
+        if length < SHORTEST_M:
+            return np.array([(goal.x, goal.y, 0.0, length)])
+        count = max(6, math.ceil(length / (COARSE_RAD * self.radius_m)))
+        shares = [k / count for k in range(count + 1)]
+        points = [self._at(share, length) for share in shares]
+        while True:
+            pieces, unclear = _taken_apart(np.array(points), self.radius_m)
+            if not unclear.any():
+                return pieces
+            # More points in the stretches of which it is not clear what is in them.
+            for k in np.flatnonzero(unclear)[::-1].tolist():
+                middle = 0.5 * (points[k][0] + points[k + 1][0]) / length
+                points.insert(k + 1, self._at(middle, length))
+
+    def _at(self, share: float, length: float) -> tuple[float, float, float, float]:
+        self._space.interpolate(self._from, self._to, share, self._on)
+        return share * length, self._on.getX(), self._on.getY(), self._on.getYaw()
+
+
+@lru_cache(maxsize=16)
+def curves_of(reverse: bool, radius_m: float) -> Curves:
+    """Give the curves of cars of one kind, made at the first call."""
+    return Curves(reverse, radius_m)
+
+
+def curve(car: Car, start: Configuration, goal: Configuration) -> Trajectory:
+    """Give the motion along a car's shortest curve in the open.
+
+    Parameters
+    ----------
+    car : Car
+        What moves.
+    start, goal : Configuration
+        Where from and to.
+
+    Returns
+    -------
+    Trajectory
+        Arcs of the turning radius and straight pieces. It ends exactly at the goal.
+
+    Examples
+    --------
+    >>> motion = curve(Car(), Configuration(0.0, 0.0, 0.0), Configuration(2.0, 0.0, 0.0))
+    >>> round(motion.length_m, 9), len(motion.waypoints)
+    (2.0, 2)
+    """
+    return curves_of(car.reverse, car.turning_radius_m).curve(start, goal, car.speed_m_s)
+
+
+def curve_length(car: Car, start: Configuration, goal: Configuration) -> float:
+    """Give the length of a car's shortest curve in the open, in metres."""
+    return curves_of(car.reverse, car.turning_radius_m).length(start, goal)
+
+
+def state_space(reverse: bool, radius_m: float) -> Any:
+    """Give OMPL's state space of a car."""
+    from ompl import base
+
+    return base.ReedsSheppStateSpace(radius_m) if reverse else base.DubinsStateSpace(radius_m)
+
+
+def set_state(state: Any, configuration: Configuration) -> None:
+    """Have a state of OMPL hold a configuration."""
+    state.setX(configuration.x)
+    state.setY(configuration.y)
+    state.setYaw(configuration.heading)
+
+
+def _legs(a: Waypoint, x: float, y: float, turn: float, duration_s: float) -> list[Waypoint]:
+    # An arc or a straight piece from a waypoint on, in legs that turn by no more than they may.
+    b = Waypoint(a.time_s + duration_s, x, y, a.heading + turn)
+    count = max(1, math.ceil(abs(turn) / LONGEST_ARC_RAD - CLOSE))
+    inner = [
+        Waypoint(a.time_s + k / count * duration_s, *leg_pose(a, b, k / count))
+        for k in range(1, count)
+    ]
+    return [*inner, b]
+
+
+@kernel
+def _taken_apart(points: FloatArray, radius: float) -> tuple[FloatArray, BoolArray]:
+    """Take a curve apart.
+
+    Parameters
+    ----------
+    points : (n, 4) array
+        Distance along the curve, x, y and heading of points on it, both ends among them.
+    radius : float
+        Radius of its arcs.
+
+    Returns
+    -------
+    pieces : (m, 4) array
+        x and y of the end, the signed turn, and the length of every piece.
+    unclear : (n - 1,) array of bool
+        Between which points others are needed; if there are any, the pieces are of no use.
+    """
+    n = points.shape[0] - 1
+    turning, driving = np.empty(n), np.empty(n)
+    for i in range(n):
+        turning[i], driving[i] = _piece_between(points[i], points[i + 1], radius)
+    unclear = np.zeros(n, np.bool_)
+    pieces = np.empty((n + 1, 4))
+    count = 0
+    begun = 0.0
+    i = 0
+    while i < n and driving[i] == 0.0 and points[i + 1, 0] < SHORTEST_M:
+        i += 1
+    if driving[min(i, n - 1)] == 0.0:
+        unclear[: i + 1] = True
+    while i < n and driving[i] != 0.0:
+        # One piece: as many stretches as go on alike, and the next that is all of one kind.
+        k = i + 1
+        while k < n and driving[k] == driving[i] and turning[k] == turning[i]:
+            k += 1
+        following = k
+        while following < n and driving[following] == 0.0:
+            following += 1
+        x, y, end = points[k, 1], points[k, 2], points[k, 0]
+        if following > k and points[following, 0] - points[k, 0] >= SHORTEST_M:
+            switch = -1.0
+            if following < n:
+                switch = _switch(
+                    points[k],
+                    points[following],
+                    radius,
+                    turning[i],
+                    driving[i],
+                    turning[following],
+                    driving[following],
+                )
+            if switch < 0.0:
+                unclear[k:following] = True
+            else:
+                x, y, _ = _moved(
+                    points[k, 1],
+                    points[k, 2],
+                    points[k, 3],
+                    turning[i],
+                    driving[i] * switch,
+                    radius,
+                )
+                end = points[k, 0] + switch
+        elif following == n:
+            x, y, end = points[n, 1], points[n, 2], points[n, 0]
+        length = end - begun
+        pieces[count, 0], pieces[count, 1] = x, y
+        pieces[count, 2] = turning[i] * driving[i] * length / radius
+        pieces[count, 3] = length
+        count += 1
+        begun = end
+        i = following
+    return pieces[:count], unclear
+
+
+@kernel
+def _piece_between(p: FloatArray, q: FloatArray, radius: float) -> tuple[float, float]:
+    """Tell what piece two points lie on.
+
+    Returns
+    -------
+    turning : float
+        1 on an arc to the left, -1 to the right, as the steering wheel stands; 0 if straight.
+    driving : float
+        1 forwards, -1 backwards; 0 where they lie on different pieces.
+    """
+    length = q[0] - p[0]
+    turn = _wrapped(q[3] - p[3])
+    ahead = (q[1] - p[1]) * math.cos(p[3] + 0.5 * turn) + (q[2] - p[2]) * math.sin(
+        p[3] + 0.5 * turn
+    )
+    driving = 1.0 if ahead >= 0.0 else -1.0
+    if abs(turn) < CLOSE:
+        turning = 0.0
+    elif abs(abs(turn) - length / radius) < CLOSE:
+        turning = driving if turn > 0.0 else -driving
+    else:
+        return 0.0, 0.0
+    x, y, _ = _moved(p[1], p[2], p[3], turning, driving * length, radius)
+    if math.hypot(x - q[1], y - q[2]) > CLOSE:
+        return 0.0, 0.0
+    return turning, driving
+
+
+@kernel
+def _switch(
+    p: FloatArray,
+    q: FloatArray,
+    radius: float,
+    turning_a: float,
+    driving_a: float,
+    turning_b: float,
+    driving_b: float,
+) -> float:
+    """Find how far from p one piece goes over into another, on which q lies; -1: nowhere."""
+    length = q[0] - p[0]
+    turn = _wrapped(q[3] - p[3]) * radius
+    switch: float
+    rate_a, rate_b = turning_a * driving_a, turning_b * driving_b
+    if rate_a != rate_b:
+        switch = (turn - rate_b * length) / (rate_a - rate_b)
+    elif turning_a != 0.0:
+        # To and fro, turning on all the time: where the two circles touch.
+        ax = p[1] - turning_a * radius * math.sin(p[3])
+        ay = p[2] + turning_a * radius * math.cos(p[3])
+        bx = q[1] - turning_b * radius * math.sin(q[3])
+        by = q[2] + turning_b * radius * math.cos(q[3])
+        heading = math.atan2(turning_a * (bx - ax), turning_a * (ay - by))
+        switch = _wrapped(heading - p[3]) * radius * rate_a
+    else:
+        return -1.0
+    if not -CLOSE <= switch <= length + CLOSE:
+        return -1.0
+    switch = min(max(switch, 0.0), length)
+    x, y, heading = _moved(p[1], p[2], p[3], turning_a, driving_a * switch, radius)
+    x, y, heading = _moved(x, y, heading, turning_b, driving_b * (length - switch), radius)
+    if max(abs(x - q[1]), abs(y - q[2]), abs(_wrapped(heading - q[3]))) > CLOSE:
+        return -1.0
+    return switch
+
+
+@kernel
+def _moved(
+    x: float, y: float, heading: float, turning: float, distance: float, radius: float
+) -> tuple[float, float, float]:
+    """Give x, y and heading after a signed distance on an arc or a straight line."""
+    turn = turning * distance / radius
+    chord = distance
+    if turn != 0.0:
+        chord = 2.0 * radius * turning * math.sin(0.5 * turn)
+    return (
+        x + chord * math.cos(heading + 0.5 * turn),
+        y + chord * math.sin(heading + 0.5 * turn),
+        heading + turn,
+    )
+
+
+@kernel
+def _wrapped(angle: float) -> float:
+    return angle - 2.0 * math.pi * math.floor(angle / (2.0 * math.pi) + 0.5)

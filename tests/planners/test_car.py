@@ -1,0 +1,196 @@
+import math
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+import shapely
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from multisrt.geometry.collision import CollisionWorld
+from multisrt.geometry.configuration import Configuration
+from multisrt.geometry.footprint import Footprint
+from multisrt.planners.motion.body import PlanningBody
+from multisrt.planners.motion.car import car_way, car_ways
+from multisrt.planners.motion.curves import curve_length
+from multisrt.planners.motion.kinematics import Car
+from multisrt.planners.motion.trajectory import leg_length
+
+BODY = PlanningBody(Footprint.box(0.6, 0.4), 0.02)
+DISC = PlanningBody(Footprint.disc(0.25), 0.02)
+BACK = Car(turning_radius_m=0.6)
+NO_BACK = Car(turning_radius_m=0.6, reverse=False)
+
+HALL = shapely.box(0, 0, 8, 8)
+# Two rooms, a wall between them with a door one metre wide.
+ROOMS = shapely.box(0, 0, 8, 4).difference(
+    shapely.union(shapely.box(3.9, 0, 4.1, 1.5), shapely.box(3.9, 2.5, 4.1, 4))
+)
+# A room with a corridor that ends after five metres.
+DEAD_END = shapely.union(shapely.box(0, 0, 4, 4), shapely.box(4, 1.5, 9, 2.5))
+
+
+def ring(polygon: shapely.Polygon) -> np.ndarray:
+    return np.asarray(shapely.orient_polygons(polygon).exterior.coords)[:-1].copy()
+
+
+def assert_drivable(way, car: Car, body: PlanningBody, region) -> None:
+    """No leg is tighter than the car can drive or sideways, and FCL finds nothing in its way."""
+    world = CollisionWorld(region)
+    solid = world.body(body.footprint)
+    for a, b in zip(way.waypoints, way.waypoints[1:], strict=False):
+        turn, length = b.heading - a.heading, leg_length(a, b)
+        assert b.time_s - a.time_s == pytest.approx(length / car.speed_m_s, abs=1e-6)
+        assert abs(turn) * car.turning_radius_m <= length + 1e-5
+        ahead = math.cos(math.atan2(b.y - a.y, b.x - a.x) - a.heading - 0.5 * turn)
+        if length > 1e-3:
+            assert abs(ahead) == pytest.approx(1.0, abs=1e-6)
+            assert ahead > 0.0 or car.reverse
+        assert world.first_contact(solid, a[1:], b[1:], turn, arc=True) is None
+
+
+@pytest.mark.parametrize("car", [BACK, NO_BACK])
+def test_in_the_open_the_way_is_the_shortest_curve(car):
+    start, goal = Configuration(3.0, 3.0, 0.2), Configuration(5.0, 5.0, -2.0)
+    way = car_way(BODY, car, ring(HALL), start, goal, 0, most_checks=0)
+    assert way.length_m == pytest.approx(curve_length(car, start, goal))
+    assert way.start == start
+    assert way.end == pytest.approx(goal)
+    assert_drivable(way, car, BODY, HALL)
+
+
+@pytest.mark.parametrize("car", [BACK, NO_BACK])
+@pytest.mark.parametrize("body", [BODY, DISC])
+def test_where_the_shortest_curve_meets_a_wall_another_way_is_found(car, body):
+    start, goal = Configuration(2.0, 0.6, 0.0), Configuration(6.0, 0.6, 0.0)
+    assert car_way(body, car, ring(ROOMS), start, goal, 1, most_checks=0) is None
+    for region in (ring(ROOMS), ROOMS):
+        way = car_way(body, car, region, start, goal, 1)
+        assert way.start == start
+        assert way.end == pytest.approx(goal)
+        assert way.length_m > 4.0
+        assert_drivable(way, car, body, ROOMS)
+
+
+def test_no_way_through_a_wall_or_out_of_the_region():
+    walled = shapely.MultiPolygon([shapely.box(0, 0, 3.9, 4), shapely.box(4.1, 0, 8, 4)])
+    start = Configuration(2.0, 2.0, 0.0)
+    for goal in (Configuration(6.0, 2.0, 0.0), Configuration(9.0, 2.0, 0.0)):
+        assert car_way(BODY, BACK, walled, start, goal, 0) is None
+    # Neither does it begin or end in contact.
+    assert car_way(BODY, BACK, walled, Configuration(0.1, 2.0), start, 0) is None
+
+
+def test_round_a_pillar_in_the_region():
+    region = HALL.difference(shapely.box(3, 3, 5, 5))
+    start, goal = Configuration(1.0, 4.0, 0.0), Configuration(7.0, 4.0, 0.0)
+    for car in (BACK, NO_BACK):
+        way = car_way(BODY, car, region, start, goal, 0)
+        assert way is not None
+        assert_drivable(way, car, BODY, region)
+
+
+def test_it_gets_to_a_place_in_the_direction_in_which_that_lies():
+    start = Configuration(2.0, 4.0, 0.0)
+    out, back = car_ways(BODY, BACK, ring(HALL), start, 5.0, 5.0, 0)
+    assert out.end == pytest.approx((5.0, 5.0, math.atan2(1.0, 3.0)))
+    assert back.waypoints == out.reversed().waypoints
+    assert back.end == start
+
+
+def test_a_car_without_reverse_gear_comes_round_again():
+    start = Configuration(2.0, 4.0, 0.3)
+    out, back = car_ways(BODY, NO_BACK, ring(HALL), start, 5.0, 5.0, 0)
+    assert back.start == pytest.approx(out.end)
+    assert back.end == pytest.approx(start)
+    for way in (out, back):
+        assert_drivable(way, NO_BACK, BODY, HALL)
+
+
+def test_another_heading_where_the_direction_does_not_fit():
+    # Against the wall at the end of the room, across the way there.
+    region = shapely.box(0, 0, 4, 8)
+    out, _ = car_ways(BODY, BACK, ring(region), Configuration(2.0, 4.0, 1.6), 3.75, 4.0, 0)
+    assert abs(math.sin(out.end.heading)) == pytest.approx(1.0)
+    assert_drivable(out, BACK, BODY, region)
+
+
+def test_a_dead_end_is_no_place_for_a_car_without_reverse_gear():
+    start = Configuration(2.0, 2.0, 0.0)
+    place = (7.5, 2.0)
+    assert car_ways(BODY, NO_BACK, ring(DEAD_END), start, *place, 0) is None
+    goal = Configuration(*place, 0.0)
+    assert car_way(BODY, NO_BACK, ring(DEAD_END), start, goal, 0) is not None
+    out, back = car_ways(BODY, BACK, ring(DEAD_END), start, *place, 0)
+    assert out.end == pytest.approx(goal)
+    assert back.end == start
+    assert_drivable(back, BACK, BODY, DEAD_END)
+
+
+def test_no_ways_where_the_car_does_not_stand_in_the_region():
+    assert car_ways(BODY, BACK, ring(HALL), Configuration(9.0, 4.0), 5.0, 5.0, 0) is None
+    assert car_ways(BODY, BACK, ring(HALL), Configuration(4.0, 4.0), 9.0, 5.0, 0) is None
+
+
+blocks = st.tuples(
+    st.floats(0.0, 7.0), st.floats(0.0, 7.0), st.floats(0.2, 1.5), st.floats(0.2, 1.5)
+).map(lambda b: shapely.box(b[0], b[1], b[0] + b[2], b[1] + b[3]))
+places = st.tuples(st.floats(0.5, 7.5), st.floats(0.5, 7.5), st.floats(-3.1, 3.1))
+
+
+@settings(max_examples=40)
+@given(
+    st.lists(blocks, max_size=8),
+    st.sampled_from([BODY, DISC]),
+    st.sampled_from([BACK, NO_BACK]),
+    places,
+    places,
+    st.integers(0, 2**63),
+)
+def test_no_way_leaves_the_region(obstacles, body, car, start, goal, seed):
+    region = HALL.difference(shapely.union_all(obstacles))
+    start, goal = Configuration(*start), Configuration(*goal)
+    ways = car_ways(body, car, region, start, goal.x, goal.y, seed, most_checks=200) or ()
+    way = car_way(body, car, region, start, goal, seed, most_checks=200)
+    for motion in (*ways, *(() if way is None else (way,))):
+        assert_drivable(motion, car, body, region)
+        for time in np.linspace(0.0, motion.duration_s, 100):
+            assert region.contains(body.footprint.placed(motion.at(time)).buffer(-1e-3))
+    if ways:
+        out, back = ways
+        assert out.start == start
+        assert out.end[:2] == goal[:2]
+        assert back.end == pytest.approx(start)
+        assert back.start == pytest.approx(out.end)
+    if way is not None:
+        assert way.start == start
+        assert way.end == pytest.approx(goal)
+
+
+SCRIPT = """
+import shapely
+from multisrt.geometry.configuration import Configuration
+from multisrt.geometry.footprint import Footprint
+from multisrt.planners.motion.body import PlanningBody
+from multisrt.planners.motion.car import car_way
+from multisrt.planners.motion.kinematics import Car
+
+rooms = shapely.from_wkt({wkt!r})
+start, goal = Configuration(2.0, 0.6, 0.0), Configuration(6.0, 0.6, 0.0)
+body = PlanningBody(Footprint.box(0.6, 0.4), 0.02)
+for reverse in (True, False):
+    print(repr(car_way(body, Car(reverse=reverse), rooms, start, goal, 7)))
+"""
+
+
+def test_plans_by_sampling_repeat_in_any_process():
+    start, goal = Configuration(2.0, 0.6, 0.0), Configuration(6.0, 0.6, 0.0)
+    here = [repr(car_way(BODY, car, ROOMS, start, goal, 7)) for car in (BACK, NO_BACK)]
+    assert here == [repr(car_way(BODY, car, ROOMS, start, goal, 7)) for car in (BACK, NO_BACK)]
+    assert here != [repr(car_way(BODY, car, ROOMS, start, goal, 8)) for car in (BACK, NO_BACK)]
+    script = SCRIPT.format(wkt=ROOMS.wkt)
+    there = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=True
+    )
+    assert there.stdout.splitlines() == here

@@ -1,0 +1,126 @@
+import math
+
+import numpy as np
+import pytest
+import shapely
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from multisrt.geometry.footprint import Footprint
+from multisrt.planners.motion.sweep import Sweep
+from multisrt.planners.motion.trajectory import Trajectory, Waypoint
+
+DISC = Footprint.disc(0.25)
+BOX = Footprint.box(0.6, 0.4)
+ELL = Footprint.polygon(
+    [(-0.3, -0.3), (0.5, -0.3), (0.5, 0.0), (0.1, 0.0), (0.1, 0.4), (-0.3, 0.4)]
+)
+
+
+def standing(x: float, y: float, heading: float = 0.0) -> Trajectory:
+    return Trajectory((Waypoint(0.0, x, y, heading),))
+
+
+def test_standing_discs():
+    a, b = Sweep(DISC, standing(0.0, 0.0)), Sweep(DISC, standing(3.0, 4.0))
+    assert a.distance_to(b) == pytest.approx(4.5)
+    assert a.bounds == (-0.25, -0.25, 0.25, 0.25)
+    assert a.distance_to(a) == 0.0
+
+
+def test_a_standing_box():
+    box = Sweep(BOX, standing(1.0, 2.0, math.pi / 2))
+    assert box.pad_m == 0.0
+    assert box.bounds == pytest.approx((0.8, 1.7, 1.2, 2.3))
+
+
+@pytest.mark.parametrize("footprint", [BOX, ELL])
+def test_a_straight_way_is_exact(footprint):
+    way = Trajectory((Waypoint(0.0, 0.0, 0.0, 0.3), Waypoint(1.0, 2.0, 1.0, 0.3)))
+    sweep = Sweep(footprint, way)
+    assert sweep.pad_m == 0.0
+    expected = footprint.swept((0.0, 0.0, 0.3), (2.0, 1.0, 0.3))
+    assert sweep.shape.buffer(0).symmetric_difference(expected).area < 1e-12
+
+
+def test_a_disc_that_turns_in_place_stands():
+    turn = Trajectory((Waypoint(0.0, 1.0, 1.0, 0.0), Waypoint(1.0, 1.0, 1.0, 3.0)))
+    assert Sweep(DISC, turn).bounds == (0.75, 0.75, 1.25, 1.25)
+
+
+def test_a_box_that_turns_round_fills_its_circle():
+    turn = Trajectory((Waypoint(0.0, 0.0, 0.0, 0.0), Waypoint(1.0, 0.0, 0.0, 2.0 * math.pi)))
+    sweep = Sweep(BOX, turn)
+    radius = math.hypot(0.3, 0.2)
+    far = Sweep(DISC, standing(2.0, 0.0))
+    assert sweep.distance_to(far) == pytest.approx(1.75 - radius, abs=0.005)
+
+
+def test_a_box_on_an_arc_reaches_as_far_as_its_outer_corners():
+    # A quarter circle of 1 m about the origin: they are hypot(1.2, 0.3) away from it.
+    way = Trajectory((Waypoint(0, 1.0, 0.0, math.pi / 2), Waypoint(1, 0.0, 1.0, math.pi)))
+    far = Sweep(DISC, standing(2.0, 2.0))
+    gap = 2.0 * math.sqrt(2.0) - 0.25 - math.hypot(1.2, 0.3)
+    assert gap - 0.005 <= Sweep(BOX, way).distance_to(far) <= gap
+    inside = Sweep(Footprint.disc(0.1), standing(0.0, 0.0))
+    assert 0.695 <= Sweep(BOX, way).distance_to(inside) <= 0.7
+
+
+def test_comes_within():
+    a, b = Sweep(DISC, standing(0.0, 0.0)), Sweep(DISC, standing(1.0, 0.0))
+    assert not a.comes_within(b, 0.49)
+    assert a.comes_within(b, 0.51)
+    # Their bounds are 0.5 m apart, the discs are farther.
+    c = Sweep(DISC, standing(1.0, 0.5))
+    assert a.comes_within(c, 0.62)
+    assert not a.comes_within(c, 0.61)
+
+
+coordinate = st.floats(-3.0, 3.0)
+legs = st.lists(
+    st.tuples(coordinate, coordinate, st.one_of(st.just(0.0), st.floats(-3.1, 3.1))), max_size=2
+)
+
+
+@st.composite
+def ways(draw):
+    x, y, heading = draw(coordinate), draw(coordinate), draw(st.floats(-3.1, 3.1))
+    waypoints = [Waypoint(0.0, x, y, heading)]
+    for dx, dy, turn in draw(legs):
+        last = waypoints[-1]
+        # A short way with a big turn, or one as it comes.
+        waypoints.append(Waypoint(last.time_s + 1.0, x + dx, y + dy, last.heading + turn))
+    return Trajectory(tuple(waypoints))
+
+
+def covered(footprint: Footprint, way: Trajectory) -> shapely.Geometry:
+    times = np.linspace(0.0, way.duration_s, 150 if way.duration_s else 1)
+    return shapely.union_all([footprint.placed(way.at(time)) for time in times])
+
+
+footprints = st.sampled_from([DISC, BOX, ELL])
+
+
+@settings(max_examples=60)
+@given(footprints, ways(), footprints, ways())
+def test_distances_are_no_longer_than_in_truth_and_hardly_shorter(fa, wa, fb, wb):
+    a, b = Sweep(fa, wa), Sweep(fb, wb)
+    distance = a.distance_to(b)
+    truth = shapely.distance(covered(fa, wa), covered(fb, wb))
+    # The truth is looked at at moments at which a body is up to a few centimetres farther on.
+    assert distance <= truth + 1e-3
+    assert distance >= truth - 0.1
+    assert b.distance_to(a) == pytest.approx(distance, abs=1e-12)
+    assert a.comes_within(b, distance + 1e-9)
+    if distance > 1e-6:
+        assert not a.comes_within(b, distance - 1e-6)
+
+
+@given(footprints, ways())
+def test_a_sweep_holds_the_body_all_the_way(footprint, way):
+    sweep = Sweep(footprint, way)
+    assert sweep.pad_m <= 0.0021 + (DISC.radius_m if footprint.is_disc else 0.0)
+    area = sweep.shape.buffer(sweep.pad_m + 1e-4, quad_segs=64)
+    for time in np.linspace(0.0, way.duration_s, 40):
+        body = footprint.placed(way.at(time))
+        assert body.difference(area).area < 1e-5

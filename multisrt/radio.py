@@ -50,6 +50,9 @@ class Radio:
             latency_s=self._spec.latency_s + self._spec.jitter_s,
             loss=self._spec.loss,
             multi_hop=self._spec.multi_hop,
+            reaches_all=self._spec.range_m is None
+            and self._spec.walls == "pass"
+            and self._spec.loss == 0.0,
         )
 
     def links(self, positions: Sequence[Sequence[float]], working: Sequence[bool]) -> BoolArray:

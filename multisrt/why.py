@@ -221,13 +221,13 @@ class _Story:
             yield f"pre-engaged (GPR): {_robots(gpr)}"
         if ger:
             yield f"engaged (GER): {_robots(ger)}"
-        told = _coordinated(self.events, self.index)
+        told = _coordinated(self.events, self.index, self.asked_s)
         if told is None:
             if len(ger) > 1:
                 yield "no paths of the group conflicted, so nobody coordinated it"
             return
         master = "itself" if told.master == self.robot else f"robot {told.master}"
-        yield f"paths of the group conflicted; the master was {master}"
+        yield f"paths of the group {_robots(told.ger)} conflicted; the master was {master}"
         yield f"feasible: {_robots(told.feasible)}; unfeasible: {_robots(told.unfeasible)}"
         organized = _organized(self.events, told)
         if organized is not None:
@@ -293,16 +293,24 @@ class _Story:
         return f"node {name[1]}" + ("" if name[0] == self.robot else f" of robot {name[0]}")
 
 
-def _coordinated(events: Sequence[AnyEvent], index: int) -> Coordinated | None:
-    # What became of a decision: before the robot decides anew.
-    robot = events[index].robot
+def _coordinated(
+    events: Sequence[AnyEvent], index: int, asked_s: float = -math.inf
+) -> Coordinated | None:
+    # What became of a decision before the robot moved; or of a later step by the time asked for,
+    # since not all steps on the way to another tree are decisions.
+    robot, has_moved, found = events[index].robot, False, None
     for event in events[index + 1 :]:
-        if event.robot == robot:
-            if isinstance(event, Coordinated):
-                return event
-            if isinstance(event, Decision):
-                return None
-    return None
+        if event.robot != robot:
+            continue
+        if isinstance(event, Decision):
+            break
+        if isinstance(event, Motion):
+            has_moved = True
+        elif isinstance(event, Coordinated) and (
+            event.time_s <= asked_s + SAME_MOMENT_S or (found is None and not has_moved)
+        ):
+            found = event
+    return found
 
 
 def _organized(events: Iterable[AnyEvent], told: Coordinated) -> Organized | None:

@@ -61,7 +61,7 @@ def take_steps(robot: SrtRobot, plan: Planner) -> Steps:
                 return
             if len(ger) > 1:
                 checked = check_feasibility(robot, ger)
-                if checked.unfeasible:
+                if checked.unfeasible or robot.team.key in robot.team.orders:
                     step = yield from coordinate(robot, checked, step)
         except Regroup:
             continue
@@ -217,7 +217,7 @@ def _what_is_left(robot: SrtRobot, here: NodeId) -> Plan:
                 yield from robot.close(way[-1], arc, found)
         yield from robot.tell_when_complete()
     assert robot.tree is not None
-    if here == robot.tree:
+    if here == robot.tree or supports:
         return "end", None
     way = robot.way(here, robot.tree)
     return ("stay", None) if way is None else ("home", KnownNode(tuple(way)))

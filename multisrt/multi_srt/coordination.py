@@ -103,7 +103,9 @@ def coordinate(
     """
     team = robot.team
     master = max(n for n in checked.group if n == team.number or team.states[n].phase != "idle")
-    if master == team.number:
+    if team.key in team.orders:
+        message = team.orders[team.key]
+    elif master == team.number:
         message = yield from _organize(robot, checked)
     else:
         message = yield from _orders_of(robot, master)
@@ -115,7 +117,7 @@ def coordinate(
             time_s=robot.time_s,
             robot=team.number,
             ger=checked.group,
-            master=master,
+            master=message.sender,
             feasible=checked.feasible,
             unfeasible=checked.unfeasible,
             target=(x, y) if step is None else _place(step.motion.end),
@@ -142,7 +144,7 @@ def _orders_of(robot: SrtRobot, master: int) -> Generator[Action, Outcome, Order
     team = robot.team
     deadline = robot.time_s + team.period_s
     while team.key not in team.orders:
-        if is_elsewhere(robot, master) and team.key_of(team.gpr()) != team.key:
+        if is_elsewhere(robot, master, "planned") and team.key_of(team.gpr()) != team.key:
             raise Regroup
         yield from team.hear(max(0.0, deadline - robot.time_s))
         if robot.time_s >= deadline and team.key not in team.orders:

@@ -145,9 +145,9 @@ def _meet(
     deadline = robot.time_s + team.period_s
     while True:
         pending = [number for number in others if not _has_come(robot, number, phase)]
-        if not pending:
+        if not pending or team.key in team.orders:
             return
-        if any(is_elsewhere(robot, n) for n in pending) and (
+        if any(is_elsewhere(robot, n, phase) for n in pending) and (
             team.key_of(team.gpr()) != team.key
         ):
             raise Regroup
@@ -160,24 +160,29 @@ def _meet(
 def _has_come(robot: SrtRobot, number: int, phase: Phase) -> bool:
     # A member that stands idle is always there, and so is one that has gone on with this group.
     team = robot.team
-    if number in team.lost:
-        return False
     state, step = team.states[number], dict(team.key)[number]
-    if state.step == step:
-        if state.node is not None and state.node not in robot.map:
-            return False
-        return state.phase == "idle" or (
-            state.key == team.key and REACHED[state.phase] >= REACHED[phase]
-        )
-    return state.step == step + 1 and state.key == team.key
+    if number in team.lost or (state.node is not None and state.node not in robot.map):
+        return False
+    if state.step == step and state.phase == "idle":
+        return True
+    return state.key == team.key and (
+        (state.step == step and REACHED[state.phase] >= REACHED[phase])
+        or _has_gone_on(state, step, phase)
+    )
 
 
-def is_elsewhere(robot: SrtRobot, number: int) -> bool:
+def is_elsewhere(robot: SrtRobot, number: int, phase: Phase) -> bool:
     """Whether a member does not step with this group: it is lost, gone, or in another one."""
     team = robot.team
     if number in team.lost:
         return True
     state, step = team.states[number], dict(team.key)[number]
-    if state.step == step + 1 and state.key == team.key:
-        return False
-    return state.step != step or (REACHED[state.phase] > 0 and state.key != team.key)
+    if state.key == team.key:
+        return state.step != step and not _has_gone_on(state, step, phase)
+    return state.step != step or REACHED[state.phase] > 0
+
+
+def _has_gone_on(state: RobotState, step: int, phase: Phase) -> bool:
+    # Whoever moves still names the node at which the group was built; and nobody goes on
+    # before those whose plans it needs have planned.
+    return state.step == step + 1 and (phase == "planned" or state.phase == "moving")

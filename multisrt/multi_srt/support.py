@@ -35,7 +35,7 @@ def support_others(robot: SrtRobot) -> Steps:
         tree = yield from select(robot)
         if tree is not None:
             yield from transfer_to(robot, tree, tree)
-            robot.purpose, robot.completing = "support", False
+            robot.purpose, robot.completing = "support", True
             yield from build_srt(robot)
             yield from transfer_to(robot, robot.root, None)
             yield from robot.team.rest()
@@ -105,6 +105,8 @@ def active_robots(robot: SrtRobot, root: NodeId) -> int:
 def transfer_to(robot: SrtRobot, end: NodeId, tree: NodeId | None) -> Steps:
     """TRANSFER_TO: go to a node over the roadmap, every hop coordinated as a step.
 
+    Where another robot stands at the node, the one before it is near enough.
+
     Parameters
     ----------
     robot : SrtRobot
@@ -120,15 +122,24 @@ def transfer_to(robot: SrtRobot, end: NodeId, tree: NodeId | None) -> Steps:
     def way_on(robot: SrtRobot, frontier: FloatArray, draws: Draws) -> Plan:
         assert robot.here is not None
         yield from ()  # a planner may put events on record; this one has none
-        if robot.here == end:
-            return "end", None
         robot.ways.extend()
         way = robot.way(robot.here, end)
+        if robot.here == end or (way is not None and len(way) == 2 and is_taken(robot, end)):
+            return "end", None
         return ("stay", None) if way is None else ("transfer", KnownNode(tuple(way)))
 
     robot.target = None
     yield from robot.team.begin_step()
     yield from take_steps(robot, way_on)
+
+
+def is_taken(robot: SrtRobot, node: NodeId) -> bool:
+    """Whether another robot stands at a node, and has nothing to do that would take it away."""
+    at = robot.map[node].configuration
+    reach = 2.0 * robot.body.outer_radius_m + robot.options.guard_m
+    standing = [state.place for state in robot.team.states.values() if state.phase == "idle"]
+    standing += [(*sighting.configuration,) for sighting in robot.bodies.values()]
+    return any(math.dist(at[:2], place[:2]) < reach for place in standing)
 
 
 def exploration_running(robot: SrtRobot) -> bool:

@@ -120,7 +120,19 @@ STORY = (
         active_robots={0: 2, 1: 1},
         candidates=(1,),
     ),
-    moved(2, (16.0, 9.0, 1.0), (24.0, 5.0, 1.0), "support"),
+    moved(2, (16.0, 9.0, 1.0), (20.0, 7.0, 1.0), "support"),
+    Coordinated(
+        time_s=20.5,
+        robot=2,
+        ger=(0, 2),
+        master=2,
+        feasible=(),
+        unfeasible=(0, 2),
+        target=(5.0, 1.0),
+        order="wait",
+        new_target=(7.0, 1.0),
+    ),
+    moved(2, (21.0, 7.0, 1.0), (24.0, 5.0, 1.0), "support"),
     Decision(
         time_s=24.0,
         robot=2,
@@ -178,7 +190,7 @@ def test_what_the_master_made_of_it(recording):
     group = part(explain(recording, 2, 8.0), "Its group")
     assert "pre-engaged (GPR): 0, 1, 2" in group
     assert "engaged (GER): 1, 2" in group
-    assert "paths of the group conflicted; the master was robot 1" in group
+    assert "paths of the group 1, 2 conflicted; the master was robot 1" in group
     assert "feasible: none; unfeasible: 1, 2" in group
     assert "in conflict: 1 with 2" in group
     assert "a deadlock" in group
@@ -188,6 +200,13 @@ def test_what_the_master_made_of_it(recording):
         group
     )
     assert "(0.50, 0.50)" not in group
+
+
+def test_a_step_on_the_way_to_another_tree_is_coordinated_without_a_decision(recording):
+    assert "master" not in explain(recording, 2, 20.0)
+    group = part(explain(recording, 2, 22.0), "Its group")
+    assert "paths of the group 0, 2 conflicted; the master was itself" in group
+    assert "at 20.50 s it was told to wait where it stands" in group
 
 
 def test_where_no_paths_conflicted(recording):
@@ -205,9 +224,9 @@ def test_where_a_robot_is_on_its_way_and_where_it_came(recording):
     assert "6.25 s: it set out to explore, and came to (8.75, 5.50)" in part(
         explain(recording, 2, 10.0), then
     )
-    text = part(explain(recording, 2, 20.0), then)
+    text = part(explain(recording, 2, 18.0), then)
     assert "15.00 s: it ended: nothing left" in text
-    assert "16.00 s: it set out to support another tree, and is on its way to (5.00" in text
+    assert "16.00 s: it set out to support another tree, and is on its way to (7.00" in text
 
 
 def test_whom_it_supports(recording):

@@ -258,7 +258,7 @@ class Team:
                 yield from self.learn(message.entries)
             case OrdersMessage():
                 self._heard(message.sender)
-                if (self.number, self.step) in message.key:
+                if (self.number, self.step) in message.key and self.number in message.orders:
                     self.orders = {message.key: message}
 
     def _take_state(self, state: RobotState) -> None:

@@ -60,8 +60,7 @@ class SrtExplorer:
     def done(self, boxed_in: bool = False) -> Done:
         """Say how it ended: by what is known, all explored, or what was left and why."""
         robot = self.robot
-        alone = robot.team.is_alone or not robot.options.support
-        nodes = robot.map.open_nodes(robot.root if alone else None)
+        nodes = robot.map.open_nodes(robot.root)
         frontier = [robot.map.frontier(node) for node in nodes]
         if boxed_in:
             reason = f"boxed in by robots {sorted(robot.bodies)}, which do not answer"
@@ -73,6 +72,9 @@ class SrtExplorer:
             )
         else:
             reason = "every frontier arc is explored or closed"
+            if not robot.map.is_complete():
+                others = [root.robot for root in robot.map.roots() if robot.map.open_nodes(root)]
+                reason = f"every frontier arc of its own tree is explored or closed; those left in the trees of robots {others} are theirs or out of reach"
         return Done(
             complete=not nodes and not boxed_in,
             reason=reason,

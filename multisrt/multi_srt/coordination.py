@@ -70,7 +70,8 @@ def check_feasibility(robot: SrtRobot, group: tuple[int, ...]) -> Feasibility:
     prospects = {}
     for number in group:
         own = number == team.number
-        motion = motion_of((team.state() if own else team.states[number]).path)
+        state = team.state() if own else team.states[number]
+        motion = motion_of(state.path)
         footprint = robot.me.footprint if own else team.footprint(number)
         body = Sweep(footprint, Trajectory(motion.waypoints[:1]))
         prospects[number] = Prospect(
@@ -78,7 +79,8 @@ def check_feasibility(robot: SrtRobot, group: tuple[int, ...]) -> Feasibility:
             motion=motion,
             body=body,
             way=Sweep(footprint, motion) if len(motion.waypoints) > 1 else body,
-            frontier_m=team.frontier_m if own else team.states[number].frontier_m,
+            frontier_m=state.frontier_m,
+            waited=state.waited,
         )
     conflicts = Conflicts(prospects, robot.options.guard_m)
     unfeasible = tuple(sorted({number for pair in conflicts.pairs for number in pair}))

@@ -44,6 +44,8 @@ class RobotState(msgspec.Struct, frozen=True, kw_only=True):
         The node that it stands at, or left last.
     frontier_m : float
         Length of its local frontier, as far as it plans to go there.
+    waited : int
+        How often in a row it was told to wait.
     tree : NodeId or None
         Root of the tree that it is active in; None while it has nothing to do.
     footprint : str
@@ -65,6 +67,7 @@ class RobotState(msgspec.Struct, frozen=True, kw_only=True):
     arrival_s: float
     node: NodeId | None
     frontier_m: float
+    waited: int
     tree: NodeId | None
     footprint: str
     kinematics: Kinematics

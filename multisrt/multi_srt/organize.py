@@ -42,6 +42,8 @@ class Prospect:
         What its body covers where it stands.
     frontier_m : float
         Length of the local frontier that it goes for.
+    waited : int
+        How often in a row it had to wait.
     """
 
     robot: int
@@ -49,6 +51,7 @@ class Prospect:
     way: Sweep
     body: Sweep
     frontier_m: float
+    waited: int = 0
 
     @property
     def moves(self) -> bool:
@@ -132,8 +135,9 @@ def best_targets(conflicts: Conflicts) -> tuple[int, ...]:
     """Choose the targets that are jointly feasible and of the largest total frontier length.
 
     A robot may go to its target if its way conflicts with no way of the others that go, and
-    with no body of those that stay. Of equal choices the one with more robots is taken, then
-    the one with the lower numbers.
+    with no body of those that stay. Of equal choices the one whose robots have waited longest
+    is taken, so that who gave way does not at once step back; then the one with more robots,
+    then the one with the lower numbers.
 
     Returns
     -------
@@ -148,22 +152,23 @@ def best_targets(conflicts: Conflicts) -> tuple[int, ...]:
         if i in foes and j in foes:
             foes[i].add(j)
             foes[j].add(i)
-    free.sort(key=lambda i: (-prospects[i].frontier_m, i))
+    free.sort(key=lambda i: (-prospects[i].frontier_m, -prospects[i].waited, i))
     if len(free) > MOST_EXACT:
         chosen: list[int] = []
         for i in free:
             if not foes[i].intersection(chosen):
                 chosen.append(i)
         return tuple(sorted(chosen))
-    best: tuple[float, int, tuple[int, ...]] = (0.0, 0, ())
+    best: tuple[float, int, int, tuple[int, ...]] = (0.0, 0, 0, ())
     for size in range(1, len(free) + 1):
         for group in itertools.combinations(sorted(free), size):
             if any(foes[i].intersection(group) for i in group):
                 continue
             total = math.fsum(prospects[i].frontier_m for i in group)
-            if (total, size) > best[:2]:
-                best = total, size, group
-    return best[2]
+            waited = sum(prospects[i].waited for i in group)
+            if (total, waited, size) > best[:3]:
+                best = total, waited, size, group
+    return best[3]
 
 
 class Wits(Protocol):

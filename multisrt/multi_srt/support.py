@@ -216,4 +216,5 @@ def _take_over_s(robot: SrtRobot, root: NodeId) -> float:
 def _next_take_over_s(robot: SrtRobot) -> float:
     # When the next tree of those that still have frontier is free to be taken over.
     open_trees = [root for root in robot.map.roots() if robot.map.open_frontier_m(root) > 0.0]
-    return min((_take_over_s(robot, root) for root in open_trees), default=math.inf)
+    times = [_take_over_s(robot, root) for root in open_trees]
+    return min((time for time in times if time > robot.time_s), default=math.inf)

@@ -58,6 +58,7 @@ class Team:
         self.path: Path = ()
         self.arrival_s = 0.0
         self.frontier_m = 0.0
+        self.waited = 0
         self._said = 0
         self._told: tuple[int, int] = (0, 0)
         self._wanted: dict[int, float] = {}
@@ -119,6 +120,7 @@ class Team:
             arrival_s=self.arrival_s,
             node=robot.here,
             frontier_m=self.frontier_m,
+            waited=self.waited,
             tree=robot.tree,
             footprint=str(robot.me.footprint),
             kinematics=robot.me.kinematics,

@@ -15,8 +15,9 @@ from multisrt.geometry.scan import ExactScan, LaserScan
 from multisrt.metrics import measure
 from multisrt.planners.motion.trajectory import Trajectory, Waypoint
 from multisrt.registry import Strategy
-from multisrt.simulation import simulate, start_of
+from multisrt.simulation import simulate
 from multisrt.spec import RangeFinderSpec, RobotSpec, RunSpec, StopRule, inline
+from multisrt.starts import starts_of
 
 HALL = Environment("hall", shapely.box(0, 0, 10, 6))
 DISC = RobotSpec(start=(1.0, 1.0))
@@ -295,7 +296,8 @@ PILLAR = Environment("pillar", HALL.free.difference(shapely.box(4, 2, 6, 4)))
 
 
 def start(robot: RobotSpec, world: Environment, seed: int = 0) -> Configuration:
-    return start_of(robot, world, seed, 0)
+    spec = RunSpec(environment=inline(world), robots=(robot,), seed=seed)
+    return starts_of(spec, world)[0]
 
 
 def test_a_start_inside_an_obstacle():

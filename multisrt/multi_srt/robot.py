@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections import Counter
 from collections.abc import Generator
@@ -390,7 +391,14 @@ class SrtRobot:
 
     def way(self, start: NodeId, end: NodeId) -> list[NodeId] | None:
         """Find the shortest way between two nodes that no robot blocks."""
+        if start.robot != self.me.robot or end.robot != self.me.robot:
+            self.ways.extend()
         return self.ways.way(start, end, self.is_passable)
+
+    def way_length_m(self, way: list[NodeId]) -> float:
+        """Length of a way over the roadmap."""
+        places = [self.map[node].configuration for node in way]
+        return math.fsum(a.distance(b) for a, b in itertools.pairwise(places))
 
     def way_to_nearest_open(self, start: NodeId) -> list[NodeId] | None:
         """Find the way to the nearest node with a frontier in the tree that is extended."""

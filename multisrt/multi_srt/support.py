@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Generator
+from typing import cast
 
 from multisrt.events import Supports
 from multisrt.exploration_map import NodeId
 from multisrt.explorer import Action, Note, Outcome
 from multisrt.geometry.kernel import FloatArray
-from multisrt.multi_srt.build_srt import Plan, build_srt, move_to, take_steps
+from multisrt.multi_srt.build_srt import Plan, build_srt, move_to, perceive, take_steps
 from multisrt.multi_srt.robot import KnownNode, SrtRobot
 from multisrt.planners.srt import Draws
 
@@ -22,7 +23,10 @@ MOMENT_S = 1.0
 """News that come within this time are looked at together."""
 
 AWAY_S = 5.0
-"""A robot that gave way goes home again after this time."""
+"""A robot that gave way and is out of sight of its home goes there again after this time."""
+
+MOST_WAITS = 3
+"""So often in a row a robot lets itself be told to wait where it need not go on."""
 
 
 def support_others(robot: SrtRobot) -> Steps:
@@ -105,7 +109,7 @@ def active_robots(robot: SrtRobot, root: NodeId) -> int:
 def transfer_to(robot: SrtRobot, end: NodeId, tree: NodeId | None) -> Steps:
     """TRANSFER_TO: go to a node over the roadmap, every hop coordinated as a step.
 
-    Where another robot stands at the node, the one before it is near enough.
+    Where others stand in the way for good, a place before the node is near enough.
 
     Parameters
     ----------
@@ -124,7 +128,7 @@ def transfer_to(robot: SrtRobot, end: NodeId, tree: NodeId | None) -> Steps:
         yield from ()  # a planner may put events on record; this one has none
         robot.ways.extend()
         way = robot.way(robot.here, end)
-        if robot.here == end or (way is not None and len(way) == 2 and is_taken(robot, end)):
+        if robot.here == end or (way is not None and is_near_enough(robot, way)):
             return "end", None
         return ("stay", None) if way is None else ("transfer", KnownNode(tuple(way)))
 
@@ -133,13 +137,19 @@ def transfer_to(robot: SrtRobot, end: NodeId, tree: NodeId | None) -> Steps:
     yield from take_steps(robot, way_on)
 
 
-def is_taken(robot: SrtRobot, node: NodeId) -> bool:
-    """Whether another robot stands at a node, and has nothing to do that would take it away."""
-    at = robot.map[node].configuration
+def is_near_enough(robot: SrtRobot, way: list[NodeId]) -> bool:
+    """Whether what is left of a way need not be gone.
+
+    Another robot stands at its end, and has nothing to do that would take it away; or the end
+    is within range and the robot was told to wait time after time.
+    """
+    if robot.team.waited >= MOST_WAITS and robot.way_length_m(way) <= robot.me.range_m:
+        return True
+    at = robot.map[way[-1]].configuration
     reach = 2.0 * robot.body.outer_radius_m + robot.options.guard_m
     standing = [state.place for state in robot.team.states.values() if state.phase == "idle"]
     standing += [(*sighting.configuration,) for sighting in robot.bodies.values()]
-    return any(math.dist(at[:2], place[:2]) < reach for place in standing)
+    return len(way) == 2 and any(math.dist(at[:2], place[:2]) < reach for place in standing)
 
 
 def exploration_running(robot: SrtRobot) -> bool:
@@ -189,9 +199,14 @@ def obey(robot: SrtRobot) -> Steps:
     if order is None or order.order != "give way":
         return
     yield from move_to(robot, robot.step_by(order, None))
-    yield from robot.team.pause(AWAY_S)
-    yield from transfer_to(robot, robot.root, None)
+    if robot.here is None:
+        yield from robot.add((yield from perceive(robot)))
     yield from robot.team.rest()
+    way = robot.way(cast(NodeId, robot.here), robot.root)
+    if way is not None and robot.way_length_m(way) > robot.me.range_m:
+        yield from robot.team.pause(AWAY_S)
+        yield from transfer_to(robot, robot.root, None)
+        yield from robot.team.rest()
 
 
 def _last_extended_s(robot: SrtRobot, root: NodeId) -> float:

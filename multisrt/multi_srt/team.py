@@ -152,7 +152,7 @@ class Team:
             if self.robot.map.knows_more_than(have):
                 entries = self.robot.map.lacks(have)
                 self._told = self.robot.map.have().get(self.number, (0, 0))
-        states = self._vouched()
+        states = self._vouched(to)
         yield Send(
             StateMessage(sender=self.number, states=states, ask=ask, asked=asked, entries=entries),
             to,
@@ -230,10 +230,11 @@ class Team:
     def _have(self) -> tuple[tuple[int, int, int], ...]:
         return tuple((robot, *counts) for robot, counts in self.robot.map.have().items())
 
-    def _vouched(self) -> tuple[RobotState, ...]:
-        # Where nobody relays, the members of a group tell of one another.
+    def _vouched(self, to: int | None) -> tuple[RobotState, ...]:
+        # Who asks may have been out of reach for a while: it is told of all members of the
+        # group. Where nobody relays, they always tell of one another.
         own = self.state()
-        if self.robot.me.radio.multi_hop:
+        if self.hears_all or (to is None and self.robot.me.radio.multi_hop):
             return (own,)
         members = (number for number, _ in self.key if number != self.number)
         return (own, *(self.states[n] for n in members if n in self.states and n not in self.lost))

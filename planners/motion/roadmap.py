@@ -67,7 +67,7 @@ class Roadmap(Generic[Place]):
                 while way[-1] != start:
                     way.append(came_from[way[-1]])
                 return way[::-1]
-            for neighbour, length in self._ways[place].items():
+            for neighbour, length in self._ways.get(place, {}).items():
                 reach = travelled + length
                 if (
                     neighbour not in settled

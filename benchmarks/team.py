@@ -1,0 +1,177 @@
+"""What a larger team costs: time per robot-step, messages per node, memory of a large map.
+
+Teams of all sizes explore the same ground at the same density: the field of the smallest team,
+laid side by side as often as it takes. Runs end at a fixed time of their own clocks, before any
+robot is done, so that all do the same kind of work; of every size there are so many runs that
+they have equally many robots altogether.
+"""
+
+from __future__ import annotations
+
+import resource
+import sys
+import time
+from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+from functools import cache
+from multiprocessing import get_context
+
+import shapely
+from shapely import affinity
+
+from benchmarks import worlds
+from benchmarks.harness import Claim
+from benchmarks.kernels import R, map_of
+from multisrt.environments.catalog import environment
+from multisrt.environments.environment import Environment
+from multisrt.events import AnyEvent, Decision, Motion, NodeAdded, Sent
+from multisrt.geometry.edge_index import EdgeIndex
+from multisrt.recording import Recording
+from multisrt.simulation import simulate
+from multisrt.spec import RadioSpec, RobotSpec, RunSpec, StopRule, inline
+
+TEAMS = (4, 16, 64)
+TILE_M = 50.0
+"""Width of the field that four robots explore: 25 m by 25 m for each."""
+
+RADIO_RANGE_M = 15.0
+RUN_S = 120.0
+ROUNDS = 3
+
+LARGE_MAP = 10_000
+MOST_MEMORY_MB = 1000.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Traffic:
+    """What a team sent."""
+
+    robots: int
+    unlimited: bool
+    nodes: int
+    messages: int
+    size_bytes: int
+    deliveries: int
+
+    def line(self) -> str:
+        """Write one line of the table."""
+        return (
+            f"{self.robots:6} {'unlimited' if self.unlimited else f'{RADIO_RANGE_M:g} m':>10} "
+            f"{self.nodes:6} {self.messages / self.nodes:9.1f} "
+            f"{self.deliveries / self.nodes:11.1f} {self.size_bytes / self.nodes:9.0f}"
+        )
+
+
+def claims() -> Iterator[Claim]:
+    """Measure the time of a robot-step in teams of all sizes, in turns."""
+    for robots in TEAMS:
+        field(robots)
+        step_s(robots, 1)  # compiles, and builds the world's solids
+    rounds = [
+        {robots: step_s(robots, TEAMS[-1] // robots) for robots in TEAMS} for _ in range(ROUNDS)
+    ]
+    small = TEAMS[0]
+    for robots in TEAMS[1:]:
+        middle = sorted(rounds, key=lambda times: times[robots] / times[small])[ROUNDS // 2]
+        ratios = [times[robots] / times[small] for times in rounds]
+        yield Claim(
+            text=f"robot-step, team of {robots} against teams of {small}",
+            ours_us=middle[robots] * 1e6,
+            theirs_us=middle[small] * 1e6,
+            at_most=1.5,
+            note=f"median of {ROUNDS} rounds, from {min(ratios):.2f} to {max(ratios):.2f}",
+        )
+
+
+def show_figures() -> bool:
+    """Print what teams send and how much memory a large map takes; tell whether it is little."""
+    print(
+        f"\n{'robots':>6} {'radio':>10} {'nodes':>6} {'messages':>9} {'deliveries':>11} "
+        f"{'bytes':>9}  a node, srt-radial, {RUN_S:g} s"
+    )
+    for robots in TEAMS[:2]:
+        for unlimited in (False, True):
+            print(traffic(robots, unlimited).line(), flush=True)
+    peak_mb = memory_of_map(LARGE_MAP)
+    small_enough = peak_mb <= MOST_MEMORY_MB
+    print(
+        f"\npeak memory of a process that builds a map of {LARGE_MAP:,} nodes: {peak_mb:.0f} MB, "
+        f"<= {MOST_MEMORY_MB:g}  {'met' if small_enough else 'NOT MET'}",
+        flush=True,
+    )
+    return small_enough
+
+
+def step_s(robots: int, runs: int) -> float:
+    """Time of a motion or a decision of one robot, over runs with different seeds."""
+    spent, steps = 0.0, 0
+    for seed in range(runs):
+        begin = None
+
+        def note_begin(_: AnyEvent) -> None:
+            # What comes before the first event is done once for each run: starts, edges, solids.
+            nonlocal begin
+            if begin is None:
+                begin = time.perf_counter()
+
+        recording = simulate(_spec(robots, seed), field(robots), watch=note_begin)
+        assert begin is not None, "a run without any event"
+        spent += time.perf_counter() - begin
+        steps += sum(isinstance(event, Motion | Decision) for event in recording.events)
+    return spent / steps
+
+
+def traffic(robots: int, unlimited: bool) -> Traffic:
+    """Count what a team sends in one run."""
+    recording: Recording = simulate(_spec(robots, 0, unlimited), field(robots))
+    sent = [event for event in recording.events if isinstance(event, Sent)]
+    return Traffic(
+        robots=robots,
+        unlimited=unlimited,
+        nodes=sum(isinstance(event, NodeAdded) for event in recording.events),
+        messages=len(sent),
+        size_bytes=sum(event.size_bytes for event in sent),
+        deliveries=sum(len(event.reached) for event in sent),
+    )
+
+
+@cache
+def field(robots: int) -> Environment:
+    """A field with obstacles for four robots, or several of them without walls between."""
+    tile = environment("clutter", size_m=TILE_M, seed=1).free
+    side = round((robots / TEAMS[0]) ** 0.5)
+    tiles = [
+        affinity.translate(tile, TILE_M * column, TILE_M * row)
+        for column in range(side)
+        for row in range(side)
+    ]
+    return Environment(f"field of {TILE_M * side:g} m", shapely.union_all(tiles))
+
+
+def memory_of_map(nodes: int) -> float:
+    """Peak memory in MB of a process that builds a map of so many nodes, and nothing else."""
+    # Not forked from here: a child would begin with all the memory that this process has.
+    with ProcessPoolExecutor(1, mp_context=get_context("forkserver")) as pool:
+        return pool.submit(_build_map, nodes).result()
+
+
+def _build_map(nodes: int) -> float:
+    free = worlds.office(240.0, 48, seed=4)
+    index = EdgeIndex(worlds.edges(free), R / 3.0)
+    known = map_of(index, worlds.viewpoints(free, nodes, seed=6))
+    assert len(known) == nodes
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return peak / 1e6 if sys.platform == "darwin" else peak * 1024 / 1e6
+
+
+def _spec(robots: int, seed: int, unlimited: bool = False) -> RunSpec:
+    return RunSpec(
+        environment=inline(field(robots)),
+        strategy="srt-radial",
+        robots=(RobotSpec(),) * robots,
+        starts="scattered",
+        radio=RadioSpec(range_m=None if unlimited else RADIO_RANGE_M),
+        stop=StopRule(max_time_s=RUN_S),
+        seed=seed,
+    )

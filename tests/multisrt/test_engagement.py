@@ -1,0 +1,258 @@
+"""Who steps together: GPR and GER as equivalence classes, by an oracle and in real runs."""
+
+import itertools
+import math
+from collections import defaultdict
+
+import numpy as np
+import pytest
+import shapely
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import connected_components
+
+from multisrt.environments.catalog import environment
+from multisrt.environments.environment import Environment
+from multisrt.events import Coordinated, Decision
+from multisrt.geometry.configuration import Configuration
+from multisrt.geometry.edge_index import EdgeIndex
+from multisrt.geometry.safe_region import local_safe_region
+from multisrt.geometry.scan import take_scan
+from multisrt.multi_srt.engagement import are_coupled, group_of, regions_overlap
+from multisrt.multi_srt.messages import RobotState
+from multisrt.planners.motion.kinematics import Differential
+from multisrt.simulation import simulate
+from multisrt.spec import RobotSpec, RunSpec, StopRule, inline
+
+
+def state(robot, path, *, moving=False, range_m=4.0) -> RobotState:
+    """A robot that goes along some places, one a second, or plans to."""
+    return RobotState(
+        robot=robot,
+        said=1,
+        step=0,
+        phase="moving" if moving else "waiting",
+        key=(),
+        path=tuple((float(k), x, y, 0.0) for k, (x, y) in enumerate(path)),
+        arrival_s=0.0,
+        node=None,
+        frontier_m=0.0,
+        waited=0,
+        tree=None,
+        footprint="disc:0.25",
+        kinematics=Differential(),
+        range_m=range_m,
+        have=(),
+    )
+
+
+coordinates = st.tuples(st.floats(0.0, 30.0), st.floats(0.0, 30.0))
+
+
+@st.composite
+def teams(draw, most=8):
+    """Robots that stand, plan a motion or move, and see differently far, by their numbers."""
+    count = draw(st.integers(1, most))
+    return {
+        number: state(
+            number,
+            draw(st.lists(coordinates, min_size=1, max_size=4)),
+            moving=draw(st.booleans()),
+            range_m=draw(st.floats(0.5, 6.0)),
+        )
+        for number in range(count)
+    }
+
+
+def meet(a, b) -> bool:
+    """Whether two robots are pre-engaged, written down anew from the definition."""
+    places = []
+    for robot in (a, b):
+        way = np.array([(x, y) for _, x, y, _ in robot.path])
+        places.append(way if robot.phase == "moving" else way[:1])
+    reach = a.range_m + b.range_m
+    if np.hypot(*(places[0][-1] - places[1][-1])) < reach:
+        return True
+    near_a = np.hypot(*(places[0] - places[1][-1]).T).min() < b.range_m
+    near_b = np.hypot(*(places[1] - places[0][-1]).T).min() < a.range_m
+    return (a.phase == "moving" and near_a) or (b.phase == "moving" and near_b)
+
+
+def components(members, coupled) -> dict[int, tuple[int, ...]]:
+    """The connected component of every member, by scipy."""
+    numbers = sorted(members)
+    pairs = np.array(
+        [[i != j and bool(coupled(members[i], members[j])) for j in numbers] for i in numbers]
+    )
+    _, labels = connected_components(csr_array(pairs), directed=False)
+    return {
+        i: tuple(j for j, other in zip(numbers, labels, strict=True) if other == label)
+        for i, label in zip(numbers, labels, strict=True)
+    }
+
+
+def check_groups(members, coupled, oracle, order):
+    """The laws that groups obey under any symmetric relation."""
+    for a, b in itertools.permutations(members.values(), 2):
+        assert coupled(a, b) == coupled(b, a)
+    groups = {number: group_of(number, members, coupled) for number in members}
+    for number, group in groups.items():
+        assert number in group
+        assert list(group) == sorted(set(group))
+        assert all(groups[other] == group for other in group)
+    assert sorted(itertools.chain(*set(groups.values()))) == sorted(members)
+    for i, j in itertools.combinations(members, 2):
+        if coupled(members[i], members[j]):
+            assert groups[i] == groups[j]
+    assert groups == components(members, oracle)
+    shuffled = {number: members[number] for number in order}
+    assert {number: group_of(number, shuffled, coupled) for number in members} == groups
+
+
+@given(teams(), st.data())
+def test_the_groups_of_pre_engaged_robots_are_equivalence_classes(team, data):
+    check_groups(team, are_coupled, meet, data.draw(st.permutations(sorted(team))))
+
+
+@st.composite
+def regions(draw, most=7):
+    count = draw(st.integers(1, most))
+    made = {}
+    for number in range(count):
+        x, y = draw(coordinates)
+        radii = draw(st.lists(st.floats(0.3, 5.0), min_size=3, max_size=9))
+        angles = np.linspace(0.0, 2.0 * math.pi, len(radii), endpoint=False)
+        made[number] = shapely.Polygon(
+            np.column_stack([x + radii * np.cos(angles), y + radii * np.sin(angles)])
+        )
+    return made
+
+
+@given(regions(), st.data())
+def test_the_groups_of_engaged_robots_are_equivalence_classes(polygons, data):
+    def touch(a, b):
+        return not shapely.relate_pattern(a, b, "FF*FF****")
+
+    check_groups(polygons, regions_overlap, touch, data.draw(st.permutations(sorted(polygons))))
+
+
+WORLD = environment("clutter", seed=4)
+INDEX = EdgeIndex(WORLD.edges, 1.5)
+
+
+@settings(max_examples=25)
+@given(st.integers(0, 10_000), st.sampled_from(["ball", "star", "radial"]))
+def test_groups_of_real_regions(seed, shape):
+    rng = np.random.default_rng(seed)
+    places = rng.uniform(WORLD.free.bounds[:2], WORLD.free.bounds[2:], (60, 2)).tolist()
+    free = [p for p in places if shapely.contains_xy(WORLD.free, *p) and WORLD.clearance(*p) > 0.3]
+    polygons = {
+        number: local_safe_region(
+            take_scan(INDEX, Configuration(x, y, 0.0), 0.0, 4.0), shape
+        ).polygon()
+        for number, (x, y) in enumerate(free[:8])
+    }
+
+    def share_area(a, b):
+        return shapely.distance(a, b) == 0.0
+
+    check_groups(polygons, regions_overlap, share_area, rng.permutation(len(polygons)).tolist())
+
+
+# By hand -------------------------------------------------------------------------------------
+
+
+def test_robots_couple_when_their_targets_are_nearer_than_their_ranges_together():
+    a, far, near = state(0, [(0, 0)]), state(1, [(8, 0)]), state(2, [(7.99, 0)])
+    assert not are_coupled(a, far)
+    assert are_coupled(a, near)
+    assert are_coupled(a, state(3, [(8, 0)], range_m=4.1))
+    assert not are_coupled(state(0, [(0, 0)], range_m=1.0), state(1, [(4, 0)], range_m=2.0))
+
+
+def test_the_target_of_a_robot_that_stands_is_its_place_whatever_it_plans():
+    other = state(1, [(20, 0)])
+    assert not are_coupled(state(0, [(0, 0), (15, 0)]), other)
+    assert are_coupled(state(0, [(0, 0), (15, 0)], moving=True), other)
+    assert not are_coupled(state(0, [(20, 9), (0, 0)], moving=True), other)
+
+
+def test_a_curve_that_passes_near_couples():
+    # A long way round: it passes 3 m from the other, which sees 4 m, and ends 20 m from it.
+    detour = [(-20, 0), (0, 3), (20, 0)]
+    other = state(1, [(0, 0)])
+    assert are_coupled(state(0, detour, moving=True), other)
+    assert not are_coupled(state(0, detour), other)
+    assert not are_coupled(state(0, [(-20, 0), (0, 4), (20, 0)], moving=True), other)
+
+
+def test_a_chain_is_one_group():
+    chain = {k: state(k, [(7.0 * k, 0.0)]) for k in range(5)}
+    assert not are_coupled(chain[0], chain[2])
+    assert group_of(3, chain, are_coupled) == (0, 1, 2, 3, 4)
+    del chain[2]
+    assert group_of(0, chain, are_coupled) == (0, 1)
+    assert group_of(4, chain, are_coupled) == (3, 4)
+
+
+# In runs -------------------------------------------------------------------------------------
+
+
+def team_run(world: Environment, count: int, strategy: str, seed: int):
+    """Five minutes of a team, with a radio that reaches everybody."""
+    spec = RunSpec(
+        environment=inline(world),
+        strategy=strategy,
+        robots=(RobotSpec(),) * count,
+        starts="clustered",
+        stop=StopRule(max_time_s=300.0),
+        seed=seed,
+    )
+    return simulate(spec, world)
+
+
+@pytest.mark.parametrize(
+    ("name", "count", "strategy"),
+    [("open", 3, "srt-radial"), ("rooms", 4, "srt-star"), ("garden", 5, "srt-radial")],
+)
+@pytest.mark.parametrize("seed", [0, 1])
+def test_members_that_decide_together_name_the_same_groups(name, count, strategy, seed):
+    events = team_run(environment(name), count, strategy, seed).events
+    moments = defaultdict(dict)
+    for event in events:
+        if isinstance(event, Decision):
+            assert event.robot in event.ger
+            assert set(event.ger) <= set(event.gpr)
+            moments[event.time_s][event.robot] = event
+    together = 0
+    for decisions in moments.values():
+        for one, other in itertools.combinations(decisions.values(), 2):
+            for groups in ((one.gpr, other.gpr), (one.ger, other.ger)):
+                assert groups[0] == groups[1] or not set(groups[0]) & set(groups[1])
+            together += one.ger == other.ger
+    assert together > 10
+
+
+@pytest.mark.parametrize("seed", [0, 1, 2])
+def test_members_that_are_coordinated_together_name_the_same_group_and_master(seed):
+    told = defaultdict(dict)
+    for event in team_run(environment("open"), 5, "srt-radial", seed).events:
+        if isinstance(event, Coordinated):
+            told[event.time_s][event.robot] = event
+    words = [
+        (event.ger, event.master, event.feasible, event.unfeasible)
+        for moment in told.values()
+        for event in moment.values()
+    ]
+    assert words
+    for moment in told.values():
+        for one, other in itertools.combinations(moment.values(), 2):
+            if set(one.ger) & set(other.ger):
+                assert one.ger == other.ger
+                assert one.master == other.master
+                assert (one.feasible, one.unfeasible) == (other.feasible, other.unfeasible)
+        for event in moment.values():
+            assert sorted(event.feasible + event.unfeasible) == list(event.ger)
+            assert event.unfeasible
+            assert event.master in event.ger

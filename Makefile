@@ -6,13 +6,14 @@ READY := $(VENV)/.ready
 BENCH_READY := $(VENV)/.ready-bench
 OUT := out
 
-.PHONY: help demo test lint bench docs clean
+.PHONY: help demo test lint bench results docs clean
 
 help:
 	@echo "make demo   a team of four explores the museum with SRT-Radial and SRT-Star; pictures in $(OUT)/demo"
 	@echo "make test   run the tests"
 	@echo "make lint   check style, types and import rules"
 	@echo "make bench  print the benchmarks' ratios"
+	@echo "make results  explore with Multi-SRT in the worlds of its paper, over many seeds (hours); goes on where it stopped"
 	@echo "make docs   write the API reference to site/"
 	@echo "make clean  remove the virtual environment and all that was generated"
 
@@ -48,6 +49,9 @@ $(BENCH_READY): $(READY)
 
 bench: $(BENCH_READY)
 	$(BIN)/python -m benchmarks
+
+results: $(READY)
+	$(BIN)/python -m benchmarks.multi_srt
 
 docs: $(READY)
 	$(BIN)/pdoc --docformat numpy --output-directory site multisrt

@@ -116,7 +116,8 @@ def step_s(robots: int, runs: int) -> float:
                 begin = time.perf_counter()
 
         recording = simulate(_spec(robots, seed), field(robots), watch=note_begin)
-        assert begin is not None, "a run without any event"
+        assert begin is not None
+        assert recording.footer.outcome == "out_of_time", recording.footer.reason
         spent += time.perf_counter() - begin
         steps += sum(isinstance(event, Motion | Decision) for event in recording.events)
     return spent / steps

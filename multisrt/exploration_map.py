@@ -104,6 +104,7 @@ class ExplorationMap:
         self._changed: IntArray = np.zeros(64, np.int64)
         self._revision = 0
         self._maybe_open: dict[NodeId, None] = {}
+        self._witness: NodeId | None = None
         self._unlisted: dict[int, None] = {}
         self._open: dict[NodeId | None, dict[NodeId, float]] = {}
         self._open_m: dict[NodeId | None, float] = {}
@@ -272,16 +273,11 @@ class ExplorationMap:
     def is_complete(self) -> bool:
         """Whether no node has a local frontier."""
         # The last node that had one is asked first: mostly it still has.
-        while self._maybe_open:
-            node_id = next(reversed(self._maybe_open))
-            if len(self.frontier(node_id)):
-                return False
-            if not any(self.has_frontier(other) for other in self._maybe_open):
-                return True
-            witness = next(n for n in self._maybe_open if self.has_frontier(n))
-            del self._maybe_open[witness]
-            self._maybe_open[witness] = None
-        return True
+        if self._witness is not None and self.has_frontier(self._witness):
+            return False
+        self._list_open()
+        self._witness = next((node for nodes in self._open.values() for node in nodes), None)
+        return self._witness is None
 
     def open_nodes(self, tree: NodeId | None = None) -> list[NodeId]:
         """Give the nodes that have a local frontier, in the order of their ids.

@@ -138,7 +138,7 @@ class Supervision:
         self.only_known = only_known
         self.robots: list[SupervisedExplorer] = []
         self.defect: ExplorerDefect | None = None
-        self.regions: list[shapely.Polygon] = []
+        self.regions: list[BaseGeometry] = []
         self._told: dict[int, tuple[Message, int]] = {}
 
     def supervise(self, me: RobotSelf, explorer: Explorer) -> Explorer:
@@ -146,7 +146,7 @@ class Supervision:
         self.robots.append(SupervisedExplorer(self, me, explorer))
         return self.robots[-1]
 
-    def add_region(self, region: shapely.Polygon) -> int:
+    def add_region(self, region: BaseGeometry) -> int:
         """Keep a region that someone sensed; give the bit that stands for it."""
         self.regions.append(region)
         return 1 << (len(self.regions) - 1)
@@ -277,8 +277,8 @@ class SupervisedExplorer:
                 what = f"a message ({message.kind}) of robot {message.sender} that it was sent"
                 self._kept.append((what, message, fingerprint(message)))
             return
-        what = {ExactScan: "a scan", LaserScan: "a scan", tuple: "a tuple of sightings"}
-        name = what.get(type(outcome), f"a {type(outcome).__name__}")
+        names = {ExactScan: "a scan", LaserScan: "a scan", tuple: "a tuple of sightings"}
+        name = names.get(type(outcome), f"a {type(outcome).__name__}")
         self._kept.append((f"{name} that it was sent", outcome, fingerprint(outcome)))
 
     def _take(self, action: Action, outcome: Outcome) -> None:
@@ -553,7 +553,7 @@ def _parts(value: Any) -> list[Any]:
     return [part for item in getattr(value, "__dict__", {}).items() for part in item]
 
 
-def _seen(scan: Scan) -> shapely.Polygon:
+def _seen(scan: Scan) -> BaseGeometry:
     # What a scan shows to be free; of a laser as much as the ends of its beams allow.
     if isinstance(scan, ExactScan):
         polygon = shapely.Polygon(scan.boundary)

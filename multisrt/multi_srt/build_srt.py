@@ -113,6 +113,7 @@ def decide(
     target = robot.target if _is_worth_it(robot) else None
     if target is None:
         draws = Draws()
+        yield from robot.tell_when_complete()
         choice, target = yield from plan(robot, frontier, draws)
         if choice == "stay":
             robot.boxed_in += 1
@@ -249,7 +250,7 @@ def move_to(robot: SrtRobot, step: Step | None) -> Steps:
     if moved.blocked_by is None:
         robot.here = step.node
     else:
-        yield from retreat(robot, step, moved)
+        yield from stop_here(robot, step, moved)
     team.path = ()
     yield from team.begin_step()
 
@@ -270,37 +271,41 @@ def follow(robot: SrtRobot, step: Step) -> Generator[Action, Outcome, Moved]:
     return moved
 
 
-def retreat(robot: SrtRobot, step: Step, moved: Moved) -> Steps:
-    """After a protective stop: back to where the step began, or on, as soon as the way is free.
+def stop_here(robot: SrtRobot, step: Step, moved: Moved) -> Steps:
+    """After a protective stop: the place is a new one, from which the robot plans anew.
 
-    A car that cannot drive backwards only goes on.
+    A car that cannot reverse has no way back from there: it waits, and goes on.
 
     Raises
     ------
     BoxedIn
-        If the way stays blocked to both sides.
+        If the way stays blocked for such a car.
     """
-    team, whole = robot.team, step.motion
+    whole, team = step.motion, robot.team
     robot.target = None
     driven_s = moved.time_s - (team.arrival_s - whole.duration_s)
-    for attempt in range(2 * MOST_TRIES):
+    for _ in range(MOST_TRIES):
         if moved.blocked_by is not None:
-            robot.meet_body(moved.blocked_by)
+            robot.notice((moved.blocked_by,))
+        if robot.can_reverse or moved.blocked_by is None:
+            break
         yield from team.pause(robot.options.pause_s * (0.25 + 0.75 * robot.me.rng.random()))
-        back = attempt % 2 == 0 and robot.can_reverse
-        driven = whole.until(driven_s)
-        motion = driven.reversed() if back else _rest_of(whole, driven_s)
+        motion = _rest_of(whole, driven_s)
         team.path, team.arrival_s = path_of(motion), robot.time_s + motion.duration_s
         yield from team.announce("moving")
         began_s = robot.time_s
-        moved = yield from follow(robot, replace(step, way=OutAndBack(motion), purpose="retreat"))
-        if moved.blocked_by is None:
-            if not back:
-                robot.here = step.node
-            return
-        passed_s = moved.time_s - began_s
-        driven_s += -passed_s if back else passed_s
-    raise BoxedIn
+        moved = yield from follow(robot, replace(step, way=OutAndBack(motion)))
+        driven_s += moved.time_s - began_s
+    else:
+        raise BoxedIn
+    if moved.blocked_by is None:
+        robot.here = step.node
+        return
+    driven = whole.until(driven_s)
+    if driven.length_m > 0.0 or robot.q_act != whole.start:
+        back = driven.reversed() if robot.is_car else None
+        robot.came = replace(step, way=OutAndBack(driven, back), stage="coordinate")
+        robot.here = None
 
 
 def _rest_of(motion: Trajectory, after_s: float) -> Trajectory:

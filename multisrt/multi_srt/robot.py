@@ -320,10 +320,6 @@ class SrtRobot:
             footprint=self.team.footprint(number),
         )
 
-    def meet_body(self, sighting: Sighting) -> None:
-        """Remember a body that stood in the way."""
-        self.bodies[sighting.robot] = sighting
-
     def notice(self, seen: tuple[Sighting, ...]) -> None:
         """Compare what is seen with what is believed of robots that do not answer."""
         in_sight = {sighting.robot: sighting for sighting in seen}

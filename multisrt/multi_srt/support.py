@@ -55,6 +55,7 @@ def select(robot: SrtRobot) -> Generator[Action, Outcome, NodeId | None]:
     A tree may need it if its open frontier is at least `support_m` (paper: F bar) for each robot
     that is active in it.
     """
+    yield from robot.tell_when_complete()
     if not robot.options.support:
         return None
     known, options = robot.map, robot.options

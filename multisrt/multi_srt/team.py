@@ -189,8 +189,8 @@ class Team:
             yield from self.say(
                 ask=not self.hears_all, asked=tuple(self.others) if late else ()
             )
-            if not self.hears_all or late:
-                yield from self.pause(self.round_trip_s)
+            # What came meanwhile is heard first, and who was asked has time to answer.
+            yield from self.pause(0.0 if self.hears_all and not late else self.round_trip_s)
 
     def ask(self, pending: Iterable[int]) -> Talk:
         """Ask those who have not said what is waited for; who never answers is taken as lost."""
@@ -307,4 +307,3 @@ class Team:
         new = self.robot.merge(entries)
         if new:
             yield Note(Learned(time_s=self.robot.time_s, robot=self.number, nodes=new))
-        yield from self.robot.tell_when_complete()

@@ -92,7 +92,8 @@ class Ways:
         """Add bridges: straight ways from node to node that stay in their regions.
 
         The body goes as far as it gets in the one's region, and from there in the other's. So
-        trees of other robots are joined, too: their edges are such ways.
+        trees of other robots are joined, too: their edges are such ways. No hop is longer than
+        a robot sees: who may meet in a step is told by that.
         """
         if len(self.map) == self._seen:
             return
@@ -102,8 +103,7 @@ class Ways:
             self._order[node.id] = len(self._order)
             self.roadmap.add(node.id)
             x, y, _ = node.configuration
-            reach = node.region.range_m + self.me.longest_range_m
-            for other in self.map.near(x, y, reach):
+            for other in self.map.near(x, y, self.me.range_m):
                 if other.id != node.id and other.id in self._order:
                     self._bridge(node, other)
         self._seen = len(nodes)

@@ -1,0 +1,38 @@
+"""A team in which a robot dies, one falls silent for a while, and one comes late.
+
+`python examples/faults.py` tells what became of it, and why a robot did what it did; it leaves
+the picture.
+"""
+
+from pathlib import Path
+
+import multisrt as ms
+from multisrt.events import CameBack, Died, FellSilent, Joined, TakenAsLost
+
+FAULTS = (
+    ms.Death(robot=1, time_s=60.0, when="moving"),
+    ms.Silence(robot=2, time_s=40.0, duration_s=80.0),
+    ms.LateStart(robot=3, time_s=30.0),
+)
+
+
+def main(environment="apartment", folder="out/examples"):
+    """Explore with four robots and three faults."""
+    run = ms.explore(environment, robots=4, faults=FAULTS, seed=1)
+    print(run)
+    for event in run.recording.events:
+        if isinstance(event, Died | FellSilent | CameBack | Joined):
+            print(f"{event.time_s:7.1f} s  robot {event.robot}: {type(event).__name__}")
+        elif isinstance(event, TakenAsLost):
+            print(f"{event.time_s:7.1f} s  robot {event.robot} takes {event.other} as lost")
+    print()
+    print(run.why(robot=0, time_s=100.0))
+    picture = Path(folder) / "faults.svg"
+    picture.parent.mkdir(parents=True, exist_ok=True)
+    run.save_svg(picture)
+    print()
+    print(f"The trees: {picture}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,121 @@
+"""An explorer of one's own: it goes to the nearest frontier, and back along its tree.
+
+`python examples/own_explorer.py` checks it, explores a world with it and leaves a picture.
+"""
+
+from operator import itemgetter
+from pathlib import Path
+
+import msgspec
+import numpy as np
+from scipy.spatial.distance import cdist
+
+import multisrt as ms
+from multisrt.events import NodeAdded
+from multisrt.exploration_map import ExplorationMap, Node, NodeId
+from multisrt.explorer import Done, Move, Note, Receive, Sense
+from multisrt.geometry.safe_region import local_safe_region
+from multisrt.planners.motion.body import PlanningBody
+from multisrt.planners.motion.steering import turn_and_drive
+from multisrt.testing import check_explorer
+
+
+class Options(msgspec.Struct, frozen=True, kw_only=True):
+    """How far the body stays away from what it has not seen, and from other robots."""
+
+    margin_m: float = 0.02
+    guard_m: float = 0.1
+
+
+class NearestFrontier:
+    """An explorer for bodies that are discs, with any drive that is no car."""
+
+    def __init__(self, me, options):
+        self.me, self.options, self.at = me, options, me.start
+        self.body = PlanningBody(me.footprint, options.margin_m)
+        self.map = ExplorationMap(reach_m=me.range_m, shortest_arc_m=me.footprint.width_m)
+
+    def run(self):
+        """Extend the tree where a frontier is near by; where none is, go back to the parent."""
+        here, is_free = None, True
+        while is_free:
+            scan = yield Sense()
+            here = yield from self.add(scan, parent=here)
+            while is_free and (target := self.nearest_frontier(here)) is None:
+                if (here := self.map[here].parent) is None:
+                    return (yield Done(complete=self.map.is_complete(), reason="back at its root"))
+                is_free = yield from self.go(*self.map[here].configuration[:2])
+            is_free = is_free and (yield from self.go(*target))
+        yield Done(complete=False, reason="another robot stays in its way")
+
+    def add(self, scan, parent):
+        """Add a node to the tree, and put it on record."""
+        region, name = local_safe_region(scan, "radial"), NodeId(self.me.robot, len(self.map))
+        node = Node(id=name, configuration=self.at, region=region, parent=parent, time_s=scan.time_s)
+        self.map.add(node)
+        yield Note(on_record(node))
+        return name
+
+    def nearest_frontier(self, here):
+        """Give the place straight from here that is nearest to any frontier and leads to it."""
+        region, frontier = self.map[here].region.boundary, self.map.frontier(here)
+        middles, at = 0.5 * (frontier[:, :2] + frontier[:, 2:]), np.array(self.at[:2])
+        angle = np.linspace(0.0, 2.0 * np.pi, 72)
+        way = np.column_stack([np.cos(angle), np.sin(angle)])
+        way *= self.body.disc_fan(region, self.at, angle, self.me.range_m)[:, None]
+        places, width_m = np.vstack([at + way, at + 0.5 * way]), self.me.footprint.width_m
+        gaps = cdist(places, middles)
+        gaps[gaps > cdist([at], middles) - 0.5 * width_m] = np.inf  # no nearer than from here
+        for place, gap in sorted(zip(places.tolist(), gaps.min(1, initial=np.inf), strict=True), key=itemgetter(1)):
+            if gap < np.inf and not self.map.near(*place, 0.5 * width_m):
+                return place
+        return None
+
+    def go(self, x, y):
+        """Turn and drive; where another robot is in the way, try again some time later."""
+        for _ in range(20):
+            way = turn_and_drive(self.me.kinematics, self.at, x, y)
+            moved = yield Move(trajectory=way, guard_m=self.options.guard_m)
+            self.at = moved.configuration
+            if moved.blocked_by is None:
+                return True
+            yield Receive(timeout_s=self.me.rng.uniform(1.0, 5.0))
+        return False
+
+
+def on_record(node):
+    """What recordings, and so metrics and pictures, say of a node."""
+    return NodeAdded(
+        time_s=node.time_s,
+        robot=node.id.robot,
+        serial=node.id.serial,
+        parent=node.parent,
+        configuration=(*node.configuration,),
+        stage="root" if node.parent is None else "approach",
+        boundary=tuple(map(tuple, node.region.boundary.tolist())),
+        tags="".join(map(str, node.region.tags.tolist())),
+    )
+
+
+NEAREST_FRONTIER = ms.Strategy(
+    name="nearest-frontier",
+    summary="Straight to the nearest frontier, and back along the tree",
+    options=Options,
+    explorer=NearestFrontier,
+)
+
+
+def main(environment="apartment", folder="out/examples"):
+    """Check the explorer, explore a world with it, and leave the tree."""
+    print(check_explorer(NEAREST_FRONTIER))
+    ms.register(NEAREST_FRONTIER)
+    run = ms.explore(environment, strategy="nearest-frontier", seed=1)
+    picture = Path(folder) / "own_explorer.svg"
+    picture.parent.mkdir(parents=True, exist_ok=True)
+    run.save_svg(picture)
+    print(run)
+    print(f"The tree: {picture}")
+
+
+if __name__ == "__main__":
+    main()

@@ -131,9 +131,10 @@ def run_all(cases: Sequence[Case], workers: int, limit_s: float) -> Iterator[Row
     """Make runs in several processes; give them as they end."""
     if not cases:
         return
+    program = program_digest()
     pool = ProcessPoolExecutor(workers, mp_context=get_context("spawn"))
     try:
-        futures = [pool.submit(run, case, limit_s) for case in cases]
+        futures = [pool.submit(run, case, limit_s, program) for case in cases]
         with _progress(len(cases)) as advance:
             for future in as_completed(futures):
                 row = future.result()
@@ -143,7 +144,7 @@ def run_all(cases: Sequence[Case], workers: int, limit_s: float) -> Iterator[Row
         pool.shutdown(cancel_futures=True)
 
 
-def run(case: Case, limit_s: float) -> Row:
+def run(case: Case, limit_s: float, program: str) -> Row:
     """Make one run; what goes wrong is told in the row."""
     begin = time.perf_counter()
     status: Status = "error"
@@ -165,7 +166,7 @@ def run(case: Case, limit_s: float) -> Row:
         reason=reason,
         measures=measures,
         seconds=time.perf_counter() - begin,
-        program=program_digest(),
+        program=program,
     )
 
 
@@ -190,7 +191,6 @@ def _world(name: str) -> Environment:
     return environment(name)
 
 
-@cache
 def program_digest() -> str:
     """Digest of the package's source: rows that share it were made by one program."""
     digest = hashlib.sha256()
@@ -350,7 +350,7 @@ def _arguments() -> argparse.Namespace:
         "to out/multi-srt-quick.md unless --out is given",
     )
     parser.add_argument(
-        "--limit", type=float, default=120.0, help="seconds that a run may take (120)"
+        "--limit", type=float, default=300.0, help="seconds that a run may take (300)"
     )
     parser.add_argument("--retry", action="store_true", help="repeat runs that failed")
     given = parser.parse_args()

@@ -269,13 +269,15 @@ def joined_lengths(ends: FloatArray) -> FloatArray:
     """
     n = ends.shape[0]
     parent = np.arange(n)
+    # Where arcs begin, from left to right: only those right there are compared with an end.
+    order = np.argsort(ends[:, 0])
+    begins = ends[order, 0]
     for i in range(n):
-        for j in range(n):
-            if (
-                i != j
-                and abs(ends[i, 2] - ends[j, 0]) <= ENDS_MEET_M
-                and abs(ends[i, 3] - ends[j, 1]) <= ENDS_MEET_M
-            ):
+        k = np.searchsorted(begins, ends[i, 2] - ENDS_MEET_M)
+        while k < n and begins[k] <= ends[i, 2] + ENDS_MEET_M:
+            j = order[k]
+            k += 1
+            if i != j and abs(ends[i, 3] - ends[j, 1]) <= ENDS_MEET_M:
                 a, b = i, j
                 while parent[a] != a:
                     a = parent[a]

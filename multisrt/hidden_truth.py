@@ -100,7 +100,7 @@ def named_by_code(cls: type) -> dict[str, object]:
             elif function is not None or isinstance(value, type):
                 if _package(function or value) == _package(cls):
                     waiting.append(function or value)
-            elif not isinstance(value, _PLAIN):
+            elif not isinstance(value, types.ModuleType | types.BuiltinFunctionType):
                 found.setdefault(name, value)
     return found
 

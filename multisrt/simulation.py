@@ -235,6 +235,10 @@ class _Simulation:
         joins = {f.robot: f.time_s for f in self.spec.faults if isinstance(f, LateStart)}
         for fault in self.spec.faults:
             self._foresee(fault)
+        for robot in self.robots:
+            if robot.number not in joins:
+                # All are switched on before the first of them says anything.
+                robot.state, robot.hears = "on", not self._is_silent(robot.number)
         for robot, explorer in zip(self.robots, explorers, strict=True):
             self.clock.process(self._live(robot, explorer, joins.get(robot.number)))
         max_time = self.spec.stop.max_time_s
@@ -291,7 +295,9 @@ class _Simulation:
                     self._later(join_s - self.now, robot.poke)
                     yield from self._sleep(robot)
                 self._record(Joined(time_s=self.now, robot=robot.number))
-            robot.state, robot.hears = "on", not self._is_silent(robot.number)
+                robot.state, robot.hears = "on", not self._is_silent(robot.number)
+                if not robot.hears:
+                    self._record(FellSilent(time_s=self.now, robot=robot.number))
             yield from self._drive(robot, explorer)
         except _Dead:
             pass
@@ -528,7 +534,10 @@ class _Simulation:
             account=f"touched robot {met.other} at ({there.x:.3f}, {there.y:.3f}) on its way "
             f"from ({here.x:.3f}, {here.y:.3f})",
         )
-        self._end_motion(robot, self.now)
+        for moving in self.robots:
+            if moving.move is not None:
+                self._end_motion(moving, self.now)
+        self.last_s = max(self.last_s, self.now)
         self._record(self.collision)
 
     def _sighting(self, other: int) -> Sighting:
@@ -605,9 +614,7 @@ class _Simulation:
         robot.mailbox.clear()
         self.last_s = max(self.last_s, self.now)
         place = self.traffic.where(robot.number, self.now)
-        self._record(
-            Died(time_s=self.now, robot=robot.number, configuration=(*place,), doing=was)
-        )
+        self._record(Died(time_s=self.now, robot=robot.number, configuration=(*place,), doing=was))
         robot.poke()
 
     def _is_silent(self, number: int) -> bool:
@@ -618,7 +625,7 @@ class _Simulation:
         )
 
     def _silence(self, robot: _Robot) -> None:
-        if robot.state in ("on", "done"):
+        if robot.state in ("on", "done") and robot.hears:
             robot.hears = False
             self._record(FellSilent(time_s=self.now, robot=robot.number))
 

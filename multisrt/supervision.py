@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import hashlib
 import math
-from collections.abc import Callable, Generator
+from collections.abc import Generator
 from itertools import pairwise
 from typing import Any, NoReturn
 
@@ -371,9 +371,7 @@ class SupervisedExplorer:
             )
         trajectory = move.trajectory
         if not isinstance(trajectory, Trajectory):
-            self._refuse(
-                f"it yielded Move with {_brief(trajectory)}", "give Move a Trajectory"
-            )
+            self._refuse(f"it yielded Move with {_brief(trajectory)}", "give Move a Trajectory")
         self._check_waypoints(trajectory)
         for a, b in pairwise(trajectory.waypoints):
             self._check_leg(a, b)
@@ -512,38 +510,41 @@ def fingerprint(value: object) -> bytes:
 
     Streams of random numbers do not count: to draw from one changes it.
     """
-    digest = hashlib.sha256()
-    _feed(digest.update, value, ())
-    return digest.digest()
+    return _digest(value, {})
 
 
-def _feed(update: Callable[[bytes], None], value: Any, above: tuple[int, ...]) -> None:
+def _digest(value: Any, known: dict[int, bytes]) -> bytes:
+    # What occurs more than once is looked at once; what holds itself ends there.
     kind = type(value)
-    update(f"<{kind.__module__}.{kind.__qualname__}>".encode())
+    digest = hashlib.sha256(f"<{kind.__module__}.{kind.__qualname__}>".encode())
     if value is None or isinstance(value, bool | int | float | complex | str | bytes | np.generic):
-        update(repr(value).encode())
-    elif isinstance(value, np.ndarray):
-        update(f"{value.dtype}{value.shape}".encode())
-        update(np.ascontiguousarray(value).tobytes())
+        digest.update(repr(value).encode())
+        return digest.digest()
+    if id(value) in known:
+        return known[id(value)]
+    known[id(value)] = digest.digest()
+    if isinstance(value, np.ndarray) and not value.dtype.hasobject:
+        digest.update(f"{value.dtype}{value.shape}".encode())
+        digest.update(np.ascontiguousarray(value).tobytes())
     elif isinstance(value, BaseGeometry):
-        update(shapely.to_wkb(value))
+        digest.update(shapely.to_wkb(value))
     elif isinstance(value, Footprint):
-        update(str(value).encode())
-    elif isinstance(value, RandomGenerator | type) or id(value) in above:
-        return
-    else:
-        below = (*above, id(value))
-        if isinstance(value, set | frozenset):
-            update(b"".join(sorted(fingerprint(item) for item in value)))
-            return
+        digest.update(str(value).encode())
+    elif isinstance(value, set | frozenset):
+        digest.update(b"".join(sorted(_digest(item, known) for item in value)))
+    elif not isinstance(value, RandomGenerator | type):
         for part in _parts(value):
-            _feed(update, part, below)
+            digest.update(_digest(part, known))
+    known[id(value)] = digest.digest()
+    return known[id(value)]
 
 
 def _parts(value: Any) -> list[Any]:
     # What a value consists of, in order, and how many parts that are.
     if isinstance(value, tuple | list):
         return [len(value), *value]
+    if isinstance(value, np.ndarray):
+        return [value.shape, *value.ravel().tolist()]
     if isinstance(value, dict):
         return [len(value), *(part for item in value.items() for part in item)]
     if isinstance(value, msgspec.Struct):

@@ -54,6 +54,7 @@ import datetime
 import random
 import sys
 import time
+from collections import deque
 from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, replace
@@ -94,6 +95,9 @@ CHECKS = (
     "ends",
 )
 """What is checked."""
+
+DATA = (int, float, complex, str, bytes, tuple, list, dict, set, frozenset, deque, np.ndarray)
+"""State that explorers share is looked for in class attributes, globals and defaults of these."""
 
 TEAMS = (1, 3)
 """So many robots explore each world, one team after the other."""
@@ -544,8 +548,12 @@ def _modules_of(cls: type) -> list[ModuleType]:
 
 
 def _kept_by(cls: type) -> dict[str, bytes]:
-    # Fingerprints of what all explorers of a class share.
-    return {name: fingerprint(value) for name, value in named_by_code(cls).items()}
+    # Fingerprints of the data that all explorers of a class share.
+    return {
+        name: fingerprint(value)
+        for name, value in named_by_code(cls).items()
+        if isinstance(value, DATA)
+    }
 
 
 # Surroundings ------------------------------------------------------------------------------

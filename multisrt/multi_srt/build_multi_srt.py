@@ -7,6 +7,7 @@ from collections.abc import Generator
 
 from multisrt.explorer import Action, Done, Outcome, RobotSelf
 from multisrt.geometry.frontier_arcs import total_length
+from multisrt.geometry.kernel import FloatArray
 from multisrt.geometry.safe_region import Shape
 from multisrt.multi_srt.build_srt import BoxedIn, build_srt
 from multisrt.multi_srt.options import MultiSrtOptions
@@ -64,20 +65,28 @@ class SrtExplorer:
         frontier = [robot.map.frontier(node) for node in nodes]
         if boxed_in:
             reason = f"boxed in by robots {sorted(robot.bodies)}, which do not answer"
+            if nodes:
+                reason += f", with {_length(frontier):.1f} m of frontier left open"
         elif nodes:
-            length = math.fsum(total_length(arcs) for arcs in frontier)
             reason = (
-                f"the planner has no target, with {length:.1f} m of frontier left open "
+                f"the planner has no target, with {_length(frontier):.1f} m of frontier left open "
                 f"at {len(nodes)} nodes"
             )
         else:
             reason = "every frontier arc is explored or closed"
             if not robot.map.is_complete():
                 others = [root.robot for root in robot.map.roots() if robot.map.open_nodes(root)]
-                reason = f"every frontier arc of its own tree is explored or closed; those left in the trees of robots {others} are theirs or out of reach"
+                reason = (
+                    "every frontier arc of its own tree is explored or closed; "
+                    f"those left in the trees of robots {others} are theirs or out of reach"
+                )
         return Done(
-            complete=not nodes and not boxed_in,
+            complete=not nodes,
             reason=reason,
             frontier=tuple(segment for arcs in frontier for segment in segments_of(arcs)),
             on_call=not robot.team.is_alone,
         )
+
+
+def _length(frontier: list[FloatArray]) -> float:
+    return math.fsum(total_length(arcs) for arcs in frontier)

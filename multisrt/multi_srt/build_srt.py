@@ -193,7 +193,6 @@ def planner(robot: SrtRobot, frontier: FloatArray, draws: Draws) -> Plan:
         way = robot.way(here, node.parent)
         if way is not None:
             return "parent", KnownNode(tuple(way))
-        return "stay", None
     return (yield from _what_is_left(robot, here))
 
 
@@ -216,6 +215,13 @@ def _what_is_left(robot: SrtRobot, here: NodeId) -> Plan:
                 if isinstance(found, NewPlace):
                     return "complete", found
                 yield from robot.close(way[-1], arc, found)
+        for node in robot.map.open_nodes(robot.tree):
+            # No robot that answers stands in the way for long; these do.
+            joined = robot.ways.way(here, node) is not None
+            for arc in robot.map.frontier_arcs(node):
+                yield from robot.close(
+                    node, arc, "blocked by a robot" if joined else "not reachable"
+                )
         yield from robot.tell_when_complete()
     assert robot.tree is not None
     if here == robot.tree or supports:
@@ -329,6 +335,4 @@ def _is_worth_it(robot: SrtRobot) -> bool:
         return False
     if target.aim is not None and not robot.may_extend(target.aim):
         return False
-    return all(
-        robot.is_passable(a, b) for a, b in zip(target.way, target.way[1:], strict=False)
-    )
+    return all(robot.is_passable(a, b) for a, b in zip(target.way, target.way[1:], strict=False))

@@ -111,7 +111,9 @@ def coordinate(
         message = yield from _organize(robot, checked)
     else:
         message = yield from _orders_of(robot, master)
-    order = message.orders[team.number]
+    order = message.order_for(team.number)
+    if order is None:
+        raise AssertionError(f"robot {message.sender} left robot {team.number} out of its orders")
     after = robot.step_by(order, step)
     x, y, _ = robot.q_act
     yield Note(
@@ -120,8 +122,8 @@ def coordinate(
             robot=team.number,
             ger=checked.group,
             master=message.sender,
-            feasible=checked.feasible,
-            unfeasible=checked.unfeasible,
+            feasible=message.feasible,
+            unfeasible=message.unfeasible,
             target=(x, y) if step is None else _place(step.motion.end),
             order=order.order,
             new_target=(x, y) if after is None else _place(after.motion.end),
@@ -130,13 +132,17 @@ def coordinate(
     return after
 
 
-def _organize(
-    robot: SrtRobot, checked: Feasibility
-) -> Generator[Action, Outcome, OrdersMessage]:
+def _organize(robot: SrtRobot, checked: Feasibility) -> Generator[Action, Outcome, OrdersMessage]:
     team, conflicts = robot.team, checked.conflicts
     arrangement = organize(conflicts, MasterWits(robot))
     yield Note(_organized(robot, checked, arrangement))
-    message = OrdersMessage(sender=team.number, key=team.key, orders=arrangement.orders)
+    message = OrdersMessage(
+        sender=team.number,
+        key=team.key,
+        orders=tuple(arrangement.orders.items()),
+        feasible=checked.feasible,
+        unfeasible=checked.unfeasible,
+    )
     team.orders = {team.key: message}
     yield Send(message)
     return message

@@ -102,9 +102,7 @@ def build_and_wait_gpr(robot: SrtRobot) -> Generator[Action, Outcome, tuple[int,
             deadline = robot.time_s + team.period_s
 
 
-def build_ger(
-    robot: SrtRobot, gpr: tuple[int, ...]
-) -> Generator[Action, Outcome, tuple[int, ...]]:
+def build_ger(robot: SrtRobot, gpr: tuple[int, ...]) -> Generator[Action, Outcome, tuple[int, ...]]:
     """BUILD_GER: when all of the GPR have perceived, find who among them is engaged.
 
     Raises
@@ -135,9 +133,7 @@ def agree(robot: SrtRobot, group: Iterable[int]) -> Generator[Action, Outcome, N
     yield from _meet(robot, group, "planned")
 
 
-def _meet(
-    robot: SrtRobot, group: Iterable[int], phase: Phase
-) -> Generator[Action, Outcome, None]:
+def _meet(robot: SrtRobot, group: Iterable[int], phase: Phase) -> Generator[Action, Outcome, None]:
     # Says that this robot has come so far, and waits until all others have.
     team = robot.team
     yield from team.announce(phase)

@@ -166,14 +166,22 @@ class OrdersMessage(Message, frozen=True, kw_only=True):
     ----------
     key : Key
         The group and its step.
-    orders : dict of robot to Order
+    orders : tuple of (robot, Order)
         What everyone shall do.
+    feasible, unfeasible : tuple of int
+        Robots whose planned ways conflicted with nobody's, and the rest.
     """
 
     kind: ClassVar[str] = "orders"
 
     key: Key
-    orders: dict[int, Order]
+    orders: tuple[tuple[int, Order], ...]
+    feasible: tuple[int, ...]
+    unfeasible: tuple[int, ...]
+
+    def order_for(self, robot: int) -> Order | None:
+        """Give what one robot shall do; None if it is not of the group."""
+        return next((order for number, order in self.orders if number == robot), None)
 
     @property
     def wakes(self) -> bool:

@@ -35,6 +35,7 @@ Steps = Generator[Action, Outcome, None]
 GivenUp = Refusal | Literal["blocked by a robot"]
 """Why an arc is given up."""
 
+
 @dataclass(frozen=True, slots=True)
 class NewPlace:
     """A target without a node.
@@ -147,6 +148,10 @@ class SrtRobot:
         What it is on its way to, over several steps.
     bodies : dict of int to Sighting
         Robots that stand where they were seen and do not answer.
+    tried : dict of NodeId to float
+        Trees that it has supported, with the open frontier that it could do nothing about.
+    considered : tuple of NodeId
+        The trees that it has found last to need support.
     """
 
     def __init__(self, me: RobotSelf, shape: Shape, options: MultiSrtOptions) -> None:
@@ -175,6 +180,8 @@ class SrtRobot:
         self.completing = False
         self.exhausted: set[NodeId] = set()
         self.bodies: dict[int, Sighting] = {}
+        self.tried: dict[NodeId, float] = {}
+        self.considered: tuple[NodeId, ...] = ()
         self.boxed_in = 0
         self._serial = 0
         self._closings = 0
@@ -212,9 +219,7 @@ class SrtRobot:
         self._serial += 1
         self.map.add(node)
         self.here = node.id
-        self.ways.add(
-            node, None if came is None else came.way, came is not None and came.roomy
-        )
+        self.ways.add(node, None if came is None else came.way, came is not None and came.roomy)
         yield Note(
             NodeAdded(
                 time_s=self.time_s,
@@ -294,9 +299,10 @@ class SrtRobot:
                 + sighting.footprint.circumscribed_radius_m
                 + self.options.guard_m
             )
-            if way.distance(shapely.Point(x, y)) < reach and self.q_act.distance(
-                sighting.configuration
-            ) >= reach:
+            if (
+                way.distance(shapely.Point(x, y)) < reach
+                and self.q_act.distance(sighting.configuration) >= reach
+            ):
                 return False
         return True
 
@@ -312,7 +318,9 @@ class SrtRobot:
 
     def believe_to_stand(self, number: int) -> None:
         """Take a robot that does not answer for a body at the place that it last told."""
-        state = self.team.states[number]
+        state = self.team.states.get(number)
+        if state is None:
+            return
         x, y, heading = state.path[-1 if state.phase == "moving" else 0][1:]
         self.bodies[number] = Sighting(
             robot=number,

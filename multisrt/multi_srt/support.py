@@ -41,6 +41,7 @@ def support_others(robot: SrtRobot) -> Steps:
             yield from transfer_to(robot, tree, tree)
             robot.purpose, robot.completing = "support", True
             yield from build_srt(robot)
+            robot.tried[tree] = open_frontier(robot, tree)
             yield from transfer_to(robot, robot.root, None)
             yield from robot.team.rest()
         elif exploration_running(robot):
@@ -65,7 +66,7 @@ def select(robot: SrtRobot) -> Generator[Action, Outcome, NodeId | None]:
     candidates = [
         root
         for root in open_m
-        if open_m[root] > 0.0
+        if open_m[root] > robot.tried.get(root, 0.0)
         and open_m[root] >= threshold * active[root]
         and (robot.is_unlimited or not _is_cared_for(robot, root))
     ]
@@ -77,10 +78,11 @@ def select(robot: SrtRobot) -> Generator[Action, Outcome, NodeId | None]:
         candidates.sort(key=lambda root: (-_last_extended_s(robot, root), root))
         chosen = next((r for r in candidates if robot.way(robot.here, r) is not None), None)
     else:
-        way = robot.ways.to_nearest(
-            robot.here, lambda node: node in candidates, robot.is_passable
-        )
+        way = robot.ways.to_nearest(robot.here, lambda node: node in candidates, robot.is_passable)
         chosen = None if way is None else way[-1]
+    if chosen is None and tuple(candidates) == robot.considered:
+        return None
+    robot.considered = tuple(candidates)
     yield Note(
         Supports(
             time_s=robot.time_s,

@@ -139,9 +139,7 @@ class Team:
         self.path, self.frontier_m = (), 0.0
         yield from self.announce("idle")
 
-    def say(
-        self, *, to: int | None = None, ask: bool = False, asked: tuple[int, ...] = ()
-    ) -> Talk:
+    def say(self, *, to: int | None = None, ask: bool = False, asked: tuple[int, ...] = ()) -> Talk:
         """Send the own state; to all, with the entries that were not told yet."""
         self._said += 1
         entries: tuple[Node | Closing, ...] = ()
@@ -186,9 +184,7 @@ class Team:
         self.path = ()
         self.phase = "waiting"
         if not self.is_alone:
-            yield from self.say(
-                ask=not self.hears_all, asked=tuple(self.others) if late else ()
-            )
+            yield from self.say(ask=not self.hears_all, asked=tuple(self.others) if late else ())
             # What came meanwhile is heard first, and who was asked has time to answer.
             yield from self.pause(0.0 if self.hears_all and not late else self.round_trip_s)
 
@@ -201,9 +197,7 @@ class Team:
                 self.unanswered[number] = 0
                 self.lost[number] = None
                 self.robot.believe_to_stand(number)
-                yield Note(
-                    TakenAsLost(time_s=self.robot.time_s, robot=self.number, other=number)
-                )
+                yield Note(TakenAsLost(time_s=self.robot.time_s, robot=self.number, other=number))
         yield from self.say(asked=asked)
 
     def pause(self, seconds: float) -> Talk:
@@ -223,8 +217,8 @@ class Team:
     def order_for_me(self) -> Order | None:
         """Give what a master told this robot for the step that it is about to make."""
         for key, orders in self.orders.items():
-            if (self.number, self.step) in key and self.number in orders.orders:
-                return orders.orders[self.number]
+            if (self.number, self.step) in key:
+                return orders.order_for(self.number)
         return None
 
     def _have(self) -> tuple[tuple[int, int, int], ...]:
@@ -253,15 +247,14 @@ class Team:
                 have = {robot: (nodes, closings) for robot, nodes, closings in message.have}
                 entries = self.robot.map.lacks(have)
                 if entries:
-                    yield Send(
-                        EntriesMessage(sender=self.number, entries=entries), message.sender
-                    )
+                    yield Send(EntriesMessage(sender=self.number, entries=entries), message.sender)
             case EntriesMessage():
                 self._heard(message.sender)
                 yield from self.learn(message.entries)
             case OrdersMessage():
                 self._heard(message.sender)
-                if (self.number, self.step) in message.key and self.number in message.orders:
+                own = message.order_for(self.number)
+                if (self.number, self.step) in message.key and own is not None:
                     self.orders = {message.key: message}
 
     def _take_state(self, state: RobotState) -> None:

@@ -77,9 +77,7 @@ class Ways:
         if node.parent is None or way is None:
             return
         parent = self.map[node.parent]
-        self.roadmap.connect(
-            parent.id, node.id, parent.configuration.distance(node.configuration)
-        )
+        self.roadmap.connect(parent.id, node.id, parent.configuration.distance(node.configuration))
         first, last = way.out.waypoints[0], way.out.waypoints[-1]
         self._turns[node.id] = last.heading - first.heading
         if way.back is not None:

@@ -82,7 +82,7 @@ def test_table_gives_mean_and_deviation_of_a_cell():
 
 
 def test_table_has_a_line_for_each_cell_and_leaves_out_what_was_not_measured():
-    lost = multi_srt.Row(
+    lost = Row(
         case=made_up(robots=4).case,
         status="error",
         reason="",
@@ -206,7 +206,7 @@ def test_what_is_no_result_is_refused_with_its_line(tmp_path: Path):
 
 def test_a_run_that_hangs_is_a_result(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(multi_srt, "simulate", lambda *_: time.sleep(60.0))
-    row = multi_srt.run(made_up().case, 0.05)
+    row = multi_srt.run(made_up().case, 0.05, "abc")
     assert (row.status, row.measures, row.failed) == ("over_limit", None, True)
 
 
@@ -215,6 +215,6 @@ def test_an_error_in_a_run_is_a_result(monkeypatch: pytest.MonkeyPatch):
         raise ZeroDivisionError("by nothing")
 
     monkeypatch.setattr(multi_srt, "simulate", fail)
-    row = multi_srt.run(made_up().case, 10.0)
+    row = multi_srt.run(made_up().case, 10.0, "abc")
     assert row.status == "error"
     assert row.reason.startswith("ZeroDivisionError: by nothing (test_multi_srt.py:")

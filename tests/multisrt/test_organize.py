@@ -290,9 +290,7 @@ def test_what_everybody_is_told_is_feasible_together(plans):
     )
     stays = all(len(way) == 1 for way in ways.values())
     assert arrangement.is_deadlock == stays
-    moves_freely = [
-        p for p in plans if len(p.places) > 1 and not conflicts.in_the_way(p.number)
-    ]
+    moves_freely = [p for p in plans if len(p.places) > 1 and not conflicts.in_the_way(p.number)]
     assert not (moves_freely and stays)
 
 

@@ -3,7 +3,6 @@
 `python examples/own_explorer.py` checks it, explores a world with it and leaves a picture.
 """
 
-from operator import itemgetter
 from pathlib import Path
 
 import msgspec
@@ -51,23 +50,18 @@ class NearestFrontier:
     def add(self, scan, parent):
         """Add a node to the tree, and put it on record."""
         region, name = local_safe_region(scan, "radial"), NodeId(self.me.robot, len(self.map))
-        node = Node(id=name, configuration=self.at, region=region, parent=parent, time_s=scan.time_s)
+        node = Node(
+            id=name, configuration=self.at, region=region, parent=parent, time_s=scan.time_s
+        )
         self.map.add(node)
         yield Note(on_record(node))
         return name
 
     def nearest_frontier(self, here):
-        """Give the place straight from here that is nearest to any frontier and leads to it."""
+        """Give the place nearest to any frontier, of those where nobody has been yet."""
         region, frontier = self.map[here].region.boundary, self.map.frontier(here)
-        middles, at = 0.5 * (frontier[:, :2] + frontier[:, 2:]), np.array(self.at[:2])
-        angle = np.linspace(0.0, 2.0 * np.pi, 72)
-        way = np.column_stack([np.cos(angle), np.sin(angle)])
-        way *= self.body.disc_fan(region, self.at, angle, self.me.range_m)[:, None]
-        places, width_m = np.vstack([at + way, at + 0.5 * way]), self.me.footprint.width_m
-        gaps = cdist(places, middles)
-        gaps[gaps > cdist([at], middles) - 0.5 * width_m] = np.inf  # no nearer than from here
-        for place, gap in sorted(zip(places.tolist(), gaps.min(1, initial=np.inf), strict=True), key=itemgetter(1)):
-            if gap < np.inf and not self.map.near(*place, 0.5 * width_m):
+        for place in towards(frontier, region, self.at, self.body, self.me.range_m):
+            if not self.map.near(*place, self.body.outer_radius_m):
                 return place
         return None
 
@@ -83,8 +77,21 @@ class NearestFrontier:
         return False
 
 
+def towards(frontier, region, at, body, range_m):
+    """Give places straight from here that lie nearer to some frontier, the nearest first."""
+    angle = np.linspace(0.0, 2.0 * np.pi, 72)
+    way = np.column_stack([np.cos(angle), np.sin(angle)])
+    way *= body.disc_fan(region, at, angle, range_m)[:, None]
+    places = np.vstack([at[:2] + way, at[:2] + 0.5 * way])
+    middles = 0.5 * (frontier[:, :2] + frontier[:, 2:])
+    gaps = cdist(places, middles)
+    gaps[gaps > cdist([at[:2]], middles) - body.outer_radius_m] = np.inf
+    nearest = gaps.min(axis=1, initial=np.inf)
+    return [places[k].tolist() for k in np.argsort(nearest, kind="stable") if nearest[k] < np.inf]
+
+
 def on_record(node):
-    """What recordings, and so metrics and pictures, say of a node."""
+    """Give what recordings, and so metrics and pictures, say of a node."""
     return NodeAdded(
         time_s=node.time_s,
         robot=node.id.robot,

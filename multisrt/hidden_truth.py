@@ -143,6 +143,10 @@ def _within(thing: object) -> Iterator[tuple[str, object]]:
         for name, cell in cells:
             yield f" -> closure {name!r}", _contents(cell)
         yield from _defaults(thing, " -> default of ")
+        if _package(thing) != "multisrt":
+            for name, value in _named_in_code(thing.__code__, thing.__globals__):
+                if _function_of(value) is None and not isinstance(value, type):
+                    yield f" -> {name}", value
         return
     if isinstance(thing, types.MethodType):
         yield " -> self", thing.__self__
@@ -210,6 +214,7 @@ def _named_in_code(
     # Names and the attributes of modules that they lead to: `ms.environment` of a module `ms`.
     name: str = ""
     current: object = None
+    local: dict[str, object] = {}
     for instruction in dis.get_instructions(code):
         operation, argument = instruction.opname, instruction.argval
         if operation in ("LOAD_GLOBAL", "LOAD_NAME"):
@@ -225,7 +230,11 @@ def _named_in_code(
         elif operation in ("LOAD_ATTR", "LOAD_METHOD") and isinstance(current, types.ModuleType):
             name, current = f"{name}.{argument}", getattr(current, argument, None)
             yield name, current
-        elif operation not in ("STORE_FAST", "STORE_NAME"):
+        elif operation in ("STORE_FAST", "STORE_DEREF"):
+            local[argument], current = current, None
+        elif operation in ("LOAD_FAST", "LOAD_DEREF"):
+            name, current = argument, local.get(argument)
+        else:
             current = None
 
 

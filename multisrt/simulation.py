@@ -187,6 +187,7 @@ class _Robot:
         self.arrival_s = 0.0
         self.encounter: Encounter | None = None
         self.move: Move | None = None
+        self.place: tuple[float, float] | None = None
         self.waits = False
         self.doom: Death | None = None
         self.end: Ended | None = None
@@ -238,7 +239,7 @@ class _Simulation:
         for robot in self.robots:
             if robot.number not in joins:
                 # All are switched on before the first of them says anything.
-                robot.state, robot.hears = "on", not self._is_silent(robot.number)
+                self._switch_on(robot)
         for robot, explorer in zip(self.robots, explorers, strict=True):
             self.clock.process(self._live(robot, explorer, joins.get(robot.number)))
         max_time = self.spec.stop.max_time_s
@@ -295,9 +296,7 @@ class _Simulation:
                     self._later(join_s - self.now, robot.poke)
                     yield from self._sleep(robot)
                 self._record(Joined(time_s=self.now, robot=robot.number))
-                robot.state, robot.hears = "on", not self._is_silent(robot.number)
-                if not robot.hears:
-                    self._record(FellSilent(time_s=self.now, robot=robot.number))
+                self._switch_on(robot)
             yield from self._drive(robot, explorer)
         except _Dead:
             pass
@@ -434,7 +433,7 @@ class _Simulation:
             robot, trajectory if trajectory.duration_s <= left else trajectory.until(left)
         ):
             return False
-        robot.move, robot.set_out_s = move, self.now
+        robot.move, robot.set_out_s, robot.place = move, self.now, None
         robot.arrival_s = self.now + trajectory.duration_s
         self.traffic.begin(number, self.now, trajectory, move.guard_m)
         self._later(trajectory.duration_s, robot.poke)
@@ -497,6 +496,7 @@ class _Simulation:
                 purpose=move.purpose,
             )
         )
+        robot.place = driven.end[:2]
         self._foresee_others(robot)
         return Moved(configuration=driven.end, time_s=self.now)
 
@@ -553,7 +553,7 @@ class _Simulation:
         deliveries: list[tuple[int, float]] = []
         lost: list[int] = []
         if robot.hears:
-            positions = [self.traffic.where(r.number, self.now)[:2] for r in self.robots]
+            positions = [r.place or self.traffic.where(r.number, self.now)[:2] for r in self.robots]
             working = [r.hears for r in self.robots]
             deliveries, lost = self.radio.deliveries(robot.number, to, positions, working)
         self._record(
@@ -623,6 +623,11 @@ class _Simulation:
             for fault in self.spec.faults
             if isinstance(fault, Silence) and fault.robot == number
         )
+
+    def _switch_on(self, robot: _Robot) -> None:
+        robot.state, robot.hears = "on", True
+        if self._is_silent(robot.number):
+            self._silence(robot)
 
     def _silence(self, robot: _Robot) -> None:
         if robot.state in ("on", "done") and robot.hears:

@@ -216,11 +216,6 @@ class SupervisedExplorer:
             self.turns.append(Turn(outcome=outcome, action=action, print=mark))
             self._check(action)
             outcome = yield action
-            if fingerprint(action) != mark:
-                self._refuse(
-                    f"the {type(action).__name__} that it had yielded was changed afterwards",
-                    "build a new action, trajectory or message instead of changing one",
-                )
             self._take(action, outcome)
 
     def check_kept(self) -> None:
@@ -269,6 +264,12 @@ class SupervisedExplorer:
         for what, thing, mark in (self._kept[0], *self._kept[given:]):
             if fingerprint(thing) != mark:
                 self._refuse_change(what)
+        if self.turns and fingerprint(self.turns[-1].action) != self.turns[-1].print:
+            self._refuse(
+                f"the {type(self.turns[-1].action).__name__} that it had yielded was changed "
+                "afterwards",
+                "build a new action, trajectory or message instead of changing one",
+            )
         return action
 
     def _keep(self, outcome: Outcome) -> None:

@@ -409,7 +409,7 @@ class _Case:
             except Exception:
                 # The defect itself, not what became of it on its way through the clock.
                 if supervision is not None and supervision.defect is not None:
-                    raise supervision.defect from None
+                    raise supervision.defect from supervision.defect.__cause__
                 raise
 
     def _sample(self) -> RobotSelf:
@@ -423,9 +423,8 @@ class _Case:
             told.append(me)
             raise Idle
 
-        with _registered(replace(self.strategy, explorer=explorer)):
-            with suppress(Idle):
-                simulate(self.spec, self.world)
+        with _registered(replace(self.strategy, explorer=explorer)), suppress(Idle):
+            simulate(self.spec, self.world)
         return told[0]
 
     def _check_end(self, recording: Recording, supervision: Supervision) -> None:

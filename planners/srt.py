@@ -45,6 +45,9 @@ REFUSALS: tuple[Refusal, ...] = ("too narrow", "not reachable", "seen from near"
 NEAREST_NODES = 12
 """From so many nodes a way to a place is looked for."""
 
+FEW_PLACES, MANY_PLACES = 4, 64
+"""For so many places at once a way is looked for: at first, and then."""
+
 MOST_ASKED = 24
 """So many times at each point of an arc it is asked whether a way leads to a place."""
 
@@ -426,33 +429,61 @@ class SrtPlanner:
         # the room for any heading or, from a narrow node, inside what it sees.
         if not len(places):
             return "too narrow"
-        reason: Refusal = "seen from near"
-        asked = 0
         spots = np.array([node.configuration[:2] for node in nodes]).reshape(-1, 2)
+        spaced = nearest_points(spots, places) >= self.options.completion_spacing * self.d_min_m
+        places = places[spaced]
+        if not len(places):
+            return "seen from near"
+        if leads is not None:
+            return self._place_asked_for(places, spots, leads)
         roomy = shapely.contains_xy(room, spots)
-        unseen = nearest_points(spots, places) >= self.options.completion_spacing * self.d_min_m
-        for x, y in places[unseen].tolist():
-            reason = "not reachable"
+        # A way begins where there is room for any heading, or in a narrow place that is seen.
+        begins = np.flatnonzero(
+            [r or self._is_narrow(n) for r, n in zip(roomy, nodes, strict=True)]
+        )
+        if not len(begins):
+            return "not reachable"
+        done, many = 0, FEW_PLACES
+        while done < len(places):
+            # Mostly one of the first will do; if not, many are asked about at once.
+            some = places[done : done + many]
+            apart = np.hypot(*(spots[begins] - some[:, None]).transpose(2, 0, 1))
+            nearest = begins[np.argsort(apart, axis=1, kind="stable")[:, :NEAREST_NODES]]
+            ways = np.stack([spots[nearest], np.repeat(some[:, None], nearest.shape[1], 1)], axis=2)
+            clear = shapely.contains_properly(room, shapely.linestrings(ways)) & roomy[nearest]
+            for i in np.flatnonzero(clear.any(axis=1) | ~roomy[nearest].all(axis=1)).tolist():
+                x, y = some[i].tolist()
+                for k, is_clear in zip(nearest[i].tolist(), clear[i].tolist(), strict=True):
+                    if is_clear:
+                        return Way(x, y, k, roomy=True)
+                    if not roomy[k] and self._leaves_a_narrow_node(nodes[k], x, y):
+                        return Way(x, y, k, roomy=False)
+            done, many = done + many, MANY_PLACES
+        return "not reachable"
+
+    def _place_asked_for(
+        self,
+        places: FloatArray,
+        spots: FloatArray,
+        leads: Callable[[int, float, float], bool],
+    ) -> Way | Refusal:
+        asked = 0
+        for x, y in places.tolist():
             distances = np.hypot(spots[:, 0] - x, spots[:, 1] - y)
             for k in np.argsort(distances, kind="stable")[:NEAREST_NODES].tolist():
-                if leads is not None:
-                    if asked == MOST_ASKED:
-                        return reason
-                    asked += 1
-                    if leads(k, x, y):
-                        return Way(x, y, k, roomy=False)
-                elif roomy[k]:
-                    line = shapely.LineString([spots[k], (x, y)])
-                    if shapely.contains_properly(room, line):
-                        return Way(x, y, k, roomy=True)
-                elif self._leaves_a_narrow_node(nodes[k], x, y):
+                if asked == MOST_ASKED:
+                    return "not reachable"
+                asked += 1
+                if leads(k, x, y):
                     return Way(x, y, k, roomy=False)
-        return reason
+        return "not reachable"
+
+    def _is_narrow(self, node: Viewpoint) -> bool:
+        return not self.body.has_room(node.region.boundary, node.configuration)
 
     def _leaves_a_narrow_node(self, node: Viewpoint, x: float, y: float) -> bool:
+        assert not isinstance(self.kinematics, Car)
         boundary, at = node.region.boundary, node.configuration
-        if isinstance(self.kinematics, Car) or self.body.has_room(boundary, at):
-            return False
         return steer(self.body, self.kinematics, boundary, at, x, y) is not None
 
 

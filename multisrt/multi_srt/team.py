@@ -253,8 +253,8 @@ class Team:
                 yield from self.learn(message.entries)
             case OrdersMessage():
                 self._heard(message.sender)
-                own = message.order_for(self.number)
-                if (self.number, self.step) in message.key and own is not None:
+                concerns_me = message.order_for(self.number) is not None
+                if (self.number, self.step) in message.key and concerns_me:
                     self.orders = {message.key: message}
 
     def _take_state(self, state: RobotState) -> None:

@@ -255,7 +255,13 @@ def test_questions_and_orders_wake_and_news_do_not():
     assert StateMessage(sender=0, states=said, asked=(2,)).wakes
     assert WantMessage(sender=0, have=()).wakes
     assert not EntriesMessage(sender=0, entries=()).wakes
-    orders = OrdersMessage(sender=0, key=((0, 1), (1, 2)), orders={0: Order(order="keep")})
+    orders = OrdersMessage(
+        sender=0,
+        key=((0, 1), (1, 2)),
+        orders=((0, Order(order="keep")),),
+        feasible=(),
+        unfeasible=(0, 1),
+    )
     assert orders.wakes
     assert orders.size_bytes > 20
 

@@ -25,6 +25,7 @@ from multisrt.supervision import fingerprint
 from multisrt.testing import ExplorerDefect, check_explorer, two_rooms
 
 WORLD = two_rooms()
+NOTHING = object()
 HALL = Environment("hall", shapely.box(0.0, 0.0, 6.0, 6.0))
 
 
@@ -52,7 +53,14 @@ def explorer(act):
     """Give an explorer that acts as a function says, which is given it."""
 
     class Acting(Base):
-        pass
+        def run(self):
+            actions = self.act()
+            if hasattr(actions, "send"):
+                yield from actions
+            else:
+                while (action := next(actions, NOTHING)) is not NOTHING:
+                    yield action
+            yield Done(complete=True, reason="enough")
 
     Acting.act = act
     return Acting
@@ -72,7 +80,7 @@ def refused(make, match, **more):
 # What keeps to the contract ---------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", [s.name for s in strategies() if s.name.startswith("srt")])
+@pytest.mark.parametrize("name", ["srt-star", "srt-radial"])
 def test_the_strategies_of_the_registry_pass(name):
     checked = check_explorer(strategy(name), worlds=[WORLD])
     assert checked.name == name
@@ -119,12 +127,12 @@ def test_something_to_run_is_asked_for():
 
 def test_a_check_leaves_no_trace():
     before = [s.name for s in strategies()]
-    states = random.getstate(), np.random.get_state()[1].tolist()
+    states = random.getstate(), np.random.get_state()[1].tolist()  # noqa: NPY002
     clocks = time.time, time.monotonic_ns, datetime.datetime, clock
     check(Base)
     refused(explorer(lambda self: iter([1])), "no action")
     assert [s.name for s in strategies()] == before
-    assert (random.getstate(), np.random.get_state()[1].tolist()) == states
+    assert (random.getstate(), np.random.get_state()[1].tolist()) == states  # noqa: NPY002
     assert (time.time, time.monotonic_ns, datetime.datetime, clock) == clocks
 
 
@@ -159,7 +167,7 @@ def test_its_own_stream_of_random_numbers_is_allowed():
     check(drives_by(lambda self: self.me.rng.random()))
 
 
-@pytest.mark.parametrize("draw", [lambda _: random.random(), lambda _: np.random.rand()])
+@pytest.mark.parametrize("draw", [lambda _: random.random(), lambda _: np.random.rand()])  # noqa: NPY002
 def test_global_random_numbers(draw):
     assert "rng" in refused(drives_by(draw), "global random numbers").remedy
 
@@ -260,9 +268,7 @@ def test_state_of_what_runs_at_the_same_time():
             Turnstile.inside.discard(id(self))
 
     with pytest.raises(ExplorerDefect, match="shares state with explorers that run at the same"):
-        check_explorer(
-            Turnstile, worlds=[HALL, HALL], teams=[1], robot=RobotSpec(start=(3.0, 3.0))
-        )
+        check_explorer(Turnstile, worlds=[HALL, HALL], teams=[1], robot=RobotSpec(start=(3.0, 3.0)))
 
 
 # What it is given -------------------------------------------------------------------------
@@ -344,9 +350,9 @@ def test_sightings():
             object.__setattr__(sighting, "robot", 9)
         yield Sense()
 
-    refused(
-        explorer(act), "tuple of sightings that it was sent was changed", teams=(2,), world=HALL
-    )
+    robot = RobotSpec(range_finder=RangeFinderSpec(range_m=10.0))
+    what = "tuple of sightings that it was sent was changed"
+    refused(explorer(act), what, teams=(2,), robot=robot)
 
 
 def test_a_trajectory():
@@ -363,7 +369,7 @@ def test_a_trajectory():
         yield Sense()
 
     check(explorer(act))
-    check(explorer(act_later))  # It is over by then.
+    refused(explorer(act_later), "the Move that it had yielded was changed")
 
 
 # What it yields ---------------------------------------------------------------------------
@@ -444,14 +450,6 @@ def test_every_drive_has_its_own_motions(drive, move, match):
 
 
 def test_moving_twice_and_done_on_the_way():
-    def twice(self):
-        yield Send(Hello(sender=self.me.robot, place=np.zeros(1)))
-        yield Sense()
-        way = Trajectory((Waypoint(0.0, *self.at), Waypoint(9.0, *self.at)))
-        told = yield Move(trajectory=way, listen=True)
-        assert isinstance(told, Received)
-        yield self.after(way)
-
     class Awake(Hello, frozen=True, kw_only=True):
         @property
         def wakes(self):
@@ -518,11 +516,11 @@ def test_what_it_was_told_of_is_known(tells):
             yield Receive(timeout_s=1.0)
             yield self.to(x=0.2 if self.at.x < 3.0 else -0.2)
 
-    make = explorer(act)
+    robot = RobotSpec(drive=DriveSpec(kind="holonomic"), range_finder=RangeFinderSpec(range_m=10.0))
     if tells:
-        check(make, teams=(2,))
+        check(explorer(act), teams=(2,), robot=robot)
     else:
-        refused(make, "robot 1 of 2 .* neither sensed", teams=(2,))
+        refused(explorer(act), "robot 1 of 2 .* neither sensed", teams=(2,), robot=robot)
 
 
 def test_a_laser_shows_what_lies_between_its_beams():

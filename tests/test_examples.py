@@ -1,0 +1,66 @@
+import ast
+import importlib.util
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from multisrt import registry
+
+EXAMPLES = Path(__file__).parent.parent / "examples"
+
+
+def load(name):
+    spec = importlib.util.spec_from_file_location(f"examples_{name}", EXAMPLES / f"{name}.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_an_explorer_of_ones_own(monkeypatch, tmp_path, capsys):
+    known = dict(registry._registry())
+    monkeypatch.setattr(registry, "_registry", lambda: known)
+    load("own_explorer").main(folder=tmp_path)
+    told = capsys.readouterr().out
+    assert "nearest-frontier keeps to the contract of explorers" in told
+    assert "99." in told or "100.0% covered" in told
+    assert (tmp_path / "own_explorer.svg").read_text().count("<path") > 10
+
+
+def test_an_explorer_has_less_than_forty_lines():
+    text = (EXAMPLES / "own_explorer.py").read_text()
+    tree = ast.parse(text)
+    explorer = next(n for n in tree.body if isinstance(n, ast.ClassDef) and n.name != "Options")
+    lines = set(range(explorer.lineno, explorer.end_lineno + 1))
+    for node in ast.walk(explorer):
+        if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant):
+            lines -= set(range(node.lineno, node.end_lineno + 1))
+    assert sum(bool(text.splitlines()[k - 1].strip()) for k in lines) < 40
+
+
+def test_the_comparison(capsys):
+    load("compare_srt").main(environment="open", teams=(1, 2), seeds=2)
+    rows = [line.split() for line in capsys.readouterr().out.splitlines()[2:]]
+    assert [row[:2] for row in rows] == [
+        [strategy, robots] for strategy in ("srt-star", "srt-radial") for robots in "12"
+    ]
+    assert all(row[-3:] == ["2", "of", "2"] for row in rows)
+
+
+def test_the_faults(tmp_path, capsys):
+    load("faults").main(folder=tmp_path)
+    told = capsys.readouterr().out
+    for what in ("robot 1: Died", "robot 2: FellSilent", "robot 3: Joined", "takes 1 as lost"):
+        assert what in told
+    assert "Robot 0 at 100.00 s" in told
+    assert (tmp_path / "faults.svg").exists()
+
+
+@pytest.mark.parametrize("name", ["own_explorer"])
+def test_an_example_runs_as_a_file(name, tmp_path):
+    run = subprocess.run(
+        [sys.executable, EXAMPLES / f"{name}.py"], cwd=tmp_path, capture_output=True, check=False
+    )
+    assert run.returncode == 0, run.stderr.decode()
+    assert (tmp_path / "out" / "examples" / f"{name}.svg").exists()

@@ -23,7 +23,7 @@ NodeName = tuple[int, int]
 Stage = Literal["root", "draw", "approach", "complete", "coordinate"]
 """How a node's place was found: by a stage of the planner, or by a master that organised."""
 
-Purpose = Literal["explore", "support", "home", "give way", "retreat"]
+Purpose = Literal["explore", "support", "home", "give way"]
 """Why a robot moves."""
 
 
@@ -51,9 +51,8 @@ class Motion(Event, frozen=True, kw_only=True, tag="motion"):
         Times from the start of the run. Between two waypoints the body moves with a constant
         twist: straight where the heading stays, in place where the position stays, else on a
         circular arc. Headings are not wrapped, so turns are signed.
-    purpose : {"explore", "support", "home", "give way", "retreat"}
-        Why: for its own tree, to or for another's, back to its root, out of another's way, or
-        back to where it came from, because a body stood in its way.
+    purpose : {"explore", "support", "home", "give way"}
+        Why: for its own tree, to or for another's, back to its root, or out of another's way.
     """
 
     waypoints: tuple[tuple[float, float, float, float], ...]
@@ -72,7 +71,8 @@ class NodeAdded(Event, frozen=True, kw_only=True, tag="node"):
     configuration : (x, y, heading)
         Where the scan was taken.
     stage : {"root", "draw", "approach", "complete", "coordinate"}
-        How the place was found.
+        How the place was found; `coordinate`: by a master, or where a protective stop ended a
+        motion.
     boundary : tuple of (x, y)
         The local safe region, counter-clockwise, not closed.
     tags : str

@@ -55,7 +55,6 @@ PURPOSES = {
     "support": "to support another tree",
     "home": "to go home",
     "give way": "to give way",
-    "retreat": "to go back from a body in its way",
 }
 
 

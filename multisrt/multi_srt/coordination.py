@@ -217,6 +217,31 @@ class MasterWits:
             if motion is not None:
                 yield motion
 
+    def detours(
+        self, robot: int, gap_m: float, prospects: Mapping[int, Prospect]
+    ) -> Iterator[Trajectory]:
+        """Find places in what a robot sees from which its target can be gone to straight.
+
+        The ways are straight and pass those who stand there at a distance.
+        """
+        state, body = self._state(robot), self._body(robot)
+        if state.node is None or isinstance(state.kinematics, Car):
+            return
+        boundary, target = self.robot.map[state.node].region.boundary, prospects[robot].target
+        bodies = [other.body for number, other in prospects.items() if number != robot]
+        options = []
+        for _, x, y in self._fan(robot, state, gap_m):
+            onwards = math.dist((x, y), target)
+            if body.disc_reach(boundary, x, y, *target) >= onwards:
+                options.append((math.dist(state.place[:2], (x, y)) + onwards, x, y))
+        for _, x, y in sorted(options):
+            at = Configuration(x, y, 0.0)
+            rest = Sweep(body.footprint, _line(at, Configuration(*target, 0.0)))
+            if all(rest.distance_to(other) >= gap_m for other in bodies):
+                motion = self._straight(robot, x, y)
+                if motion is not None:
+                    yield motion
+
     def ways_aside(
         self, robot: int, way: Sweep, gap_m: float, prospects: Mapping[int, Prospect]
     ) -> Iterator[tuple[float, Trajectory, NodeId | None]]:
@@ -246,20 +271,9 @@ class MasterWits:
         assert state.node is not None
         if isinstance(state.kinematics, Car):
             return
-        body, at = self._body(robot), Configuration(*state.place)
-        boundary = self.robot.map[state.node].region.boundary
-        directions = np.linspace(0.0, 2.0 * math.pi, ASIDE_DIRECTIONS, endpoint=False)
-        limits = reach_fan(body, state.kinematics, boundary, at, directions, state.range_m)
-        options = sorted(
-            (share * limit, k)
-            for k, limit in enumerate(limits.tolist())
-            for share in ASIDE_SHARES
-            if share * limit > 2.0 * gap_m
-        )
-        for length, k in options:
-            x = at.x + length * math.cos(directions[k])
-            y = at.y + length * math.sin(directions[k])
-            place = Sweep(body.footprint, _standing(Configuration(x, y, at.heading)))
+        body, heading = self._body(robot), state.place[2]
+        for length, x, y in self._fan(robot, state, gap_m):
+            place = Sweep(body.footprint, _standing(Configuration(x, y, heading)))
             if place.distance_to(way) >= gap_m:
                 motion = self._straight(robot, x, y)
                 if motion is not None:
@@ -292,6 +306,28 @@ class MasterWits:
         places = [known[node].configuration for node in route]
         length = math.fsum(a.distance(b) for a, b in zip(places, places[1:], strict=False))
         yield length, _line(Configuration(*state.place), places[1]), route[1]
+
+    def _fan(self, robot: int, state: RobotState, gap_m: float) -> list[tuple[float, float, float]]:
+        # Places that a robot gets to straight, the nearest first: how far they are, x and y.
+        assert state.node is not None
+        body, at = self._body(robot), Configuration(*state.place)
+        boundary = self.robot.map[state.node].region.boundary
+        directions = np.linspace(0.0, 2.0 * math.pi, ASIDE_DIRECTIONS, endpoint=False)
+        limits = reach_fan(body, state.kinematics, boundary, at, directions, state.range_m)
+        options = sorted(
+            (share * limit, k)
+            for k, limit in enumerate(limits.tolist())
+            for share in ASIDE_SHARES
+            if share * limit > 2.0 * gap_m
+        )
+        return [
+            (
+                length,
+                at.x + length * math.cos(directions[k]),
+                at.y + length * math.sin(directions[k]),
+            )
+            for length, k in options
+        ]
 
     def _straight(self, robot: int, x: float, y: float) -> Trajectory | None:
         state, body = self._state(robot), self._body(robot)

@@ -177,6 +177,11 @@ class Wits(Protocol):
     def new_targets(self, robot: int) -> Iterator[Trajectory]:
         """Draw other targets for a robot, in the order in which they shall be tried."""
 
+    def detours(
+        self, robot: int, gap_m: float, prospects: Mapping[int, Prospect]
+    ) -> Iterator[Trajectory]:
+        """Find first steps of ways around those who stand in a robot's way, shortest first."""
+
     def ways_aside(
         self, robot: int, way: Sweep, gap_m: float, prospects: Mapping[int, Prospect]
     ) -> Iterator[tuple[float, Trajectory, NodeId | None]]:
@@ -241,6 +246,14 @@ def organize(conflicts: Conflicts, wits: Wits) -> Arrangement:
     for i in rest:
         if prospects[i].frontier_m > 0.0:
             for motion in wits.new_targets(i):
+                way = wits.sweep(i, motion)
+                if is_clear(i, way):
+                    grant(i, Order(order="new target", path=path_of(motion)), motion, way)
+                    break
+    for i in rest:
+        if i not in orders and (standing := conflicts.in_the_way(i)):
+            gap = max(conflicts.gap(i, j) for j in standing)
+            for motion in wits.detours(i, gap, prospects):
                 way = wits.sweep(i, motion)
                 if is_clear(i, way):
                     grant(i, Order(order="new target", path=path_of(motion)), motion, way)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from contextlib import suppress
 from collections.abc import Generator
 
 from multisrt.explorer import Action, Done, Outcome, RobotSelf
@@ -52,6 +53,8 @@ class SrtExplorer:
         while True:
             outcome = yield self.done(boxed_in=True)
             yield from robot.team.take(outcome)
+            with suppress(BoxedIn):
+                yield from obey(robot)
 
     def finish_tree(self) -> Steps:
         """Tell that the own tree is done."""

@@ -32,8 +32,12 @@ Choice = Literal[
 Plan = Generator[Action, Outcome, tuple[Choice, Target | None]]
 Planner = Callable[[SrtRobot, FloatArray, Draws], Plan]
 
-MOST_TRIES = 20
-"""A robot that is boxed in by bodies that do not answer gives up after so many tries."""
+MOST_WAITS = 3
+"""A robot that was told to wait so often in a row plans anew."""
+
+MOST_TRIES = 12
+"""After so many tries a robot plans around those who stand in its way; and if it is boxed in,
+it gives up."""
 
 
 class BoxedIn(Exception):
@@ -110,6 +114,10 @@ def decide(
     """
     team, here = robot.team, robot.here
     assert here is not None
+    if team.waited >= MOST_WAITS:
+        robot.target = None
+    if team.waited >= MOST_TRIES:
+        robot.avoid_who_stands()
     target = robot.target if _is_worth_it(robot) else None
     if target is None:
         draws = Draws()
@@ -253,6 +261,7 @@ def move_to(robot: SrtRobot, step: Step | None) -> Steps:
     team.arrival_s = robot.time_s + step.motion.duration_s
     yield from team.announce("moving")
     moved = yield from follow(robot, step)
+    robot.avoided.clear()
     if moved.blocked_by is None:
         robot.here = step.node
     else:

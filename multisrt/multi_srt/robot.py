@@ -148,6 +148,8 @@ class SrtRobot:
         What it is on its way to, over several steps.
     bodies : dict of int to Sighting
         Robots that stand where they were seen and do not answer.
+    avoided : dict of int to Sighting
+        Robots that stood in its way for so long that it plans around them.
     tried : dict of NodeId to float
         Trees that it has supported, with the open frontier that it could do nothing about.
     considered : tuple of NodeId
@@ -180,6 +182,7 @@ class SrtRobot:
         self.completing = False
         self.exhausted: set[NodeId] = set()
         self.bodies: dict[int, Sighting] = {}
+        self.avoided: dict[int, Sighting] = {}
         self.tried: dict[NodeId, float] = {}
         self.considered: tuple[NodeId, ...] = ()
         self.boxed_in = 0
@@ -270,15 +273,32 @@ class SrtRobot:
         """Whether a node's frontier is this robot's concern: that of the tree it is active in."""
         return self.map.has_frontier(node) and self.map.tree(node) == self.tree
 
+    @property
+    def obstacles(self) -> dict[int, Sighting]:
+        """Bodies to plan around: those that do not answer, and those that did not give way."""
+        return {**self.bodies, **self.avoided}
+
+    def avoid_who_stands(self) -> None:
+        """Plan around the robots near by that stand idle, as if they did not answer."""
+        for number, _ in self.team.key:
+            state = self.team.states.get(number)
+            if state is not None and state.phase == "idle":
+                self.avoided[number] = Sighting(
+                    robot=number,
+                    configuration=Configuration(*state.place),
+                    footprint=self.team.footprint(number),
+                )
+
     # Other bodies ------------------------------------------------------------------------
 
     def blocking(self, motion: Trajectory) -> int | None:
         """Give a robot that does not answer and stands in the way of a motion, if there is one."""
-        if not self.bodies:
+        bodies = self.obstacles
+        if not bodies:
             return None
         sweep = Sweep(self.me.footprint, motion)
         standing = Sweep(self.me.footprint, standing_at(self.q_act))
-        for number, sighting in self.bodies.items():
+        for number, sighting in bodies.items():
             body = Sweep(sighting.footprint, standing_at(sighting.configuration))
             if sweep.distance_to(body) < least_gap(
                 standing.distance_to(body), self.options.guard_m
@@ -288,28 +308,28 @@ class SrtRobot:
 
     def is_passable(self, a: NodeId, b: NodeId) -> bool:
         """Whether no robot that does not answer stands on the way between two nodes."""
-        if not self.bodies:
+        bodies = self.obstacles
+        if not bodies:
             return True
-        (ax, ay, _), (bx, by, _) = self.map[a].configuration, self.map[b].configuration
+        (ax, ay, heading), (bx, by, _) = self.map[a].configuration, self.map[b].configuration
+        if a == self.here:
+            line = Trajectory((Waypoint(0.0, ax, ay, heading), Waypoint(1.0, bx, by, heading)))
+            return self.blocking(line) is None
         way = shapely.LineString([(ax, ay), (bx, by)])
-        for sighting in self.bodies.values():
-            x, y, _ = sighting.configuration
+        for sighting in bodies.values():
             reach = (
                 self.body.outer_radius_m
                 + sighting.footprint.circumscribed_radius_m
                 + self.options.guard_m
             )
-            if (
-                way.distance(shapely.Point(x, y)) < reach
-                and self.q_act.distance(sighting.configuration) >= reach
-            ):
+            if way.distance(shapely.Point(sighting.configuration[:2])) < reach:
                 return False
         return True
 
     def refuse(self, x: float, y: float) -> str | None:
         """Say why the robot cannot go straight to a candidate; None if it can."""
         assert self.here is not None
-        if not self.bodies and not self.is_car:
+        if not self.obstacles and not self.is_car:
             return None
         way = self.ways.to_place(self.q_act, self.map[self.here].region.boundary, x, y)
         if way is None:

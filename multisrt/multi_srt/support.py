@@ -10,7 +10,14 @@ from multisrt.events import Supports
 from multisrt.exploration_map import NodeId
 from multisrt.explorer import Action, Note, Outcome
 from multisrt.geometry.kernel import FloatArray
-from multisrt.multi_srt.build_srt import Plan, build_srt, move_to, perceive, take_steps
+from multisrt.multi_srt.build_srt import (
+    MOST_WAITS,
+    Plan,
+    build_srt,
+    move_to,
+    perceive,
+    take_steps,
+)
 from multisrt.multi_srt.robot import KnownNode, SrtRobot
 from multisrt.planners.srt import Draws
 
@@ -24,9 +31,6 @@ MOMENT_S = 1.0
 
 AWAY_S = 5.0
 """A robot that gave way and is out of sight of its home goes there again after this time."""
-
-MOST_WAITS = 3
-"""So often in a row a robot lets itself be told to wait where it need not go on."""
 
 
 def support_others(robot: SrtRobot) -> Steps:

@@ -62,6 +62,7 @@ class Team:
         self._said = 0
         self._told: tuple[int, int] = (0, 0)
         self._wanted: dict[int, float] = {}
+        self._spoke_s: dict[int, float] = {}
         radio, options = robot.me.radio, robot.options
         self.round_trip_s = 2.0 * radio.latency_s
         self.period_s = options.ask_period_s + self.round_trip_s
@@ -230,14 +231,23 @@ class Team:
         own = self.state()
         if self.hears_all or (to is None and self.robot.me.radio.multi_hop):
             return (own,)
+        # Nobody vouches for whom it has not itself heard lately: the dead would live on.
+        lately = self.robot.time_s - self.patience * self.period_s
         members = (number for number, _ in self.key if number != self.number)
-        return (own, *(self.states[n] for n in members if n in self.states and n not in self.lost))
+        return (
+            own,
+            *(
+                self.states[n]
+                for n in members
+                if n not in self.lost and self._spoke_s.get(n, -math.inf) >= lately
+            ),
+        )
 
     def _take_message(self, message: object) -> Talk:
         match message:
             case StateMessage():
                 for state in message.states:
-                    self._take_state(state)
+                    self._take_state(state, message.sender)
                 yield from self.learn(message.entries)
                 own = message.states[0]
                 if self.number in message.asked or (message.ask and self._concerns_me(own)):
@@ -257,10 +267,12 @@ class Team:
                 if (self.number, self.step) in message.key and concerns_me:
                     self.orders = {message.key: message}
 
-    def _take_state(self, state: RobotState) -> None:
+    def _take_state(self, state: RobotState, sender: int) -> None:
         number = state.robot
         if number == self.number:
             return
+        if number == sender:
+            self._spoke_s[number] = self.robot.time_s
         known = self.states.get(number)
         if known is None or state.said >= known.said:
             self.states[number] = state

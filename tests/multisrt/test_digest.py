@@ -3,15 +3,26 @@ import json
 import os
 import subprocess
 import sys
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
 from pathlib import Path
 
 import msgspec
 import pytest
 
 from multisrt.environments.catalog import environment
+from multisrt.events import Died, Organized, Sent
 from multisrt.recording import Recording
 from multisrt.simulation import simulate
-from multisrt.spec import CatalogEnvironment, FileEnvironment, RobotSpec, RunSpec, inline
+from multisrt.spec import (
+    CatalogEnvironment,
+    Death,
+    FileEnvironment,
+    RadioSpec,
+    RobotSpec,
+    RunSpec,
+    inline,
+)
 
 ROOT = Path(__file__).parents[2]
 
@@ -22,6 +33,18 @@ CAVE = RunSpec(
     robots=(RobotSpec(footprint="box:0.5x0.3"),),
     seed=6,
 )
+TEAMS = [
+    RunSpec(
+        environment=CatalogEnvironment(name="rooms", parameters={"size_m": 16.0}),
+        strategy=strategy,
+        robots=(RobotSpec(),) * 4,
+        starts="clustered",
+        radio=RadioSpec(loss=0.2, latency_s=0.5, jitter_s=0.2),
+        faults=(Death(robot=1, time_s=20.0, when="moving"),),
+        seed=seed,
+    )
+    for strategy, seed in (("srt-radial", 1), ("srt-star", 2), ("srt-radial", 3))
+]
 
 IN_A_PROCESS_OF_ITS_OWN = """
 import json, sys
@@ -65,6 +88,23 @@ def test_equal_specs_give_equal_bytes_in_any_process_and_order(tmp_path):
         bytes_here = (tmp_path / "here.jsonl").read_bytes()
         assert (folders[0] / f"{k}.jsonl").read_bytes() == bytes_here
         assert (folders[1] / f"{1 - k}.jsonl").read_bytes() == bytes_here
+
+
+def test_teams_give_equal_recordings_with_any_number_of_workers():
+    here = [simulate(spec) for spec in TEAMS]
+    for run in here:
+        assert [event.robot for event in run.events if isinstance(event, Died)] == [1]
+        assert any(isinstance(event, Organized) for event in run.events)
+        sent = [event for event in run.events if isinstance(event, Sent)]
+        assert any(len(event.reached) < 3 for event in sent if event.time_s < 20.0)
+    assert len({run.footer.digest for run in here}) == len(TEAMS)
+    # Every process has its own string hashes, and makes these runs in another order.
+    for workers, order in ((1, [2, 0, 1]), (2, [0, 1, 2])):
+        with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
+            there = pool.map(simulate, [TEAMS[k] for k in order])
+            for k, run in zip(order, there, strict=True):
+                assert run.footer == here[k].footer
+                assert run.events == here[k].events
 
 
 def test_a_world_at_hand_and_one_built_from_the_spec_are_the_same():

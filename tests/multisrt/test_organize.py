@@ -51,15 +51,21 @@ def prospect(robot, *places, frontier_m=1.0, body=DISC, heading=0.0, waited=0) -
 
 
 class ByHand:
-    """Knows what it was told: other targets, and ways aside with their lengths."""
+    """Knows what it was told: other targets, ways around, and ways aside with their lengths."""
 
-    def __init__(self, targets=None, aside=None, bodies=None):
+    def __init__(self, targets=None, around=None, aside=None, bodies=None):
         self.targets = targets or {}
+        self.around = around or {}
         self.aside = aside or {}
         self.bodies = bodies or {}
+        self.asked = []
 
     def new_targets(self, robot):
         yield from self.targets.get(robot, ())
+
+    def detours(self, robot, gap_m, prospects):
+        self.asked.append((robot, gap_m))
+        yield from self.around.get(robot, ())
 
     def ways_aside(self, robot, way, gap_m, prospects):
         yield from self.aside.get(robot, ())
@@ -246,6 +252,10 @@ class InThePlane:
 
     def new_targets(self, robot):
         for _, motion in self._goes(robot, (2.0,)):
+            yield motion
+
+    def detours(self, robot, gap_m, prospects):
+        for _, motion in self._goes(robot, (1.0, 3.0)):
             yield motion
 
     def ways_aside(self, robot, way, gap_m, prospects):
@@ -443,6 +453,64 @@ def test_who_waits_for_another_does_not_drive_it_away_when_it_has_a_new_target()
     wits = ByHand(targets={0: [back]}, aside={1: [(1.0, line((2, 0), (2, 1)), None)]})
     arrangement = organize(Conflicts(prospects, GUARD_M), wits)
     assert orders_of(arrangement) == {0: "new target", 1: "wait"}
+
+
+def blocked(frontier_m=1.0) -> Conflicts:
+    """Robot 1 stands in the way of robot 0, with 1.5 m between their bodies."""
+    goes = prospect(0, (0, 0), (4, 0), frontier_m=frontier_m)
+    return Conflicts({0: goes, 1: prospect(1, (2, 0), frontier_m=0.0)}, GUARD_M)
+
+
+@pytest.mark.parametrize("frontier_m", [0.0, 1.0])
+def test_who_can_go_around_does_not_drive_the_other_away(frontier_m):
+    # Also a robot that goes for no frontier: it is on its way home, or to a tree.
+    through, around = line((0, 0), (6, 0)), line((0, 0), (0, 3), (4, 3))
+    wits = ByHand(
+        around={0: [through, around, line((0, 0), (0, -3))]},
+        aside={1: [(0.1, line((2, 0), (2, 1)), None)]},
+    )
+    arrangement = organize(blocked(frontier_m), wits)
+    assert orders_of(arrangement) == {0: "new target", 1: "wait"}
+    assert arrangement.orders[0].path == path_of(around)
+    assert arrangement.targets == {0: (4, 3), 1: (2, 0)}
+    # The way around keeps the distance that the ways of these two must keep.
+    assert wits.asked == [(0, blocked().gap(0, 1))] == [(0, 1.2 * GUARD_M)]
+
+
+def test_a_new_target_is_better_than_a_way_around():
+    back = line((0, 0), (-3, 0))
+    wits = ByHand(targets={0: [back]}, around={0: [line((0, 0), (0, 3))]})
+    arrangement = organize(blocked(), wits)
+    assert arrangement.orders[0].path == path_of(back)
+    assert wits.asked == []
+
+
+def test_who_finds_no_way_around_has_the_other_clear_the_way():
+    wits = ByHand(
+        around={0: [line((0, 0), (3, 0.5))]}, aside={1: [(1.0, line((2, 0), (2, 1)), None)]}
+    )
+    assert orders_of(organize(blocked(), wits)) == {0: "wait", 1: "give way"}
+
+
+def test_only_who_is_blocked_by_a_body_looks_for_a_way_around():
+    # Robot 1 waits for robot 0 to pass; nothing stands in its own way.
+    wits = ByHand(around={1: [line((2, -2), (2, -5))]})
+    assert orders_of(organize(crossing(3.0, 1.0), wits)) == {0: "keep", 1: "wait"}
+    assert wits.asked == []
+
+
+def test_a_way_around_keeps_clear_of_those_that_go():
+    # Robot 2 goes its way above; a way around through that is none, below is free.
+    prospects = {
+        0: prospect(0, (0, 0), (4, 0)),
+        1: prospect(1, (2, 0), frontier_m=0.0),
+        2: prospect(2, (4, 2), (-1, 2), frontier_m=5.0),
+    }
+    below = line((0, 0), (0, -2), (4, -2))
+    wits = ByHand(around={0: [line((0, 0), (0, 2), (4, 2)), below]})
+    arrangement = organize(Conflicts(prospects, GUARD_M), wits)
+    assert orders_of(arrangement) == {0: "new target", 1: "wait", 2: "keep"}
+    assert arrangement.orders[0].path == path_of(below)
 
 
 def test_three_in_a_cycle():

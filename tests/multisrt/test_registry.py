@@ -5,6 +5,7 @@ import pytest
 
 from multisrt import registry
 from multisrt.geometry.errors import InvalidInputError
+from multisrt.multi_srt.options import MultiSrtOptions
 from multisrt.planners.srt import SrtOptions
 from multisrt.registry import Strategy, register, strategies, strategy
 
@@ -55,7 +56,10 @@ def test_duplicates_are_refused(own):
 
 def test_options_have_defaults(own):
     assert own.parse_options({}) == Options()
-    assert strategy("srt-star").parse_options({}) == SrtOptions()
+    given = strategy("srt-star").parse_options({})
+    assert given == MultiSrtOptions()
+    # A robot of a team explores its own tree as one that is alone.
+    assert msgspec.structs.asdict(SrtOptions()).items() <= msgspec.structs.asdict(given).items()
 
 
 @pytest.mark.parametrize(

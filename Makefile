@@ -9,13 +9,13 @@ OUT := out
 .PHONY: help demo test lint bench results docs clean
 
 help:
-	@echo "make demo   a team of four explores the museum with SRT-Radial and SRT-Star; pictures in $(OUT)/demo"
-	@echo "make test   run the tests"
-	@echo "make lint   check style, types and import rules"
-	@echo "make bench  print the benchmarks' ratios"
+	@echo "make demo     a team of four explores the museum with SRT-Radial and SRT-Star; pictures in $(OUT)/demo"
+	@echo "make test     run the tests"
+	@echo "make lint     check style, types and import rules"
+	@echo "make bench    print the benchmarks' ratios"
 	@echo "make results  explore with Multi-SRT in the worlds of its paper, over many seeds (hours); goes on where it stopped"
-	@echo "make docs   write the API reference to site/"
-	@echo "make clean  remove the virtual environment and all that was generated"
+	@echo "make docs     write the API reference to site/"
+	@echo "make clean    remove the virtual environment and all that was generated"
 
 $(READY): pyproject.toml constraints.txt
 	@$(PYTHON) -c 'import sys; (3, 11) <= sys.version_info[:2] <= (3, 13) or sys.exit("multisrt needs Python 3.11 to 3.13, not %d.%d: make PYTHON=python3.12" % sys.version_info[:2])'

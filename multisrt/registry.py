@@ -7,6 +7,7 @@ Other packages add their own by an entry point in the group `multisrt.strategies
 from __future__ import annotations
 
 import difflib
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cache
@@ -149,10 +150,13 @@ def _srt(shape: Shape, summary: str) -> Strategy:
 def _require_reach(spec: RunSpec) -> None:
     # Whoever may become engaged must be heard before: R_c >= 3 R_p (Multi-SRT, section 2).
     reach, ranges = spec.radio.range_m, [robot.range_finder.range_m for robot in spec.robots]
-    if len(spec.robots) > 1 and reach is not None and reach < 3.0 * max(ranges):
+    least = 3.0 * max(ranges)
+    if len(spec.robots) == 1 or reach is None or math.isclose(reach, least):
+        return
+    if reach < least:
         raise InvalidInputError(
             f"{spec.strategy} needs a radio range of at least three times the sensor range: "
-            f"{3.0 * max(ranges):g} m for a sensor range of {max(ranges):g} m, not {reach:g} m; "
+            f"{least:g} m for a sensor range of {max(ranges):g} m, not {reach:g} m; "
             "give a longer radio range, or none for an unlimited one"
         )
 

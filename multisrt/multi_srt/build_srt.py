@@ -57,6 +57,7 @@ def take_steps(robot: SrtRobot, plan: Planner) -> Steps:
             if robot.here is None:
                 region = yield from perceive(robot)
                 yield from robot.add(region)
+                robot.resume()
             yield from look(robot)
             ger = yield from build_ger(robot, gpr)
             frontier = local_frontier(robot)

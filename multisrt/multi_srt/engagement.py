@@ -149,8 +149,23 @@ def _meet(robot: SrtRobot, group: Iterable[int], phase: Phase) -> Generator[Acti
             raise Regroup
         yield from team.hear(max(0.0, deadline - robot.time_s))
         if robot.time_s >= deadline:
-            yield from team.ask([n for n in pending if not _has_come(robot, n, phase)])
+            late = [n for n in pending if not _has_come(robot, n, phase)]
+            yield from team.ask(late + _disputed(robot, late))
             deadline = robot.time_s + team.period_s
+
+
+def _disputed(robot: SrtRobot, pending: list[int]) -> list[int]:
+    # Members that those who are waited for leave out: one that stands idle may be dead.
+    key = [number for number, _ in robot.team.key]
+    keys = [robot.team.states[number].key for number in pending]
+    theirs = [{number for number, _ in other} for other in keys if other]
+    return [
+        number
+        for number in key
+        if number != robot.team.number
+        and number not in pending
+        and any(number not in other for other in theirs)
+    ]
 
 
 def _has_come(robot: SrtRobot, number: int, phase: Phase) -> bool:

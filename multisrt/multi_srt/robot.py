@@ -405,13 +405,28 @@ class SrtRobot:
                 parent=here,
                 purpose="give way",
             )
+        # A detour: from the new place on to where the robot was going.
+        target = self.target
+        rest = None
+        if order.order == "new target" and target is not None and len(target.way) > 1:
+            rest = replace(target, way=target.way[1:])
         return Step(
             way=OutAndBack(motion_of(order.path)),
             node=None,
+            rest=rest,
             parent=here,
             stage="coordinate",
             purpose="give way" if order.order == "give way" else None,
         )
+
+    def resume(self) -> None:
+        """From a new node on a detour, go on to the old target if it can be gone to straight."""
+        target, here = self.target, self.here
+        if target is None or here is None or target.way[0] == here:
+            return
+        self.ways.extend()
+        joined = target.way[0] in self.ways.roadmap.neighbours(here)
+        self.target = replace(target, way=(here, *target.way)) if joined else None
 
     def way(self, start: NodeId, end: NodeId) -> list[NodeId] | None:
         """Find the shortest way between two nodes that no robot blocks."""

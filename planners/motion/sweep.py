@@ -13,6 +13,9 @@ from multisrt.geometry.arrays import FloatArray
 from multisrt.geometry.footprint import Footprint, place
 from multisrt.planners.motion.trajectory import NO_TURN_RAD, Trajectory, Waypoint, leg_pose
 
+NO_WAY_M = 1e-9
+"""A shorter way is none; lines of hardly any length have no distance that could be computed."""
+
 SAGITTA_M = 0.002
 """What a chord may leave out of an arc; so much the pad is wider than it had to be."""
 
@@ -77,7 +80,7 @@ def _of_disc(footprint: Footprint, waypoints: tuple[Waypoint, ...]) -> tuple[Bas
     points = [waypoints[0][1:3]]
     left_out = 0.0
     for a, b in pairwise(waypoints):
-        if (a.x, a.y) == (b.x, b.y):
+        if math.dist(a[1:3], b[1:3]) < NO_WAY_M:
             continue
         chords, sagitta = _chords(a, b, 0.0)
         left_out = max(left_out, sagitta)

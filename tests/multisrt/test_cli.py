@@ -373,6 +373,10 @@ def bad_worlds(folder: Path) -> None:
         (["room.wkt", "--robot", "range=0"], "range"),
         (["room.wkt", "--radio-range", "-1"], "range_m of a radio"),
         (["room.wkt", "--loss", "1"], "loss of a radio"),
+        (
+            ["room.wkt", "--robots", "2", "--range", "2.5", "--radio-range", "7"],
+            "7.5 m for a sensor range of 2.5 m, not 7 m",
+        ),
         (["room.wkt", "--walls", "weaken"], "give range_m"),
         (["room.wkt", "--fault", "death:1@30"], "there is no such robot"),
         (["room.wkt", "--fault", "death:0@30", "--max-time", "20"], "not within the run"),

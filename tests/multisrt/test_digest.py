@@ -3,8 +3,6 @@ import json
 import os
 import subprocess
 import sys
-from concurrent.futures import ProcessPoolExecutor
-from multiprocessing import get_context
 from pathlib import Path
 
 import msgspec
@@ -19,8 +17,10 @@ from multisrt.spec import (
     Death,
     FileEnvironment,
     RadioSpec,
+    RangeFinderSpec,
     RobotSpec,
     RunSpec,
+    StopRule,
     inline,
 )
 
@@ -53,6 +53,21 @@ from multisrt.spec import RunSpec
 for order, text in enumerate(json.load(sys.stdin)):
     recording = simulate(RunSpec.from_json(text), path=f"{sys.argv[1]}/{order}.jsonl")
     print(recording.footer.digest)
+"""
+
+IN_A_POOL = """
+import json, sys
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
+from multisrt.simulation import simulate
+from multisrt.spec import RunSpec
+
+def digest(text):
+    return simulate(RunSpec.from_json(text)).footer.digest
+
+if __name__ == "__main__":
+    with ProcessPoolExecutor(int(sys.argv[1]), mp_context=get_context("spawn")) as pool:
+        print(*pool.map(digest, json.load(sys.stdin)))
 """
 
 
@@ -90,21 +105,34 @@ def test_equal_specs_give_equal_bytes_in_any_process_and_order(tmp_path):
         assert (folders[1] / f"{1 - k}.jsonl").read_bytes() == bytes_here
 
 
-def test_teams_give_equal_recordings_with_any_number_of_workers():
-    here = [simulate(spec) for spec in TEAMS]
-    for run in here:
+@pytest.fixture(scope="module")
+def teams():
+    """The runs of `TEAMS`, made here; what has to come the same way every time has happened."""
+    runs = [simulate(spec) for spec in TEAMS]
+    for run in runs:
         assert [event.robot for event in run.events if isinstance(event, Died)] == [1]
         assert any(isinstance(event, Organized) for event in run.events)
         sent = [event for event in run.events if isinstance(event, Sent)]
         assert any(len(event.reached) < 3 for event in sent if event.time_s < 20.0)
-    assert len({run.footer.digest for run in here}) == len(TEAMS)
-    # Every process has its own string hashes, and makes these runs in another order.
-    for workers, order in ((1, [2, 0, 1]), (2, [0, 1, 2])):
-        with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
-            there = pool.map(simulate, [TEAMS[k] for k in order])
-            for k, run in zip(order, there, strict=True):
-                assert run.footer == here[k].footer
-                assert run.events == here[k].events
+    assert len({run.footer.digest for run in runs}) == len(TEAMS)
+    return runs
+
+
+@pytest.mark.parametrize(("workers", "order"), [(1, [2, 0, 1]), (2, [0, 1, 2])])
+def test_teams_give_equal_digests_with_any_number_of_workers(teams, tmp_path, workers, order):
+    # Every process has string hashes of its own, and comes to these runs after other ones.
+    script = tmp_path / "pool.py"
+    script.write_text(IN_A_POOL)
+    done = subprocess.run(
+        [sys.executable, str(script), str(workers)],
+        input=json.dumps([TEAMS[k].to_json() for k in order]),
+        env=os.environ | {"PYTHONHASHSEED": "random"},
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert done.stdout.split() == [teams[k].footer.digest for k in order]
 
 
 def test_a_world_at_hand_and_one_built_from_the_spec_are_the_same():
@@ -137,6 +165,32 @@ def test_a_recording_is_the_same_with_a_watcher_and_without():
 def test_another_spec_gives_another_digest(other):
     spec = RunSpec(**{"environment": APARTMENT.environment, "seed": 5} | other)
     assert simulate(spec).footer.digest != simulate(APARTMENT).footer.digest
+
+
+SHORT = RunSpec(
+    environment=CatalogEnvironment(name="open", parameters={"size_m": 8.0}),
+    stop=StopRule(max_time_s=5.0),
+)
+
+
+@pytest.mark.xfail(
+    strict=True, reason="a spec is written with what equals a default, and as the type it came in"
+)
+@pytest.mark.parametrize(
+    "more",
+    [
+        {"radio": RadioSpec(loss=float("0"))},
+        {"robots": (RobotSpec(range_finder=RangeFinderSpec(range_m=float("4"))),)},
+        {"stop": StopRule(max_time_s=5)},
+        {"strategy": "-".join(["srt", "radial"])},
+    ],
+)
+def test_equal_specs_give_equal_digests_however_they_were_made(tmp_path, more):
+    spec = msgspec.structs.replace(SHORT, **more)
+    assert spec == SHORT
+    run = simulate(spec, path=tmp_path / "run.jsonl")
+    assert run.footer.digest == simulate(SHORT).footer.digest
+    assert Recording.load(tmp_path / "run.jsonl").footer == run.footer
 
 
 def test_a_map_file_that_changes_gives_another_digest(tmp_path):

@@ -31,6 +31,7 @@ from multisrt.spec import (
     Fault,
     LateStart,
     RadioSpec,
+    RangeFinderSpec,
     RobotSpec,
     RunSpec,
     Silence,
@@ -176,9 +177,38 @@ def test_a_team_with_a_radio_of_limited_range_comes_to_an_end(multi_hop, walls):
     check_end(explore(spec), spec)
 
 
-def test_a_radio_that_is_too_short_for_the_range_finder_is_refused():
-    with pytest.raises(InvalidInputError, match=r"12 m for a sensor range of 4 m, not 11\.9"):
-        explore(spec_of("open", 2, seed=0, radio=RadioSpec(range_m=11.9)))
+def with_ranges(sensors_m, radio_m) -> RunSpec:
+    robots = tuple(RobotSpec(range_finder=RangeFinderSpec(range_m=m)) for m in sensors_m)
+    return RunSpec(
+        environment=CatalogEnvironment(name="open", parameters=WORLDS["open"]),
+        robots=robots,
+        radio=RadioSpec(range_m=radio_m),
+        stop=StopRule(max_time_s=1.0),
+    )
+
+
+@pytest.mark.parametrize(
+    ("sensors_m", "radio_m", "said"),
+    [
+        ((4.0, 4.0), 11.9, "12 m for a sensor range of 4 m, not 11.9 m;"),
+        ((2.0, 5.0, 4.0), 12.0, "15 m for a sensor range of 5 m, not 12 m;"),
+        ((4.0, 4.0), 0.0, "12 m for a sensor range of 4 m, not 0 m;"),
+    ],
+)
+def test_a_radio_that_is_too_short_for_the_range_finder_is_refused(sensors_m, radio_m, said):
+    with pytest.raises(InvalidInputError) as error:
+        explore(with_ranges(sensors_m, radio_m))
+    assert said in str(error.value)
+    assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("sensors_m", "radio_m"),
+    # Three times 1.1 and 4.4 are not 3.3 and 13.2 in binary numbers; nobody hears who is alone.
+    [((4.0, 4.0), 12.0), ((1.1, 1.1), 3.3), ((4.4, 4.4), 13.2), ((4.0,), 1.0)],
+)
+def test_a_radio_that_reaches_just_far_enough_is_not_refused(sensors_m, radio_m):
+    assert explore(with_ranges(sensors_m, radio_m)).footer.outcome == "out_of_time"
 
 
 def trouble(seed: int) -> RunSpec:

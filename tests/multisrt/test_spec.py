@@ -11,12 +11,15 @@ from multisrt.geometry.errors import InvalidInputError
 from multisrt.planners.motion.kinematics import Differential, Holonomic
 from multisrt.spec import (
     CatalogEnvironment,
+    Death,
     DriveSpec,
     FileEnvironment,
     InlineEnvironment,
+    LateStart,
     RangeFinderSpec,
     RobotSpec,
     RunSpec,
+    Silence,
     StopRule,
     build_environment,
     environment_spec,
@@ -212,6 +215,45 @@ def test_lengths_rates_and_times_are_positive_and_finite(build, field, named, ba
 def test_starts_are_two_or_three_finite_numbers(start):
     with pytest.raises(InvalidInputError, match="start"):
         RobotSpec(start=start)
+
+
+RUN_OF_A_MINUTE = {
+    "environment": CatalogEnvironment(name="open"),
+    "robots": (RobotSpec(),) * 2,
+    "stop": StopRule(max_time_s=60.0),
+}
+
+
+@pytest.mark.parametrize("time_s", [60.0, 1e9, math.inf, math.nan, -1.0])
+@pytest.mark.parametrize(
+    ("build", "what"),
+    [
+        (lambda time_s: Death(robot=1, time_s=time_s), "death"),
+        (lambda time_s: Silence(robot=1, time_s=time_s, duration_s=5.0), "silence"),
+        (lambda time_s: LateStart(robot=1, time_s=time_s), "late start"),
+    ],
+)
+def test_a_fault_that_is_not_within_the_run_is_refused(build, what, time_s):
+    before = Death(robot=0, time_s=59.9)
+    with pytest.raises(InvalidInputError) as error:
+        RunSpec(**RUN_OF_A_MINUTE, faults=(before, build(time_s)))
+    assert str(error.value) == (
+        f"fault 2 ({what} of robot 1): at {time_s:g} s, which is not within the run; "
+        "it ends at 60 s (stop.max_time_s)"
+    )
+
+
+@pytest.mark.parametrize("robot", [-1, 2])
+def test_a_fault_of_no_robot_is_refused(robot):
+    with pytest.raises(InvalidInputError, match="there is no such robot; the 2 count from 0"):
+        RunSpec(**RUN_OF_A_MINUTE, faults=(LateStart(robot=robot, time_s=1.0),))
+
+
+@pytest.mark.parametrize(("kind", "named"), [(Death, "death"), (LateStart, "late_start")])
+def test_nobody_dies_or_begins_twice(kind, named):
+    faults = tuple(kind(robot=1, time_s=time_s) for time_s in (1.0, 2.0))
+    with pytest.raises(InvalidInputError, match=f"robot 1 has more than one fault {named}"):
+        RunSpec(**RUN_OF_A_MINUTE, faults=faults)
 
 
 def test_a_holonomic_drive_has_finite_limits_too():

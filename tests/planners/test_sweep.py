@@ -48,6 +48,13 @@ def test_a_disc_that_turns_in_place_stands():
     assert Sweep(DISC, turn).bounds == (0.75, 0.75, 1.25, 1.25)
 
 
+@pytest.mark.parametrize("step", [5e-324, 1e-195, 1e-160, 1e-12])
+def test_a_disc_that_hardly_moves_stands(step):
+    way = Trajectory((Waypoint(0.0, 0.0, 0.0, 0.0), Waypoint(1.0, 0.0, step, 0.0)))
+    assert Sweep(DISC, way).distance_to(Sweep(DISC, standing(3.0, 4.0))) == pytest.approx(4.5)
+    assert Sweep(DISC, way).distance_to(Sweep(DISC, standing(0.0, 0.0))) == 0.0
+
+
 def test_a_box_that_turns_round_fills_its_circle():
     turn = Trajectory((Waypoint(0.0, 0.0, 0.0, 0.0), Waypoint(1.0, 0.0, 0.0, 2.0 * math.pi)))
     sweep = Sweep(BOX, turn)

@@ -248,6 +248,7 @@ def move_to(robot: SrtRobot, step: Step | None) -> Steps:
     team = robot.team
     if step is None:
         team.step += 1
+        team.rounds = 0
         team.waited += 1
         team.path, team.frontier_m = (), 0.0
         yield from team.announce("waiting")
@@ -257,7 +258,7 @@ def move_to(robot: SrtRobot, step: Step | None) -> Steps:
     robot.came = step
     robot.target = step.rest
     team.step += 1
-    team.waited = 0
+    team.rounds = team.waited = 0
     team.path, team.frontier_m = path_of(step.motion), 0.0
     team.arrival_s = robot.time_s + step.motion.duration_s
     yield from team.announce("moving")

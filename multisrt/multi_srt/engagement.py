@@ -32,6 +32,13 @@ REACHED: dict[Phase, int] = {"waiting": 0, "perceived": 1, "planned": 2, "moving
 """How far a robot has come in its step."""
 
 
+MOST_ROUNDS = 40
+"""After so many rounds of questions in one step a robot goes on without those it cannot agree with."""
+
+IGNORED_S = 30.0
+"""For so long it then leaves them out."""
+
+
 class Regroup(Exception):
     """The group has changed since it was built: the step begins anew, without perceiving again."""
 
@@ -151,7 +158,19 @@ def _meet(robot: SrtRobot, group: Iterable[int], phase: Phase) -> Generator[Acti
         if robot.time_s >= deadline:
             late = [n for n in pending if not _has_come(robot, n, phase)]
             yield from team.ask(late + _disputed(robot, late))
+            team.rounds += 1
+            if team.rounds > MOST_ROUNDS:
+                _go_on_without(robot, late)
             deadline = robot.time_s + team.period_s
+
+
+def _go_on_without(robot: SrtRobot, late: list[int]) -> None:
+    # Robots that hear one another, but not the same others, may never agree who is in the
+    # group. Rather than wait for ever, one goes around the other, guarded by its protective stop.
+    for number in late:
+        robot.team.ignored_until_s[number] = robot.time_s + IGNORED_S
+        robot.avoid(number)
+    robot.team.rounds = 0
 
 
 def _disputed(robot: SrtRobot, pending: list[int]) -> list[int]:
@@ -172,7 +191,7 @@ def _has_come(robot: SrtRobot, number: int, phase: Phase) -> bool:
     # A member that stands idle is always there, and so is one that has gone on with this group.
     team = robot.team
     state, step = team.states[number], dict(team.key)[number]
-    if number in team.lost or (state.node is not None and state.node not in robot.map):
+    if team.is_out(number) or (state.node is not None and state.node not in robot.map):
         return False
     if state.step == step and state.phase == "idle":
         return True
@@ -185,7 +204,7 @@ def _has_come(robot: SrtRobot, number: int, phase: Phase) -> bool:
 def is_elsewhere(robot: SrtRobot, number: int, phase: Phase) -> bool:
     """Whether a member does not step with this group: it is lost, gone, or in another one."""
     team = robot.team
-    if number in team.lost:
+    if team.is_out(number):
         return True
     state, step = team.states[number], dict(team.key)[number]
     if state.key == team.key:

@@ -22,7 +22,7 @@ from multisrt.geometry.kernel import FloatArray
 from multisrt.geometry.safe_region import LocalSafeRegion, Shape
 from multisrt.multi_srt.messages import Order
 from multisrt.multi_srt.options import MultiSrtOptions
-from multisrt.multi_srt.organize import least_gap, motion_of
+from multisrt.multi_srt.organize import BEYOND_GUARD, least_gap, motion_of
 from multisrt.multi_srt.team import Team
 from multisrt.multi_srt.ways import OutAndBack, Ways
 from multisrt.planners.motion.body import PlanningBody
@@ -283,11 +283,15 @@ class SrtRobot:
         for number, _ in self.team.key:
             state = self.team.states.get(number)
             if state is not None and state.phase == "idle":
-                self.avoided[number] = Sighting(
-                    robot=number,
-                    configuration=Configuration(*state.place),
-                    footprint=self.team.footprint(number),
-                )
+                self.avoid(number)
+
+    def avoid(self, number: int) -> None:
+        """Plan around a robot until the next step is made."""
+        self.avoided[number] = Sighting(
+            robot=number,
+            configuration=Configuration(*self.team.states[number].place),
+            footprint=self.team.footprint(number),
+        )
 
     # Other bodies ------------------------------------------------------------------------
 
@@ -320,7 +324,7 @@ class SrtRobot:
             reach = (
                 self.body.outer_radius_m
                 + sighting.footprint.circumscribed_radius_m
-                + self.options.guard_m
+                + BEYOND_GUARD * self.options.guard_m
             )
             if way.distance(shapely.Point(sighting.configuration[:2])) < reach:
                 return False

@@ -61,6 +61,8 @@ class Team:
         self.waited = 0
         self._said = 0
         self._told: tuple[int, int] = (0, 0)
+        self.rounds = 0
+        self.ignored_until_s: dict[int, float] = {}
         self._wanted: dict[int, float] = {}
         self._spoke_s: dict[int, float] = {}
         radio, options = robot.me.radio, robot.options
@@ -98,9 +100,13 @@ class Team:
 
     def gpr(self) -> tuple[int, ...]:
         """Give the group of pre-engaged robots, this one among them."""
-        present = {n: s for n, s in self.states.items() if n not in self.lost}
+        present = {n: s for n, s in self.states.items() if not self.is_out(n)}
         present[self.number] = self.state()
         return group_of(self.number, present, are_coupled)
+
+    def is_out(self, number: int) -> bool:
+        """Whether a robot is not stepped with: it is lost, or the two could not agree."""
+        return number in self.lost or self.ignored_until_s.get(number, 0.0) > self.robot.time_s
 
     def key_of(self, group: Iterable[int]) -> Key:
         """Name a group and the step that it is about to make."""

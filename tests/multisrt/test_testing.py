@@ -82,7 +82,7 @@ def refused(make, match, **more):
 
 @pytest.mark.parametrize("name", ["srt-star", "srt-radial"])
 def test_the_strategies_of_the_registry_pass(name):
-    checked = check_explorer(strategy(name), worlds=[WORLD])
+    checked = check_explorer(strategy(name), worlds=[WORLD], max_actions=3000)
     assert checked.name == name
     assert [run.outcome for run in checked.runs] == ["complete", "complete"]
     assert [run.robots for run in checked.runs] == [1, 3]

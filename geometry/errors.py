@@ -23,5 +23,9 @@ class ClearanceError(InvalidInputError):
     """
 
     def __init__(self, message: str, clearance_m: float) -> None:
-        super().__init__(message)
+        # Both are arguments of the exception, so that it can be copied.
+        super().__init__(message, clearance_m)
         self.clearance_m = clearance_m
+
+    def __str__(self) -> str:
+        return str(self.args[0])

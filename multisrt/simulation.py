@@ -344,6 +344,11 @@ class _Simulation:
                     if isinstance(event, Organized):
                         self._doom(robot, "master")
                 case Done():
+                    if robot.move is not None:
+                        raise InvalidInputError(
+                            f"the explorer of robot {robot.number} yielded Done while a motion "
+                            "goes on; yield Receive to wait for its end, or Stop"
+                        )
                     self._finish(robot, action)
                     if not action.on_call:
                         return

@@ -33,7 +33,7 @@ def clutter(
     Parameters
     ----------
     size_m : float
-        Inner width and height, 5 to 100 m.
+        Inner width and height, 5 to 250 m.
     cover : float
         Share of the field that obstacles cover, 0.02 to 0.25.
     obstacle_m : float
@@ -48,7 +48,7 @@ def clutter(
     InvalidInputError
         If a parameter is out of range, or the obstacles do not fit.
     """
-    size_m = number("clutter", "size_m", size_m, 5.0, 100.0)
+    size_m = number("clutter", "size_m", size_m, 5.0, 250.0)
     cover = number("clutter", "cover", cover, 0.02, 0.25)
     obstacle_m = number("clutter", "obstacle_m", obstacle_m, 1.0, 6.0)
     passage_m = number("clutter", "passage_m", passage_m, 0.8, 4.0)

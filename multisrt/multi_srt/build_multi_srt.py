@@ -67,7 +67,8 @@ class SrtExplorer:
         nodes = robot.map.open_nodes(robot.root)
         frontier = [robot.map.frontier(node) for node in nodes]
         if boxed_in:
-            reason = f"boxed in by robots {sorted(robot.bodies)}, which do not answer"
+            around = sorted(robot.obstacles)
+            reason = "boxed in" + (f" by robots {around}, which do not give way" if around else "")
             if nodes:
                 reason += f", with {_length(frontier):.1f} m of frontier left open"
         elif nodes:

@@ -29,10 +29,7 @@ BODIES = {
 """Footprints as text, and their corners written out once more; a disc has a radius of 0.25 m."""
 
 
-SMALL = {
-    "rooms": {"size_m": 20.0, "rooms_per_side": 3},
-    "office": {"width_m": 24.0, "height_m": 18.0},
-}
+SMALL = {"rooms": {"size_m": 20.0, "rooms_per_side": 3}}
 """Worlds that are as good when they are smaller."""
 
 
@@ -161,10 +158,7 @@ def test_options(options):
 
 def test_without_its_later_stages_it_stops_early_but_never_collides():
     run = ms.explore(
-        ms.environment("office"),
-        options={"approach": False, "complete": False},
-        seed=1,
-        max_time_s=1e6,
+        world("office"), options={"approach": False, "complete": False}, seed=1, max_time_s=1e6
     )
     assert run.outcome == "stalled"
     assert "frontier left open" in run.reason

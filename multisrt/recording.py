@@ -325,7 +325,7 @@ def header_of(spec: RunSpec, environment: Environment, starts: tuple[Configurati
     )
     return Header(
         versions=_versions(),
-        spec=spec,
+        spec=spec.canonical(),
         world=environment.name,
         free=free,
         starts=tuple((*start,) for start in starts),

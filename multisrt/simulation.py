@@ -245,9 +245,8 @@ class _Simulation:
         max_time = self.spec.stop.max_time_s
         while not self._is_over() and self.clock.peek() <= max_time:
             self.clock.step()
-        if self.collision is None and not self._is_over() and self.clock.peek() > max_time:
-            if math.isfinite(self.clock.peek()):
-                return self._run_out_of_time(max_time)
+        if not self._is_over() and max_time < self.clock.peek() < math.inf:
+            return self._run_out_of_time(max_time)
         outcome, reason = self._outcome()
         return self.recorder.finish(self.last_s, outcome, reason)
 
@@ -405,11 +404,11 @@ class _Simulation:
                     raise _Dead
                 if (moved := self._motion_ended(robot)) is not None:
                     return moved
-                if hears and robot.mailbox:
-                    if robot.move is None or any(m.wakes for m in robot.mailbox):
-                        messages = tuple(robot.mailbox)
-                        robot.mailbox.clear()
-                        return Received(messages, self.now)
+                awake = robot.move is None or any(m.wakes for m in robot.mailbox)
+                if hears and robot.mailbox and awake:
+                    messages = tuple(robot.mailbox)
+                    robot.mailbox.clear()
+                    return Received(messages, self.now)
                 if times_out is not None and times_out.processed:
                     return TimedOut(self.now)
                 yield from self._sleep(robot)

@@ -378,6 +378,10 @@ class RunSpec(_Spec, frozen=True, kw_only=True):
                 if robots.count(robot) > 1:
                     raise InvalidInputError(f"robot {robot} has more than one fault {name}")
 
+    def canonical(self) -> RunSpec:
+        """Give this spec in the one form that all specs equal to it have when they are written."""
+        return cast(RunSpec, _less_defaults(RunSpec.from_json(msgspec.json.encode(self))))
+
     def to_json(self) -> str:
         """Write the spec as JSON."""
         return msgspec.json.format(msgspec.json.encode(self), indent=2).decode()
@@ -417,6 +421,19 @@ class RunSpec(_Spec, frozen=True, kw_only=True):
             return msgspec.toml.decode(text, type=cls)
         except (msgspec.MsgspecError, RecursionError) as error:
             raise InvalidInputError(f"not a run spec: {error}") from None
+
+
+def _less_defaults(part: Any) -> Any:
+    # What is written leaves out a default itself, but not what equals it: so leave that out here.
+    if isinstance(part, tuple):
+        return tuple(map(_less_defaults, part))
+    if not isinstance(part, _Spec):
+        return part
+    given = {f.name: getattr(part, f.name) for f in msgspec.structs.fields(part)}
+    defaults = {f.name: f.default for f in msgspec.structs.fields(part)}
+    return type(part)(
+        **{name: _less_defaults(v) for name, v in given.items() if v != defaults[name]}
+    )
 
 
 _FAULTS = {Death: "death", Silence: "silence", LateStart: "late start"}

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from contextlib import suppress
 from collections.abc import Generator
+from contextlib import suppress
 
 from multisrt.explorer import Action, Done, Outcome, RobotSelf
 from multisrt.geometry.frontier_arcs import total_length

@@ -20,8 +20,8 @@ from multisrt.geometry.scan import Scan
 from multisrt.multi_srt.coordination import check_feasibility, coordinate
 from multisrt.multi_srt.engagement import Regroup, agree, build_and_wait_gpr, build_ger
 from multisrt.multi_srt.organize import path_of
-from multisrt.multi_srt.ways import OutAndBack
 from multisrt.multi_srt.robot import KnownNode, NewPlace, SrtRobot, Step, Target
+from multisrt.multi_srt.ways import OutAndBack
 from multisrt.planners.motion.trajectory import Trajectory
 from multisrt.planners.srt import Draws
 
@@ -117,7 +117,7 @@ def decide(
     assert here is not None
     if team.waited >= MOST_WAITS:
         robot.target = None
-    if team.waited >= MOST_TRIES:
+    if team.troubles >= MOST_TRIES:
         robot.avoid_who_stands()
     target = robot.target if _is_worth_it(robot) else None
     if target is None:
@@ -269,7 +269,20 @@ def move_to(robot: SrtRobot, step: Step | None) -> Steps:
     else:
         yield from stop_here(robot, step, moved)
     team.path = ()
+    if robot.here is not None and step.purpose != "give way":
+        team.troubles = max(0, team.troubles - 1)
+    if step.purpose == "give way":
+        yield from stand_aside(robot)
     yield from team.begin_step()
+
+
+def stand_aside(robot: SrtRobot) -> Steps:
+    """Having given way, stand idle for a while, so that the other can pass without asking."""
+    if robot.here is None:
+        yield from robot.add((yield from perceive(robot)))
+    yield from robot.team.rest()
+    share = 0.5 + 0.5 * robot.me.rng.random()
+    yield from robot.team.pause(robot.options.pause_s * share * (1 + robot.team.troubles))
 
 
 def follow(robot: SrtRobot, step: Step) -> Generator[Action, Outcome, Moved]:

@@ -7,6 +7,7 @@ is taken as lost; the group is built anew without it, and the next highest numbe
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Generator, Iterator, Mapping
 from dataclasses import dataclass
@@ -115,6 +116,7 @@ def coordinate(
     if order is None:
         raise AssertionError(f"robot {message.sender} left robot {team.number} out of its orders")
     after = robot.step_by(order, step)
+    team.troubles += order.order != "keep"
     x, y, _ = robot.q_act
     yield Note(
         Coordinated(
@@ -304,7 +306,7 @@ class MasterWits:
         if route is None or len(route) < 2:
             return
         places = [known[node].configuration for node in route]
-        length = math.fsum(a.distance(b) for a, b in zip(places, places[1:], strict=False))
+        length = math.fsum(a.distance(b) for a, b in itertools.pairwise(places))
         yield length, _line(Configuration(*state.place), places[1]), route[1]
 
     def _fan(self, robot: int, state: RobotState, gap_m: float) -> list[tuple[float, float, float]]:

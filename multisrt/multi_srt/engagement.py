@@ -33,7 +33,7 @@ REACHED: dict[Phase, int] = {"waiting": 0, "perceived": 1, "planned": 2, "moving
 
 
 MOST_ROUNDS = 40
-"""After so many rounds of questions in one step a robot goes on without those it cannot agree with."""
+"""After so many rounds of questions in one step a robot goes on without who does not agree."""
 
 IGNORED_S = 30.0
 """For so long it then leaves them out."""

@@ -127,7 +127,9 @@ class Conflicts:
         """Give the robots that stand in the way of one."""
         way = self.prospects[i].way
         return [
-            j for j, other in self.prospects.items() if j != i and self.meet(i, way, j, other.body)
+            j
+            for j in sorted(self.prospects)
+            if j != i and self.meet(i, way, j, self.prospects[j].body)
         ]
 
 
@@ -185,7 +187,7 @@ class Wits(Protocol):
     def ways_aside(
         self, robot: int, way: Sweep, gap_m: float, prospects: Mapping[int, Prospect]
     ) -> Iterator[tuple[float, Trajectory, NodeId | None]]:
-        """Find where a robot could leave another's way: how far that is in all, and its first step."""
+        """Find where a robot could leave another's way: how far that is, and its first step."""
 
     def sweep(self, robot: int, motion: Trajectory) -> Sweep:
         """Give what a robot's body sweeps."""

@@ -150,7 +150,7 @@ def is_near_enough(robot: SrtRobot, way: list[NodeId]) -> bool:
     Another robot stands at its end, and has nothing to do that would take it away; or the end
     is within range and the robot was told to wait time after time.
     """
-    if robot.team.waited >= MOST_WAITS and robot.way_length_m(way) <= robot.me.range_m:
+    if robot.team.troubles >= MOST_WAITS and robot.way_length_m(way) <= robot.me.range_m:
         return True
     at = robot.map[way[-1]].configuration
     reach = 2.0 * robot.body.outer_radius_m + robot.options.guard_m

@@ -173,9 +173,6 @@ SHORT = RunSpec(
 )
 
 
-@pytest.mark.xfail(
-    strict=True, reason="a spec is written with what equals a default, and as the type it came in"
-)
 @pytest.mark.parametrize(
     "more",
     [

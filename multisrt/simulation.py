@@ -224,6 +224,8 @@ class _Simulation:
             for number, robot in enumerate(spec.robots)
         ]
         self.on_the_air = 0
+        self.places: list[tuple[float, float]] = []
+        self.places_at_s = -1.0
         self.last_s = 0.0
         self.collision: Collision | None = None
 
@@ -557,7 +559,7 @@ class _Simulation:
         deliveries: list[tuple[int, float]] = []
         lost: list[int] = []
         if robot.hears:
-            positions = [r.place or self.traffic.where(r.number, self.now)[:2] for r in self.robots]
+            positions = self._places()
             working = [r.hears for r in self.robots]
             deliveries, lost = self.radio.deliveries(robot.number, to, positions, working)
         self._record(
@@ -576,6 +578,15 @@ class _Simulation:
                 self._later(delay_s, partial(self._arrive, self.robots[receiver], message))
             else:
                 self._deliver(self.robots[receiver], message)
+
+    def _places(self) -> list[tuple[float, float]]:
+        # Where all robots are; much is said at one moment.
+        if self.places_at_s != self.now:
+            self.places_at_s = self.now
+            self.places = [
+                r.place or self.traffic.where(r.number, self.now)[:2] for r in self.robots
+            ]
+        return self.places
 
     def _arrive(self, robot: _Robot, message: Message) -> None:
         self.on_the_air -= 1

@@ -105,16 +105,33 @@ def _line_of_sight(
 
 
 @kernel
-def _inside_on_both_sides(
+def crossings(
     ax: float,
     ay: float,
     ux: float,
     uy: float,
     edges: FloatArray,
     crossed: NDArray[np.int64],
-) -> float:
-    # How much of a segment has obstacles on its left and on its right. One that runs along a
-    # wall on its left and later along one on its right has none.
+) -> tuple[FloatArray, NDArray[np.int64], NDArray[np.int64]]:
+    """Tell where a line crosses edges, and what that means a hair beside it.
+
+    Parameters
+    ----------
+    ax, ay, ux, uy : float
+        A point of the line, and the unit vector along it.
+    edges : (n, 4) array
+        The edges, free space on their left.
+    crossed : (k,) array
+        Which of them the line meets; none is parallel to it.
+
+    Returns
+    -------
+    at : (k,) array
+        Where, in metres from the point.
+    right, left : (k,) arrays
+        Whether the line a hair beside it enters an obstacle there (1), leaves one (-1) or
+        neither (0).
+    """
     n = crossed.shape[0]
     at = np.empty(n)
     right, left = np.zeros(n, np.int64), np.zeros(n, np.int64)
@@ -128,6 +145,21 @@ def _inside_on_both_sides(
         into = 1 if side_q > side_p else -1
         right[k] = into if (side_p > 0.0) != (side_q > 0.0) else 0
         left[k] = into if (side_p < 0.0) != (side_q < 0.0) else 0
+    return at, right, left
+
+
+@kernel
+def _inside_on_both_sides(
+    ax: float,
+    ay: float,
+    ux: float,
+    uy: float,
+    edges: FloatArray,
+    crossed: NDArray[np.int64],
+) -> float:
+    # How much of a segment has obstacles on its left and on its right. One that runs along a
+    # wall on its left and later along one on its right has none.
+    at, right, left = crossings(ax, ay, ux, uy, edges, crossed)
     inside = 0.0
     depth_right = depth_left = 0
     previous = 0.0

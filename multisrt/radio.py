@@ -18,6 +18,7 @@ from multisrt.explorer import RadioSelf
 from multisrt.geometry.arrays import BoolArray, IntArray
 from multisrt.geometry.edge_index import EdgeIndex
 from multisrt.geometry.kernel import FloatArray, kernel
+from multisrt.geometry.line_of_sight import crossings
 from multisrt.spec import RadioSpec
 
 TOUCH_M = 1e-9
@@ -243,21 +244,10 @@ def _passages(line: FloatArray, edges: FloatArray, across: IntArray) -> int:
     ax, ay = line[0], line[1]
     length = np.hypot(line[2] - ax, line[3] - ay)
     ux, uy = (line[2] - ax) / length, (line[3] - ay) / length
-    n = across.shape[0]
-    at = np.empty(n)
-    right, left = np.zeros(n, np.int64), np.zeros(n, np.int64)
-    for k in range(n):
-        e = across[k]
-        px, py = edges[e, 0] - ax, edges[e, 1] - ay
-        qx, qy = edges[e, 2] - ax, edges[e, 3] - ay
-        side_p, side_q = ux * py - uy * px, ux * qy - uy * qx
-        fraction = side_p / (side_p - side_q)
-        at[k] = ux * (px + fraction * (qx - px)) + uy * (py + fraction * (qy - py))
-        if not 0.0 < at[k] < length:
-            continue
-        into = 1 if side_q > side_p else -1
-        right[k] = into if (side_p > 0.0) != (side_q > 0.0) else 0
-        left[k] = into if (side_p < 0.0) != (side_q < 0.0) else 0
+    at, right, left = crossings(ax, ay, ux, uy, edges, across)
+    beyond = (at <= 0.0) | (at >= length)
+    right[beyond] = 0
+    left[beyond] = 0
     passages = 0
     depth_right = depth_left = 0
     entered, left_behind = 0.0, -np.inf

@@ -118,7 +118,7 @@ def simulate(
     starts = starts_of(spec, environment)
     index = EdgeIndex(environment.edges, max(r.range_finder.range_m for r in spec.robots) / 3.0)
     radio = Radio(spec.radio, index, random_stream(spec.seed, "radio"))
-    joins = {fault.robot: fault.time_s for fault in spec.faults if isinstance(fault, LateStart)}
+    joins = _joins(spec)
     explorers = [
         chosen.explorer(
             RobotSelf(
@@ -155,6 +155,11 @@ def _collision_world(environment: Environment) -> CollisionWorld:
     return CollisionWorld(environment.free)
 
 
+def _joins(spec: RunSpec) -> dict[int, float]:
+    # When the robots begin that come late.
+    return {fault.robot: fault.time_s for fault in spec.faults if isinstance(fault, LateStart)}
+
+
 class _Later(simpy.Event):  # type: ignore[misc]
     """Something that happens after a delay, at a moment's end where it must not forestall."""
 
@@ -187,7 +192,6 @@ class _Robot:
         self.arrival_s = 0.0
         self.encounter: Encounter | None = None
         self.move: Move | None = None
-        self.place: tuple[float, float] | None = None
         self.waits = False
         self.doom: Death | None = None
         self.end: Ended | None = None
@@ -235,7 +239,7 @@ class _Simulation:
 
     def run(self, explorers: list[Explorer], starts: tuple[Configuration, ...]) -> Recording:
         self.traffic = Traffic([robot.body for robot in self.robots], starts, self.index)
-        joins = {f.robot: f.time_s for f in self.spec.faults if isinstance(f, LateStart)}
+        joins = _joins(self.spec)
         for fault in self.spec.faults:
             self._foresee(fault)
         for robot in self.robots:
@@ -439,7 +443,7 @@ class _Simulation:
             robot, trajectory if trajectory.duration_s <= left else trajectory.until(left)
         ):
             return False
-        robot.move, robot.set_out_s, robot.place = move, self.now, None
+        robot.move, robot.set_out_s = move, self.now
         robot.arrival_s = self.now + trajectory.duration_s
         self.traffic.begin(number, self.now, trajectory, move.guard_m)
         self._later(trajectory.duration_s, robot.poke)
@@ -502,7 +506,6 @@ class _Simulation:
                 purpose=move.purpose,
             )
         )
-        robot.place = driven.end[:2]
         self._foresee_others(robot)
         return Moved(configuration=driven.end, time_s=self.now)
 
@@ -583,9 +586,7 @@ class _Simulation:
         # Where all robots are; much is said at one moment.
         if self.places_at_s != self.now:
             self.places_at_s = self.now
-            self.places = [
-                r.place or self.traffic.where(r.number, self.now)[:2] for r in self.robots
-            ]
+            self.places = [self.traffic.where(r.number, self.now)[:2] for r in self.robots]
         return self.places
 
     def _arrive(self, robot: _Robot, message: Message) -> None:

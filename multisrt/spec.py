@@ -374,7 +374,7 @@ class RunSpec(_Spec, frozen=True, kw_only=True):
         late = [fault.robot for fault in self.faults if isinstance(fault, LateStart)]
         dead = [fault.robot for fault in self.faults if isinstance(fault, Death)]
         for name, robots in (("late_start", late), ("death", dead)):
-            for robot in set(robots):
+            for robot in sorted(set(robots)):
                 if robots.count(robot) > 1:
                     raise InvalidInputError(f"robot {robot} has more than one fault {name}")
 

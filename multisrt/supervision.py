@@ -47,6 +47,7 @@ from multisrt.planners.motion.trajectory import (
     Trajectory,
     Waypoint,
     leg_length,
+    standing_at,
 )
 
 LIMIT_TOLERANCE = 1e-6
@@ -196,7 +197,7 @@ class SupervisedExplorer:
         self._now_s = me.time_s
         self._moving: tuple[Move, float] | None = None
         self._kept: list[tuple[str, object, bytes]] = [("its RobotSelf", me, fingerprint(me))]
-        body = Sweep(me.footprint, Trajectory((Waypoint(0.0, *me.start),)))
+        body = Sweep(me.footprint, standing_at(me.start))
         self._known = supervision.add_region(body.shape.buffer(body.pad_m))
 
     def run(self) -> Generator[Action, Outcome, None]:

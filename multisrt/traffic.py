@@ -23,7 +23,13 @@ from multisrt.geometry.edge_index import EdgeIndex
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.kernel import FloatArray, kernel
 from multisrt.geometry.line_of_sight import line_of_sight
-from multisrt.planners.motion.trajectory import Trajectory, Waypoint, leg_length, leg_pose
+from multisrt.planners.motion.trajectory import (
+    Trajectory,
+    Waypoint,
+    leg_length,
+    leg_pose,
+    standing_at,
+)
 
 STOP_SLACK_M = 1e-5
 """A protective stop ends a motion a hair before its distance is reached; a body that is no
@@ -443,7 +449,7 @@ class _Span:
 
 
 def _standing(configuration: Configuration, time_s: float) -> _Course:
-    return _Course(Trajectory((Waypoint(0.0, *configuration),)), time_s, None)
+    return _Course(standing_at(configuration), time_s, None)
 
 
 def _time(waypoint: Waypoint) -> float:

@@ -48,8 +48,7 @@ class SrtExplorer:
                 yield from robot.team.take(outcome)
                 yield from obey(robot)
         except BoxedIn:
-            robot.tree = None
-            yield from robot.team.rest()
+            yield from self.finish_tree()
         while True:
             outcome = yield self.done(boxed_in=True)
             yield from robot.team.take(outcome)
@@ -57,7 +56,7 @@ class SrtExplorer:
                 yield from obey(robot)
 
     def finish_tree(self) -> Steps:
-        """Tell that the own tree is done."""
+        """Tell that this robot does nothing more in any tree."""
         self.robot.tree = None
         yield from self.robot.team.rest()
 

@@ -32,7 +32,7 @@ from multisrt.planners.motion.body import PlanningBody
 from multisrt.planners.motion.kinematics import Car
 from multisrt.planners.motion.steering import reach_fan, steer, turn_and_drive
 from multisrt.planners.motion.sweep import Sweep
-from multisrt.planners.motion.trajectory import Trajectory, Waypoint
+from multisrt.planners.motion.trajectory import Trajectory, Waypoint, standing_at
 from multisrt.planners.srt import SrtPlanner
 
 if TYPE_CHECKING:
@@ -70,10 +70,8 @@ def check_feasibility(robot: SrtRobot, group: tuple[int, ...]) -> Feasibility:
     team = robot.team
     prospects = {}
     for number in group:
-        own = number == team.number
-        state = team.state() if own else team.states[number]
+        state, footprint = team.state_of(number), team.footprint(number)
         motion = motion_of(state.path)
-        footprint = robot.me.footprint if own else team.footprint(number)
         body = Sweep(footprint, Trajectory(motion.waypoints[:1]))
         prospects[number] = Prospect(
             robot=number,
@@ -200,7 +198,11 @@ class MasterWits:
 
         A car is given none: only itself can tell how it would come back from there.
         """
-        state, options, body = self._state(robot), self.robot.options, self._body(robot)
+        state, options, body = (
+            self.robot.team.state_of(robot),
+            self.robot.options,
+            self._body(robot),
+        )
         if state.node is None or isinstance(state.kinematics, Car):
             return
         region = self.robot.map[state.node].region
@@ -226,7 +228,7 @@ class MasterWits:
 
         The ways are straight and pass those who stand there at a distance.
         """
-        state, body = self._state(robot), self._body(robot)
+        state, body = self.robot.team.state_of(robot), self._body(robot)
         if state.node is None or isinstance(state.kinematics, Car):
             return
         boundary, target = self.robot.map[state.node].region.boundary, prospects[robot].target
@@ -261,7 +263,7 @@ class MasterWits:
         node : NodeId or None
             The node at its end.
         """
-        state = self._state(robot)
+        state = self.robot.team.state_of(robot)
         if state.node is None:
             return
         yield from self._places_aside(robot, state, way, gap_m)
@@ -275,7 +277,7 @@ class MasterWits:
             return
         body, heading = self._body(robot), state.place[2]
         for length, x, y in self._fan(robot, state, gap_m):
-            place = Sweep(body.footprint, _standing(Configuration(x, y, heading)))
+            place = Sweep(body.footprint, standing_at(Configuration(x, y, heading)))
             if place.distance_to(way) >= gap_m:
                 motion = self._straight(robot, x, y)
                 if motion is not None:
@@ -295,7 +297,7 @@ class MasterWits:
         others = [other for number, other in prospects.items() if number != robot]
 
         def is_aside(node: NodeId) -> bool:
-            body = Sweep(footprint, _standing(known[node].configuration))
+            body = Sweep(footprint, standing_at(known[node].configuration))
             return body.distance_to(way) >= gap_m
 
         def is_passable(a: NodeId, b: NodeId) -> bool:
@@ -332,7 +334,7 @@ class MasterWits:
         ]
 
     def _straight(self, robot: int, x: float, y: float) -> Trajectory | None:
-        state, body = self._state(robot), self._body(robot)
+        state, body = self.robot.team.state_of(robot), self._body(robot)
         assert state.node is not None
         at = Configuration(*state.place)
         assert not isinstance(state.kinematics, Car)
@@ -341,10 +343,6 @@ class MasterWits:
         boundary = self.robot.map[state.node].region.boundary
         return steer(body, state.kinematics, boundary, at, x, y)
 
-    def _state(self, robot: int) -> RobotState:
-        team = self.robot.team
-        return team.state() if robot == team.number else team.states[robot]
-
     def _body(self, robot: int) -> PlanningBody:
         if robot == self.robot.team.number:
             return self.robot.body
@@ -352,10 +350,6 @@ class MasterWits:
             footprint = self.robot.team.footprint(robot)
             self._bodies[robot] = PlanningBody(footprint, self.robot.options.margin_m)
         return self._bodies[robot]
-
-
-def _standing(configuration: Configuration) -> Trajectory:
-    return Trajectory((Waypoint(0.0, *configuration),))
 
 
 def _line(a: Configuration, b: Configuration) -> Trajectory:

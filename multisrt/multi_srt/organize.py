@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -234,12 +234,15 @@ def organize(conflicts: Conflicts, wits: Wits) -> Arrangement:
         targets[i] = motion.end.x, motion.end.y
 
     def is_clear(i: int, way: Sweep) -> bool:
-        # Of the ways granted so far, and of everybody's body.
-        return not any(
-            conflicts.meet(i, way, j, ways[j]) or conflicts.meet(i, way, j, prospects[j].body)
-            for j in prospects
-            if j != i
-        )
+        # Of everybody's way, which begins with the body where it stands.
+        return not any(conflicts.meet(i, way, j, ways[j]) for j in prospects if j != i)
+
+    def redirect(i: int, motions: Iterable[Trajectory]) -> None:
+        # To the first of some places that it gets to without conflict.
+        for motion in motions:
+            way = wits.sweep(i, motion)
+            if is_clear(i, way):
+                return grant(i, Order(order="new target", path=path_of(motion)), motion, way)
 
     for i in best_targets(conflicts):
         grant(i, Order(order="keep"), prospects[i].motion, prospects[i].way)
@@ -247,19 +250,11 @@ def organize(conflicts: Conflicts, wits: Wits) -> Arrangement:
     rest.sort(key=lambda i: (-prospects[i].frontier_m, i))
     for i in rest:
         if prospects[i].frontier_m > 0.0:
-            for motion in wits.new_targets(i):
-                way = wits.sweep(i, motion)
-                if is_clear(i, way):
-                    grant(i, Order(order="new target", path=path_of(motion)), motion, way)
-                    break
+            redirect(i, wits.new_targets(i))
     for i in rest:
         if i not in orders and (standing := conflicts.in_the_way(i)):
             gap = max(conflicts.gap(i, j) for j in standing)
-            for motion in wits.detours(i, gap, prospects):
-                way = wits.sweep(i, motion)
-                if is_clear(i, way):
-                    grant(i, Order(order="new target", path=path_of(motion)), motion, way)
-                    break
+            redirect(i, wits.detours(i, gap, prospects))
     for i in rest:
         if i not in orders:
             _clear_the_way(i, conflicts, wits, orders, grant, is_clear)

@@ -28,7 +28,7 @@ from multisrt.multi_srt.ways import OutAndBack, Ways
 from multisrt.planners.motion.body import PlanningBody
 from multisrt.planners.motion.kinematics import Car
 from multisrt.planners.motion.sweep import Sweep
-from multisrt.planners.motion.trajectory import Trajectory, Waypoint
+from multisrt.planners.motion.trajectory import Trajectory, Waypoint, standing_at
 from multisrt.planners.srt import CLOSE_BY, Refusal, SrtPlanner, Way, arc_points
 
 Steps = Generator[Action, Outcome, None]
@@ -236,10 +236,6 @@ class SrtRobot:
             )
         )
         yield from self.tell_when_complete()
-
-    def merge(self, entries: tuple[Node | Closing, ...]) -> tuple[NodeId, ...]:
-        """Take in what another robot knows; give the nodes that were new."""
-        return self.map.merge(entries)
 
     def close(self, node: NodeId, arc: FloatArray, reason: GivenUp) -> Steps:
         """Give up a frontier arc, and remember why."""
@@ -489,11 +485,6 @@ class SrtRobot:
         while windows[-1] < widest:
             windows.append(2.0 * windows[-1])
         return [min(window, widest) for window in windows]
-
-
-def standing_at(configuration: Configuration) -> Trajectory:
-    """Give the motion of a body that stands."""
-    return Trajectory((Waypoint(0.0, *configuration),))
 
 
 def segments_of(segments: FloatArray) -> tuple[Segment, ...]:

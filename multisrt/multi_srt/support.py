@@ -15,7 +15,6 @@ from multisrt.multi_srt.build_srt import (
     Plan,
     build_srt,
     move_to,
-    perceive,
     take_steps,
 )
 from multisrt.multi_srt.robot import KnownNode, SrtRobot
@@ -206,8 +205,6 @@ def obey(robot: SrtRobot) -> Steps:
     if order is None or order.order != "give way":
         return
     yield from move_to(robot, robot.step_by(order, None))
-    if robot.here is None:
-        yield from robot.add((yield from perceive(robot)))
     yield from robot.team.rest()
     way = robot.way(cast(NodeId, robot.here), robot.root)
     if way is not None and robot.way_length_m(way) > robot.me.range_m:

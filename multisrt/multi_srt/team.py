@@ -92,8 +92,14 @@ class Team:
         """The numbers of all other robots."""
         return [number for number in range(self.size) if number != self.number]
 
+    def state_of(self, number: int) -> RobotState:
+        """Give what is known of a robot's state; of this one, what it is."""
+        return self.state() if number == self.number else self.states[number]
+
     def footprint(self, number: int) -> Footprint:
-        """Give another robot's body."""
+        """Give a robot's body."""
+        if number == self.number:
+            return self.robot.me.footprint
         text = self.states[number].footprint
         if text not in self.footprints:
             self.footprints[text] = Footprint.parse(text)
@@ -316,6 +322,6 @@ class Team:
         """Merge entries of other robots' maps."""
         if not entries:
             return
-        new = self.robot.merge(entries)
+        new = self.robot.map.merge(entries)
         if new:
             yield Note(Learned(time_s=self.robot.time_s, robot=self.number, nodes=new))

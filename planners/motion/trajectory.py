@@ -182,5 +182,10 @@ def leg_points(
     return [(a[1], a[2]), *inner, (b[1], b[2])]
 
 
+def standing_at(configuration: Configuration) -> Trajectory:
+    """Give the motion of a body that stands."""
+    return Trajectory((Waypoint(0.0, *configuration),))
+
+
 def _configuration(waypoint: Waypoint) -> Configuration:
     return Configuration(waypoint.x, waypoint.y, wrap_angle(waypoint.heading))

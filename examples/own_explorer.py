@@ -10,7 +10,6 @@ import numpy as np
 from scipy.spatial.distance import cdist
 
 import multisrt as ms
-from multisrt.events import NodeAdded
 from multisrt.exploration_map import ExplorationMap, Node, NodeId
 from multisrt.explorer import Done, Move, Note, Receive, Sense
 from multisrt.geometry.safe_region import local_safe_region
@@ -54,7 +53,7 @@ class NearestFrontier:
             id=name, configuration=self.at, region=region, parent=parent, time_s=scan.time_s
         )
         self.map.add(node)
-        yield Note(on_record(node))
+        yield Note(node.added("root" if parent is None else "approach"))
         return name
 
     def nearest_frontier(self, here):
@@ -88,20 +87,6 @@ def towards(frontier, region, at, body, range_m):
     gaps[gaps > cdist([at[:2]], middles) - body.outer_radius_m] = np.inf
     nearest = gaps.min(axis=1, initial=np.inf)
     return [places[k].tolist() for k in np.argsort(nearest, kind="stable") if nearest[k] < np.inf]
-
-
-def on_record(node):
-    """Give what recordings, and so metrics and pictures, say of a node."""
-    return NodeAdded(
-        time_s=node.time_s,
-        robot=node.id.robot,
-        serial=node.id.serial,
-        parent=node.parent,
-        configuration=(*node.configuration,),
-        stage="root" if node.parent is None else "approach",
-        boundary=tuple(map(tuple, node.region.boundary.tolist())),
-        tags="".join(map(str, node.region.tags.tolist())),
-    )
 
 
 NEAREST_FRONTIER = ms.Strategy(

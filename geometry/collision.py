@@ -49,6 +49,9 @@ RESOLUTION_M = 1e-3
 CONTACT_PRECISION_M = 1e-6
 """How precisely the place of a contact is found, as a length of motion."""
 
+STRAIGHT_RAD = 1e-8
+"""A way that turns by less is straight: its arc's centre is too far away to compute with."""
+
 CAPSULE_MARGIN_M = 1e-4
 """More than FCL errs about a capsule."""
 
@@ -472,10 +475,10 @@ def _motion(
     turn = float(turn)
     dx, dy = last[0] - first[0], last[1] - first[1]
     chord = math.hypot(dx, dy)
-    if not arc or chord == 0.0 or abs(turn) < 1e-9:
+    if not arc or chord == 0.0 or abs(turn) < STRAIGHT_RAD:
         return _Motion(start=first, step=(dx, dy), turn=turn, center=None, length=chord)
     half = math.sin(turn / 2.0)
-    if abs(half) < 1e-9:
+    if abs(half) < 0.25 * STRAIGHT_RAD:
         raise InvalidInputError(
             f"no arc leads from ({first[0]:g}, {first[1]:g}) to ({last[0]:g}, {last[1]:g}) with a "
             f"turn of {turn:g} rad: whole turns on a circle end where they begin"

@@ -60,11 +60,22 @@ def frontier_candidates(
     (m, 4) array
         Segments x0, y0, x1, y1 in their order along the boundary, the region on their left.
     """
-    keep = tags != OBSTACLE
-    if not include_gaps:
-        keep &= tags != GAP
-    candidates: FloatArray = np.hstack([boundary, np.roll(boundary, -1, axis=0)])[keep]
-    return candidates
+    return _pieces_tagged(boundary, tags, include_gaps)
+
+
+@kernel
+def _pieces_tagged(boundary: FloatArray, tags: TagArray, include_gaps: bool) -> FloatArray:
+    n = boundary.shape[0]
+    pieces = np.empty((n, 4))
+    kept = 0
+    for i in range(n):
+        if tags[i] == OBSTACLE or (tags[i] == GAP and not include_gaps):
+            continue
+        j = (i + 1) % n
+        pieces[kept, 0], pieces[kept, 1] = boundary[i, 0], boundary[i, 1]
+        pieces[kept, 2], pieces[kept, 3] = boundary[j, 0], boundary[j, 1]
+        kept += 1
+    return pieces[:kept].copy()
 
 
 @kernel
@@ -342,4 +353,6 @@ def pieces_by_owner(
 
 def total_length(segments: FloatArray) -> float:
     """Sum of the segments' lengths in metres."""
+    if not len(segments):
+        return 0.0
     return float(np.hypot(segments[:, 2] - segments[:, 0], segments[:, 3] - segments[:, 1]).sum())

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.geometry.kernel import BoolArray, FloatArray, kernel
+from multisrt.geometry.kernel import BoolArray, FloatArray, IntArray, kernel
 
 MAX_CELLS = 400_000_000
-"""A raster never grows beyond this many cells of one byte."""
+"""A raster never grows beyond this many cells of one byte, or as many fewer as they are larger."""
 
 OFFSET = 0.3819660112501051
 """Share of a cell by which the lattice is moved.
@@ -19,6 +20,17 @@ OFFSET = 0.3819660112501051
 Walls like to lie on round coordinates; moved by an irrational share of a cell, no cell centre
 lies exactly on one, so that no cell depends on how a tie is broken.
 """
+
+Number = TypeVar("Number", bound=np.generic)
+
+
+class Window(NamedTuple):
+    """The part of the lattice that a raster holds: its first cell, and how many there are."""
+
+    row: int
+    column: int
+    rows: int
+    columns: int
 
 
 class Raster:
@@ -49,8 +61,7 @@ class Raster:
     def __init__(
         self, cell_m: float, bounds: tuple[float, float, float, float] | None = None
     ) -> None:
-        if not 0.0 < cell_m < math.inf:
-            raise InvalidInputError(f"a cell is a positive width in metres, not {cell_m}")
+        refuse_cell_width(cell_m)
         self.cell_m = cell_m
         self.column = self.row = 0
         self.cells: BoolArray = np.zeros((0, 0), np.bool_)
@@ -105,40 +116,79 @@ class Raster:
         return float(np.count_nonzero(self.cells)) * self.cell_m**2
 
     def _cover(self, bounds: tuple[float, float, float, float]) -> None:
-        first_column = math.floor(bounds[0] / self.cell_m + OFFSET)
-        first_row = math.floor(bounds[1] / self.cell_m + OFFSET)
-        last_column = math.floor(bounds[2] / self.cell_m + OFFSET)
-        last_row = math.floor(bounds[3] / self.cell_m + OFFSET)
-        rows, columns = self.cells.shape
-        if rows == 0:
-            self.column, self.row = first_column, first_row
-        elif (
-            first_column >= self.column
-            and first_row >= self.row
-            and last_column < self.column + columns
-            and last_row < self.row + rows
-        ):
-            return
-        # Grow by a half at least, so that growing costs little over a whole run.
-        left = max(0, self.column - first_column)
-        below = max(0, self.row - first_row)
-        right = max(0, last_column + 1 - self.column - columns)
-        above = max(0, last_row + 1 - self.row - rows)
-        if rows:
-            spare_x, spare_y = columns // 2, rows // 2
-            left, right = left and left + spare_x, right and right + spare_x
-            below, above = below and below + spare_y, above and above + spare_y
-        shape = (rows + below + above, columns + left + right)
-        if shape[0] * shape[1] > MAX_CELLS:
-            raise InvalidInputError(
-                f"a raster of {shape[1]} x {shape[0]} cells is larger than {MAX_CELLS} cells: "
-                f"choose cells wider than {self.cell_m:g} m"
-            )
-        cells = np.zeros(shape, np.bool_)
-        cells[below : below + rows, left : left + columns] = self.cells
-        self.cells = cells
-        self.column -= left
-        self.row -= below
+        held = Window(self.row, self.column, *self.cells.shape)
+        window = window_over(bounds, self.cell_m, held)
+        if window != held:
+            self.cells = moved(self.cells, held, window)
+            self.row, self.column = window.row, window.column
+
+
+def refuse_cell_width(cell_m: float) -> None:
+    """Raise an `InvalidInputError` unless a cell's width is positive and finite."""
+    if not 0.0 < cell_m < math.inf:
+        raise InvalidInputError(f"a cell is a positive width in metres, not {cell_m}")
+
+
+def window_over(
+    bounds: tuple[float, float, float, float], cell_m: float, held: Window, cell_bytes: int = 1
+) -> Window:
+    """Give the window that holds some bounds and all that is held already.
+
+    It grows by a half at least, so that growing costs little over a whole run.
+
+    Parameters
+    ----------
+    bounds : (x0, y0, x1, y1)
+        What to hold, in metres.
+    cell_m : float
+        Width of a cell.
+    held : Window
+        What is held, with no rows at the very beginning.
+    cell_bytes : int
+        How much memory a cell takes.
+
+    Raises
+    ------
+    InvalidInputError
+        If it would have more than `MAX_CELLS` / `cell_bytes` cells.
+    """
+    first_column = math.floor(bounds[0] / cell_m + OFFSET)
+    first_row = math.floor(bounds[1] / cell_m + OFFSET)
+    last_column = math.floor(bounds[2] / cell_m + OFFSET)
+    last_row = math.floor(bounds[3] / cell_m + OFFSET)
+    row, column, rows, columns = held
+    if rows == 0:
+        row, column = first_row, first_column
+    elif (
+        first_column >= column
+        and first_row >= row
+        and last_column < column + columns
+        and last_row < row + rows
+    ):
+        return held
+    left = max(0, column - first_column)
+    below = max(0, row - first_row)
+    right = max(0, last_column + 1 - column - columns)
+    above = max(0, last_row + 1 - row - rows)
+    if rows:
+        spare_x, spare_y = columns // 2, rows // 2
+        left, right = left and left + spare_x, right and right + spare_x
+        below, above = below and below + spare_y, above and above + spare_y
+    window = Window(row - below, column - left, rows + below + above, columns + left + right)
+    if window.rows * window.columns * cell_bytes > MAX_CELLS:
+        raise InvalidInputError(
+            f"a raster of {window.columns} x {window.rows} cells is larger than "
+            f"{MAX_CELLS // cell_bytes} cells: choose cells wider than {cell_m:g} m"
+        )
+    return window
+
+
+def moved(layer: NDArray[Number], held: Window, window: Window) -> NDArray[Number]:
+    """Copy one value per cell of a held window into a larger one, which is zero elsewhere."""
+    larger = np.zeros((window.rows, window.columns), layer.dtype)
+    below, left = held.row - window.row, held.column - window.column
+    larger[below : below + held.rows, left : left + held.columns] = layer
+    return larger
 
 
 @kernel
@@ -172,17 +222,51 @@ def paint_polygon(
     int
         How many cells were not marked before.
     """
-    n = boundary.shape[0]
     rows, columns = cells.shape
+    first_row, starts, crossings = row_crossings(boundary, y0, cell, 0, rows - 1)
+    new = 0
+    for r in range(starts.shape[0] - 1):
+        for i in range(starts[r], starts[r + 1] - 1, 2):
+            begin = max(0, int(np.ceil((crossings[i] - x0) / cell - 0.5)))
+            end = min(columns - 1, int(np.ceil((crossings[i + 1] - x0) / cell - 0.5)) - 1)
+            for c in range(begin, end + 1):
+                new += 0 if cells[first_row + r, c] else 1
+                cells[first_row + r, c] = True
+    return new
+
+
+@kernel
+def row_crossings(
+    boundary: FloatArray, y0: float, cell: float, lowest_row: int, highest_row: int
+) -> tuple[int, IntArray, FloatArray]:
+    """Find where the centre lines of rows cross the boundary of a polygon.
+
+    Parameters
+    ----------
+    boundary : (n, 2) array
+        Corners of the polygon.
+    y0, cell : float
+        Lower border of row 0 and height of a row.
+    lowest_row, highest_row : int
+        The rows that matter.
+
+    Returns
+    -------
+    first_row : int
+        The first of the rows that matter and may cross.
+    starts : (k + 1,) array
+        For k rows from there on, where its crossings begin and those of the one before end.
+    crossings : array
+        Their x, in ascending order in each row, an even number of them.
+    """
+    n = boundary.shape[0]
     bottom = top = boundary[0, 1]
     for i in range(n):
         bottom, top = min(bottom, boundary[i, 1]), max(top, boundary[i, 1])
-    first_row = max(0, int(np.ceil((bottom - y0) / cell - 0.5)))
-    last_row = min(rows - 1, int(np.floor((top - y0) / cell - 0.5)))
-    if last_row < first_row:
-        return 0
-    height = last_row - first_row + 1
-    # Where every row's centre line crosses the boundary: count, then write in compressed rows.
+    first_row = max(lowest_row, int(np.ceil((bottom - y0) / cell - 0.5)))
+    last_row = min(highest_row, int(np.floor((top - y0) / cell - 0.5)))
+    height = max(0, last_row - first_row + 1)
+    # Count, then write in compressed rows.
     spans = np.empty((n, 2), np.int64)
     starts = np.zeros(height + 1, np.int64)
     for i in range(n):
@@ -213,9 +297,8 @@ def paint_polygon(
             k = fill[r - first_row]
             crossings[k] = ax + (y0 + (r + 0.5) * cell - ay) * slope
             fill[r - first_row] += 1
-    new = 0
     for r in range(height):
-        low, high = starts[r], fill[r]
+        low, high = starts[r], starts[r + 1]
         for i in range(low + 1, high):
             value = crossings[i]
             k = i - 1
@@ -223,10 +306,4 @@ def paint_polygon(
                 crossings[k + 1] = crossings[k]
                 k -= 1
             crossings[k + 1] = value
-        for i in range(low, high - 1, 2):
-            begin = max(0, int(np.ceil((crossings[i] - x0) / cell - 0.5)))
-            end = min(columns - 1, int(np.ceil((crossings[i + 1] - x0) / cell - 0.5)) - 1)
-            for c in range(begin, end + 1):
-                new += 0 if cells[first_row + r, c] else 1
-                cells[first_row + r, c] = True
-    return new
+    return first_row, starts, crossings

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Final, NamedTuple
+from typing import ClassVar, Final, NamedTuple
 
 import numpy as np
 
+from multisrt.events import NodeAdded, Stage
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.kernel import FloatArray
 from multisrt.geometry.safe_region import LocalSafeRegion
+from multisrt.messages import Message
 
 REASONS: Final = ("too narrow", "seen from near", "not reachable", "blocked by a robot")
 """Why an arc may be given up, as recordings have it."""
@@ -58,6 +60,19 @@ class Node:
     parent: NodeId | None
     time_s: float
 
+    def added(self, stage: Stage) -> NodeAdded:
+        """Give the event that puts this node on record."""
+        return NodeAdded(
+            time_s=self.time_s,
+            robot=self.id.robot,
+            serial=self.id.serial,
+            parent=self.parent,
+            configuration=(*self.configuration,),
+            stage=stage,
+            boundary=tuple(zip(*self.region.boundary.T.tolist(), strict=True)),
+            tags=(self.region.tags + ord("0")).tobytes().decode(),
+        )
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Closing:
@@ -103,6 +118,33 @@ class Closing:
 
 
 Entry = Node | Closing
+
+
+class WantMessage(Message, frozen=True, kw_only=True):
+    """Asks a robot that knows more for what the sender lacks.
+
+    Attributes
+    ----------
+    have : tuple of (robot, nodes, closings)
+        What the sender knows.
+    """
+
+    kind: ClassVar[str] = "want"
+
+    have: tuple[tuple[int, int, int], ...]
+
+    @property
+    def wakes(self) -> bool:
+        """Questions reach also a robot that moves."""
+        return True
+
+
+class EntriesMessage(Message, frozen=True, kw_only=True):
+    """Nodes and closings that another robot lacks."""
+
+    kind: ClassVar[str] = "entries"
+
+    entries: tuple[Node | Closing, ...]
 
 
 class Entries:

@@ -20,8 +20,9 @@ Pose = tuple[float, float, float]
 NodeName = tuple[int, int]
 """The robot that made a node, and the node's serial number among that robot's."""
 
-Stage = Literal["root", "draw", "approach", "complete", "coordinate"]
-"""How a node's place was found: by a stage of the planner, or by a master that organised."""
+Stage = Literal["root", "draw", "approach", "complete", "coordinate", "scan"]
+"""How a node's place was found: by a stage of the planner, or by a master that organised; or
+that it is where a robot took a scan on its way."""
 
 Purpose = Literal["explore", "support", "home", "give way"]
 """Why a robot moves."""
@@ -70,9 +71,9 @@ class NodeAdded(Event, frozen=True, kw_only=True, tag="node"):
         The node that the robot came from; None at a root.
     configuration : (x, y, heading)
         Where the scan was taken.
-    stage : {"root", "draw", "approach", "complete", "coordinate"}
+    stage : {"root", "draw", "approach", "complete", "coordinate", "scan"}
         How the place was found; `coordinate`: by a master, or where a protective stop ended a
-        motion.
+        motion; `scan`: not chosen, but passed while driving to a goal, or the goal itself.
     boundary : tuple of (x, y)
         The local safe region, counter-clockwise, not closed.
     tags : str
@@ -131,6 +132,54 @@ class Decision(Event, frozen=True, kw_only=True, tag="decision"):
     candidates: tuple[tuple[float, float, str], ...] = ()
     gpr: tuple[int, ...] = ()
     ger: tuple[int, ...] = ()
+
+
+class GoalChosen(Event, frozen=True, kw_only=True, tag="goal_chosen"):
+    """A robot that bids for frontiers chose a goal, and what it knew.
+
+    Attributes
+    ----------
+    rule : str
+        The rule that chose: a strategy's name, or `random` for one that was stuck.
+    because : str
+        Why it chose: `start`, `reached`, `news` (the map has changed), `nothing left` (to be
+        seen at the last goal), `no way` (to it), `blocked` (by a robot), `stop signal`,
+        `assigned` or `called on`.
+    goal : (x, y) or None
+        The goal; None: there is none that it can reach.
+    cost_m : float
+        How far it is to there.
+    frontiers : tuple of (x, y)
+        The targets that were to be had, one for each group of frontier cells.
+    robots : tuple of int
+        Who was reckoned with: the rows of the tables.
+    costs : tuple of rows
+        How far each of these robots has to each target; None: it cannot get there.
+    ranks : tuple of rows
+        `minpos`: how many robots are nearer to each target.
+    rounds : tuple of (robot, target, utility, share)
+        `utility` and `greedy`: who got which target, in this order; what its utility was; and
+        how far it was, as a share of the longest way.
+    bids : tuple of rows
+        `self-bidding`: the table of bids that was matched; None: infinite.
+    phi_m : tuple of float
+        `self-bidding`: the radii of cohesion that were tried; the last one was used.
+    scores : tuple of (x, y, score, distance, turn, others)
+        `rules`: the best cells, with the terms of their scores.
+    """
+
+    rule: str
+    because: str
+    goal: Point | None
+    cost_m: float = 0.0
+    frontiers: tuple[Point, ...] = ()
+    robots: tuple[int, ...] = ()
+    costs: tuple[tuple[float | None, ...], ...] = ()
+    ranks: tuple[tuple[int, ...], ...] = ()
+    rounds: tuple[tuple[int, int, float, float], ...] = ()
+    bids: tuple[tuple[float | None, ...], ...] = ()
+    phi_m: tuple[float, ...] = ()
+    scores: tuple[tuple[float, float, float, float, float, float], ...] = ()
 
 
 class Coordinated(Event, frozen=True, kw_only=True, tag="coordinated"):
@@ -357,6 +406,7 @@ AnyEvent = (
     Motion
     | NodeAdded
     | Decision
+    | GoalChosen
     | Coordinated
     | Organized
     | Supports

@@ -5,10 +5,11 @@ from __future__ import annotations
 import math
 from bisect import insort
 from collections.abc import Iterable
-from typing import Final, TypeVar
+from typing import Final, NamedTuple, TypeVar
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 from shapely.geometry.base import BaseGeometry
 
 from multisrt.entries import Closing, ClosingId, Entries, Entry, Have, Node, NodeId
@@ -43,8 +44,18 @@ ROUNDING_M: Final = 1e-9
 """Widths and lengths that differ by less are equal."""
 
 NOTHING: Final[FloatArray] = np.empty((0, 4))
+NO_ENDS: Final[FloatArray] = np.empty((0, 5))
 
+Box = tuple[float, float, float, float]
 Array = TypeVar("Array", FloatArray, IntArray)
+
+
+class _Frontier(NamedTuple):
+    """A node's local frontier: as of which revision of the map, and of the map near the node."""
+
+    asked: int
+    newest: int
+    segments: FloatArray
 
 
 class ExplorationMap:
@@ -99,7 +110,7 @@ class ExplorationMap:
         self._wholes: list[FloatArray] = []
         self._uncovered: list[FloatArray] = []
         self._ends: list[FloatArray] = []
-        self._frontiers: dict[int, tuple[int, FloatArray]] = {}
+        self._frontiers: dict[int, _Frontier] = {}
         self._sizes: IntArray = np.zeros(64, np.int64)
         self._changed: IntArray = np.zeros(64, np.int64)
         self._revision = 0
@@ -165,10 +176,12 @@ class ExplorationMap:
         )
         pieces, source = uncovered(candidates, self._starts, self._corners, self._boxes, neighbours)
         still_open = neighbours[self._sizes[neighbours] > 0]
+        earlier = np.array([self._ids[i] < node.id for i in still_open.tolist()], np.bool_)
         self._set_pieces(
-            index, *self._without_shared_borders(node.id, pieces, candidates[source], still_open)
+            index,
+            *self._without_shared_borders(pieces, candidates[source], still_open[earlier]),
         )
-        self._trim(still_open, index)
+        self._trim(still_open, ~earlier, index)
         self._join_tree(node)
         if self._raster is not None:
             self._raster.paint(node.region.boundary)
@@ -251,14 +264,18 @@ class ExplorationMap:
         index = self._index[node_id]
         if not len(self._uncovered[index]):
             return self._uncovered[index]
+        known = self._frontiers.get(index)
+        if known is not None and known.asked == self._revision:
+            return known.segments
         # Arcs of others that join a node's own count too: it is as new as the newest change near.
         near = self._around(index)
-        revision = int(self._changed[near].max())
-        known = self._frontiers.get(index)
-        if known is None or known[0] != revision:
-            known = revision, self._wide_enough(index, near[self._sizes[near] > 0])
-            self._frontiers[index] = known
-        return known[1]
+        newest = int(self._changed[near].max())
+        if known is None or known.newest != newest:
+            segments = self._wide_enough(index, near[self._sizes[near] > 0])
+        else:
+            segments = known.segments
+        self._frontiers[index] = _Frontier(self._revision, newest, segments)
+        return segments
 
     def frontier_arcs(self, node_id: NodeId) -> list[FloatArray]:
         """Give a node's local frontier arc by arc, each as ``(k, 4)`` joined segments."""
@@ -317,9 +334,11 @@ class ExplorationMap:
 
     def local_union(self, x: float, y: float, half_width_m: float) -> BaseGeometry:
         """Unite the regions of all nodes inside a square window around a place."""
-        near = self.near(x, y, math.sqrt(2.0) * half_width_m + self._reach)
-        polygons = np.array([node.region.polygon() for node in near])
         window = (x - half_width_m, y - half_width_m, x + half_width_m, y + half_width_m)
+        near = self._places.within(x, y, math.sqrt(2.0) * half_width_m + self._reach)
+        near = near[_overlap(self._boxes[near], window)]
+        near = np.array(sorted(near.tolist(), key=self._ids.__getitem__), np.int64)
+        polygons = self._polygons(near)
         return shapely.union_all(shapely.intersection(polygons, shapely.box(*window)))
 
     def region_union(self) -> BaseGeometry:
@@ -355,23 +374,33 @@ class ExplorationMap:
         self._pieces.append(NOTHING)
         self._wholes.append(NOTHING)
         self._uncovered.append(NOTHING)
-        self._ends.append(NOTHING)
+        self._ends.append(NO_ENDS)
         return index
 
+    def _polygons(self, indices: IntArray) -> NDArray[np.object_]:
+        # The regions as shapely polygons, all made at once.
+        if not len(indices):
+            return np.empty(0, np.object_)
+        first, last = self._starts[indices].tolist(), self._starts[indices + 1].tolist()
+        corners = [self._corners[a:b] for a, b in zip(first, last, strict=True)]
+        owners = np.repeat(np.arange(len(corners)), [len(ring) for ring in corners])
+        rings = shapely.linearrings(np.concatenate(corners), indices=owners)
+        return np.asarray(shapely.polygons(rings), np.object_)
+
     def _without_shared_borders(
-        self, node_id: NodeId, pieces: FloatArray, wholes: FloatArray, neighbours: IntArray
+        self, pieces: FloatArray, wholes: FloatArray, earlier: IntArray
     ) -> tuple[FloatArray, FloatArray]:
         # Of a border on which several regions end on one side, the node with the lowest id keeps
         # the frontier. Regions on two sides have taken it from each other already.
-        earlier = [self._wholes[i] for i in neighbours.tolist() if self._ids[i] < node_id]
-        if not len(pieces) or not earlier:
+        if not len(pieces) or not len(earlier):
             return pieces, wholes
         concerned = np.ones(len(wholes), np.bool_)
-        rest, source = apart_from(wholes, concerned, np.concatenate(earlier), ONE_BORDER_M)
+        lines = np.concatenate([self._wholes[i] for i in earlier.tolist()])
+        rest, source = apart_from(wholes, concerned, lines, ONE_BORDER_M)
         left, origin = common_pieces(pieces, wholes, rest, source)
         return left, wholes[origin]
 
-    def _trim(self, neighbours: IntArray, index: int) -> None:
+    def _trim(self, neighbours: IntArray, later: BoolArray, index: int) -> None:
         # Takes a new node's region from the frontiers near by, and the borders that it shares
         # with nodes of higher ids.
         if not len(neighbours):
@@ -384,7 +413,6 @@ class ExplorationMap:
             wholes, self._starts, self._corners, self._boxes, np.asarray([index])
         )
         left, origin = common_pieces(pieces, wholes, rest, source)
-        later = np.asarray([self._ids[i] > self._ids[index] for i in indices])
         if later.any():
             concerned: BoolArray = later[owners[origin]]
             left_wholes = wholes[origin]
@@ -394,14 +422,17 @@ class ExplorationMap:
         begins, cut = pieces_by_owner(pieces, owners, len(indices), left, origin)
         for k in np.flatnonzero(cut).tolist():
             own = slice(begins[k], begins[k + 1])
-            self._set_pieces(indices[k], left[own], wholes[origin[own]])
+            self._set_pieces(indices[k], left[own].copy(), wholes[origin[own]])
 
     def _set_pieces(self, index: int, pieces: FloatArray, wholes: FloatArray) -> None:
         # What no other region takes of a node's frontier.
-        keep = in_long_arcs(pieces, SHORTEST_ARC_M)
-        self._pieces[index] = pieces[keep]
-        self._wholes[index] = wholes[keep]
-        self._sizes[index] = len(self._pieces[index])
+        if len(pieces):
+            keep = in_long_arcs(pieces, SHORTEST_ARC_M)
+            if not keep.all():
+                pieces, wholes = pieces[keep], wholes[keep]
+        self._pieces[index] = pieces
+        self._wholes[index] = wholes
+        self._sizes[index] = len(pieces)
         self._set_uncovered(index)
 
     def _set_uncovered(self, index: int) -> None:
@@ -414,15 +445,16 @@ class ExplorationMap:
                 wholes, np.ones(len(wholes), np.bool_), np.concatenate(closed), ON_ARC_M
             )
             arcs = long_arcs(common_pieces(arcs, wholes, rest, source)[0], SHORTEST_ARC_M)
-        arcs.setflags(write=False)
-        self._uncovered[index] = arcs
-        self._ends[index] = arc_ends(arcs)
         self._revision += 1
         self._changed[index] = self._revision
         self._unlisted[index] = None
         if len(arcs):
+            arcs.setflags(write=False)
+            self._uncovered[index] = arcs
+            self._ends[index] = arc_ends(arcs)
             self._maybe_open[node_id] = None
         else:
+            self._uncovered[index], self._ends[index] = NOTHING, NO_ENDS
             self._maybe_open.pop(node_id, None)
 
     def _applies(self, closing: Closing) -> bool:
@@ -493,6 +525,14 @@ class ExplorationMap:
         kept: FloatArray = arcs[(lengths >= self._shortest_arc - ROUNDING_M)[labels]]
         kept.setflags(write=False)
         return kept
+
+
+def _overlap(boxes: FloatArray, window: Box) -> BoolArray:
+    # Which boxes have something in common with a window, its border included.
+    x0, y0, x1, y1 = window
+    common: BoolArray = (boxes[:, 0] <= x1) & (boxes[:, 2] >= x0)
+    common &= (boxes[:, 1] <= y1) & (boxes[:, 3] >= y0)
+    return common
 
 
 def _grown(array: Array, length: int) -> Array:

@@ -101,7 +101,8 @@ class Receive:
     ----------
     timeout_s : float or None
         For how long; 0: until nothing more comes at this moment; None: for ever. While a motion
-        goes on, only messages that wake end the waiting.
+        goes on, only messages that wake end the waiting before its time; what else has come is
+        received when it is over.
     """
 
     timeout_s: float | None = None

@@ -33,6 +33,7 @@ from multisrt.events import (
 )
 from multisrt.explorable import Explorable
 from multisrt.geometry.configuration import Configuration
+from multisrt.isolation import area_known_to_one, team_isolation
 from multisrt.recording import Recording, RunOutcome
 from multisrt.remaining_frontier import remaining_frontier
 from multisrt.spec import LateStart, RunSpec
@@ -85,6 +86,24 @@ class Metrics(msgspec.Struct, frozen=True, kw_only=True):
         Area of it that robots saw which died, and that no robot that lives on knows at the end.
     lost_area_by_robot_m2 : tuple of float
         What each of the dead saw of it; what two of them saw counts for both.
+    isolated_total_s : float
+        Time during which at least one robot was cut off from all others that lived; see
+        `multisrt.isolation` for this and what follows.
+    isolated_by_robot_s : tuple of float
+        How long each robot was.
+    isolated_longest_s : float
+        The longest spell of one robot.
+    beyond_range_m : float or None
+        The largest distance of such a robot to the nearest other one, less the range of the
+        radio; 0 if there was none, None for a radio without a range.
+    split_s : float
+        Time during which some robot that lived could not have reached another one.
+    known_to_one_m2s : float
+        Time integral of the area that only one robot knew (m2 s): what its loss would have cost.
+    known_to_one_by_robot_m2s : tuple of float
+        The same, robot by robot.
+    known_to_one_m2 : float
+        The area that only one robot knew at the end, whoever it was.
     time_to_90_s, time_to_95_s, time_to_99_s : float or None
         When that share was covered; None if it never was.
     nodes : int
@@ -149,6 +168,14 @@ class Metrics(msgspec.Struct, frozen=True, kw_only=True):
     overlap_share: float
     lost_area_m2: float
     lost_area_by_robot_m2: tuple[float, ...]
+    isolated_total_s: float
+    isolated_by_robot_s: tuple[float, ...]
+    isolated_longest_s: float
+    beyond_range_m: float | None
+    split_s: float
+    known_to_one_m2s: float
+    known_to_one_by_robot_m2s: tuple[float, ...]
+    known_to_one_m2: float
     time_to_90_s: float | None
     time_to_95_s: float | None
     time_to_99_s: float | None
@@ -203,6 +230,8 @@ def measure(recording: Recording, environment: Environment | None = None) -> Met
         coverage.add(node)
     areas = team_areas(recording, coverage.explorable)
     covered = coverage.share * coverage.explorable.area_m2
+    cut_off = team_isolation(recording, environment)
+    known = area_known_to_one(recording, cell_m=coverage.explorable.raster.cell_m)
     reach, sweep = lower_bounds(spec, coverage.explorable, recording.starts)
     times = {share: coverage.time_to(share) for share in THRESHOLDS}
     return Metrics(
@@ -226,6 +255,14 @@ def measure(recording: Recording, environment: Environment | None = None) -> Met
         overlap_share=areas.overlap_m2 / covered if covered else 0.0,
         lost_area_m2=areas.lost_m2,
         lost_area_by_robot_m2=areas.lost_by_robot_m2,
+        isolated_total_s=cut_off.total_s,
+        isolated_by_robot_s=tuple(robot.total_s for robot in cut_off.robots),
+        isolated_longest_s=cut_off.longest_s,
+        beyond_range_m=cut_off.beyond_range_m,
+        split_s=cut_off.split_s,
+        known_to_one_m2s=math.fsum(known.integral_m2s),
+        known_to_one_by_robot_m2s=known.integral_m2s,
+        known_to_one_m2=math.fsum(known.final_m2),
         time_to_90_s=times[0.90],
         time_to_95_s=times[0.95],
         time_to_99_s=times[0.99],

@@ -144,27 +144,56 @@ class Radio:
     def _heard(self, places: FloatArray, sender: int, others: IntArray) -> IntArray:
         # Which of the others hear a sender directly.
         distances = np.hypot(*(places[others] - places[sender]).T)
-        within = distances <= self._range_m
-        others, distances = others[within], distances[within]
+        others = others[distances <= self._range_m]
         if self._spec.walls == "pass" or not len(others):
             return others
-        walls = self._walls_between(places, sender, others)
-        if self._spec.walls == "block":
-            in_sight: BoolArray = walls == 0
-            return others[in_sight]
-        # 10 n log10(distance / range) + wall loss <= 0, with n the exponent of the path loss.
-        decades = -self._spec.wall_loss_db * walls / (10.0 * self._spec.path_loss_exponent)
-        strong: BoolArray = distances <= self._range_m * 10.0**decades
-        return others[strong]
+        ends = places[np.minimum(others, sender)], places[np.maximum(others, sender)]
+        heard: IntArray = others[links_hold(self._spec, self._index, np.concatenate(ends, axis=1))]
+        return heard
 
-    def _walls_between(self, places: FloatArray, sender: int, others: IntArray) -> IntArray:
-        # From the lower number to the higher, so that both robots count alike.
-        index = self._index
-        lines = np.hstack([places[np.minimum(others, sender)], places[np.maximum(others, sender)]])
-        query = index.scratch.next_query()
-        for _ in others[1:]:
-            index.scratch.next_query()
-        return _walls_on(lines, index.edges, index.grid, index.bins, index.scratch.memory, query)
+
+def links_hold(spec: RadioSpec, index: EdgeIndex | None, lines: FloatArray) -> BoolArray:
+    """Tell between which pairs of places a link holds, ``(n,)``.
+
+    Parameters
+    ----------
+    spec : RadioSpec
+        How messages travel.
+    index : EdgeIndex or None
+        The edges of the world; None will do where walls do not matter.
+    lines : (n, 4) array
+        x, y of the one place and of the other, in metres; of the robot with the lower number
+        first, so that both count walls alike.
+    """
+    distances = np.hypot(lines[:, 2] - lines[:, 0], lines[:, 3] - lines[:, 1])
+    range_m = math.inf if spec.range_m is None else spec.range_m
+    holds: BoolArray = distances <= range_m
+    if spec.walls == "pass" or not holds.any():
+        return holds
+    assert index is not None
+    walls = _walls_between(index, lines[holds])
+    if spec.walls == "block":
+        holds[holds] = walls == 0
+    else:
+        holds[holds] = distances[holds] <= weakened_range(spec, walls)
+    return holds
+
+
+def weakened_range(spec: RadioSpec, walls: IntArray) -> FloatArray:
+    """Give how far a radio reaches through some numbers of walls that weaken, in metres."""
+    assert spec.range_m is not None
+    # 10 n log10(distance / range) + wall loss <= 0, with n the exponent of the path loss.
+    loss_db = spec.wall_loss_db * walls.astype(np.float64)
+    decades = -loss_db / (10.0 * spec.path_loss_exponent)
+    reach: FloatArray = spec.range_m * 10.0**decades
+    return reach
+
+
+def _walls_between(index: EdgeIndex, lines: FloatArray) -> IntArray:
+    query = index.scratch.next_query()
+    for _ in lines[1:]:
+        index.scratch.next_query()
+    return _walls_on(lines, index.edges, index.grid, index.bins, index.scratch.memory, query)
 
 
 def _places(positions: Sequence[Sequence[float]]) -> FloatArray:

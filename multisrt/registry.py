@@ -114,6 +114,12 @@ def strategy(name: str) -> Strategy:
     """
     registered = _registry()
     if name not in registered:
+        broken = broken_strategies()
+        if name in broken:
+            raise InvalidInputError(
+                f"the strategy {name!r} of another package could not be loaded "
+                f"({broken[name]}); mend or uninstall that package"
+            )
         raise InvalidInputError(
             f"there is no strategy {name!r}{_did_you_mean(name, registered)}; "
             f"there are: {', '.join(registered)}"
@@ -121,17 +127,38 @@ def strategy(name: str) -> Strategy:
     return registered[name]
 
 
+def broken_strategies() -> Mapping[str, str]:
+    """Give the entry points that could not be loaded, with the reason of each."""
+    return _from_entry_points()[1]
+
+
 @cache
 def _registry() -> dict[str, Strategy]:
     found = {s.name: s for s in _OWN}
-    for entry in sorted(entry_points(group="multisrt.strategies"), key=lambda e: e.name):
-        loaded = entry.load()
+    for entry, loaded in _from_entry_points()[0].items():
         if loaded.name in found:
             raise InvalidInputError(
-                f"entry point {entry.name!r} gives a second strategy {loaded.name!r}"
+                f"entry point {entry!r} gives a second strategy {loaded.name!r}"
             )
         found[loaded.name] = loaded
     return found
+
+
+def _from_entry_points() -> tuple[dict[str, Strategy], dict[str, str]]:
+    # One package that is broken does not take the strategies of all others away.
+    loaded: dict[str, Strategy] = {}
+    broken: dict[str, str] = {}
+    for entry in sorted(entry_points(group="multisrt.strategies"), key=lambda e: e.name):
+        try:
+            given = entry.load()
+        except Exception as error:  # whatever another package's code raises
+            broken[entry.name] = f"{type(error).__name__}: {error}"
+            continue
+        if isinstance(given, Strategy):
+            loaded[entry.name] = given
+        else:
+            broken[entry.name] = f"it gives a {type(given).__name__}, not a Strategy"
+    return loaded, broken
 
 
 def _srt(shape: Shape, summary: str) -> Strategy:

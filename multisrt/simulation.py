@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Generator
 from functools import lru_cache, partial
+from itertools import pairwise
 from pathlib import Path
 from typing import Any, Literal
 
@@ -412,14 +413,17 @@ class _Simulation:
                     return moved
                 awake = robot.move is None or any(m.wakes for m in robot.mailbox)
                 if hears and robot.mailbox and awake:
-                    messages = tuple(robot.mailbox)
-                    robot.mailbox.clear()
-                    return Received(messages, self.now)
+                    return self._received(robot)
                 if times_out is not None and times_out.processed:
-                    return TimedOut(self.now)
+                    return self._received(robot) if hears and robot.mailbox else TimedOut(self.now)
                 yield from self._sleep(robot)
         finally:
             robot.waits = False
+
+    def _received(self, robot: _Robot) -> Received:
+        messages = tuple(robot.mailbox)
+        robot.mailbox.clear()
+        return Received(messages, self.now)
 
     def _sleep(self, robot: _Robot) -> Generator[Any, Any, None]:
         robot.wake = self.clock.event()
@@ -510,19 +514,23 @@ class _Simulation:
         return Moved(configuration=driven.end, time_s=self.now)
 
     def _is_free(self, robot: _Robot, trajectory: Trajectory) -> bool:
-        for a, b in zip(trajectory.waypoints, trajectory.waypoints[1:], strict=False):
-            if not self._leg_is_free(robot.body, a, b):
-                self.collision = Collision(
-                    time_s=self.now + a.time_s,
-                    robot=robot.number,
-                    configuration=(a.x, a.y, a.heading),
-                    account=f"touched an obstacle on its way from ({a.x:.3f}, {a.y:.3f}) "
-                    f"to ({b.x:.3f}, {b.y:.3f})",
-                )
-                self.last_s = self.collision.time_s
-                self._record(self.collision)
-                return False
-        return True
+        legs = list(pairwise(trajectory.waypoints))
+        # Where a disc turns in place, the legs before and after answer for it.
+        turns = robot.body.footprint.is_disc
+        moves = [(a, b) for a, b in legs if not (turns and (a.x, a.y) == (b.x, b.y))] or legs
+        if all(self._leg_is_free(robot.body, a, b) for a, b in moves):
+            return True
+        a, b = next(leg for leg in legs if not self._leg_is_free(robot.body, *leg))
+        self.collision = Collision(
+            time_s=self.now + a.time_s,
+            robot=robot.number,
+            configuration=(a.x, a.y, a.heading),
+            account=f"touched an obstacle on its way from ({a.x:.3f}, {a.y:.3f}) "
+            f"to ({b.x:.3f}, {b.y:.3f})",
+        )
+        self.last_s = self.collision.time_s
+        self._record(self.collision)
+        return False
 
     def _leg_is_free(self, body: Body, a: Waypoint, b: Waypoint) -> bool:
         start, end = Configuration(*a[1:]), Configuration(*b[1:])

@@ -235,6 +235,8 @@ class Traffic:
 
     def _near(self, robot: int, box: _Box, slack: FloatArray) -> list[int]:
         # The others whose courses come into a box that is widened by the slack of each.
+        if len(self._courses) == 1:
+            return []
         x0, y0, x1, y1 = self._boxes.T
         near = (x0 <= box[2] + slack) & (x1 >= box[0] - slack)
         near &= (y0 <= box[3] + slack) & (y1 >= box[1] - slack)
@@ -290,13 +292,14 @@ class _Course:
 
     __slots__ = (
         "_boxes",
+        "_bulges",
+        "_way",
         "arrival_s",
         "begin_s",
         "encounters",
         "guard_m",
         "nearer",
         "trajectory",
-        "way",
     )
 
     def __init__(self, trajectory: Trajectory, begin_s: float, guard_m: float | None) -> None:
@@ -308,16 +311,26 @@ class _Course:
         self.nearer: dict[int, float] = {}
         # What is known of encounters with others, and for which course of theirs.
         self.encounters: dict[int, tuple[_Course, Encounter | None]] = {}
-        # (n, 4): time, x and y of every waypoint, and by how much the leg from there bulges.
         points = trajectory.waypoints
         bulges = [leg_length(a, b) * abs(b.heading - a.heading) / 8.0 for a, b in pairwise(points)]
-        self.way = np.array(
-            [
-                (begin_s + w.time_s, w.x, w.y, bulge)
-                for w, bulge in zip(points, [*bulges, 0.0], strict=True)
-            ]
-        )
-        self._boxes = _boxes_of_rests(self.way)
+        self._bulges = [*bulges, 0.0]
+        self._boxes = _boxes_of_rests(points, self._bulges)
+        self._way: FloatArray | None = None
+
+    @property
+    def way(self) -> FloatArray:
+        """Every waypoint's time, x and y, and by how much the leg from there bulges: ``(n, 4)``.
+
+        Most motions come near nobody's, and need none.
+        """
+        if self._way is None:
+            self._way = np.array(
+                [
+                    (self.begin_s + w.time_s, w.x, w.y, bulge)
+                    for w, bulge in zip(self.trajectory.waypoints, self._bulges, strict=True)
+                ]
+            )
+        return self._way
 
     def at(self, time_s: float) -> Configuration:
         """Give where the body is."""
@@ -461,16 +474,19 @@ def _shape(body: Body, at: Configuration) -> shapely.Point | shapely.Polygon:
     return shapely.Point(at.x, at.y) if body.footprint.is_disc else body.footprint.placed(at)
 
 
-def _boxes_of_rests(way: FloatArray) -> list[_Box]:
+def _boxes_of_rests(points: Sequence[Waypoint], bulges: Sequence[float]) -> list[_Box]:
     # For every leg a box around it and all that follow.
-    places, bulges = way[:, 1:3], way[:, 3:]
-    ends = np.vstack([places[1:], places[-1:]])
-    low, high = np.minimum(places, ends) - bulges, np.maximum(places, ends) + bulges
-    low = np.minimum.accumulate(low[::-1])[::-1]
-    high = np.maximum.accumulate(high[::-1])[::-1]
-    return [
-        (x0, y0, x1, y1) for (x0, y0), (x1, y1) in zip(low.tolist(), high.tolist(), strict=True)
-    ]
+    boxes: list[_Box] = []
+    x0, y0, x1, y1 = _NOWHERE
+    following = points[-1]
+    for point, bulge in zip(reversed(points), reversed(bulges), strict=True):
+        x0 = min(x0, min(point.x, following.x) - bulge)
+        y0 = min(y0, min(point.y, following.y) - bulge)
+        x1 = max(x1, max(point.x, following.x) + bulge)
+        y1 = max(y1, max(point.y, following.y) + bulge)
+        boxes.append((x0, y0, x1, y1))
+        following = point
+    return boxes[::-1]
 
 
 def _overlap(box: _Box, other: _Box, slack: float) -> bool:

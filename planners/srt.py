@@ -11,6 +11,7 @@ import math
 from bisect import bisect_right
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import Literal, NamedTuple, Protocol
 
 import msgspec
@@ -45,8 +46,8 @@ REFUSALS: tuple[Refusal, ...] = ("too narrow", "not reachable", "seen from near"
 NEAREST_NODES = 12
 """From so many nodes a way to a place is looked for."""
 
-FEW_PLACES, MANY_PLACES = 4, 64
-"""For so many places at once a way is looked for: at first, and then."""
+FEW_PLACES, MANY_WAYS = 4, 64 * NEAREST_NODES
+"""For so few places a way is looked for at first, and so many ways are looked at at once then."""
 
 MOST_ASKED = 24
 """So many times at each point of an arc it is asked whether a way leads to a place."""
@@ -398,11 +399,12 @@ class SrtPlanner:
         shapely.prepare(room)
         ample: BaseGeometry | None = None
         reasons: list[Refusal] = []
+        sight = _Sight(known, within_m)
         for x, y, left_x, left_y in arc_points(arc, self.d_min_m):
-            view = _view(known, x + left_x * INWARD_M, y + left_y * INWARD_M, within_m)
+            view = sight.view(x + left_x * INWARD_M, y + left_y * INWARD_M)
             if view is None:
                 continue
-            places = _lattice(x, y, within_m, self.d_min_m / 4.0)
+            places = np.array([x, y]) + _lattice(within_m, self.d_min_m / 4.0)
             shapely.prepare(view)
             places = places[shapely.contains_xy(view, places)]
             places = places[shapely.contains_xy(room, places)]
@@ -417,6 +419,27 @@ class SrtPlanner:
                 return found
             reasons.append(found)
         return max(reasons, key=REFUSALS.index, default="too narrow")
+
+    def may_find_way(
+        self, x: float, y: float, half_width_m: float, nodes: Sequence[Viewpoint]
+    ) -> bool:
+        """Whether `viewing_place` could find a way in a square window; cheap to ask before.
+
+        A way begins at a node with room for any heading inside the window, or at a narrow node.
+
+        Parameters
+        ----------
+        x, y, half_width_m : float
+            The window's middle and half of its width.
+        nodes : sequence of Viewpoint
+            All nodes near by.
+        """
+        inner = half_width_m - self.body.roomy_radius_m
+        return isinstance(self.kinematics, Car) or any(
+            max(abs(node.configuration.x - x), abs(node.configuration.y - y)) < inner
+            or self._is_narrow(node)
+            for node in nodes
+        )
 
     def _place_with_a_way(
         self,
@@ -458,7 +481,7 @@ class SrtPlanner:
                         return Way(x, y, k, roomy=True)
                     if not roomy[k] and self._leaves_a_narrow_node(nodes[k], x, y):
                         return Way(x, y, k, roomy=False)
-            done, many = done + many, MANY_PLACES
+            done, many = done + many, MANY_WAYS // nearest.shape[1]
         return "not reachable"
 
     def _place_asked_for(
@@ -513,30 +536,45 @@ def _eroded(region: BaseGeometry, radius: float) -> BaseGeometry:
     return region.buffer(-radius / ROUND - INWARD_M / 2, quad_segs=ROUND_SEGMENTS)
 
 
-def _view(known: BaseGeometry, x: float, y: float, range_m: float) -> shapely.Polygon | None:
-    # What of the known region can be seen from a place in it, and so sees that place.
-    for part in shapely.get_parts(known):
-        if part.geom_type == "Polygon" and shapely.contains_xy(part, x, y):
-            part = shapely.orient_polygons(shapely.remove_repeated_points(part, 1e-9))
-            rings = [np.asarray(ring.coords) for ring in (part.exterior, *part.interiors)]
-            edges = np.vstack([np.hstack([ring[:-1], ring[1:]]) for ring in rings])
-            try:
-                boundary, _ = visibility_polygon(EdgeIndex(edges, range_m / 3.0), x, y, range_m)
-            except ClearanceError:
-                return None
-            return shapely.Polygon(boundary)
-    return None
+class _Sight:
+    """What of a known region can be seen from places in it, and so sees those places."""
+
+    def __init__(self, known: BaseGeometry, range_m: float) -> None:
+        self._range_m = range_m
+        self._parts = [p for p in shapely.get_parts(known) if p.geom_type == "Polygon"]
+        self._indices: dict[int, EdgeIndex] = {}
+
+    def view(self, x: float, y: float) -> shapely.Polygon | None:
+        """Give what can be seen from a place; None where it is not inside the region."""
+        for k, part in enumerate(self._parts):
+            if shapely.contains_xy(part, x, y):
+                if k not in self._indices:
+                    self._indices[k] = EdgeIndex(_edges_of(part), self._range_m / 3.0)
+                try:
+                    boundary, _ = visibility_polygon(self._indices[k], x, y, self._range_m)
+                except ClearanceError:
+                    return None
+                return shapely.Polygon(boundary)
+        return None
 
 
-def _lattice(x: float, y: float, radius: float, step: float) -> FloatArray:
-    # Points around a place, the nearest first.
+def _edges_of(polygon: shapely.Polygon) -> FloatArray:
+    # Directed, the polygon on their left.
+    part = shapely.orient_polygons(shapely.remove_repeated_points(polygon, 1e-9))
+    rings = [np.asarray(ring.coords) for ring in (part.exterior, *part.interiors)]
+    return np.vstack([np.hstack([ring[:-1], ring[1:]]) for ring in rings])
+
+
+@lru_cache(maxsize=16)
+def _lattice(radius: float, step: float) -> FloatArray:
+    # Points around the origin, the nearest first; the same few lattices serve every arc.
     n = math.ceil(radius / step)
     offsets = np.arange(-n, n + 1) * step
     points = np.stack(np.meshgrid(offsets, offsets), axis=-1).reshape(-1, 2)
     distances = np.hypot(points[:, 0], points[:, 1])
     order = np.argsort(distances, kind="stable")
-    order = order[distances[order] <= radius]
-    result: FloatArray = points[order] + (x, y)
+    result: FloatArray = points[order[distances[order] <= radius]]
+    result.setflags(write=False)
     return result
 
 

@@ -78,14 +78,16 @@ def strategies(name: str | None) -> None:
     """
     import msgspec
 
+    from multisrt.registry import broken_strategies, strategy
     from multisrt.registry import strategies as all_strategies
-    from multisrt.registry import strategy
 
     if name is None:
         listed = table("strategy", "what it does")
         for entry in all_strategies():
             listed.add_row(entry.name, entry.summary)
         show_table(listed)
+        for broken, reason in broken_strategies().items():
+            click.echo(f"{broken}: could not be loaded ({reason})", err=True)
         return
     chosen = strategy(name)
     click.echo(f"{chosen.name}: {chosen.summary}")

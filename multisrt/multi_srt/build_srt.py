@@ -269,8 +269,9 @@ def move_to(robot: SrtRobot, step: Step | None) -> Steps:
     else:
         yield from stop_here(robot, step, moved)
     team.path = ()
-    if robot.here is not None and step.purpose != "give way":
-        team.troubles = max(0, team.troubles - 1)
+    if robot.here is not None and step.purpose != "give way" and step.stage != "coordinate":
+        # Whoever is sent to and fro comes into trouble all the same.
+        team.troubles = max(0.0, team.troubles - 0.5)
     if step.purpose == "give way":
         yield from stand_aside(robot)
     yield from team.begin_step()

@@ -6,9 +6,21 @@ from typing import ClassVar, Literal
 
 import msgspec
 
-from multisrt.exploration_map import Closing, Node, NodeId
+from multisrt.entries import Closing, EntriesMessage, Node, NodeId, WantMessage
 from multisrt.messages import Message
 from multisrt.planners.motion.kinematics import Kinematics
+
+__all__ = [
+    "EntriesMessage",
+    "Key",
+    "Order",
+    "OrdersMessage",
+    "Path",
+    "Phase",
+    "RobotState",
+    "StateMessage",
+    "WantMessage",
+]
 
 Phase = Literal["waiting", "perceived", "planned", "moving", "idle"]
 """What a robot is at: waits for its GPR; has perceived, and then planned, with that group; moves
@@ -112,33 +124,6 @@ class StateMessage(Message, frozen=True, kw_only=True):
     def wakes(self) -> bool:
         """Questions reach also a robot that moves."""
         return self.ask or bool(self.asked)
-
-
-class WantMessage(Message, frozen=True, kw_only=True):
-    """Asks a robot that knows more for what the sender lacks.
-
-    Attributes
-    ----------
-    have : tuple of (robot, nodes, closings)
-        What the sender knows.
-    """
-
-    kind: ClassVar[str] = "want"
-
-    have: tuple[tuple[int, int, int], ...]
-
-    @property
-    def wakes(self) -> bool:
-        """Questions reach also a robot that moves."""
-        return True
-
-
-class EntriesMessage(Message, frozen=True, kw_only=True):
-    """Nodes and closings that another robot lacks."""
-
-    kind: ClassVar[str] = "entries"
-
-    entries: tuple[Node | Closing, ...]
 
 
 class Order(msgspec.Struct, frozen=True, kw_only=True):

@@ -13,7 +13,7 @@ from typing import Literal
 import shapely
 from shapely.geometry.base import BaseGeometry
 
-from multisrt.events import ArcClosed, MapComplete, NodeAdded, Purpose, Segment, Stage
+from multisrt.events import ArcClosed, MapComplete, Purpose, Segment, Stage
 from multisrt.exploration_map import Closing, ClosingId, ExplorationMap, Node, NodeId
 from multisrt.explorer import Action, Note, Outcome, RobotSelf, Sighting
 from multisrt.geometry.configuration import Configuration
@@ -223,18 +223,7 @@ class SrtRobot:
         self.map.add(node)
         self.here = node.id
         self.ways.add(node, None if came is None else came.way, came is not None and came.roomy)
-        yield Note(
-            NodeAdded(
-                time_s=self.time_s,
-                robot=self.me.robot,
-                serial=node.id.serial,
-                parent=node.parent,
-                configuration=(*node.configuration,),
-                stage="root" if came is None else came.stage,
-                boundary=tuple(zip(*node.region.boundary.T.tolist(), strict=True)),
-                tags=(node.region.tags + ord("0")).tobytes().decode(),
-            )
-        )
+        yield Note(node.added("root" if came is None else came.stage))
         yield from self.tell_when_complete()
 
     def close(self, node: NodeId, arc: FloatArray, reason: GivenUp) -> Steps:
@@ -408,8 +397,8 @@ class SrtRobot:
         # A detour: from the new place on to where the robot was going.
         target = self.target
         rest = None
-        if order.order == "new target" and target is not None and len(target.way) > 1:
-            rest = replace(target, way=target.way[1:])
+        if order.order == "new target" and target is not None:
+            rest = target if len(target.way) == 1 else replace(target, way=target.way[1:])
         return Step(
             way=OutAndBack(motion_of(order.path)),
             node=None,
@@ -424,9 +413,31 @@ class SrtRobot:
         target, here = self.target, self.here
         if target is None or here is None or target.way[0] == here:
             return
+        self.target = None
+        node = self.map[here]
+        seen = [n.region.boundary for n in (node, *self._parent(node))]
+        if isinstance(target, NewPlace) and len(target.way) == 1:
+            # Where there is something new to be seen, it is planned for that.
+            if self.map.has_frontier(here) or self.is_car:
+                return
+            if any(self._goes_straight(around, target.x, target.y) for around in seen):
+                self.target = replace(target, way=(here,), roomy=True)
+            return
         self.ways.extend()
-        joined = target.way[0] in self.ways.roadmap.neighbours(here)
-        self.target = replace(target, way=(here, *target.way)) if joined else None
+        following = target.way[0]
+        if following not in self.ways.roadmap.neighbours(here) and not self.is_car:
+            x, y, _ = self.map[following].configuration
+            if any(self._goes_straight(around, x, y) for around in seen):
+                self.ways.join(here, following)
+        if following in self.ways.roadmap.neighbours(here):
+            self.target = replace(target, way=(here, *target.way))
+
+    def _parent(self, node: Node) -> list[Node]:
+        return [] if node.parent is None else [self.map[node.parent]]
+
+    def _goes_straight(self, boundary: FloatArray, x: float, y: float) -> bool:
+        # In a region of whichever node, in any heading.
+        return self.body.disc_travel(boundary, self.q_act.x, self.q_act.y, x, y)
 
     def way(self, start: NodeId, end: NodeId) -> list[NodeId] | None:
         """Find the shortest way between two nodes that no robot blocks."""
@@ -452,6 +463,8 @@ class SrtRobot:
             if self._views[spot] >= self.options.max_views:
                 break
             near = self.map.near(x, y, math.sqrt(2.0) * window)
+            if window < self.me.range_m and not self.planner.may_find_way(x, y, window, near):
+                continue
             known = self.map.local_union(x, y, window)
             found = self.planner.viewing_place(
                 arc,

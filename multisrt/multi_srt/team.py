@@ -59,7 +59,7 @@ class Team:
         self.arrival_s = 0.0
         self.frontier_m = 0.0
         self.waited = 0
-        self.troubles = 0
+        self.troubles = 0.0
         self._said = 0
         self._told: tuple[int, int] = (0, 0)
         self.rounds = 0

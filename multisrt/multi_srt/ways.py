@@ -138,6 +138,12 @@ class Ways:
             self._join(a.id, b.id)
         self.roadmap.connect(a.id, b.id, length)
 
+    def join(self, a: NodeId, b: NodeId) -> None:
+        """Add a straight way on which there is room for any heading."""
+        self._join(a, b)
+        length = self.map[a].configuration.distance(self.map[b].configuration)
+        self.roadmap.connect(a, b, length)
+
     def _curve(self, a: Node, b: Node) -> Trajectory | None:
         # A car's shortest curve between two nodes, in what is seen from them.
         assert isinstance(self.me.kinematics, Car)

@@ -15,7 +15,7 @@ from multisrt.geometry.arrays import FloatArray
 from multisrt.geometry.configuration import Configuration, wrap_angle
 from multisrt.geometry.errors import InvalidInputError
 
-NO_TURN_RAD = 1e-9
+NO_TURN_RAD = 1e-8
 """A leg that turns by less is straight; collision checks draw the line there, too."""
 
 CHORD_RAD = math.radians(3.0)

@@ -581,6 +581,17 @@ def test_motions_that_make_no_sense_are_refused():
             world.first_contact(body, here, there, resolution_m=resolution)
 
 
+@pytest.mark.parametrize("turn", [0.5e-9, 1e-9, 1.5e-9, 2.5e-9, 9e-9, 1.1e-8, 1e-7])
+def test_an_arc_that_hardly_turns_is_as_good_as_straight(turn):
+    world = CollisionWorld(shapely.box(0, 0, 10, 8))
+    body = Body(FOOTPRINTS["box"])
+    for sign in (1.0, -1.0):
+        start, end = (2.0, 4.0, 0.0), (12.0, 4.0, sign * turn)
+        contact = world.first_contact(body, start, end, sign * turn, arc=True)
+        straight = world.first_contact(body, start, (12.0, 4.0, 0.0), 0.0)
+        assert contact == pytest.approx(straight, abs=1e-6)
+
+
 @pytest.mark.parametrize(
     ("free", "says"),
     [

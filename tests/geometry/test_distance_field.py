@@ -3,17 +3,18 @@
 import doctest
 import itertools
 import math
+import tracemalloc
 
 import numpy as np
 import pytest
 import shapely
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 
 import multisrt.geometry.distance_field as module
-from multisrt.geometry.distance_field import distance_field
+from multisrt.geometry.distance_field import DistanceField, distance_field
 from multisrt.geometry.errors import InvalidInputError
 
 
@@ -232,3 +233,151 @@ def test_refuses_what_makes_no_field(change, told):
             asked=arguments.get("asked"),
         )
     assert told in str(refused.value)
+
+
+def disturbed(seed, count=1):
+    """A random grid, and a way to change it at random in a window that it returns."""
+    rng = np.random.default_rng(seed)
+    rows, columns = (int(n) for n in rng.integers(8, 130, 2))
+    passable = rng.random((rows, columns)) > rng.choice([0.0, 0.02, 0.1, 0.3])
+    if rng.random() < 0.3:
+        passable[:] = True
+        passable[rows // 3, : columns - 2] = passable[rows // 2 + 1, 2:] = False
+    starts = np.column_stack([rng.integers(0, columns, count), rng.integers(0, rows, count)])
+    passable[starts[:, 1], starts[:, 0]] = True
+
+    def change():
+        r0, c0 = int(rng.integers(-3, rows)), int(rng.integers(-3, columns))
+        r1, c1 = r0 + int(rng.integers(1, 30)), c0 + int(rng.integers(1, 30))
+        window = passable[max(r0, 0) : max(r1, 0), max(c0, 0) : max(c1, 0)]
+        window[:] = rng.random(window.shape) > rng.choice([0.0, 0.1, 0.5, 0.9, 1.0])
+        passable[starts[:, 1], starts[:, 0]] = True
+        return r0, r1, c0, c1
+
+    return passable, starts + rng.choice([0.5, 0.25, 0.0], (count, 2)), change, rng
+
+
+@given(st.integers(0, 100_000), st.integers(1, 2))
+@settings(max_examples=150)
+def test_a_repaired_field_is_a_new_one_to_the_bit(seed, count):
+    passable, sources, change, rng = disturbed(seed, count=count)
+    field = DistanceField(passable, 0.1, np.array(sources) * 0.1)
+    for _ in range(3):
+        free = np.argwhere(passable)
+        asked = free[rng.integers(0, len(free), 3)]
+        whole = distance_field(passable, 0.1, np.array(sources) * 0.1)
+        assert np.array_equal(field.distance(asked), whole[tuple(asked.T)])
+        field.repair(change())
+    field.complete()
+    assert np.array_equal(field.reached(), distance_field(passable, 0.1, sources * 0.1))
+
+
+def test_what_lies_before_a_change_is_kept():
+    passable = np.ones((40, 300), bool)
+    field = DistanceField(passable, 1.0, [(5.5, 20.5)])
+    field.complete()
+    passable[:, 200] = False
+    field.repair((0, 40, 200, 201))
+    kept = field.reached()
+    assert np.isfinite(kept[:, :190]).all()
+    assert np.isinf(kept[:, 200:]).all()
+    assert np.isinf(field.distance([(20, 250)])[0])
+    passable[3, 200] = True
+    field.repair((3, 4, 200, 201))
+    assert field.distance([(20, 250)])[0] == pytest.approx(
+        math.hypot(195.0, 17.0) + math.hypot(50.0, 17.0), rel=0.005
+    )
+
+
+def test_a_change_where_the_front_has_not_been_takes_nothing_back():
+    passable = np.ones((200, 200), bool)
+    field = DistanceField(passable, 1.0, [(20.5, 20.5)])
+    field.distance([(30, 30)])
+    before = field.reached()
+    passable[60:90, 60:90] = False
+    field.repair((60, 90, 60, 90))
+    assert np.array_equal(field.reached(), before)
+    assert np.isinf(field.distance([(70, 70)])[0])
+
+
+@given(st.integers(0, 100_000))
+def test_going_on_leads_to_the_same_field(seed):
+    passable, sources, _, rng = disturbed(seed)
+    whole = distance_field(passable, 1.0, sources)
+    field = DistanceField(passable, 1.0, sources)
+    free = np.argwhere(passable)
+    for _ in range(4):
+        asked = free[rng.integers(0, len(free), 2)]
+        assert np.array_equal(field.distance(asked), whole[tuple(asked.T)])
+    done = np.isfinite(field.reached())
+    assert np.array_equal(field.reached()[done], whole[done])
+
+
+@given(st.integers(0, 100_000))
+def test_the_first_of_some_cells_is_the_nearest(seed):
+    passable, sources, _, rng = disturbed(seed)
+    whole = distance_field(passable, 1.0, sources)
+    rows, columns = passable.shape
+    for known in (False, True):
+        asked = np.column_stack([rng.integers(0, rows, 6), rng.integers(0, columns, 6)])
+        field = DistanceField(passable, 1.0, sources)
+        if known:
+            field.distance(asked[3:])
+        lengths = whole[tuple(asked.T)]
+        first = field.first(asked)
+        if first is None:
+            assert np.isinf(lengths).all()
+        else:
+            assert lengths[first] == pytest.approx(lengths.min(), abs=1e-9)
+            assert known or field.reached()[np.isfinite(field.reached())].max() <= lengths[first]
+
+
+def test_the_size_of_the_grid_costs_nothing():
+    passable = np.ones((4000, 4000), bool)
+    tracemalloc.start()
+    field = DistanceField(passable, 0.1, [(200.05, 200.05)])
+    assert field.distance([(2025, 2000)])[0] == pytest.approx(2.5, rel=0.001)
+    _, most = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert most < 2_000_000
+
+
+def test_the_grid_may_be_a_view():
+    passable = np.ones((60, 80), bool)
+    part = passable[10:50:2, 5:75:2]
+    field = DistanceField(part, 1.0, [(2.5, 2.5)])
+    assert field.distance([(15, 30)]) == distance_field(part.copy(), 1.0, [(2.5, 2.5)])[15, 30]
+
+
+@given(st.integers(0, 100_000))
+def test_the_descent_falls_to_the_source_and_cuts_no_corner(seed):
+    passable, sources, _, rng = disturbed(seed)
+    whole = distance_field(passable, 1.0, sources)
+    reached = np.argwhere(np.isfinite(whole))
+    down = DistanceField(passable, 1.0, sources).descent(reached[rng.integers(len(reached))])
+    assert (np.diff(whole[tuple(down.T)]) < 0.0).all()
+    assert (np.abs(np.diff(down, axis=0)) <= 1).all()
+    for (r, c), (q, p) in itertools.pairwise(down.tolist()):
+        assert passable[q, p]
+        assert passable[r, p]
+        assert passable[q, c]
+    assert np.abs(down[-1] + 0.5 - sources[0, ::-1]).max() <= 0.5
+
+
+def test_refuses_fields_that_cannot_be():
+    with pytest.raises(InvalidInputError, match="of bool, not float64"):
+        DistanceField(np.ones((3, 3)), 1.0, [(0.5, 0.5)])
+    passable = np.ones((3, 9), bool)
+    field = DistanceField(passable, 1.0, [(0.5, 0.5)])
+    with pytest.raises(InvalidInputError, match=r"cell \(3, 0\)"):
+        field.distance([(3, 0)])
+    with pytest.raises(InvalidInputError, match=r"cell \(0, -1\)"):
+        field.first([(0, -1)])
+    passable[:, 4] = False
+    field.repair((0, 3, 4, 5))
+    with pytest.raises(InvalidInputError, match=r"no path leads to cell \(1, 6\)"):
+        field.descent((1, 6))
+    passable[0, 0] = False
+    with pytest.raises(InvalidInputError, match="not in a free cell"):
+        field.repair((0, 1, 0, 1))
+    assert field.distance([(0, 1)])[0] == 1.0

@@ -134,3 +134,28 @@ def test_other_packages_add_strategies_by_entry_points(own, monkeypatch):
     found.append(EntryPoint("another", own))
     with pytest.raises(InvalidInputError, match="'other' gives a second strategy 'own'"):
         fresh()
+
+
+def test_an_entry_point_that_fails_does_not_take_the_others_away(own, monkeypatch):
+    monkeypatch.undo()
+
+    class Broken(EntryPoint):
+        def __init__(self, name):
+            self.name = name
+
+        def load(self):
+            raise ImportError("No module named 'elsewhere'")
+
+    found = [Broken("broken"), EntryPoint("other", own), EntryPoint("wrong", 7)]
+    monkeypatch.setattr(registry, "entry_points", lambda group: found)
+    fresh = registry._registry.__wrapped__()
+    assert list(fresh)[-1] == "own"
+    monkeypatch.setattr(registry, "_registry", lambda: fresh)
+    assert registry.broken_strategies() == {
+        "broken": "ImportError: No module named 'elsewhere'",
+        "wrong": "it gives a int, not a Strategy",
+    }
+    with pytest.raises(InvalidInputError, match="'broken' of another package could not be loaded"):
+        strategy("broken")
+    with pytest.raises(InvalidInputError, match="there is no strategy 'brocken'"):
+        strategy("brocken")

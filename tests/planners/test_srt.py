@@ -355,6 +355,34 @@ def test_a_viewing_place_to_which_other_ways_lead_than_straight_ones():
     assert planner().viewing_place(ARC, known, 3.0, nodes, lambda *_: False) == "not reachable"
 
 
+@given(
+    places=st.lists(
+        st.tuples(st.floats(0.3, 5.7), st.floats(0.3, 3.7)), min_size=1, max_size=3, unique=True
+    ),
+    half_width=st.floats(0.5, 3.0),
+)
+def test_where_no_way_may_be_found_none_is(places, half_width):
+    nodes = standing_at(*places)
+    window = shapely.box(6 - half_width, 2 - half_width, 6 + half_width, 2 + half_width)
+    known = shapely.box(0, 0, 6, 4).intersection(window)
+    if not planner().may_find_way(6.0, 2.0, half_width, nodes):
+        assert isinstance(planner().viewing_place(ARC, known, half_width, nodes), str)
+
+
+def test_a_way_may_begin_at_a_node_inside_the_window_or_at_a_narrow_one():
+    inside, outside = standing_at((5.0, 2.0), (2.0, 2.0))
+    slit = shapely.box(1.0, 1.8, 3.0, 2.2)
+    narrow = SimpleNamespace(
+        configuration=Configuration(2.0, 2.0),
+        region=SimpleNamespace(boundary=np.array(slit.exterior.coords)[:-1]),
+    )
+    box = planner("box:0.5x0.3")
+    assert box.may_find_way(6.0, 2.0, 1.5, [outside, inside])
+    assert not box.may_find_way(6.0, 2.0, 1.5, [outside])
+    assert box.may_find_way(6.0, 2.0, 1.5, [outside, narrow])
+    assert not box.may_find_way(6.0, 2.0, 1.5, [])
+
+
 def test_refused_too_narrow():
     arc = np.array([(6.0, 0.0, 6.0, 0.4)])
     nodes = standing_at((1.0, 0.2))

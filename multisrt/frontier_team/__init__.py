@@ -1,0 +1,1 @@
+"""Frontier bidding: teams that share out the frontiers of a raster by what they cost."""

@@ -1,0 +1,245 @@
+"""What a robot that bids for frontiers knows of its team, and how it listens and answers."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Generator
+from typing import TYPE_CHECKING
+
+from multisrt.entries import EntriesMessage, Node, WantMessage
+from multisrt.events import Learned
+from multisrt.explorer import Action, Moved, Note, Outcome, Receive, Received, Send, TimedOut
+from multisrt.frontier_team.messages import (
+    AssignmentMessage,
+    GiveWayMessage,
+    Phase,
+    ReportMessage,
+    RobotReport,
+    StopMessage,
+)
+from multisrt.messages import Message
+
+if TYPE_CHECKING:
+    from multisrt.frontier_team.robot import FrontierRobot
+
+Talk = Generator[Action, Outcome, None]
+
+
+class Team:
+    """One robot's side of all talk.
+
+    Parameters
+    ----------
+    robot : FrontierRobot
+        Whose.
+
+    Attributes
+    ----------
+    reports : dict of int to RobotReport
+        What every other robot said of itself last.
+    asked_way : GiveWayMessage or None
+        Who wants this robot to give way, if it has not yet.
+    stopped : bool
+        Whether a stop signal came for the goal that it has.
+    wanted : bool
+        Whether somebody wants a goal from this robot.
+    deaf_since_s : dict of int to float
+        Since when robots have not answered.
+    assignment : AssignmentMessage or None
+        The leader's last word, until it is followed.
+    """
+
+    def __init__(self, robot: FrontierRobot) -> None:
+        self.robot = robot
+        self.number = robot.me.robot
+        self.reports: dict[int, RobotReport] = {}
+        self.heard_s: dict[int, float] = {}
+        self.asked_way: GiveWayMessage | None = None
+        self.asks_s: dict[int, float] = {}
+        self.stopped = False
+        self.wanted = False
+        self.deaf_since_s: dict[int, float] = {}
+        self.assignment: AssignmentMessage | None = None
+        self.phase: Phase = "choosing"
+        self.told_s = -math.inf
+        radio = robot.me.radio
+        self.round_trip_s = 2.0 * radio.latency_s
+        self.period_s = robot.options.ask_period_s + self.round_trip_s
+        self._said = 0
+        self._told = 0
+        self._wanted: dict[int, float] = {}
+
+    @property
+    def is_alone(self) -> bool:
+        """Whether the team is this robot."""
+        return self.robot.me.team == 1
+
+    def present(self) -> list[RobotReport]:
+        """Give the reports of the others that are reckoned with, by number.
+
+        Those are left out that have nothing to do, and those that ought to have been heard of.
+        """
+        since = self.robot.time_s - self.robot.options.forget_after_s
+        return [
+            report
+            for number, report in sorted(self.reports.items())
+            if report.phase != "idle" and self.heard_s[number] >= since
+        ]
+
+    def own_report(self) -> RobotReport:
+        """Give what this robot says of itself."""
+        robot = self.robot
+        at = robot.now_at()
+        goal = robot.goal
+        path = () if goal is None else tuple(map(tuple, goal.path.tolist()))
+        done = (
+            0.0
+            if robot.motion is None
+            else robot.motion.until(robot.time_s - robot.set_out_s).length_m
+        )
+        return RobotReport(
+            robot=self.number,
+            said=self._said,
+            time_s=robot.time_s,
+            phase=self.phase,
+            place=(*at,),
+            goal=None if goal is None else goal.place,
+            remaining_m=0.0 if goal is None else max(0.0, goal.cost_m - done),
+            path=path,
+            footprint=str(robot.me.footprint),
+            have=self._have(),
+        )
+
+    @property
+    def is_interrupted(self) -> bool:
+        """Whether something was heard for which a robot that drives stops."""
+        return (
+            self.asked_way is not None or self.stopped or self.wanted or self.assignment is not None
+        )
+
+    def is_deaf(self, report: RobotReport) -> bool:
+        """Whether a robot has not been heard of since it did not answer."""
+        since = self.deaf_since_s.get(report.robot)
+        return since is not None and self.heard_s[report.robot] <= since
+
+    def report(
+        self, *, asks: bool = False, wants_goal: bool = False, to: int | None = None
+    ) -> Talk:
+        """Tell how it stands; all, with what is new in the map."""
+        self._said += 1
+        entries: tuple[Node, ...] = ()
+        if to is None:
+            own = self.robot.entries
+            have = {**own.have(), self.number: (self._told, 0)}
+            entries = tuple(e for e in own.lacks(have) if isinstance(e, Node))
+            self._told = own.have().get(self.number, (0, 0))[0]
+            self.told_s = self.robot.time_s
+        yield Send(
+            ReportMessage(
+                sender=self.number,
+                reports=(self.own_report(), *self._passed_on()),
+                asks=asks,
+                wants_goal=wants_goal,
+                entries=entries,
+            ),
+            to,
+        )
+
+    def hear(self, timeout_s: float | None = 0.0) -> Generator[Action, Outcome, Moved | None]:
+        """Receive until a motion ends, something was heard, or time is up; answer questions.
+
+        Returns
+        -------
+        Moved or None
+            The end of the motion that went on.
+        """
+        outcome = yield Receive(timeout_s)
+        return (yield from self.take(outcome))
+
+    def take(self, outcome: Outcome) -> Generator[Action, Outcome, Moved | None]:
+        """Take in what came, and answer."""
+        if isinstance(outcome, Moved):
+            return outcome
+        assert isinstance(outcome, Received | TimedOut)
+        self.robot.time_s = outcome.time_s
+        if isinstance(outcome, Received):
+            for message in outcome.messages:
+                yield from self._take_message(message)
+        return None
+
+    def pause(self, seconds: float) -> Talk:
+        """Let time pass, and listen meanwhile; no time: until all has come that comes now."""
+        until = self.robot.time_s + seconds
+        while True:
+            outcome = yield Receive(max(0.0, until - self.robot.time_s))
+            yield from self.take(outcome)
+            if isinstance(outcome, TimedOut) or (seconds > 0.0 and self.robot.time_s >= until):
+                return
+
+    def _have(self) -> tuple[tuple[int, int, int], ...]:
+        return tuple((robot, *counts) for robot, counts in self.robot.entries.have().items())
+
+    def _passed_on(self) -> tuple[RobotReport, ...]:
+        # Where nobody relays messages, robots tell of one another.
+        radio = self.robot.me.radio
+        if radio.multi_hop or math.isinf(radio.range_m):
+            return ()
+        return tuple(self.present())
+
+    def _take_message(self, message: Message) -> Talk:
+        self.heard_s[message.sender] = self.robot.time_s
+        match message:
+            case ReportMessage():
+                for report in message.reports:
+                    self._take_report(report)
+                yield from self._learn(message.entries)
+                self.wanted |= message.wants_goal
+                if message.asks:
+                    yield from self.report(to=message.sender)
+                yield from self._ask_for_what_lacks(message.reports[0])
+            case WantMessage():
+                have = {robot: (nodes, closings) for robot, nodes, closings in message.have}
+                entries = tuple(self.robot.entries.lacks(have))
+                if entries:
+                    yield Send(EntriesMessage(sender=self.number, entries=entries), message.sender)
+            case EntriesMessage():
+                yield from self._learn(message.entries)
+            case GiveWayMessage():
+                self._take_asked_way(message)
+                yield from self.report(to=message.sender)
+            case StopMessage():
+                goal = self.robot.goal
+                if goal is not None and math.dist(goal.place, message.goal) < 1e-9:
+                    self.stopped = True
+            case AssignmentMessage():
+                self.assignment = message
+
+    def _take_report(self, report: RobotReport) -> None:
+        known = self.reports.get(report.robot)
+        if report.robot != self.number and (known is None or report.said >= known.said):
+            self.reports[report.robot] = report
+            self.heard_s[report.robot] = max(
+                self.heard_s.get(report.robot, -math.inf), report.time_s
+            )
+
+    def _take_asked_way(self, message: GiveWayMessage) -> None:
+        # Of two that ask one another the first goes first; at one moment, the lower number.
+        lately = self.robot.time_s - 2.0 * self.period_s
+        asked_s = self.asks_s.get(message.sender, -math.inf)
+        if asked_s >= lately and self.number < message.sender and not message.firm:
+            return
+        self.asked_way = message
+
+    def _learn(self, entries: tuple[object, ...]) -> Talk:
+        new = self.robot.merge(tuple(e for e in entries if isinstance(e, Node)))
+        if new:
+            yield Note(Learned(time_s=self.robot.time_s, robot=self.number, nodes=new))
+
+    def _ask_for_what_lacks(self, report: RobotReport) -> Talk:
+        mine = self.robot.entries.have()
+        for robot, nodes, _ in report.have:
+            if nodes > mine.get(robot, (0, 0))[0]:
+                if self.robot.time_s >= self._wanted.get(robot, -math.inf) + self.period_s:
+                    self._wanted[robot] = self.robot.time_s
+                    yield Send(WantMessage(sender=self.number, have=self._have()), report.robot)
+                return

@@ -1,0 +1,1 @@
+"""Reactive driving, following of paths, and who goes first where robots meet."""

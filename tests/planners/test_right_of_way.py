@@ -1,0 +1,244 @@
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+import shapely
+from hypothesis import given
+from hypothesis import strategies as st
+
+from multisrt.geometry.configuration import Configuration
+from multisrt.geometry.errors import InvalidInputError
+from multisrt.planners.navigation.right_of_way import (
+    Party,
+    is_in_sector,
+    place_aside,
+    right_of_way,
+    stands_in_the_way,
+)
+
+CONFLICT_M = 3.0
+
+
+def party(robot: int, *corners: tuple[float, float], heading: float | None = None, **more) -> Party:
+    """Give a robot of radius 0.25 m at the first corner of its path, which looks along it."""
+    path = np.array(corners, dtype=float)
+    if heading is None:
+        (x0, y0), (x1, y1) = corners[:2]
+        heading = math.atan2(y1 - y0, x1 - x0)
+    at = Configuration(*path[0].tolist(), heading)
+    return Party(robot=robot, configuration=at, path=path, radius_m=0.25, **more)
+
+
+def ruling(me: Party, *others: Party) -> tuple:
+    return tuple(right_of_way(me, others, CONFLICT_M, margin_m=0.1))
+
+
+# In a corridor along x, two metres apart, each on its way to where the other comes from.
+EAST = party(1, (0, 0), (8, 0))
+WEST = party(2, (2, 0), (-6, 0))
+# The same, in lanes 0.7 m apart: bodies and margin need 0.6 m.
+WEST_BESIDE = party(2, (2.9, 0.7), (-6, 0.7))
+
+
+def changed(robot: Party, **more) -> Party:
+    return dataclasses.replace(robot, **more)
+
+
+def test_alone_and_far_from_others_it_goes():
+    assert ruling(EAST) == ("go", False, ())
+    assert ruling(EAST, party(2, (3.7, 0), (-6, 0))) == ("go", False, ())
+
+
+def test_the_flag_falls_when_the_sector_is_clear():
+    assert ruling(changed(EAST, leader=True)) == ("go", False, ())
+    passed = party(2, (-1, 0), (-6, 0))
+    assert ruling(changed(EAST, leader=True), passed) == ("go", False, ())
+
+
+def test_who_drives_behind_another_waits_and_the_other_goes():
+    behind, before = party(1, (0, 0), (8, 0)), party(2, (1, 0), (9, 0))
+    assert ruling(behind, before) == ("wait", False, (2,))
+    assert ruling(before, behind) == ("go", False, ())
+
+
+def test_an_inactive_mate_is_an_obstacle_where_it_stands_in_the_way():
+    assert ruling(EAST, changed(WEST, inactive=True)) == ("detour", False, (2,))
+    # In the sector, but 0.7 m beside the way.
+    beside = changed(WEST_BESIDE, inactive=True)
+    assert is_in_sector(EAST.configuration, beside.configuration, CONFLICT_M)
+    assert ruling(EAST, beside) == ("go", False, ())
+
+
+def test_face_to_face_the_first_to_see_leads_and_the_other_waits():
+    assert ruling(EAST, WEST_BESIDE) == ("go", True, ())
+    assert ruling(WEST_BESIDE, changed(EAST, leader=True)) == ("wait", False, (1,))
+    # It is the same with the other first.
+    assert ruling(WEST_BESIDE, EAST) == ("go", True, ())
+    assert ruling(EAST, changed(WEST_BESIDE, leader=True)) == ("wait", False, (2,))
+
+
+def test_of_two_flags_in_one_conflict_the_lower_number_keeps_it():
+    east, west = changed(EAST, leader=True), changed(WEST_BESIDE, leader=True)
+    assert ruling(east, west) == ("go", True, ())
+    assert ruling(west, east) == ("wait", False, (1,))
+
+
+def test_a_leader_goes_round_who_stands_in_its_way():
+    assert ruling(EAST, WEST) == ("detour", True, (2,))
+    assert ruling(WEST, changed(EAST, leader=True)) == ("wait", False, (1,))
+
+
+def test_where_there_is_no_way_round_the_other_retreats():
+    stuck = changed(EAST, leader=True, stuck=True)
+    assert ruling(stuck, WEST) == ("wait", True, (2,))
+    assert ruling(WEST, stuck) == ("retreat", False, (1,))
+    # Who is not in its way need not.
+    assert ruling(WEST_BESIDE, stuck) == ("wait", False, (1,))
+
+
+def test_who_cannot_retreat_becomes_the_leader():
+    stuck = changed(EAST, leader=True, stuck=True)
+    cornered = changed(WEST, cornered=True)
+    assert ruling(cornered, stuck) == ("detour", True, (1,))
+    cornered = changed(cornered, leader=True, stuck=True)
+    assert ruling(stuck, cornered) == ("retreat", False, (2,))
+    # Neither can: nobody moves.
+    stuck = changed(stuck, cornered=True)
+    assert ruling(stuck, cornered) == ("wait", True, (2,))
+    assert ruling(cornered, stuck) == ("wait", False, (1,))
+
+
+def test_after_the_retreat_the_leader_passes_and_the_other_comes_back():
+    # The other stands in a side room at (1, 1) and wants to go on to the west.
+    aside = party(2, (1, 1), (1, 0), (-6, 0))
+    coming = changed(EAST, leader=True, stuck=True)
+    assert ruling(coming, aside)[0] == "go"
+    # The leader stands on its way, though not ahead of it.
+    assert not is_in_sector(aside.configuration, coming.configuration, CONFLICT_M)
+    assert ruling(aside, coming) == ("wait", False, (1,))
+    past = party(1, (1.7, 0), (8, 0))
+    assert ruling(aside, past) == ("go", False, ())
+
+
+def test_three_in_a_ring_have_one_leader():
+    corners = [(2 * math.cos(t), 2 * math.sin(t)) for t in np.arange(3) * 2 * math.pi / 3]
+    ring = [
+        party(k, corners[k], corners[(k + 1) % 3], heading=math.radians(150 + 120 * k))
+        for k in range(3)
+    ]
+    assert right_of_way(ring[1], [ring[0], ring[2]], 4.0).leader
+    ring[1] = changed(ring[1], leader=True)
+    assert right_of_way(ring[0], ring[1:], 4.0) == ("wait", False, (1,))
+    assert right_of_way(ring[2], ring[:2], 4.0) == ("wait", False, (1,))
+
+
+def test_two_conflicts_have_a_leader_each():
+    east, west = party(3, (0, 9), (8, 9)), party(4, (2.9, 9.7), (-6, 9.7))
+    assert ruling(EAST, WEST_BESIDE, east, west) == ("go", True, ())
+    first = changed(EAST, leader=True)
+    assert ruling(west, first, WEST_BESIDE, east) == ("go", True, ())
+
+
+def test_a_leader_waits_for_who_does_not_wait_for_it():
+    # A third crosses between the two, and sees none of them.
+    crossing = party(3, (1.5, 0), (1.5, 8))
+    west = changed(WEST_BESIDE, leader=False)
+    assert ruling(changed(EAST, leader=True), west, crossing) == ("wait", True, (3,))
+
+
+def test_numbers_are_robots_own():
+    with pytest.raises(InvalidInputError, match=r"\[1, 1\]"):
+        ruling(EAST, EAST)
+
+
+def test_sector():
+    at = Configuration(0.0, 0.0, math.pi)
+    assert is_in_sector(at, Configuration(-2.9, 0.7), 3.0)
+    assert is_in_sector(at, Configuration(-2.9, -0.7), 3.0)
+    assert not is_in_sector(at, Configuration(-2.9, 0.8), 3.0)
+    assert not is_in_sector(at, Configuration(-3.1, 0.0), 3.0)
+    assert not is_in_sector(at, Configuration(2.0, 0.0), 3.0)
+
+
+def test_a_path_that_leads_away_has_nobody_in_its_way():
+    mate = Configuration(0.0, 0.5)
+    assert not stands_in_the_way(np.array([[0.0, 0.0], [5.0, 0.0]]), mate, 0.6)
+    assert not stands_in_the_way(np.array([[0.0, 0.0]]), mate, 0.6)
+    assert stands_in_the_way(np.array([[-0.2, 0.0], [5.0, 0.0]]), mate, 0.6)
+    assert not stands_in_the_way(np.array([[-5.0, 0.0], [5.0, 0.0]]), mate, 0.6, within_m=4.6)
+    assert stands_in_the_way(np.array([[-5.0, 0.0], [5.0, 0.0]]), mate, 0.6, within_m=4.7)
+
+
+def test_the_nearest_place_off_the_path():
+    way = np.array([[0.0, 0.0], [8.0, 0.0], [8.0, 5.0]])
+    places = np.array([[3.0, 0.5], [4.0, 0.6], [5.0, 2.0], [7.5, 4.0], [6.0, -0.6]])
+    costs = np.array([0.5, 3.0, 1.5, 0.1, 1.5])
+    assert place_aside(places, costs, way, 0.6) == (5.0, 2.0)
+    assert place_aside(places[:2], costs[:2], way, 0.6) == (4.0, 0.6)
+    assert place_aside(places[:2], np.array([0.5, math.inf]), way, 0.6) is None
+    assert place_aside(places, costs, way, 3.1) is None
+    assert place_aside(np.empty((0, 2)), np.empty(0), way, 0.6) is None
+
+
+coordinates = st.tuples(st.floats(-5, 5), st.floats(-5, 5))
+
+
+@given(
+    st.lists(coordinates, min_size=1, max_size=20),
+    st.lists(coordinates, min_size=1, max_size=5),
+    st.floats(0.1, 4.0),
+)
+def test_place_aside_against_shapely(places, way, apart):
+    costs = np.array([round(math.hypot(*place), 1) for place in places])
+    line = shapely.LineString(way) if len(way) > 1 else shapely.Point(way[0])
+    distances = [line.distance(shapely.Point(place)) for place in places]
+    found = place_aside(np.array(places), costs, np.array(way), apart)
+    if found is None:
+        assert all(d < apart + 1e-9 for d in distances)
+        return
+    chosen = places.index(found)
+    assert distances[chosen] >= apart - 1e-9
+    better = costs < costs[chosen]
+    assert all(d < apart + 1e-9 for d, b in zip(distances, better, strict=True) if b)
+
+
+@st.composite
+def teams(draw):
+    count = draw(st.integers(2, 4))
+    return [
+        party(
+            k,
+            draw(coordinates),
+            *draw(st.lists(coordinates, max_size=3)),
+            heading=draw(st.floats(-math.pi, math.pi)),
+            leader=draw(st.booleans()),
+            inactive=draw(st.integers(0, 4)) == 0,
+            stuck=draw(st.booleans()),
+            cornered=draw(st.integers(0, 4)) == 0,
+        )
+        for k in range(count)
+    ]
+
+
+@given(teams())
+def test_not_all_who_see_one_another_wait(team):
+    # Asked one after another, each told what those before it decided.
+    active = [k for k, robot in enumerate(team) if not robot.inactive]
+    rulings = {}
+    for _ in range(3):
+        for k in active:
+            others = [mate for mate in team if mate is not team[k]]
+            rulings[k] = right_of_way(team[k], others, CONFLICT_M, margin_m=0.1)
+            team[k] = changed(team[k], leader=rulings[k].leader)
+    for k, (action, leader, because_of) in rulings.items():
+        assert k not in because_of
+        assert (action == "go") <= (not because_of)
+        assert (action in ("wait", "retreat", "detour")) <= bool(because_of)
+        assert leader <= (action != "retreat")
+    # Somebody goes, or tries to, or a stuck leader has somebody leave or nobody who could.
+    actions = {ruling.action for ruling in rulings.values()}
+    if active and actions == {"wait"}:
+        held = [team[k] for k, ruling in rulings.items() if ruling.leader]
+        assert held
+        assert any(robot.stuck for robot in held)

@@ -41,8 +41,8 @@ def shortest_path(field: DistanceField, cell: ArrayLike) -> FloatArray:
     centres of cells, half a cell's diagonal from the corner that they go around. Against the
     shortest paths between the same points around the blocked cells themselves, by a visibility
     graph: too long by 0.8 % in the mean and 4.7 % at most in rooms of 40 cells with doors and
-    desks, 2.3 % and 9.2 % in rooms of 15 cells, where the shortest line over centres already is
-    1.9 % and 8.8 % longer; 8.7 % in the mean in grids with 5 to 40 % of the cells blocked at
+    desks, 2.3 % and 9.0 % in rooms of 15 cells, where the shortest line over centres already is
+    1.9 % and 8.7 % longer; 8.7 % in the mean in grids with 5 to 40 % of the cells blocked at
     random, where each step is a turn.
 
     Examples

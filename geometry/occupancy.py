@@ -273,6 +273,62 @@ class Occupancy:
             )
         return index[:, 0], index[:, 1]
 
+    def window_of(self, corners: Corners) -> Corners:
+        """Give where a window of the lattice is in the arrays at present."""
+        r0, r1, c0, c1 = corners
+        return r0 - self.row, r1 - self.row, c0 - self.column, c1 - self.column
+
+    def passable_near(self, x: float, y: float, within_cells: int) -> tuple[int, int] | None:
+        """Give the passable cell, in the lattice, whose centre is nearest to a place.
+
+        Parameters
+        ----------
+        x, y : float
+            The place.
+        within_cells : int
+            How many rows and columns away to look at most.
+
+        Returns
+        -------
+        (row, column) or None
+            Of equally near cells the first one row by row; None: there is none.
+        """
+        found = _passable_near(
+            x, y, within_cells, self.cell_m, self.row, self.column, self.passable
+        )
+        if found < 0:
+            return None
+        row, column = divmod(int(found), self.passable.shape[1])
+        return row + self.row, column + self.column
+
+    def passable_centres(self, x: float, y: float, half_width_m: float) -> FloatArray:
+        """Give the centres of the passable cells in a square around a place, ``(k, 2)``."""
+        reach = math.ceil(half_width_m / self.cell_m)
+        row, column = self.cell_of(x, y)
+        r0, c0 = max(0, row - self.row - reach), max(0, column - self.column - reach)
+        r1, c1 = row - self.row + reach + 1, column - self.column + reach + 1
+        cells = np.argwhere(self.passable[r0 : max(r0, r1), c0 : max(c0, c1)])
+        return self.centres_of(cells + np.array([r0 + self.row, c0 + self.column]))
+
+    def has_frontier_near(self, x: float, y: float, radius_m: float) -> bool:
+        """Whether the centre of a frontier cell lies within a radius of a place."""
+        return bool(
+            _has_frontier_near(x, y, radius_m, self.cell_m, self.row, self.column, self._marks)
+        )
+
+    def is_known(self, x: float, y: float) -> bool:
+        """Whether the cell that holds a place is free or occupied."""
+        row, column = self.cell_of(x, y)
+        row, column = row - self.row, column - self.column
+        rows, columns = self.cells.shape
+        inside = 0 <= row < rows and 0 <= column < columns
+        return inside and bool(self.cells[row, column] != UNKNOWN)
+
+    @property
+    def diagonal_m(self) -> float:
+        """Diagonal of the window."""
+        return math.hypot(*self.cells.shape) * self.cell_m
+
     def frontier_groups(self, least_m: float | None = None) -> list[FrontierGroup]:
         """Give the groups of frontier cells, in the order of their first cells row by row.
 
@@ -341,10 +397,10 @@ class Occupancy:
             self._label_again()
 
     def _label_again(self) -> None:
-        # A cell may have become or ceased to be frontier one further than the change, and so
-        # have joined or parted groups of cells yet one further.
+        # As knowledge only grows, new frontier cells lie where cells have changed, and what has
+        # ceased to be frontier is at most one further. So are the groups that this joins or parts.
         windows = np.array(self._unlabelled, np.int64)
-        windows += np.array([-2, 2, -2, 2])
+        windows += np.array([-1, 1, -1, 1])
         windows -= np.array([self.row, self.row, self.column, self.column])
         windows = np.maximum(windows, 0)
         windows[:, :2] = np.minimum(windows[:, :2], self.cells.shape[0])
@@ -711,3 +767,43 @@ def _fill(
                     members[reached] = s * columns + d
                     reached += 1
     return count
+
+
+@kernel
+def _passable_near(
+    x: float, y: float, within: int, cell: float, row: int, column: int, passable: BoolArray
+) -> int:
+    rows, columns = passable.shape
+    r0, c0 = int(np.floor(y / cell + OFFSET)) - row, int(np.floor(x / cell + OFFSET)) - column
+    shift = OFFSET * cell
+    found, nearest = -1, np.inf
+    for r in range(max(0, r0 - within), min(rows, r0 + within + 1)):
+        dy = (r + row + 0.5) * cell - shift - y
+        for c in range(max(0, c0 - within), min(columns, c0 + within + 1)):
+            dx = (c + column + 0.5) * cell - shift - x
+            if passable[r, c] and dx * dx + dy * dy < nearest:
+                found, nearest = r * columns + c, dx * dx + dy * dy
+    return found
+
+
+@kernel
+def _has_frontier_near(
+    x: float,
+    y: float,
+    radius: float,
+    cell: float,
+    row: int,
+    column: int,
+    marks: NDArray[np.uint8],
+) -> bool:
+    rows, columns = marks.shape
+    shift = OFFSET * cell
+    reach = int(np.ceil(radius / cell)) + 1
+    r0, c0 = int(np.floor(y / cell + OFFSET)) - row, int(np.floor(x / cell + OFFSET)) - column
+    for r in range(max(0, r0 - reach), min(rows, r0 + reach + 1)):
+        dy = (r + row + 0.5) * cell - shift - y
+        for c in range(max(0, c0 - reach), min(columns, c0 + reach + 1)):
+            dx = (c + column + 0.5) * cell - shift - x
+            if marks[r, c] & FRONTIER and dx * dx + dy * dy <= radius * radius:
+                return True
+    return False

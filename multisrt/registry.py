@@ -17,10 +17,19 @@ from typing import Any
 import msgspec
 
 from multisrt.explorer import Explorer, RobotSelf
+from multisrt.frontier_team.driving import drive
+from multisrt.frontier_team.explore import Drive, FrontierExplorer, Rule
+from multisrt.frontier_team.nearness import drive_by_diagram
+from multisrt.frontier_team.options import FrontierOptions, SelfBiddingOptions, UtilityOptions
+from multisrt.frontier_team.robot import Watch
+from multisrt.frontier_team.rules import choose_closest, choose_greedy, choose_minpos
+from multisrt.frontier_team.self_bidding import choose_by_self_bidding, tell_who_may_stop
+from multisrt.frontier_team.utility import choose_utility
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.safe_region import Shape
 from multisrt.multi_srt.build_multi_srt import SrtExplorer
 from multisrt.multi_srt.options import MultiSrtOptions
+from multisrt.planners.motion.kinematics import Car
 from multisrt.spec import RunSpec
 
 
@@ -188,10 +197,47 @@ def _require_reach(spec: RunSpec) -> None:
         )
 
 
+def _bids(
+    name: str,
+    summary: str,
+    options: type[FrontierOptions],
+    rule: Rule,
+    drives: Drive = drive,
+    watch: Watch | None = None,
+) -> Strategy:
+    def explorer(me: RobotSelf, options: FrontierOptions) -> Explorer:
+        return FrontierExplorer(me, options, rule, drives, watch)
+
+    return Strategy(
+        name=name, summary=summary, options=options, explorer=explorer, fits=_require_no_car
+    )
+
+
+def _require_no_car(spec: RunSpec) -> None:
+    for number, robot in enumerate(spec.robots):
+        if isinstance(robot.drive.kinematics(), Car):
+            raise InvalidInputError(
+                f"{spec.strategy} drives along paths with corners, and robot {number} is a car; "
+                "give it a holonomic or differential drive, or choose a strategy of the SRT family"
+            )
+
+
 _OWN = (
     _srt("ball", "Sensor-based Random Tree; safe regions are discs of the smallest reading"),
     _srt("star", "Sensor-based Random Tree; safe regions are stars of equal cones"),
     _srt("radial", "Sensor-based Random Tree; safe regions keep every reading"),
+    _bids("closest", "Every robot to its nearest frontier", FrontierOptions, choose_closest),
+    _bids("greedy", "The shortest ways first, every frontier once", FrontierOptions, choose_greedy),
+    _bids("minpos", "To the frontier where fewest are nearer", FrontierOptions, choose_minpos),
+    _bids("utility", "A leader weighs ways against views", UtilityOptions, choose_utility),
+    _bids(
+        "self-bidding",
+        "SBX-R: bids for the whole team, which keeps within radio range",
+        SelfBiddingOptions,
+        choose_by_self_bidding,
+        drive_by_diagram,
+        tell_who_may_stop,
+    ),
 )
 
 

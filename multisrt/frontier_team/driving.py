@@ -9,7 +9,6 @@ from typing import Literal
 from multisrt.events import Purpose
 from multisrt.explorer import Action, Move, Moved, Outcome, Sighting, Stop
 from multisrt.frontier_team.robot import FrontierRobot, Goal
-from multisrt.planners.motion.kinematics import Car
 from multisrt.planners.motion.trajectory import Trajectory
 from multisrt.planners.navigation.path_following import ahead, follow
 
@@ -18,7 +17,7 @@ Reason = Literal["reached", "news", "nothing left", "interrupted", "no way"]
 anew; nothing is left to be seen at the goal; another robot said something that asks for it; or
 the way turns out not to be free."""
 
-REACHED_M = 1e-6
+REACHED_M = 0.01
 """A robot that near to its goal is there."""
 
 
@@ -36,12 +35,11 @@ def drive(
         Why it ended; a sighting: of the robot before which the protective stop ended it.
     """
     path = goal.path
-    assert not isinstance(robot.me.kinematics, Car)
     while True:
         reason = reason_to_end(robot, goal, purpose)
         if reason is not None:
             return reason
-        path = ahead(path, robot.at.x, robot.at.y)
+        path = ahead(path, robot.at)
         motion = follow(robot.body, robot.me.kinematics, robot.boundary, robot.at, path)
         if motion is None:
             return "no way"
@@ -91,7 +89,7 @@ def reason_to_end(robot: FrontierRobot, goal: Goal, purpose: Purpose) -> Reason 
         return None
     if robot.sees_at_half_range(goal):
         return "reached"
-    if not robot.is_frontier(*goal.place):
+    if robot.options.sense == "moving" and not robot.is_frontier(*goal.place):
         return "nothing left"
     if robot.may_choose_anew():
         return "news"

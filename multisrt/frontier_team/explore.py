@@ -5,16 +5,19 @@ from __future__ import annotations
 from collections.abc import Callable, Generator
 
 from multisrt.explorer import Action, Done, Outcome, RobotSelf, Sighting
-from multisrt.frontier_team.driving import drive
+from multisrt.frontier_team.driving import Reason, drive
 from multisrt.frontier_team.giving_way import give_way, settle
 from multisrt.frontier_team.options import FrontierOptions
-from multisrt.frontier_team.robot import FrontierRobot, Goal
+from multisrt.frontier_team.robot import FrontierRobot, Goal, Watch
+
+MOST_WAITS = 30
+"""So often a robot waits for others to leave its way; then it is done."""
 
 Steps = Generator[Action, Outcome, None]
 Rule = Callable[[FrontierRobot, str], Generator[Action, Outcome, Goal | None]]
 """Chooses a goal, given why one is chosen; None: there is nothing to go to."""
 
-Drive = Callable[[FrontierRobot, Goal], Generator[Action, Outcome, "str | Sighting"]]
+Drive = Callable[[FrontierRobot, Goal], Generator[Action, Outcome, Reason | Sighting]]
 
 
 class FrontierExplorer:
@@ -30,12 +33,19 @@ class FrontierExplorer:
         Chooses the goals.
     drive : callable
         Drives to them.
+    watch : callable, optional
+        Done whenever the robot has seen something new.
     """
 
     def __init__(
-        self, me: RobotSelf, options: FrontierOptions, rule: Rule, drive: Drive = drive
+        self,
+        me: RobotSelf,
+        options: FrontierOptions,
+        rule: Rule,
+        drive: Drive = drive,
+        watch: Watch | None = None,
     ) -> None:
-        self.robot = FrontierRobot(me, options)
+        self.robot = FrontierRobot(me, options, watch)
         self.rule = rule
         self.drive = drive
 
@@ -45,7 +55,9 @@ class FrontierExplorer:
         yield from robot.begin()
         because = "start"
         while True:
-            goal = yield from self.rule(robot, because)
+            goal, robot.detour = robot.detour, None
+            if goal is None:
+                goal = yield from self.rule(robot, because)
             robot.set_goal(goal)
             if goal is None:
                 because = yield from self.stand_by()
@@ -60,7 +72,7 @@ class FrontierExplorer:
         robot, team = self.robot, self.robot.team
         if isinstance(reason, Sighting):
             yield from settle(robot, goal, reason)
-            return "blocked"
+            reason = "interrupted" if team.is_interrupted else "blocked"
         if reason == "interrupted":
             if team.asked_way is not None:
                 yield from give_way(robot)
@@ -71,30 +83,42 @@ class FrontierExplorer:
             return "assigned"
         if reason == "reached" and robot.options.sense == "targets":
             yield from robot.perceive()
-        if reason == "no way" or (reason == "reached" and robot.stands_on(goal)):
-            # Nothing more is to be seen from there, or no way leads there.
-            robot.give_up(goal, reason)
+        robot.judge(goal, reason)
         return reason
 
     def stand_by(self) -> Generator[Action, Outcome, str]:
-        """Be done, until something new is heard."""
+        """Be done until something new is heard; or wait until a robot that is in the way leaves."""
         robot, team = self.robot, self.robot.team
-        blocked = robot.blocked_frontiers()
-        if blocked and robot.waits_for_room():
-            yield from team.pause(robot.options.pause_s * (0.5 + robot.me.rng.random()))
-            return "blocked"
-        team.phase = "idle"
-        if not blocked:
+        if robot.blocked_frontiers():
+            if robot.waits < MOST_WAITS:
+                robot.waits += 1
+                yield from team.pause(robot.options.pause_s * (0.5 + robot.me.rng.random()))
+                yield from robot.look()
+                if team.asked_way is not None:
+                    yield from give_way(robot)
+                return "blocked"
+            around = ", ".join(map(str, sorted(robot.bodies)))
+            done = Done(
+                complete=False,
+                reason=f"boxed in by robots {around}, which do not give way",
+                on_call=not team.is_alone,
+            )
+        else:
             yield from robot.tell_when_complete()
+            done = Done(
+                complete=True,
+                reason="no frontier is left that it can reach",
+                on_call=not team.is_alone,
+            )
+        robot.waits = 0
+        team.phase = "idle"
         if not team.is_alone:
             yield from team.report()
-        outcome = yield Done(
-            complete=not blocked,
-            reason=robot.account(blocked),
-            frontier=(),
-            on_call=not team.is_alone,
-        )
-        yield from team.take(outcome)
+        known = robot.raster.revision
+        while robot.raster.revision == known and not team.is_interrupted:
+            outcome = yield done
+            yield from team.take(outcome)
         if team.asked_way is not None:
             yield from give_way(robot)
+        team.stopped = False
         return "called on"

@@ -13,10 +13,10 @@ from collections.abc import Generator
 import numpy as np
 
 from multisrt.explorer import Action, Outcome, Send, Sighting
-from multisrt.frontier_team.driving import drive
+from multisrt.frontier_team.driving import REACHED_M, drive
 from multisrt.frontier_team.messages import GiveWayMessage
-from multisrt.frontier_team.robot import FrontierRobot, Goal
-from multisrt.geometry.kernel import FloatArray
+from multisrt.frontier_team.robot import FrontierRobot, Goal, has_moved
+from multisrt.planners.navigation.path_following import ahead
 from multisrt.planners.navigation.right_of_way import place_aside
 
 Steps = Generator[Action, Outcome, None]
@@ -35,85 +35,84 @@ def settle(robot: FrontierRobot, goal: Goal, met: Sighting) -> Steps:
     """Do something about a robot before which the protective stop ended a motion.
 
     It goes round, if that is not far. Else it asks the other to give way, waits, and asks again;
-    at last it takes the other for an obstacle, and another goal.
+    at last it takes the other for an obstacle for a while.
     """
-    other = met.robot
+    team, other = robot.team, met.robot
     seen = yield from robot.look()
-    around = robot.detour(goal, list(seen), DETOUR_SHARE * goal.cost_m + DETOUR_M)
-    if around is not None:
-        robot.goal = around
+    around = robot.goal_around(goal, seen, DETOUR_SHARE * goal.cost_m + DETOUR_M)
+    if around is not None and around.cost_m > REACHED_M:
+        robot.detour = around
         return
-    path = tuple((x, y) for x, y in goal.path.tolist())
-    team = robot.team
     for _ in range(robot.options.patience):
-        asked_s = robot.time_s
-        team.asks_s[other] = asked_s
-        yield Send(
-            GiveWayMessage(sender=robot.me.robot, path=path, radius_m=robot.body.outer_radius_m),
-            other,
-        )
+        asked_s = team.asks_s[other] = robot.time_s
+        yield Send(ask_for_way(robot, goal), other)
         yield from team.pause(team.period_s)
-        if team.is_interrupted:
-            return
-        if team.heard_s.get(other, -math.inf) >= asked_s:
+        if not team.is_interrupted and team.heard_s.get(other, -math.inf) >= asked_s:
             yield from team.pause(robot.options.pause_s * robot.me.rng.random())
         if team.is_interrupted:
             return
         now = {sighting.robot: sighting for sighting in (yield from robot.look())}
-        if other not in now or has_left(now[other], met):
+        if other not in now or has_moved(now[other], met):
             return
     robot.bodies[other] = met
-    robot.unblock_s[other] = robot.time_s + robot.options.forget_after_s
+    share = 0.5 + robot.me.rng.random()
+    robot.until_s[other] = robot.time_s + share * robot.options.forget_after_s
 
 
 def give_way(robot: FrontierRobot) -> Steps:
     """Leave the way of a robot that asked for it, and wait until it has passed."""
-    team = robot.team
+    team, pause_s = robot.team, robot.options.pause_s
     asked, team.asked_way = team.asked_way, None
     assert asked is not None
-    way = np.array(asked.path).reshape(-1, 2)
-    aside = yield from find_place_aside(robot, asked, way)
+    aside = yield from find_place_aside(robot, asked)
     if aside is None:
         # Whoever can go somewhere has to.
         if not asked.firm and robot.goal is not None:
-            path = tuple((x, y) for x, y in robot.goal.path.tolist())
-            yield Send(
-                GiveWayMessage(
-                    sender=robot.me.robot,
-                    path=path,
-                    radius_m=robot.body.outer_radius_m,
-                    firm=True,
-                ),
-                asked.sender,
-            )
-        yield from team.pause(robot.options.pause_s * robot.me.rng.random())
+            yield Send(ask_for_way(robot, robot.goal, firm=True), asked.sender)
+        yield from team.pause(pause_s * robot.me.rng.random())
         return
-    before, robot.goal = robot.goal, aside
-    yield from drive(robot, aside, "give way")
-    robot.goal = before
-    yield from team.report()
-    yield from team.pause(robot.options.pause_s * (0.5 + robot.me.rng.random()))
+    if aside.cost_m > REACHED_M:
+        robot.set_goal(aside)
+        yield from drive(robot, aside, "give way")
+        robot.set_goal(None)
+        yield from team.report()
+    yield from team.pause(pause_s * (0.5 + robot.me.rng.random()))
+
+
+def ask_for_way(robot: FrontierRobot, goal: Goal, firm: bool = False) -> GiveWayMessage:
+    """Say where this robot wants to go along."""
+    left = ahead(goal.path, robot.at)
+    return GiveWayMessage(
+        sender=robot.me.robot,
+        path=tuple((x, y) for x, y in left.tolist()),
+        radius_m=robot.body.outer_radius_m,
+        firm=firm,
+    )
 
 
 def find_place_aside(
-    robot: FrontierRobot, asked: GiveWayMessage, way: FloatArray
+    robot: FrontierRobot, asked: GiveWayMessage
 ) -> Generator[Action, Outcome, Goal | None]:
-    """Find the nearest place out of another's way that can be reached past those who stand."""
+    """Find the nearest place out of another's way, not past those who stand around.
+
+    If there is none, they are asked to give way in turn when they are met.
+    """
     seen = yield from robot.look()
-    own = robot.body.outer_radius_m
-    apart = own + asked.radius_m + robot.options.guard_m + 2.0 * robot.options.margin_m
-    for bodies in (list(seen), [s for s in seen if s.robot == asked.sender]):
-        with robot.raster.blocked(robot.discs(bodies)):
-            field = robot.fresh_field(*robot.at[:2])
+    apart_m = (
+        robot.body.outer_radius_m
+        + asked.radius_m
+        + robot.options.guard_m
+        + 2.0 * robot.options.margin_m
+    )
+    way = np.array(asked.path).reshape(-1, 2)
+    for bodies in (seen, [s for s in seen if s.robot == asked.sender]):
+        with robot.around_bodies(bodies):
+            field = robot.own_field()
             if field is None:
                 continue
-            cells, distances = field.within(ASIDE_M)
-            place = place_aside(robot.raster.centres_of(cells), distances, way, apart)
+            places = robot.raster.passable_centres(*robot.at[:2], ASIDE_M)
+            costs = field.distance(robot.indices_of(places))
+            place = place_aside(places, costs, way, apart_m)
             if place is not None:
                 return robot.goal_at(field, *place)
     return None
-
-
-def has_left(now: Sighting, then: Sighting) -> bool:
-    """Whether a robot is not where it was."""
-    return now.configuration.distance(then.configuration) > 0.05

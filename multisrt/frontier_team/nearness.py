@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Generator
 from typing import cast
@@ -116,7 +117,7 @@ def lead(robot: FrontierRobot, path: FloatArray, lookahead_m: float) -> tuple[fl
 def points_along(path: FloatArray, limit_m: float) -> list[list[float]]:
     """Give the corners of a path up to a length, and where that length ends."""
     points, left = [], limit_m
-    for a, b in zip(path[:-1], path[1:], strict=True):
+    for a, b in itertools.pairwise(path):
         step = float(math.dist(a, b))
         if step >= left:
             points.append((a + (b - a) * (left / step)).tolist())

@@ -35,6 +35,8 @@ class FrontierOptions(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
         reached or nothing is left to be seen there.
     replan_period_s : float
         With `news`: at most once in this time.
+    reached : {"cell", "sight"}
+        Whether a goal is reached at its cell, or where it is in sight within half the range.
     report_period_s : float
         How often a robot that drives tells where it is, if it has nothing else to tell.
     forget_after_s : float
@@ -58,6 +60,7 @@ class FrontierOptions(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
     least_frontier_m: float | None = None
     replan: Literal["news", "target"] = "news"
     replan_period_s: float = 1.0
+    reached: Literal["cell", "sight"] = "cell"
     report_period_s: float = 2.0
     forget_after_s: float = 15.0
     guard_m: float = 0.1
@@ -121,6 +124,8 @@ class SelfBiddingOptions(FrontierOptions, frozen=True, kw_only=True, forbid_unkn
     ----------
     replan : {"target", "news"}
         As above; in the paper a robot decides at its target, or on a stop signal.
+    reached : {"cell", "sight"}
+        As above.
     phi_factor : float
         The first radius of cohesion, in ranges of the radio (paper: j).
     phi_step : float
@@ -134,6 +139,7 @@ class SelfBiddingOptions(FrontierOptions, frozen=True, kw_only=True, forbid_unkn
     """
 
     replan: Literal["news", "target"] = "target"
+    reached: Literal["cell", "sight"] = "sight"
     phi_factor: float = 0.9
     phi_step: float = 0.5
     drive: Literal["nearness-diagram", "path"] = "nearness-diagram"

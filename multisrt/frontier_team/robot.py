@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Generator
+from collections.abc import Callable, Generator, Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import cast
 
@@ -26,9 +27,13 @@ from multisrt.planners.motion.body import PlanningBody
 from multisrt.planners.motion.trajectory import Trajectory
 
 Steps = Generator[Action, Outcome, None]
+Watch = Callable[["FrontierRobot"], Steps]
 
 NEAR_BY_CELLS = 8
 """A robot that stands where its raster has no passable cell begins at one so near."""
+
+MOVED_M = 0.05
+"""A robot that was seen elsewhere by more than this has moved."""
 
 MOST_FIELDS = 64
 """Distance fields that a robot keeps, so as not to begin them anew."""
@@ -68,6 +73,8 @@ class FrontierRobot:
         What the robot knows of itself.
     options : FrontierOptions
         The parameters.
+    watch : callable, optional
+        Done whenever something new was seen.
 
     Attributes
     ----------
@@ -79,14 +86,17 @@ class FrontierRobot:
         What it saw last, from where it stood then.
     goal : Goal or None
         Where it goes.
+    detour : Goal or None
+        The same place by another way, where another robot bars the first one.
     team : Team
         What it knows of the others.
     bodies : dict of int to Sighting
         Robots that stand in its way and do not leave.
     """
 
-    def __init__(self, me: RobotSelf, options: FrontierOptions) -> None:
+    def __init__(self, me: RobotSelf, options: FrontierOptions, watch: Watch | None = None) -> None:
         self.me = me
+        self.watch = watch
         self.options = options
         self.body = PlanningBody(me.footprint, options.margin_m)
         self.radius_m = self.body.ample_radius_m
@@ -100,22 +110,68 @@ class FrontierRobot:
         self.motion: Trajectory | None = None
         self.set_out_s = 0.0
         self.bodies: dict[int, Sighting] = {}
-        self.unchanged_since_s = me.time_s
+        self.until_s: dict[int, float] = {}
         self.told_complete = False
+        self.chosen_s = -math.inf
+        self.chosen_at = -1
+        self.detour: Goal | None = None
+        self.waits = 0
+        self._stuck_at: tuple[float, float] | None = None
         self._serial = 0
         self._given_up: dict[tuple[float, float], None] = {}
-        self._fields: dict[tuple[float, float], tuple[int, DistanceField]] = {}
+        self._seen_in_vain: dict[tuple[float, float], None] = {}
+        self._fields: dict[tuple[int, int], tuple[int, DistanceField]] = {}
         self.team = Team(self)
+
+    @property
+    def boundary(self) -> FloatArray:
+        """The border of what the robot saw last."""
+        assert self.region is not None
+        return self.region.boundary
+
+    def begin(self) -> Steps:
+        """Look round for the first time, and ask what the others know."""
+        yield from self.perceive()
+        if not self.team.is_alone:
+            yield from self.team.report(asks=True)
+            yield from self.team.pause(self.team.round_trip_s)
+
+    def set_goal(self, goal: Goal | None) -> None:
+        """Take a goal, chosen by what is known now."""
+        self.goal = goal
+        self.chosen_s = self.time_s
+        self.chosen_at = self.raster.revision
+
+    def may_choose_anew(self) -> bool:
+        """Whether the map has changed since the goal was chosen, and that is long enough ago."""
+        return (
+            self.options.replan == "news"
+            and self.raster.revision != self.chosen_at
+            and self.time_s >= self.chosen_s + self.options.replan_period_s
+        )
+
+    def sees_at_half_range(self, goal: Goal) -> bool:
+        """Whether a goal lies within half the range and in sight, where that is enough.
+
+        It is not for a goal of which more can be seen only from near by.
+        """
+        if self.options.reached == "cell" or goal.place in self._seen_in_vain:
+            return False
+        near = math.dist(self.at[:2], goal.place) <= 0.5 * self.me.range_m
+        return near and inside(self.boundary, goal.x, goal.y)
 
     # Knowledge ---------------------------------------------------------------------------
 
-    def perceive(self) -> Steps:
-        """Look round; what is new becomes a node, and is told."""
+    def perceive(self, maps: bool = True) -> Steps:
+        """Look round; what is new becomes a node, and is told.
+
+        Without `maps` the robot looks only where it can drive, and forgets it again.
+        """
         scan = cast(Scan, (yield Sense()))
         self.time_s = scan.time_s
         region = local_safe_region(scan, self.options.shape, cones=self.options.cones)
         self.region = region
-        if self.raster.add(region) == 0 and self.here is not None:
+        if not maps or (self.raster.add(region) == 0 and self.here is not None):
             return
         node = Node(
             id=NodeId(self.me.robot, self._serial),
@@ -130,6 +186,8 @@ class FrontierRobot:
         yield Note(node.added("root" if node.parent is None else "scan"))
         if not self.team.is_alone:
             yield from self.team.report()
+        if self.watch is not None:
+            yield from self.watch(self)
 
     def merge(self, entries: tuple[Entry, ...]) -> tuple[NodeId, ...]:
         """Take in what others saw; give what was new."""
@@ -140,38 +198,49 @@ class FrontierRobot:
         return tuple(node.id for node in new)
 
     def groups(self) -> list[FrontierGroup]:
-        """Give the groups of frontier cells that are worth going to."""
+        """Give the groups of frontier cells that are wide enough to be worth going to."""
         least = self.options.least_frontier_m
         return self.raster.frontier_groups(self.me.footprint.width_m if least is None else least)
 
     def targets(self) -> FloatArray:
-        """Give the places to go to, one for each group, ``(m, 2)``; groups without one have none."""
-        return np.array(
-            [place for group in self.groups() if (place := self._target(group)) is not None]
-        ).reshape(-1, 2)
+        """Give the places to go to, ``(m, 2)``: one for each group where the body can stand."""
+        places = [self._target(group) for group in self.groups()]
+        return np.array([place for place in places if place is not None]).reshape(-1, 2)
 
     def _target(self, group: FrontierGroup) -> tuple[float, float] | None:
         if group.target is None:
             return None
         place = self.raster.centre_of(*group.target)
-        if place not in self._given_up:
+        if not self._given_up:
             return place
-        # From there nothing more can be seen of it: perhaps from another of its cells.
+        # From where it was given up nothing is seen of it: perhaps from another of its cells.
         centres = self.raster.centres_of(group.cells)
-        passable = self.raster.passable[tuple(self.raster.indices_of(group.cells).T)]
-        left = [
-            (x, y)
-            for x, y in centres[passable].tolist()
-            if all(
-                math.dist((x, y), given_up) > 0.5 * self.me.footprint.width_m
-                for given_up in self._given_up
-            )
-        ]
-        middle = centres.mean(axis=0)
-        return min(left, key=lambda p: (math.dist(p, middle), p[1], p[0]), default=None)
+        left = centres[self.raster.passable[self.raster.indices_of(group.cells)]]
+        given_up = np.array(list(self._given_up))
+        apart = np.hypot(*(left[:, None] - given_up[None]).transpose(2, 0, 1)).min(axis=1)
+        left = left[apart > 0.5 * self.me.footprint.width_m]
+        if not len(left):
+            return None
+        if any(place == (x, y) for x, y in left.tolist()):
+            return place
+        away = np.hypot(*(left - centres.mean(axis=0)).T)
+        x, y = left[int(np.argmin(away))].tolist()
+        return x, y
+
+    def judge(self, goal: Goal, reason: str) -> None:
+        """Give a goal up that was reached in vain, or to which no way led twice from one place."""
+        self.waits = 0
+        if reason == "reached" and self.is_frontier(*goal.place):
+            if math.dist(self.at[:2], goal.place) < 0.5 * self.me.footprint.width_m:
+                self.give_up(goal.place)
+            self._seen_in_vain[goal.place] = None
+        elif reason == "no way":
+            if self._stuck_at == self.at[:2]:
+                self.give_up(goal.place)
+            self._stuck_at = self.at[:2]
 
     def give_up(self, place: tuple[float, float]) -> None:
-        """Choose no place as a goal any more: nothing new is seen from it, or no way leads there."""
+        """Make no place a goal again from which nothing new is seen, or to which no way leads."""
         self._given_up[place] = None
 
     def is_frontier(self, x: float, y: float) -> bool:
@@ -186,42 +255,47 @@ class FrontierRobot:
 
     # Ways ---------------------------------------------------------------------------------
 
-    def cell_near(self, x: float, y: float) -> tuple[int, int] | None:
-        """Give the passable cell nearest to a place, if there is one near by."""
-        return self.raster.passable_cell_near(x, y, NEAR_BY_CELLS * self.options.cell_m)
-
     def field(self, x: float, y: float) -> DistanceField | None:
         """Give the distances from a place over what is known to be passable.
 
-        Fields are kept, and repaired where the map has changed since.
+        Fields are kept, and repaired where the map has changed since. None where no cell near
+        the place is passable.
         """
-        cell = self.cell_near(x, y)
+        raster = self.raster
+        cell = raster.passable_near(x, y, NEAR_BY_CELLS)
         if cell is None:
             return None
-        raster = self.raster
-        source = raster.centre_of(*cell)
-        known = self._fields.pop(source, None)
+        known = self._fields.pop(cell, None)
         if known is not None and known[1].passable is raster.passable:
             revision, field = known
-            window = raster.changed_since(revision)
-            if window is not None:
-                field.repair(window)
+            changed = raster.changed_since(revision)
+            if changed is not None:
+                field.repair(raster.window_of(changed))
         else:
-            field = DistanceField(raster.passable, cell, raster.cell_m)
-        self._fields[source] = raster.revision, field
+            field = self._new_field(cell)
+        self._fields[cell] = raster.revision, field
         if len(self._fields) > MOST_FIELDS:
             self._fields.pop(next(iter(self._fields)))
         return field
 
-    def cells_of(self, places: FloatArray) -> IntArray:
-        """Give the raster's cells of places, ``(k, 2)`` rows and columns."""
-        return np.array([self.raster.cell_of(x, y) for x, y in places.tolist()]).reshape(-1, 2)
+    def own_field(self) -> DistanceField | None:
+        """Give the distances from where the robot stands; call within `around_bodies`."""
+        cell = self.raster.passable_near(*self.at[:2], NEAR_BY_CELLS)
+        return None if cell is None else self._new_field(cell)
+
+    def _new_field(self, cell: tuple[int, int]) -> DistanceField:
+        raster = self.raster
+        source = raster.centre_of(*cell)
+        return DistanceField(raster.passable, raster.cell_m, [source], x0=raster.x0, y0=raster.y0)
+
+    def indices_of(self, places: FloatArray) -> IntArray:
+        """Give where the cells of places are in the raster's arrays, ``(k, 2)``."""
+        cells = [self.raster.cell_of(x, y) for x, y in places.tolist()]
+        return np.column_stack(self.raster.indices_of(cells))
 
     def goal_at(self, field: DistanceField, x: float, y: float) -> Goal:
         """Give a place as a goal, with the way there."""
-        raster = self.raster
-        cell = raster.cell_of(x, y)
-        path = shortest_path(field, cell, raster.x0, raster.y0)
+        path = shortest_path(field, self.indices_of(np.array([[x, y]]))[0])
         whole = np.vstack([[self.at[:2]], path])
         return Goal(x, y, whole, length_of(whole))
 
@@ -232,27 +306,44 @@ class FrontierRobot:
         seen = cast(tuple[Sighting, ...], (yield Look()))
         places = {sighting.robot: sighting for sighting in seen}
         for number, sighting in list(self.bodies.items()):
-            x, y, _ = sighting.configuration
             if number in places:
-                if places[number].configuration.distance(sighting.configuration) > 0.05:
-                    del self.bodies[number]
-            elif self.region is not None and inside(self.region.boundary, x, y):
+                has_left = has_moved(places[number], sighting)
+            else:
+                x, y, _ = sighting.configuration
+                has_left = inside(self.boundary, x, y)
+            if has_left or self.time_s >= self.until_s.get(number, math.inf):
                 del self.bodies[number]
         return seen
 
-    def discs(self, sightings: list[Sighting]) -> FloatArray:
-        """Give the cells' centres that bodies keep this one from, as discs, ``(k, 3)``."""
-        own = self.body.outer_radius_m + self.options.guard_m
-        return np.array(
-            [
-                (
-                    s.configuration.x,
-                    s.configuration.y,
-                    own + s.footprint.circumscribed_radius_m + self.options.margin_m,
-                )
-                for s in sightings
-            ]
-        ).reshape(-1, 3)
+    @contextmanager
+    def around_bodies(self, sightings: Iterable[Sighting] = ()) -> Iterator[None]:
+        """Take the cells that bodies keep this one from for not passable, meanwhile."""
+        own = self.body.outer_radius_m + self.options.guard_m + self.options.margin_m
+        bodies = {s.robot: s for s in (*self.bodies.values(), *sightings)}
+        discs = [
+            (*s.configuration[:2], own + s.footprint.circumscribed_radius_m)
+            for s in bodies.values()
+        ]
+        with self.raster.blocked(np.array(discs).reshape(-1, 3)):
+            yield
+
+    def goal_around(self, goal: Goal, sightings: Iterable[Sighting], limit_m: float) -> Goal | None:
+        """Give a goal with a way around bodies, if there is one that is not too long."""
+        with self.around_bodies(sightings):
+            field = self.own_field()
+            index = self.indices_of(np.array([goal.place]))
+            if field is None or not field.distance(index)[0] <= limit_m:
+                return None
+            around = self.goal_at(field, goal.x, goal.y)
+        return around if around.cost_m <= limit_m else None
+
+    def blocked_frontiers(self) -> bool:
+        """Whether there are frontiers to which only other bodies bar the way."""
+        targets = self.targets()
+        if not self.bodies or not len(targets):
+            return False
+        field = self.own_field()
+        return field is not None and field.first(self.indices_of(targets)) is not None
 
     def now_at(self) -> Configuration:
         """Where the robot is at this moment, also while it drives."""
@@ -265,3 +356,8 @@ def length_of(path: FloatArray) -> float:
     """Give the length of a polyline ``(n, 2)``."""
     steps = np.diff(path, axis=0)
     return float(np.hypot(steps[:, 0], steps[:, 1]).sum())
+
+
+def has_moved(now: Sighting, then: Sighting) -> bool:
+    """Whether a robot is not where it was."""
+    return now.configuration.distance(then.configuration) > MOVED_M

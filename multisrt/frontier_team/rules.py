@@ -1,7 +1,7 @@
 """The rules by which robots choose their goals, each decided by every robot alone.
 
-`closest`, `greedy` and `minpos` as compared by Bautin, Simonin and Charpillet, MinPos: A Novel
-Frontier Allocation Algorithm for Multi-robot Exploration (2012), Algorithms 1 to 3. Costs of the
+`closest`, `greedy` and `minpos` as compared by A. Bautin, O. Simonin and F. Charpillet, Towards
+a communication free coordination for multi-robot exploration, Algorithms 1 to 3. Costs of the
 other robots are those of the robot's own map, from where it heard of them last: robots that know
 the same decide alike.
 """
@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Generator
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -19,6 +20,7 @@ from multisrt.frontier_team.robot import FrontierRobot, Goal
 from multisrt.geometry.distance_field import DistanceField
 from multisrt.geometry.kernel import FloatArray
 from multisrt.planners.assignment.closest import closest
+from multisrt.planners.assignment.costs import NOBODY
 from multisrt.planners.assignment.greedy import greedy
 from multisrt.planners.assignment.minpos import minpos
 
@@ -50,32 +52,42 @@ class Table:
     row: int
 
 
-def bid_table(robot: FrontierRobot, *, alone: bool = False) -> Table:
+def nearest_only(robot: FrontierRobot) -> Table:
+    """Work out which target is nearest to this robot, and what it costs: no more than that."""
+    targets = robot.targets()
+    costs = np.full((1, len(targets)), np.inf)
+    with robot.around_bodies():
+        own = robot.own_field()
+        if own is not None:
+            indices = robot.indices_of(targets)
+            nearest = own.first(indices)
+            if nearest is not None:
+                costs[0, nearest] = own.distance(indices[nearest])[0]
+    return Table(targets=targets, robots=(robot.me.robot,), costs=costs, field=own, row=0)
+
+
+def bid_table(robot: FrontierRobot) -> Table:
     """Work out what every target costs every robot that is reckoned with."""
     targets = robot.targets()
-    cells = robot.cells_of(targets)
+    indices = robot.indices_of(targets)
     places = {robot.me.robot: robot.at[:2]}
-    if not alone:
-        places.update({report.robot: report.place[:2] for report in robot.team.present()})
+    places.update({report.robot: report.place[:2] for report in robot.team.present()})
     numbers = tuple(sorted(places))
+    row = numbers.index(robot.me.robot)
     costs = np.full((len(numbers), len(targets)), np.inf)
-    own = robot.own_field()
     for i, number in enumerate(numbers):
-        field = own if number == robot.me.robot else robot.field(*places[number])
-        if field is not None and len(targets):
-            costs[i] = field.distance(cells)
-    return Table(
-        targets=targets,
-        robots=numbers,
-        costs=costs,
-        field=own,
-        row=numbers.index(robot.me.robot),
-    )
+        if i != row and (field := robot.field(*places[number])) is not None:
+            costs[i] = field.distance(indices)
+    with robot.around_bodies():
+        own = robot.own_field()
+        if own is not None:
+            costs[row] = own.distance(indices)
+    return Table(targets=targets, robots=numbers, costs=costs, field=own, row=row)
 
 
 def choose_closest(robot: FrontierRobot, because: str) -> Choice:
     """CLOSEST: the nearest frontier, whatever the others do (Yamauchi, 1997 and 1998)."""
-    table = bid_table(robot, alone=True)
+    table = nearest_only(robot)
     return (yield from settle_on(robot, table, closest(table.costs[0]), "closest", because))
 
 
@@ -86,7 +98,12 @@ def choose_greedy(robot: FrontierRobot, because: str) -> Choice:
     own = int(given.assignment[table.row])
     return (
         yield from settle_on(
-            robot, table, own if own >= 0 else None, "greedy", because, rounds=given.rounds
+            robot,
+            table,
+            own if own != NOBODY else None,
+            "greedy",
+            because,
+            rounds=tuple((table.robots[i], *rest) for i, *rest in given.rounds),
         )
     )
 
@@ -104,13 +121,14 @@ def settle_on(
     choice: int | None,
     rule: str,
     because: str,
-    **details: object,
+    **details: Any,
 ) -> Choice:
     """Make a target the goal, and put on record what was known."""
     goal = None
     if choice is not None and np.isfinite(table.costs[table.row, choice]):
         assert table.field is not None
-        goal = robot.goal_at(table.field, *table.targets[choice].tolist())
+        with robot.around_bodies():
+            goal = robot.goal_at(table.field, *table.targets[choice].tolist())
     yield Note(
         GoalChosen(
             time_s=robot.time_s,

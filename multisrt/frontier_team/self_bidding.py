@@ -6,6 +6,7 @@ Self-Biddings under Constraints on Communication Range (SBX-R), section III.
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Generator
 from typing import cast
@@ -19,7 +20,7 @@ from multisrt.frontier_team.robot import FrontierRobot
 from multisrt.frontier_team.rules import Choice, Table, finite, settle_on
 from multisrt.geometry.distance_field import DistanceField
 from multisrt.geometry.grid_path import shortest_path
-from multisrt.geometry.kernel import FloatArray
+from multisrt.geometry.kernel import FloatArray, IntArray
 from multisrt.planners.assignment.self_bidding import self_bidding
 
 
@@ -31,7 +32,7 @@ def choose_by_self_bidding(robot: FrontierRobot, because: str) -> Choice:
         yield from team.report(asks=True)
         yield from team.pause(team.round_trip_s)
     targets = robot.targets()
-    cells = robot.cells_of(targets)
+    indices = robot.indices_of(targets)
     # Where everybody will be when it bids next, how far it is to there, and where it is now.
     goals, rho, places = {robot.me.robot: robot.at[:2]}, {robot.me.robot: 0.0}, {}
     places[robot.me.robot] = robot.at[:2]
@@ -48,10 +49,10 @@ def choose_by_self_bidding(robot: FrontierRobot, because: str) -> Choice:
         field = own if i == row else robot.field(*goals[number])
         if field is None or not len(targets):
             continue
-        a[i] = field.distance(cells)
+        a[i] = field.distance(indices)
         others = np.array([goals[n] for n in numbers if n != number]).reshape(-1, 2)
         if len(others):
-            path_gap[i] = [path_apart(robot, field, cell, others) for cell in cells]
+            path_gap[i] = [path_apart(robot, field, index, others) for index in indices]
             around = np.array([places[n] for n in numbers if n != number])
             frontier_gap[i] = apart(targets, around)
     table = Table(
@@ -88,14 +89,13 @@ def choose_by_self_bidding(robot: FrontierRobot, because: str) -> Choice:
 
 
 def path_apart(
-    robot: FrontierRobot, field: DistanceField, cell: FloatArray, others: FloatArray
+    robot: FrontierRobot, field: DistanceField, index: IntArray, others: FloatArray
 ) -> float:
     """Give the largest distance of a path's points from the nearest of some places."""
-    row, column = int(cell[0]), int(cell[1])
-    if not math.isfinite(field.distance(cell[None])[0]):
+    if not math.isfinite(field.distance(index[None])[0]):
         return math.inf
-    path = shortest_path(field, (row, column), robot.raster.x0, robot.raster.y0)
-    return float(apart(densely(path, robot.options.cell_m), others).max())
+    path = densely(shortest_path(field, index), robot.options.cell_m)
+    return float(apart(path, others).max())
 
 
 def apart(points: FloatArray, places: FloatArray) -> FloatArray:
@@ -107,7 +107,7 @@ def apart(points: FloatArray, places: FloatArray) -> FloatArray:
 def densely(path: FloatArray, step_m: float) -> FloatArray:
     """Give points along a polyline, not more than a step apart."""
     parts = [path[:1]]
-    for a, b in zip(path[:-1], path[1:], strict=True):
+    for a, b in itertools.pairwise(path):
         n = max(1, math.ceil(math.dist(a, b) / step_m))
         parts.append(a + (b - a) * (np.arange(1, n + 1) / n)[:, None])
     return np.vstack(parts)

@@ -65,6 +65,7 @@ class Team:
         radio = robot.me.radio
         self.round_trip_s = 2.0 * radio.latency_s
         self.period_s = robot.options.ask_period_s + self.round_trip_s
+        self.told_to_stop: dict[int, tuple[float, float]] = {}
         self._said = 0
         self._told = 0
         self._wanted: dict[int, float] = {}

@@ -16,7 +16,9 @@ from multisrt.frontier_team.messages import AssignmentMessage
 from multisrt.frontier_team.options import UtilityOptions
 from multisrt.frontier_team.robot import FrontierRobot
 from multisrt.frontier_team.rules import Choice, bid_table, settle_on
-from multisrt.geometry.kernel import FloatArray
+from multisrt.geometry.distance_field import in_sight
+from multisrt.geometry.kernel import BoolArray, FloatArray
+from multisrt.geometry.occupancy import OCCUPIED
 from multisrt.planners.assignment.closest import closest
 from multisrt.planners.assignment.utility import utility
 
@@ -50,7 +52,7 @@ def assign(robot: FrontierRobot, because: str) -> Choice:
     given = utility(
         table.costs,
         apart(table.targets),
-        robot.raster.in_sight(table.targets),
+        see_each_other(robot, table.targets),
         robot.me.range_m,
         options.beta,
     )
@@ -69,17 +71,36 @@ def assign(robot: FrontierRobot, because: str) -> Choice:
 
 def obey(robot: FrontierRobot, word: AssignmentMessage, because: str) -> Choice:
     """Go where the leader said; where the own map has no such target, to the nearest."""
-    table = bid_table(robot, alone=True)
+    table = bid_table(robot)
     place = dict(word.goals).get(robot.me.robot)
-    choice = closest(table.costs[0])
+    choice = closest(table.costs[table.row])
     if place is not None and len(table.targets):
         gaps = np.hypot(*(table.targets - place).T)
         nearest = int(np.argmin(gaps))
-        if gaps[nearest] <= robot.me.range_m and np.isfinite(table.costs[0, nearest]):
+        if gaps[nearest] <= robot.me.range_m and np.isfinite(table.costs[table.row, nearest]):
             choice = nearest
     return (yield from settle_on(robot, table, choice, "utility", because))
 
 
 def apart(targets: FloatArray) -> FloatArray:
     """Give the distances between targets, ``(m, m)``."""
-    return np.hypot(*(targets[:, None] - targets[None]).transpose(2, 0, 1))
+    gaps: FloatArray = np.hypot(*(targets[:, None] - targets[None]).transpose(2, 0, 1))
+    return gaps
+
+
+def see_each_other(robot: FrontierRobot, targets: FloatArray) -> BoolArray:
+    """Tell which targets are in sight of each other, as far as walls are known, ``(m, m)``."""
+    count = len(targets)
+    seen = np.eye(count, dtype=np.bool_)
+    if count < 2:
+        return seen
+    indices = robot.indices_of(targets)
+    least, most = indices.min(axis=0), indices.max(axis=0) + 1
+    open_cells = robot.raster.cells[least[0] : most[0], least[1] : most[1]] != OCCUPIED
+    rows, columns = (indices - least).T.tolist()
+    for i in range(count):
+        for j in range(i):
+            seen[i, j] = seen[j, i] = in_sight(
+                open_cells, columns[i] + 0.5, rows[i] + 0.5, columns[j], rows[j]
+            )
+    return seen

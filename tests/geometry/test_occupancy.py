@@ -348,6 +348,17 @@ def test_a_window_of_changes_survives_growing():
     )
 
 
+def test_the_oldest_changes_are_not_forgotten():
+    occupancy = Occupancy(0.5, 0.5)
+    occupancy.add(rectangle(-40, -40, -38, -38))
+    first = occupancy.changed_since(0)
+    for k in range(CHANGES_KEPT + 9):
+        occupancy.add(rectangle(k, 0, k + 2, 2))
+    assert occupancy.revision == CHANGES_KEPT + 10
+    assert occupancy.changed_since(0)[::2] == first[::2]
+    assert occupancy.changed_since(occupancy.revision - CHANGES_KEPT)[0] > first[1]
+
+
 def test_blocked_discs_are_restored_exactly(worlds):
     occupancy = Occupancy(0.1, 0.2)
     for region in regions_of(worlds, "office", 12):

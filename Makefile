@@ -13,7 +13,7 @@ help:
 	@echo "make test     run the tests"
 	@echo "make lint     check style, types and import rules"
 	@echo "make bench    print the benchmarks' ratios"
-	@echo "make results  explore with Multi-SRT in the worlds of its paper, over many seeds (hours); goes on where it stopped"
+	@echo "make results  repeat the experiments of the papers, over many seeds (many hours); goes on where it stopped"
 	@echo "make docs     write the API reference to site/"
 	@echo "make clean    remove the virtual environment and all that was generated"
 
@@ -50,8 +50,13 @@ $(BENCH_READY): $(READY)
 bench: $(BENCH_READY)
 	$(BIN)/python -m benchmarks
 
+# A run that fails ends its experiment with an error at the end; the others are made all the same.
 results: $(READY)
-	$(BIN)/python -m benchmarks.multi_srt
+	@failed=; \
+	for name in multi_srt self_bidding minpos alvarez; do \
+		$(BIN)/python -m benchmarks.$$name || failed="$$failed $$name"; \
+	done; \
+	if [ -n "$$failed" ]; then echo "runs failed or are missing in:$$failed"; exit 1; fi
 
 docs: $(READY)
 	$(BIN)/pdoc --docformat numpy --output-directory site multisrt

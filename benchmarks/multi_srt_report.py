@@ -15,8 +15,10 @@ import msgspec
 import numpy as np
 from scipy import stats
 
+from benchmarks import rows as results
+from benchmarks.reporting import known_values, markdown, spread
+
 Starts = Literal["scattered", "clustered"]
-Status = Literal["complete", "stalled", "out_of_time", "over_limit", "error"]
 
 SURE = 0.05
 """A difference whose p is below this is beyond chance."""
@@ -49,42 +51,22 @@ class Case(msgspec.Struct, frozen=True, kw_only=True, order=True):
         )
 
 
-class Measures(msgspec.Struct, frozen=True, kw_only=True):
-    """What is kept of a run's metrics; `multisrt.metrics.Metrics` says what they are."""
+class Measures(results.Measures, frozen=True, kw_only=True):
+    """What is kept of a run's metrics."""
 
-    exploration_time_s: float | None
     makespan_s: float
-    total_distance_m: float
     waiting_time_s: float
     overlap_share: float
-    coverage: float
     nodes: int
     messages: int
     bytes_sent: int
     coordinations: int
     deadlocks: int
     protective_stops: int
-    collisions: int
     smallest_clearance_m: float
 
 
-class Row(msgspec.Struct, frozen=True, kw_only=True):
-    """One run: how it ended, and what was measured unless it failed before its end.
-
-    `program` is the digest of the source that made it, `seconds` the time that it took.
-    """
-
-    case: Case
-    status: Status
-    reason: str
-    measures: Measures | None
-    seconds: float
-    program: str
-
-    @property
-    def failed(self) -> bool:
-        """Whether it has to be looked at: not complete, or a collision."""
-        return self.status != "complete" or self.measures is None or self.measures.collisions > 0
+Row = results.Row[Case, Measures]
 
 
 @dataclass(frozen=True, slots=True)
@@ -140,18 +122,6 @@ def by_cell(rows: Iterable[Row]) -> dict[Cell, list[Row]]:
     return dict(cells)
 
 
-def markdown(columns: Sequence[str], lines: Sequence[Sequence[str]]) -> str:
-    """Write a table that can be read as it is, too."""
-    widths = [max(map(len, column)) for column in zip(columns, *lines, strict=True)]
-
-    def line(fields: Sequence[str]) -> str:
-        padded = (text.rjust(width) for text, width in zip(fields, widths, strict=True))
-        return f"| {' | '.join(padded)} |"
-
-    rule = f"|{'|'.join('-' * (width + 1) + ':' for width in widths)}|"
-    return "\n".join([line(columns), rule, *map(line, lines)])
-
-
 def _table_order(cell: Cell) -> tuple[object, ...]:
     # A robot alone comes first; scattered before clustered, unlimited before limited.
     alone = cell.robots == 1
@@ -184,15 +154,6 @@ def _table_line(cell: Cell, rows: list[Row]) -> list[str]:
         str(sum(m.deadlocks for m in measured)),
         str(sum(m.protective_stops for m in measured)),
     ]
-
-
-def spread(values: Iterable[float | None], digits: int = 0) -> str:
-    """Write mean and standard deviation of what is there."""
-    known = [value for value in values if value is not None]
-    if not known:
-        return "-"
-    mean = f"{np.mean(known):.{digits}f}"
-    return f"{mean} ± {np.std(known, ddof=1):.{digits}f}" if len(known) > 1 else mean
 
 
 # Claims -------------------------------------------------------------------------------------
@@ -365,16 +326,6 @@ def steps_of(rows: Sequence[Row], starts: str, measure: Measure) -> list[Step]:
         for (a, first), (b, second) in pairwise(known):
             steps.append(Step.between(a, first, b, second))
     return steps
-
-
-def known_values(rows: Iterable[Row], measure: Measure) -> list[float]:
-    """Give a measure of the complete runs that have it."""
-    values = (
-        measure(row.measures)
-        for row in rows
-        if row.status == "complete" and row.measures is not None
-    )
-    return [value for value in values if value is not None]
 
 
 def welch(first: Sequence[float], second: Sequence[float]) -> float:

@@ -9,32 +9,25 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.geometry.kernel import BoolArray, FloatArray, IntArray, inlined_kernel, kernel
-
-EXACT_CELLS: Final = 10
-"""Cells in sight of a source and no further from it than this start with their exact distance.
-
-A front that starts from a point has a corner there, and all later values inherit its error.
-"""
-
-EXACT_SLACK_CELLS: Final = 0.5
-"""An exact start value gives way only to a source that is nearer by more than this.
-
-Across the source, where distances have a kink, one step of the march is wrong by up to a third.
-"""
+from multisrt.geometry.fast_march import (
+    ACCEPTED,
+    BLOCKED,
+    EXACT_CELLS,
+    RIM,
+    ask,
+    descend,
+    forget,
+    march,
+    moved_cells,
+    seed,
+    take_back,
+)
+from multisrt.geometry.kernel import BoolArray, FloatArray, IntArray
 
 MARGIN_CELLS: Final = 48
 """The part of the grid that a field looks at first reaches this far around its sources."""
 
 Number = TypeVar("Number", np.uint8, np.int32, np.float64)
-
-BLOCKED: Final = 0
-FREE: Final = 1
-EXACT: Final = 2
-ACCEPTED: Final = 3
-
-ASKED: Final = 1
-RIM: Final = 2
 
 
 def distance_field(
@@ -269,7 +262,7 @@ class DistanceField:
                 f"no path leads to cell ({rows[0]}, {columns[0]}): its distance tells"
             )
         _, at = self._places_in_window(rows, columns)
-        down = _descend(int(at[0]), self._state, self._distance, self._width)
+        down = descend(int(at[0]), self._state, self._distance, self._width)
         row, column = np.divmod(down, self._width)
         return np.column_stack([row - 2 + self._window[0], column - 2 + self._window[2]])
 
@@ -307,7 +300,7 @@ class DistanceField:
                 cells_of(self.sources, self.passable, self.cell_m, self.x0, self.y0)
                 self._begin()
                 return
-        self._held, self._count = _take_back(
+        self._held, self._count = take_back(
             self._places_in_window(rows, columns)[1],
             self._state,
             self._distance,
@@ -336,7 +329,7 @@ class DistanceField:
             )
         )
         r0, r1, c0, c1 = self._window
-        self._held = _seed(
+        self._held = seed(
             np.ascontiguousarray(self.passable[r0:r1, c0:c1]),
             self._starts - (c0, r0),
             self._state,
@@ -370,54 +363,41 @@ class DistanceField:
         order, heap = np.empty(size, np.int32), np.empty(size, np.int32)
         keys = np.empty(size)
         if old[0] < old[1]:
-            part = np.s_[old[0] - r0 : old[1] - r0, old[2] - c0 : old[3] - c0]
-            across = old[3] - old[2] + 4
+            below, left, across = old[0] - r0, old[2] - c0, old[3] - old[2] + 4
+            part = np.s_[below : below + old[1] - old[0], left : left + old[3] - old[2]]
             self._inner(state)[part] = self._state.reshape(-1, across)[2:-2, 2:-2]
             self._inner(distance)[part] = self._distance.reshape(-1, across)[2:-2, 2:-2]
             self._inner(places)[part] = self._places.reshape(-1, across)[2:-2, 2:-2]
-
-            def moved(cells: NDArray[np.int32]) -> NDArray[np.int32]:
-                row, column = np.divmod(cells.astype(np.int64), across)
-                shifted = (row + old[0] - r0) * width + column + old[2] - c0
-                return shifted.astype(np.int32)
-
-            order[: self._count] = moved(self._order[: self._count])
-            heap[1 : self._held + 1] = moved(self._heap[1 : self._held + 1])
-            keys[1 : self._held + 1] = self._keys[1 : self._held + 1]
-            self._seeds = moved(self._seeds)
+            count, end = self._count, self._held + 1
+            order[:count] = moved_cells(self._order[:count], across, width, below, left)
+            heap[1:end] = moved_cells(self._heap[1:end], across, width, below, left)
+            keys[1:end] = self._keys[1:end]
+            self._seeds = moved_cells(self._seeds, across, width, below, left)
         self._state, self._distance, self._places = state, distance, places
         self._order, self._heap, self._keys = order, heap, keys
 
     def _widen(self) -> None:
-        # The first cell of the front lies on the rim: double the window on that side.
+        # Double the window, to all sides at once: memory costs less than moving into it does.
         r0, r1, c0, c1 = self._window
-        row, column = divmod(int(self._heap[1]), self._width)
-        tall, wide = r1 - r0, c1 - c0
+        more = max(r1 - r0, c1 - c0) // 2 + 1
+        rows, columns = self.passable.shape
         self._look_at(
-            (
-                max(0, r0 - tall) if row == 2 else r0,
-                min(self.passable.shape[0], r1 + tall) if row == tall + 1 else r1,
-                max(0, c0 - wide) if column == 2 else c0,
-                min(self.passable.shape[1], c1 + wide) if column == wide + 1 else c1,
-            )
+            (max(0, r0 - more), min(rows, r1 + more), max(0, c0 - more), min(columns, c1 + more))
         )
 
     def _march_to(self, rows: IntArray, columns: IntArray, *, all_of_them: bool) -> None:
         # Mark the cells asked for that are not final yet and march to the last or first of them.
         free = self.passable[rows, columns]
         rows, columns = rows[free], columns[free]
-        missing = len(rows)
-        while missing:
-            inside, at = self._places_in_window(rows, columns)
-            final = self._state[at] == ACCEPTED
-            if not all_of_them and final.any():
-                return
-            open_cells = np.unique(at[~final])
-            elsewhere = len(np.unique(rows[~inside] * self.passable.shape[1] + columns[~inside]))
-            missing = len(open_cells) + elsewhere
-            self._marks[open_cells] |= ASKED
-            more = self._advance(missing if all_of_them else min(missing, 1), widen=False)
-            self._marks[open_cells] &= ~np.uint8(ASKED)
+        while True:
+            at = self._places_in_window(rows, columns)[1]
+            open_cells, final = ask(at, self._state, self._marks)
+            missing = open_cells + len(rows) - len(at)
+            if missing and (all_of_them or not final):
+                more = self._advance(missing if all_of_them else 1, widen=False)
+            else:
+                more = False
+            forget(at, self._marks)
             if not more:
                 return
             self._widen()
@@ -425,7 +405,7 @@ class DistanceField:
     def _advance(self, remaining: int, *, widen: bool = True) -> bool:
         # March until so many marked cells are accepted; True if the window is too small for it.
         while True:
-            self._held, self._count, at_rim = _march(
+            self._held, self._count, at_rim = march(
                 self._state,
                 self._marks,
                 self._distance,
@@ -490,316 +470,11 @@ def cells_of(
 def asked_cells(asked: ArrayLike, free: BoolArray) -> tuple[IntArray, IntArray]:
     """Give rows and columns of cells; raises `InvalidInputError` for one outside the grid."""
     cells = np.asarray(asked, np.int64).reshape(-1, 2)
-    outside = (cells < 0).any(axis=1) | (cells >= free.shape).any(axis=1)
+    outside = (cells < 0) | (cells >= free.shape)
     if outside.any():
-        row, column = cells[int(np.flatnonzero(outside)[0])]
+        row, column = cells[int(np.flatnonzero(outside.any(axis=1))[0])]
         raise InvalidInputError(
             f"the asked cell ({row}, {column}) is not in the grid of "
             f"{free.shape[0]} rows and {free.shape[1]} columns"
         )
     return cells[:, 0], cells[:, 1]
-
-
-@kernel
-def _seed(
-    free: BoolArray,
-    starts: FloatArray,
-    state: NDArray[np.uint8],
-    distance: FloatArray,
-    places: NDArray[np.int32],
-    heap: NDArray[np.int32],
-    keys: FloatArray,
-    width: int,
-) -> int:
-    # Exact distances around the sources.
-    rows, columns = free.shape
-    held = 0
-    for k in range(starts.shape[0]):
-        x, y = starts[k, 0], starts[k, 1]
-        for r in range(max(0, int(y) - EXACT_CELLS), min(rows, int(y) + EXACT_CELLS + 1)):
-            for c in range(max(0, int(x) - EXACT_CELLS), min(columns, int(x) + EXACT_CELLS + 1)):
-                straight = np.hypot(c + 0.5 - x, r + 0.5 - y)
-                u = (r + 2) * width + c + 2
-                if straight < distance[u] and in_sight(free, x, y, c, r):
-                    distance[u] = straight
-                    state[u] = EXACT
-                    held = push(heap, keys, places, held, straight, u)
-    return held
-
-
-@kernel
-def _march(
-    state: NDArray[np.uint8],
-    marks: NDArray[np.uint8],
-    distance: FloatArray,
-    places: NDArray[np.int32],
-    order: NDArray[np.int32],
-    heap: NDArray[np.int32],
-    keys: FloatArray,
-    held: int,
-    count: int,
-    width: int,
-    remaining: int,
-) -> tuple[int, int, bool]:
-    # Accept cells in the order of their values until the front is empty, as many asked cells as
-    # remain are accepted, or the next one lies on the rim. An accepted cell's place is its rank.
-    while held > 0 and remaining != 0:
-        u = heap[1]
-        if marks[u] != 0:
-            if marks[u] & RIM:
-                return held, count, True
-            remaining -= 1
-        held = drop_first(heap, keys, places, held)
-        state[u] = ACCEPTED
-        places[u], order[count] = count, u
-        count += 1
-        for step in (1, -1, width, -width):
-            v = u + step
-            if (state[v] == FREE or state[v] == EXACT) and _lower(
-                distance, state, v, _upwind(distance, state, v, width)
-            ):
-                held = push(heap, keys, places, held, distance[v], v)
-    return held, count, False
-
-
-@inlined_kernel
-def _lower(distance: FloatArray, state: NDArray[np.uint8], v: int, value: float) -> bool:
-    slack = EXACT_SLACK_CELLS if state[v] == EXACT else 0.0
-    if value < distance[v] - slack:
-        distance[v] = value
-        state[v] = FREE
-        return True
-    return False
-
-
-@inlined_kernel
-def _upwind(distance: FloatArray, state: NDArray[np.uint8], v: int, width: int) -> float:
-    # Solve sum over the axes of weight * (value - base)^2 = 1 with the accepted cells upwind.
-    base_x, weight_x = _one_sided(distance, state, v, 1)
-    base_y, weight_y = _one_sided(distance, state, v, width)
-    if weight_x > 0.0 and weight_y > 0.0:
-        a = weight_x + weight_y
-        b = weight_x * base_x + weight_y * base_y
-        c = weight_x * base_x * base_x + weight_y * base_y * base_y - 1.0
-        discriminant = b * b - a * c
-        if discriminant >= 0.0:
-            value = (b + math.sqrt(discriminant)) / a
-            if value >= max(base_x, base_y):
-                return value
-    # The front comes along one axis only.
-    value = np.inf
-    if weight_x > 0.0:
-        value = base_x + 1.0 / math.sqrt(weight_x)
-    if weight_y > 0.0:
-        value = min(value, base_y + 1.0 / math.sqrt(weight_y))
-    return value
-
-
-@inlined_kernel
-def _one_sided(
-    distance: FloatArray, state: NDArray[np.uint8], v: int, step: int
-) -> tuple[float, float]:
-    # The difference along one axis as sqrt(weight) * (value - base); weight 0 if none is known.
-    nearest, toward = np.inf, 0
-    if state[v - step] == ACCEPTED:
-        nearest, toward = distance[v - step], -step
-    if state[v + step] == ACCEPTED and distance[v + step] < nearest:
-        nearest, toward = distance[v + step], step
-    if toward == 0:
-        return 0.0, 0.0
-    second = v + 2 * toward
-    if state[second] == ACCEPTED and distance[second] <= nearest:
-        return (4.0 * nearest - distance[second]) / 3.0, 2.25
-    return nearest, 1.0
-
-
-@kernel
-def _descend(u: int, state: NDArray[np.uint8], distance: FloatArray, width: int) -> IntArray:
-    way = [u]
-    while True:
-        steepest, below = 0.0, 0
-        for away in (-1, 0, 1):
-            for aside in (-1, 0, 1):
-                v = u + away * width + aside
-                if state[v] != ACCEPTED or not (state[u + away * width] and state[u + aside]):
-                    continue
-                slope = distance[u] - distance[v]
-                if away != 0 and aside != 0:
-                    slope *= math.sqrt(0.5)
-                if slope > steepest:
-                    steepest, below = slope, v
-        if steepest == 0.0:
-            return np.array(way)
-        u = below
-        way.append(u)
-
-
-@kernel
-def _take_back(
-    changed: IntArray,
-    state: NDArray[np.uint8],
-    distance: FloatArray,
-    places: NDArray[np.int32],
-    order: NDArray[np.int32],
-    heap: NDArray[np.int32],
-    keys: FloatArray,
-    held: int,
-    count: int,
-    width: int,
-    seeds: NDArray[np.int32],
-    seed_values: FloatArray,
-) -> tuple[int, int]:
-    # A cell that is blocked now has had no share in anything accepted before it, one that is
-    # passable now can have none in what was accepted before its first neighbour: so far a new
-    # march would go the same way.
-    kept = count
-    for w in changed:
-        if state[w] == ACCEPTED:
-            kept = min(kept, places[w])
-        elif state[w] == BLOCKED:
-            for step in (1, -1, width, -width):
-                if state[w + step] == ACCEPTED:
-                    kept = min(kept, places[w + step] + 1)
-    # Forget the rest, and the front.
-    loose = np.concatenate((heap[1 : held + 1], order[kept:count], changed.astype(np.int32)))
-    for u in loose:
-        if state[u] != BLOCKED:
-            state[u] = FREE
-        distance[u], places[u] = np.inf, 0
-    for w in changed:
-        state[w] = FREE if state[w] == BLOCKED else BLOCKED
-    for k in range(len(seeds)):
-        u = seeds[k]
-        if state[u] != ACCEPTED:
-            state[u], distance[u] = EXACT, seed_values[k]
-    # The front of that moment.
-    held = 0
-    around, states = np.empty(25), np.empty(25, np.uint8)
-    for u in loose:
-        if state[u] != BLOCKED and places[u] == 0:
-            _relive(u, distance, state, places, width, around, states)
-            if distance[u] < np.inf:
-                held = push(heap, keys, places, held, distance[u], u)
-    return held, kept
-
-
-@kernel
-def _relive(
-    v: int,
-    distance: FloatArray,
-    state: NDArray[np.uint8],
-    places: NDArray[np.int32],
-    width: int,
-    around: FloatArray,
-    states: NDArray[np.uint8],
-) -> None:
-    # The value of a cell of the front is the least that it was offered as its neighbours were
-    # accepted. Offer them again in that order, each with what was accepted by then, which is
-    # laid out in 5 x 5 cells around it.
-    done = -1
-    while True:
-        rank = np.iinfo(np.int32).max
-        for step in (1, -1, width, -width):
-            if state[v + step] == ACCEPTED and done < places[v + step] < rank:
-                rank = places[v + step]
-        if rank == np.iinfo(np.int32).max:
-            return
-        for away in (-2, -1, 1, 2):
-            for step, here in ((1, 1), (width, 5)):
-                w = v + away * step
-                by_then = state[w] == ACCEPTED and places[w] <= rank
-                states[12 + away * here] = ACCEPTED if by_then else FREE
-                around[12 + away * here] = distance[w]
-        _lower(distance, state, v, _upwind(around, states, 12, 5))
-        done = rank
-
-
-@kernel
-def in_sight(free: BoolArray, x: float, y: float, column: int, row: int) -> bool:
-    """Whether a cell's centre is seen from a point, given in cells, through free cells alone.
-
-    Between two cells that meet in a corner both cells beside it have to be free.
-    """
-    c, r = int(x), int(y)
-    dx, dy = column + 0.5 - x, row + 0.5 - y
-    step_c, step_r = (1 if dx > 0.0 else -1), (1 if dy > 0.0 else -1)
-    next_x = np.inf if dx == 0.0 else (c + (step_c > 0) - x) / dx
-    next_y = np.inf if dy == 0.0 else (r + (step_r > 0) - y) / dy
-    if not free[r, c]:
-        return False
-    while c != column or r != row:
-        if c != column and r != row and abs(next_x - next_y) < 1e-9:
-            if not (free[r, c + step_c] and free[r + step_r, c]):
-                return False
-            c, r = c + step_c, r + step_r
-            next_x, next_y = next_x + abs(1.0 / dx), next_y + abs(1.0 / dy)
-        elif r == row or (c != column and next_x < next_y):
-            c, next_x = c + step_c, next_x + abs(1.0 / dx)
-        else:
-            r, next_y = r + step_r, next_y + abs(1.0 / dy)
-        if not free[r, c]:
-            return False
-    return True
-
-
-@kernel
-def push(
-    heap: NDArray[np.int32],
-    keys: FloatArray,
-    places: NDArray[np.int32],
-    held: int,
-    key: float,
-    cell: int,
-) -> int:
-    """Put a cell into a binary heap, or move it to where its lower key belongs.
-
-    The heap begins at index 1. It knows where each cell lies in it, so that a lower value moves
-    the cell instead of adding it again; place 0 is that of cells not in it. Equal keys go by
-    the cells' numbers, so that the order in which cells leave does not depend on how they came.
-    Returns how many cells it holds.
-    """
-    i = int(places[cell])
-    if i == 0:
-        held += 1
-        i = held
-    while i > 1:
-        parent = i >> 1
-        above = heap[parent]
-        if keys[parent] <= key and (keys[parent] < key or above < cell):
-            break
-        heap[i], keys[i], places[above] = above, keys[parent], i
-        i = parent
-    heap[i], keys[i], places[cell] = cell, key, i
-    return held
-
-
-@kernel
-def drop_first(
-    heap: NDArray[np.int32], keys: FloatArray, places: NDArray[np.int32], held: int
-) -> int:
-    """Take the cell of the lowest key out of a heap; returns how many cells it holds then.
-
-    Its place is left for the caller to overwrite.
-    """
-    # The hole at the top goes down to the bottom along the smaller children, without a branch
-    # to mispredict; there the last cell, which has one of the largest values, is near its place.
-    last, key = heap[held], keys[held]
-    held -= 1
-    i, child = 1, 2
-    while child < held:
-        left, right = keys[child], keys[child + 1]
-        if left == right:
-            child += 1 if heap[child + 1] < heap[child] else 0
-        else:
-            child += 1 if right < left else 0
-        below = heap[child]
-        heap[i], keys[i], places[below] = below, keys[child], i
-        i, child = child, 2 * child
-    if child == held:
-        below = heap[child]
-        heap[i], keys[i], places[below] = below, keys[child], i
-        i = child
-    if held > 0:
-        places[last] = i
-        push(heap, keys, places, held, key, last)
-    return held

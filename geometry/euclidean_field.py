@@ -8,14 +8,9 @@ from typing import Final, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from multisrt.geometry.distance_field import (
-    asked_cells,
-    cells_of,
-    drop_first,
-    in_sight,
-    push,
-)
+from multisrt.geometry.distance_field import asked_cells, cells_of
 from multisrt.geometry.errors import InvalidInputError
+from multisrt.geometry.fast_march import drop_first, in_sight, push
 from multisrt.geometry.kernel import BoolArray, FloatArray, IntArray, inlined_kernel, kernel
 
 UNSEEN: Final = 0

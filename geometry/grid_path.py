@@ -7,7 +7,8 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
-from multisrt.geometry.distance_field import DistanceField, in_sight
+from multisrt.geometry.distance_field import DistanceField
+from multisrt.geometry.fast_march import in_sight
 from multisrt.geometry.kernel import BoolArray, FloatArray, IntArray, kernel
 
 

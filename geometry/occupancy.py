@@ -243,6 +243,11 @@ class Occupancy:
         """Give the row and column, in the lattice, of the cell that holds a point."""
         return math.floor(y / self.cell_m + OFFSET), math.floor(x / self.cell_m + OFFSET)
 
+    def cells_of(self, places: ArrayLike) -> IntArray:
+        """Give the rows and columns, in the lattice, of the cells that hold (k, 2) points x, y."""
+        points = np.asarray(places, np.float64).reshape(-1, 2)
+        return np.floor(points[:, ::-1] / self.cell_m + OFFSET).astype(np.int64)
+
     def centre_of(self, row: int, column: int) -> tuple[float, float]:
         """Give x and y of a cell's centre."""
         shift = OFFSET * self.cell_m

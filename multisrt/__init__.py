@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from multisrt.environments.formats import read_environment
     from multisrt.geometry.errors import InvalidInputError, MultiSrtError
     from multisrt.geometry.footprint import Footprint
+    from multisrt.isolation import area_known_to_one, isolation
     from multisrt.metrics import Metrics, measure
     from multisrt.recording import Recording
     from multisrt.registry import Strategy, register, strategies
@@ -61,9 +62,11 @@ _HOMES = {
     "Silence": "spec",
     "StopRule": "spec",
     "Strategy": "registry",
+    "area_known_to_one": "isolation",
     "catalog": "environments.catalog",
     "environment": "environments.catalog",
     "explore": "run",
+    "isolation": "isolation",
     "measure": "metrics",
     "read_environment": "environments.formats",
     "register": "registry",
@@ -92,9 +95,11 @@ __all__ = [
     "Silence",
     "StopRule",
     "Strategy",
+    "area_known_to_one",
     "catalog",
     "environment",
     "explore",
+    "isolation",
     "measure",
     "read_environment",
     "register",

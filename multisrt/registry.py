@@ -17,10 +17,16 @@ from typing import Any
 import msgspec
 
 from multisrt.explorer import Explorer, RobotSelf
+from multisrt.frontier_team.alvarez import explorer_by_rules
 from multisrt.frontier_team.driving import drive
 from multisrt.frontier_team.explore import Drive, FrontierExplorer, Rule
 from multisrt.frontier_team.nearness import drive_by_diagram
-from multisrt.frontier_team.options import FrontierOptions, SelfBiddingOptions, UtilityOptions
+from multisrt.frontier_team.options import (
+    FrontierOptions,
+    RulesOptions,
+    SelfBiddingOptions,
+    UtilityOptions,
+)
 from multisrt.frontier_team.robot import Watch
 from multisrt.frontier_team.rules import choose_closest, choose_greedy, choose_minpos
 from multisrt.frontier_team.self_bidding import choose_by_self_bidding, tell_who_may_stop
@@ -204,12 +210,17 @@ def _bids(
     rule: Rule,
     drives: Drive = drive,
     watch: Watch | None = None,
+    fits: Callable[[RunSpec], None] | None = None,
 ) -> Strategy:
     def explorer(me: RobotSelf, options: FrontierOptions) -> Explorer:
         return FrontierExplorer(me, options, rule, drives, watch)
 
     return Strategy(
-        name=name, summary=summary, options=options, explorer=explorer, fits=_require_no_car
+        name=name,
+        summary=summary,
+        options=options,
+        explorer=explorer,
+        fits=_require_no_car if fits is None else fits,
     )
 
 
@@ -222,6 +233,16 @@ def _require_no_car(spec: RunSpec) -> None:
             )
 
 
+def _require_talk(spec: RunSpec) -> None:
+    # Who assigns, bids for others or swaps goals has to hear of them.
+    _require_no_car(spec)
+    if len(spec.robots) > 1 and spec.radio.range_m == 0.0:
+        raise InvalidInputError(
+            f"{spec.strategy} needs robots that hear one another, and the radio range is 0; "
+            "give a longer radio range, or none for an unlimited one"
+        )
+
+
 _OWN = (
     _srt("ball", "Sensor-based Random Tree; safe regions are discs of the smallest reading"),
     _srt("star", "Sensor-based Random Tree; safe regions are stars of equal cones"),
@@ -229,7 +250,13 @@ _OWN = (
     _bids("closest", "Every robot to its nearest frontier", FrontierOptions, choose_closest),
     _bids("greedy", "The shortest ways first, every frontier once", FrontierOptions, choose_greedy),
     _bids("minpos", "To the frontier where fewest are nearer", FrontierOptions, choose_minpos),
-    _bids("utility", "A leader weighs ways against views", UtilityOptions, choose_utility),
+    _bids(
+        "utility",
+        "A leader weighs ways against views",
+        UtilityOptions,
+        choose_utility,
+        fits=_require_talk,
+    ),
     _bids(
         "self-bidding",
         "SBX-R: bids for the whole team, which keeps within radio range",
@@ -237,6 +264,14 @@ _OWN = (
         choose_by_self_bidding,
         drive_by_diagram,
         tell_who_may_stop,
+        fits=_require_talk,
+    ),
+    Strategy(
+        name="rules",
+        summary="Álvarez: scores of unexplored cells, right of way, and swaps of goals",
+        options=RulesOptions,
+        explorer=explorer_by_rules,
+        fits=_require_talk,
     ),
 )
 

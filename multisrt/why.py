@@ -3,19 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from multisrt.events import (
     AnyEvent,
-    Blocked,
-    CameBack,
     Coordinated,
     Decision,
-    Died,
     Ended,
-    FellSilent,
-    Joined,
+    GoalChosen,
     Learned,
     MapComplete,
     Motion,
@@ -24,13 +19,11 @@ from multisrt.events import (
     Organized,
     Point,
     Supports,
-    TakenAsLost,
 )
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.recording import Recording
-
-SAME_MOMENT_S = 1e-6
-"""A time may be asked for as it is printed."""
+from multisrt.why_bids import bid_lines, choice_lines
+from multisrt.why_words import SAME_MOMENT_S, by_robot, listed, many, place, titled, troubles
 
 CHOICES = {
     "draw": "a new place, drawn at random towards its local frontier",
@@ -75,7 +68,9 @@ def explain(recording: Recording, robot: int, time_s: float | None = None) -> st
     str
         Where it stood, what it knew, which candidates it refused and why, what it chose; its
         groups, whether paths conflicted, and what the master made of it; whom it chose to
-        support, whom it took as lost, where it was stopped, and what went wrong with it.
+        support, whom it took as lost, where it was stopped, and what went wrong with it. Of one
+        that bids for frontiers: who reckoned with whom, the tables it decided by, and what it
+        did until it chose again.
 
     Raises
     ------
@@ -90,8 +85,12 @@ def explain(recording: Recording, robot: int, time_s: float | None = None) -> st
         raise InvalidInputError(
             f"{asked:g} s is not within the run, which lasts from 0 to {end:.2f} s"
         )
-    story = _Story(recording, robot, asked)
-    return "\n".join(story.lines()) + "\n"
+    index, choice = _last_choice(recording.events, robot, asked)
+    if isinstance(choice, GoalChosen):
+        lines = choice_lines(recording, index, choice, asked)
+    else:
+        lines = _Story(recording, index, choice, asked).lines()
+    return "\n".join(lines) + "\n"
 
 
 def explain_all(recording: Recording, robot: int) -> str:
@@ -103,6 +102,8 @@ def explain_all(recording: Recording, robot: int) -> str:
         If there is no such robot.
     """
     _require_robot(recording, robot)
+    if lines := list(bid_lines(recording, robot)):
+        return "\n".join(lines) + "\n"
     lines = [f"{'time (s)':>9}  {'node':>8}  {'frontier':>8}  decision"]
     for index, event in enumerate(recording.events):
         if isinstance(event, Decision) and event.robot == robot:
@@ -110,9 +111,9 @@ def explain_all(recording: Recording, robot: int) -> str:
             lines.append(
                 f"{event.time_s:9.2f}  {_short_node(event.node, robot):>8}  "
                 f"{event.frontier_m:6.2f} m  {event.choice}"
-                + ("" if event.target is None else f" to {_place(event.target)}")
-                + (f", GER {_robots(event.ger)}" if len(event.ger) > 1 else "")
-                + ("" if told is None else f"; {told.order} {_place(told.new_target)}")
+                + ("" if event.target is None else f" to {place(event.target)}")
+                + (f", GER {listed(event.ger)}" if len(event.ger) > 1 else "")
+                + ("" if told is None else f"; {told.order} {place(told.new_target)}")
             )
     return "\n".join(lines) + "\n"
 
@@ -120,8 +121,11 @@ def explain_all(recording: Recording, robot: int) -> str:
 class _Story:
     """What there is to tell of one robot's last decision by a time."""
 
-    def __init__(self, recording: Recording, robot: int, asked_s: float) -> None:
-        self.robot = robot
+    def __init__(
+        self, recording: Recording, index: int, decision: Decision, asked_s: float
+    ) -> None:
+        self.index, self.decision = index, decision
+        self.robot = robot = decision.robot
         self.asked_s = asked_s
         self.events = recording.events
         self.has_others = len(recording.spec.robots) > 1
@@ -136,22 +140,6 @@ class _Story:
             for event in self.events
             if isinstance(event, NodeAdded)
         }
-        self.index, self.decision = self._last_decision()
-
-    def _last_decision(self) -> tuple[int, Decision]:
-        found = None
-        for index, event in enumerate(self.events):
-            if isinstance(event, Decision) and event.robot == self.robot:
-                if event.time_s <= self.asked_s + SAME_MOMENT_S:
-                    found = index, event
-                elif found is None:
-                    raise InvalidInputError(
-                        f"robot {self.robot} had not decided anything by {self.asked_s:g} s; "
-                        f"its first decision is at {event.time_s:.2f} s"
-                    )
-        if found is None:
-            raise InvalidInputError(f"robot {self.robot} did not decide anything in this run")
-        return found
 
     def lines(self) -> Iterator[str]:
         yield (
@@ -159,23 +147,21 @@ class _Story:
             f"{self.decision.time_s:.2f} s."
         )
         for title, lines in (
-            ("Where it stood", self.place()),
+            ("Where it stood", self.standing()),
             ("What it knew", self.knowledge()),
             ("What it decided", self.choice()),
             ("Its group", self.group()),
             ("Whom it supports", self.support()),
-            ("What went otherwise than planned", self.troubles()),
+            ("What went otherwise than planned", troubles(self.past)),
             ("What it did then", self.afterwards()),
         ):
-            told = [f"  {line}" for line in lines]
-            if told:
-                yield from ("", title, *told)
+            yield from titled(title, lines)
 
-    def place(self) -> Iterator[str]:
+    def standing(self) -> Iterator[str]:
         node = self.nodes[self.decision.node]
         x, y, heading = node.configuration
         yield (
-            f"at {self._node(self.decision.node)}, {_place((x, y))}, which was added at "
+            f"at {self._node(self.decision.node)}, {place((x, y))}, which was added at "
             f"{node.time_s:.2f} s, heading {math.degrees(heading):.0f} degrees"
         )
         if node.parent is None:
@@ -187,13 +173,12 @@ class _Story:
         yield f"its local frontier there was {self.decision.frontier_m:.2f} m long"
         until = self.decision.time_s + SAME_MOMENT_S
         own = sum(isinstance(e, NodeAdded) and e.time_s <= until for e in self.past)
-        yield f"its map had {_many(own, 'node')} of its own"
+        yield f"its map had {many(own, 'node')} of its own"
         learned = [e for e in self.past if isinstance(e, Learned) and e.time_s <= until]
-        of_whom = Counter(name[0] for event in learned for name in event.nodes)
-        if of_whom:
-            by_robot = ", ".join(f"{n} of robot {who}" for who, n in sorted(of_whom.items()))
+        names = [name for event in learned for name in event.nodes]
+        if names:
             yield (
-                f"it had learned {_many(of_whom.total(), 'node')} of others: {by_robot}; "
+                f"it had learned {many(len(names), 'node')} of others: {by_robot(names)}; "
                 f"last at {learned[-1].time_s:.2f} s"
             )
         complete = [e for e in self.past if isinstance(e, MapComplete) and e.time_s <= until]
@@ -204,30 +189,30 @@ class _Story:
         chosen = self.decision
         if chosen.draws:
             why = ", ".join(f"{count} {reason}" for reason, count in chosen.refused.items())
-            yield f"{_many(chosen.draws, 'candidate')} drawn; refused: {why or 'none'}"
+            yield f"{many(chosen.draws, 'candidate')} drawn; refused: {why or 'none'}"
             for x, y, reason in chosen.candidates:
-                yield f"  {_place((x, y))}: {reason}"
+                yield f"  {place((x, y))}: {reason}"
         yield f"it chose {chosen.choice}: {CHOICES[chosen.choice]}"
         if chosen.target is not None:
             here = self.nodes[chosen.node].configuration
-            yield f"target {_place(chosen.target)}, {math.dist(here[:2], chosen.target):.2f} m away"
+            yield f"target {place(chosen.target)}, {math.dist(here[:2], chosen.target):.2f} m away"
 
     def group(self) -> Iterator[str]:
         gpr, ger = self.decision.gpr, self.decision.ger
         if not self.has_others:
             return
         if gpr:
-            yield f"pre-engaged (GPR): {_robots(gpr)}"
+            yield f"pre-engaged (GPR): {listed(gpr)}"
         if ger:
-            yield f"engaged (GER): {_robots(ger)}"
+            yield f"engaged (GER): {listed(ger)}"
         told = _coordinated(self.events, self.index, self.asked_s)
         if told is None:
             if len(ger) > 1:
                 yield "no paths of the group conflicted, so nobody coordinated it"
             return
         master = "itself" if told.master == self.robot else f"robot {told.master}"
-        yield f"paths of the group {_robots(told.ger)} conflicted; the master was {master}"
-        yield f"feasible: {_robots(told.feasible)}; unfeasible: {_robots(told.unfeasible)}"
+        yield f"paths of the group {listed(told.ger)} conflicted; the master was {master}"
+        yield f"feasible: {listed(told.feasible)}; unfeasible: {listed(told.unfeasible)}"
         organized = _organized(self.events, told)
         if organized is not None:
             if organized.conflicts:
@@ -238,7 +223,7 @@ class _Story:
             yield from _table(organized)
         yield (
             f"at {told.time_s:.2f} s it was told {ORDERS[told.order]}: "
-            f"{_place(told.target)} became {_place(told.new_target)}"
+            f"{place(told.target)} became {place(told.new_target)}"
         )
 
     def support(self) -> Iterator[str]:
@@ -254,26 +239,6 @@ class _Story:
             active = last.active_robots.get(tree, 0)
             yield f"{tree:>4}  {length:>11.2f} m  {active:>13}{mark}"
 
-    def troubles(self) -> Iterator[str]:
-        for event in self.past:
-            match event:
-                case TakenAsLost(other=other):
-                    what = f"it took robot {other} as lost: no answer came"
-                case Blocked(by=by, configuration=(x, y, _)):
-                    what = f"protective stop at {_place((x, y))}, before the body of robot {by}"
-                case FellSilent():
-                    what = "its radio failed"
-                case CameBack():
-                    what = "its radio worked again"
-                case Joined():
-                    what = "it began, late"
-                case Died(configuration=(x, y, _), doing=doing):
-                    doing_what = "organising as master" if doing == "master" else doing
-                    what = f"it died at {_place((x, y))}, {doing_what}"
-                case _:
-                    continue
-            yield f"{event.time_s:.2f} s: {what}"
-
     def afterwards(self) -> Iterator[str]:
         for event in self.past:
             if event.time_s < self.decision.time_s - SAME_MOMENT_S:
@@ -283,13 +248,31 @@ class _Story:
                 has_come = arrival_s <= self.asked_s + SAME_MOMENT_S
                 yield (
                     f"{event.time_s:.2f} s: it set out {PURPOSES[event.purpose]}, "
-                    f"and {'came' if has_come else 'is on its way'} to {_place((x, y))}"
+                    f"and {'came' if has_come else 'is on its way'} to {place((x, y))}"
                 )
             elif isinstance(event, Ended):
                 yield f"{event.time_s:.2f} s: it ended: {event.reason}"
 
     def _node(self, name: NodeName) -> str:
         return f"node {name[1]}" + ("" if name[0] == self.robot else f" of robot {name[0]}")
+
+
+def _last_choice(
+    events: Sequence[AnyEvent], robot: int, asked_s: float
+) -> tuple[int, Decision | GoalChosen]:
+    found = None
+    for index, event in enumerate(events):
+        if isinstance(event, Decision | GoalChosen) and event.robot == robot:
+            if event.time_s <= asked_s + SAME_MOMENT_S:
+                found = index, event
+            elif found is None:
+                raise InvalidInputError(
+                    f"robot {robot} had not decided anything by {asked_s:g} s; "
+                    f"its first decision is at {event.time_s:.2f} s"
+                )
+    if found is None:
+        raise InvalidInputError(f"robot {robot} did not decide anything in this run")
+    return found
 
 
 def _coordinated(
@@ -330,29 +313,17 @@ def _table(organized: Organized) -> Iterator[str]:
     yield f"{'robot':>5}  {'planned':>18}  {'organised':>18}  order"
     for robot in sorted(organized.before):
         yield (
-            f"{robot:>5}  {_place(organized.before[robot]):>18}  "
+            f"{robot:>5}  {place(organized.before[robot]):>18}  "
             f"{_place_of(organized.after, robot):>18}  {organized.orders.get(robot, '')}"
         )
 
 
 def _place_of(places: Mapping[int, Point], robot: int) -> str:
-    return _place(places[robot]) if robot in places else ""
-
-
-def _place(point: Sequence[float]) -> str:
-    return f"({point[0]:.2f}, {point[1]:.2f})"
+    return place(places[robot]) if robot in places else ""
 
 
 def _short_node(name: NodeName, robot: int) -> str:
     return str(name[1]) if name[0] == robot else f"{name[0]}:{name[1]}"
-
-
-def _robots(robots: Sequence[int]) -> str:
-    return ", ".join(map(str, robots)) or "none"
-
-
-def _many(count: int, what: str) -> str:
-    return f"{count} {what}" + ("" if count == 1 else "s")
 
 
 def _require_robot(recording: Recording, robot: int) -> None:

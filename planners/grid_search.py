@@ -1,7 +1,8 @@
 """Searches over grids of cells: A*, and rings that widen until enough is found.
 
-Source: Álvarez, modules "goal search" and "path planning"; section 5 of the thesis lets both
-pass through cells that nobody has seen.
+Source: J. A. Álvarez Jáuregui, Algoritmo descentralizado para la exploración multi-robot de
+escenarios 2D, sections 3.2.3 (goal search) and 3.2.5 (path planning). Both pass through cells
+that nobody has seen. A* there may cut corners or not, the thesis does not say; ours does not.
 """
 
 from __future__ import annotations
@@ -32,8 +33,8 @@ def a_star(
     Returns
     -------
     (n, 2) array
-        Rows and columns from start to goal; of no rows where there is no way. Of equal ways the
-        one is taken whose cells come first row by row.
+        Rows and columns from start to goal; of no rows where there is no way. Of equally short
+        ways it is always the same one.
     """
     rows, columns = passable.shape
     nothing = np.empty((0, 2), np.int64)

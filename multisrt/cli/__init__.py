@@ -21,6 +21,7 @@ def cli() -> None:
     Examples:
       multisrt explore office
       multisrt explore museum --robots 4 --strategy srt-radial --strategy srt-star
+      multisrt explore office --strategy minpos --robots 4 --radio-range 15
       multisrt why runs/office-srt-radial-0/recording.jsonl --robot 0 --time 31.5
       multisrt environments
       multisrt strategies

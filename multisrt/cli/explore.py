@@ -25,6 +25,7 @@ Examples:
   multisrt explore office
   multisrt explore museum --robots 4 --starts clustered --radio-range 15
   multisrt explore museum --robots 4 --strategy srt-radial --strategy srt-star --out compared
+  multisrt explore office --strategy minpos --robots 4 --radio-range 15
   multisrt explore floor.yaml --start 2.5,4 --start 3.5,4 --range 6
   multisrt explore plan.png --resolution 0.05 --footprint box:0.6x0.4 --drive reeds-shepp
   multisrt explore office --robots 3 --fault death:2@30:moving --fault late:1@60 --loss 0.1
@@ -33,7 +34,7 @@ Examples:
 
 \b
 The output folder gets, with several strategies in a folder each:
-  tree.svg         the trees, with one layer for each thing drawn
+  tree.svg         the trees or ways, with one layer for each thing drawn
   run.json         spec, outcome, digest and metrics
   spec.toml        the spec, which repeats the run
   recording.jsonl  all that happened, one event a line
@@ -139,7 +140,7 @@ def explore(
     quiet: bool,
     **given: Any,
 ) -> None:
-    """Explore a world and leave the trees, the metrics and the recording.
+    """Explore a world and leave a picture, the metrics and the recording.
 
     ENV is a name that 'multisrt environments' lists, or a map file: a ROS map_server YAML, an
     image with --resolution (its origin is the lower left corner), GeoJSON or WKT.

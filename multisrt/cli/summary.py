@@ -73,7 +73,9 @@ def _rows(run: Run, alone: bool) -> Rows:
         "no run can be shorter than": _seconds(m.lower_bound_s),
         "distance": f"{m.total_distance_m:.1f} m",
         **(_team_rows(run) if team else {}),
-        "nodes": _counted(m.nodes, m.nodes_by_stage),
+        ("scans that showed something new" if _scans(run) else "nodes"): _counted(
+            m.nodes, {} if _scans(run) else m.nodes_by_stage
+        ),
         "frontier arcs given up": _counted(sum(m.arcs_closed.values()), m.arcs_closed),
         "collisions": str(m.collisions),
         "smallest clearance": f"{m.smallest_clearance_m:.3f} m",
@@ -87,6 +89,8 @@ def _team_rows(run: Run) -> Rows:
         "spread of the distance": f"{m.distance_spread_m:.1f} m",
         "waiting": f"{m.waiting_time_s:.1f} s",
         "seen by more than one": f"{m.overlap_area_m2:.1f} m2 ({m.overlap_share:.1%})",
+        **({} if m.beyond_range_m is None and not m.isolated_total_s else _cut_off(run)),
+        "known to one robot only": f"{m.known_to_one_m2s:.0f} m2 s ({m.known_to_one_m2:.1f} m2 at the end)",
         "coordinations": f"{m.coordinations} ({m.deadlocks} deadlocks)",
         "protective stops": str(m.protective_stops),
         "messages": f"{m.messages} ({m.bytes_sent / 1e6:.2f} MB)",
@@ -100,10 +104,25 @@ def _team_rows(run: Run) -> Rows:
     }
 
 
+def _cut_off(run: Run) -> Rows:
+    m = run.metrics
+    told = f"{m.isolated_total_s:.1f} s (longest {m.isolated_longest_s:.1f} s)"
+    rows = {"some robot cut off from all others": told}
+    if m.isolated_total_s and m.beyond_range_m is not None:
+        rows["farthest beyond radio range"] = f"{m.beyond_range_m:.1f} m"
+    return rows
+
+
+def _scans(run: Run) -> bool:
+    # Whether the nodes of a run are scans taken on the way, and no places that were chosen.
+    return "scan" in run.metrics.nodes_by_stage
+
+
 def _print_robots(runs: list[Run]) -> None:
     alone = len(runs) == 1
     columns = [f">{run.spec.strategy}: distance" for run in runs]
-    robots = table("robot", "start", *([">distance", ">waiting", ">nodes"] if alone else columns))
+    made_what = ">scans" if _scans(runs[0]) else ">nodes"
+    robots = table("robot", "start", *([">distance", ">waiting", made_what] if alone else columns))
     made = runs[0].metrics.nodes_by_robot
     for robot, (x, y, _) in enumerate(runs[0].recording.starts):
         values = [f"{run.metrics.distance_by_robot_m[robot]:.1f} m" for run in runs]

@@ -1,4 +1,4 @@
-"""What stands around a picture of exploration trees: heading, legend, and whose is whose."""
+"""What stands around a picture of a run: heading, legend, and whose is whose."""
 
 from __future__ import annotations
 
@@ -8,11 +8,15 @@ from typing import Final
 from multisrt.drawing.colours import (
     CLOSED,
     COLLISION,
+    CUT_OFF,
     DEATH,
     DEATH_MM,
     END,
     END_MM,
     FRONTIER,
+    FRONTIER_CELLS,
+    GOAL_MM,
+    KNOWN,
     LATE_START,
     NODE_MM,
     STAGES,
@@ -44,7 +48,7 @@ def heading(recording: Recording, traces: list[Trace]) -> list[str]:
     lines = [
         f"{spec.strategy} in {recording.header.world}{team}, seed {spec.seed}",
         f"{OUTCOMES[footer.outcome]} after {footer.time_s:,.0f} s: "
-        f"{_counted(nodes)}, {distance:,.0f} m travelled",
+        f"{_counted(nodes, _unit(traces))}, {distance:,.0f} m travelled",
     ]
     left = math.fsum(math.hypot(x1 - x0, y1 - y0) for t in traces for x0, y0, x1, y1 in t.frontier)
     if left:
@@ -97,11 +101,33 @@ def legend(traces: list[Trace]) -> list[LegendEntry]:
     ):
         if there:
             entries.append(LegendEntry(label=label, style=style))
-    return entries + _marks(traces, styles)
+    return entries + marks_legend(traces, styles)
 
 
-def _marks(traces: list[Trace], styles: RobotStyles) -> list[LegendEntry]:
-    # What marks single places: starts, ends, and what went wrong.
+def ways_legend(
+    traces: list[Trace], *, goals: bool, frontier: bool, cut_off: bool
+) -> list[LegendEntry]:
+    """Explain what there is on the map of robots that bid for frontiers."""
+    styles = RobotStyles.of_any() if len(traces) > 1 else RobotStyles.of(0)
+    entries = [LegendEntry(label="border of what the team knows", style=KNOWN)]
+    if len(traces) == 1:
+        entries = [LegendEntry(label="seen", style=styles.area)]
+    for label, style, there in (
+        ("way travelled", styles.edge, any(t.motions for t in traces)),
+        ("cut off from all others", CUT_OFF, cut_off),
+        ("frontier left", FRONTIER_CELLS, frontier),
+    ):
+        if there:
+            entries.append(LegendEntry(label=label, style=style))
+    if goals:
+        entries.append(
+            LegendEntry(label="goal", style=styles.node, marker="diamond", size_mm=GOAL_MM)
+        )
+    return entries + marks_legend(traces, styles)
+
+
+def marks_legend(traces: list[Trace], styles: RobotStyles) -> list[LegendEntry]:
+    """Explain what marks single places: starts, ends, and what went wrong."""
     team = len(traces) > 1
     start: Marker = "pin" if team else "arrow"
     late = styles.late_start if team else LATE_START
@@ -129,25 +155,32 @@ def _marks(traces: list[Trace], styles: RobotStyles) -> list[LegendEntry]:
 
 def swatches(traces: list[Trace]) -> list[Swatch]:
     """Give the robots' colours, and in a small team what each robot did."""
-    return [_swatch(trace, len(traces)) for trace in traces]
+    return [_swatch(trace, len(traces), _unit(traces)) for trace in traces]
 
 
-def swatches_heading(robots: int) -> str:
+def swatches_heading(traces: list[Trace]) -> str:
     """Say what the robots' colours stand for."""
-    account = ": nodes made, metres travelled" if robots <= MOST_ACCOUNTS else ""
-    return f"what each robot saw first, and its tree{account}"
+    scans = _unit(traces) == "scan"
+    made = "scans that showed something new" if scans else "nodes made"
+    account = f": {made}, metres travelled" if len(traces) <= MOST_ACCOUNTS else ""
+    return f"what each robot saw first, and its {'way' if scans else 'tree'}{account}"
 
 
-def _swatch(trace: Trace, robots: int) -> Swatch:
+def _swatch(trace: Trace, robots: int, unit: str) -> Swatch:
     styles = RobotStyles.of(trace.robot)
     label = str(trace.robot)
     if robots <= MOST_ACCOUNTS:
-        label += f": {_counted(len(trace.nodes))}, {trace.distance_m:,.0f} m"
+        label += f": {_counted(len(trace.nodes), unit)}, {trace.distance_m:,.0f} m"
     return Swatch(label=label, area=styles.area, line=styles.edge)
 
 
-def _counted(nodes: int) -> str:
-    return f"{nodes:,} node{'s' if nodes != 1 else ''}"
+def _unit(traces: list[Trace]) -> str:
+    # What a node is called.
+    return "scan" if any(trace.scans for trace in traces) else "node"
+
+
+def _counted(nodes: int, unit: str) -> str:
+    return f"{nodes:,} {unit}{'s' if nodes != 1 else ''}"
 
 
 def _faults(recording: Recording) -> str:

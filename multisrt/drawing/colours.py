@@ -98,6 +98,13 @@ OBSTACLE: Final = Style(fill="#a3a3a3", stroke=INK, width_mm=0.18)
 FREE: Final = Style(fill=WHITE)
 FREE_SAMPLE: Final = Style(fill=WHITE, stroke=INK, width_mm=0.18)
 FRONTIER: Final = Style(stroke=VERMILION, width_mm=0.9)
+FRONTIER_CELLS: Final = Style(fill=VERMILION, stroke=VERMILION, width_mm=0.3)
+KNOWN: Final = Style(stroke=INK, width_mm=0.14)
+"""The border of what the team knows."""
+
+CUT_OFF: Final = Style(stroke="#e8a17f", width_mm=1.5, dashes_mm=(0.9, 0.6))
+"""Under the way of a robot while it was cut off from all others: vermilion, mixed with white."""
+
 START: Final = Style(fill=WHITE, stroke=INK, width_mm=0.35)
 END: Final = Style(fill=INK, stroke=WHITE, width_mm=0.25)
 SUGGESTED_START: Final = Style(fill=WHITE, stroke=INK, width_mm=0.35)
@@ -122,6 +129,7 @@ NODE_MM: Final = (0.3, 0.8)
 """Nodes are drawn with a radius in this range: smaller where they stand close together."""
 
 START_MM: Final = 2.0
+GOAL_MM: Final = 0.6
 END_MM: Final = 1.7
 STOP_MM: Final = 0.9
 DEATH_MM: Final = 1.5

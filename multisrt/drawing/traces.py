@@ -14,6 +14,7 @@ from multisrt.events import (
     Blocked,
     Collision,
     Died,
+    GoalChosen,
     Motion,
     NodeAdded,
     NodeName,
@@ -67,6 +68,9 @@ class Trace:
         Its ways between nodes that no edge joins, each once.
     is_off_tree : bool
         Whether it also went otherwise than along edges and bridges.
+    scans : bool
+        Whether it bids for frontiers and scans on its way: then its nodes are scans, which no
+        edges join, and its ways are not sorted.
     """
 
     robot: int
@@ -83,6 +87,7 @@ class Trace:
     supporting: list[FloatArray] = field(default_factory=list)
     bridges: list[FloatArray] = field(default_factory=list)
     is_off_tree: bool = False
+    scans: bool = False
 
     @property
     def end(self) -> Configuration:
@@ -141,7 +146,10 @@ def traces_of(recording: Recording) -> list[Trace]:
             case NodeAdded():
                 _require_sound(event, trees)
                 trace.nodes[event.serial] = event
+                trace.scans |= event.stage == "scan"
                 _hang(event, traces, trees)
+            case GoalChosen():
+                trace.scans = True
             case Motion() if event.waypoints:
                 trace.motions.append(event)
             case ArcClosed():
@@ -153,9 +161,10 @@ def traces_of(recording: Recording) -> list[Trace]:
                 trace.death = event
             case Collision():
                 trace.collisions.append(event)
-    for robot, segments in remaining_frontier(recording).items():
-        traces[robot].frontier = segments
-    _sort_ways(traces)
+    if not any(trace.scans for trace in traces):
+        for robot, segments in remaining_frontier(recording).items():
+            traces[robot].frontier = segments
+        _sort_ways(traces)
     return traces
 
 
@@ -191,6 +200,8 @@ def _hang(node: NodeAdded, traces: list[Trace], trees: dict[NodeName, int]) -> N
         return
     robot, serial = node.parent
     trees[name] = tree = trees[robot, serial]
+    if node.stage == "scan":
+        return
     parent = traces[robot].nodes[serial]
     edge = (parent.configuration[:2], node.configuration[:2])
     traces[node.robot].edges.setdefault(tree, []).append(edge)

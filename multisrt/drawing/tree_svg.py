@@ -1,4 +1,4 @@
-"""The picture of exploration trees."""
+"""The picture of a run: its exploration trees, or the ways of robots that bid for frontiers."""
 
 from __future__ import annotations
 
@@ -11,43 +11,33 @@ import shapely
 from multisrt.drawing.account import description, heading, legend, swatches, swatches_heading
 from multisrt.drawing.areas import seen_first
 from multisrt.drawing.colours import (
-    BADGE_MM,
     CLOSED,
-    COLLISION,
-    DEATH,
-    DEATH_MM,
-    END,
-    END_MM,
     FRONTIER,
-    HALO,
-    LATE_START,
     NODE_MM,
     STAGES,
-    START,
-    START_MM,
-    STOP,
-    STOP_MM,
     RobotStyles,
     Style,
 )
-from multisrt.drawing.sheet import TEXT_MM, Sheet
+from multisrt.drawing.marks import draw_areas, draw_starts_and_ends, draw_stops
+from multisrt.drawing.sheet import Sheet
 from multisrt.drawing.svg import child
 from multisrt.drawing.traces import Trace, joined, median_edge_m, traces_of
-from multisrt.events import Died, NodeAdded
+from multisrt.drawing.ways_svg import draw_ways
+from multisrt.environments.environment import Environment
+from multisrt.geometry.kernel import FloatArray
 from multisrt.recording import Recording, written_whole
 
 NODE_SHARE: Final = 0.2
 """A node's radius as a share of the median edge, within that range."""
-
-BADGE_SHARE: Final = 0.45
-"""That radius as a share of the distance to the next start, within that range."""
 
 SIMPLER_MM: Final = 0.015
 """Outlines of regions are drawn to within this."""
 
 
 def tree_svg(recording: Recording) -> str:
-    """Draw a run's exploration tree: regions, edges, nodes, and what frontier was left.
+    """Draw a run: regions, edges and nodes of its trees, and what frontier was left.
+
+    Of robots that bid for frontiers the ways, the goals and the raster are drawn instead.
 
     Parameters
     ----------
@@ -68,36 +58,15 @@ def tree_svg(recording: Recording) -> str:
     environment = recording.environment()
     traces = traces_of(recording)
     sheet = Sheet(environment, heading(recording, traces), description(recording))
-    node_mm, badge_mm = _node_mm(traces, sheet.mm), _badge_mm(traces, sheet.mm)
     team = len(traces) > 1
     sheet.draw_ground("free space, not seen")
-    if team:
-        _draw_areas(sheet, recording)
-    for trace in traces:
-        styles = RobotStyles.of(trace.robot)
-        _draw_regions(sheet, trace, styles.outline if team else styles.region)
-    sheet.draw_obstacles(environment)
-    for trace in traces:
-        styles = RobotStyles.of(trace.robot)
-        _draw_path(sheet, trace, styles.way if team else styles.path)
-    for draw in (_draw_supporting, _draw_bridges, _draw_edges):
-        for trace in traces:
-            draw(sheet, trace)
-    for trace in traces:
-        _draw_nodes(sheet, trace, node_mm)
-    for draw in (_draw_closed_arcs, _draw_frontier, _draw_stops):
-        for trace in traces:
-            draw(sheet, trace)
-    for trace in traces:
-        if team:
-            _draw_badge(sheet, trace, badge_mm)
-        else:
-            _draw_start(sheet, trace)
-        _draw_end(sheet, trace, team)
-    sheet.legend += legend(traces)
+    if any(trace.scans for trace in traces):
+        draw_ways(sheet, recording, environment, traces)
+    else:
+        _draw_trees(sheet, recording, environment, traces)
     if team:
         sheet.swatches = swatches(traces)
-        sheet.swatches_heading = swatches_heading(len(traces))
+        sheet.swatches_heading = swatches_heading(traces)
     return sheet.svg()
 
 
@@ -114,15 +83,35 @@ def save_tree_svg(recording: Recording, path: str | Path) -> None:
         file.write(text.encode())
 
 
-def _draw_areas(sheet: Sheet, recording: Recording) -> None:
+def _draw_trees(
+    sheet: Sheet, recording: Recording, environment: Environment, traces: list[Trace]
+) -> None:
+    team, node_mm = len(traces) > 1, _node_mm(traces, sheet.mm)
+    if team:
+        draw_areas(sheet, _areas(recording, sheet), len(traces))
+    for trace in traces:
+        styles = RobotStyles.of(trace.robot)
+        _draw_regions(sheet, trace, styles.outline if team else styles.region)
+    sheet.draw_obstacles(environment)
+    for trace in traces:
+        styles = RobotStyles.of(trace.robot)
+        _draw_path(sheet, trace, styles.way if team else styles.path)
+    for draw in (_draw_supporting, _draw_bridges, _draw_edges):
+        for trace in traces:
+            draw(sheet, trace)
+    for trace in traces:
+        _draw_nodes(sheet, trace, node_mm)
+    for draw in (_draw_closed_arcs, _draw_frontier, draw_stops):
+        for trace in traces:
+            draw(sheet, trace)
+    draw_starts_and_ends(sheet, traces)
+    sheet.legend += legend(traces)
+
+
+def _areas(recording: Recording, sheet: Sheet) -> dict[int, list[FloatArray]]:
     nodes = [event for event in recording.events if isinstance(event, NodeAdded)]
     regions = [_region(node, sheet.mm) for node in nodes]
-    areas = seen_first(regions, [node.robot for node in nodes], 10.0**-sheet.pen.decimals)
-    for robot in range(len(recording.starts)):
-        style = RobotStyles.of(robot).area
-        layer = sheet.layer(f"robot {robot}: seen first", style, fill_rule="evenodd")
-        if rings := areas.get(robot):
-            child(layer, "path", d=sheet.pen.rings(rings))
+    return seen_first(regions, [node.robot for node in nodes], 10.0**-sheet.pen.decimals)
 
 
 def _draw_regions(sheet: Sheet, trace: Trace, style: Style) -> None:
@@ -191,67 +180,6 @@ def _draw_frontier(sheet: Sheet, trace: Trace) -> None:
         child(layer, "path", d="".join(map(sheet.pen.line, joined(trace.frontier))))
 
 
-def _draw_stops(sheet: Sheet, trace: Trace) -> None:
-    if trace.stops:
-        layer = sheet.layer(f"robot {trace.robot}: protective stops", STOP)
-        places = dict.fromkeys(event.configuration[:2] for event in trace.stops)
-        size = STOP_MM * sheet.mm
-        path = "".join(sheet.pen.marker("octagon", x, y, size) for x, y in places)
-        child(layer, "path", d=path)
-
-
-def _draw_start(sheet: Sheet, trace: Trace) -> None:
-    x, y, heading = trace.start
-    layer = sheet.layer(f"robot {trace.robot}: start", LATE_START if trace.late else START)
-    child(layer, "path", d=sheet.pen.marker("arrow", x, y, START_MM * sheet.mm, heading))
-
-
-def _draw_badge(sheet: Sheet, trace: Trace, badge_mm: float) -> None:
-    # Where a robot of a team started, with its number.
-    x, y, heading = trace.start
-    styles = RobotStyles.of(trace.robot)
-    style = styles.late_start if trace.late else styles.start
-    layer = sheet.layer(f"robot {trace.robot}: start", style.scaled(badge_mm / BADGE_MM[1]))
-    child(layer, "path", d=sheet.pen.marker("pin", x, y, badge_mm * sheet.mm, heading))
-    number = str(trace.robot)
-    sheet.label(layer, number, (x, y), badge_mm * (1.5 if len(number) == 1 else 1.3))
-
-
-def _draw_end(sheet: Sheet, trace: Trace, team: bool) -> None:
-    if trace.death is not None:
-        _draw_death(sheet, trace, trace.death)
-    elif trace.is_away:
-        x, y, heading = trace.end
-        style = RobotStyles.of(trace.robot).end if team else END
-        end = sheet.layer(f"robot {trace.robot}: end", style)
-        child(end, "path", d=sheet.pen.marker("arrow", x, y, END_MM * sheet.mm, heading))
-    if trace.collisions:
-        layer = sheet.layer(f"robot {trace.robot}: collision", COLLISION)
-        for event in trace.collisions:
-            x, y, _ = event.configuration
-            child(layer, "path", d=sheet.pen.marker("cross", x, y, START_MM * sheet.mm))
-
-
-def _draw_death(sheet: Sheet, trace: Trace, death: Died) -> None:
-    layer = sheet.layer(f"robot {trace.robot}: death")
-    x, y, _ = death.configuration
-    cross = sheet.pen.marker("cross", x, y, DEATH_MM * sheet.mm)
-    for style in (HALO, DEATH):
-        child(layer, "path", d=cross, **style.attributes(sheet.mm))
-    beside = (x + 1.9 * DEATH_MM * sheet.mm, y + 1.5 * DEATH_MM * sheet.mm)
-    sheet.label(layer, str(trace.robot), beside, TEXT_MM, halo_mm=0.8)
-
-
 def _node_mm(traces: list[Trace], mm: float) -> float:
     edge = median_edge_m(traces)
     return NODE_MM[1] if edge is None else float(np.clip(NODE_SHARE * edge / mm, *NODE_MM))
-
-
-def _badge_mm(traces: list[Trace], mm: float) -> float:
-    if len(traces) == 1:
-        return BADGE_MM[1]
-    starts = shapely.points([trace.start[:2] for trace in traces])
-    apart = shapely.distance(starts[:, None], starts[None, :])
-    np.fill_diagonal(apart, np.inf)
-    crowd = float(np.quantile(apart.min(axis=0), 0.1))
-    return float(np.clip(BADGE_SHARE * crowd / mm, *BADGE_MM))

@@ -13,6 +13,9 @@ from multisrt.frontier_team.robot import FrontierRobot, Goal, Watch
 MOST_WAITS = 30
 """So often a robot waits for others to leave its way; then it is done."""
 
+MOST_AT_ONCE = 5
+"""So many goals a robot takes and drops at one moment; then it waits a little."""
+
 Steps = Generator[Action, Outcome, None]
 Rule = Callable[[FrontierRobot, str], Generator[Action, Outcome, Goal | None]]
 """Chooses a goal, given why one is chosen; None: there is nothing to go to."""
@@ -53,7 +56,7 @@ class FrontierExplorer:
         """Choose a goal and drive to it, until there is none; then stand by."""
         robot = self.robot
         yield from robot.begin()
-        because = "start"
+        because, hasty = "start", 0
         while True:
             goal, robot.detour = robot.detour, None
             if goal is None:
@@ -64,8 +67,13 @@ class FrontierExplorer:
                 continue
             if not robot.team.is_alone:
                 yield from robot.team.report()
+            began_s = robot.time_s
             reason = yield from self.drive(robot, goal)
             because = yield from self.follow_up(goal, reason)
+            hasty = hasty + 1 if robot.time_s == began_s else 0
+            if hasty > MOST_AT_ONCE:
+                # Others go on meanwhile, and what kept this one from its goals may be over.
+                yield from robot.team.pause(robot.options.pause_s * robot.me.rng.random())
 
     def follow_up(self, goal: Goal, reason: str | Sighting) -> Generator[Action, Outcome, str]:
         """Do what the end of a drive asks for; say why the next goal is chosen."""

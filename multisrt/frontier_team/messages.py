@@ -15,7 +15,7 @@ Phase = Literal["choosing", "driving", "idle"]
 Place = tuple[float, float]
 
 
-class RobotReport(msgspec.Struct, frozen=True, kw_only=True):
+class RobotReport(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
     """What a robot says of itself; a newer one replaces an older one.
 
     Attributes
@@ -40,6 +40,10 @@ class RobotReport(msgspec.Struct, frozen=True, kw_only=True):
         Its body.
     have : tuple of (robot, nodes, closings)
         What it knows.
+    aim : (x, y) or None
+        `rules`: the unexplored cell for whose sake it goes there.
+    leader : bool
+        `rules`: whether it goes first where robots meet.
     """
 
     robot: int
@@ -52,6 +56,8 @@ class RobotReport(msgspec.Struct, frozen=True, kw_only=True):
     path: tuple[Place, ...]
     footprint: str
     have: tuple[tuple[int, int, int], ...]
+    aim: Place | None = None
+    leader: bool = False
 
 
 class ReportMessage(Message, frozen=True, kw_only=True):
@@ -143,3 +149,40 @@ class AssignmentMessage(Message, frozen=True, kw_only=True):
     def wakes(self) -> bool:
         """It reaches also a robot that moves."""
         return True
+
+
+class InaccessibleMessage(Message, frozen=True, kw_only=True):
+    """Says to which unexplored cells the sender finds no way (Álvarez: inaccessible cells).
+
+    Attributes
+    ----------
+    cells : tuple of (x, y)
+        Their centres.
+    tried : tuple of (x, y)
+        Where it was at the edge of what is known, or could not get to, and learnt nothing.
+    radius_m : float
+        Radius of its body: no larger one need try there.
+    """
+
+    kind: ClassVar[str] = "inaccessible"
+
+    cells: tuple[Place, ...]
+    tried: tuple[Place, ...]
+    radius_m: float
+
+
+class SwapMessage(Message, frozen=True, kw_only=True):
+    """The sender takes a robot's goal and gives it its own (Álvarez: exchange of goals).
+
+    Attributes
+    ----------
+    taken : (x, y)
+        The goal that the sender takes.
+    given : (x, y)
+        The goal that it gives.
+    """
+
+    kind: ClassVar[str] = "swap"
+
+    taken: Place
+    given: Place

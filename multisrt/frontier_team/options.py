@@ -150,3 +150,45 @@ class SelfBiddingOptions(FrontierOptions, frozen=True, kw_only=True, forbid_unkn
         super().__post_init__()
         for name in ("phi_factor", "phi_step", "control_period_s", "lookahead_m"):
             self.require(name, 0.0 < getattr(self, name) < math.inf, "positive")
+
+
+class RulesOptions(FrontierOptions, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Parameters of `rules` (Álvarez): those of `FrontierOptions`, and of the rules.
+
+    Attributes
+    ----------
+    replan : {"target", "news"}
+        As above; in the thesis a robot keeps its goal until that cell is explored.
+    search_cell_m : float
+        Width of the cells that are goals; never below `cell_m`.
+    enough_share : float
+        The search for goals widens until so large a share of all cells is found unexplored.
+    distance_weight, turn_weight, others_weight : float
+        What a cell's distance, the turn towards it and its distance from the others' goals
+        weigh in its score (thesis: 45, 25 and 30).
+    conflict_radius_m : float
+        How far ahead a robot looks for others that it has to wait for; 0: it does not.
+    exchange : bool
+        Whether robots swap goals.
+    random_goal_after : int
+        After so many goals in a row to which it could not drive, a robot goes to a random place.
+    """
+
+    replan: Literal["news", "target"] = "target"
+    search_cell_m: float = 0.5
+    enough_share: float = 0.05
+    distance_weight: float = 45.0
+    turn_weight: float = 25.0
+    others_weight: float = 30.0
+    conflict_radius_m: float = 1.5
+    exchange: bool = True
+    random_goal_after: int = 3
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        width = self.search_cell_m
+        self.require("search_cell_m", self.cell_m <= width < math.inf, "at least cell_m")
+        self.require("enough_share", 0.0 < self.enough_share <= 1.0, "above 0 and at most 1")
+        for name in ("distance_weight", "turn_weight", "others_weight", "conflict_radius_m"):
+            self.require(name, 0.0 <= getattr(self, name) < math.inf, "0 or more")
+        self.require("random_goal_after", self.random_goal_after >= 1, "at least 1")

@@ -35,7 +35,7 @@ NEAR_BY_CELLS = 8
 MOVED_M = 0.05
 """A robot that was seen elsewhere by more than this has moved."""
 
-MOST_FIELDS = 64
+MOST_FIELDS = 8
 """Distance fields that a robot keeps, so as not to begin them anew."""
 
 
@@ -119,6 +119,8 @@ class FrontierRobot:
         self._stuck_at: tuple[float, float] | None = None
         self._serial = 0
         self._given_up: dict[tuple[float, float], None] = {}
+        self._out_of_reach: dict[int, FrontierGroup] = {}
+        self._instead: dict[int, tuple[FrontierGroup, tuple[float, float]]] = {}
         self._seen_in_vain: dict[tuple[float, float], None] = {}
         self._fields: dict[tuple[int, int], tuple[int, DistanceField]] = {}
         self.team = Team(self)
@@ -203,29 +205,68 @@ class FrontierRobot:
         return self.raster.frontier_groups(self.me.footprint.width_m if least is None else least)
 
     def targets(self) -> FloatArray:
-        """Give the places to go to, ``(m, 2)``: one for each group where the body can stand."""
-        places = [self._target(group) for group in self.groups()]
+        """Give the places to go to, ``(m, 2)``: one for each group where the body can stand.
+
+        Groups are left out to which no way was found, until they change; see `look_closer`.
+        """
+        places = [self._target(g) for g in self.groups() if id(g) not in self._out_of_reach]
         return np.array([place for place in places if place is not None]).reshape(-1, 2)
+
+    def look_closer(self, field: DistanceField) -> bool:
+        """Find other targets for groups whose own one cannot be reached; tell if that changes any.
+
+        The cells of a group need not all be joined by ways: it may begin behind a gap too narrow
+        for the body and end in the open.
+        """
+        found = False
+        known, self._out_of_reach, instead = self._out_of_reach, {}, {}
+        for group in self.groups():
+            place = self._target(group)
+            if place is None:
+                continue
+            if id(group) in self._instead:
+                instead[id(group)] = self._instead[id(group)]
+            if np.isfinite(field.distance(self.indices_of(np.array([place])))[0]):
+                found |= id(group) in known
+                continue
+            cells = self._left_of(group)
+            costs = field.distance(self.indices_of(cells)) if len(cells) else np.empty(0)
+            cells = cells[np.isfinite(costs)]
+            if len(cells):
+                x, y = _nearest_to_middle(self.raster.centres_of(group.cells), cells)
+                instead[id(group)] = group, (x, y)
+                found = True
+            elif not self.bodies:
+                self._out_of_reach[id(group)] = group
+        self._instead = instead
+        return found
 
     def _target(self, group: FrontierGroup) -> tuple[float, float] | None:
         if group.target is None:
             return None
         place = self.raster.centre_of(*group.target)
+        if id(group) in self._instead:
+            place = self._instead[id(group)][1]
         if not self._given_up:
             return place
         # From where it was given up nothing is seen of it: perhaps from another of its cells.
-        centres = self.raster.centres_of(group.cells)
-        left = centres[self.raster.passable[self.raster.indices_of(group.cells)]]
-        given_up = np.array(list(self._given_up))
-        apart = np.hypot(*(left[:, None] - given_up[None]).transpose(2, 0, 1)).min(axis=1)
-        left = left[apart > 0.5 * self.me.footprint.width_m]
+        left = self._left_of(group)
         if not len(left):
             return None
         if any(place == (x, y) for x, y in left.tolist()):
             return place
-        away = np.hypot(*(left - centres.mean(axis=0)).T)
-        x, y = left[int(np.argmin(away))].tolist()
-        return x, y
+        return _nearest_to_middle(self.raster.centres_of(group.cells), left)
+
+    def _left_of(self, group: FrontierGroup) -> FloatArray:
+        # The centres of a group's passable cells that are not near a place given up.
+        centres = self.raster.centres_of(group.cells)
+        left = centres[self.raster.passable[self.raster.indices_of(group.cells)]]
+        if not self._given_up or not len(left):
+            return left
+        given_up = np.array(list(self._given_up))
+        apart = np.hypot(*(left[:, None] - given_up[None]).transpose(2, 0, 1)).min(axis=1)
+        far: FloatArray = left[apart > 0.5 * self.me.footprint.width_m]
+        return far
 
     def judge(self, goal: Goal, reason: str) -> None:
         """Give a goal up that was reached in vain, or to which no way led twice from one place."""
@@ -272,7 +313,7 @@ class FrontierRobot:
             if changed is not None:
                 field.repair(raster.window_of(changed))
         else:
-            field = self._new_field(cell)
+            field = self._new_field(raster.centre_of(*cell))
         self._fields[cell] = raster.revision, field
         if len(self._fields) > MOST_FIELDS:
             self._fields.pop(next(iter(self._fields)))
@@ -280,18 +321,21 @@ class FrontierRobot:
 
     def own_field(self) -> DistanceField | None:
         """Give the distances from where the robot stands; call within `around_bodies`."""
-        cell = self.raster.passable_near(*self.at[:2], NEAR_BY_CELLS)
-        return None if cell is None else self._new_field(cell)
+        x, y, _ = self.at
+        cell = self.raster.passable_near(x, y, NEAR_BY_CELLS)
+        if cell is None:
+            return None
+        # From the very place, so that the path does not begin with a turn to a cell's centre.
+        here = cell == self.raster.cell_of(x, y)
+        return self._new_field((x, y) if here else self.raster.centre_of(*cell))
 
-    def _new_field(self, cell: tuple[int, int]) -> DistanceField:
+    def _new_field(self, source: tuple[float, float]) -> DistanceField:
         raster = self.raster
-        source = raster.centre_of(*cell)
         return DistanceField(raster.passable, raster.cell_m, [source], x0=raster.x0, y0=raster.y0)
 
     def indices_of(self, places: FloatArray) -> IntArray:
         """Give where the cells of places are in the raster's arrays, ``(k, 2)``."""
-        cells = [self.raster.cell_of(x, y) for x, y in places.tolist()]
-        return np.column_stack(self.raster.indices_of(cells))
+        return np.column_stack(self.raster.indices_of(self.raster.cells_of(places)))
 
     def goal_at(self, field: DistanceField, x: float, y: float) -> Goal:
         """Give a place as a goal, with the way there."""
@@ -339,11 +383,14 @@ class FrontierRobot:
 
     def blocked_frontiers(self) -> bool:
         """Whether there are frontiers to which only other bodies bar the way."""
-        targets = self.targets()
-        if not self.bodies or not len(targets):
+        if not self.bodies:
             return False
         field = self.own_field()
-        return field is not None and field.first(self.indices_of(targets)) is not None
+        if field is None:
+            return False
+        self.look_closer(field)
+        targets = self.targets()
+        return len(targets) > 0 and field.first(self.indices_of(targets)) is not None
 
     def now_at(self) -> Configuration:
         """Where the robot is at this moment, also while it drives."""
@@ -356,6 +403,12 @@ def length_of(path: FloatArray) -> float:
     """Give the length of a polyline ``(n, 2)``."""
     steps = np.diff(path, axis=0)
     return float(np.hypot(steps[:, 0], steps[:, 1]).sum())
+
+
+def _nearest_to_middle(group: FloatArray, places: FloatArray) -> tuple[float, float]:
+    away = np.hypot(*(places - group.mean(axis=0)).T)
+    x, y = places[int(np.argmin(away))].tolist()
+    return x, y
 
 
 def has_moved(now: Sighting, then: Sighting) -> bool:

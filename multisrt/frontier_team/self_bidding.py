@@ -17,7 +17,7 @@ from multisrt.explorer import Action, Outcome, Send
 from multisrt.frontier_team.messages import StopMessage
 from multisrt.frontier_team.options import SelfBiddingOptions
 from multisrt.frontier_team.robot import FrontierRobot
-from multisrt.frontier_team.rules import Choice, Table, finite, settle_on
+from multisrt.frontier_team.rules import Choice, Table, finite, own_bids, settle_on
 from multisrt.geometry.distance_field import DistanceField
 from multisrt.geometry.grid_path import shortest_path
 from multisrt.geometry.kernel import FloatArray, IntArray
@@ -31,7 +31,7 @@ def choose_by_self_bidding(robot: FrontierRobot, because: str) -> Choice:
     if not team.is_alone:
         yield from team.report(asks=True)
         yield from team.pause(team.round_trip_s)
-    targets = robot.targets()
+    own, targets, own_costs = own_bids(robot)
     indices = robot.indices_of(targets)
     # Where everybody will be when it bids next, how far it is to there, and where it is now.
     goals, rho, places = {robot.me.robot: robot.at[:2]}, {robot.me.robot: 0.0}, {}
@@ -42,14 +42,13 @@ def choose_by_self_bidding(robot: FrontierRobot, because: str) -> Choice:
         places[report.robot] = report.place[:2]
     numbers = tuple(sorted(goals))
     row = numbers.index(robot.me.robot)
-    own = robot.own_field()
     a = np.full((len(numbers), len(targets)), np.inf)
     path_gap, frontier_gap = np.full_like(a, np.inf), np.full_like(a, np.inf)
     for i, number in enumerate(numbers):
         field = own if i == row else robot.field(*goals[number])
         if field is None or not len(targets):
             continue
-        a[i] = field.distance(indices)
+        a[i] = own_costs if i == row else field.distance(indices)
         others = np.array([goals[n] for n in numbers if n != number]).reshape(-1, 2)
         if len(others):
             path_gap[i] = [path_apart(robot, field, index, others) for index in indices]

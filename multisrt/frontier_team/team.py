@@ -12,10 +12,13 @@ from multisrt.explorer import Action, Moved, Note, Outcome, Receive, Received, S
 from multisrt.frontier_team.messages import (
     AssignmentMessage,
     GiveWayMessage,
+    InaccessibleMessage,
     Phase,
+    Place,
     ReportMessage,
     RobotReport,
     StopMessage,
+    SwapMessage,
 )
 from multisrt.messages import Message
 
@@ -47,6 +50,14 @@ class Team:
         Since when robots have not answered.
     assignment : AssignmentMessage or None
         The leader's last word, until it is followed.
+    aim : (x, y) or None
+        The unexplored cell for whose sake the robot goes where it goes.
+    leader : bool
+        Whether it goes first where robots meet.
+    inaccessible : dict of (x, y) to dict of int
+        Who said that there is no way to a cell.
+    tried : dict of (x, y)
+        Where this robot, or one no larger, learnt nothing at the edge of what is known.
     """
 
     def __init__(self, robot: FrontierRobot) -> None:
@@ -60,6 +71,10 @@ class Team:
         self.wanted = False
         self.deaf_since_s: dict[int, float] = {}
         self.assignment: AssignmentMessage | None = None
+        self.aim: Place | None = None
+        self.leader = False
+        self.inaccessible: dict[Place, dict[int, None]] = {}
+        self.tried: dict[Place, None] = {}
         self.phase: Phase = "choosing"
         self.told_s = -math.inf
         radio = robot.me.radio
@@ -109,6 +124,8 @@ class Team:
             path=path,
             footprint=str(robot.me.footprint),
             have=self._have(),
+            aim=self.aim,
+            leader=self.leader,
         )
 
     @property
@@ -213,7 +230,18 @@ class Team:
                 if goal is not None and math.dist(goal.place, message.goal) < 1e-9:
                     self.stopped = True
             case AssignmentMessage():
-                self.assignment = message
+                if self.number in dict(message.goals):
+                    self.assignment = message
+            case InaccessibleMessage():
+                for cell in message.cells:
+                    self.inaccessible.setdefault(cell, {})[message.sender] = None
+                if message.radius_m <= self.robot.body.outer_radius_m:
+                    for place in message.tried:
+                        self.tried[place] = None
+                        self.robot.give_up(place)
+            case SwapMessage():
+                if self.aim == message.taken:
+                    self.aim = message.given
 
     def _take_report(self, report: RobotReport) -> None:
         known = self.reports.get(report.robot)

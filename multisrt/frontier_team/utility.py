@@ -16,7 +16,7 @@ from multisrt.frontier_team.messages import AssignmentMessage
 from multisrt.frontier_team.options import UtilityOptions
 from multisrt.frontier_team.robot import FrontierRobot
 from multisrt.frontier_team.rules import Choice, bid_table, settle_on
-from multisrt.geometry.distance_field import in_sight
+from multisrt.geometry.fast_march import in_sight
 from multisrt.geometry.kernel import BoolArray, FloatArray
 from multisrt.geometry.occupancy import OCCUPIED
 from multisrt.planners.assignment.closest import closest
@@ -48,7 +48,8 @@ def assign(robot: FrontierRobot, because: str) -> Choice:
     """As the leader, give everybody a target, and take one's own."""
     options = cast(UtilityOptions, robot.options)
     table = bid_table(robot)
-    robot.team.wanted = False
+    # The word of one who led before counts no more.
+    robot.team.wanted, robot.team.assignment = False, None
     given = utility(
         table.costs,
         apart(table.targets),

@@ -1,13 +1,9 @@
 """The results script of Multi-SRT on made-up results: tables, claims, continuing."""
 
-import time
-from pathlib import Path
-
 import pytest
 
 from benchmarks import multi_srt, multi_srt_report
 from benchmarks.multi_srt_report import Case, Measures, Row
-from multisrt.geometry.errors import InvalidInputError
 from multisrt.spec import RunSpec
 
 
@@ -181,40 +177,3 @@ def test_grid_has_every_run_once_and_the_robot_alone_once_for_each_seed():
     assert isinstance(spec, RunSpec)
     assert (len(spec.robots), spec.starts, spec.radio.range_m) == (16, "clustered", 15.0)
     assert spec.robots[0].range_finder.range_m == 4.0
-
-
-def test_raw_results_are_read_back_and_a_cut_line_is_replaced(tmp_path: Path):
-    path = tmp_path / "raw.jsonl"
-    first, second = made_up(seed=1), made_up(seed=2, time_s=None)
-    multi_srt.append(path, first)
-    with path.open("ab") as file:
-        file.write(b'{"case":{"wor')
-    assert multi_srt.read(path) == {first.case: first}
-    multi_srt.append(path, second)
-    assert multi_srt.read(path) == {first.case: first, second.case: second}
-    again = made_up(seed=1, status="stalled")
-    multi_srt.append(path, again)
-    assert multi_srt.read(path)[first.case] == again
-
-
-def test_what_is_no_result_is_refused_with_its_line(tmp_path: Path):
-    path = tmp_path / "raw.jsonl"
-    path.write_bytes(b'{"case": 1}\n')
-    with pytest.raises(InvalidInputError, match=r"raw\.jsonl:1: not a result"):
-        multi_srt.read(path)
-
-
-def test_a_run_that_hangs_is_a_result(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(multi_srt, "simulate", lambda *_: time.sleep(60.0))
-    row = multi_srt.run(made_up().case, 0.05, "abc")
-    assert (row.status, row.measures, row.failed) == ("over_limit", None, True)
-
-
-def test_an_error_in_a_run_is_a_result(monkeypatch: pytest.MonkeyPatch):
-    def fail(*_: object) -> None:
-        raise ZeroDivisionError("by nothing")
-
-    monkeypatch.setattr(multi_srt, "simulate", fail)
-    row = multi_srt.run(made_up().case, 10.0, "abc")
-    assert row.status == "error"
-    assert row.reason.startswith("ZeroDivisionError: by nothing (test_multi_srt.py:")

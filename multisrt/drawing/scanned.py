@@ -1,0 +1,168 @@
+"""Runs of robots that bid for frontiers, for drawing: what is known, left, and cut off.
+
+Such robots scan while they drive; a scan that shows something new is a node, but no place that
+anybody chose. What tells of a run is the way driven, the goals, and the raster.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
+
+import msgspec
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from multisrt.drawing.traces import Trace
+from multisrt.environments.environment import Environment
+from multisrt.events import GoalChosen, NodeAdded, Point
+from multisrt.frontier_team.options import FrontierOptions
+from multisrt.geometry.errors import InvalidInputError
+from multisrt.geometry.footprint import Footprint
+from multisrt.geometry.kernel import BoolArray, FloatArray, IntArray
+from multisrt.geometry.occupancy import UNKNOWN, Occupancy
+from multisrt.geometry.raster import bounds_of
+from multisrt.geometry.safe_region import LocalSafeRegion
+from multisrt.isolation import Spell, isolation
+from multisrt.planners.motion.body import PlanningBody
+from multisrt.planners.motion.trajectory import leg_points, leg_pose
+from multisrt.recording import Recording
+
+Waypoint = tuple[float, float, float, float]
+
+
+NOBODY = -1
+"""Who saw a cell first, if nobody has seen it."""
+
+
+def team_raster(recording: Recording) -> tuple[Occupancy, NDArray[np.int32]]:
+    """Paint all that the team saw into one raster, for its smallest body.
+
+    Returns
+    -------
+    Occupancy
+        The raster.
+    (rows, columns) array
+        For every cell the robot that saw it first, or `NOBODY`.
+
+    Raises
+    ------
+    InvalidInputError
+        If the recording's options are no numbers.
+    """
+    cell_m, margin_m = _option(recording, "cell_m"), _option(recording, "margin_m")
+    if cell_m is None or margin_m is None:
+        raise InvalidInputError("options cell_m and margin_m of the recording: they are lengths")
+    bodies = [Footprint.parse(robot.footprint) for robot in recording.spec.robots]
+    radius_m = min(PlanningBody(body, margin_m).ample_radius_m for body in bodies)
+    nodes = [event for event in recording.events if isinstance(event, NodeAdded)]
+    # Large enough from the beginning, so that rows and columns stay where they are.
+    beyond_m = 2.0 * (radius_m + cell_m)
+    x0, y0, x1, y1 = bounds_of(np.array([p for node in nodes for p in node.boundary]))
+    bounds = x0 - beyond_m, y0 - beyond_m, x1 + beyond_m, y1 + beyond_m
+    raster = Occupancy(cell_m, radius_m, bounds)
+    first = np.full(raster.cells.shape, NOBODY, np.int32)
+    for node in nodes:
+        before = raster.revision
+        raster.add(_region(node, recording.spec.robots[node.robot].range_finder.range_m))
+        changed = raster.changed_since(before)
+        if changed is not None:
+            r0, r1, c0, c1 = raster.window_of(changed)
+            new = (raster.cells[r0:r1, c0:c1] != UNKNOWN) & (first[r0:r1, c0:c1] == NOBODY)
+            first[r0:r1, c0:c1][new] = node.robot
+    return raster, first
+
+
+def rings_of(raster: Occupancy, mask: BoolArray) -> list[FloatArray]:
+    """Give the rings around some cells of a raster."""
+    return _rings(raster, np.argwhere(mask) + (raster.row, raster.column))
+
+
+def frontier_left(raster: Occupancy, least_m: float) -> list[FloatArray]:
+    """Give the rings around the frontier groups that a body could stand at and are long enough."""
+    groups = [group for group in raster.frontier_groups(least_m) if group.target is not None]
+    return [ring for group in groups for ring in _rings(raster, group.cells)]
+
+
+def least_frontier_m(recording: Recording) -> float:
+    """Give the length below which a frontier counts for nobody."""
+    said = _option(recording, "least_frontier_m")
+    if said is not None:
+        return said
+    return min(Footprint.parse(robot.footprint).width_m for robot in recording.spec.robots)
+
+
+def goals_of(recording: Recording, robot: int) -> list[Point]:
+    """Give the goals that a robot went for until something else than news of the map ended it."""
+    choices = [e for e in recording.events if isinstance(e, GoalChosen) and e.robot == robot]
+    ended = [*(following.because != "news" for following in choices[1:]), True]
+    goals = (c.goal for c, last in zip(choices, ended, strict=False) if last and c.goal is not None)
+    return list(dict.fromkeys(goals))
+
+
+def isolated_ways(
+    recording: Recording, environment: Environment, traces: Sequence[Trace]
+) -> dict[int, list[FloatArray]]:
+    """Give the parts of their ways that robots drove while they were cut off from all others."""
+    cut_off = isolation(recording, environment)
+    found = {}
+    for trace in traces:
+        ways = list(_ways_within(trace, cut_off[trace.robot].spells))
+        if ways:
+            found[trace.robot] = ways
+    return found
+
+
+def _ways_within(trace: Trace, spells: Sequence[Spell]) -> Iterator[FloatArray]:
+    legs = [leg for motion in trace.motions for leg in pairwise(motion.waypoints)]
+    for begin, end in spells:
+        points: list[Point] = []
+        for a, b in legs:
+            if max(a[0], begin) < min(b[0], end):
+                points += leg_points(_at(a, b, max(a[0], begin)), _at(a, b, min(b[0], end)))
+        if len(set(points)) > 1:
+            yield np.asarray(points)
+
+
+def _at(a: Waypoint, b: Waypoint, time_s: float) -> Waypoint:
+    return time_s, *leg_pose(a, b, (time_s - a[0]) / (b[0] - a[0]))
+
+
+def _region(node: NodeAdded, range_m: float) -> LocalSafeRegion:
+    x, y, _ = node.configuration
+    return LocalSafeRegion(
+        x=x,
+        y=y,
+        range_m=range_m,
+        boundary=np.asarray(node.boundary, np.float64),
+        tags=np.asarray([int(tag) for tag in node.tags], np.int8),
+    )
+
+
+def _option(recording: Recording, name: str) -> float | None:
+    # Options may be written as text; a strategy that has no such option draws by the default.
+    said = recording.spec.options.get(name, getattr(FrontierOptions(), name))
+    try:
+        return msgspec.convert(said, float | None, strict=False)
+    except msgspec.ValidationError as error:
+        raise InvalidInputError(f"option {name} of the recording: {error}") from None
+
+
+def _rings(raster: Occupancy, cells: IntArray) -> list[FloatArray]:
+    # Cells row by row become bars, of whole numbers, so that they join without gaps.
+    if not len(cells):
+        return []
+    row, column = cells.T
+    begins = np.ones(len(cells), np.bool_)
+    begins[1:] = (np.diff(row) != 0) | (np.diff(column) != 1)
+    first = np.flatnonzero(begins)
+    last = np.append(first[1:], len(cells)) - 1
+    bars = shapely.box(column[first], row[first], column[last] + 1, row[first] + 1)
+    x, y = raster.centre_of(0, 0)
+    corner = np.array([x, y]) - 0.5 * raster.cell_m
+    return [
+        shapely.get_coordinates(ring) * raster.cell_m + corner
+        for part in shapely.get_parts(shapely.union_all(bars))
+        for ring in (part.exterior, *part.interiors)
+    ]

@@ -1,0 +1,72 @@
+"""What is drawn of robots that bid for frontiers: their ways, goals, and what the team knows."""
+
+from __future__ import annotations
+
+from multisrt.drawing.account import ways_legend
+from multisrt.drawing.colours import CUT_OFF, FRONTIER_CELLS, GOAL_MM, KNOWN, RobotStyles
+from multisrt.drawing.marks import draw_areas, draw_starts_and_ends, draw_stops
+from multisrt.drawing.scanned import (
+    frontier_left,
+    goals_of,
+    isolated_ways,
+    least_frontier_m,
+    rings_of,
+    team_raster,
+)
+from multisrt.drawing.sheet import Sheet
+from multisrt.drawing.svg import child
+from multisrt.drawing.traces import Trace
+from multisrt.environments.environment import Environment
+from multisrt.events import Point
+from multisrt.geometry.occupancy import UNKNOWN
+from multisrt.recording import Recording
+
+
+def draw_ways(
+    sheet: Sheet, recording: Recording, environment: Environment, traces: list[Trace]
+) -> None:
+    """Draw what the team knows and who saw it first, and every robot's way and goals.
+
+    Raises
+    ------
+    InvalidInputError
+        If the recording's options are none of frontier bidding.
+    """
+    raster, first = team_raster(recording)
+    left = frontier_left(raster, least_frontier_m(recording))
+    cut_off = isolated_ways(recording, environment, traces)
+    goals = {trace.robot: goals_of(recording, trace.robot) for trace in traces}
+    areas = {trace.robot: rings_of(raster, first == trace.robot) for trace in traces}
+    draw_areas(sheet, areas, len(traces))
+    known = sheet.layer("known", KNOWN)
+    child(known, "path", d=sheet.pen.rings(rings_of(raster, raster.cells != UNKNOWN)))
+    sheet.draw_obstacles(environment)
+    for robot, ways in cut_off.items():
+        layer = sheet.layer(f"robot {robot}: cut off", CUT_OFF)
+        child(layer, "path", d="".join(map(sheet.pen.line, ways)))
+    for trace in traces:
+        _draw_way(sheet, trace)
+    if left:
+        layer = sheet.layer("frontier left", FRONTIER_CELLS, fill_rule="evenodd")
+        child(layer, "path", d=sheet.pen.rings(left))
+    for trace in traces:
+        _draw_goals(sheet, trace.robot, goals[trace.robot])
+    for trace in traces:
+        draw_stops(sheet, trace)
+    draw_starts_and_ends(sheet, traces)
+    sheet.legend += ways_legend(
+        traces, goals=any(goals.values()), frontier=bool(left), cut_off=bool(cut_off)
+    )
+
+
+def _draw_way(sheet: Sheet, trace: Trace) -> None:
+    layer = sheet.layer(f"robot {trace.robot}: path", RobotStyles.of(trace.robot).edge)
+    if trace.motions:
+        child(layer, "path", d=sheet.pen.line(trace.path))
+
+
+def _draw_goals(sheet: Sheet, robot: int, goals: list[Point]) -> None:
+    if goals:
+        layer = sheet.layer(f"robot {robot}: goals", RobotStyles.of(robot).node)
+        size = GOAL_MM * sheet.mm
+        child(layer, "path", d="".join(sheet.pen.marker("diamond", x, y, size) for x, y in goals))

@@ -1,0 +1,127 @@
+import math
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import array_shapes, arrays
+from scipy.ndimage import binary_dilation
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import dijkstra
+
+from multisrt.planners.grid_search import a_star, ring_search
+
+GRIDS = arrays(bool, array_shapes(min_dims=2, max_dims=2, max_side=9))
+EIGHT = np.ones((3, 3), bool)
+
+
+def cells(shape):
+    return st.tuples(st.integers(0, shape[0] - 1), st.integers(0, shape[1] - 1))
+
+
+def grid_of(text):
+    return np.array([[c != "#" for c in row] for row in text.split()])
+
+
+def may_step(passable, a, b):
+    """Whether one step leads from a cell to another."""
+    (r, c), (s, d) = a, b
+    near = max(abs(s - r), abs(d - c)) == 1
+    return bool(
+        near and passable[s, d] and (r == s or c == d or (passable[r, d] and passable[s, c]))
+    )
+
+
+def costs_by_dijkstra(passable, start):
+    """The cost of every cell from one, by scipy, over the steps that are allowed."""
+    rows, columns = passable.shape
+    every = [(r, c) for r in range(rows) for c in range(columns)]
+    steps = [
+        (r * columns + c, s * columns + d, math.dist((r, c), (s, d)))
+        for r, c in every
+        for s, d in every
+        if may_step(passable, (r, c), (s, d))
+    ]
+    i, j, cost = np.array(steps).reshape(-1, 3).T
+    graph = coo_array((cost, (i.astype(int), j.astype(int))), shape=(passable.size,) * 2)
+    return dijkstra(graph.tocsr(), indices=start[0] * columns + start[1]).reshape(passable.shape)
+
+
+@given(GRIDS, st.data())
+def test_a_way_is_as_short_as_dijkstras(passable, data):
+    start, goal = data.draw(cells(passable.shape)), data.draw(cells(passable.shape))
+    way = [tuple(cell) for cell in a_star(passable, *start, *goal).tolist()]
+    cost = costs_by_dijkstra(passable, start)[goal] if passable[goal] else math.inf
+    if math.isinf(cost):
+        assert way == []
+        return
+    assert (way[0], way[-1]) == (start, goal)
+    assert all(may_step(passable, a, b) for a, b in pairwise(way))
+    assert sum(math.dist(a, b) for a, b in pairwise(way)) == pytest.approx(cost)
+
+
+def test_a_way_in_a_maze_that_has_one_only():
+    maze = grid_of(".#... .#.#. .#.#. ...#.")
+    down, up = [[r, 0] for r in range(4)], [[r, 2] for r in (3, 2, 1, 0)]
+    on = [[3, 1], *up, [0, 3], *([r, 4] for r in range(4))]
+    assert a_star(maze, 0, 0, 3, 4).tolist() == [*down, *on]
+
+
+def test_a_way_does_not_slip_between_two_cells_that_meet_in_a_corner():
+    assert a_star(grid_of(".# #."), 0, 0, 1, 1).tolist() == []
+    assert a_star(grid_of(".. #."), 0, 0, 1, 1).tolist() == [[0, 0], [0, 1], [1, 1]]
+
+
+def test_a_way_may_begin_but_not_end_in_a_cell_that_is_not_passable():
+    row = grid_of("#..")
+    assert a_star(row, 0, 0, 0, 2).tolist() == [[0, 0], [0, 1], [0, 2]]
+    assert a_star(row, 0, 2, 0, 0).tolist() == []
+    assert a_star(row, 0, 0, 0, 0).tolist() == []
+
+
+def test_a_way_to_where_one_is():
+    assert a_star(grid_of("..."), 0, 1, 0, 1).tolist() == [[0, 1]]
+
+
+def rings(passable, start):
+    """What the ring has covered, one ring after another."""
+    covered = np.zeros_like(passable)
+    covered[start] = True
+    while True:
+        yield covered
+        wider = covered | (binary_dilation(covered, EIGHT) & passable)
+        if (wider == covered).all():
+            return
+        covered = wider
+
+
+@given(GRIDS, st.data(), st.integers(0, 30))
+def test_a_ring_ends_when_it_has_found_enough(passable, data, enough):
+    wanted = data.draw(arrays(bool, passable.shape))
+    start = data.draw(cells(passable.shape))
+    found = [tuple(cell) for cell in ring_search(passable, wanted, *start, enough).tolist()]
+    expected, before = [], np.zeros_like(passable)
+    for covered in rings(passable, start):
+        if len(expected) >= enough:
+            break
+        # Within a ring cells come in the order in which it got to them: any.
+        new = {tuple(cell) for cell in np.argwhere(covered & ~before & wanted).tolist()}
+        assert set(found[len(expected) : len(expected) + len(new)]) == new
+        expected += new
+        before = covered
+    assert len(found) == len(expected)
+
+
+def test_a_ring_does_not_pass_walls():
+    passable = grid_of("..#.. ..#.. ..#..")
+    wanted = np.ones_like(passable)
+    assert sorted(ring_search(passable, wanted, 0, 0, 99)[:, 1].tolist()) == [0, 0, 0, 1, 1, 1]
+
+
+def test_rings_come_one_after_another():
+    passable = np.ones((1, 7), bool)
+    wanted = np.array([[True, False, True, False, True, True, False]])
+    assert ring_search(passable, wanted, 0, 3, 1)[:, 1].tolist() == [2, 4]
+    assert ring_search(passable, wanted, 0, 3, 3)[:, 1].tolist() == [2, 4, 5]
+    assert ring_search(passable, wanted, 0, 3, 4)[:, 1].tolist() == [2, 4, 5, 0]

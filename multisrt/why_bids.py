@@ -186,7 +186,7 @@ class _BidStory:
             legs = [leg for motion in several for leg in pairwise(motion.waypoints)]
             way = math.fsum(leg_length(*leg) for leg in legs)
             begin, end = several[0].time_s, several[-1].waypoints[-1]
-            did = "gave way to another robot, and drove" if purpose == "give way" else "drove"
+            did = "gave way and drove" if purpose == "give way" else "drove"
             yield (
                 f"from {begin:.2f} s on it {did} {way:.2f} m in {end[0] - begin:.2f} s, "
                 f"to {place(end[1:3])}"
@@ -227,7 +227,7 @@ class _BidStory:
         shown = self._columns()
         left_out = len(choice.frontiers) - len(shown)
         if left_out:
-            yield f"of {len(choice.frontiers)} frontiers {left_out} farther ones are left out"
+            yield f"{left_out} of {len(choice.frontiers)} frontiers, farther away, are left out"
         yield "own row: >, chosen: *, no way: -"
         yield self._row("frontier", [f"{k}{'*' * (k == self._chosen())}" for k in shown])
         yield self._row("x (m)", [f"{choice.frontiers[k][0]:.2f}" for k in shown])
@@ -301,4 +301,5 @@ def _because(choice: GoalChosen) -> str:
 
 
 def _metres(value: float | None) -> str:
-    return "-" if value is None else f"{value:.2f}"
+    # Columns are not wide enough for more digits.
+    return "-" if value is None else f"{value:.{2 if abs(value) < 100.0 else 1}f}"

@@ -68,7 +68,7 @@ def _rows(run: Run, alone: bool) -> Rows:
         ),
         "free space of the world": f"{m.free_area_m2:.1f} m2",
         "map known complete at": _seconds(m.exploration_time_s),
-        ("all home at" if team else "home at"): _seconds(m.makespan_s),
+        _end(run): _seconds(m.makespan_s),
         "90, 95, 99 % covered at": _times(m.time_to_90_s, m.time_to_95_s, m.time_to_99_s),
         "no run can be shorter than": _seconds(m.lower_bound_s),
         "distance": f"{m.total_distance_m:.1f} m",
@@ -90,7 +90,9 @@ def _team_rows(run: Run) -> Rows:
         "waiting": f"{m.waiting_time_s:.1f} s",
         "seen by more than one": f"{m.overlap_area_m2:.1f} m2 ({m.overlap_share:.1%})",
         **({} if m.beyond_range_m is None and not m.isolated_total_s else _cut_off(run)),
-        "known to one robot only": f"{m.known_to_one_m2s:.0f} m2 s ({m.known_to_one_m2:.1f} m2 at the end)",
+        "known to one robot only": (
+            f"{m.known_to_one_m2s:.0f} m2 s ({m.known_to_one_m2:.1f} m2 at the end)"
+        ),
         "coordinations": f"{m.coordinations} ({m.deadlocks} deadlocks)",
         "protective stops": str(m.protective_stops),
         "messages": f"{m.messages} ({m.bytes_sent / 1e6:.2f} MB)",
@@ -111,6 +113,12 @@ def _cut_off(run: Run) -> Rows:
     if m.isolated_total_s and m.beyond_range_m is not None:
         rows["farthest beyond radio range"] = f"{m.beyond_range_m:.1f} m"
     return rows
+
+
+def _end(run: Run) -> str:
+    # Who bids for frontiers stays where it is when it is done.
+    at = "done at" if _scans(run) else "home at"
+    return f"all {at}" if len(run.spec.robots) > 1 else at
 
 
 def _scans(run: Run) -> bool:

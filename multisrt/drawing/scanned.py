@@ -57,6 +57,9 @@ def team_raster(recording: Recording) -> tuple[Occupancy, NDArray[np.int32]]:
     bodies = [Footprint.parse(robot.footprint) for robot in recording.spec.robots]
     radius_m = min(PlanningBody(body, margin_m).ample_radius_m for body in bodies)
     nodes = [event for event in recording.events if isinstance(event, NodeAdded)]
+    if not nodes:
+        raster = Occupancy(cell_m, radius_m)
+        return raster, np.full(raster.cells.shape, NOBODY, np.int32)
     # Large enough from the beginning, so that rows and columns stay where they are.
     beyond_m = 2.0 * (radius_m + cell_m)
     x0, y0, x1, y1 = bounds_of(np.array([p for node in nodes for p in node.boundary]))
@@ -76,7 +79,7 @@ def team_raster(recording: Recording) -> tuple[Occupancy, NDArray[np.int32]]:
 
 def rings_of(raster: Occupancy, mask: BoolArray) -> list[FloatArray]:
     """Give the rings around some cells of a raster."""
-    return _rings(raster, np.argwhere(mask) + (raster.row, raster.column))
+    return _rings(raster, np.argwhere(mask) + np.array([raster.row, raster.column]))
 
 
 def frontier_left(raster: Occupancy, least_m: float) -> list[FloatArray]:

@@ -24,6 +24,7 @@ from multisrt.drawing.svg import child
 from multisrt.drawing.traces import Trace, joined, median_edge_m, traces_of
 from multisrt.drawing.ways_svg import draw_ways
 from multisrt.environments.environment import Environment
+from multisrt.events import NodeAdded
 from multisrt.geometry.kernel import FloatArray
 from multisrt.recording import Recording, written_whole
 

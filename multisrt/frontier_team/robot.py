@@ -18,6 +18,7 @@ from multisrt.frontier_team.team import Team
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.distance_field import DistanceField
 from multisrt.geometry.distances import inside
+from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.grid_path import shortest_path
 from multisrt.geometry.kernel import FloatArray, IntArray
 from multisrt.geometry.occupancy import FrontierGroup, Occupancy
@@ -31,6 +32,9 @@ Watch = Callable[["FrontierRobot"], Steps]
 
 NEAR_BY_CELLS = 8
 """A robot that stands where its raster has no passable cell begins at one so near."""
+
+CORNER_CELLS = 0.25
+"""Ways are planned so much farther from walls, in cells, for the corners that they cut."""
 
 MOVED_M = 0.05
 """A robot that was seen elsewhere by more than this has moved."""
@@ -98,9 +102,19 @@ class FrontierRobot:
         self.me = me
         self.watch = watch
         self.options = options
-        self.body = PlanningBody(me.footprint, options.margin_m)
-        self.radius_m = self.body.ample_radius_m
-        self.raster = Occupancy(options.cell_m, self.radius_m)
+        widest = me.footprint.width_m
+        if options.cell_m > widest:
+            raise InvalidInputError(
+                f"cell_m is {options.cell_m:g}: cells are wider than the body of robot "
+                f"{me.robot}; choose at most {widest:g}"
+            )
+        # Ways between cells run nearer to walls than the cells' centres lie: the body is driven
+        # with less of a margin than its ways are planned with.
+        self.body = PlanningBody(me.footprint, 0.5 * options.margin_m)
+        self.raster = Occupancy(
+            options.cell_m,
+            self.body.outer_radius_m + options.margin_m + CORNER_CELLS * options.cell_m,
+        )
         self.entries = Entries()
         self.at = me.start
         self.time_s = me.time_s
@@ -173,7 +187,12 @@ class FrontierRobot:
         self.time_s = scan.time_s
         region = local_safe_region(scan, self.options.shape, cones=self.options.cones)
         self.region = region
-        if not maps or (self.raster.add(region) == 0 and self.here is not None):
+        if not maps:
+            return
+        before = self.raster.revision
+        self.raster.add(region)
+        # Also that a free cell is occupied is news: else others would still go there to see.
+        if self.raster.revision == before and self.here is not None:
             return
         node = Node(
             id=NodeId(self.me.robot, self._serial),

@@ -76,7 +76,7 @@ def test_an_error_in_a_run_is_a_result(monkeypatch: pytest.MonkeyPatch):
 
 
 def test_a_run_keeps_the_metrics_that_are_asked_for():
-    row = grid_of_runs.run(made_up().case, spec_of, Measures, 60.0, "abc")
+    row = grid_of_runs.run(made_up().case, spec_of, Measures, 3600.0, "abc")
     assert (row.status, row.failed, row.program) == ("complete", False, "abc")
     assert row.measures.collisions == 0
     assert row.measures.coverage > 0.99

@@ -598,3 +598,17 @@ def test_a_reader_that_leaves():
     ) as running:
         running.stdout.close()
         assert "Traceback" not in running.stderr.read()
+
+
+def test_a_team_that_bids_for_frontiers(call, folder):
+    words = ("room.wkt", "--strategy", "minpos", "--robots", "2", "--radio-range", "15")
+    code, out, _ = call("explore", *words, "--out", "bids")
+    assert code == 0
+    assert re.search(r"scans that showed something new +\d+", out)
+    assert re.search(r"some robot cut off from all others +0\.0 s \(longest 0\.0 s\)", out)
+    assert re.search(r"known to one robot only +\d+ m2 s \(0\.0 m2 at the end\)", out)
+    assert "nodes" not in out
+    code, out, _ = call("why", "bids/recording.jsonl", "--robot", "1", "--time", "0")
+    assert code == 0
+    assert "How it chose: minpos" in out
+    assert "> robot 1" in out

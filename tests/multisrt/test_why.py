@@ -12,11 +12,13 @@ from multisrt.events import (
     Died,
     Ended,
     FellSilent,
+    GoalChosen,
     Learned,
     MapComplete,
     Motion,
     NodeAdded,
     Organized,
+    Sent,
     Supports,
     TakenAsLost,
 )
@@ -301,3 +303,175 @@ def test_what_cannot_be_told(recording, robot, time_s, said):
 def test_all_decisions_of_nobody(recording):
     with pytest.raises(InvalidInputError, match="there is no robot 3"):
         explain_all(recording, 3)
+
+
+def chosen(time_s: float, robot: int, goal, rule="minpos", because="news", **known) -> GoalChosen:
+    return GoalChosen(time_s=time_s, robot=robot, rule=rule, because=because, goal=goal, **known)
+
+
+FAR_AND_NEAR = tuple((float(k), 9.0) for k in range(12))
+TWO = ((3.0, 4.0), (7.5, 2.0))
+
+BIDS = (
+    *(node(0.0, robot, 0, None, STARTS[robot][:2], "root") for robot in range(3)),
+    chosen(0.0, 1, (7.5, 2.0), because="start"),
+    moved(1, (0.0, 5.0, 1.0), (0.5, 5.25, 1.0)),
+    node(0.5, 1, 1, (1, 0), (5.25, 1.0), "scan"),
+    Learned(time_s=0.5, robot=1, nodes=((0, 0), (2, 0))),
+    moved(1, (0.5, 5.25, 1.0), (1.0, 5.5, 1.0)),
+    chosen(
+        1.0,
+        1,
+        (3.0, 4.0),
+        cost_m=3.25,
+        frontiers=TWO,
+        robots=(0, 1),
+        costs=((None, 12.5), (3.25, 4.75)),
+        ranks=((1, 1), (0, 0)),
+    ),
+    Sent(time_s=1.0, robot=1, kind="report", size_bytes=9),
+    moved(1, (1.0, 5.5, 1.0), (1.5, 5.0, 1.0)),
+    moved(1, (1.5, 5.0, 1.0), (2.0, 4.5, 1.0)),
+    Blocked(time_s=2.0, robot=1, by=0, configuration=(4.5, 1.0, 0.0)),
+    moved(1, (2.5, 4.5, 1.0), (3.5, 5.5, 1.0), "give way"),
+    Learned(time_s=3.0, robot=1, nodes=((0, 1),)),
+    chosen(
+        4.0,
+        1,
+        (7.5, 2.0),
+        rule="greedy",
+        because="gave way",
+        frontiers=TWO,
+        robots=(0, 1),
+        costs=((1.0, 2.0), (4.0, 2.25)),
+        rounds=((0, 0, 1.0, 0.25), (1, 1, 1.0, 0.5625)),
+    ),
+    chosen(
+        5.0,
+        1,
+        (7.5, 2.0),
+        rule="self-bidding",
+        because="stop signal",
+        frontiers=TWO,
+        robots=(0, 1),
+        costs=((1.0, 2.0), (4.0, 2.25)),
+        bids=((-3.0, None), (3.0, 0.25)),
+        phi_m=(13.5, 21.0),
+    ),
+    chosen(
+        6.0,
+        1,
+        (2.25, 2.75),
+        rule="rules",
+        because="no way",
+        frontiers=TWO,
+        robots=(1,),
+        scores=((2.25, 2.75, 61.5, 12.0, 3.5, 7.0), (8.75, 0.25, 50.0, 20.0, 0.0, 0.0)),
+    ),
+    chosen(
+        7.0,
+        1,
+        (0.0, 9.0),
+        frontiers=FAR_AND_NEAR,
+        robots=(0, 1, 2),
+        costs=tuple(
+            tuple(None if k == 3 and row != 1 else 100.0 - k for k in range(12)) for row in range(3)
+        ),
+        ranks=((10,) * 12, (0,) * 12, (11,) * 12),
+    ),
+    chosen(8.0, 1, None, because="nothing left"),
+    Ended(time_s=8.0, robot=1, reason="no frontier is left", complete=True, frontier=()),
+)
+
+
+@pytest.fixture(scope="module")
+def bidding() -> Recording:
+    spec = RunSpec(
+        environment=inline(HALL),
+        strategy="minpos",
+        robots=tuple(RobotSpec(start=start) for start in STARTS),
+    )
+    recorder = Recorder(header_of(spec, HALL, tuple(Configuration(*s) for s in STARTS)))
+    for event in BIDS:
+        recorder.record(event)
+    return recorder.finish(9.0, "complete", "")
+
+
+def test_what_a_bidder_knew_and_why_it_chose_anew(bidding):
+    text = explain(bidding, 1, 1.2)
+    assert text.startswith("Robot 1 at 1.20 s: it last chose a goal at 1.00 s.\n")
+    assert "at (5.50, 1.00)" in part(text, "Where it stood")
+    knew = part(text, "What it knew")
+    assert "its map had 2 scans of its own" in knew
+    assert "learned 2 scans of others: 1 of robot 0, 1 of robot 2; last at 0.50 s" in knew
+    assert "these other robots: 0; not with 2" in knew
+    why = part(text, "Why it chose anew")
+    assert "news: its map had changed" in why
+    assert "before, since 0.00 s, its goal was (7.50, 2.00)" in why
+    assert "frontier 0, (3.00, 4.00), 3.25 m to go" in part(text, "What it chose")
+
+
+def test_the_bid_table_marks_row_and_column_and_has_ranks(bidding):
+    table = part(explain(bidding, 1, 1.2), "How it chose: minpos")
+    assert re.search(r"frontier +0\* +1\n", table)
+    assert re.search(r"x \(m\) +3\.00 +7\.50\n +y \(m\) +4\.00 +2\.00\n", table)
+    assert re.search(r"\n    robot 0 +- \(1\) +12\.50 \(1\)\n", table)
+    assert re.search(r"\n  > robot 1 +3\.25 \(0\) +4\.75 \(0\)", table)
+    assert "left out" not in table
+
+
+def test_what_a_bidder_did_until_it_chose_again(bidding):
+    text = explain(bidding, 1, 1.2)
+    then = part(text, "What it did then").splitlines()
+    assert then == [
+        "  from 1.00 s on it drove 1.00 m in 1.00 s, to (4.50, 1.00)",
+        "  from 2.50 s on it gave way and drove 1.00 m in 1.00 s, to (5.50, 1.00)",
+        "  at 4.00 s it chose again: it had given way to another robot",
+    ]
+    told = part(text, "What it sent and learned meanwhile")
+    assert "it sent 1 message: 1 report" in told
+    assert "it learned 1 scan of others: 1 of robot 0" in told
+    otherwise = "What went otherwise than planned"
+    assert otherwise not in text
+    assert "protective stop at (4.50, 1.00)" in part(explain(bidding, 1, 2.0), otherwise)
+
+
+def test_rounds_bids_and_scores_are_told(bidding):
+    rounds = part(explain(bidding, 1, 4.0), "How it chose: greedy")
+    assert "round  1:   robot 0 got frontier 0, (3.00, 4.00): 0.25 of the longest way" in rounds
+    assert "round  2: > robot 1 got frontier 1, (7.50, 2.00): 0.56 of the longest way" in rounds
+    bids = part(explain(bidding, 1, 5.0), "How it chose: self-bidding")
+    assert "(phi): 13.5, 21.0 m" in bids
+    assert re.search(r"bids that were matched.*\n    robot 0 +-3\.00 +-\n  > robot 1 +3\.00", bids)
+    scores = part(explain(bidding, 1, 6.0), "How it chose: rules")
+    assert re.search(r"\* +\(2\.25, 2\.75\) +61\.50 +12\.00 +3\.50 +7\.00", scores)
+    assert re.search(r"\n    +\(8\.75, 0\.25\) +50\.00", scores)
+
+
+def test_many_frontiers_are_cut_to_the_nearest_and_the_chosen_one(bidding):
+    table = part(explain(bidding, 1, 7.0), "How it chose: minpos")
+    assert "4 of 12 frontiers, farther away, are left out" in table
+    head = re.search(r"\n  frontier +(.*)", table)
+    assert head is not None
+    assert head[1].split() == ["0*", "5", "6", "7", "8", "9", "10", "11"]
+    assert max(map(len, explain(bidding, 1, 7.0).splitlines())) <= 100
+
+
+def test_no_goal_and_the_end(bidding):
+    text = explain(bidding, 1)
+    assert "no goal: there is none that it can reach" in part(text, "What it chose")
+    assert "8.00 s: it ended: no frontier is left" in part(text, "What it did then")
+
+
+def test_all_choices_of_goals(bidding):
+    head, *lines = explain_all(bidding, 1).splitlines()
+    assert head.split() == ["time", "(s)", "frontiers", "to", "go", "choice"]
+    assert [line.split()[0] for line in lines] == [f"{t}.00" for t in (0, 1, 4, 5, 6, 7, 8)]
+    assert lines[1].split(maxsplit=4) == [
+        "1.00",
+        "2",
+        "3.25",
+        "m",
+        "minpos to (3.00, 4.00): its map had changed",
+    ]
+    assert lines[-1].endswith("minpos no goal: nothing was left to be seen at its last goal")

@@ -8,7 +8,7 @@ from benchmarks.harness import show
 
 
 def main() -> None:
-    """Measure the kernels, then teams."""
+    """Measure the kernels, then teams of either family."""
     all_met = show(chain(kernels.claims(), team.claims(), frontier.claims()))
     # All figures are printed, whether the first are good or not.
     all_met &= team.show_figures()

@@ -22,8 +22,8 @@ from multisrt.entries import Node, NodeId
 from multisrt.environments import read_environment
 from multisrt.environments.catalog import environment
 from multisrt.environments.environment import Environment
-from multisrt.events import AnyEvent, Motion, NodeAdded
-from multisrt.explorer import Action, Explorer, Outcome, RobotSelf
+from multisrt.events import AnyEvent, GoalChosen, Motion, NodeAdded
+from multisrt.explorer import Action, Explorer, Note, Outcome, RobotSelf
 from multisrt.frontier_team.options import FrontierOptions
 from multisrt.frontier_team.robot import FrontierRobot
 from multisrt.frontier_team.rules import choose_closest
@@ -62,6 +62,7 @@ MOST_STEP_S = 0.003
 
 CROWD, CROWD_BEAMS, CROWD_WORLD, CROWD_RUN_S = 10, 360, "office", 60.0
 RANGE_M, RADIUS_M, CELL_M = 4.0, 0.25, 0.1
+NEWS = 24
 ROUNDS = 3
 
 
@@ -254,33 +255,40 @@ def decision_in_large_map(near_m: float = 12.0, far_m: float = 24.0) -> Claim:
     places = worlds.viewpoints(free, 3000, seed=8)
     middle = np.full(2, side / 2.0)
     from_middle = np.abs(places - middle).max(axis=1)
-    # Around the robot everything is known but a room or two beside it.
-    hole = np.hypot(*(places - middle - (5.0, 0.0)).T) < 4.0
+    # Around the robot everything is known but some rooms beside it, from where the news comes:
+    # not so much that the nearest frontier of both maps would not be there.
+    hole = np.hypot(*(places - middle - (6.0, 0.0)).T) < 5.0
     start = places[int(np.argmin(np.where(hole, np.inf, np.hypot(*(places - middle).T))))]
     small = _robot_at(start, index, places[(from_middle < near_m) & ~hole])
     large = _robot_at(start, index, places[(from_middle < far_m) & ~hole])
     order = np.argsort(np.hypot(*(places[hole] - start).T))
     news = [
-        _node(index, *place, NodeId(2, i)) for i, place in enumerate(places[hole][order].tolist())
+        _node(index, *place, NodeId(2, i))
+        for i, place in enumerate(places[hole][order][:NEWS].tolist())
     ]
+    goals: dict[int, list[tuple[float, float] | None]] = {id(small): [], id(large): []}
 
     def decide(robot: FrontierRobot, node: Node) -> None:
         robot.merge((node,))
-        for _ in choose_closest(robot, "news"):
-            pass
+        for note in choose_closest(robot, "news"):
+            assert isinstance(note, Note)
+            assert isinstance(note.event, GoalChosen)
+            goals[id(robot)].append(note.event.goal)
 
     times = in_turns(
         news,
         {"small": lambda node: decide(small, node), "large": lambda node: decide(large, node)},
         repeats=1,
     )
+    same = goals[id(small)] == goals[id(large)] and None not in goals[id(small)]
     groups = len(small.groups()), len(large.groups())
     return Claim(
         text="decision of closest, map 4 times as large",
         ours_us=times["large"],
         theirs_us=times["small"],
         at_most=1.5,
-        note=f"{groups[0]} and {groups[1]} frontiers; with what was seen new",
+        holds=same,
+        note=f"{groups[0]} and {groups[1]} frontiers; goals are {'' if same else 'not '}the same",
     )
 
 

@@ -144,7 +144,7 @@ class GoalChosen(Event, frozen=True, kw_only=True, tag="goal_chosen"):
     because : str
         Why it chose: `start`, `reached`, `news` (the map has changed), `nothing left` (to be
         seen at the last goal), `no way` (to it), `blocked` (by a robot), `stop signal`,
-        `assigned` or `called on`.
+        `assigned`, `gave way` or `called on`.
     goal : (x, y) or None
         The goal; None: there is none that it can reach.
     cost_m : float
@@ -154,7 +154,8 @@ class GoalChosen(Event, frozen=True, kw_only=True, tag="goal_chosen"):
     robots : tuple of int
         Who was reckoned with: the rows of the tables.
     costs : tuple of rows
-        How far each of these robots has to each target; None: it cannot get there.
+        How far each of these robots has to each target; None: it cannot get there, or that did
+        not need to be worked out.
     ranks : tuple of rows
         `minpos`: how many robots are nearer to each target.
     rounds : tuple of (robot, target, utility, share)

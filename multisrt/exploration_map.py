@@ -43,9 +43,6 @@ region of the outer one takes the inner one away."""
 ROUNDING_M: Final = 1e-9
 """Widths and lengths that differ by less are equal."""
 
-NOTHING: Final[FloatArray] = np.empty((0, 4))
-NO_ENDS: Final[FloatArray] = np.empty((0, 5))
-
 Box = tuple[float, float, float, float]
 Array = TypeVar("Array", FloatArray, IntArray)
 
@@ -371,10 +368,10 @@ class ExplorationMap:
         self._places.add(x, y)
         self._ids.append(node.id)
         self._index[node.id] = index
-        self._pieces.append(NOTHING)
-        self._wholes.append(NOTHING)
-        self._uncovered.append(NOTHING)
-        self._ends.append(NO_ENDS)
+        self._pieces.append(np.empty((0, 4)))
+        self._wholes.append(np.empty((0, 4)))
+        self._uncovered.append(np.empty((0, 4)))
+        self._ends.append(np.empty((0, 5)))
         return index
 
     def _polygons(self, indices: IntArray) -> NDArray[np.object_]:
@@ -454,7 +451,7 @@ class ExplorationMap:
             self._ends[index] = arc_ends(arcs)
             self._maybe_open[node_id] = None
         else:
-            self._uncovered[index], self._ends[index] = NOTHING, NO_ENDS
+            self._uncovered[index], self._ends[index] = np.empty((0, 4)), np.empty((0, 5))
             self._maybe_open.pop(node_id, None)
 
     def _applies(self, closing: Closing) -> bool:

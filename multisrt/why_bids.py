@@ -228,7 +228,7 @@ class _BidStory:
         left_out = len(choice.frontiers) - len(shown)
         if left_out:
             yield f"{left_out} of {len(choice.frontiers)} frontiers, farther away, are left out"
-        yield "own row: >, chosen: *, no way: -"
+        yield "own row: >, chosen: *, no way or not worked out: -"
         yield self._row("frontier", [f"{k}{'*' * (k == self._chosen())}" for k in shown])
         yield self._row("x (m)", [f"{choice.frontiers[k][0]:.2f}" for k in shown])
         yield self._row("y (m)", [f"{choice.frontiers[k][1]:.2f}" for k in shown])

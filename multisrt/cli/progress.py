@@ -66,7 +66,7 @@ class Progress:
                     description=spec.strategy,
                     total=1.0,
                     completed=meter.share,
-                    note=f"covered, {nodes} nodes, {event.time_s:.0f} s",
+                    note=f"covered, {nodes} scans, {event.time_s:.0f} s",
                 )
 
         return watch

@@ -37,6 +37,9 @@ class FrontierOptions(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
         With `news`: at most once in this time.
     reached : {"cell", "sight"}
         Whether a goal is reached at its cell, or where it is in sight within half the range.
+    paths : {"march", "eedt"}
+        Whether paths to goals come from a fast march, or from the exact Euclidean distances that
+        SBX-R uses.
     report_period_s : float
         How often a robot that drives tells where it is, if it has nothing else to tell.
     forget_after_s : float
@@ -61,6 +64,7 @@ class FrontierOptions(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
     replan: Literal["news", "target"] = "news"
     replan_period_s: float = 1.0
     reached: Literal["cell", "sight"] = "cell"
+    paths: Literal["march", "eedt"] = "march"
     report_period_s: float = 2.0
     forget_after_s: float = 15.0
     guard_m: float = 0.1
@@ -126,6 +130,8 @@ class SelfBiddingOptions(FrontierOptions, frozen=True, kw_only=True, forbid_unkn
         As above; in the paper a robot decides at its target, or on a stop signal.
     reached : {"cell", "sight"}
         As above.
+    paths : {"march", "eedt"}
+        As above.
     phi_factor : float
         The first radius of cohesion, in ranges of the radio (paper: j).
     phi_step : float
@@ -140,6 +146,7 @@ class SelfBiddingOptions(FrontierOptions, frozen=True, kw_only=True, forbid_unkn
 
     replan: Literal["news", "target"] = "target"
     reached: Literal["cell", "sight"] = "sight"
+    paths: Literal["march", "eedt"] = "eedt"
     phi_factor: float = 0.9
     phi_step: float = 0.5
     drive: Literal["nearness-diagram", "path"] = "nearness-diagram"

@@ -19,6 +19,7 @@ from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.distance_field import DistanceField
 from multisrt.geometry.distances import inside
 from multisrt.geometry.errors import InvalidInputError
+from multisrt.geometry.euclidean_field import EuclideanField
 from multisrt.geometry.grid_path import shortest_path
 from multisrt.geometry.kernel import FloatArray, IntArray
 from multisrt.geometry.occupancy import FrontierGroup, Occupancy
@@ -358,7 +359,14 @@ class FrontierRobot:
 
     def goal_at(self, field: DistanceField, x: float, y: float) -> Goal:
         """Give a place as a goal, with the way there."""
-        path = shortest_path(field, self.indices_of(np.array([[x, y]]))[0])
+        index = self.indices_of(np.array([[x, y]]))[0]
+        if self.options.paths == "eedt":
+            raster = self.raster
+            path = EuclideanField(
+                raster.passable, raster.cell_m, field.sources[0], x0=raster.x0, y0=raster.y0
+            ).path(index)
+        else:
+            path = shortest_path(field, index)
         whole = np.vstack([[self.at[:2]], path])
         return Goal(x, y, whole, length_of(whole))
 

@@ -15,7 +15,7 @@ from multisrt.explorer import Send
 from multisrt.frontier_team.messages import AssignmentMessage
 from multisrt.frontier_team.options import UtilityOptions
 from multisrt.frontier_team.robot import FrontierRobot
-from multisrt.frontier_team.rules import Choice, bid_table, settle_on
+from multisrt.frontier_team.rules import Choice, Table, bid_table, own_bids, settle_on
 from multisrt.geometry.fast_march import in_sight
 from multisrt.geometry.kernel import BoolArray, FloatArray
 from multisrt.geometry.occupancy import OCCUPIED
@@ -72,13 +72,14 @@ def assign(robot: FrontierRobot, because: str) -> Choice:
 
 def obey(robot: FrontierRobot, word: AssignmentMessage, because: str) -> Choice:
     """Go where the leader said; where the own map has no such target, to the nearest."""
-    table = bid_table(robot)
-    place = dict(word.goals).get(robot.me.robot)
-    choice = closest(table.costs[table.row])
-    if place is not None and len(table.targets):
-        gaps = np.hypot(*(table.targets - place).T)
+    own, targets, costs = own_bids(robot)
+    table = Table(targets=targets, robots=(robot.me.robot,), costs=costs[None], field=own, row=0)
+    place = dict(word.goals)[robot.me.robot]
+    choice = closest(costs)
+    if place is not None and len(targets):
+        gaps = np.hypot(*(targets - place).T)
         nearest = int(np.argmin(gaps))
-        if gaps[nearest] <= robot.me.range_m and np.isfinite(table.costs[table.row, nearest]):
+        if gaps[nearest] <= robot.me.range_m and np.isfinite(costs[nearest]):
             choice = nearest
     return (yield from settle_on(robot, table, choice, "utility", because))
 

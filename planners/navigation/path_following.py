@@ -13,7 +13,7 @@ import numpy as np
 
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.geometry.kernel import FloatArray
+from multisrt.geometry.kernel import FloatArray, kernel
 from multisrt.planners.motion.body import PlanningBody
 from multisrt.planners.motion.kinematics import Car, Kinematics
 from multisrt.planners.motion.steering import reach, steer
@@ -43,16 +43,7 @@ def ahead(path: FloatArray, at: Configuration) -> FloatArray:
     (m, 2) array
         That point and the corners after it, no two in a row at one place.
     """
-    starts = _polyline(path)
-    if len(starts) == 1:
-        return starts
-    legs = starts[1:] - starts[:-1]
-    here = np.array([at.x, at.y])
-    along = ((here - starts[:-1]) * legs).sum(axis=1) / (legs * legs).sum(axis=1)
-    feet = starts[:-1] + np.clip(along, 0.0, 1.0)[:, None] * legs
-    distances = np.hypot(feet[:, 0] - at.x, feet[:, 1] - at.y)
-    leg = int(np.flatnonzero(distances <= distances.min() + SAME_PLACE_M)[-1])
-    return _polyline(np.vstack([feet[leg], starts[leg + 1 :]]))
+    return _rest(_polyline(path), at.x, at.y)
 
 
 def follow(
@@ -143,11 +134,40 @@ def _within(here: Configuration, corner: FloatArray, distance: float) -> tuple[f
 
 
 def _polyline(path: FloatArray) -> FloatArray:
-    corners = np.asarray(path, dtype=np.float64)
+    corners = np.ascontiguousarray(path, dtype=np.float64)
     if corners.ndim != 2 or corners.shape[1:] != (2,) or not len(corners):
         raise InvalidInputError(f"a path is a (k, 2) array with k > 0, not {corners.shape}")
     if not np.isfinite(corners).all():
         raise InvalidInputError("the corners of a path are finite numbers of metres")
-    apart = np.hypot(*(corners[1:] - corners[:-1]).T) > SAME_PLACE_M
-    result: FloatArray = corners[np.concatenate([[True], apart])]
-    return result
+    return _distinct(corners)
+
+
+@kernel
+def _distinct(corners: FloatArray) -> FloatArray:
+    # Corners at which the one before is repeated are left out.
+    kept = np.ones(len(corners), np.bool_)
+    for i in range(1, len(corners)):
+        dx, dy = corners[i, 0] - corners[i - 1, 0], corners[i, 1] - corners[i - 1, 1]
+        kept[i] = math.hypot(dx, dy) > SAME_PLACE_M
+    return corners[kept]
+
+
+@kernel
+def _rest(corners: FloatArray, x: float, y: float) -> FloatArray:
+    # From the last of the points that are nearest to a place.
+    legs = len(corners) - 1
+    if legs == 0:
+        return corners
+    feet, distances = np.empty((legs, 2)), np.empty(legs)
+    for i in range(legs):
+        ax, ay = corners[i, 0], corners[i, 1]
+        dx, dy = corners[i + 1, 0] - ax, corners[i + 1, 1] - ay
+        along = ((x - ax) * dx + (y - ay) * dy) / (dx * dx + dy * dy)
+        share = min(1.0, max(0.0, along))
+        feet[i, 0], feet[i, 1] = ax + share * dx, ay + share * dy
+        distances[i] = math.hypot(feet[i, 0] - x, feet[i, 1] - y)
+    near = distances.min() + SAME_PLACE_M
+    leg = legs - 1
+    while distances[leg] > near:
+        leg -= 1
+    return _distinct(np.concatenate((feet[leg : leg + 1], corners[leg + 1 :])))

@@ -502,3 +502,124 @@ def test_refuses_to_grow_without_end():
     with pytest.raises(InvalidInputError, match=r"choose cells wider than 0\.01 m"):
         occupancy.add(rectangle(900, 900, 901, 901))
     assert knowledge(occupancy) == before
+
+
+def hall_seen(worlds, cell_m=0.1):
+    occupancy = Occupancy(cell_m, 0.25)
+    for region in regions_of(worlds, "office", 5, clearance=0.3, seed=8):
+        occupancy.add(region)
+    return occupancy
+
+
+def places_around(occupancy, count, seed):
+    rng = np.random.default_rng(seed)
+    rows, columns = occupancy.cells.shape
+    low = np.array([occupancy.x0, occupancy.y0])
+    size = np.array([columns, rows]) * occupancy.cell_m
+    return (low - 1.0 + rng.random((count, 2)) * (size + 2.0)).tolist()
+
+
+def test_cells_of_names_places_as_cell_of_does(worlds):
+    occupancy = hall_seen(worlds)
+    places = places_around(occupancy, 200, seed=1)
+    assert [*map(tuple, occupancy.cells_of(places).tolist())] == [
+        occupancy.cell_of(x, y) for x, y in places
+    ]
+    assert occupancy.cells_of(np.empty((0, 2))).shape == (0, 2)
+    centred = occupancy.centres_of(occupancy.cells_of(places))
+    assert np.abs(centred - places).max() <= 0.05 + 1e-9
+
+
+def test_a_window_of_the_lattice_is_the_same_cells_after_growth():
+    occupancy = Occupancy(0.1, 0.2)
+    occupancy.add(rectangle(0, 0, 1, 2))
+    window = occupancy.changed_since(0)
+    r0, r1, c0, c1 = occupancy.window_of(window)
+    before = occupancy.cells[r0:r1, c0:c1].copy()
+    assert (before == FREE).any()
+    occupancy.add(rectangle(-6, -5, -5, -4))
+    assert occupancy.window_of(window) != (r0, r1, c0, c1)
+    r0, r1, c0, c1 = occupancy.window_of(window)
+    assert (occupancy.cells[r0:r1, c0:c1] == before).all()
+
+
+def test_known_are_cells_that_are_not_unknown(worlds):
+    occupancy = hall_seen(worlds)
+    cells = np.argwhere(np.ones(occupancy.cells.shape, bool))
+    for (row, column), (x, y) in [*zip(cells.tolist(), centres(occupancy).tolist(), strict=True)][
+        ::7
+    ]:
+        assert occupancy.is_known(x, y) == (occupancy.cells[row, column] != UNKNOWN)
+    assert not occupancy.is_known(1e3, 0.0)
+    assert not occupancy.is_known(0.0, -1e3)
+    assert not Occupancy(0.1, 0.2).is_known(0.0, 0.0)
+
+
+@pytest.mark.parametrize("within", [0, 1, 3, 8])
+def test_the_passable_cell_near_by_is_the_nearest(worlds, within):
+    occupancy = hall_seen(worlds)
+    passable = in_lattice(occupancy, np.argwhere(occupancy.passable))
+    found_any = found_none = 0
+    for x, y in places_around(occupancy, 150, seed=2 + within):
+        near = passable[np.abs(passable - occupancy.cell_of(x, y)).max(axis=1) <= within]
+        found = occupancy.passable_near(x, y, within)
+        if not len(near):
+            assert found is None
+            found_none += 1
+            continue
+        found_any += 1
+        assert found in map(tuple, near.tolist())
+        gaps = np.hypot(*(occupancy.centres_of(near) - (x, y)).T)
+        gap = np.hypot(*(np.array(occupancy.centre_of(*found)) - (x, y)))
+        assert gap == pytest.approx(gaps.min())
+    assert found_any
+    assert found_none
+
+
+def test_of_equally_near_cells_the_first_row_by_row_is_taken():
+    occupancy = Occupancy(0.1, 0.15)
+    occupancy.add(rectangle(0, 0, 2, 2))
+    x, y = occupancy.centre_of(*occupancy.cell_of(1.0, 1.0))
+    row, column = occupancy.cell_of(x, y)
+    with occupancy.blocked([(x, y, 0.01)]):
+        assert occupancy.passable_near(x, y, 0) is None
+        assert occupancy.passable_near(x, y, 2) == (row - 1, column)
+    assert occupancy.passable_near(x, y, 2) == (row, column)
+
+
+def test_passable_centres_are_those_in_the_square(worlds):
+    occupancy = hall_seen(worlds)
+    passable = in_lattice(occupancy, np.argwhere(occupancy.passable))
+    some = 0
+    for (x, y), half in zip(
+        places_around(occupancy, 40, seed=9), [0.0, 0.5, 2.0, 50.0] * 10, strict=True
+    ):
+        reach = round(half / occupancy.cell_m)
+        around = passable[np.abs(passable - occupancy.cell_of(x, y)).max(axis=1) <= reach]
+        given = occupancy.passable_centres(x, y, half)
+        assert given.tolist() == occupancy.centres_of(around).tolist()
+        some += 0 < len(given) < len(passable)
+    assert some >= 3
+    assert len(occupancy.passable_centres(1e3, 1e3, 1.0)) == 0
+
+
+@pytest.mark.parametrize("radius", [0.04, 0.25, 1.0])
+def test_a_frontier_near_by_is_one_of_a_cells_centre(worlds, radius):
+    occupancy = hall_seen(worlds)
+    open_at = occupancy.centres_of(in_lattice(occupancy, np.argwhere(frontier(occupancy))))
+    answers = []
+    for x, y in [*places_around(occupancy, 150, seed=3), *(open_at[::9] + 0.02).tolist()]:
+        gap = np.hypot(*(open_at - (x, y)).T).min()
+        if abs(gap - radius) > 1e-9:
+            answers.append(occupancy.has_frontier_near(x, y, radius))
+            assert answers[-1] == (gap < radius)
+    assert {*answers} == {True, False}
+
+
+def test_the_diagonal_is_that_of_the_window():
+    occupancy = Occupancy(0.1, 0.2)
+    assert occupancy.diagonal_m == 0.0
+    occupancy.add(rectangle(0, 0, 3, 4))
+    rows, columns = occupancy.cells.shape
+    assert occupancy.diagonal_m == pytest.approx(0.1 * (rows**2 + columns**2) ** 0.5)
+    assert occupancy.diagonal_m >= 5.0

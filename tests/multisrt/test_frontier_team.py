@@ -1,0 +1,423 @@
+"""Frontier bidding as a whole: runs end well, rules decide as they are written, options hold."""
+
+import dataclasses
+import math
+from functools import partial
+
+import numpy as np
+import pytest
+import shapely
+
+from multisrt import registry
+from multisrt.environments.environment import Environment
+from multisrt.events import Collision, GoalChosen, MapComplete, Motion, NodeAdded
+from multisrt.explorer import Done, Note, Receive, Received, RobotSelf, Send
+from multisrt.frontier_team.explore import FrontierExplorer
+from multisrt.frontier_team.messages import ReportMessage, RobotReport, StopMessage
+from multisrt.frontier_team.options import FrontierOptions, SelfBiddingOptions
+from multisrt.frontier_team.robot import FrontierRobot
+from multisrt.frontier_team.rules import (
+    Bids,
+    bid_table,
+    choose_closest,
+    choose_greedy,
+    choose_minpos,
+)
+from multisrt.frontier_team.self_bidding import choose_by_self_bidding, tell_who_may_stop
+from multisrt.geometry.configuration import Configuration
+from multisrt.geometry.edge_index import EdgeIndex
+from multisrt.geometry.errors import InvalidInputError
+from multisrt.geometry.footprint import Footprint
+from multisrt.geometry.safe_region import local_safe_region
+from multisrt.geometry.scan import take_scan
+from multisrt.metrics import measure
+from multisrt.planners.assignment.greedy import greedy
+from multisrt.planners.assignment.minpos import minpos
+from multisrt.planners.motion.kinematics import Differential
+from multisrt.registry import strategy
+from multisrt.simulation import simulate
+from multisrt.spec import DriveSpec, RadioSpec, RobotSpec, RunSpec, StopRule, inline
+
+FAMILY = ["closest", "greedy", "minpos", "utility", "self-bidding", "rules"]
+
+WALL = shapely.union_all([shapely.box(5, 0, 5.2, 1.5), shapely.box(5, 2.7, 5.2, 5)])
+TWO_ROOMS = Environment(
+    "two rooms",
+    shapely.box(0, 0, 10, 5).difference(WALL),
+    starts=[(1, 1), (1, 2.5), (1, 4)],
+)
+PILLARS = shapely.union_all(
+    [shapely.box(x, y, x + 1, y + 1) for x, y in ((6, 3), (13, 8), (18, 4))]
+)
+PLAZA = Environment("plaza", shapely.box(0, 0, 26, 14).difference(PILLARS))
+
+
+def simulated(name, robots=1, *, world=TWO_ROOMS, options=None, robot=None, **spec):
+    return simulate(
+        RunSpec(
+            environment=inline(world),
+            strategy=name,
+            options=options or {},
+            robots=(robot or RobotSpec(),) * robots,
+            stop=StopRule(max_time_s=600.0),
+            **spec,
+        ),
+        world,
+    )
+
+
+def events(recording, kind, robot=None):
+    return [e for e in recording.events if isinstance(e, kind) and robot in (None, e.robot)]
+
+
+def edges_of(world):
+    rings = shapely.get_rings(shapely.get_parts(world.free))
+    corners = [shapely.get_coordinates(ring) for ring in rings]
+    return EdgeIndex(np.vstack([np.hstack([c[:-1], c[1:]]) for c in corners]), 1.5)
+
+
+def self_at(x, y, *, number=0, team=1):
+    return RobotSelf(
+        robot=number,
+        start=Configuration(x, y, 0.0),
+        footprint=Footprint.parse("disc:0.25"),
+        kinematics=Differential(speed_m_s=0.5, turn_rate_rad_s=math.pi / 2),
+        range_m=4.0,
+        rng=np.random.default_rng(1),
+        team=team,
+    )
+
+
+def robot_at(places, mates=(), options=None):
+    """A robot at the first of some places from all of which it has seen the plaza."""
+    me = self_at(*places[0], team=1 + len(mates))
+    robot = FrontierRobot(me, options or FrontierOptions())
+    index = edges_of(PLAZA)
+    for x, y in places:
+        scan = take_scan(index, Configuration(x, y), 0.0, 4.0)
+        robot.raster.add(local_safe_region(scan, "radial"))
+    for number, place in enumerate(mates, start=1):
+        robot.team._take_report(report_of(number, place))
+    return robot
+
+
+def report_of(number, place, goal=None):
+    return RobotReport(
+        robot=number,
+        said=1,
+        time_s=0.0,
+        phase="driving",
+        place=(*place, 0.0),
+        goal=goal,
+        remaining_m=0.0,
+        path=(),
+        footprint="disc:0.25",
+        have=(),
+    )
+
+
+def acts_of(steps):
+    """Everything that was done, and what came out in the end."""
+    acts = []
+    try:
+        while True:
+            acts.append(steps.send(None))
+    except StopIteration as end:
+        return acts, end.value
+
+
+# Whole runs ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("robots", [1, 3])
+@pytest.mark.parametrize("name", FAMILY)
+def test_a_team_completes_two_rooms(name, robots):
+    run = simulated(name, robots, seed=3)
+    assert run.footer.outcome == "complete"
+    assert measure(run, TWO_ROOMS).coverage > 0.98
+    assert not events(run, Collision)
+    assert sorted(e.robot for e in events(run, MapComplete)) == [*range(robots)]
+    assert simulated(name, robots, seed=3).footer == run.footer
+
+
+@pytest.mark.parametrize("name", ["closest", "greedy", "minpos"])
+def test_robots_that_hear_nothing_explore_each_for_itself(name):
+    run = simulated(name, 2, radio=RadioSpec(range_m=0.0), seed=1)
+    assert run.footer.outcome == "complete"
+    for robot in range(2):
+        regions = [shapely.Polygon(e.boundary) for e in events(run, NodeAdded, robot)]
+        assert shapely.union_all(regions).area > 0.98 * TWO_ROOMS.free.area
+
+
+@pytest.mark.parametrize("name", FAMILY)
+def test_every_drive_has_a_goal_that_was_chosen_for_a_reason(name):
+    run = simulated(name, 2, seed=5)
+    for robot in range(2):
+        chosen = events(run, GoalChosen, robot)
+        assert chosen[0].because == "start"
+        assert all(e.because != "start" for e in chosen[1:])
+        assert chosen[0].time_s <= events(run, Motion, robot)[0].time_s
+        assert {e.rule for e in chosen} <= {name, "random", "closest"}
+        # A robot that is done has looked for a goal and found none.
+        assert chosen[-1].goal is None
+
+
+# Decisions -------------------------------------------------------------------------------------
+
+
+def places_drawn(seed, count):
+    rng = np.random.default_rng(seed)
+    places = rng.uniform((1.0, 1.0), (25.0, 13.0), (40, 2))
+    clear = shapely.distance(shapely.points(places), PILLARS) > 0.4
+    first, *rest = places[clear].tolist()
+    # Only what hangs together can be reached.
+    near = [first]
+    for place in rest:
+        if len(near) < count and min(math.dist(place, p) for p in near) < 5.0:
+            near.append(place)
+    return [tuple(p) for p in near]
+
+
+def situation(seed):
+    """A robot that knows part of the plaza, and up to three mates in it."""
+    places = places_drawn(seed, 3 + seed % 5)
+    return partial(robot_at, places, places[1 : 1 + seed % 4])
+
+
+def only_choice(rule, robot):
+    (act,), goal = acts_of(rule(robot, "start"))
+    assert isinstance(act, Note)
+    assert act.event.goal == goal.place
+    assert act.event.frontiers == tuple(map(tuple, robot.targets().tolist()))
+    return act.event, goal
+
+
+def worked_out(event):
+    """The costs on record, with the places where they stand."""
+    return [
+        (i, j, cost)
+        for i, row in enumerate(event.costs)
+        for j, cost in enumerate(row)
+        if cost is not None
+    ]
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_closest_takes_the_nearest_of_all_targets(seed):
+    make = situation(seed)
+    table = bid_table(make())
+    assert len(table.targets) > 1
+    event, goal = only_choice(choose_closest, make())
+    assert goal.place == tuple(table.targets[np.argmin(table.costs[table.row])])
+    assert goal.cost_m == pytest.approx(table.costs[table.row].min(), abs=0.15)
+    assert event.rule == "closest"
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_greedy_decides_as_on_the_full_table(seed):
+    make = situation(seed)
+    table = bid_table(make())
+    given = greedy(table.costs)
+    event, goal = only_choice(choose_greedy, make())
+    assert event.robots == table.robots == tuple(range(1 + seed % 4))
+    assert goal.place == tuple(table.targets[given.assignment[table.row]])
+    # The rounds are those of the full assignment, up to the robot's own.
+    order = [(table.robots[i], j) for i, j, *_ in given.rounds]
+    own = [i for i, _ in order].index(0)
+    assert [(i, j) for i, j, *_ in event.rounds] == order[: own + 1]
+    for i, j, cost in worked_out(event):
+        assert cost == table.costs[i, j]
+
+
+def test_minpos_decides_as_on_the_full_table():
+    compared, left_to_others = 0, 0
+    for seed in range(60):
+        make = situation(seed)
+        table = bid_table(make())
+        columns = np.sort(table.costs, axis=0)
+        # A wave from a target and one to it differ by their rounding: near ties may go otherwise.
+        if len(columns) > 1 and np.diff(columns, axis=0).min() < 0.2:
+            continue
+        given = minpos(table.costs, table.row)
+        event, goal = only_choice(choose_minpos, make())
+        assert event.robots == table.robots
+        assert goal.place == tuple(table.targets[given.choice])
+        compared += 1
+        left_to_others += given.choice != np.argmin(table.costs[table.row])
+    assert compared >= 20
+    assert left_to_others >= 2
+
+
+def test_bids_find_the_nearest_of_those_that_are_left():
+    make = situation(7)
+    table, bids = bid_table(make()), Bids(make())
+    for row in range(len(table.robots)):
+        left = bids.all_targets()
+        for target in np.argsort(table.costs[row], kind="stable"):
+            assert bids.nearest(row, left) == (table.costs[row, target], target)
+            left = left[left != target]
+        assert bids.nearest(row, left) is None
+    assert bids.table().costs.tolist() == table.costs.tolist()
+
+
+def test_idle_and_long_silent_mates_are_not_reckoned_with():
+    places = places_drawn(3, 4)
+    robot = robot_at(places, places[1:3])
+    assert bid_table(robot).robots == (0, 1, 2)
+    robot.time_s = robot.options.forget_after_s + 1.0
+    robot.team.heard_s[2] = robot.time_s
+    assert bid_table(robot).robots == (0, 2)
+
+
+# Stop signals ----------------------------------------------------------------------------------
+
+
+def test_those_are_told_to_stop_whose_goal_is_explored():
+    robot = robot_at([(3, 7), (6, 7)], [(10, 10)])
+    (edge, *_) = robot.targets().tolist()
+    for goal, told in ((None, False), (tuple(edge), False), ((25.0, 1.0), False), ((4, 7), True)):
+        robot.team.reports[1] = report_of(1, (10, 10), goal)
+        acts, _ = acts_of(tell_who_may_stop(robot))
+        assert acts == ([Send(StopMessage(sender=0, goal=goal), 1)] if told else [])
+    assert acts_of(tell_who_may_stop(robot))[0] == []  # once is enough
+
+
+def test_a_stop_signal_counts_for_the_goal_that_a_robot_has():
+    explorer = FrontierExplorer(self_at(1, 1, team=2), SelfBiddingOptions(), choose_by_self_bidding)
+    mapped = robot_at([(3, 7)], [(10, 10)], SelfBiddingOptions())
+    goal = mapped.goal_at(mapped.own_field(), *mapped.targets()[0].tolist())
+    explorer.robot = mapped
+    mapped.set_goal(goal)
+    acts_of(mapped.team._take_message(StopMessage(sender=1, goal=(1.0, 1.0))))
+    assert not mapped.team.is_interrupted
+    acts_of(mapped.team._take_message(StopMessage(sender=1, goal=goal.place)))
+    assert mapped.team.is_interrupted
+    assert acts_of(explorer.follow_up(goal, "interrupted")) == ([], "stop signal")
+    assert not mapped.team.is_interrupted
+
+
+class Stopper:
+    """Tells the other robot to stop once it has said where it goes."""
+
+    def run(self):
+        while True:
+            outcome = yield Receive(None)
+            assert isinstance(outcome, Received)
+            for message in outcome.messages:
+                goal = message.reports[0].goal if isinstance(message, ReportMessage) else None
+                if goal is not None:
+                    yield Receive(0.3)
+                    yield Send(StopMessage(sender=1, goal=goal), 0)
+                    yield Done(complete=True, reason="enough")
+                    return
+
+
+def test_a_robot_that_is_told_to_stop_chooses_again(monkeypatch):
+    own = strategy("self-bidding")
+
+    def explorer(me, options):
+        return own.explorer(me, options) if me.robot == 0 else Stopper()
+
+    monkeypatch.setitem(registry._registry(), own.name, dataclasses.replace(own, explorer=explorer))
+    run = simulated("self-bidding", 2, seed=1)
+    stopped = [e for e in events(run, GoalChosen, 0) if e.because == "stop signal"]
+    assert len(stopped) == 1
+    assert run.footer.outcome == "complete"
+
+
+# Options ---------------------------------------------------------------------------------------
+
+
+def ends_of(run, chosen):
+    """Where the robot was when it chose, for every choice."""
+    for event in chosen:
+        before = [m for m in events(run, Motion, event.robot) if m.time_s < event.time_s]
+        yield before[-1].waypoints[-1][1:3] if before else run.starts[event.robot][:2]
+
+
+@pytest.mark.parametrize("name", FAMILY)
+def test_scans_at_targets_only_make_nodes_at_targets_only(name):
+    run = simulated(name, options={"sense": "targets", "reached": "cell"}, seed=2)
+    assert run.footer.outcome == "complete"
+    assert measure(run, TWO_ROOMS).coverage > 0.98
+    goals = [e.goal for e in events(run, GoalChosen) if e.goal is not None]
+    root, *nodes = events(run, NodeAdded)
+    assert root.stage == "root"
+    assert nodes
+    # By its rules a robot goes to where its goal is seen from, which is not on record.
+    for node in nodes if name != "rules" else ():
+        assert min(math.dist(node.configuration[:2], goal) for goal in goals) < 0.02
+    assert len(nodes) <= len(goals)
+    moving = simulated(name, options={"reached": "cell"}, seed=2)
+    assert len(events(moving, NodeAdded)) > len(nodes) + 1
+
+
+@pytest.mark.parametrize("reached", ["cell", "sight"])
+def test_a_goal_is_reached_at_its_cell_or_in_sight(reached):
+    # Without scans on the way only arrival ends a drive.
+    run = simulated(
+        "closest", options={"sense": "targets", "reached": reached, "replan": "target"}, seed=2
+    )
+    assert run.footer.outcome == "complete"
+    chosen = events(run, GoalChosen)
+    gaps = [
+        math.dist(place, before.goal)
+        for before, event, place in zip(
+            chosen[:-1], chosen[1:], [*ends_of(run, chosen[1:])], strict=True
+        )
+        if event.because == "reached"
+    ]
+    assert gaps
+    if reached == "cell":
+        assert max(gaps) < 0.02
+    else:
+        assert max(gaps) > 0.5
+        assert max(gaps) <= 2.0 + 1e-9
+
+
+@pytest.mark.parametrize(("replan", "chosen_anew"), [("news", True), ("target", False)])
+def test_goals_are_chosen_anew_on_news_only_if_wanted(replan, chosen_anew):
+    run = simulated("minpos", 3, options={"replan": replan}, seed=1)
+    assert any(e.because == "news" for e in events(run, GoalChosen)) is chosen_anew
+
+
+@pytest.mark.parametrize("name", FAMILY)
+def test_cells_wider_than_the_body_are_refused(name):
+    options = {"cell_m": 0.51, "search_cell_m": 1.0} if name == "rules" else {"cell_m": 0.51}
+    with pytest.raises(InvalidInputError, match=r"cell_m is 0\.51.*choose at most 0\.5$") as caught:
+        simulated(name, options=options)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("kind", ["reeds-shepp", "dubins"])
+@pytest.mark.parametrize("name", FAMILY)
+def test_cars_are_refused(name, kind):
+    with pytest.raises(InvalidInputError, match=f"{name} .* robot 0 is a car; give it"):
+        simulated(name, robot=RobotSpec(drive=DriveSpec(kind=kind)))
+
+
+def test_holonomic_bodies_are_not_refused():
+    run = simulated("self-bidding", 2, robot=RobotSpec(drive=DriveSpec(kind="holonomic")))
+    assert run.footer.outcome == "complete"
+
+
+@pytest.mark.parametrize("name", ["utility", "self-bidding", "rules"])
+def test_robots_that_decide_together_have_to_hear_one_another(name):
+    with pytest.raises(InvalidInputError, match="the radio range is 0"):
+        simulated(name, 2, radio=RadioSpec(range_m=0.0))
+
+
+@pytest.mark.parametrize(
+    ("name", "options", "message"),
+    [
+        ("closest", {"cel_m": 0.1}, "closest has no option 'cel_m'"),
+        ("minpos", {"beta": 1.0}, "minpos has no option 'beta'"),
+        ("utility", {"beta": -1.0}, "beta is -1.0; it must be 0 or more"),
+        ("self-bidding", {"phi_step": 0.0}, "phi_step is 0.0; it must be positive"),
+        ("greedy", {"sense": "never"}, "sense='never' of greedy"),
+        ("rules", {"patience": 0}, "patience is 0; it must be at least 1"),
+    ],
+)
+def test_options_that_make_no_sense_are_refused(name, options, message):
+    with pytest.raises(InvalidInputError, match=message):
+        simulated(name, options=options)

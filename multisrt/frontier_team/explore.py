@@ -60,6 +60,7 @@ class FrontierExplorer:
         while True:
             goal, robot.detour = robot.detour, None
             if goal is None:
+                robot.team.phase = "choosing"
                 goal = yield from self.rule(robot, because)
             robot.set_goal(goal)
             if goal is None:
@@ -97,8 +98,9 @@ class FrontierExplorer:
     def stand_by(self) -> Generator[Action, Outcome, str]:
         """Be done until something new is heard; or wait until a robot that is in the way leaves."""
         robot, team = self.robot, self.robot.team
+        robot.note_progress()
         if robot.blocked_frontiers():
-            if robot.waits < MOST_WAITS:
+            if robot.waits < MOST_WAITS and not robot.only_lost_bodies():
                 robot.waits += 1
                 yield from team.pause(robot.options.pause_s * (0.5 + robot.me.rng.random()))
                 yield from robot.look()
@@ -118,7 +120,6 @@ class FrontierExplorer:
                 reason="no frontier is left that it can reach",
                 on_call=not team.is_alone,
             )
-        robot.waits = 0
         team.phase = "idle"
         if not team.is_alone:
             yield from team.report()

@@ -12,7 +12,8 @@ from collections.abc import Generator
 
 import numpy as np
 
-from multisrt.explorer import Action, Outcome, Send, Sighting
+from multisrt.events import TakenAsLost
+from multisrt.explorer import Action, Note, Outcome, Send, Sighting
 from multisrt.frontier_team.driving import REACHED_M, drive
 from multisrt.frontier_team.messages import GiveWayMessage
 from multisrt.frontier_team.robot import FrontierRobot, Goal, has_moved
@@ -39,22 +40,30 @@ def settle(robot: FrontierRobot, goal: Goal, met: Sighting) -> Steps:
     """
     team, other = robot.team, met.robot
     seen = yield from robot.look()
-    around = robot.goal_around(goal, seen, DETOUR_SHARE * goal.cost_m + DETOUR_M)
-    if around is not None and around.cost_m > REACHED_M:
-        robot.detour = around
-        return
+    if robot.at[:2] != robot.detoured_at:
+        # Who is stopped on a detour at once need not try it again.
+        around = robot.goal_around(goal, seen, DETOUR_SHARE * goal.cost_m + DETOUR_M)
+        if around is not None and around.cost_m > REACHED_M:
+            robot.detour, robot.detoured_at = around, robot.at[:2]
+            return
+    began_s = robot.time_s
     for _ in range(robot.options.patience):
         asked_s = team.asks_s[other] = robot.time_s
         yield Send(ask_for_way(robot, goal), other)
         yield from team.pause(team.period_s)
-        if not team.is_interrupted and team.heard_s.get(other, -math.inf) >= asked_s:
+        if team.asked_way is None and team.heard_s.get(other, -math.inf) >= asked_s:
             yield from team.pause(robot.options.pause_s * robot.me.rng.random())
-        if team.is_interrupted:
+        if team.asked_way is not None:
             return
         now = {sighting.robot: sighting for sighting in (yield from robot.look())}
         if other not in now or has_moved(now[other], met):
             return
     robot.bodies[other] = met
+    if team.heard_s.get(other, -math.inf) < began_s:
+        # It does not answer: its body is an obstacle until it is heard of, or seen elsewhere.
+        robot.until_s[other] = math.inf
+        yield Note(TakenAsLost(time_s=robot.time_s, robot=robot.me.robot, other=other))
+        return
     share = 0.5 + robot.me.rng.random()
     robot.until_s[other] = robot.time_s + share * robot.options.forget_after_s
 

@@ -131,6 +131,8 @@ class FrontierRobot:
         self.chosen_at = -1
         self.detour: Goal | None = None
         self.waits = 0
+        self._waited_at = 0
+        self.detoured_at: tuple[float, float] | None = None
         self._stuck_at: tuple[float, float] | None = None
         self._serial = 0
         self._given_up: dict[tuple[float, float], None] = {}
@@ -290,7 +292,7 @@ class FrontierRobot:
 
     def judge(self, goal: Goal, reason: str) -> None:
         """Give a goal up that was reached in vain, or to which no way led twice from one place."""
-        self.waits = 0
+        self.note_progress()
         if reason == "reached" and self.is_frontier(*goal.place):
             if math.dist(self.at[:2], goal.place) < 0.5 * self.me.footprint.width_m:
                 self.give_up(goal.place)
@@ -299,6 +301,11 @@ class FrontierRobot:
             if self._stuck_at == self.at[:2]:
                 self.give_up(goal.place)
             self._stuck_at = self.at[:2]
+
+    def note_progress(self) -> None:
+        """Begin to count anew how often the robot waits, if it has learned anything since."""
+        if self.raster.revision != self._waited_at:
+            self.waits, self._waited_at = 0, self.raster.revision
 
     def give_up(self, place: tuple[float, float]) -> None:
         """Make no place a goal again from which nothing new is seen, or to which no way leads."""
@@ -389,7 +396,7 @@ class FrontierRobot:
     @contextmanager
     def around_bodies(self, sightings: Iterable[Sighting] = ()) -> Iterator[None]:
         """Take the cells that bodies keep this one from for not passable, meanwhile."""
-        own = self.body.outer_radius_m + self.options.guard_m + self.options.margin_m
+        own = self.body.outer_radius_m + self.options.guard_m
         bodies = {s.robot: s for s in (*self.bodies.values(), *sightings)}
         discs = [
             (*s.configuration[:2], own + s.footprint.circumscribed_radius_m)
@@ -418,6 +425,10 @@ class FrontierRobot:
         self.look_closer(field)
         targets = self.targets()
         return len(targets) > 0 and field.first(self.indices_of(targets)) is not None
+
+    def only_lost_bodies(self) -> bool:
+        """Whether all bodies in the way are of robots that do not answer."""
+        return all(math.isinf(self.until_s[number]) for number in self.bodies)
 
     def now_at(self) -> Configuration:
         """Where the robot is at this moment, also while it drives."""

@@ -84,6 +84,7 @@ class Team:
         self._said = 0
         self._told = 0
         self._wanted: dict[int, float] = {}
+        self._offered: dict[int, float] = {}
 
     @property
     def is_alone(self) -> bool:
@@ -206,13 +207,17 @@ class Team:
 
     def _take_message(self, message: Message) -> Talk:
         self.heard_s[message.sender] = self.robot.time_s
+        if math.isinf(self.robot.until_s.get(message.sender, 0.0)):
+            # It was taken as lost, and is not.
+            del self.robot.until_s[message.sender]
+            self.robot.bodies.pop(message.sender, None)
         match message:
             case ReportMessage():
                 for report in message.reports:
                     self._take_report(report)
                 yield from self._learn(message.entries)
                 self.wanted |= message.wants_goal
-                if message.asks:
+                if message.asks or self._has_to_offer(message.reports[0]):
                     yield from self.report(to=message.sender)
                 yield from self._ask_for_what_lacks(message.reports[0])
             case WantMessage():
@@ -263,6 +268,17 @@ class Team:
         new = self.robot.merge(tuple(e for e in entries if isinstance(e, Node)))
         if new:
             yield Note(Learned(time_s=self.robot.time_s, robot=self.number, nodes=new))
+
+    def _has_to_offer(self, report: RobotReport) -> bool:
+        # Who has nothing to do does not report by itself: others would not learn what they lack.
+        if self.phase != "idle":
+            return False
+        have = {robot: (nodes, closings) for robot, nodes, closings in report.have}
+        lately = self.robot.time_s < self._offered.get(report.robot, -math.inf) + self.period_s
+        if lately or not self.robot.entries.more_than(have):
+            return False
+        self._offered[report.robot] = self.robot.time_s
+        return True
 
     def _ask_for_what_lacks(self, report: RobotReport) -> Talk:
         mine = self.robot.entries.have()

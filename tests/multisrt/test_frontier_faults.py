@@ -183,14 +183,7 @@ def test_a_short_radio_range_is_enough(explored, name, multi_hop):
     assert measure(recording, THREE_ROOMS).coverage > 0.98
 
 
-UNASKED = pytest.mark.xfail(
-    strict=True, reason="a robot that is done does not tell those who come back what they lack"
-)
-
-
-@pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=UNASKED if name == "minpos" else ()) for name in FAMILY]
-)
+@pytest.mark.parametrize("name", FAMILY)
 def test_robots_that_are_in_range_in_the_end_know_the_same(explored, name):
     _, crew = explored(name, radio=RadioSpec(range_m=6.0), seed=1)
     for one, other in itertools.combinations(crew, 2):
@@ -251,9 +244,6 @@ def test_nobody_touches_a_dead_body_in_the_only_way(explored, name):
     assert not any(e.complete for e in events(recording, Ended))
 
 
-@pytest.mark.xfail(
-    strict=True, reason="the body is forgotten and met again before the robots have waited enough"
-)
 @pytest.mark.parametrize("name", FAMILY)
 def test_a_dead_body_in_the_only_way_boxes_the_others_in(explored, name):
     recording, _ = explored(

@@ -20,9 +20,9 @@ Pose = tuple[float, float, float]
 NodeName = tuple[int, int]
 """The robot that made a node, and the node's serial number among that robot's."""
 
-Stage = Literal["root", "draw", "approach", "complete", "coordinate", "scan"]
+Stage = Literal["root", "draw", "approach", "complete", "coordinate", "passed", "scan"]
 """How a node's place was found: by a stage of the planner, or by a master that organised; or
-that it is where a robot took a scan on its way."""
+that it is where a robot took a scan on its way, of the SRT family or bidding for frontiers."""
 
 Purpose = Literal["explore", "support", "home", "give way"]
 """Why a robot moves."""
@@ -71,9 +71,10 @@ class NodeAdded(Event, frozen=True, kw_only=True, tag="node"):
         The node that the robot came from; None at a root.
     configuration : (x, y, heading)
         Where the scan was taken.
-    stage : {"root", "draw", "approach", "complete", "coordinate", "scan"}
+    stage : {"root", "draw", "approach", "complete", "coordinate", "passed", "scan"}
         How the place was found; `coordinate`: by a master, or where a protective stop ended a
-        motion; `scan`: not chosen, but passed while driving to a goal, or the goal itself.
+        motion; `passed`: not chosen, but on the way to a place that was; `scan`: where a robot
+        that bids for frontiers looked round.
     boundary : tuple of (x, y)
         The local safe region, counter-clockwise, not closed.
     tags : str

@@ -10,7 +10,7 @@ from collections.abc import Callable, Generator
 from dataclasses import replace
 from typing import Literal, cast
 
-from multisrt.events import Decision
+from multisrt.events import Decision, Purpose
 from multisrt.exploration_map import NodeId
 from multisrt.explorer import Action, Look, Move, Moved, Note, Outcome, Sense, Sighting
 from multisrt.geometry.frontier_arcs import total_length
@@ -287,11 +287,29 @@ def stand_aside(robot: SrtRobot) -> Steps:
 
 
 def follow(robot: SrtRobot, step: Step) -> Generator[Action, Outcome, Moved]:
-    """Drive, listening."""
+    """Drive, listening; on the way to a new place also looking round, where that is wanted."""
+    whole, began_s = step.motion, robot.time_s
+    sections = [whole]
+    if robot.options.sense == "moving" and step.node is None:
+        sections = whole.sections(robot.options.sense_period_s)
+    for number, section in enumerate(sections):
+        if number:
+            region = yield from perceive(robot)
+            yield from robot.add_passing(region, step, whole.until(robot.time_s - began_s))
+        moved = yield from drive(robot, section, step.purpose or robot.purpose)
+        if moved.blocked_by is not None:
+            break
+    return moved
+
+
+def drive(
+    robot: SrtRobot, motion: Trajectory, purpose: Purpose
+) -> Generator[Action, Outcome, Moved]:
+    """Make a motion, listening."""
     alone = robot.team.is_alone
     outcome = yield Move(
-        trajectory=step.motion,
-        purpose=step.purpose or robot.purpose,
+        trajectory=motion,
+        purpose=purpose,
         guard_m=None if alone else robot.options.guard_m,
         listen=not alone,
     )
@@ -321,7 +339,7 @@ def stop_here(robot: SrtRobot, step: Step, moved: Moved) -> Steps:
         if robot.can_reverse or moved.blocked_by is None:
             break
         yield from team.pause(robot.options.pause_s * (0.25 + 0.75 * robot.me.rng.random()))
-        motion = _rest_of(whole, driven_s)
+        motion = whole.after(driven_s)
         team.path, team.arrival_s = path_of(motion), robot.time_s + motion.duration_s
         yield from team.announce("moving")
         began_s = robot.time_s
@@ -337,10 +355,6 @@ def stop_here(robot: SrtRobot, step: Step, moved: Moved) -> Steps:
         back = driven.reversed() if robot.is_car else None
         robot.came = replace(step, way=OutAndBack(driven, back), stage="coordinate")
         robot.here = None
-
-
-def _rest_of(motion: Trajectory, after_s: float) -> Trajectory:
-    return motion.reversed().until(motion.duration_s - after_s).reversed()
 
 
 def place_of(robot: SrtRobot, target: Target | None) -> tuple[float, float] | None:

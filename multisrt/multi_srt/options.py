@@ -33,6 +33,11 @@ class MultiSrtOptions(SrtOptions, frozen=True, kw_only=True, forbid_unknown_fiel
     silence_timeout_s : float or None
         A robot that does not answer for so long is taken as lost; None: as long as it takes
         until so many answers in a row would hardly be lost by the radio alone.
+    sense : {"targets", "moving"}
+        Whether the range finder looks round at targets only, as in the paper, or also on the way
+        to new places.
+    sense_period_s : float
+        How often it does so on the way.
     pause_s : float
         Robots that could not be let go try again after up to this time, each its own.
     """
@@ -44,11 +49,13 @@ class MultiSrtOptions(SrtOptions, frozen=True, kw_only=True, forbid_unknown_fiel
     take_over_after_s: float = 120.0
     ask_period_s: float = 0.5
     silence_timeout_s: float | None = None
+    sense: Literal["targets", "moving"] = "targets"
+    sense_period_s: float = 2.0
     pause_s: float = 2.0
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        for name in ("guard_m", "take_over_after_s", "ask_period_s", "pause_s"):
+        for name in ("guard_m", "take_over_after_s", "ask_period_s", "sense_period_s", "pause_s"):
             if not 0.0 < getattr(self, name) < math.inf:
                 raise InvalidInputError(f"{name} is {getattr(self, name)}; it must be positive")
         for name in ("support_m", "silence_timeout_s"):

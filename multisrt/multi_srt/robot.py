@@ -226,6 +226,21 @@ class SrtRobot:
         yield Note(node.added("root" if came is None else came.stage))
         yield from self.tell_when_complete()
 
+    def add_passing(self, region: LocalSafeRegion, step: Step, driven: Trajectory) -> Steps:
+        """Add a node where the robot looks round on its way to a new place, and goes on."""
+        node = Node(
+            id=NodeId(self.me.robot, self._serial),
+            configuration=self.q_act,
+            region=region,
+            parent=step.parent,
+            time_s=self.time_s,
+        )
+        self._serial += 1
+        self.map.add(node)
+        back = driven.reversed() if self.is_car and self.can_reverse else None
+        self.ways.add(node, OutAndBack(driven, back), step.roomy)
+        yield Note(node.added("passed"))
+
     def close(self, node: NodeId, arc: FloatArray, reason: GivenUp) -> Steps:
         """Give up a frontier arc, and remember why."""
         self.map.close(

@@ -100,6 +100,25 @@ class Trajectory:
         last = leg_pose(a, b, (time_s - a.time_s) / (b.time_s - a.time_s))
         return Trajectory((*kept, Waypoint(time_s, *last)))
 
+    def sections(self, duration_s: float) -> list[Trajectory]:
+        """Cut the motion into sections that last so long, but for the last."""
+        found, rest = [], self
+        while rest.duration_s > duration_s * (1.0 + 1e-9):
+            found.append(rest.until(duration_s))
+            rest = rest.after(duration_s)
+        return [*found, rest]
+
+    def after(self, time_s: float) -> Trajectory:
+        """Give what is left of the motion from a time on."""
+        first = self.until(time_s).waypoints[-1]
+        left = (w for w in self.waypoints if w.time_s > time_s)
+        return Trajectory(
+            (
+                Waypoint(0.0, *first[1:]),
+                *(Waypoint(w.time_s - time_s, *w[1:]) for w in left),
+            )
+        )
+
     def then(self, other: Trajectory) -> Trajectory:
         """Join another motion that begins where this one ends."""
         last, first = self.waypoints[-1], other.waypoints[0]

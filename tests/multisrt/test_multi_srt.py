@@ -6,6 +6,7 @@ import signal
 from contextlib import contextmanager
 from functools import cache
 
+import msgspec
 import numpy as np
 import pytest
 import shapely
@@ -155,6 +156,25 @@ def test_a_team_without_trouble_completes_its_map(strategy, name, count):
     free = world(name).free
     assert known.intersection(free).area > 0.97 * free.area
     assert known.difference(free.buffer(1e-6)).area < 1e-3
+
+
+@pytest.mark.parametrize("count", [1, 3])
+def test_scans_on_the_way_become_nodes_between_places(count):
+    sensing = {"sense": "moving", "sense_period_s": 1.0}
+    spec = spec_of(next(iter(WORLDS)), count, seed=1, strategy="srt-radial", options=sensing)
+    recording = explore(spec)
+    check_end(recording, spec)
+    assert recording.footer.outcome == "complete"
+    passed = [node for node in events(recording, NodeAdded) if node.stage == "passed"]
+    assert len(passed) > 10
+    motions = {(e.robot, *e.waypoints[-1]) for e in events(recording, Motion)}
+    for node in passed:
+        assert any(
+            robot == node.robot and math.dist((x, y), node.configuration[:2]) < 1e-9
+            for robot, _, x, y, _ in motions
+        )
+    at_targets = explore(msgspec.structs.replace(spec, options={}))
+    assert not [node for node in events(at_targets, NodeAdded) if node.stage == "passed"]
 
 
 def test_robots_that_nobody_is_near_to_do_as_if_they_were_alone():

@@ -37,6 +37,22 @@ def test_duration_length_and_ends():
     assert CORNER.end == Configuration(3.0, 2.0, math.pi / 2)
 
 
+@given(st.floats(0.3, 9.0))
+def test_sections_are_the_motion_piece_by_piece(duration_s):
+    sections = CORNER.sections(duration_s)
+    assert math.fsum(section.duration_s for section in sections) == pytest.approx(7.0)
+    assert all(s.duration_s == pytest.approx(duration_s) for s in sections[:-1])
+    assert sections[-1].duration_s <= duration_s * (1.0 + 1e-6)
+    begun = 0.0
+    for section in sections:
+        assert section.waypoints[0].time_s == 0.0
+        middle = 0.5 * section.duration_s
+        assert section.at(middle) == pytest.approx(CORNER.at(begun + middle))
+        begun += section.duration_s
+    assert CORNER.after(2.0).start == CORNER.at(2.0)
+    assert CORNER.after(2.0).end == CORNER.end
+
+
 @pytest.mark.parametrize(
     ("time_s", "expected"),
     [

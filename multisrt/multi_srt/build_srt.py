@@ -253,7 +253,7 @@ def move_to(robot: SrtRobot, step: Step | None) -> Steps:
         team.path, team.frontier_m = (), 0.0
         yield from team.announce("waiting")
         if not any(team.states[n].phase == "moving" for n, _ in team.key if n != team.number):
-            yield from team.pause(robot.options.pause_s * (0.25 + 0.75 * robot.me.rng.random()))
+            yield from pause_a_while(robot)
         return
     robot.came = step
     robot.target = step.rest
@@ -275,6 +275,11 @@ def move_to(robot: SrtRobot, step: Step | None) -> Steps:
     if step.purpose == "give way":
         yield from stand_aside(robot)
     yield from team.begin_step()
+
+
+def pause_a_while(robot: SrtRobot) -> Steps:
+    """Let a time of the robot's own pass, so that the same robots do not try the same again."""
+    yield from robot.team.pause(robot.options.pause_s * (0.25 + 0.75 * robot.me.rng.random()))
 
 
 def stand_aside(robot: SrtRobot) -> Steps:
@@ -338,7 +343,7 @@ def stop_here(robot: SrtRobot, step: Step, moved: Moved) -> Steps:
             robot.notice((moved.blocked_by,))
         if robot.can_reverse or moved.blocked_by is None:
             break
-        yield from team.pause(robot.options.pause_s * (0.25 + 0.75 * robot.me.rng.random()))
+        yield from pause_a_while(robot)
         motion = whole.after(driven_s)
         team.path, team.arrival_s = path_of(motion), robot.time_s + motion.duration_s
         yield from team.announce("moving")
@@ -355,6 +360,11 @@ def stop_here(robot: SrtRobot, step: Step, moved: Moved) -> Steps:
         back = driven.reversed() if robot.is_car else None
         robot.came = replace(step, way=OutAndBack(driven, back), stage="coordinate")
         robot.here = None
+        return
+    # Who could not even begin lets some time pass, and plans around whoever stands there.
+    robot.avoided[moved.blocked_by.robot] = moved.blocked_by
+    yield from team.rest()
+    yield from pause_a_while(robot)
 
 
 def place_of(robot: SrtRobot, target: Target | None) -> tuple[float, float] | None:

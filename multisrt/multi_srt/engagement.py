@@ -174,16 +174,16 @@ def _go_on_without(robot: SrtRobot, late: list[int]) -> None:
 
 
 def _disputed(robot: SrtRobot, pending: list[int]) -> list[int]:
-    # Members that those who are waited for leave out: one that stands idle may be dead.
-    key = [number for number, _ in robot.team.key]
-    keys = [robot.team.states[number].key for number in pending]
-    theirs = [{number for number, _ in other} for other in keys if other]
+    # Members that those who are waited for leave out, or of whom they know another step: one
+    # that stands idle may be dead, or have given way while this robot was out of reach.
+    keys = [dict(robot.team.states[number].key) for number in pending]
+    theirs = [other for other in keys if other]
     return [
         number
-        for number in key
+        for number, step in robot.team.key
         if number != robot.team.number
         and number not in pending
-        and any(number not in other for other in theirs)
+        and any(other.get(number) != step for other in theirs)
     ]
 
 

@@ -4,6 +4,7 @@ import itertools
 import math
 from collections import defaultdict
 
+import msgspec
 import numpy as np
 import pytest
 import shapely
@@ -15,12 +16,16 @@ from scipy.sparse.csgraph import connected_components
 from multisrt.environments.catalog import environment
 from multisrt.environments.environment import Environment
 from multisrt.events import Coordinated, Decision
+from multisrt.explorer import Receive, RobotSelf, Send, TimedOut
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.edge_index import EdgeIndex
+from multisrt.geometry.footprint import Footprint
 from multisrt.geometry.safe_region import local_safe_region
 from multisrt.geometry.scan import take_scan
-from multisrt.multi_srt.engagement import are_coupled, group_of, regions_overlap
+from multisrt.multi_srt.engagement import are_coupled, build_ger, group_of, regions_overlap
 from multisrt.multi_srt.messages import RobotState
+from multisrt.multi_srt.options import MultiSrtOptions
+from multisrt.multi_srt.robot import SrtRobot
 from multisrt.planners.motion.kinematics import Differential
 from multisrt.simulation import simulate
 from multisrt.spec import RobotSpec, RunSpec, StopRule, inline
@@ -256,3 +261,40 @@ def test_members_that_are_coordinated_together_name_the_same_group_and_master(se
             assert sorted(event.feasible + event.unfeasible) == list(event.ger)
             assert event.unfeasible
             assert event.master in event.ger
+
+
+def member(number: int, *, step: int, key=(), phase="idle") -> RobotState:
+    """A robot that stands two metres from the last."""
+    standing = state(number, [(2.0 * number, 0.0)])
+    return msgspec.structs.replace(standing, step=step, key=key, phase=phase)
+
+
+@pytest.mark.parametrize("theirs", [((0, 0), (1, 3), (2, 5)), ((0, 0), (1, 3))])
+def test_a_member_whom_others_name_otherwise_is_asked_itself(theirs):
+    # The second waits with another group: it has left out the third, which stands idle, or it
+    # knows of a step that the third made meanwhile. Only the third can tell.
+    me = RobotSelf(
+        robot=0,
+        start=Configuration(0.0, 0.0, 0.0),
+        footprint=Footprint.parse("disc:0.25"),
+        kinematics=Differential(),
+        range_m=4.0,
+        rng=np.random.default_rng(0),
+        team=3,
+    )
+    robot = SrtRobot(me, "star", MultiSrtOptions())
+    team = robot.team
+    team.states[1] = member(1, step=3, key=theirs, phase="perceived")
+    team.states[2] = member(2, step=4)
+    gpr = team.gpr()
+    assert gpr == (0, 1, 2)
+    team.key = team.key_of(gpr)
+    meeting, outcome, asked = build_ger(robot, gpr), None, ()
+    while not asked:
+        action = meeting.send(outcome)
+        outcome = None
+        if isinstance(action, Send):
+            asked = action.message.asked
+        elif isinstance(action, Receive):
+            outcome = TimedOut(robot.time_s + action.timeout_s)
+    assert asked == (1, 2)

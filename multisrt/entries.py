@@ -150,12 +150,13 @@ class EntriesMessage(Message, frozen=True, kw_only=True):
 class Entries:
     """All nodes and closings that a robot knows, by their ids and by their makers."""
 
-    __slots__ = ("_makers", "closings", "nodes")
+    __slots__ = ("_have", "_makers", "closings", "nodes")
 
     def __init__(self) -> None:
         self.nodes: dict[NodeId, Node] = {}
         self.closings: dict[ClosingId, Closing] = {}
         self._makers: dict[int, tuple[_Numbers, _Numbers]] = {}
+        self._have: dict[int, tuple[int, int]] | None = None
 
     def add_node(self, node: Node) -> bool:
         """Take in a node; tell whether it was new."""
@@ -174,11 +175,16 @@ class Entries:
         return True
 
     def have(self) -> dict[int, tuple[int, int]]:
-        """Give, by robot, of how many nodes and closings there is no gap, in rising order."""
-        return {
-            robot: (nodes.count, closings.count)
-            for robot, (nodes, closings) in sorted(self._makers.items())
-        }
+        """Give, by robot, of how many nodes and closings there is no gap, in rising order.
+
+        It is asked for with every message: it is made anew only when something came in.
+        """
+        if self._have is None:
+            self._have = {
+                robot: (nodes.count, closings.count)
+                for robot, (nodes, closings) in sorted(self._makers.items())
+            }
+        return self._have
 
     def lacks(self, theirs: Have) -> Iterator[Entry]:
         """Give what is known beyond such counts, by robot, nodes first, by number."""
@@ -191,13 +197,15 @@ class Entries:
 
     def more_than(self, theirs: Have) -> bool:
         """Whether anything is known beyond such counts."""
-        for robot, numbers in self._makers.items():
-            counts = theirs.get(robot, (0, 0))
-            if any(known.end > count for known, count in zip(numbers, counts, strict=True)):
+        for robot, (nodes, closings) in self._makers.items():
+            node_count, closing_count = theirs.get(robot, (0, 0))
+            if nodes.end > node_count or closings.end > closing_count:
                 return True
         return False
 
     def _numbers(self, robot: int) -> tuple[_Numbers, _Numbers]:
+        # To add to.
+        self._have = None
         numbers = self._makers.get(robot)
         if numbers is None:
             numbers = self._makers[robot] = _Numbers(), _Numbers()

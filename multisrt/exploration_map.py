@@ -14,6 +14,7 @@ from shapely.geometry.base import BaseGeometry
 
 from multisrt.entries import Closing, ClosingId, Entries, Entry, Have, Node, NodeId
 from multisrt.geometry.arc_pieces import apart_from, common_pieces, in_long_arcs
+from multisrt.geometry.boxes import boxes_meeting
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.frontier_arcs import (
     OUTWARD_M,
@@ -333,7 +334,7 @@ class ExplorationMap:
         """Unite the regions of all nodes inside a square window around a place."""
         window = (x - half_width_m, y - half_width_m, x + half_width_m, y + half_width_m)
         near = self._places.within(x, y, math.sqrt(2.0) * half_width_m + self._reach)
-        near = near[_overlap(self._boxes[near], window)]
+        near = near[boxes_meeting(self._boxes[near], np.zeros(len(near)), window)]
         near = np.array(sorted(near.tolist(), key=self._ids.__getitem__), np.int64)
         polygons = self._polygons(near)
         return shapely.union_all(shapely.intersection(polygons, shapely.box(*window)))
@@ -522,14 +523,6 @@ class ExplorationMap:
         kept: FloatArray = arcs[(lengths >= self._shortest_arc - ROUNDING_M)[labels]]
         kept.setflags(write=False)
         return kept
-
-
-def _overlap(boxes: FloatArray, window: Box) -> BoolArray:
-    # Which boxes have something in common with a window, its border included.
-    x0, y0, x1, y1 = window
-    common: BoolArray = (boxes[:, 0] <= x1) & (boxes[:, 2] >= x0)
-    common &= (boxes[:, 1] <= y1) & (boxes[:, 3] >= y0)
-    return common
 
 
 def _grown(array: Array, length: int) -> Array:

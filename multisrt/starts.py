@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from functools import lru_cache
 
 import numpy as np
 import shapely
@@ -79,6 +80,20 @@ def starts_of(spec: RunSpec, environment: Environment) -> tuple[Configuration, .
     ordered = tuple(starts[number] for number in range(len(footprints)))
     _require_turning_circles(spec, environment, footprints, ordered[0])
     return ordered
+
+
+def drawn_start(
+    environment: Environment, footprint: Footprint, rng: RandomGenerator
+) -> Configuration:
+    """Draw a place, uniformly where a body has room in any heading, and a heading.
+
+    Raises
+    ------
+    InvalidInputError
+        If it fits nowhere.
+    """
+    place = _drawn_place(_largest_room(environment, environment.free, footprint), rng)
+    return Configuration(place.x, place.y, float(rng.uniform(-math.pi, math.pi)))
 
 
 # What is asked of starts --------------------------------------------------------------------
@@ -174,7 +189,7 @@ def _alone(spec: RunSpec, environment: Environment, footprint: Footprint) -> Con
         start = Configuration(*environment.starts[0])
     else:
         area = _largest_room(environment, environment.free, footprint)
-        start = _drawn_start(area, random_stream(spec.seed, "starts", 0))
+        start = _drawn_place(area, random_stream(spec.seed, "starts", 0))
     _require_fit(environment, footprint, start)
     return start
 
@@ -196,7 +211,7 @@ def _roomy(free: BaseGeometry, radius: float) -> BaseGeometry:
     return free.buffer(-1.1 * radius)
 
 
-def _drawn_start(area: Polygon, rng: RandomGenerator) -> Configuration:
+def _drawn_place(area: Polygon, rng: RandomGenerator) -> Configuration:
     shapely.prepare(area)
     x0, y0, x1, y1 = area.bounds
     while True:
@@ -215,23 +230,21 @@ def _scatter(
     footprints: list[Footprint],
     starts: dict[int, Configuration],
 ) -> None:
-    rooms: dict[float, _Room] = {}
     for number, footprint in enumerate(footprints):
         if number in starts:
             continue
         radius = footprint.circumscribed_radius_m
-        if radius not in rooms:
-            rooms[radius] = _Room(_largest_room(environment, component, footprint))
+        room = _room(environment, component, footprint)
         others = np.array([starts[other][:2] for other in starts]).reshape(-1, 2)
         needed = np.array(
             [radius + GAP_M + footprints[other].circumscribed_radius_m for other in starts]
         )
         rng = random_stream(spec.seed, "starts", number)
-        place = _farthest(rooms[radius].draw(rng), others, needed)
+        place = _farthest(room.draw(rng), others, needed)
         if place is None:
             # It takes luck to hit what is left free, unless nothing else is drawn from.
             taken = shapely.union_all(shapely.buffer(shapely.points(others), needed))
-            left = _Room(rooms[radius].area.difference(taken))
+            left = _Room(room.area.difference(taken))
             place = _farthest(left.draw(rng), others, needed) if left.is_open else None
         if place is None:
             raise _does_not_fit(environment, len(starts), len(footprints))
@@ -274,6 +287,12 @@ class _Room:
         u, v = np.where(beyond, 1.0 - u, u), np.where(beyond, 1.0 - v, v)
         places: FloatArray = a + u[:, None] * (b - a) + v[:, None] * (c - a)
         return places
+
+
+@lru_cache(maxsize=16)
+def _room(environment: Environment, component: Polygon, footprint: Footprint) -> _Room:
+    # Many runs in one world divide it once.
+    return _Room(_largest_room(environment, component, footprint))
 
 
 # A clustered team ---------------------------------------------------------------------------

@@ -17,6 +17,7 @@ from typing import Literal
 import numpy as np
 import shapely
 
+from multisrt.geometry.boxes import boxes_meeting
 from multisrt.geometry.collision import RESOLUTION_M, Body, body_distance, first_contact_between
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.edge_index import EdgeIndex
@@ -237,11 +238,8 @@ class Traffic:
         # The others whose courses come into a box that is widened by the slack of each.
         if len(self._courses) == 1:
             return []
-        x0, y0, x1, y1 = self._boxes.T
-        near = (x0 <= box[2] + slack) & (x1 >= box[0] - slack)
-        near &= (y0 <= box[3] + slack) & (y1 >= box[1] - slack)
-        near[robot] = False
-        return [int(other) for other in np.flatnonzero(near)]
+        near: list[int] = boxes_meeting(self._boxes, slack, box).tolist()
+        return [other for other in near if other != robot]
 
     def _distance(self, robot: int, other: int, time_s: float) -> float:
         return body_distance(

@@ -1,0 +1,43 @@
+"""Axis-parallel boxes ``(x0, y0, x1, y1)``: which of many meet one."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from multisrt.geometry.kernel import FloatArray, IntArray, kernel
+
+
+@kernel
+def boxes_meeting(
+    boxes: FloatArray, slacks: FloatArray, box: tuple[float, float, float, float]
+) -> IntArray:
+    """Find the boxes that have something in common with one, borders included.
+
+    Parameters
+    ----------
+    boxes : (n, 4) array
+        Which are asked.
+    slacks : (n,) array
+        By how much each is widened on all sides.
+    box : (x0, y0, x1, y1)
+        The one.
+
+    Returns
+    -------
+    (m,) array of int
+        Their indices, rising.
+    """
+    x0, y0, x1, y1 = box
+    found = np.empty(boxes.shape[0], np.int64)
+    count = 0
+    for k in range(boxes.shape[0]):
+        slack = slacks[k]
+        if (
+            boxes[k, 0] <= x1 + slack
+            and boxes[k, 2] >= x0 - slack
+            and boxes[k, 1] <= y1 + slack
+            and boxes[k, 3] >= y0 - slack
+        ):
+            found[count] = k
+            count += 1
+    return found[:count]

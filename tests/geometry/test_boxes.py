@@ -1,0 +1,29 @@
+"""Boxes that meet a box, against shapely."""
+
+import numpy as np
+import shapely
+from hypothesis import given
+from hypothesis import strategies as st
+
+from multisrt.geometry.boxes import boxes_meeting
+
+# On quarters, so that borders touch often and nothing is rounded.
+numbers = st.integers(-20, 20).map(lambda n: n / 4.0)
+sizes = st.integers(0, 12).map(lambda n: n / 4.0)
+boxes = st.tuples(numbers, numbers, sizes, sizes).map(
+    lambda b: (b[0], b[1], b[0] + b[2], b[1] + b[3])
+)
+
+
+@given(st.lists(st.tuples(boxes, sizes), max_size=12), boxes)
+def test_boxes_meet_where_shapely_says_so(many, one):
+    given_boxes = np.array([box for box, _ in many]).reshape(-1, 4)
+    slacks = np.array([slack for _, slack in many])
+    expected = [
+        k
+        for k, ((x0, y0, x1, y1), slack) in enumerate(many)
+        if shapely.intersects(
+            shapely.box(x0 - slack, y0 - slack, x1 + slack, y1 + slack), shapely.box(*one)
+        )
+    ]
+    assert boxes_meeting(given_boxes, slacks, one).tolist() == expected

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from bisect import bisect_left
 from collections import defaultdict
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -65,6 +66,16 @@ class CoverageMeter:
     def time_to(self, share: float) -> float | None:
         """When a share was covered; None if it never was."""
         return next((time for time, covered in self.steps if covered >= share), None)
+
+    def times_by_percent(self) -> tuple[float | None, ...]:
+        """When each percent was covered, from 0 to 100; None if it never was."""
+        times, shares = [0.0], [0.0]
+        for time, share in self.steps:
+            times.append(time)
+            shares.append(share)
+        # Coverage never falls.
+        first = (bisect_left(shares, percent / 100) for percent in range(101))
+        return tuple(times[k] if k < len(times) else None for k in first)
 
     def integral_of_rest(self, end_s: float) -> float:
         """Time integral of the share not yet covered, from 0 to an end."""

@@ -158,7 +158,8 @@ class GoalChosen(Event, frozen=True, kw_only=True, tag="goal_chosen"):
         How far each of these robots has to each target; None: it cannot get there, or that did
         not need to be worked out.
     ranks : tuple of rows
-        `minpos`: how many robots are nearer to each target.
+        `minpos`: how many robots are nearer to each target; None where it was not counted. This
+        robot's own are counted up to the lowest so far.
     rounds : tuple of (robot, target, utility, share)
         `utility` and `greedy`: who got which target, in this order; what its utility was; and
         how far it was, as a share of the longest way.
@@ -177,7 +178,7 @@ class GoalChosen(Event, frozen=True, kw_only=True, tag="goal_chosen"):
     frontiers: tuple[Point, ...] = ()
     robots: tuple[int, ...] = ()
     costs: tuple[tuple[float | None, ...], ...] = ()
-    ranks: tuple[tuple[int, ...], ...] = ()
+    ranks: tuple[tuple[int | None, ...], ...] = ()
     rounds: tuple[tuple[int, int, float, float], ...] = ()
     bids: tuple[tuple[float | None, ...], ...] = ()
     phi_m: tuple[float, ...] = ()

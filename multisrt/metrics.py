@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Iterable
+from typing import Any, TypeVar
 
 import msgspec
 import numpy as np
@@ -19,12 +20,14 @@ from multisrt.closeness import (
 from multisrt.coverage import CoverageMeter, team_areas
 from multisrt.environments.environment import Environment
 from multisrt.events import (
+    AnyEvent,
     ArcClosed,
     Blocked,
     Collision,
     Decision,
     Died,
     Ended,
+    Event,
     Joined,
     MapComplete,
     NodeAdded,
@@ -33,13 +36,17 @@ from multisrt.events import (
 )
 from multisrt.explorable import Explorable
 from multisrt.geometry.configuration import Configuration
-from multisrt.isolation import area_known_to_one, team_isolation
+from multisrt.isolation import team_isolation
+from multisrt.known_area import area_known_to_one
 from multisrt.recording import Recording, RunOutcome
 from multisrt.remaining_frontier import remaining_frontier
 from multisrt.spec import LateStart, RunSpec
 
 THRESHOLDS = (0.90, 0.95, 0.99)
 """Shares of the explorable area whose times are reported: no two papers agree on one."""
+
+
+EventT = TypeVar("EventT", bound=Event)
 
 
 class Metrics(msgspec.Struct, frozen=True, kw_only=True):
@@ -213,13 +220,26 @@ def measure(recording: Recording, environment: Environment | None = None) -> Met
     environment : Environment, optional
         The world, if it is at hand already; else it is taken from the recording.
     """
+    return measure_with_curve(recording, environment)[0]
+
+
+def measure_with_curve(
+    recording: Recording, environment: Environment | None = None
+) -> tuple[Metrics, tuple[float | None, ...]]:
+    """Measure a run as `measure` does, and how its coverage grew.
+
+    Returns
+    -------
+    metrics : Metrics
+        What is measured.
+    covered_at_s : tuple of (float or None)
+        When each percent of the explorable area was covered, from 0 to 100; None if it never was.
+    """
     if environment is None:
         environment = recording.environment()
-    spec, events, end = recording.spec, recording.events, recording.footer.time_s
-    nodes = [event for event in events if isinstance(event, NodeAdded)]
-    closed = [event for event in events if isinstance(event, ArcClosed)]
-    organized = [event for event in events if isinstance(event, Organized)]
-    sent = [event for event in events if isinstance(event, Sent)]
+    spec, end = recording.spec, recording.footer.time_s
+    events = _Events(recording.events)
+    nodes, sent, organized = events.of(NodeAdded), events.of(Sent), events.of(Organized)
     left = [s for segments in remaining_frontier(recording).values() for s in segments]
     motions = motions_by_robot(recording)
     distances = [math.fsum(map(path_length, motions[robot])) for robot in range(len(spec.robots))]
@@ -234,11 +254,9 @@ def measure(recording: Recording, environment: Environment | None = None) -> Met
     known = area_known_to_one(recording, cell_m=coverage.explorable.raster.cell_m)
     reach, sweep = lower_bounds(spec, coverage.explorable, recording.starts)
     times = {share: coverage.time_to(share) for share in THRESHOLDS}
-    return Metrics(
+    metrics = Metrics(
         outcome=recording.footer.outcome,
-        exploration_time_s=min(
-            (event.time_s for event in events if isinstance(event, MapComplete)), default=None
-        ),
+        exploration_time_s=min((event.time_s for event in events.of(MapComplete)), default=None),
         makespan_s=end,
         total_distance_m=math.fsum(distances),
         distance_by_robot_m=tuple(distances),
@@ -269,26 +287,27 @@ def measure(recording: Recording, environment: Environment | None = None) -> Met
         nodes=len(nodes),
         nodes_by_robot=tuple(made[robot] for robot in range(len(spec.robots))),
         nodes_by_stage=_counts(node.stage for node in nodes),
-        decisions=sum(isinstance(event, Decision) for event in events),
+        decisions=len(events.of(Decision)),
         coordinations=len(organized),
         deadlocks=sum(event.deadlock for event in organized),
-        protective_stops=sum(isinstance(event, Blocked) for event in events),
-        deaths=sum(isinstance(event, Died) for event in events),
+        protective_stops=len(events.of(Blocked)),
+        deaths=len(events.of(Died)),
         messages=len(sent),
         deliveries=sum(len(event.reached) for event in sent),
         lost_deliveries=sum(len(event.lost) for event in sent),
         bytes_sent=sum(event.size_bytes for event in sent),
         messages_by_kind=_counts(event.kind for event in sent),
         bytes_by_kind=_sums((event.kind, event.size_bytes) for event in sent),
-        arcs_closed=_counts(event.reason for event in closed),
+        arcs_closed=_counts(event.reason for event in events.of(ArcClosed)),
         frontier_left_m=math.fsum(math.hypot(x1 - x0, y1 - y0) for x0, y0, x1, y1 in left),
-        collisions=sum(isinstance(event, Collision) for event in events),
+        collisions=len(events.of(Collision)),
         smallest_clearance_m=smallest_clearance(recording, environment),
         smallest_distance_between_robots_m=smallest_distance_between_robots(recording),
         lower_bound_s=max(reach, sweep),
         lower_bound_reach_s=reach,
         lower_bound_area_s=sweep,
     )
+    return metrics, coverage.times_by_percent()
 
 
 def lower_bounds(
@@ -346,6 +365,19 @@ def waiting_times(recording: Recording) -> tuple[float, ...]:
         )
         waited.append(max(0.0, until - since - moving) if since < until else 0.0)
     return tuple(waited)
+
+
+class _Events:
+    """A run's events by their kinds, which are many times fewer than the events."""
+
+    def __init__(self, events: Iterable[AnyEvent]) -> None:
+        self._by_kind: dict[type, list[Any]] = defaultdict(list)
+        for event in events:
+            self._by_kind[type(event)].append(event)
+
+    def of(self, kind: type[EventT]) -> list[EventT]:
+        """Give those of a kind, in order."""
+        return self._by_kind.get(kind, [])
 
 
 def _sums(sizes: Iterable[tuple[str, int]]) -> dict[str, int]:

@@ -235,7 +235,7 @@ class _BidStory:
         if choice.ranks:
             yield "how far each robot has (m), and how many robots are nearer than it"
             for robot, costs, ranks in zip(choice.robots, choice.costs, choice.ranks, strict=True):
-                cells = [f"{_metres(costs[k])} ({ranks[k]})" for k in shown]
+                cells = [_metres(costs[k]) + _rank(ranks[k]) for k in shown]
                 yield self._row(self._name(robot), cells)
             return
         yield (
@@ -298,6 +298,10 @@ class _BidStory:
 
 def _because(choice: GoalChosen) -> str:
     return BECAUSE.get(choice.because, choice.because)
+
+
+def _rank(rank: int | None) -> str:
+    return "" if rank is None else f" ({rank})"
 
 
 def _metres(value: float | None) -> str:

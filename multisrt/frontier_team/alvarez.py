@@ -37,7 +37,7 @@ from multisrt.frontier_team.alvarez_goals import (
     way_cost,
     way_to,
 )
-from multisrt.frontier_team.driving import REACHED_M, Reason, carry_out, drive
+from multisrt.frontier_team.driving import REACHED_M, Reason, drive, drive_leg
 from multisrt.frontier_team.explore import FrontierExplorer
 from multisrt.frontier_team.messages import InaccessibleMessage, SwapMessage
 from multisrt.frontier_team.options import RulesOptions
@@ -47,7 +47,7 @@ from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.kernel import FloatArray
 from multisrt.planners.assignment.closest import closest
 from multisrt.planners.assignment.rules import GoalChoice, exchange
-from multisrt.planners.navigation.path_following import ahead, follow
+from multisrt.planners.navigation.path_following import ahead
 from multisrt.planners.navigation.right_of_way import Party, right_of_way
 
 SCORES_KEPT = 10
@@ -182,14 +182,9 @@ class Rules:
                     continue
                 if (yield from self.swaps(robot)):
                     return "interrupted"
-            motion = follow(robot.body, robot.me.kinematics, robot.boundary, robot.at, path)
-            if motion is None:
-                return "no way"
-            leg = motion.until(robot.options.sense_period_s)
-            moved = yield from carry_out(robot, leg, "explore")
-            yield from robot.perceive(maps=robot.options.sense == "moving")
-            if moved.blocked_by is not None:
-                return moved.blocked_by
+            ended = yield from drive_leg(robot, path, "explore")
+            if ended is not None:
+                return ended
 
     def reason_to_end(self, robot: FrontierRobot, goal: Goal, aim: Place | None) -> Reason | None:
         """Whether there is a reason not to drive on."""

@@ -9,6 +9,7 @@ from typing import Literal
 from multisrt.events import Purpose
 from multisrt.explorer import Action, Move, Moved, Outcome, Sighting, Stop
 from multisrt.frontier_team.robot import FrontierRobot, Goal
+from multisrt.geometry.kernel import FloatArray
 from multisrt.planners.motion.trajectory import Trajectory
 from multisrt.planners.navigation.path_following import ahead, follow
 
@@ -40,13 +41,27 @@ def drive(
         if reason is not None:
             return reason
         path = ahead(path, robot.at)
-        motion = follow(robot.body, robot.me.kinematics, robot.boundary, robot.at, path)
-        if motion is None:
-            return "no way"
-        moved = yield from carry_out(robot, motion.until(robot.options.sense_period_s), purpose)
-        yield from robot.perceive(maps=robot.options.sense == "moving")
-        if moved.blocked_by is not None:
-            return moved.blocked_by
+        ended = yield from drive_leg(robot, path, purpose)
+        if ended is not None:
+            return ended
+
+
+def drive_leg(
+    robot: FrontierRobot, path: FloatArray, purpose: Purpose
+) -> Generator[Action, Outcome, Reason | Sighting | None]:
+    """Follow a path until the next look round, and look.
+
+    Returns
+    -------
+    Reason or Sighting or None
+        Why driving ended there, as `drive` has it; None: the way goes on.
+    """
+    motion = follow(robot.body, robot.me.kinematics, robot.boundary, robot.at, path)
+    if motion is None:
+        return "no way"
+    moved = yield from carry_out(robot, motion.until(robot.options.sense_period_s), purpose)
+    yield from robot.perceive(maps=robot.options.sense == "moving")
+    return moved.blocked_by
 
 
 def carry_out(

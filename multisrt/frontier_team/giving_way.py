@@ -16,7 +16,7 @@ from multisrt.events import TakenAsLost
 from multisrt.explorer import Action, Note, Outcome, Send, Sighting
 from multisrt.frontier_team.driving import REACHED_M, drive
 from multisrt.frontier_team.messages import GiveWayMessage
-from multisrt.frontier_team.robot import FrontierRobot, Goal, has_moved
+from multisrt.frontier_team.robot import BodyInTheWay, FrontierRobot, Goal, has_moved
 from multisrt.planners.navigation.path_following import ahead
 from multisrt.planners.navigation.right_of_way import place_aside
 
@@ -58,14 +58,14 @@ def settle(robot: FrontierRobot, goal: Goal, met: Sighting) -> Steps:
         now = {sighting.robot: sighting for sighting in (yield from robot.look())}
         if other not in now or has_moved(now[other], met):
             return
-    robot.bodies[other] = met
     if team.heard_s.get(other, -math.inf) < began_s:
         # It does not answer: its body is an obstacle until it is heard of, or seen elsewhere.
-        robot.until_s[other] = math.inf
+        robot.bodies[other] = BodyInTheWay(met, math.inf)
         yield Note(TakenAsLost(time_s=robot.time_s, robot=robot.me.robot, other=other))
         return
     share = 0.5 + robot.me.rng.random()
-    robot.until_s[other] = robot.time_s + share * robot.options.forget_after_s
+    until_s = robot.time_s + share * robot.options.forget_after_s
+    robot.bodies[other] = BodyInTheWay(met, until_s)
 
 
 def give_way(robot: FrontierRobot) -> Steps:

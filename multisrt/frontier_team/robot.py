@@ -17,7 +17,7 @@ from multisrt.frontier_team.options import FrontierOptions
 from multisrt.frontier_team.team import Team
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.distance_field import DistanceField
-from multisrt.geometry.distances import inside
+from multisrt.geometry.distances import inside, nearest_points
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.euclidean_field import EuclideanField
 from multisrt.geometry.grid_path import shortest_path
@@ -69,6 +69,28 @@ class Goal:
         return self.x, self.y
 
 
+@dataclass(frozen=True, slots=True)
+class BodyInTheWay:
+    """A robot that stands in another's way and does not leave.
+
+    Attributes
+    ----------
+    sighting : Sighting
+        Where it was seen.
+    until_s : float
+        Until when it is taken for an obstacle; inf: it does not answer, and is one until it is
+        heard of or seen elsewhere.
+    """
+
+    sighting: Sighting
+    until_s: float
+
+    @property
+    def is_lost(self) -> bool:
+        """Whether it is taken as lost."""
+        return math.isinf(self.until_s)
+
+
 class FrontierRobot:
     """What the rules of frontier bidding work on: one robot's knowledge and place.
 
@@ -95,7 +117,7 @@ class FrontierRobot:
         The same place by another way, where another robot bars the first one.
     team : Team
         What it knows of the others.
-    bodies : dict of int to Sighting
+    bodies : dict of int to BodyInTheWay
         Robots that stand in its way and do not leave.
     """
 
@@ -124,8 +146,7 @@ class FrontierRobot:
         self.goal: Goal | None = None
         self.motion: Trajectory | None = None
         self.set_out_s = 0.0
-        self.bodies: dict[int, Sighting] = {}
-        self.until_s: dict[int, float] = {}
+        self.bodies: dict[int, BodyInTheWay] = {}
         self.told_complete = False
         self.chosen_s = -math.inf
         self.chosen_at = -1
@@ -285,8 +306,7 @@ class FrontierRobot:
         left = centres[self.raster.passable[self.raster.indices_of(group.cells)]]
         if not self._given_up or not len(left):
             return left
-        given_up = np.array(list(self._given_up))
-        apart = np.hypot(*(left[:, None] - given_up[None]).transpose(2, 0, 1)).min(axis=1)
+        apart = nearest_points(np.array(list(self._given_up)), left)
         far: FloatArray = left[apart > 0.5 * self.me.footprint.width_m]
         return far
 
@@ -383,13 +403,13 @@ class FrontierRobot:
         """Notice who stands around; forget those who are not where they were seen."""
         seen = cast(tuple[Sighting, ...], (yield Look()))
         places = {sighting.robot: sighting for sighting in seen}
-        for number, sighting in list(self.bodies.items()):
+        for number, body in list(self.bodies.items()):
             if number in places:
-                has_left = has_moved(places[number], sighting)
+                has_left = has_moved(places[number], body.sighting)
             else:
-                x, y, _ = sighting.configuration
+                x, y, _ = body.sighting.configuration
                 has_left = inside(self.boundary, x, y)
-            if has_left or self.time_s >= self.until_s.get(number, math.inf):
+            if has_left or self.time_s >= body.until_s:
                 del self.bodies[number]
         return seen
 
@@ -397,7 +417,8 @@ class FrontierRobot:
     def around_bodies(self, sightings: Iterable[Sighting] = ()) -> Iterator[None]:
         """Take the cells that bodies keep this one from for not passable, meanwhile."""
         own = self.body.outer_radius_m + self.options.guard_m
-        bodies = {s.robot: s for s in (*self.bodies.values(), *sightings)}
+        standing = (body.sighting for body in self.bodies.values())
+        bodies = {s.robot: s for s in (*standing, *sightings)}
         discs = [
             (*s.configuration[:2], own + s.footprint.circumscribed_radius_m)
             for s in bodies.values()
@@ -428,7 +449,7 @@ class FrontierRobot:
 
     def only_lost_bodies(self) -> bool:
         """Whether all bodies in the way are of robots that do not answer."""
-        return all(math.isinf(self.until_s[number]) for number in self.bodies)
+        return all(body.is_lost for body in self.bodies.values())
 
     def now_at(self) -> Configuration:
         """Where the robot is at this moment, also while it drives."""

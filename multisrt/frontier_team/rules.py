@@ -8,10 +8,13 @@ the same decide alike.
 
 from __future__ import annotations
 
-from collections.abc import Generator
-from contextlib import AbstractContextManager, nullcontext
+import math
+from collections.abc import Generator, Iterator
+from contextlib import nullcontext
 from dataclasses import dataclass
-from typing import Any
+from functools import cached_property
+from itertools import chain, islice
+from typing import Any, Final
 
 import numpy as np
 
@@ -21,7 +24,14 @@ from multisrt.frontier_team.robot import NEAR_BY_CELLS, FrontierRobot, Goal
 from multisrt.geometry.distance_field import DistanceField
 from multisrt.geometry.kernel import FloatArray, IntArray
 from multisrt.planners.assignment.closest import closest
-from multisrt.planners.assignment.minpos import minpos
+from multisrt.planners.assignment.minpos import positions
+
+NEARER_FACTOR: Final = 1.05
+NEARER_CELLS: Final = 3.0
+"""Who has farther to a target in a straight line than this robot by its way is not nearer.
+
+With this to spare: a distance marched from one end and from the other differs by up to 3 %.
+"""
 
 Choice = Generator[Action, Outcome, Goal | None]
 
@@ -51,53 +61,6 @@ class Table:
     row: int
 
 
-def nearest_only(robot: FrontierRobot) -> Table:
-    """Work out which target is nearest to this robot, and what it costs: no more than that."""
-    with robot.around_bodies():
-        own = robot.own_field()
-        targets = robot.targets()
-        nearest = None if own is None else own.first(robot.indices_of(targets))
-        if own is not None and nearest is None and robot.look_closer(own):
-            targets = robot.targets()
-            nearest = own.first(robot.indices_of(targets))
-        costs = np.full((1, len(targets)), np.inf)
-        if own is not None and nearest is not None:
-            costs[0, nearest] = own.distance(robot.indices_of(targets[nearest : nearest + 1]))[0]
-    return Table(targets=targets, robots=(robot.me.robot,), costs=costs, field=own, row=0)
-
-
-def bid_table(robot: FrontierRobot) -> Table:
-    """Work out what every target costs every robot that is reckoned with."""
-    own, targets, own_costs = own_bids(robot)
-    indices = robot.indices_of(targets)
-    places = {robot.me.robot: robot.at[:2]}
-    places.update({report.robot: report.place[:2] for report in robot.team.present()})
-    numbers = tuple(sorted(places))
-    row = numbers.index(robot.me.robot)
-    costs = np.full((len(numbers), len(targets)), np.inf)
-    for i, number in enumerate(numbers):
-        if i == row:
-            costs[i] = own_costs
-        elif (field := robot.field(*places[number])) is not None:
-            costs[i] = field.distance(indices)
-    return Table(targets=targets, robots=numbers, costs=costs, field=own, row=row)
-
-
-def own_bids(robot: FrontierRobot) -> tuple[DistanceField | None, FloatArray, FloatArray]:
-    """Give this robot's field, the targets, and what they cost it."""
-    with robot.around_bodies():
-        own = robot.own_field()
-        targets = robot.targets()
-        if own is None:
-            return None, targets, np.full(len(targets), np.inf)
-        costs = own.distance(robot.indices_of(targets))
-        if not np.isfinite(costs).all() or not len(costs):
-            robot.look_closer(own)
-            targets = robot.targets()
-            costs = own.distance(robot.indices_of(targets))
-        return own, targets, costs
-
-
 class Bids:
     """What frontiers cost whom, worked out only as far as it is asked for.
 
@@ -105,83 +68,193 @@ class Bids:
     ----------
     robot : FrontierRobot
         Who decides.
+    alone : bool
+        Reckon with no other robots.
+    whole : bool
+        Work out what every target costs this robot. It then looks closer at all targets that it
+        cannot reach; otherwise only if it can reach none.
+
+    Attributes
+    ----------
+    robots : tuple of int
+        Who is reckoned with, by number.
+    row : int
+        This robot's row.
+    field : DistanceField or None
+        The distances from where this robot stands; None where it stands nowhere passable.
+    targets : (m, 2) array
+        The frontiers' targets in metres.
+    costs : (n, m) array
+        Metres; inf where there is no way, or where it was not worked out.
+    ranks : (n, m) array of int
+        How many robots are nearer to a target; -1 where it was not counted.
     """
 
-    def __init__(self, robot: FrontierRobot) -> None:
+    def __init__(self, robot: FrontierRobot, *, alone: bool = False, whole: bool = False) -> None:
         self.robot = robot
         places = {robot.me.robot: robot.at[:2]}
-        places.update({report.robot: report.place[:2] for report in robot.team.present()})
+        if not alone:
+            places.update({report.robot: report.place[:2] for report in robot.team.present()})
         self.robots = tuple(sorted(places))
         self.row = self.robots.index(robot.me.robot)
         self._places = [places[number] for number in self.robots]
+        # Bodies that are known to bar the way bar only this robot's.
         with robot.around_bodies():
-            self._own = robot.own_field()
-        self._fields: dict[int, DistanceField | None] = {self.row: self._own}
-        self._take_targets()
-        if self._own is not None and self.nearest(self.row, self.all_targets()) is None:
-            with robot.around_bodies():
-                changes = robot.look_closer(self._own)
-            if changes:
-                self._take_targets()
+            self.field = robot.own_field()
+            self._fields: dict[int, DistanceField | None] = {self.row: self.field}
+            self._take_targets()
+            if self.field is not None and not self._are_in_reach(whole):
+                changes = robot.look_closer(self.field)
+                if changes or whole:
+                    self._take_targets()
+                    self._are_in_reach(whole)
 
     def _take_targets(self) -> None:
         self.targets = self.robot.targets()
         self._indices = self.robot.indices_of(self.targets)
-        self._costs = np.full((len(self.robots), len(self.targets)), np.inf)
+        shape = len(self.robots), len(self.targets)
+        self.costs = np.full(shape, np.inf)
+        self.ranks = np.full(shape, -1)
+
+    def _are_in_reach(self, whole: bool) -> bool:
+        # Whether there is a way to one of the targets, or to all.
+        if not whole:
+            return self.nearest(self.row, self.all_targets()) is not None
+        self._fill_in(self.row)
+        return len(self.targets) > 0 and bool(np.isfinite(self.costs[self.row]).all())
+
+    def table(self) -> Table:
+        """Give what was worked out."""
+        return Table(
+            targets=self.targets,
+            robots=self.robots,
+            costs=self.costs,
+            field=self.field,
+            row=self.row,
+        )
 
     def all_targets(self) -> IntArray:
         """Give the numbers of all targets."""
         return np.arange(len(self.targets))
 
+    def fill_in_others(self) -> None:
+        """Work out what every target costs everybody else."""
+        for row in range(len(self.robots)):
+            if row != self.row:
+                self._fill_in(row)
+
     def nearest(self, row: int, targets: IntArray) -> tuple[float, int] | None:
         """Give how far a robot has to the nearest of some targets, and which that is."""
-        if row not in self._fields:
-            self._fields[row] = self.robot.field(*self._places[row])
-        field = self._fields[row]
+        field = self._field_from(row)
         if field is None:
             return None
-        with self._passable_for(row):
-            first = field.first(self._indices[targets])
-            if first is None:
-                return None
-            target = int(targets[first])
-            cost = float(field.distance(self._indices[target : target + 1])[0])
-        self._costs[row, target] = cost
+        with self.robot.around_bodies() if row == self.row else nullcontext():
+            found = first_of(field, self._indices[targets])
+        if found is None:
+            return None
+        cost, place = found
+        target = int(targets[place])
+        self.costs[row, target] = cost
         return cost, target
 
-    def stands_apart(self) -> bool:
-        """Whether no other robot stands in this robot's cell."""
-        cells = self._cells()
-        return cells.count(cells[self.row]) == 1
+    def nearest_first(self) -> Iterator[int]:
+        """Give the targets that this robot can reach, one after the other."""
+        left = self.all_targets()
+        while (nearest := self.nearest(self.row, left)) is not None:
+            _, target = nearest
+            yield target
+            left = left[left != target]
 
-    def comes_first(self, target: int) -> bool:
-        """Whether a wave from a target comes to this robot before all others."""
-        field = self.robot.field(*self.targets[target].tolist())
-        cells = self._cells()
-        rows = [i for i, cell in enumerate(cells) if cell is not None]
-        if field is None or cells[self.row] is None:
-            return False
-        named = np.array([cells[i] for i in rows])
-        first = field.first(np.column_stack(self.robot.raster.indices_of(named)))
-        return first is not None and rows[first] == self.row
+    def nearer_robots(self, target: int) -> Iterator[int]:
+        """Give the rows of the robots to whom a wave from a target comes before this one.
 
-    def table(self) -> Table:
-        """Give what was worked out; inf where it was not."""
-        return Table(
-            targets=self.targets,
-            robots=self.robots,
-            costs=self._costs,
-            field=self._own,
-            row=self.row,
-        )
+        The wave runs on only while it is asked for more, and only if there is anybody who can
+        be nearer. To call when it is known how far this robot has to the target.
+        """
+        self.ranks[self.row, target] = 0
+        ahead = chain(self._ahead_of_cell(target), self._ahead_in_cell(target))
+        for rank, row in enumerate(ahead):
+            self.ranks[row, target], self.ranks[self.row, target] = rank, rank + 1
+            yield row
 
+    def _ahead_of_cell(self, target: int) -> Iterator[int]:
+        waiting = [self.row, *self._rivals(target)]
+        if len(waiting) == 1:
+            return
+        wave = self.robot.field(*self.targets[target].tolist())
+        assert wave is not None, "a cell to which a way leads is passable"
+        cells = np.array([self._cells[row] for row in waiting])
+        indices = np.column_stack(self.robot.raster.indices_of(cells))
+        while (found := first_of(wave, indices)) is not None:
+            cost, place = found
+            row = waiting.pop(place)
+            if row == self.row:
+                return
+            indices = np.delete(indices, place, axis=0)
+            self.costs[row, target] = cost
+            yield row
+
+    def _ahead_in_cell(self, target: int) -> Iterator[int]:
+        # Robots in one cell take turns.
+        here = [i for i, cell in enumerate(self._cells) if cell == self._cells[self.row]]
+        if len(here) > 1 and (field := self.robot.field(*self._places[self.row])) is not None:
+            costs = field.distance(self._indices)
+            ranks = positions(np.tile(costs, (len(here), 1)))[:, target]
+            own = ranks[here.index(self.row)]
+            yield from (here[i] for i in np.argsort(ranks)[:own].tolist())
+
+    def _rivals(self, target: int) -> list[int]:
+        # Who is nearer as the crow flies than this robot by its way.
+        near_m = NEARER_FACTOR * self.costs[self.row, target]
+        near_m += NEARER_CELLS * self.robot.raster.cell_m
+        centre_of, place = self.robot.raster.centre_of, self.targets[target].tolist()
+        return [
+            row
+            for row, cell in enumerate(self._cells)
+            if cell not in (None, self._cells[self.row])
+            and math.dist(centre_of(*cell), place) <= near_m
+        ]
+
+    @cached_property
     def _cells(self) -> list[tuple[int, int] | None]:
         near = self.robot.raster.passable_near
         return [near(x, y, NEAR_BY_CELLS) for x, y in self._places]
 
-    def _passable_for(self, row: int) -> AbstractContextManager[None]:
-        # Bodies that are known to bar the way bar only this robot's.
-        return self.robot.around_bodies() if row == self.row else nullcontext()
+    def _field_from(self, row: int) -> DistanceField | None:
+        if row not in self._fields:
+            self._fields[row] = self.robot.field(*self._places[row])
+        return self._fields[row]
+
+    def _fill_in(self, row: int) -> None:
+        field = self._field_from(row)
+        if field is not None:
+            self.costs[row] = field.distance(self._indices)
+
+
+def first_of(field: DistanceField, cells: IntArray) -> tuple[float, int] | None:
+    """Give how far it is to the first of some cells that a wave comes to, and which that is."""
+    first = field.first(cells)
+    if first is None:
+        return None
+    return float(field.distance(cells[first])[0]), first
+
+
+def nearest_only(robot: FrontierRobot) -> Table:
+    """Work out which target is nearest to this robot, and what it costs: no more than that."""
+    return Bids(robot, alone=True).table()
+
+
+def own_bids(robot: FrontierRobot) -> tuple[DistanceField | None, FloatArray, FloatArray]:
+    """Give this robot's field, the targets, and what they cost it."""
+    bids = Bids(robot, alone=True, whole=True)
+    return bids.field, bids.targets, bids.costs[0]
+
+
+def bid_table(robot: FrontierRobot) -> Table:
+    """Work out what every target costs every robot that is reckoned with."""
+    bids = Bids(robot, whole=True)
+    bids.fill_in_others()
+    return bids.table()
 
 
 def choose_closest(robot: FrontierRobot, because: str) -> Choice:
@@ -216,22 +289,21 @@ def choose_greedy(robot: FrontierRobot, because: str) -> Choice:
 
 
 def choose_minpos(robot: FrontierRobot, because: str) -> Choice:
-    """MINPOS: the frontier for which fewest robots are nearer.
+    """MINPOS: the frontier for which fewest robots are nearer, of several the nearest.
 
-    As `planners.assignment.minpos`. A wave from the nearest frontier that comes to this robot
-    first settles it, since no rank is lower: only where all waves come to others first, they
-    are let run to everybody (the paper's wavefronts, Algorithm 3).
+    The paper's wavefronts, Algorithm 3. Frontiers come in the order of the way to them, so that
+    one replaces another only by a lower rank: none is counted further than to the lowest so far.
     """
     bids = Bids(robot)
-    left = bids.all_targets()
-    while (nearest := bids.nearest(bids.row, left)) is not None and bids.stands_apart():
-        _, target = nearest
-        if bids.comes_first(target):
-            return (yield from settle_on(robot, bids.table(), target, "minpos", because))
-        left = left[left != target]
-    table = bid_table(robot)
-    given = minpos(table.costs, table.row)
-    return (yield from settle_on(robot, table, given.choice, "minpos", because, ranks=given.ranks))
+    choice, lowest = None, len(bids.robots)
+    for target in bids.nearest_first():
+        rank = sum(1 for _ in islice(bids.nearer_robots(target), lowest))
+        if rank < lowest:
+            choice, lowest = target, rank
+        if lowest == 0:
+            break
+    ranks = tuple(tuple(rank if rank >= 0 else None for rank in row) for row in bids.ranks.tolist())
+    return (yield from settle_on(robot, bids.table(), choice, "minpos", because, ranks=ranks))
 
 
 def settle_on(
@@ -267,6 +339,6 @@ def settle_on(
 
 def finite(table: FloatArray) -> tuple[tuple[float | None, ...], ...]:
     """Write a table with None for what is infinite."""
-    return tuple(
-        tuple(value if np.isfinite(value) else None for value in row) for row in table.tolist()
-    )
+    values = table.astype(object)
+    values[~np.isfinite(table)] = None
+    return tuple(map(tuple, values.tolist()))

@@ -6,7 +6,6 @@ Self-Biddings under Constraints on Communication Range (SBX-R), section III.
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Generator
 from typing import cast
@@ -19,9 +18,13 @@ from multisrt.frontier_team.options import SelfBiddingOptions
 from multisrt.frontier_team.robot import FrontierRobot
 from multisrt.frontier_team.rules import Choice, Table, finite, own_bids, settle_on
 from multisrt.geometry.distance_field import DistanceField
+from multisrt.geometry.distances import nearest_point, nearest_points
 from multisrt.geometry.grid_path import shortest_path
-from multisrt.geometry.kernel import FloatArray, IntArray
+from multisrt.geometry.kernel import FloatArray, IntArray, kernel
 from multisrt.planners.assignment.self_bidding import self_bidding
+
+ROUNDING_M = 1e-6
+"""A way that stays within a circle by so little is looked at more closely."""
 
 
 def choose_by_self_bidding(robot: FrontierRobot, because: str) -> Choice:
@@ -44,6 +47,7 @@ def choose_by_self_bidding(robot: FrontierRobot, because: str) -> Choice:
     row = numbers.index(robot.me.robot)
     a = np.full((len(numbers), len(targets)), np.inf)
     path_gap, frontier_gap = np.full_like(a, np.inf), np.full_like(a, np.inf)
+    first_phi_m = options.phi_factor * robot.me.radio.range_m
     for i, number in enumerate(numbers):
         field = own if i == row else robot.field(*goals[number])
         if field is None or not len(targets):
@@ -51,9 +55,9 @@ def choose_by_self_bidding(robot: FrontierRobot, because: str) -> Choice:
         a[i] = own_costs if i == row else field.distance(indices)
         others = np.array([goals[n] for n in numbers if n != number]).reshape(-1, 2)
         if len(others):
-            path_gap[i] = [path_apart(robot, field, index, others) for index in indices]
+            path_gap[i] = path_gaps(field, indices, others, options.cell_m, first_phi_m)
             around = np.array([places[n] for n in numbers if n != number])
-            frontier_gap[i] = apart(targets, around)
+            frontier_gap[i] = nearest_points(around, targets)
     table = Table(
         targets=targets,
         robots=numbers,
@@ -87,29 +91,59 @@ def choose_by_self_bidding(robot: FrontierRobot, because: str) -> Choice:
     )
 
 
-def path_apart(
-    robot: FrontierRobot, field: DistanceField, index: IntArray, others: FloatArray
-) -> float:
-    """Give the largest distance of a path's points from the nearest of some places."""
-    if not math.isfinite(field.distance(index[None])[0]):
-        return math.inf
-    path = densely(shortest_path(field, index), robot.options.cell_m)
-    return float(apart(path, others).max())
+def path_gaps(
+    field: DistanceField,
+    indices: IntArray,
+    others: FloatArray,
+    step_m: float,
+    least_m: float,
+) -> FloatArray:
+    """Give how far the way to each target leads from the nearest of some places; inf: no way.
 
-
-def apart(points: FloatArray, places: FloatArray) -> FloatArray:
-    """Give the distance of every point from the nearest place."""
-    gaps: FloatArray = np.hypot(*(points[:, None] - places[None]).transpose(2, 0, 1)).min(axis=1)
+    It is compared with radii that are no less than `least_m`. Where a way surely stays within
+    that, an upper bound is given instead: the way is pulled from cells that lead downhill, so it
+    lies in every circle that holds these.
+    """
+    costs = field.distance(indices)
+    gaps = np.where(np.isfinite(costs), 0.0, np.inf)
+    if math.isinf(least_m):
+        return gaps
+    for j in np.flatnonzero(np.isfinite(costs)).tolist():
+        cells = np.vstack([field.descent(indices[j])[:, ::-1] + 0.5, field.starts])
+        gaps[j] = least_radius(cells * field.cell_m + (field.x0, field.y0), others)
+        if gaps[j] > least_m - ROUNDING_M:
+            gaps[j] = farthest_along(shortest_path(field, indices[j]), step_m, others)
     return gaps
 
 
-def densely(path: FloatArray, step_m: float) -> FloatArray:
-    """Give points along a polyline, not more than a step apart."""
-    parts = [path[:1]]
-    for a, b in itertools.pairwise(path):
-        n = max(1, math.ceil(math.dist(a, b) / step_m))
-        parts.append(a + (b - a) * (np.arange(1, n + 1) / n)[:, None])
-    return np.vstack(parts)
+@kernel
+def least_radius(points: FloatArray, places: FloatArray) -> float:
+    """Give the radius of the smallest circle around one of some places that holds all points."""
+    least2 = np.inf
+    for k in range(places.shape[0]):
+        radius2 = 0.0
+        for i in range(points.shape[0]):
+            dx, dy = points[i, 0] - places[k, 0], points[i, 1] - places[k, 1]
+            radius2 = max(radius2, dx * dx + dy * dy)
+        least2 = min(least2, radius2)
+    return math.sqrt(least2)
+
+
+@kernel
+def farthest_along(path: FloatArray, step_m: float, places: FloatArray) -> float:
+    """Give the largest distance of a path's points from the nearest of some places.
+
+    Its points are taken not more than a step apart.
+    """
+    farthest = nearest_point(places, path[0, 0], path[0, 1])
+    for k in range(1, path.shape[0]):
+        x, y = path[k - 1, 0], path[k - 1, 1]
+        dx, dy = path[k, 0] - x, path[k, 1] - y
+        parts = max(1, math.ceil(math.hypot(dx, dy) / step_m))
+        for i in range(1, parts + 1):
+            share = i / parts
+            farthest = max(farthest, nearest_point(places, x + dx * share, y + dy * share))
+    return farthest
 
 
 def tell_who_may_stop(robot: FrontierRobot) -> Generator[Action, Outcome, None]:

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Generator
 from typing import TYPE_CHECKING
 
-from multisrt.entries import EntriesMessage, Node, WantMessage
-from multisrt.events import Learned
-from multisrt.explorer import Action, Moved, Note, Outcome, Receive, Received, Send, TimedOut
+from multisrt.entries import Entries, EntriesMessage, Entry, Node, NodeId, WantMessage
+from multisrt.explorer import Send
 from multisrt.frontier_team.messages import (
     AssignmentMessage,
     GiveWayMessage,
@@ -20,15 +18,14 @@ from multisrt.frontier_team.messages import (
     StopMessage,
     SwapMessage,
 )
+from multisrt.listening import Listener, Talk, have_of
 from multisrt.messages import Message
 
 if TYPE_CHECKING:
     from multisrt.frontier_team.robot import FrontierRobot
 
-Talk = Generator[Action, Outcome, None]
 
-
-class Team:
+class Team(Listener):
     """One robot's side of all talk.
 
     Parameters
@@ -60,9 +57,11 @@ class Team:
         Where this robot, or one no larger, learnt nothing at the edge of what is known.
     """
 
+    ends_pauses_on_time = True
+
     def __init__(self, robot: FrontierRobot) -> None:
+        super().__init__(robot, robot.me, robot.options.ask_period_s)
         self.robot = robot
-        self.number = robot.me.robot
         self.reports: dict[int, RobotReport] = {}
         self.heard_s: dict[int, float] = {}
         self.asked_way: GiveWayMessage | None = None
@@ -77,19 +76,10 @@ class Team:
         self.tried: dict[Place, None] = {}
         self.phase: Phase = "choosing"
         self.told_s = -math.inf
-        radio = robot.me.radio
-        self.round_trip_s = 2.0 * radio.latency_s
-        self.period_s = robot.options.ask_period_s + self.round_trip_s
         self.told_to_stop: dict[int, tuple[float, float]] = {}
         self._said = 0
         self._told = 0
-        self._wanted: dict[int, float] = {}
         self._offered: dict[int, float] = {}
-
-    @property
-    def is_alone(self) -> bool:
-        """Whether the team is this robot."""
-        return self.robot.me.team == 1
 
     def present(self) -> list[RobotReport]:
         """Give the reports of the others that are reckoned with, by number.
@@ -164,39 +154,12 @@ class Team:
             to,
         )
 
-    def hear(self, timeout_s: float | None = 0.0) -> Generator[Action, Outcome, Moved | None]:
-        """Receive until a motion ends, something was heard, or time is up; answer questions.
+    @property
+    def _known(self) -> Entries:
+        return self.robot.entries
 
-        Returns
-        -------
-        Moved or None
-            The end of the motion that went on.
-        """
-        outcome = yield Receive(timeout_s)
-        return (yield from self.take(outcome))
-
-    def take(self, outcome: Outcome) -> Generator[Action, Outcome, Moved | None]:
-        """Take in what came, and answer."""
-        if isinstance(outcome, Moved):
-            return outcome
-        assert isinstance(outcome, Received | TimedOut)
-        self.robot.time_s = outcome.time_s
-        if isinstance(outcome, Received):
-            for message in outcome.messages:
-                yield from self._take_message(message)
-        return None
-
-    def pause(self, seconds: float) -> Talk:
-        """Let time pass, and listen meanwhile; no time: until all has come that comes now."""
-        until = self.robot.time_s + seconds
-        while True:
-            outcome = yield Receive(max(0.0, until - self.robot.time_s))
-            yield from self.take(outcome)
-            if isinstance(outcome, TimedOut) or (seconds > 0.0 and self.robot.time_s >= until):
-                return
-
-    def _have(self) -> tuple[tuple[int, int, int], ...]:
-        return tuple((robot, *counts) for robot, counts in self.robot.entries.have().items())
+    def _merge(self, entries: tuple[Entry, ...]) -> tuple[NodeId, ...]:
+        return self.robot.merge(entries)
 
     def _passed_on(self) -> tuple[RobotReport, ...]:
         # Where nobody relays messages, robots tell of one another.
@@ -207,26 +170,24 @@ class Team:
 
     def _take_message(self, message: Message) -> Talk:
         self.heard_s[message.sender] = self.robot.time_s
-        if math.isinf(self.robot.until_s.get(message.sender, 0.0)):
-            # It was taken as lost, and is not.
-            del self.robot.until_s[message.sender]
-            self.robot.bodies.pop(message.sender, None)
+        body = self.robot.bodies.get(message.sender)
+        if body is not None and body.is_lost:
+            # It is not.
+            del self.robot.bodies[message.sender]
         match message:
             case ReportMessage():
                 for report in message.reports:
                     self._take_report(report)
-                yield from self._learn(message.entries)
+                yield from self.learn(message.entries)
                 self.wanted |= message.wants_goal
                 if message.asks or self._has_to_offer(message.reports[0]):
                     yield from self.report(to=message.sender)
-                yield from self._ask_for_what_lacks(message.reports[0])
+                own = message.reports[0]
+                yield from self._ask_for_what_lacks(own.robot, own.have)
             case WantMessage():
-                have = {robot: (nodes, closings) for robot, nodes, closings in message.have}
-                entries = tuple(self.robot.entries.lacks(have))
-                if entries:
-                    yield Send(EntriesMessage(sender=self.number, entries=entries), message.sender)
+                yield from self._answer_want(message)
             case EntriesMessage():
-                yield from self._learn(message.entries)
+                yield from self.learn(message.entries)
             case GiveWayMessage():
                 self._take_asked_way(message)
                 yield from self.report(to=message.sender)
@@ -264,27 +225,12 @@ class Team:
             return
         self.asked_way = message
 
-    def _learn(self, entries: tuple[object, ...]) -> Talk:
-        new = self.robot.merge(tuple(e for e in entries if isinstance(e, Node)))
-        if new:
-            yield Note(Learned(time_s=self.robot.time_s, robot=self.number, nodes=new))
-
     def _has_to_offer(self, report: RobotReport) -> bool:
         # Who has nothing to do does not report by itself: others would not learn what they lack.
         if self.phase != "idle":
             return False
-        have = {robot: (nodes, closings) for robot, nodes, closings in report.have}
         lately = self.robot.time_s < self._offered.get(report.robot, -math.inf) + self.period_s
-        if lately or not self.robot.entries.more_than(have):
+        if lately or not self.robot.entries.more_than(have_of(report.have)):
             return False
         self._offered[report.robot] = self.robot.time_s
         return True
-
-    def _ask_for_what_lacks(self, report: RobotReport) -> Talk:
-        mine = self.robot.entries.have()
-        for robot, nodes, _ in report.have:
-            if nodes > mine.get(robot, (0, 0))[0]:
-                if self.robot.time_s >= self._wanted.get(robot, -math.inf) + self.period_s:
-                    self._wanted[robot] = self.robot.time_s
-                    yield Send(WantMessage(sender=self.number, have=self._have()), report.robot)
-                return

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Generator, Iterable
+from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
-from multisrt.events import Learned, TakenAsLost
-from multisrt.exploration_map import Closing, Node
-from multisrt.explorer import Action, Moved, Note, Outcome, Receive, Received, Send, TimedOut
+from multisrt.entries import Entry, NodeId
+from multisrt.events import TakenAsLost
+from multisrt.exploration_map import ExplorationMap
+from multisrt.explorer import Note, Send
 from multisrt.geometry.footprint import Footprint
+from multisrt.listening import Listener, Talk
+from multisrt.messages import Message
 from multisrt.multi_srt.engagement import are_coupled, group_of
 from multisrt.multi_srt.messages import (
     EntriesMessage,
@@ -26,14 +29,11 @@ from multisrt.multi_srt.messages import (
 if TYPE_CHECKING:
     from multisrt.multi_srt.robot import SrtRobot
 
-Talk = Generator[Action, Outcome, None]
-Heard = Generator[Action, Outcome, Moved | None]
-
 ALMOST_NEVER = 1e-4
 """A robot is taken as lost when its silence has at most this probability by the radio's loss."""
 
 
-class Team:
+class Team(Listener):
     """One robot's side of all talk: its own state as others know it, and theirs as it knows it.
 
     Parameters
@@ -42,10 +42,11 @@ class Team:
         Whose.
     """
 
+    ends_pauses_on_time = False
+
     def __init__(self, robot: SrtRobot) -> None:
+        super().__init__(robot, robot.me, robot.options.ask_period_s)
         self.robot = robot
-        self.number = robot.me.robot
-        self.size = robot.me.team
         self.states: dict[int, RobotState] = {}
         self.heard_s: dict[int, float] = {}
         self.lost: dict[int, None] = {}
@@ -64,11 +65,8 @@ class Team:
         self._told: tuple[int, int] = (0, 0)
         self.rounds = 0
         self.ignored_until_s: dict[int, float] = {}
-        self._wanted: dict[int, float] = {}
         self._spoke_s: dict[int, float] = {}
         radio, options = robot.me.radio, robot.options
-        self.round_trip_s = 2.0 * radio.latency_s
-        self.period_s = options.ask_period_s + self.round_trip_s
         if options.silence_timeout_s is not None:
             self.patience = math.ceil(options.silence_timeout_s / self.period_s)
         else:
@@ -76,11 +74,6 @@ class Team:
             self.patience = (
                 math.ceil(math.log(ALMOST_NEVER) / math.log(unheard)) if unheard > 0.0 else 1
             )
-
-    @property
-    def is_alone(self) -> bool:
-        """Whether the team is this robot."""
-        return self.size == 1
 
     @property
     def hears_all(self) -> bool:
@@ -156,7 +149,7 @@ class Team:
     def say(self, *, to: int | None = None, ask: bool = False, asked: tuple[int, ...] = ()) -> Talk:
         """Send the own state; to all, with the entries that were not told yet."""
         self._said += 1
-        entries: tuple[Node | Closing, ...] = ()
+        entries: tuple[Entry, ...] = ()
         if to is None:
             nodes, closings = self._told
             have = dict(self.robot.map.have())
@@ -169,28 +162,6 @@ class Team:
             StateMessage(sender=self.number, states=states, ask=ask, asked=asked, entries=entries),
             to,
         )
-
-    def hear(self, timeout_s: float | None = 0.0) -> Heard:
-        """Receive until a motion ends, something was heard, or time is up; answer questions.
-
-        Returns
-        -------
-        Moved or None
-            The end of the motion that went on.
-        """
-        outcome = yield Receive(timeout_s)
-        return (yield from self.take(outcome))
-
-    def take(self, outcome: Outcome) -> Heard:
-        """Take in what came, and answer."""
-        if isinstance(outcome, Moved):
-            return outcome
-        assert isinstance(outcome, Received | TimedOut)
-        self.robot.time_s = outcome.time_s
-        if isinstance(outcome, Received):
-            for message in outcome.messages:
-                yield from self._take_message(message)
-        return None
 
     def begin_step(self) -> Talk:
         """Tell that this robot is about to make a step; one that comes late asks everybody."""
@@ -214,15 +185,6 @@ class Team:
                 yield Note(TakenAsLost(time_s=self.robot.time_s, robot=self.number, other=number))
         yield from self.say(asked=asked)
 
-    def pause(self, seconds: float) -> Talk:
-        """Let time pass, and listen meanwhile; no time: until all has come that comes now."""
-        until = self.robot.time_s + seconds
-        while True:
-            outcome = yield Receive(max(0.0, until - self.robot.time_s))
-            yield from self.take(outcome)
-            if isinstance(outcome, TimedOut):
-                return
-
     def news(self) -> tuple[object, ...]:
         """Give something that changes when another robot's doing or the map has changed."""
         doing = tuple((n, self.states[n].tree, n in self.lost) for n in sorted(self.states))
@@ -235,8 +197,12 @@ class Team:
                 return orders.order_for(self.number)
         return None
 
-    def _have(self) -> tuple[tuple[int, int, int], ...]:
-        return tuple((robot, *counts) for robot, counts in self.robot.map.have().items())
+    @property
+    def _known(self) -> ExplorationMap:
+        return self.robot.map
+
+    def _merge(self, entries: tuple[Entry, ...]) -> tuple[NodeId, ...]:
+        return self.robot.map.merge(entries)
 
     def _vouched(self, to: int | None) -> tuple[RobotState, ...]:
         # Who asks may have been out of reach for a while: it is told of all members of the
@@ -256,7 +222,7 @@ class Team:
             ),
         )
 
-    def _take_message(self, message: object) -> Talk:
+    def _take_message(self, message: Message) -> Talk:
         match message:
             case StateMessage():
                 for state in message.states:
@@ -265,12 +231,9 @@ class Team:
                 own = message.states[0]
                 if self.number in message.asked or (message.ask and self._concerns_me(own)):
                     yield from self._answer(own)
-                yield from self._ask_for_what_lacks(own)
+                yield from self._ask_for_what_lacks(own.robot, own.have)
             case WantMessage():
-                have = {robot: (nodes, closings) for robot, nodes, closings in message.have}
-                entries = self.robot.map.lacks(have)
-                if entries:
-                    yield Send(EntriesMessage(sender=self.number, entries=entries), message.sender)
+                yield from self._answer_want(message)
             case EntriesMessage():
                 self._heard(message.sender)
                 yield from self.learn(message.entries)
@@ -307,21 +270,3 @@ class Team:
         orders = self.orders.get(asker.key)
         if orders is not None and orders.sender == self.number:
             yield Send(orders, asker.robot)
-
-    def _ask_for_what_lacks(self, state: RobotState) -> Talk:
-        mine = self.robot.map.have()
-        for robot, nodes, closings in state.have:
-            known = mine.get(robot, (0, 0))
-            if nodes > known[0] or closings > known[1]:
-                if self.robot.time_s >= self._wanted.get(robot, -math.inf) + self.period_s:
-                    self._wanted[robot] = self.robot.time_s
-                    yield Send(WantMessage(sender=self.number, have=self._have()), state.robot)
-                return
-
-    def learn(self, entries: tuple[Node | Closing, ...]) -> Talk:
-        """Merge entries of other robots' maps."""
-        if not entries:
-            return
-        new = self.robot.map.merge(entries)
-        if new:
-            yield Note(Learned(time_s=self.robot.time_s, robot=self.number, nodes=new))

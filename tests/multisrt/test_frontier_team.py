@@ -1,6 +1,7 @@
 """Frontier bidding as a whole: runs end well, rules decide as they are written, options hold."""
 
 import dataclasses
+import itertools
 import math
 from functools import partial
 
@@ -23,11 +24,16 @@ from multisrt.frontier_team.rules import (
     choose_greedy,
     choose_minpos,
 )
-from multisrt.frontier_team.self_bidding import choose_by_self_bidding, tell_who_may_stop
+from multisrt.frontier_team.self_bidding import (
+    choose_by_self_bidding,
+    path_gaps,
+    tell_who_may_stop,
+)
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.edge_index import EdgeIndex
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.footprint import Footprint
+from multisrt.geometry.grid_path import shortest_path
 from multisrt.geometry.safe_region import local_safe_region
 from multisrt.geometry.scan import take_scan
 from multisrt.metrics import measure
@@ -260,6 +266,53 @@ def test_bids_find_the_nearest_of_those_that_are_left():
     assert bids.table().costs.tolist() == table.costs.tolist()
 
 
+def team_at(places, members):
+    """Robots that know the same: what was seen from some places, and where they all are."""
+    team = []
+    for number, place in enumerate(members):
+        robot = FrontierRobot(self_at(*place, number=number, team=len(members)), FrontierOptions())
+        robot.raster = robot_at(places).raster
+        for mate, other in enumerate(members):
+            if mate != number:
+                robot.team._take_report(report_of(mate, other))
+        team.append(robot)
+    return team
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_robots_that_know_the_same_agree_who_is_nearer_to_what(seed):
+    places = places_drawn(seed, 6)
+    # The last one stands where the second does.
+    members = [*places[: 2 + seed % 3], places[1]]
+    ranks = []
+    for robot in team_at(places, members):
+        bids = Bids(robot)
+        own = [(target, len(list(bids.nearer_robots(target)))) for target in bids.nearest_first()]
+        ranks.append([rank for _, rank in sorted(own)])
+        assert len(own) == len(bids.targets) > 1
+    for column in zip(*ranks, strict=True):
+        assert sorted(column) == [*range(len(members))]
+
+
+def test_robots_at_one_place_spread_by_minpos():
+    places = places_drawn(2, 6)
+    chosen = [only_choice(choose_minpos, r)[0] for r in team_at(places, [places[0]] * 3)]
+    assert len(chosen[0].frontiers) == 2
+    assert [event.goal for event in chosen].count(chosen[0].goal) == 2
+    assert chosen[0].goal == chosen[2].goal != chosen[1].goal
+
+
+def test_minpos_has_on_record_who_is_known_to_be_nearer():
+    places = places_drawn(1, 5)
+    events = [only_choice(choose_minpos, r)[0] for r in team_at(places, places[:3])]
+    for number, event in enumerate(events):
+        choice = event.frontiers.index(event.goal)
+        ranks = np.array(event.ranks)
+        assert ranks.shape == (3, len(event.frontiers))
+        worked = [j for j, cost in enumerate(event.costs[number]) if cost is not None]
+        assert ranks[number, choice] == ranks[number, worked].min()
+
+
 def test_idle_and_long_silent_mates_are_not_reckoned_with():
     places = places_drawn(3, 4)
     robot = robot_at(places, places[1:3])
@@ -421,3 +474,28 @@ def test_robots_that_decide_together_have_to_hear_one_another(name):
 def test_options_that_make_no_sense_are_refused(name, options, message):
     with pytest.raises(InvalidInputError, match=message):
         simulated(name, options=options)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_ways_lead_as_far_from_others_goals_as_dense_points_say(seed):
+    places = places_drawn(seed, 6)
+    robot = robot_at(places)
+    field = robot.own_field()
+    indices = robot.indices_of(robot.targets())
+    others = np.array(places[1:3])
+
+    def dense(path):
+        along = [
+            a + (b - a) * t for a, b in itertools.pairwise(path) for t in np.linspace(0, 1, 200)
+        ]
+        return max(min(math.dist(point, other) for other in others) for point in along)
+
+    exact = np.array([dense(shortest_path(field, index)) for index in indices])
+    step_m = 0.02
+    for least_m in (1.0, 4.0, 9.0):
+        gaps = path_gaps(field, indices, others, step_m, least_m)
+        close = exact > least_m
+        assert np.allclose(gaps[close], exact[close], atol=step_m)
+        assert (gaps[~close] <= least_m + step_m).all()
+    assert (exact > 1.0).any()
+    assert (path_gaps(field, indices, others, step_m, math.inf) == 0.0).all()

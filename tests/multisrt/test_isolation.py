@@ -12,7 +12,8 @@ from multisrt.events import CameBack, Died, FellSilent, Joined, Learned, Motion,
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.edge_index import EdgeIndex
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.isolation import area_known_to_one, isolation, team_isolation
+from multisrt.isolation import isolation, team_isolation
+from multisrt.known_area import area_known_to_one
 from multisrt.metrics import measure
 from multisrt.radio import Radio
 from multisrt.recording import Recorder, Recording, header_of

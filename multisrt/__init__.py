@@ -5,6 +5,7 @@
 >>> run.metrics.coverage, run.save_svg("tree.svg")  # doctest: +SKIP
 >>> team = ms.explore("museum", robots=4, starts="clustered", seed=1)  # doctest: +SKIP
 >>> print(team.why(robot=2, time_s=31.5))  # doctest: +SKIP
+>>> ms.compare("garden", ["srt-star", "srt-radial"], robots=[1, 2, 4], seeds=20)  # doctest: +SKIP
 
 Everything is imported when it is first used, so that `import multisrt` is quick.
 """
@@ -15,12 +16,17 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from multisrt.comparison import Comparison, compare
     from multisrt.environments.catalog import catalog, environment
     from multisrt.environments.environment import Environment
     from multisrt.environments.formats import read_environment
+    from multisrt.experiments.description import ExperimentSpec
+    from multisrt.experiments.frames import load_results
+    from multisrt.experiments.results import Result, Results
     from multisrt.geometry.errors import InvalidInputError, MultiSrtError
     from multisrt.geometry.footprint import Footprint
-    from multisrt.isolation import area_known_to_one, isolation
+    from multisrt.isolation import isolation
+    from multisrt.known_area import area_known_to_one
     from multisrt.metrics import Metrics, measure
     from multisrt.recording import Recording
     from multisrt.registry import Strategy, register, strategies
@@ -43,9 +49,11 @@ if TYPE_CHECKING:
 
 _HOMES = {
     "CatalogEnvironment": "spec",
+    "Comparison": "comparison",
     "Death": "spec",
     "DriveSpec": "spec",
     "Environment": "environments.environment",
+    "ExperimentSpec": "experiments.description",
     "FileEnvironment": "spec",
     "Footprint": "geometry.footprint",
     "InlineEnvironment": "spec",
@@ -56,17 +64,21 @@ _HOMES = {
     "RadioSpec": "spec",
     "RangeFinderSpec": "spec",
     "Recording": "recording",
+    "Result": "experiments.results",
+    "Results": "experiments.results",
     "RobotSpec": "spec",
     "Run": "run",
     "RunSpec": "spec",
     "Silence": "spec",
     "StopRule": "spec",
     "Strategy": "registry",
-    "area_known_to_one": "isolation",
+    "area_known_to_one": "known_area",
     "catalog": "environments.catalog",
+    "compare": "comparison",
     "environment": "environments.catalog",
     "explore": "run",
     "isolation": "isolation",
+    "load_results": "experiments.frames",
     "measure": "metrics",
     "read_environment": "environments.formats",
     "register": "registry",
@@ -76,9 +88,11 @@ _HOMES = {
 
 __all__ = [
     "CatalogEnvironment",
+    "Comparison",
     "Death",
     "DriveSpec",
     "Environment",
+    "ExperimentSpec",
     "FileEnvironment",
     "Footprint",
     "InlineEnvironment",
@@ -89,6 +103,8 @@ __all__ = [
     "RadioSpec",
     "RangeFinderSpec",
     "Recording",
+    "Result",
+    "Results",
     "RobotSpec",
     "Run",
     "RunSpec",
@@ -97,9 +113,11 @@ __all__ = [
     "Strategy",
     "area_known_to_one",
     "catalog",
+    "compare",
     "environment",
     "explore",
     "isolation",
+    "load_results",
     "measure",
     "read_environment",
     "register",

@@ -47,8 +47,8 @@ def smallest_clearance(recording: Recording, environment: Environment) -> float:
     Negative where a disc's centre came nearer than its radius. Turns of bodies that are no discs
     are measured in steps of `TURN_STEP_RAD`.
     """
-    walls = [shapely.LineString(edge) for edge in environment.edges.reshape(-1, 2, 2)]
-    tree = shapely.STRtree(walls)
+    walls = np.asarray(shapely.linestrings(environment.edges.reshape(-1, 2, 2)))
+    tree = shapely.STRtree(walls.tolist())
     motions = motions_by_robot(recording)
     smallest = math.inf
     for number, robot in enumerate(recording.spec.robots):

@@ -26,6 +26,7 @@ from multisrt.geometry.edge_index import EdgeIndex
 
 TRUTH_MODULES = (
     "multisrt.environments",
+    "multisrt.experiments",
     "multisrt.explorable",
     "multisrt.metrics",
     "multisrt.radio",

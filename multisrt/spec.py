@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 import math
+from functools import cache
 from pathlib import Path
 from typing import Any, Literal, cast
 
@@ -429,11 +430,16 @@ def _less_defaults(part: Any) -> Any:
         return tuple(map(_less_defaults, part))
     if not isinstance(part, _Spec):
         return part
-    given = {f.name: getattr(part, f.name) for f in msgspec.structs.fields(part)}
-    defaults = {f.name: f.default for f in msgspec.structs.fields(part)}
+    defaults = _defaults(type(part))
+    given = {name: getattr(part, name) for name in defaults}
     return type(part)(
         **{name: _less_defaults(v) for name, v in given.items() if v != defaults[name]}
     )
+
+
+@cache
+def _defaults(kind: type[_Spec]) -> dict[str, Any]:
+    return {field.name: field.default for field in msgspec.structs.fields(kind)}
 
 
 _FAULTS = {Death: "death", Silence: "silence", LateStart: "late start"}

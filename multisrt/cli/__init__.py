@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import click
 
+from multisrt.cli.experiment import experiment
 from multisrt.cli.explore import explore
 from multisrt.cli.lists import environments, strategies
+from multisrt.cli.report import report
+from multisrt.cli.reproduce import reproduce
 from multisrt.cli.why import why
 
 COMPLETE, BAD_INPUT, INTERRUPTED = 0, 2, 130
@@ -22,13 +25,14 @@ def cli() -> None:
       multisrt explore office
       multisrt explore museum --robots 4 --strategy srt-radial --strategy srt-star
       multisrt explore office --strategy minpos --robots 4 --radio-range 15
+      multisrt experiment new star.toml
       multisrt why runs/office-srt-radial-0/recording.jsonl --robot 0 --time 31.5
       multisrt environments
       multisrt strategies
     """
 
 
-for command in (explore, why, environments, strategies):
+for command in (explore, experiment, report, why, environments, strategies, reproduce):
     cli.add_command(command)
 
 

@@ -1,0 +1,17 @@
+"""SRT-Star against SRT-Radial over worlds, team sizes and seeds, on all cores.
+
+`python examples/compare_star_radial.py` prints a table and leaves a figure; it takes a minute.
+"""
+
+import multisrt as ms
+
+
+def main(environments=("apartment", "open"), robots=(1, 2, 4), seeds=5, folder="out/examples"):
+    """Print the table, and draw it."""
+    found = ms.compare(environments, ["srt-star", "srt-radial"], robots=robots, seeds=seeds)
+    print(found.table("exploration_time_s"))
+    found.plot("exploration_time_s").save(folder)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,1 @@
+"""Comparisons that hold: many runs over conditions and repetitions, stored, resumable."""

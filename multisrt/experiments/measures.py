@@ -1,0 +1,158 @@
+"""What runs are compared by: each measure with its words, its unit and which way is better."""
+
+from __future__ import annotations
+
+import difflib
+import math
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+
+from multisrt.experiments.results import Result
+from multisrt.geometry.errors import InvalidInputError
+from multisrt.metrics import Metrics
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Measure:
+    """A number of a run.
+
+    Attributes
+    ----------
+    name : str
+        What files and options call it.
+    title : str
+        What people read.
+    unit : str
+        Its unit; empty for a number without one.
+    lower_is_better : bool
+        Which way is better.
+    get : callable
+        Reads it from a run's metrics; None where the run has none.
+    digits : int
+        How many digits after the point tables show.
+    """
+
+    name: str
+    title: str
+    unit: str
+    lower_is_better: bool
+    get: Callable[[Metrics], float | None]
+    digits: int = 1
+
+    def of(self, result: Result) -> float | None:
+        """Give its value for a run; None where the run has none."""
+        if result.metrics is None:
+            return None
+        value = self.get(result.metrics)
+        return None if value is None else float(value)
+
+    def values(self, results: Iterable[Result]) -> list[float]:
+        """Give its values, one for each run, as ranks want them.
+
+        A run that is not complete has no time and no distance of its exploration: it counts as
+        worse than all others (infinite) where lower is better. Where higher is better it counts
+        with what it reached, and with nothing if it was not measured.
+        """
+        return [self._value(result) for result in results]
+
+    def _value(self, result: Result) -> float:
+        value = self.of(result)
+        if not self.lower_is_better:
+            return 0.0 if value is None else value
+        return math.inf if value is None or result.status != "complete" else value
+
+    @property
+    def heading(self) -> str:
+        """Its title with its unit."""
+        return f"{self.title} ({self.unit})" if self.unit else self.title
+
+
+def _plain(
+    name: str, title: str, unit: str, *, lower_is_better: bool = True, digits: int = 1
+) -> Measure:
+    return Measure(
+        name=name,
+        title=title,
+        unit=unit,
+        lower_is_better=lower_is_better,
+        get=lambda metrics: getattr(metrics, name),
+        digits=digits,
+    )
+
+
+def _ratio(above: float | None, below: float) -> float | None:
+    return above / below if above is not None and below > 0.0 else None
+
+
+MEASURES = (
+    _plain("exploration_time_s", "Exploration time", "s"),
+    _plain("makespan_s", "Time until all are home", "s"),
+    _plain("total_distance_m", "Distance of all robots", "m"),
+    Measure(
+        name="distance_per_robot_m",
+        title="Distance per robot",
+        unit="m",
+        lower_is_better=True,
+        get=lambda m: m.total_distance_m / len(m.distance_by_robot_m),
+    ),
+    Measure(
+        name="longest_distance_m",
+        title="Distance of the robot that went farthest",
+        unit="m",
+        lower_is_better=True,
+        get=lambda m: max(m.distance_by_robot_m),
+    ),
+    Measure(
+        name="imbalance",
+        title="Imbalance of distances: their spread over their mean",
+        unit="",
+        lower_is_better=True,
+        get=lambda m: _ratio(m.distance_spread_m, m.total_distance_m / len(m.distance_by_robot_m)),
+        digits=2,
+    ),
+    _plain("waiting_time_s", "Waiting time of all robots", "s"),
+    _plain("coverage", "Coverage", "", lower_is_better=False, digits=4),
+    _plain("coverage_integral_s", "Integral of what is not yet covered", "s"),
+    _plain("time_to_90_s", "Time to 90 % coverage", "s"),
+    _plain("time_to_95_s", "Time to 95 % coverage", "s"),
+    _plain("time_to_99_s", "Time to 99 % coverage", "s"),
+    _plain("overlap_share", "Share seen by several robots", "", digits=3),
+    _plain("lost_area_m2", "Area lost with robots that died", "m2"),
+    _plain("isolated_total_s", "Time in which a robot was isolated", "s"),
+    _plain("isolated_longest_s", "Longest isolation of a robot", "s"),
+    _plain("split_s", "Time in which the team was split", "s"),
+    _plain("beyond_range_m", "Largest distance beyond the radio's range", "m"),
+    _plain("known_to_one_m2s", "Area known to one robot only, over time", "m2 s", digits=0),
+    _plain("messages", "Messages", "", digits=0),
+    _plain("bytes_sent", "Bytes sent", "B", digits=0),
+    _plain("nodes", "Nodes", "", digits=0),
+    _plain("deadlocks", "Rounds in which a master could let nobody go", "", digits=2),
+    _plain("protective_stops", "Protective stops", "", digits=1),
+    Measure(
+        name="over_bound",
+        title="Exploration time over its lower bound",
+        unit="",
+        lower_is_better=True,
+        get=lambda m: _ratio(m.exploration_time_s, m.lower_bound_s),
+        digits=2,
+    ),
+)
+"""All of them; reports begin with the first."""
+
+
+def measure_named(name: str) -> Measure:
+    """Find a measure.
+
+    Raises
+    ------
+    InvalidInputError
+        If there is none of that name; the message lists them.
+    """
+    known = {measure.name: measure for measure in MEASURES}
+    if name not in known:
+        close = difflib.get_close_matches(name, known, n=1)
+        hint = f" (did you mean {close[0]!r}?)" if close else ""
+        raise InvalidInputError(
+            f"there is no measure {name!r}{hint}; there are: {', '.join(known)}"
+        )
+    return known[name]

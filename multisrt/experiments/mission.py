@@ -1,0 +1,144 @@
+"""Making one run of an experiment: its world, the simulation, what is measured."""
+
+from __future__ import annotations
+
+import time
+import traceback
+from functools import lru_cache
+from pathlib import Path
+
+import msgspec
+
+from multisrt.environments.environment import Environment
+from multisrt.experiments.crossing import PlannedRun
+from multisrt.experiments.description import Limits
+from multisrt.experiments.limits import OverTimeError, most_memory_mb, within
+from multisrt.experiments.results import Result, Status
+from multisrt.geometry.errors import InvalidInputError
+from multisrt.metrics import Metrics, measure_with_curve
+from multisrt.recording import Recording
+from multisrt.simulation import simulate
+from multisrt.spec import EnvironmentSpec, build_environment
+
+WORLDS_KEPT = 32
+
+LONGEST_REASON = 1000
+"""Characters of what is told of a run that failed."""
+
+
+def make_run(
+    run: PlannedRun,
+    limits: Limits,
+    recording_path: Path | None = None,
+    *,
+    only_failed: bool = False,
+    world: EnvironmentSpec | None = None,
+) -> Result:
+    """Make a run in this process, in its main thread.
+
+    Whatever goes wrong in the run is told in the result.
+
+    Parameters
+    ----------
+    run : PlannedRun
+        What to run.
+    limits : Limits
+        What it may take.
+    recording_path : path, optional
+        Where to write its recording; a run that does not come to an end has none.
+    only_failed : bool
+        Write it only if the run has to be looked at.
+    world : EnvironmentSpec, optional
+        The world that the run's spec describes, where that cannot be read here.
+
+    Raises
+    ------
+    InvalidInputError
+        If the recording cannot be written; nothing is left behind.
+    """
+    begin, computed_s = time.perf_counter(), time.process_time()
+    status: Status
+    recording: Recording | None = None
+    metrics: Metrics | None = None
+    curve: tuple[float | None, ...] = ()
+    try:
+        with within(limits):
+            where = world_of(run.spec.environment if world is None else world)
+            recording = simulate(run.spec, where)
+            metrics, curve = measure_with_curve(recording, where)
+            # What JSON has no words for, as infinity, would be lost on the way to the store.
+            metrics = msgspec.json.decode(msgspec.json.encode(metrics), type=Metrics)
+        status, reason = recording.footer.outcome, recording.footer.reason
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:  # whatever a strategy raises
+        status, reason = _what_went_wrong(error, limits)
+        recording, metrics, curve = None, None, ()
+    result = Result(
+        key=run.key,
+        condition=run.condition,
+        repetition=run.repetition,
+        status=status,
+        reason=_one_line(reason),
+        digest="" if recording is None else recording.footer.digest,
+        metrics=metrics,
+        covered_at_s=curve,
+        computing_s=time.process_time() - computed_s,
+        wall_s=time.perf_counter() - begin,
+        memory_mb=most_memory_mb(),
+    )
+    if recording_path is not None and recording is not None and (result.failed or not only_failed):
+        recording.save(recording_path)
+    return result
+
+
+def world_of(spec: EnvironmentSpec) -> Environment:
+    """Build a world, or give it again if it was built not long ago.
+
+    Raises
+    ------
+    InvalidInputError
+        If it cannot be built.
+    """
+    return _world(msgspec.json.encode(spec))
+
+
+@lru_cache(maxsize=WORLDS_KEPT)
+def _world(spec: bytes) -> Environment:
+    described: EnvironmentSpec = msgspec.json.decode(spec, type=EnvironmentSpec)
+    return build_environment(described)
+
+
+def _what_went_wrong(error: BaseException, limits: Limits) -> tuple[Status, str]:
+    chain = _chain(error)
+    over = [each for each in chain if isinstance(each, OverTimeError)]
+    if over:
+        return "over_time", str(over[0])
+    if any(map(_lacks_memory, chain)):
+        return "over_memory", f"wants more than {limits.memory_mb} MB"
+    if isinstance(error, InvalidInputError):
+        return "refused", str(error)
+    place = traceback.extract_tb(error.__traceback__)[-1]
+    what = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
+    return "error", f"{what} ({Path(place.filename).name}:{place.lineno})"
+
+
+def _one_line(text: str) -> str:
+    # Messages of strategies may be anything.
+    words = " ".join(text.encode(errors="replace").decode().split())
+    return words if len(words) <= LONGEST_REASON else words[: LONGEST_REASON - 3] + "..."
+
+
+def _lacks_memory(error: BaseException) -> bool:
+    # Libraries in C++ tell it by the name of their exception.
+    return isinstance(error, MemoryError) or "bad_alloc" in str(error)
+
+
+def _chain(error: BaseException) -> list[BaseException]:
+    # An exception with those that it came from, the last first.
+    chain: list[BaseException] = []
+    here: BaseException | None = error
+    while here is not None and here not in chain:
+        chain.append(here)
+        here = here.__cause__ or here.__context__
+    return chain

@@ -1,0 +1,534 @@
+"""Álvarez's rules on ten maps, as in chapter 4 of the thesis, beside its Table 4.1.
+
+The thesis fits y = a x^b to the mean exploration time and the mean way of a robot in teams of x,
+for each map; a is the task's size, and b how well the team shares it: -1 would be a team without
+any loss.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import defaultdict
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from multisrt.experiments.description import EnvironmentChoice, ExperimentSpec, StartsChoice
+from multisrt.experiments.measures import Measure, measure_named
+from multisrt.experiments.results import Result, Results
+from multisrt.presets.judging import Comparison, Judged, Saying, judge, verdict
+from multisrt.presets.preset import Preset
+from multisrt.reporting.claims import Claim, PrintedTable, Verdict
+from multisrt.spec import RangeFinderSpec, Scalar, StopRule
+from multisrt.statistics.intervals import LEVEL, Interval, wilson
+from multisrt.statistics.power_law import PowerLaw, fit_power_law
+
+STRATEGY = "rules"
+TEAMS, QUICK_TEAMS = (1, 2, 3, 4, 5, 6, 7, 8), (1, 2, 4)
+REPETITIONS, QUICK_REPETITIONS = 5, 2
+PAPERS_REPETITIONS = 40
+RANGE_M = 4.5
+MAX_TIME_S = 28_800.0
+"""Of the run's own clock: several times what a robot alone needs on the largest map."""
+
+COVERED = 0.95
+"""Share of what can be seen that a successful run has covered at least."""
+
+TIME_EXPONENTS, DISTANCE_EXPONENTS = (-1.02, -0.70), (-1.42, -0.74)
+"""Between these lie 99 % of all exponents, by the thesis (section 4.2.1)."""
+
+M2_PER_ROBOT = 60.0
+"""More robots than one for each of this area help no more, by the thesis (section 4.2.1)."""
+
+TIME, DISTANCE = measure_named("exploration_time_s"), measure_named("distance_per_robot_m")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Scenario:
+    """A map of the thesis with its line of Table 4.1, and the map that stands for it here.
+
+    Attributes
+    ----------
+    number, kind : int, str
+        Its number, and what it is shown as (Figures 4.1 to 4.3).
+    area_m2, success_percent : float
+        Its area, and how many explorations succeeded.
+    time, distance : (float, float)
+        Coefficient and exponent of the two laws (s, m).
+    name, parameters : str, dict
+        Our map: as large as the thesis's over all, and of its kind.
+    """
+
+    number: int
+    kind: str
+    area_m2: float
+    success_percent: float
+    time: tuple[float, float]
+    distance: tuple[float, float]
+    name: str
+    parameters: dict[str, Scalar]
+
+    @property
+    def label(self) -> str:
+        """What tables call our map."""
+        return f"scenario {self.number} ({self.name})"
+
+
+SCENARIOS = (
+    Scenario(
+        number=1,
+        kind="rooms and corridors",
+        area_m2=600.0,
+        success_percent=97.50,
+        time=(747.31, -0.891),
+        distance=(140.97, -1.362),
+        name="office",
+        parameters={"width_m": 30.0, "height_m": 20.0},
+    ),
+    Scenario(
+        number=11,
+        kind="maze",
+        area_m2=900.0,
+        success_percent=96.56,
+        time=(1424.9, -0.886),
+        distance=(239.03, -1.154),
+        name="maze",
+        parameters={"size_m": 30.0, "cells": 15},
+    ),
+    Scenario(
+        number=10,
+        kind="rooms and corridors",
+        area_m2=1600.0,
+        success_percent=95.31,
+        time=(2615.7, -0.920),
+        distance=(460.03, -1.080),
+        name="rooms",
+        parameters={"size_m": 40.0, "rooms_per_side": 5},
+    ),
+    Scenario(
+        number=13,
+        kind="rooms and corridors",
+        area_m2=1600.0,
+        success_percent=98.13,
+        time=(1642.4, -0.861),
+        distance=(288.86, -1.000),
+        name="office",
+        parameters={"width_m": 40.0, "height_m": 40.0},
+    ),
+    Scenario(
+        number=43,
+        kind="irregular obstacles",
+        area_m2=1600.0,
+        success_percent=98.44,
+        time=(2209.4, -0.801),
+        distance=(366.41, -1.005),
+        name="clutter",
+        parameters={"size_m": 40.0},
+    ),
+    Scenario(
+        number=18,
+        kind="irregular obstacles, dense",
+        area_m2=1600.0,
+        success_percent=94.06,
+        time=(2221.9, -0.729),
+        distance=(296.85, -0.940),
+        name="clutter",
+        parameters={"size_m": 40.0, "cover": 0.16, "passage_m": 0.8},
+    ),
+    Scenario(
+        number=45,
+        kind="maze",
+        area_m2=1600.0,
+        success_percent=99.06,
+        time=(2692.6, -0.893),
+        distance=(434.44, -1.048),
+        name="maze",
+        parameters={"size_m": 40.0, "cells": 16, "loops": 0.1},
+    ),
+    Scenario(
+        number=16,
+        kind="irregular obstacles",
+        area_m2=1600.0,
+        success_percent=97.19,
+        time=(2639.0, -0.875),
+        distance=(401.84, -1.045),
+        name="clutter",
+        parameters={"size_m": 40.0, "cover": 0.08, "obstacle_m": 5.0},
+    ),
+    Scenario(
+        number=21,
+        kind="maze",
+        area_m2=3600.0,
+        success_percent=97.19,
+        time=(4745.6, -0.855),
+        distance=(772.29, -0.930),
+        name="maze",
+        parameters={"size_m": 60.0, "cells": 20},
+    ),
+    Scenario(
+        number=46,
+        kind="rooms and corridors",
+        area_m2=4378.0,
+        success_percent=96.56,
+        time=(7083.3, -0.910),
+        distance=(1180.10, -0.970),
+        name="office",
+        parameters={"width_m": 72.0, "height_m": 60.8},
+    ),
+)
+"""Table 4.1, in its order."""
+
+QUICK_SCENARIOS = (1, 11, 43)
+"""The smallest map of each kind."""
+
+LEAST_SUCCESS = min(scenario.success_percent for scenario in SCENARIOS)
+
+DEVIATIONS = (
+    "Worlds: maps of the catalogue's generators with the outer size and of the kind of the "
+    "thesis's, which are not at hand. Its areas are taken for those of the whole maps.",
+    f"Robots: discs of 0.25 m, differential, 0.5 m/s; range finders {RANGE_M:g} m, exact; a radio "
+    "that reaches everywhere. The thesis has 0.1 m/s and the Husky A200, which is larger; times "
+    "are shorter here for that alone, so exponents and distances can be compared, not times.",
+    "Starts: places and headings drawn in each repetition, those of a team far apart from one "
+    "another. The thesis draws them, too, and says no more.",
+    f"Success: the team ended with a complete map and saw {100 * COVERED:g} % of what can be seen. "
+    "The thesis does not say how it tells success. Means are over successful runs.",
+    f"The thesis makes {PAPERS_REPETITIONS} runs of each case, here it is {REPETITIONS} unless "
+    "told otherwise.",
+    "The coefficients of the thesis do not agree with its speed: at 0.1 m/s the distance of a "
+    "robot alone (a of the distance) takes longer than the time that it prints (a of the time); "
+    "they would need 0.13 to 0.19 m/s.",
+    f"The thesis finds that more robots help up to one for each {M2_PER_ROBOT:g} m2. Its smallest "
+    "map has room for ten, so that no team here, as none there, goes beyond that.",
+)
+
+
+def experiment(quick: bool) -> ExperimentSpec:
+    """Describe the thesis's runs."""
+    return ExperimentSpec(
+        name="alvarez quick" if quick else "alvarez",
+        about="How time and distance fall with the team by Álvarez's rules, and how many succeed",
+        environments=tuple(
+            EnvironmentChoice(
+                name=scenario.name, label=scenario.label, parameters=scenario.parameters
+            )
+            for scenario in SCENARIOS
+            if not quick or scenario.number in QUICK_SCENARIOS
+        ),
+        strategies=(STRATEGY,),
+        robots=QUICK_TEAMS if quick else TEAMS,
+        starts=(StartsChoice(how="scattered", first="drawn"),),
+        repetitions=QUICK_REPETITIONS if quick else REPETITIONS,
+        range_finder=RangeFinderSpec(range_m=RANGE_M),
+        stop=StopRule(max_time_s=MAX_TIME_S),
+    )
+
+
+# Success and laws ---------------------------------------------------------------------------
+
+
+def success(result: Result) -> bool:
+    """Whether the robots ended with a complete map, and it is one."""
+    return (
+        result.status == "complete"
+        and result.metrics is not None
+        and result.metrics.exploration_time_s is not None
+        and result.metrics.coverage >= COVERED
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Outcome:
+    """What came out on the map that stands for a scenario.
+
+    Attributes
+    ----------
+    scenario : Scenario
+        Which.
+    runs, successes : int
+        How many there are, and how many of them are successful.
+    time, distance : dict
+        Means over the successful runs, by team size: exploration time (s), way of a robot (m).
+    """
+
+    scenario: Scenario
+    runs: int
+    successes: int
+    time: dict[int, float]
+    distance: dict[int, float]
+
+
+def outcomes(results: Results) -> list[Outcome]:
+    """Give what came out on every map of the experiment, in the thesis's order."""
+    asked = {
+        given if isinstance(given, str) else given.label
+        for given in results.experiment.environments
+    }
+    runs: defaultdict[str, list[Result]] = defaultdict(list)
+    for result in results:
+        runs[result.condition.environment].append(result)
+    return [
+        Outcome(
+            scenario=scenario,
+            runs=len(here := runs[scenario.label]),
+            successes=sum(map(success, here)),
+            time=_means(here, TIME),
+            distance=_means(here, DISTANCE),
+        )
+        for scenario in SCENARIOS
+        if scenario.label in asked
+    ]
+
+
+def _means(results: list[Result], measure: Measure) -> dict[int, float]:
+    by_team: defaultdict[int, list[float]] = defaultdict(list)
+    for result in results:
+        value = measure.of(result)
+        if success(result) and value is not None:
+            by_team[result.condition.robots].append(value)
+    return {robots: float(np.mean(by_team[robots])) for robots in sorted(by_team)}
+
+
+def law(means: dict[int, float], level: float = LEVEL) -> PowerLaw | None:
+    """Fit the thesis's law to means by team size; None for fewer than three sizes."""
+    if len(means) < 3:
+        return None
+    return fit_power_law(list(means), list(means.values()), level=level)
+
+
+# Claims -------------------------------------------------------------------------------------
+
+
+def claims(results: Results) -> list[Claim]:
+    """Judge what the thesis says of its results."""
+    found = outcomes(results)
+    return [
+        succeeds(found),
+        exponents_between(
+            "exploration time",
+            [one.time for one in found],
+            [one.scenario.label for one in found],
+            [one.scenario.time[1] for one in found],
+            TIME_EXPONENTS,
+        ),
+        exponents_between(
+            "way of a robot",
+            [one.distance for one in found],
+            [one.scenario.label for one in found],
+            [one.scenario.distance[1] for one in found],
+            DISTANCE_EXPONENTS,
+        ),
+        *(judged.claim for judged in _doublings(found)),
+    ]
+
+
+def tables(results: Results) -> list[PrintedTable]:
+    """Put our laws and success beside Table 4.1, and list the means that they are fitted to."""
+    found = outcomes(results)
+    return [
+        beside(found),
+        _means_table("Mean exploration time (s)", [(one, one.time) for one in found]),
+        _means_table("Mean way of a robot (m)", [(one, one.distance) for one in found]),
+        *(judged.table for judged in _doublings(found)),
+    ]
+
+
+def succeeds(found: list[Outcome]) -> Claim:
+    """Judge the rates of success, by Wilson's interval of all runs."""
+    runs, good = sum(one.runs for one in found), sum(one.successes for one in found)
+    least = LEAST_SUCCESS / 100.0
+    decision: Verdict = "not tested"
+    grounds = ["there are no runs"]
+    if runs:
+        share = wilson(good, runs)
+        rates = [100.0 * one.successes / one.runs for one in found if one.runs]
+        grounds = [
+            f"{good} of {runs} runs succeed: {100 * share.value:.1f} % (interval "
+            f"{100 * share.low:.1f} to {100 * share.high:.1f} %, Wilson); by map "
+            f"{min(rates):.1f} to {max(rates):.1f} %"
+        ]
+        if share.high < least:
+            decision = "does not hold"
+        elif wilson(runs, runs).low < least:
+            grounds.append("too few runs: even without a failure the interval would reach below")
+        else:
+            decision = "holds" if share.low >= least else "not significant"
+    return Claim(
+        text=f"At least {LEAST_SUCCESS:g} % of all explorations succeed.",
+        source="Álvarez, Table 4.1 (94.06 to 99.06 % by map)",
+        verdict=decision,
+        grounds=tuple(grounds),
+    )
+
+
+def exponents_between(
+    what: str,
+    means: list[dict[int, float]],
+    labels: list[str],
+    printed: list[float],
+    limits: tuple[float, float],
+) -> Claim:
+    """Judge whether the exponents of all maps lie between the thesis's limits.
+
+    A map speaks for it where the whole interval of its exponent does, and against it where none
+    of it does. The intervals hold for all maps at once (Bonferroni).
+    """
+    low, high = limits
+    level = 1.0 - (1.0 - LEVEL) / max(1, len(means))
+    fits = [(label, law(of, level)) for label, of in zip(labels, means, strict=True)]
+    known = [(label, fit.exponent) for label, fit in fits if fit is not None]
+    sayings = [_says_between(exponent, limits) for _, exponent in known]
+    grounds = []
+    if known:
+        values = [exponent.value for _, exponent in known]
+        grounds += [
+            f"{sum(low <= value <= high for value in values)} of {len(known)} exponents lie "
+            f"between; the whole interval of {sayings.count('for')} does, and of "
+            f"{sayings.count('against')} none of it",
+            f"ours are {_span(values)}; the thesis's {_span(printed)}",
+        ]
+    grounds += [
+        f"{label}: {exponent.value:.3f} ({exponent.low:.3f} to {exponent.high:.3f}), outside"
+        for (label, exponent), saying in zip(known, sayings, strict=True)
+        if saying == "against"
+    ]
+    decision: Verdict = "not tested"
+    if 2 * len(known) > len(means):
+        decision = verdict(sayings, "always")
+    else:
+        grounds.append("too few runs: a fit takes three team sizes that have successful runs")
+    return Claim(
+        text=f"The {what} falls with the team by an exponent of {low:g} to {high:g}.",
+        source="Álvarez, section 4.2.1 (99 % of all cases), Figures 4.16 to 4.19",
+        verdict=decision,
+        grounds=tuple(grounds),
+    )
+
+
+def _says_between(exponent: Interval, limits: tuple[float, float]) -> Saying:
+    low, high = limits
+    if exponent.high < low or exponent.low > high:
+        return "against"
+    return "for" if low <= exponent.low and exponent.high <= high else "nothing"
+
+
+def _span(exponents: list[float]) -> str:
+    return f"{min(exponents):.3f} to {max(exponents):.3f}, {np.mean(exponents):.3f} on average"
+
+
+def _doublings(found: list[Outcome]) -> list[Judged]:
+    return [
+        doubling(
+            "The exploration takes less time with twice as many robots",
+            TIME,
+            [one.time for one in found],
+        ),
+        doubling(
+            "A robot travels less with twice as many robots",
+            DISTANCE,
+            [one.distance for one in found],
+        ),
+    ]
+
+
+def doubling(text: str, measure: Measure, means: list[dict[int, float]]) -> Judged:
+    """Judge whether twice the robots help, over the means of all maps; see `M2_PER_ROBOT`."""
+    sizes = sorted({robots for by_team in means for robots in by_team if robots in (1, 2, 4, 8)})
+    comparisons = []
+    for few, many in pairwise(sizes):
+        both = [by_team for by_team in means if few in by_team and many in by_team]
+        comparisons.append(
+            Comparison(
+                where=f"{few} to {many} robots, a mean for each map",
+                lower=tuple(by_team[many] for by_team in both),
+                higher=tuple(by_team[few] for by_team in both),
+                paired=True,
+            )
+        )
+    return judge(
+        f"{text}, up to one for each {M2_PER_ROBOT:g} m2.",
+        "Álvarez, section 4.2.1",
+        comparisons,
+        scope="always",
+        quantity=measure,
+        so="it falls",
+        otherwise="it rises",
+        sides=("larger team", "smaller team"),
+    )
+
+
+# Tables -------------------------------------------------------------------------------------
+
+
+def beside(found: list[Outcome]) -> PrintedTable:
+    """Put our laws and rates of success beside Table 4.1."""
+    rows = []
+    for one in found:
+        printed, (time, distance) = one.scenario, (law(one.time), law(one.distance))
+        rate = 100.0 * one.successes / one.runs if one.runs else math.nan
+        rows.append((printed.label, *_line(rate, time, distance)))
+        rows.append(
+            (
+                f"thesis: {printed.kind}, {printed.area_m2:g} m2",
+                f"{printed.success_percent:.2f}",
+                *(f"{printed.time[0]:g}", f"{printed.time[1]:.3f}"),
+                *(f"{printed.distance[0]:g}", f"{printed.distance[1]:.3f}"),
+                "",
+            )
+        )
+    return PrintedTable(
+        title="Table 4.1. Success, and the laws y = a x^b of teams of x",
+        source="Álvarez, Table 4.1",
+        columns=(
+            *("scenario", "success %", "a of time (s)", "b of time"),
+            *("a of distance (m)", "b of distance", "r2 of both"),
+        ),
+        rows=tuple(rows),
+        note="Fitted to the means by team size, in logarithms; b with its 95 % interval.",
+    )
+
+
+def _line(rate: float, time: PowerLaw | None, distance: PowerLaw | None) -> list[str]:
+    fields = ["-" if math.isnan(rate) else f"{rate:.2f}"]
+    for fit, digits in ((time, 0), (distance, 1)):
+        if fit is None:
+            fields += ["-", "-"]
+        else:
+            b = fit.exponent
+            fields += [
+                f"{fit.factor.value:.{digits}f}",
+                f"{b.value:.3f} ({b.low:.2f}, {b.high:.2f})",
+            ]
+    both = [fit for fit in (time, distance) if fit is not None]
+    return [*fields, ", ".join(f"{fit.r_squared:.3f}" for fit in both)]
+
+
+def _means_table(title: str, means: list[tuple[Outcome, dict[int, float]]]) -> PrintedTable:
+    teams = sorted({robots for _, by_team in means for robots in by_team})
+    return PrintedTable(
+        title=title,
+        source="Álvarez, Figures 4.4 to 4.13 (curves only)",
+        columns=("scenario", *(f"{n} robot{'s' * (n > 1)}" for n in teams), "successful runs"),
+        rows=tuple(
+            (
+                one.scenario.label,
+                *(f"{by_team[n]:.0f}" if n in by_team else "-" for n in teams),
+                f"{one.successes} of {one.runs}",
+            )
+            for one, by_team in means
+        ),
+        note="Over successful runs.",
+    )
+
+
+ALVAREZ = Preset(
+    name="alvarez",
+    about="Álvarez's rules on ten maps, by team size: success, time and distance",
+    paper="J. A. Álvarez Jáuregui, Algoritmo descentralizado para la exploración multi-robot de "
+    "escenarios 2D, Universidad de Guanajuato, 2018",
+    experiment=experiment,
+    claims=claims,
+    tables=tables,
+    deviations=DEVIATIONS,
+)

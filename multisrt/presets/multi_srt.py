@@ -1,0 +1,316 @@
+"""Multi-SRT in the two worlds of its paper, as section 3 of it describes the simulations."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from itertools import pairwise
+
+import numpy as np
+
+from multisrt.experiments.crossing import Condition
+from multisrt.experiments.description import ExperimentSpec, Only, RadioChoice
+from multisrt.experiments.measures import Measure, measure_named
+from multisrt.experiments.results import Result, Results
+from multisrt.presets.judging import Cells, Judged, judge, number
+from multisrt.presets.preset import Preset
+from multisrt.reporting.claims import Claim, PrintedTable, Verdict
+from multisrt.spec import RangeFinderSpec, StopRule
+from multisrt.statistics.summaries import median, quantile
+
+WORLDS = ("garden", "clutter")
+STAR, RADIAL = "srt-star", "srt-radial"
+TEAMS, QUICK_TEAMS = (1, 2, 4, 8, 16), (1, 2, 4)
+REPETITIONS, QUICK_REPETITIONS = 20, 10
+RANGE_M, RADIO_RANGE_M = 4.0, 15.0
+MAX_TIME_S = 14_400.0
+"""Of the run's own clock: several times what a robot alone needs."""
+
+TIME, DISTANCE = measure_named("exploration_time_s"), measure_named("total_distance_m")
+
+SOURCE = "Multi-SRT, section 3 (simulation results), Figure 7"
+
+DEVIATIONS = (
+    "Worlds: the garden and the clutter of the catalogue, with their default parameters. The "
+    "paper describes its two square worlds and shows them, but gives no sizes.",
+    f"Robots: discs of 0.25 m, differential, 0.5 m/s; range finders {RANGE_M:g} m, exact. The "
+    "paper gives no figures of its robots.",
+    f"Radio: unlimited, or {RADIO_RANGE_M:g} m and relayed. The paper does not tell its limited "
+    "range.",
+    "A robot alone starts where the world suggests, and once only: neither starts nor radio make "
+    "a difference to it.",
+    "The paper averages 20 runs and shows curves only: there are no printed figures to put ours "
+    "beside, and it makes no tests.",
+    "Planning has two stages more than the paper's, without which explorations end with rooms "
+    "unseen: an approach to frontiers that no draw reaches, and at the root a way back to "
+    "frontiers left open.",
+)
+
+
+def experiment(quick: bool) -> ExperimentSpec:
+    """Describe the paper's runs."""
+    limited = RadioChoice(range_m=RADIO_RANGE_M, label=f"{RADIO_RANGE_M:g} m")
+    return ExperimentSpec(
+        name="multi-srt quick" if quick else "multi-srt",
+        about="How team size, starts and radio bear on Multi-SRT, Star and Radial",
+        environments=WORLDS,
+        strategies=(STAR, RADIAL),
+        robots=QUICK_TEAMS if quick else TEAMS,
+        starts=("scattered", "clustered"),
+        radios=("unlimited", limited),
+        exclude=(Only(robots=1, starts="clustered"), Only(robots=1, radio=f"{RADIO_RANGE_M:g} m")),
+        repetitions=QUICK_REPETITIONS if quick else REPETITIONS,
+        range_finder=RangeFinderSpec(range_m=RANGE_M),
+        stop=StopRule(max_time_s=MAX_TIME_S),
+    )
+
+
+def claims(results: Results) -> list[Claim]:
+    """Judge what the paper says of its simulations."""
+    return [
+        *(judged.claim for judged in _compared(results)),
+        all_complete(results),
+        no_collision(results),
+    ]
+
+
+def tables(results: Results) -> list[PrintedTable]:
+    """Give time and distance by team size, which the paper draws, and the comparisons."""
+    cells = Cells(results)
+    return [
+        *(_by_team(cells, measure) for measure in (TIME, DISTANCE)),
+        *(judged.table for judged in _compared(results)),
+    ]
+
+
+# Claims that compare ------------------------------------------------------------------------
+
+
+def _compared(results: Results) -> list[Judged]:
+    cells = Cells(results)
+    return [
+        time_falls(cells),
+        time_does_not_always_fall(cells),
+        distance_grows(cells),
+        radial_is_better(cells, TIME),
+        radial_is_better(cells, DISTANCE),
+    ]
+
+
+def time_falls(cells: Cells) -> Judged:
+    """Judge the claim on scattered starts, by every team size and the next."""
+    return judge(
+        "With scattered starts the exploration time falls as the team grows.",
+        SOURCE,
+        [
+            cells.unpaired(_step(small, large), lower=large, higher=small, measure=TIME)
+            for small, large in _steps(cells, "scattered")
+        ],
+        scope="always",
+        quantity=TIME,
+        so="it falls",
+        otherwise="it rises",
+        sides=("larger team", "smaller team"),
+    )
+
+
+def time_does_not_always_fall(cells: Cells) -> Judged:
+    """Judge the claim on clustered starts: "there are examples where this is not verified"."""
+    return judge(
+        "With clustered starts there are teams in which more robots take longer.",
+        SOURCE,
+        [
+            cells.unpaired(_step(small, large), lower=small, higher=large, measure=TIME)
+            for small, large in _steps(cells, "clustered")
+        ],
+        scope="somewhere",
+        quantity=TIME,
+        so="the time rises",
+        otherwise="it falls",
+        sides=("smaller team", "larger team"),
+    )
+
+
+def distance_grows(cells: Cells) -> Judged:
+    """Judge the claim on the distance of all robots, by every team size and the next."""
+    return judge(
+        "The total distance grows with the number of robots.",
+        SOURCE,
+        [
+            cells.unpaired(
+                f"{starts}: {_step(small, large)}", lower=small, higher=large, measure=DISTANCE
+            )
+            for starts in ("scattered", "clustered")
+            for small, large in _steps(cells, starts)
+        ],
+        scope="always",
+        quantity=DISTANCE,
+        so="it grows",
+        otherwise="it falls",
+        sides=("smaller team", "larger team"),
+    )
+
+
+def radial_is_better(cells: Cells, measure: Measure) -> Judged:
+    """Judge the claim on the two strategies, from equal starts."""
+    what = "less time" if measure is TIME else "a shorter way"
+    pairs: defaultdict[tuple[object, ...], dict[str, Condition]] = defaultdict(dict)
+    for at in cells.conditions():
+        pairs[at.environment, at.robots, at.starts, at.radio][at.strategy] = at
+    return judge(
+        f"Radial needs {what} than Star.",
+        f"{SOURCE} ('the efficiency of Multi-SRT Radial over Multi-SRT Star')",
+        [
+            cells.paired(_place(of[STAR]), lower=of[RADIAL], higher=of[STAR], measure=measure)
+            for of in pairs.values()
+            if of.keys() >= {STAR, RADIAL}
+        ],
+        scope="mostly",
+        quantity=measure,
+        so="Radial needs less",
+        otherwise="it needs more",
+        sides=("Radial", "Star"),
+    )
+
+
+def _steps(cells: Cells, starts: str) -> list[tuple[Condition, Condition]]:
+    # Every team size and the next, in each series; all begin with the robot alone.
+    series: defaultdict[tuple[str, ...], list[Condition]] = defaultdict(list)
+    alone: dict[tuple[str, str], Condition] = {}
+    for at in cells.conditions():
+        if at.robots == 1:
+            alone[at.environment, at.strategy] = at
+        elif at.starts == starts:
+            series[at.environment, at.strategy, at.radio].append(at)
+    return [
+        step
+        for (world, strategy, _), teams in series.items()
+        for step in pairwise(
+            ([alone[world, strategy]] if (world, strategy) in alone else [])
+            + sorted(teams, key=lambda at: at.robots)
+        )
+    ]
+
+
+def _step(small: Condition, large: Condition) -> str:
+    return (
+        f"{large.environment}, {large.strategy}, {large.radio} radio, {small.robots} to "
+        f"{large.robots} robots"
+    )
+
+
+def _place(at: Condition) -> str:
+    if at.robots == 1:
+        return f"{at.environment}, a robot alone"
+    return f"{at.environment}, {at.robots} robots, {at.starts}, {at.radio} radio"
+
+
+# Claims on every run ------------------------------------------------------------------------
+
+
+def all_complete(results: Results) -> Claim:
+    """Judge whether every exploration came to its end."""
+    bad = [result for result in results if result.status != "complete"]
+    return Claim(
+        text="All explorations are completed.",
+        source="Multi-SRT, section 2 (robots return to their roots when no frontier is left)",
+        verdict=_of_all(results, bad),
+        grounds=(
+            f"{len(results) - len(bad)} of {len(results)} runs are complete, of {results.asked} "
+            "asked for",
+            *_told(bad),
+        ),
+    )
+
+
+def no_collision(results: Results) -> Claim:
+    """Judge whether bodies ever touched."""
+    measured = [result.metrics for result in results if result.metrics is not None]
+    bad = [r for r in results if r.metrics is not None and r.metrics.collisions > 0]
+    apart = [
+        one.smallest_distance_between_robots_m
+        for one in measured
+        if one.smallest_distance_between_robots_m is not None
+    ]
+    grounds = [
+        f"collisions in {len(bad)} of {len(measured)} runs that were measured, of "
+        f"{results.asked} asked for"
+    ]
+    if apart:
+        grounds.append(
+            f"least distance between two bodies: {min(apart):.3f} m; between a body and an "
+            f"obstacle: {min(one.smallest_clearance_m for one in measured):.3f} m"
+        )
+    return Claim(
+        text="The motion of the team is free of collisions.",
+        source="Multi-SRT, section 3 ('guarantees that the collective motion of the robots is "
+        "feasible from the collision viewpoint')",
+        verdict=_of_all(results, bad),
+        grounds=(*grounds, *_told(bad)),
+    )
+
+
+def _of_all(results: Results, bad: list[Result]) -> Verdict:
+    # What is claimed of all runs is refuted by one, and holds only when all are made.
+    if bad:
+        return "does not hold"
+    return "holds" if len(results) == results.asked > 0 else "not tested"
+
+
+def _told(bad: list[Result]) -> list[str]:
+    lines = [f"{r.condition}, repetition {r.repetition}: {r.reason}" for r in bad[:MOST_TOLD]]
+    return [*lines, f"and {len(bad) - MOST_TOLD} more"] if len(bad) > MOST_TOLD else lines
+
+
+MOST_TOLD = 10
+"""So many runs that went wrong are told one by one."""
+
+
+# Tables -------------------------------------------------------------------------------------
+
+
+def _by_team(cells: Cells, measure: Measure) -> PrintedTable:
+    teams = sorted({at.robots for at in cells.conditions()})
+    lines: dict[tuple[str, ...], dict[int, Condition]] = {}
+    for at in cells.conditions():
+        how = ("", "") if at.robots == 1 else (at.starts, at.radio)
+        lines.setdefault((at.environment, at.strategy, *how), {})[at.robots] = at
+    return PrintedTable(
+        title=f"{measure.heading} by team size",
+        source="Multi-SRT, Figure 7 (curves only)",
+        columns=(
+            *("world", "strategy", "starts", "radio"),
+            *(f"{n} robot{'s' * (n > 1)}" for n in teams),
+        ),
+        rows=tuple(
+            (
+                *name,
+                *(_spread(cells.values(of[n], measure), measure) if n in of else "" for n in teams),
+            )
+            for name, of in lines.items()
+        ),
+        note="Medians, and quartiles in brackets, over all runs. The paper shows its means as "
+        "curves, without figures.",
+    )
+
+
+def _spread(values: tuple[float, ...], measure: Measure) -> str:
+    if not values:
+        return "-"
+    of = np.array(values)
+    low, middle, high = (float(x) for x in (quantile(of, 0.25), median(of), quantile(of, 0.75)))
+    return (
+        f"{number(middle, measure.digits)} ({number(low, measure.digits)} to "
+        f"{number(high, measure.digits)})"
+    )
+
+
+MULTI_SRT = Preset(
+    name="multi-srt",
+    about="Multi-SRT Star and Radial in a garden and in clutter, by team size, starts and radio",
+    paper="A. Toriz Palacios, A. Sánchez López and co-authors, Coordinated multi-agent exploration "
+    "(Multi-SRT)",
+    experiment=experiment,
+    claims=claims,
+    tables=tables,
+    deviations=DEVIATIONS,
+)

@@ -1,0 +1,115 @@
+"""What a preset's results say, in Markdown that can be read as it is."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+from multisrt.experiments.crossing import conditions
+from multisrt.experiments.results import Results
+from multisrt.presets.preset import Preset
+from multisrt.reporting.claims import Claim, PrintedTable
+
+MOST_FAILURES = 50
+"""So many runs that went wrong are listed."""
+
+
+def summary(
+    preset: Preset,
+    results: Results,
+    command: str,
+    *,
+    claims: Sequence[Claim],
+    tables: Sequence[PrintedTable],
+) -> str:
+    """Write a paper's claims and figures beside what came out.
+
+    Parameters
+    ----------
+    preset : Preset
+        The paper's experiment.
+    results : Results
+        What there is of it.
+    command : str
+        What made them.
+    claims, tables : sequence
+        What the preset reads out of the results.
+    """
+    sections = [
+        f"# {preset.about}",
+        f"Made with `{command}`. The paper: {preset.paper}.",
+        _bullets(_account(results)),
+        "## Claims",
+        _table(("claim", "verdict"), [(claim.text, claim.verdict) for claim in claims]),
+        *(_claim(claim) for claim in claims),
+        "## Figures beside the paper's",
+        *(_printed(table) for table in tables if table.source),
+        "## Figures behind the claims",
+        *(_printed(table) for table in tables if not table.source),
+        "## Where this is not the paper's experiment",
+        _bullets(preset.deviations),
+        "## Runs that failed",
+        _bullets(_failures(results)) or "None.",
+    ]
+    return "\n\n".join(section.rstrip() for section in sections if section) + "\n"
+
+
+def _account(results: Results) -> list[str]:
+    complete = sum(result.status == "complete" for result in results)
+    seconds = sum(result.computing_s for result in results)
+    versions = results.provenance.versions
+    spec = results.experiment
+    teams = sorted({at.robots for at in conditions(spec)})
+    lines = [
+        f"Experiment: {spec.name}; teams of {', '.join(map(str, teams))}; {spec.repetitions} "
+        "repetitions. What is said of claims is said of these.",
+        f"Runs: {len(results)} of {results.asked}; {complete} complete, "
+        f"{sum(result.failed for result in results)} failed.",
+        f"Computing time of all runs: {seconds / 3600.0:.2f} h of one core.",
+        f"Versions: {', '.join(f'{name} {versions[name]}' for name in versions)}; "
+        f"{results.provenance.system}, {results.provenance.machine}.",
+        f"Digest of the program's source: {results.provenance.program}.",
+    ]
+    if len(results) < results.asked:
+        lines.append(
+            f"**{results.asked - len(results)} runs are missing: the same command goes on with "
+            "them.**"
+        )
+    return lines
+
+
+def _claim(claim: Claim) -> str:
+    return "\n\n".join(
+        (
+            f"### {claim.text}",
+            f"**{claim.verdict[0].upper()}{claim.verdict[1:]}.** Claimed in: {claim.source}.",
+            _bullets(claim.grounds),
+        )
+    )
+
+
+def _printed(table: PrintedTable) -> str:
+    parts = (f"### {table.title}", table.note, _table(table.columns, table.rows))
+    return "\n\n".join(part for part in parts if part)
+
+
+def _table(columns: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    lines = [columns, ["-" * max(3, len(column)) for column in columns], *rows]
+    return "\n".join(
+        f"| {' | '.join(field.replace('|', '/') for field in line)} |" for line in lines
+    )
+
+
+def _bullets(lines: Iterable[str]) -> str:
+    return "\n".join(f"- {line}" for line in lines)
+
+
+def _failures(results: Results) -> list[str]:
+    bad = [result for result in results if result.failed]
+    lines = [
+        f"{result.condition}, repetition {result.repetition}: "
+        f"{result.status.replace('_', ' ')}: {result.reason}"
+        if result.status != "complete"
+        else f"{result.condition}, repetition {result.repetition}: a collision"
+        for result in bad[:MOST_FAILURES]
+    ]
+    return [*lines, f"and {len(bad) - MOST_FAILURES} more"] if len(bad) > MOST_FAILURES else lines

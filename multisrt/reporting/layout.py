@@ -1,0 +1,268 @@
+"""Tables as plain data, written out for the terminal, the page, LaTeX and spreadsheets."""
+
+from __future__ import annotations
+
+import csv
+import html
+import io
+import math
+import re
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+from multisrt.drawing.svg import printable
+
+WIDTH: Final = 100
+"""Columns of a terminal, unless told otherwise."""
+
+NARROWEST: Final = 12
+"""A column of labels is never cut to less."""
+
+MINUS: Final = "\N{MINUS SIGN}"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Cell:
+    """A place in a table.
+
+    Attributes
+    ----------
+    text : str
+        What is read first.
+    detail : str
+        What is read second, smaller.
+    mark : str
+        "+", "-" or nothing.
+    sort : float or None
+        What rows are sorted by; None: by the text.
+    data : dict
+        What a spreadsheet gets instead of text and detail, by name.
+    """
+
+    text: str
+    detail: str = ""
+    mark: str = ""
+    sort: float | None = None
+    data: dict[str, str | int | float] | None = None
+
+    @property
+    def line(self) -> str:
+        """All of it in a line."""
+        return " ".join(part for part in (self.text, self.mark, self.detail) if part)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Table:
+    """A table.
+
+    Attributes
+    ----------
+    name : str
+        What files call it: letters, digits and hyphens.
+    title : str
+        What people read above it.
+    columns : tuple of str
+        Headings.
+    rows : tuple of tuple of Cell
+        As many cells each as there are columns.
+    labels : int
+        How many of the first columns say what a row is; the others hold numbers.
+    notes : tuple of str
+        What people read below it.
+    """
+
+    name: str
+    title: str
+    columns: tuple[str, ...]
+    rows: tuple[tuple[Cell, ...], ...]
+    labels: int = 1
+    notes: tuple[str, ...] = ()
+
+    def __str__(self) -> str:
+        """Write it for the terminal."""
+        return self.text()
+
+    def text(self, width: int = WIDTH) -> str:
+        """Write it for a terminal; columns that do not fit side by side come one below another."""
+        head = [_cut(column, width // 2) for column in self.columns]
+        body = [[cell.line for cell in row] for row in self.rows]
+        widths = [
+            max(map(len, (head[i], *(row[i] for row in body)))) for i in range(len(self.columns))
+        ]
+        for i in range(self.labels):
+            widths[i] = min(widths[i], max(NARROWEST, width // (2 * self.labels) - 2))
+        lines = [self.title, ""]
+        for block in self._blocks(widths, width):
+            shown = [*range(self.labels), *block]
+            lines.append(self._text_row(head, shown, widths))
+            lines.append("  ".join("-" * widths[i] for i in shown))
+            lines += [self._text_row(row, shown, widths) for row in body]
+            lines.append("")
+        lines += [part for note in self.notes for part in _wrapped(note, width)]
+        return "\n".join(lines).rstrip() + "\n"
+
+    def html(self) -> str:
+        """Write it as HTML; its headings are buttons that sort it where a script is at hand."""
+        head = "".join(
+            f'<th scope="col"><button type="button">{_escaped(column)}</button></th>'
+            for column in self.columns
+        )
+        body = "\n".join(
+            f"<tr>{''.join(self._html_cell(i, cell) for i, cell in enumerate(row))}</tr>"
+            for row in self.rows
+        )
+        notes = "".join(f"<p>{_escaped(note)}</p>" for note in self.notes)
+        return (
+            f'<div class="scroll" role="region" tabindex="0" aria-label="{_escaped(self.title)}">\n'
+            f'<table id="table-{self.name}" class="sorts">\n'
+            f"<caption>{_escaped(self.title)}</caption>\n"
+            f"<thead><tr>{head}</tr></thead>\n<tbody>\n{body}\n</tbody>\n</table>\n</div>\n"
+            f'<div class="notes">{notes}</div>'
+        )
+
+    def latex(self) -> str:
+        """Write it as LaTeX; needs the package booktabs."""
+        columns = "l" * self.labels + "r" * (len(self.columns) - self.labels)
+        head = " & ".join(map(latex_escaped, self.columns))
+        body = "\n".join("    " + " & ".join(map(_latex_cell, row)) + r" \\" for row in self.rows)
+        notes = latex_escaped(" ".join((f"{self.title}.", *self.notes)))
+        return (
+            "% needs \\usepackage{booktabs}\n"
+            "\\begin{table}\n  \\centering\n  \\small\n"
+            f"  \\caption{{{notes}}}\n  \\label{{tab:{self.name}}}\n"
+            f"  \\begin{{tabular}}{{{columns}}}\n    \\toprule\n    {head} \\\\\n    \\midrule\n"
+            f"{body}\n    \\bottomrule\n  \\end{{tabular}}\n\\end{{table}}\n"
+        )
+
+    def csv(self) -> str:
+        """Write it for spreadsheets: numbers in full, a column for each."""
+        keys = [
+            list(dict.fromkeys(key for row in self.rows for key in (row[i].data or {})))
+            for i in range(len(self.columns))
+        ]
+        file = io.StringIO()
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(
+            name
+            for column, own in zip(self.columns, keys, strict=True)
+            for name in ([f"{column} {key}" for key in own] or [column])
+        )
+        for row in self.rows:
+            writer.writerow(
+                value
+                for cell, own in zip(row, keys, strict=True)
+                for value in ([(cell.data or {}).get(key, "") for key in own] or [cell.line])
+            )
+        return file.getvalue()
+
+    def _blocks(self, widths: Sequence[int], width: int) -> list[list[int]]:
+        # Columns of numbers that fit beside the labels, together.
+        room = width - sum(widths[i] + 2 for i in range(self.labels))
+        blocks: list[list[int]] = [[]]
+        used = 0
+        for i in range(self.labels, len(self.columns)):
+            if blocks[-1] and used + widths[i] > room:
+                blocks.append([])
+                used = 0
+            blocks[-1].append(i)
+            used += widths[i] + 2
+        return blocks
+
+    def _text_row(self, row: Sequence[str], shown: Iterable[int], widths: Sequence[int]) -> str:
+        cells = [
+            _cut(row[i], widths[i]).ljust(widths[i]) if i < self.labels else row[i].rjust(widths[i])
+            for i in shown
+        ]
+        return "  ".join(cells).rstrip()
+
+    def _html_cell(self, column: int, cell: Cell) -> str:
+        is_label = column < self.labels
+        sort = "" if cell.sort is None else f' data-sort="{_number(cell.sort)}"'
+        text = _escaped(cell.text)
+        if cell.mark:
+            better = "better" if cell.mark == "+" else "worse"
+            sign = "+" if cell.mark == "+" else MINUS
+            text += f' <b class="{better}" title="significantly {better}">{sign}</b>'
+        if cell.detail:
+            text += f"<small>{_escaped(cell.detail)}</small>"
+        if is_label:
+            return f'<th scope="row"{sort}>{text}</th>'
+        return f"<td{sort}>{text}</td>"
+
+
+def number(value: float, digits: int) -> str:
+    """Write a number for people, fewer digits after the point where there are many before it.
+
+    Examples
+    --------
+    >>> number(12.345, 1), number(12345.6, 1), number(float("inf"), 1)
+    ('12.3', '12,346', '∞')
+    """
+    if math.isinf(value):
+        return "∞" if value > 0 else f"{MINUS}∞"
+    if abs(value) >= 1000.0:
+        digits = 0
+    text = f"{value:,.{digits}f}"
+    return text.replace("-", MINUS) if float(text.replace(",", "")) else text.lstrip("-")
+
+
+def slug(text: str) -> str:
+    """Give a name for a file: lower case letters, digits and hyphens.
+
+    Examples
+    --------
+    >>> slug("../Garden, 4 robots"), slug("")
+    ('garden-4-robots', 'x')
+    """
+    return re.sub(r"[^a-z0-9]+", "-", text.lower()).strip("-")[:60].strip("-") or "x"
+
+
+def latex_escaped(text: str) -> str:
+    """Write text so that LaTeX prints it."""
+    return "".join(_LATEX.get(letter, letter) for letter in printable(text))
+
+
+_LATEX: Final = {
+    **{letter: f"\\{letter}" for letter in "&%$#_{}"},
+    "\\": r"\textbackslash{}",
+    "~": r"\textasciitilde{}",
+    "^": r"\textasciicircum{}",
+    "<": r"\textless{}",
+    ">": r"\textgreater{}",
+    "|": r"\textbar{}",
+    "∞": r"$\infty$",
+    "≤": r"$\leq$",
+    "²": r"$^2$",
+    MINUS: r"$-$",
+    "\N{EN DASH}": "--",
+    "…": r"\ldots{}",
+}
+
+
+def _latex_cell(cell: Cell) -> str:
+    mark = {"+": " $+$", "-": " $-$"}.get(cell.mark, "")
+    detail = f" {{\\footnotesize {latex_escaped(cell.detail)}}}" if cell.detail else ""
+    return f"{latex_escaped(cell.text)}{mark}{detail}"
+
+
+def _escaped(text: str) -> str:
+    return html.escape(printable(text))
+
+
+def _number(value: float) -> str:
+    # As scripts read it.
+    return ("Infinity" if value > 0 else "-Infinity") if math.isinf(value) else f"{value:.10g}"
+
+
+def _cut(text: str, width: int) -> str:
+    return text if len(text) <= width else f"{text[: width - 1]}…"
+
+
+def _wrapped(text: str, width: int) -> list[str]:
+    lines = [""]
+    for word in text.split():
+        if lines[-1] and len(lines[-1]) + 1 + len(word) > width:
+            lines.append("")
+        lines[-1] = f"{lines[-1]} {word}".strip()
+    return lines

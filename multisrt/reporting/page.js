@@ -1,0 +1,41 @@
+"use strict";
+// Tables sort by a click on a heading; a second click turns them round.
+for (const table of document.querySelectorAll("table.sorts")) {
+  const heads = [...table.tHead.rows[0].cells];
+  const body = table.tBodies[0];
+  heads.forEach((head, column) => {
+    head.querySelector("button").addEventListener("click", () => {
+      const down = head.getAttribute("aria-sort") === "ascending";
+      const rows = [...body.rows];
+      rows.sort((a, b) => (down ? -1 : 1) * compared(a.cells[column], b.cells[column]));
+      heads.forEach((other) => other.removeAttribute("aria-sort"));
+      head.setAttribute("aria-sort", down ? "descending" : "ascending");
+      body.append(...rows);
+    });
+  });
+}
+function compared(a, b) {
+  const x = a.dataset.sort, y = b.dataset.sort;
+  if (x !== undefined && y !== undefined) return Number(x) === Number(y) ? 0 : Number(x) - Number(y);
+  return a.textContent.localeCompare(b.textContent, "en", { numeric: true });
+}
+// What is folded in is printed, too.
+const folded = new Set();
+addEventListener("beforeprint", () => {
+  for (const part of document.querySelectorAll("details:not([open])")) {
+    folded.add(part);
+    part.open = true;
+  }
+});
+addEventListener("afterprint", () => {
+  for (const part of folded) part.open = false;
+  folded.clear();
+});
+// A link to something that is folded in unfolds it.
+function unfold() {
+  const target = document.getElementById(decodeURIComponent(location.hash.slice(1)));
+  const part = target && target.closest("details");
+  if (part) part.open = true;
+}
+addEventListener("hashchange", unfold);
+unfold();

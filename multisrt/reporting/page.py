@@ -1,0 +1,346 @@
+"""The report: one page that needs nothing but itself, with figures and tables apart beside it."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from importlib.resources import files
+from pathlib import Path
+from typing import Final
+from urllib.parse import quote
+
+from multisrt.drawing.svg import printable
+from multisrt.experiments.measures import Measure, measure_named
+from multisrt.experiments.results import Results
+from multisrt.geometry.errors import InvalidInputError
+from multisrt.reporting import figures, tables
+from multisrt.reporting.again import MOST_FAILURES, Failure, Specs, Tree, failures, gallery
+from multisrt.reporting.claims import Claim, PrintedTable
+from multisrt.reporting.layout import Cell, Table, number, slug
+from multisrt.reporting.study import Study, chosen_measures, other_measures
+from multisrt.reporting.style import Picture
+from multisrt.reporting.words import HOW_TO_READ, Findings, findings, what_was_run
+
+PAGE_NAME: Final = "index.html"
+GENERATOR: Final = "multisrt report"
+CONTENTS: Final = {PAGE_NAME, "figures", "tables", "gallery", "failures"}
+"""What a report's folder holds; one that holds anything else is never replaced."""
+
+OF_TEAMS: Final = ("isolated_total_s", "imbalance")
+"""Measures of how a team worked together."""
+
+MOST_FIGURES: Final = 16
+"""Of one kind on the page; the others lie in the folder of figures."""
+
+MOST_BYTES_OF_TREES: Final = 4_000_000
+"""Trees on the page; beyond, they lie in the folder of the gallery."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MeasurePart:
+    """What a page has of one measure."""
+
+    measure: Measure
+    findings: Findings
+    table: Table
+    growth: Table | None = None
+    pictures: tuple[Picture, ...] = ()
+
+
+@dataclass(slots=True, kw_only=True)
+class Contents:
+    """All that a report has, before it is written."""
+
+    study: Study
+    headlines: list[MeasurePart] = field(default_factory=list)
+    of_teams: list[MeasurePart] = field(default_factory=list)
+    others: list[MeasurePart] = field(default_factory=list)
+    same_everywhere: list[str] = field(default_factory=list)
+    success: Table | None = None
+    gap: Table | None = None
+    computing: Table | None = None
+    printed: list[Table] = field(default_factory=list)
+    claims: Sequence[Claim] = ()
+    coverage: list[Picture] = field(default_factory=list)
+    across: list[Picture] = field(default_factory=list)
+    rates: list[Picture] = field(default_factory=list)
+    trees: list[Tree] = field(default_factory=list)
+    tree_notes: list[str] = field(default_factory=list)
+    failures: list[Failure] = field(default_factory=list)
+
+    def tables(self) -> list[Table]:
+        """Give every table."""
+        parts = (*self.headlines, *self.of_teams, *self.others)
+        growth = [part.growth for part in parts]
+        found = [self.success, *(part.table for part in parts), *growth]
+        return [t for t in (*found, self.gap, self.computing, *self.printed) if t is not None]
+
+    def pictures(self) -> list[Picture]:
+        """Give every figure."""
+        parts = (*self.headlines, *self.of_teams)
+        of_measures = [picture for part in parts for picture in part.pictures]
+        return [*of_measures, *self.coverage, *self.across, *self.rates]
+
+
+def write_report(
+    results: Results,
+    out: str | Path,
+    *,
+    latex: bool = False,
+    claims: Sequence[Claim] = (),
+    comparisons: Sequence[PrintedTable] = (),
+    gallery: bool = True,
+    measures: Sequence[str] = (),
+    baseline: str | None = None,
+    folder: Path | None = None,
+    progress: Callable[[str], None] | None = None,
+) -> Path:
+    """Write a report: the page, figures as SVG and PDF, tables as CSV.
+
+    The same results give the same bytes. A report that is there already is replaced, all at once.
+
+    Parameters
+    ----------
+    results : Results
+        What came out of an experiment.
+    out : path
+        The folder to write.
+    latex : bool
+        Whether tables are written as LaTeX, too.
+    claims : sequence of Claim
+        What a paper claims, judged.
+    comparisons : sequence of PrintedTable
+        What a paper prints, beside what came out here.
+    gallery : bool
+        Whether median runs are simulated again, to draw them.
+    measures : sequence of str
+        What to report on, by name; `study.HEADLINES` by default.
+    baseline : str, optional
+        Which strategy the others are compared with; by default the first.
+    folder : path, optional
+        What paths of the experiment's environments are relative to.
+    progress : callable, optional
+        Is told what is being made.
+
+    Returns
+    -------
+    Path
+        The page.
+
+    Raises
+    ------
+    InvalidInputError
+        If there is no such measure or strategy, or the folder cannot be written or holds
+        anything but a report.
+    """
+    path = Path(out)
+    say = progress or (lambda _: None)
+    study, chosen = Study(results, baseline), chosen_measures(measures)
+    with _replaced(path) as unfinished:
+        contents = _contents(study, chosen, say)
+        contents.claims = claims
+        contents.printed = [_printed(i, table) for i, table in enumerate(comparisons, start=1)]
+        specs = Specs(results, folder)
+        contents.failures = failures(study, specs)
+        if gallery:
+            contents.trees, contents.tree_notes = _gallery(study, specs, say)
+        say("writing")
+        _write(contents, unfinished, latex=latex)
+    return path / PAGE_NAME
+
+
+# What a report has --------------------------------------------------------------------------
+
+
+def _contents(study: Study, chosen: Sequence[Measure], say: Callable[[str], None]) -> Contents:
+    found = Contents(study=study)
+    of_teams = [measure_named(name) for name in OF_TEAMS]
+    for measure in chosen:
+        say(measure.title)
+        grows = measure.lower_is_better
+        found.headlines.append(_measure_part(study, measure, growth=grows))
+    for measure in other_measures(chosen):
+        if not study.varies(measure):
+            found.same_everywhere.append(measure.title)
+        elif measure in of_teams:
+            say(measure.title)
+            found.of_teams.append(_measure_part(study, measure))
+        else:
+            found.others.append(
+                MeasurePart(
+                    measure=measure,
+                    findings=findings(study, measure),
+                    table=tables.measure_table(study, measure),
+                )
+            )
+    if study.settings:
+        say("coverage and comparisons over all settings")
+        found.success = tables.success_table(study)
+        found.gap = tables.gap_table(study)
+        found.computing = tables.computing_table(study)
+        found.coverage = figures.coverage_curves(study)
+        found.rates = figures.success_rates(study)
+        found.across = [
+            *figures.profiles(study),
+            *(p for measure in chosen for p in figures.improvement(study, measure)),
+            *figures.gaps(study),
+        ]
+    return found
+
+
+def _measure_part(study: Study, measure: Measure, *, growth: bool = False) -> MeasurePart:
+    return MeasurePart(
+        measure=measure,
+        findings=findings(study, measure),
+        table=tables.measure_table(study, measure),
+        growth=tables.growth_table(study, measure) if growth else None,
+        pictures=(
+            *figures.box_plots(study, measure),
+            *figures.against_team_size(study, measure),
+        ),
+    )
+
+
+def _printed(place: int, printed: PrintedTable) -> Table:
+    return Table(
+        name=f"printed-{place}-{slug(printed.title)}",
+        title=printed.title,
+        columns=printed.columns,
+        rows=tuple(tuple(Cell(text=text) for text in row) for row in printed.rows),
+        notes=tuple(text for text in (printed.source, printed.note) if text),
+    )
+
+
+_gallery = gallery
+
+
+# Writing ------------------------------------------------------------------------------------
+
+
+def _write(contents: Contents, folder: Path, *, latex: bool) -> None:
+    (folder / "figures").mkdir()
+    for picture in contents.pictures():
+        (folder / "figures" / f"{picture.name}.svg").write_bytes(picture.svg)
+        (folder / "figures" / f"{picture.name}.pdf").write_bytes(picture.pdf)
+    (folder / "tables").mkdir()
+    for table in contents.tables():
+        (folder / "tables" / f"{table.name}.csv").write_text(table.csv(), encoding="utf-8")
+        if latex:
+            (folder / "tables" / f"{table.name}.tex").write_text(table.latex(), encoding="utf-8")
+    if contents.trees:
+        (folder / "gallery").mkdir()
+    for tree in contents.trees:
+        (folder / "gallery" / f"{tree.name}.svg").write_text(tree.svg, encoding="utf-8")
+    repeatable = [failure for failure in contents.failures if failure.spec is not None]
+    if repeatable:
+        (folder / "failures").mkdir()
+    for failure in repeatable:
+        assert failure.spec is not None
+        text = failure.spec.to_toml()
+        (folder / "failures" / failure.spec_name).write_text(text, encoding="utf-8")
+    (folder / PAGE_NAME).write_text(_page(contents), encoding="utf-8")
+
+
+def _page(contents: Contents) -> str:
+    import jinja2
+    from markupsafe import Markup
+
+    beside = files("multisrt.reporting")
+    environment = jinja2.Environment(
+        autoescape=True, trim_blocks=True, lstrip_blocks=True, undefined=jinja2.StrictUndefined
+    )
+    environment.filters["image"] = _image
+    environment.filters["size"] = _size
+    environment.filters["number"] = number
+    environment.filters["printable"] = printable
+    environment.filters["table"] = lambda table: Markup(table.html())
+    template = environment.from_string(beside.joinpath("page.html.j2").read_text("utf-8"))
+    study = contents.study
+    return template.render(
+        contents=contents,
+        study=study,
+        results=study.results,
+        generator=GENERATOR,
+        version=study.results.provenance.versions.get("multisrt", ""),
+        run=what_was_run(study),
+        how_to_read=HOW_TO_READ,
+        most=MOST_FIGURES,
+        most_failures=MOST_FAILURES,
+        shown_trees=_shown(contents.trees),
+        style=Markup(beside.joinpath("page.css").read_text("utf-8")),
+        script=Markup(beside.joinpath("page.js").read_text("utf-8")),
+    )
+
+
+def _shown(trees: Sequence[Tree]) -> set[str]:
+    # Names of the trees that the page itself has room for: the smallest ones first.
+    shown, used = set(), 0
+    for tree in sorted(trees, key=lambda tree: len(tree.svg)):
+        used += len(tree.svg)
+        if used <= MOST_BYTES_OF_TREES:
+            shown.add(tree.name)
+    return shown
+
+
+def _image(svg: bytes | str) -> str:
+    # A drawing as an address of its own: its names, styles and scripts stay inside.
+    text = svg.decode() if isinstance(svg, bytes) else svg
+    text = re.sub(r"^<\?xml.*?\?>\s*(<!DOCTYPE[^>]*>\s*)?", "", text, flags=re.DOTALL)
+    text = re.sub(r"\s*\n\s*", " ", text).replace("> <", "><")
+    return "data:image/svg+xml," + quote(text, safe=" =:/,;-.()+*!@?~$'|[]{}^")
+
+
+def _size(svg: bytes | str) -> dict[str, int]:
+    # Its sides, so that the page keeps room for it.
+    text = svg if isinstance(svg, str) else svg.decode()
+    found = re.search(r'viewBox="0 0 ([\d.]+) ([\d.]+)"', text)
+    assert found is not None
+    width, height = float(found[1]), float(found[2])
+    return {"width": 560, "height": round(560 * height / width)}
+
+
+@contextmanager
+def _replaced(path: Path) -> Iterator[Path]:
+    """Give a folder to write to, which takes the place of `path` once all is written."""
+    try:
+        path = path.resolve()
+        _require_replaceable(path)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        unfinished = path.with_name(f".{path.name}.unfinished-{os.getpid()}")
+        shutil.rmtree(unfinished, ignore_errors=True)
+        unfinished.mkdir()
+        try:
+            yield unfinished
+            old = path.with_name(f".{path.name}.old-{os.getpid()}")
+            if path.exists():
+                path.rename(old)
+            unfinished.rename(path)
+            shutil.rmtree(old, ignore_errors=True)
+        finally:
+            shutil.rmtree(unfinished, ignore_errors=True)
+    except OSError as error:
+        raise InvalidInputError(
+            f"cannot write the report {path}: {error.strerror or error}"
+        ) from None
+
+
+def _require_replaceable(path: Path) -> None:
+    if not path.exists():
+        return
+    if not path.is_dir():
+        raise InvalidInputError(f"{path} is a file; a report is a folder: choose another name")
+    there = {entry.name for entry in path.iterdir()}
+    if not there:
+        return
+    page = path / PAGE_NAME
+    if there <= CONTENTS and page.is_file() and GENERATOR in page.read_text("utf-8")[:2000]:
+        return
+    strange = sorted(there - CONTENTS)
+    what = f" ({strange[0]})" if strange else ""
+    raise InvalidInputError(
+        f"{path} holds something that is no report of ours{what}; choose another folder"
+    )

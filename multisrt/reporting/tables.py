@@ -1,0 +1,308 @@
+"""Tables of results: a measure by condition and strategy, success, gaps, growth, computing time."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from multisrt.experiments.crossing import Condition
+from multisrt.experiments.measures import Measure, measure_named
+from multisrt.experiments.results import Results
+from multisrt.geometry.errors import InvalidInputError
+from multisrt.reporting.layout import Cell, Table, number, slug
+from multisrt.reporting.study import SEED, Comparison, Study, team_name
+from multisrt.statistics.intervals import Interval, wilson
+from multisrt.statistics.power_law import fit_power_law
+from multisrt.statistics.profiles import gap
+
+__all__ = [
+    "Table",
+    "computing_table",
+    "gap_table",
+    "growth_table",
+    "measure_table",
+    "success_table",
+    "summary_table",
+]
+
+NOTHING = Cell(text="", sort=math.inf)
+"""Where there are no runs."""
+
+
+def summary_table(
+    results: Results, measure: Measure | str, *, baseline: str | None = None
+) -> Table:
+    """Make the table of a measure: a row for each setting, a column for each strategy.
+
+    Parameters
+    ----------
+    results : Results
+        What came out.
+    measure : Measure or str
+        Of what, or its name.
+    baseline : str, optional
+        Which strategy the marks compare with; by default the first.
+
+    Raises
+    ------
+    InvalidInputError
+        If there is no such measure or strategy.
+    """
+    chosen = measure_named(measure) if isinstance(measure, str) else measure
+    return measure_table(Study(results, baseline), chosen)
+
+
+def measure_table(study: Study, measure: Measure) -> Table:
+    """Make the table of a measure; see `summary_table`."""
+    compared = {(c.setting, c.strategy): c for c in study.comparisons(measure)}
+    rows = []
+    for setting in study.settings:
+        cells = [
+            _summary_cell(study, measure, setting, strategy, compared.get((setting, strategy)))
+            for strategy in study.strategies
+        ]
+        rows.append((*_labels(study, setting), *cells))
+    notes = [
+        "Median of all runs, and in brackets the interquartile mean with its "
+        f"95 % interval (stratified bootstrap). "
+        f"{'Lower' if measure.lower_is_better else 'Higher'} is better."
+    ]
+    if study.rivals:
+        notes.append(
+            f"+ significantly better than {study.baseline}, - significantly worse, no mark: no "
+            "significant difference (paired Wilcoxon signed-rank test, p < 0.05 after Holm's "
+            f"correction over all {len(compared)} comparisons of this table)."
+        )
+    if any("∞" in cell.line for row in rows for cell in row):
+        notes.append(
+            "∞: so many runs were not complete or did not get there that there is no such value; "
+            "they count as worse than all others."
+        )
+    return Table(
+        name=slug(measure.name),
+        title=measure.heading,
+        columns=("World", "Team", *study.strategies),
+        rows=tuple(rows),
+        labels=2,
+        notes=tuple(notes),
+    )
+
+
+def success_table(study: Study) -> Table:
+    """Make the table of how many runs were complete, without a collision."""
+    rows = []
+    for setting in study.settings:
+        cells = []
+        for strategy in study.strategies:
+            results = study.of(setting, strategy)
+            if not results:
+                cells.append(NOTHING)
+                continue
+            good = sum(not result.failed for result in results)
+            share = wilson(good, len(results))
+            cells.append(
+                Cell(
+                    text=f"{good} of {len(results)}",
+                    detail=f"({100 * share.low:.0f} to {100 * share.high:.0f} %)",
+                    sort=share.value,
+                    data={
+                        "successes": good,
+                        "runs": len(results),
+                        "low": share.low,
+                        "high": share.high,
+                    },
+                )
+            )
+        rows.append((*_labels(study, setting), *cells))
+    return Table(
+        name="success",
+        title="Runs that were complete, without a collision",
+        columns=("World", "Team", *study.strategies),
+        rows=tuple(rows),
+        labels=2,
+        notes=("In brackets Wilson's 95 % interval of the rate of success.",),
+    )
+
+
+def gap_table(study: Study) -> Table | None:
+    """Make the table of gaps to the lower bound of the exploration time; None without bounds."""
+    gaps = gaps_to_bounds(study)
+    if not gaps:
+        return None
+    settings = len(bounded_settings(study))
+    rows = [
+        (
+            Cell(text=strategy),
+            Cell(
+                text=_percent(found.value),
+                detail=f"({_percent(found.low)} to {_percent(found.high)})",
+                sort=found.value,
+                data={"gap": found.value, "low": found.low, "high": found.high},
+            ),
+        )
+        for strategy, found in gaps.items()
+    ]
+    where = "the only setting" if settings == 1 else f"the {settings} settings"
+    return Table(
+        name="gap",
+        title="Exploration time above its lower bound",
+        columns=("Strategy", "Gap"),
+        rows=tuple(rows),
+        notes=(
+            f"Interquartile mean over all runs in {where} that all strategies met, with its 95 % "
+            "interval (stratified bootstrap). 0 % would be a time that no team of these robots "
+            "can beat, knowing the world or not; runs that were not complete count as infinite.",
+        ),
+    )
+
+
+def gaps_to_bounds(study: Study) -> dict[str, Interval]:
+    """Give each strategy's gap to the lower bound of the exploration time, if there are bounds."""
+    over = measure_named("over_bound")
+    settings = bounded_settings(study)
+    if not settings:
+        return {}
+    gaps = {}
+    for strategy in study.strategies:
+        ratios = [np.array(over.values(study.of(setting, strategy))) for setting in settings]
+        gaps[strategy] = gap(ratios, [1.0] * len(ratios), rng=SEED)
+    return gaps
+
+
+def bounded_settings(study: Study) -> list[Condition]:
+    """Give the settings that all strategies met, and whose complete runs all have a bound."""
+    over, time = measure_named("over_bound"), measure_named("exploration_time_s")
+    return [
+        setting
+        for setting in study.shared_settings()
+        if study.has(over, setting)
+        and all(
+            over.of(result) is not None
+            for strategy in study.strategies
+            for result in study.of(setting, strategy)
+            if time.of(result) is not None
+        )
+    ]
+
+
+def growth_table(study: Study, measure: Measure) -> Table | None:
+    """Make the table of how a measure changes with the size of the team; None if it cannot."""
+    rows = []
+    for scene, settings in study.scenes().items():
+        cells = []
+        for strategy in study.strategies:
+            sizes: list[float] = []
+            values: list[float] = []
+            for setting in settings:
+                own = measure.values(study.of(setting, strategy))
+                sizes += [float(setting.robots)] * len(own)
+                values += own
+            cells.append(_growth_cell(sizes, values))
+        if any(cell is not NOTHING for cell in cells):
+            rows.append((Cell(text=study.scene_name(scene)), *cells))
+    if not rows:
+        return None
+    return Table(
+        name=f"growth-{slug(measure.name)}",
+        title=f"{measure.title}: how it changes with the size of the team",
+        columns=("World", *study.strategies),
+        rows=tuple(rows),
+        notes=(
+            "Exponent of a power law of the number of robots, fitted to all runs, with its 95 % "
+            "interval: -1 where twice the robots need half, 0 where they change nothing. "
+            "Empty where runs were not complete, or there are too few.",
+        ),
+    )
+
+
+def computing_table(study: Study) -> Table:
+    """Make the table of what runs took of the computer."""
+    rows = []
+    for setting in study.settings:
+        cells = []
+        for strategy in study.strategies:
+            results = study.of(setting, strategy)
+            if not results:
+                cells.append(NOTHING)
+                continue
+            times = [result.computing_s for result in results]
+            memory = max(result.memory_mb for result in results)
+            middle = float(np.median(times))
+            cells.append(
+                Cell(
+                    text=number(middle, 2),
+                    detail=f"(at most {number(max(times), 2)} s, {number(memory, 0)} MB)",
+                    sort=middle,
+                    data={"median_s": middle, "most_s": max(times), "most_mb": memory},
+                )
+            )
+        rows.append((*_labels(study, setting), *cells))
+    return Table(
+        name="computing",
+        title="Computing time of a run (s)",
+        columns=("World", "Team", *study.strategies),
+        rows=tuple(rows),
+        labels=2,
+        notes=("Median, and the most that any run took of time and memory.",),
+    )
+
+
+def _labels(study: Study, setting: Condition) -> tuple[Cell, Cell]:
+    return (
+        Cell(text=study.scene_name(setting)),
+        Cell(text=team_name(setting), sort=None if setting.team else setting.robots),
+    )
+
+
+def _summary_cell(
+    study: Study,
+    measure: Measure,
+    setting: Condition,
+    strategy: str,
+    compared: Comparison | None,
+) -> Cell:
+    found = study.summary(measure, setting, strategy)
+    if found is None:
+        return NOTHING
+    middle = found.middle
+    low, value, high = (number(v, measure.digits) for v in (middle.low, middle.value, middle.high))
+    data: dict[str, str | int | float] = {
+        "median": found.median,
+        "iqm": middle.value,
+        "low": middle.low,
+        "high": middle.high,
+        "runs": found.runs,
+        "measured": found.measured,
+    }
+    if compared is not None:
+        data |= {"mark": compared.mark, "p": compared.p_value, "A": compared.better_share}
+    # Of one run there is no interval.
+    detail = f"[{value}: {low} to {high}]" if found.runs > 1 else ""
+    return Cell(
+        text=number(found.median, measure.digits),
+        detail=detail,
+        mark="" if compared is None else compared.mark,
+        sort=found.median,
+        data=data,
+    )
+
+
+def _growth_cell(sizes: list[float], values: list[float]) -> Cell:
+    if not all(0.0 < value < math.inf for value in values):
+        return NOTHING
+    try:
+        law = fit_power_law(sizes, values).exponent
+    except InvalidInputError:
+        # Too few runs, or teams of one size only.
+        return NOTHING
+    return Cell(
+        text=number(law.value, 2),
+        detail=f"({number(law.low, 2)} to {number(law.high, 2)})",
+        sort=law.value,
+        data={"exponent": law.value, "low": law.low, "high": law.high},
+    )
+
+
+def _percent(share: float) -> str:
+    return number(share, 0) if math.isinf(share) else f"{number(100 * share, 0)} %"

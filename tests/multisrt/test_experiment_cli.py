@@ -1,0 +1,454 @@
+"""`multisrt experiment` as a person uses it."""
+
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+import tomllib
+from pathlib import Path
+
+import pytest
+
+from multisrt import cli
+from multisrt.cli.experiment import MOST_ROWS
+from multisrt.experiments import live, runner, template, worker
+from multisrt.experiments.crossing import runs
+from multisrt.experiments.description import ExperimentSpec, schema
+from multisrt.experiments.live import LiveProgress, duration, note_of
+from multisrt.experiments.mission import make_run
+from multisrt.experiments.results import Result
+from multisrt.experiments.runner import Progress
+from multisrt.experiments.store import Store
+from multisrt.geometry.errors import InvalidInputError
+from multisrt.presets import PRESETS
+
+ROOM = "POLYGON ((0 0, 6 0, 6 5, 0 5, 0 0))"
+SMALL = """
+name = "small"
+environments = ["room.wkt"]
+strategies = ["srt-star", "srt-radial"]
+robots = [1, 2]
+repetitions = 2
+"""
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "room.wkt").write_text(ROOM)
+    (tmp_path / "small.toml").write_text(SMALL)
+    return tmp_path
+
+
+@pytest.fixture
+def call(folder, monkeypatch, capsys):
+    """Run a command as a person would; give exit code, standard output and error."""
+
+    def run(*words: str):
+        monkeypatch.setattr(sys, "argv", ["multisrt", "experiment", *words])
+        with pytest.raises(SystemExit) as end:
+            cli.main()
+        captured = capsys.readouterr()
+        return end.value.code, captured.out, captured.err
+
+    return run
+
+
+def made(run, status="complete", **said) -> Result:
+    return Result(
+        key=run.key,
+        condition=run.condition,
+        repetition=run.repetition,
+        status=status,
+        reason="so it is",
+        **said,
+    )
+
+
+@pytest.fixture
+def fake_runs(monkeypatch):
+    """Make no runs: they end as is said here, by repetition."""
+    said = {"status": {}, "stop": None, "calls": []}
+
+    def run_experiment(store, *, workers, cluster, modules, progress):
+        said["calls"].append({"workers": workers, "cluster": cluster, "modules": modules})
+        for number, run in enumerate(store.missing()):
+            if number == said["stop"]:
+                raise KeyboardInterrupt
+            store.add(made(run, said["status"].get(run.repetition, "complete")))
+
+    monkeypatch.setattr(runner, "run_experiment", run_experiment)
+    return said
+
+
+# New ----------------------------------------------------------------------------------------
+
+
+def test_new_writes_an_experiment_and_its_schema(call, folder):
+    code, out, err = call("new", "sub/star.toml")
+    assert (code, err) == (0, "")
+    assert out.splitlines() == [
+        "sub/star.toml",
+        "sub/experiment.schema.json",
+        "next: multisrt experiment check sub/star.toml",
+    ]
+    text = (folder / "sub" / "star.toml").read_text()
+    assert text.startswith("#:schema ./experiment.schema.json\n")
+    assert "multisrt experiment run star.toml" in text
+    assert json.loads((folder / "sub" / "experiment.schema.json").read_text()) == schema()
+    spec = ExperimentSpec.from_toml(text)
+    assert (spec.environments, spec.strategies) == (
+        ("garden", "clutter"),
+        ("srt-star", "srt-radial"),
+    )
+    assert (spec.robots, spec.repetitions) == ((1, 2, 4, 8), 20)
+    assert len(runs(spec)) == 2 * 2 * 4 * 20
+
+
+def test_what_the_template_writes_is_the_default_but_for_what_it_compares():
+    spec = ExperimentSpec.from_toml(template.TEMPLATE)
+    plain = ExperimentSpec(
+        name=spec.name,
+        about=spec.about,
+        environments=spec.environments,
+        strategies=spec.strategies,
+        robots=spec.robots,
+    )
+    assert spec == plain
+    # Every field is there, or shown.
+    for name in ExperimentSpec.__struct_fields__:
+        assert re.search(rf"^(# )?(\[*){name}\b", template.TEMPLATE, re.MULTILINE), name
+
+
+def test_everything_that_the_template_shows_can_be(folder):
+    (folder / "maps").mkdir()
+    (folder / "maps" / "floor.wkt").write_text(ROOM)
+    text = template.TEMPLATE.replace("floor.yaml", "floor.wkt")
+    shown = re.findall(r"^(?:  # (\{.*?\}|\".*\"),|# (\w+ = .*))(?:  .*)?$", text, re.MULTILINE)
+    assert len(shown) >= 12
+    rest = re.split(r"\n(?=# \[\[exclude)", text)[0]
+    for element, line in shown:
+        if "plan.png" in element:
+            continue  # a picture, which there is none of
+        name = line.partition(" = ")[0]
+        if element:
+            plain = {"environments": ["open"], "strategies": ["srt-star"], "name": "x"}
+            value = tomllib.loads(f"x = {element}")["x"]
+            kind = "strategies" if "srt-" in element else "environments"
+            assert runs(ExperimentSpec.from_dict(plain | {kind: [value], "repetitions": 1}), folder)
+        elif name in ("robots", "starts", "radios", "bodies", "faults") and "{" in line:
+            spec = re.sub(rf"^{name} = .*$", line, rest, count=1, flags=re.MULTILINE)
+            read = ExperimentSpec.from_toml(spec.replace("repetitions = 20", "repetitions = 1"))
+            assert getattr(read, name) != getattr(ExperimentSpec.from_toml(template.TEMPLATE), name)
+
+
+@pytest.mark.parametrize("name", PRESETS)
+def test_new_like_a_preset(name, call, folder):
+    code, _, err = call("new", "paper.toml", "--like", name, "--no-schema")
+    assert (code, err) == (0, "")
+    text = (folder / "paper.toml").read_text()
+    assert ExperimentSpec.from_toml(text) == PRESETS[name].experiment(False)
+    assert "#:schema" not in text
+    assert not (folder / "experiment.schema.json").exists()
+
+
+def test_new_overwrites_nothing(call, folder):
+    before = (folder / "small.toml").read_text()
+    code, out, err = call("new", "small.toml")
+    assert (code, out) == (2, "")
+    assert err == "error: small.toml is there already; choose another name\n"
+    assert (folder / "small.toml").read_text() == before
+    assert not (folder / "experiment.schema.json").exists()
+
+
+def test_new_replaces_an_older_schema_only(call, folder):
+    path = folder / "experiment.schema.json"
+    path.write_text('{"title": "ExperimentSpec"}')
+    assert call("new", "a.toml")[0] == 0
+    assert json.loads(path.read_text()) == schema()
+    for other in ('{"title": "mine"}', "[]", "no JSON"):
+        path.write_text(other)
+        code, _, err = call("new", "b.toml")
+        assert code == 2
+        assert "is no schema of experiments; move it away, or write without one" in err
+        assert path.read_text() == other
+        assert not (folder / "b.toml").exists()
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (("new", "a.txt"), "a.txt is to be TOML: call it .toml"),
+        (("new", "a.toml", "--like", "minpoz"), "no preset 'minpoz' (did you mean 'minpos'?)"),
+        (("new", "room.wkt/a.toml"), "cannot write room.wkt/a.toml"),
+        (("check", "no.toml"), "no.toml: No such file or directory"),
+        (("run", "no.toml"), "no.toml: No such file or directory"),
+        (("check", "room.wkt"), "room.wkt: not an experiment: "),
+        (("run", "small.toml", "--workers", "0"), "0 is not in the range x>=1"),
+        (
+            ("run", "small.toml", "--workers", "2", "--cluster", "tcp://here:1"),
+            "give --workers or --cluster, not both",
+        ),
+        (("run", "small.toml", "--import", "no_such"), "cannot import 'no_such'"),
+        (("run", "small.toml", "--store", "room.wkt"), "room.wkt: not a file of results"),
+        (("export", "no.sqlite", "a.csv"), "no.sqlite: No such file or directory"),
+        (("export", "small.toml", "a.csv"), "small.toml: not a file of results"),
+        (("export", "small.toml", "a.xls"), "what is written is .csv or .parquet"),
+    ],
+)
+def test_bad_input_is_told_in_a_line(words, told, call, folder):
+    there = sorted(folder.iterdir())
+    code, out, err = call(*words)
+    assert (code, out) == (2, "")
+    assert told in err
+    assert err.splitlines()[-1].lower().startswith("error: ")
+    assert "Traceback" not in err
+    assert sorted(folder.iterdir()) == there
+
+
+# Check --------------------------------------------------------------------------------------
+
+
+def test_check_tells_what_would_be_run(call):
+    code, out, err = call("check", "small.toml", "--seconds", "0")
+    assert (code, err) == (0, "")
+    lines = [line.split() for line in out.splitlines() if line.startswith(" room")]
+    assert lines == [
+        ["room", "srt-star", "1"],
+        ["room", "srt-star", "2"],
+        ["room", "srt-radial", "1"],
+        ["room", "srt-radial", "2"],
+    ]
+    assert out.startswith("small: 8 runs, 4 conditions of 2 repetitions (seeds 0 to 1)\n")
+    assert "all: starts scattered, radio unlimited, body disc:0.25, faults none" in out
+    assert out.endswith("next: multisrt experiment run small.toml\n")
+    assert "about" not in out
+
+
+def test_check_cuts_a_long_table(call, folder):
+    (folder / "long.toml").write_text(
+        SMALL.replace("[1, 2]", str([*range(1, 8)])) + 'starts = ["scattered", "clustered"]'
+    )
+    code, out, _ = call("check", "long.toml", "--seconds", "0")
+    assert code == 0
+    shown = [line for line in out.splitlines() if line.startswith(" room")]
+    assert len(shown) == MOST_ROWS - 4
+    assert "... and 8 more conditions" in out
+    assert max(map(len, out.splitlines())) <= 100
+
+
+def test_check_estimates_from_a_few_runs(call, monkeypatch):
+    monkeypatch.setattr(worker.Worker, "make", lambda self, job: _priced(job))
+    code, out, err = call("check", "small.toml", "--seconds", "9", "--workers", "1")
+    assert (code, err) == (0, "")
+    # 2 repetitions of 2 x (0.5 + 1.0) s.
+    assert (
+        "about 6 s with 1 worker (5 s to 7 s), as 4 of 4 conditions took in one run each (" in out
+    )
+    assert re.findall(r"^ room .* (\S+) s *$", out, re.MULTILINE) == ["0.5", "1", "0.5", "1"]
+
+
+def _priced(job):
+    return Result(
+        key=job.key,
+        condition=job.condition,
+        repetition=job.repetition,
+        status="complete",
+        reason="",
+        computing_s=0.5 * job.condition.robots,
+        wall_s=0.5,
+    )
+
+
+def test_check_warns_of_runs_that_cannot_be(call, folder):
+    (folder / "full.toml").write_text(SMALL.replace("[1, 2]", "[1, 200]"))
+    code, out, err = call("check", "full.toml", "--seconds", "0")
+    assert code == 0
+    assert "full.toml" in out
+    warnings = err.splitlines()
+    assert len(warnings) == 2
+    assert all(line.startswith("warning: [room, srt-") for line in warnings)
+    assert all("200 robots" in line and "fit at the start" in line for line in warnings)
+
+
+# Run ----------------------------------------------------------------------------------------
+
+
+def test_run_stores_beside_the_file_and_tells_what_came_out(call, folder, monkeypatch):
+    def run_experiment(store, **_):
+        for run in store.missing():
+            store.add(make_run(run, store.experiment.limits))
+
+    monkeypatch.setattr(runner, "run_experiment", run_experiment)
+    code, out, err = call("run", "small.toml")
+    assert (code, err) == (0, "")
+    assert out.startswith("small: 8 of 8 runs complete, in small.sqlite\n")
+    assert "Exploration time (s)" in out
+    assert "srt-radial" in out
+    assert out.endswith("next: multisrt report small.sqlite --out small-report\n")
+    code, out, _ = call("export", "small.sqlite", "small.csv")
+    assert (code, out) == (0, "small.csv: 8 runs\n")
+    assert len((folder / "small.csv").read_text().splitlines()) == 9
+
+
+def test_exit_code_3_where_runs_are_not_complete(call, folder, fake_runs):
+    fake_runs["status"] = {1: "crashed"}
+    code, out, err = call("run", "small.toml", "--store", "r.sqlite", "--workers", "3")
+    assert (code, err) == (3, "")
+    assert out.startswith("small: 4 of 8 runs complete, in r.sqlite\n")
+    assert out.count("repetition 1: so it is") == 4
+    assert "made again by --retry" in out
+    assert fake_runs["calls"] == [{"workers": 3, "cluster": None, "modules": ()}]
+    # Again, there is nothing to do; with --retry there is.
+    fake_runs["status"] = {}
+    assert call("run", "small.toml", "--store", "r.sqlite", "--quiet") == (3, "", "")
+    code, out, _ = call("run", "small.toml", "--store", "r.sqlite", "--retry")
+    assert code == 0
+    assert "8 of 8 runs complete" in out
+
+
+def test_interrupted_it_says_what_is_there_and_goes_on(call, folder, fake_runs):
+    fake_runs["stop"] = 3
+    code, out, err = call("run", "small.toml")
+    assert (code, out) == (130, "")
+    assert err.splitlines() == [
+        "3 of 8 runs are stored in small.sqlite; the same command goes on",
+        "interrupted",
+    ]
+    fake_runs["stop"] = None
+    assert call("run", "small.toml", "--quiet") == (0, "", "")
+    with Store.open(folder / "small.sqlite") as store:
+        assert store.done == 8
+
+
+def test_options_of_run_are_handed_on(call, folder, fake_runs):
+    (folder / "my_strategies.py").write_text("")
+    code, _, err = call(
+        *("run", "small.toml", "--recordings", "all", "--cluster", "tcp://host:8786"),
+        *("--import", "my_strategies", "--quiet"),
+    )
+    assert (code, err) == (0, "")
+    assert fake_runs["calls"] == [
+        {"workers": None, "cluster": "tcp://host:8786", "modules": ("my_strategies",)}
+    ]
+    with Store.open(folder / "small.sqlite") as store:
+        assert store.experiment.recordings == "all"
+        assert store.folder == folder
+
+
+def test_only_some_failures_are_listed(call, folder, fake_runs):
+    (folder / "many.toml").write_text(SMALL.replace("repetitions = 2", "repetitions = 5"))
+    fake_runs["status"] = dict.fromkeys(range(5), "stalled")
+    code, out, _ = call("run", "many.toml")
+    assert code == 3
+    assert out.count("stalled: [room") == 10
+    assert "... and 10 more" in out
+    assert "--retry" not in out
+
+
+def test_an_experiment_in_another_folder(call, folder, fake_runs, monkeypatch):
+    (folder / "else").mkdir()
+    monkeypatch.chdir(folder / "else")
+    assert call("run", "../small.toml", "--quiet")[0] == 0
+    assert (folder / "small.sqlite").exists()
+
+
+def test_run_for_real(folder):
+    """Workers of their own, interrupted by a person, going on to the same results."""
+    command = [sys.executable, "-m", "multisrt.cli", "experiment", "run", "small.toml"]
+    (folder / "small.toml").write_text(SMALL.replace("repetitions = 2", "repetitions = 200"))
+    first = subprocess.Popen(
+        [*command, "--workers", "1"],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+    try:
+        deadline = time.monotonic() + 60.0
+        while time.monotonic() < deadline and not _done(folder / "small.sqlite"):
+            time.sleep(0.05)
+        os.killpg(first.pid, signal.SIGINT)
+        out, err = first.communicate(timeout=60)
+    finally:
+        first.kill()
+        first.wait()
+    assert (first.returncode, out) == (130, "")
+    done = re.match(r"(\d+) of 800 runs are stored in small.sqlite; the same command goes on", err)
+    assert done is not None, err
+    with Store.open(folder / "small.sqlite") as store:
+        assert 0 < store.done == int(done[1]) < 800
+        kept = {result.key: result.digest for result in store.results()}
+        planned = {run.key: run for run in runs(store.experiment, folder)}
+    key = next(iter(kept))
+    assert make_run(planned[key], store.experiment.limits).digest == kept[key]
+
+
+def _done(path: Path) -> bool:
+    try:
+        with Store.open(path) as store:
+            return store.done > 0
+    except InvalidInputError:
+        return False  # not there yet
+
+
+# What a person sees meanwhile ---------------------------------------------------------------
+
+
+def progress(done, made, elapsed_s, failed=0):
+    return Progress(
+        total=100, done=done, failed=failed, made=made, elapsed_s=elapsed_s, latest=None
+    )
+
+
+@pytest.mark.parametrize(
+    ("now", "told"),
+    [
+        (progress(0, 0, 0.0), "starting workers"),
+        (progress(40, 20, 60.0), "1 200 an hour, 3 min left"),
+        (progress(40, 20, 2.0, failed=3), "36 000 an hour, 6 s left, 3 failed"),
+        (progress(100, 20, 60.0), "1 200 an hour"),
+        (progress(100, 0, 0.0, failed=1), "1 failed"),
+    ],
+)
+def test_how_far_it_is(now, told):
+    assert note_of(now) == told
+
+
+@pytest.mark.parametrize(
+    ("seconds", "told"),
+    [
+        (0.2, "0 s"),
+        (99.4, "99 s"),
+        (100.0, "2 min"),
+        (5940.0, "99 min"),
+        (6000.0, "1.7 h"),
+        (170_000.0, "47.2 h"),
+        (180_000.0, "2.1 days"),
+    ],
+)
+def test_durations(seconds, told):
+    assert duration(seconds) == told
+
+
+def test_nothing_is_shown_where_there_is_no_terminal(capsys):
+    with LiveProgress() as bar:
+        bar(progress(40, 20, 60.0))
+        bar.say("something")
+    assert capsys.readouterr() == ("", "")
+
+
+def test_a_bar_is_shown_on_a_terminal(monkeypatch, capsys):
+    monkeypatch.setattr(live.sys.stderr, "isatty", lambda: True, raising=False)
+    with LiveProgress() as bar:
+        bar(progress(40, 20, 60.0))
+        bar._bar.refresh()
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert "40/100" in err
+    with LiveProgress(shown=False) as bar:
+        bar(progress(40, 20, 60.0))
+    assert capsys.readouterr() == ("", "")

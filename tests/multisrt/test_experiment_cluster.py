@@ -1,0 +1,210 @@
+"""Runs on a cluster: schedulers and workers of dask.distributed as processes of this machine."""
+
+import contextlib
+import os
+import signal
+import subprocess
+import sys
+import time
+from importlib.util import find_spec
+from pathlib import Path
+
+import msgspec
+import pytest
+
+from multisrt.experiments.crossing import runs
+from multisrt.experiments.description import ExperimentSpec
+from multisrt.experiments.mission import make_run
+from multisrt.experiments.runner import run_experiment
+from multisrt.experiments.store import Store
+from multisrt.geometry.errors import InvalidInputError
+from multisrt.recording import Recording
+
+needs_distributed = pytest.mark.skipif(
+    find_spec("distributed") is None, reason="needs the extra 'cluster'"
+)
+
+SPEC = ExperimentSpec(
+    name="small",
+    environments=("open",),
+    strategies=("srt-star",),
+    robots=(2,),
+    repetitions=8,
+    recordings="all",
+)
+
+RUNNER = """
+import sys
+from multisrt.experiments.description import ExperimentSpec
+from multisrt.experiments.runner import run_experiment
+from multisrt.experiments.store import Store
+from multisrt.geometry.errors import InvalidInputError
+
+spec = ExperimentSpec.from_json(sys.argv[2])
+try:
+    with Store.create_or_open(sys.argv[1], spec) as store:
+        tell = lambda p: print(p.done, flush=True)
+        run_experiment(store, cluster=sys.argv[3], progress=tell)
+except InvalidInputError as error:
+    sys.exit(str(error))
+"""
+"""In a process of its own, as distributed leaves warnings behind."""
+
+
+@pytest.fixture(scope="module")
+def undisturbed() -> dict[str, str]:
+    return {run.key: make_run(run, SPEC.limits).digest for run in runs(SPEC)}
+
+
+@contextlib.contextmanager
+def ended_at_last(command: list[str], **options):
+    with subprocess.Popen(command, text=True, **options) as process:
+        try:
+            yield process
+        finally:
+            process.kill()
+
+
+@pytest.fixture
+def scheduler(tmp_path):
+    """The address of a scheduler."""
+    file = tmp_path / "scheduler.json"
+    command = [sys.executable, "-m", "distributed.cli.dask_scheduler", "--no-dashboard"]
+    command += ["--host", "127.0.0.1", "--port", "0", "--scheduler-file", str(file)]
+    with ended_at_last(command, stderr=subprocess.DEVNULL):
+        deadline = time.monotonic() + 60.0
+        while True:
+            with contextlib.suppress(OSError, msgspec.DecodeError):
+                yield msgspec.json.decode(file.read_bytes())["address"]
+                return
+            assert time.monotonic() < deadline
+            time.sleep(0.05)
+
+
+def cluster_worker(address: str, folder: Path, **options):
+    command = [sys.executable, "-m", "distributed.cli.dask_worker", address, "--no-nanny"]
+    command += ["--nthreads", "1", "--no-dashboard", "--local-directory", str(folder)]
+    return ended_at_last(command, stderr=subprocess.DEVNULL, **options)
+
+
+def runner(path: Path, address: str, *, before: str = ""):
+    command = [sys.executable, "-c", before + RUNNER, str(path), SPEC.to_json(), address]
+    return ended_at_last(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+
+
+def require_all(path: Path, undisturbed: dict[str, str]) -> None:
+    with Store.open(path) as store:
+        results = store.results()
+        assert {result.key: result.digest for result in results} == undisturbed
+        assert len(results) == len(undisturbed)
+        for key, digest in undisturbed.items():
+            assert Recording.load(store.recording_path(key)).footer.digest == digest
+
+
+@needs_distributed
+def test_a_worker_of_the_cluster_that_is_killed_costs_nothing(tmp_path, scheduler, undisturbed):
+    path = tmp_path / "results.sqlite"
+    with (
+        cluster_worker(scheduler, tmp_path) as first,
+        cluster_worker(scheduler, tmp_path),
+        runner(path, scheduler) as process,
+    ):
+        for line in process.stdout:
+            if int(line) == 2:
+                os.kill(first.pid, signal.SIGKILL)
+        process.wait()
+        assert process.returncode == 0, process.stderr.read()
+    require_all(path, undisturbed)
+
+
+@needs_distributed
+def test_a_runner_that_is_killed_goes_on_with_the_cluster(tmp_path, scheduler, undisturbed):
+    path = tmp_path / "results.sqlite"
+    with cluster_worker(scheduler, tmp_path):
+        with runner(path, scheduler) as process:
+            for line in process.stdout:
+                if int(line) == 2:
+                    process.kill()
+        with Store.open(path) as store:
+            assert 2 <= store.done < len(undisturbed)
+        with runner(path, scheduler) as process:
+            _, errors = process.communicate()
+            assert process.returncode == 0, errors
+    require_all(path, undisturbed)
+
+
+@needs_distributed
+def test_a_scheduler_that_is_lost_is_told(tmp_path):
+    path = tmp_path / "results.sqlite"
+    code = """
+import sys, signal, os
+from distributed import LocalCluster
+if __name__ == "__main__":
+    with LocalCluster(n_workers=1, processes=False, dashboard_address=None,
+                      scheduler_port=0, protocol="tcp") as cluster:
+        print(cluster.scheduler_address, flush=True)
+        sys.stdin.read()
+"""
+    command = [sys.executable, "-c", code]
+    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": subprocess.DEVNULL}
+    with ended_at_last(command, **pipes) as cluster:
+        address = cluster.stdout.readline().strip()
+        with runner(path, address) as process:
+            for line in process.stdout:
+                if int(line) == 2:
+                    cluster.kill()
+            process.wait()
+            assert process.returncode == 1
+            errors = process.stderr.read()
+    assert f"lost the scheduler at '{address}'; what has ended is stored" in errors
+    with Store.open(path) as store:
+        assert store.done >= 2
+
+
+@needs_distributed
+def test_a_cluster_of_another_program_is_refused(tmp_path, scheduler):
+    pretend = """
+import msgspec
+import multisrt.experiments.cluster as cluster
+mine = msgspec.structs.replace(cluster.provenance(), program="0123")
+cluster.provenance = lambda: mine
+"""
+    path = tmp_path / "results.sqlite"
+    with (
+        cluster_worker(scheduler, tmp_path),
+        runner(path, scheduler, before=pretend) as process,
+    ):
+        _, errors = process.communicate()
+        assert process.returncode == 1
+    assert f"the cluster at '{scheduler}': a worker is another program" in errors
+    assert "another source of multisrt, 0123 and " in errors
+    assert len(errors.splitlines()) == 1
+
+
+@needs_distributed
+def test_a_cluster_that_does_not_answer_is_told(tmp_path):
+    address = "tcp://127.0.0.1:1"
+    few = "import multisrt.experiments.cluster as cluster; cluster.TIMEOUT_S = 1.0"
+    with runner(tmp_path / "results.sqlite", address, before=few) as process:
+        _, errors = process.communicate()
+        assert process.returncode == 1
+    assert errors.startswith(f"no scheduler of dask.distributed answers at '{address}'")
+    assert len(errors.splitlines()) == 1
+
+
+@needs_distributed
+def test_what_is_no_address_is_told(tmp_path):
+    with (
+        Store.create_or_open(tmp_path / "results.sqlite", SPEC) as store,
+        pytest.raises(InvalidInputError, match=r"like tcp://host:8786, not 'localhost'"),
+    ):
+        run_experiment(store, cluster="localhost")
+
+
+def test_a_cluster_without_its_package_is_told(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    with (
+        Store.create_or_open(tmp_path / "results.sqlite", SPEC) as store,
+        pytest.raises(InvalidInputError, match=r"pip install 'multisrt\[cluster\]'"),
+    ):
+        run_experiment(store, cluster="tcp://127.0.0.1:1")

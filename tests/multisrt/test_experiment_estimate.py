@@ -1,0 +1,122 @@
+"""Estimates from a few runs, where what runs take is known."""
+
+import math
+from itertools import count
+
+import pytest
+
+from multisrt.experiments import estimate as module
+from multisrt.experiments.crossing import runs
+from multisrt.experiments.description import ExperimentSpec
+from multisrt.experiments.estimate import MOST_PROBES, estimate
+from multisrt.experiments.results import Result
+
+WORLD = {"open": 1.0, "garden": 3.0, "museum": 0.5}
+WAY = {"srt-star": 1.0, "srt-radial": 0.4, "minpos": 6.0}
+
+SPEC = ExperimentSpec(
+    name="x",
+    environments=tuple(WORLD),
+    strategies=tuple(WAY),
+    robots=(1, 2, 4, 8),
+    repetitions=2,
+)
+PLANNED = runs(SPEC)
+
+
+def cost(condition, power: float = 0.7) -> float:
+    return 0.05 * WORLD[condition.environment] * WAY[condition.strategy] * condition.robots**power
+
+
+class Machine:
+    """Makes runs that take as long as said, by a clock of its own."""
+
+    def __init__(self, monkeypatch, power=0.7, noise=0.0, scale=1.0):
+        self.now, self.power, self.noise, self.scale = 0.0, power, noise, scale
+        self.made = []
+        self.turns = count()
+        monkeypatch.setattr(module.time, "perf_counter", lambda: self.now)
+
+    def __call__(self, run, limits):
+        wobble = math.exp(self.noise * math.cos(5.0 * next(self.turns)))
+        needs = self.scale * cost(run.condition, self.power) * wobble
+        took = min(needs, limits.computing_s)
+        self.now += took
+        self.made.append(run)
+        return Result(
+            key=run.key,
+            condition=run.condition,
+            repetition=run.repetition,
+            status="complete" if needs <= limits.computing_s else "over_time",
+            reason="",
+            computing_s=took,
+            wall_s=took,
+        )
+
+
+def truth(power=0.7, scale=1.0):
+    return sum(scale * cost(run.condition, power) for run in PLANNED)
+
+
+@pytest.mark.parametrize("power", [0.0, 0.7, 1.5])
+@pytest.mark.parametrize("noise", [0.0, 0.15])
+def test_what_is_a_product_is_found(power, noise, monkeypatch):
+    machine = Machine(monkeypatch, power, noise)
+    found = estimate(SPEC, PLANNED, machine, budget_s=100.0)
+    assert found.low_s <= truth(power) <= found.high_s
+    assert found.computing_s == pytest.approx(truth(power), rel=0.2)
+    assert found.high_s / found.low_s < 4.0
+    assert found.cut_off == 0
+    assert found.took_s == machine.now
+
+
+def test_all_labels_and_sizes_are_tried(monkeypatch):
+    found = estimate(SPEC, PLANNED, Machine(monkeypatch), budget_s=1000.0)
+    tried = [probe.condition for probe in found.probes]
+    assert len(tried) == len(set(tried)) == MOST_PROBES
+    assert {one.environment for one in tried} == set(WORLD)
+    assert {(one.strategy, one.robots) for one in tried} == {
+        (way, robots) for way in WAY for robots in (1, 2, 4, 8)
+    }
+
+
+def test_it_keeps_to_its_time(monkeypatch):
+    machine = Machine(monkeypatch, scale=10.0)
+    found = estimate(SPEC, PLANNED, machine, budget_s=30.0)
+    assert machine.now < 45.0
+    assert found.computing_s == pytest.approx(truth(scale=10.0), rel=0.5)
+
+
+def test_the_same_runs_are_tried_again(monkeypatch):
+    tried = []
+    for _ in range(2):
+        machine = Machine(monkeypatch)
+        estimate(SPEC, PLANNED, machine, budget_s=5.0)
+        tried.append([run.key for run in machine.made])
+    assert tried[0] == tried[1]
+    assert {run.repetition for run in machine.made} == {0}
+
+
+def test_runs_that_do_not_end_are_told(monkeypatch):
+    machine = Machine(monkeypatch, scale=1000.0)
+    found = estimate(SPEC, PLANNED, machine, budget_s=20.0)
+    assert found.cut_off == len(found.probes) > 0
+    assert found.computing_s < truth(scale=1000.0)
+    assert machine.now <= 40.0
+
+
+def test_a_single_condition(monkeypatch):
+    spec = ExperimentSpec(name="x", environments=("open",), strategies=("minpos",), repetitions=7)
+    found = estimate(spec, runs(spec), Machine(monkeypatch), budget_s=9.0)
+    assert found.computing_s == pytest.approx(7 * 0.05 * 6.0)
+    assert found.low_s == pytest.approx(found.computing_s / math.exp(module.UNKNOWN_SPREAD))
+    assert list(found.by_condition_s) == [runs(spec)[0].condition]
+
+
+def test_where_nothing_comes_to_an_end_there_is_no_estimate():
+    def refuse(run, limits):
+        return Result(
+            key=run.key, condition=run.condition, repetition=0, status="refused", reason="no"
+        )
+
+    assert estimate(SPEC, PLANNED, refuse, budget_s=1.0) is None

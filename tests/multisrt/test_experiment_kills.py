@@ -1,0 +1,243 @@
+"""What must not lose results: processes that are killed, and disks that are full."""
+
+import contextlib
+import os
+import resource
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import msgspec
+import pytest
+
+from multisrt.experiments.crossing import runs
+from multisrt.experiments.description import ExperimentSpec
+from multisrt.experiments.mission import make_run
+from multisrt.experiments.store import Store
+from multisrt.geometry.errors import InvalidInputError
+
+pytestmark = pytest.mark.skipif(
+    not Path("/proc/self/stat").exists(), reason="looks after processes as Linux tells of them"
+)
+
+SPEC = ExperimentSpec(
+    name="small",
+    environments=("open",),
+    strategies=("srt-radial", "srt-star"),
+    robots=(2,),
+    repetitions=4,
+    recordings="all",
+)
+
+RUNNER = """
+import sys
+from multisrt.experiments.description import ExperimentSpec
+from multisrt.experiments.runner import run_experiment
+from multisrt.experiments.store import Store
+from multisrt.geometry.errors import InvalidInputError
+
+spec = ExperimentSpec.from_json(sys.argv[2])
+try:
+    with Store.create_or_open(sys.argv[1], spec) as store:
+        run_experiment(store, workers=2, progress=lambda p: print(p.done, flush=True))
+except InvalidInputError as error:
+    sys.exit(str(error))
+except KeyboardInterrupt:
+    sys.exit(130)
+"""
+
+
+@pytest.fixture(scope="module")
+def undisturbed() -> dict[str, str]:
+    """Digests of all runs, made one after another in this process."""
+    return {run.key: make_run(run, SPEC.limits).digest for run in runs(SPEC)}
+
+
+@pytest.fixture
+def path(tmp_path):
+    return tmp_path / "results.sqlite"
+
+
+@contextlib.contextmanager
+def runner(path: Path, spec: ExperimentSpec = SPEC, **options):
+    """A process that makes an experiment's runs and says after each how many there are."""
+    process = subprocess.Popen(
+        [sys.executable, "-c", RUNNER, str(path), spec.to_json()],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        **options,
+    )
+    with process:
+        try:
+            yield process
+        finally:
+            process.kill()
+
+
+def wait_for(process: subprocess.Popen[str], done: int) -> None:
+    assert process.stdout is not None
+    for line in process.stdout:
+        if int(line) >= done:
+            return
+    raise AssertionError(f"ended before: {process.stderr.read()}")
+
+
+def parents() -> dict[int, int]:
+    """The parent of each process that is no zombie."""
+    found = {}
+    for folder in Path("/proc").glob("[0-9]*"):
+        with contextlib.suppress(OSError):
+            state, parent = (folder / "stat").read_text().rpartition(")")[2].split()[:2]
+            if state != "Z":
+                found[int(folder.name)] = int(parent)
+    return found
+
+
+def workers_of(process: subprocess.Popen[str]) -> list[int]:
+    return [pid for pid, parent in parents().items() if parent == process.pid]
+
+
+def require_end(pids: list[int]) -> None:
+    deadline = time.monotonic() + 20.0
+    while alive := [pid for pid in pids if pid in parents()]:
+        assert time.monotonic() < deadline, f"still there: {alive}"
+        time.sleep(0.02)
+
+
+def finish(path: Path, undisturbed: dict[str, str], spec: ExperimentSpec = SPEC) -> None:
+    """The same command goes on; then all is there, as it would have been."""
+    with Store.open(path) as store:
+        before = {result.key: result for result in store.results()}
+    with runner(path, spec) as process:
+        _, errors = process.communicate()
+        assert process.returncode == 0, errors
+    with Store.open(path) as store:
+        results = store.results()
+        assert {result.key: result.digest for result in results} == undisturbed
+        assert len(results) == len(undisturbed)
+        # Those that were there were not made again: even their times are the same.
+        assert all(before.get(result.key, result) == result for result in results)
+    if spec.recordings == "all":
+        recordings = {store.recording_path(key) for key in undisturbed}
+        assert set(Path(f"{path}.recordings").iterdir()) == recordings
+
+
+def test_a_runner_that_is_killed_loses_only_what_was_under_way(path, undisturbed):
+    for done in (1, 3):
+        with runner(path) as process:
+            wait_for(process, done)
+            workers = workers_of(process)
+            process.kill()
+            process.wait()
+        assert len(workers) == 2
+        require_end(workers)
+        with Store.open(path) as store:
+            assert done <= store.done < len(undisturbed)
+    finish(path, undisturbed)
+
+
+def test_workers_in_the_middle_of_a_run_end_with_their_runner(path):
+    # Long runs: the one that is under way would go on for long.
+    spec = msgspec.structs.replace(SPEC, environments=("hospital",), robots=(8,))
+    with runner(path, spec) as process:
+        wait_for(process, 0)
+        while len(workers := workers_of(process)) < 2:
+            time.sleep(0.02)
+        time.sleep(3.0)
+        process.kill()
+    require_end(workers)
+
+
+def test_a_worker_that_is_killed_costs_nothing(path, undisturbed):
+    with runner(path) as process:
+        wait_for(process, 1)
+        os.kill(workers_of(process)[0], signal.SIGKILL)
+        _, errors = process.communicate()
+        assert process.returncode == 0, errors
+    finish(path, undisturbed)
+
+
+def test_an_interrupt_keeps_what_has_ended(path, undisturbed):
+    with runner(path) as process:
+        wait_for(process, 2)
+        workers = workers_of(process)
+        process.send_signal(signal.SIGINT)
+        process.communicate()
+        assert process.returncode == 130
+    require_end(workers)
+    assert not Path(f"{path}-wal").exists()
+    finish(path, undisturbed)
+
+
+# Full disks ---------------------------------------------------------------------------------
+
+
+def test_a_file_that_may_grow_no_more(path, undisturbed):
+    # The operating system refuses to write beyond, as it does on a full disk.
+    spec = msgspec.structs.replace(SPEC, recordings="none")
+
+    def allow_little():
+        resource.setrlimit(resource.RLIMIT_FSIZE, (60_000, resource.RLIM_INFINITY))
+
+    with runner(path, spec, preexec_fn=allow_little) as process:
+        _, errors = process.communicate()
+        assert process.returncode == 1
+    assert "the disk may be full" in errors
+    assert len(errors.splitlines()) == 1
+    with Store.open(path) as store:
+        assert 0 < store.done < len(undisturbed)
+    finish(path, undisturbed, spec)
+
+
+@pytest.fixture
+def small_disk(tmp_path):
+    """A disk of a few pages, with what it takes to make it larger."""
+    folder = tmp_path / "disk"
+    folder.mkdir()
+
+    def mount(*options: str) -> bool:
+        command = ["mount", "-t", "tmpfs", "-o", ",".join(options), "tmpfs", str(folder)]
+        return subprocess.run(command, capture_output=True, check=False).returncode == 0
+
+    if not mount("size=96k"):
+        pytest.skip("disks cannot be mounted here")
+    try:
+        yield folder, mount
+    finally:
+        subprocess.run(["umount", str(folder)], check=True)
+
+
+def test_a_full_disk(small_disk, undisturbed):
+    folder, mount = small_disk
+    path = folder / "results.sqlite"
+    spec = msgspec.structs.replace(SPEC, recordings="none")
+    with runner(path, spec) as process:
+        _, errors = process.communicate()
+        assert process.returncode == 1
+    assert "the disk is full" in errors
+    assert len(errors.splitlines()) == 1
+    with runner(path, spec) as process:  # still full
+        _, errors = process.communicate()
+        assert process.returncode == 1
+    assert "the disk is full" in errors
+    assert mount("remount", "size=100m")
+    with Store.open(path) as store:
+        assert 0 < store.done < len(undisturbed)
+    finish(path, undisturbed, spec)
+
+
+def test_a_full_disk_for_recordings(small_disk, undisturbed):
+    folder, mount = small_disk
+    path = folder / "results.sqlite"
+    with runner(path) as process:
+        _, errors = process.communicate()
+        assert process.returncode == 1
+    assert "No space left on device" in errors or "the disk is full" in errors
+    assert len(errors.splitlines()) == 1
+    assert mount("remount", "size=100m")
+    with pytest.raises(InvalidInputError), Store.open(folder / "results.sqlite.recordings"):
+        pass
+    finish(path, undisturbed)

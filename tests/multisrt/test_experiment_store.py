@@ -1,0 +1,344 @@
+import math
+import os
+import sqlite3
+
+import msgspec
+import pytest
+
+from multisrt.experiments.crossing import runs
+from multisrt.experiments.description import ExperimentSpec, Limits
+from multisrt.experiments.mission import make_run
+from multisrt.experiments.results import Result
+from multisrt.experiments.store import FORMAT, Store
+from multisrt.geometry.errors import InvalidInputError
+
+SPEC = ExperimentSpec(
+    name="small",
+    environments=("open", "rooms"),
+    strategies=("srt-radial", "srt-star"),
+    robots=(1, 2),
+    repetitions=2,
+    limits=Limits(computing_s=10.0, memory_mb=500),
+)
+
+
+def changed(**fields) -> ExperimentSpec:
+    return msgspec.structs.replace(SPEC, **fields)
+
+
+def result_of(run, status="complete", **fields) -> Result:
+    return Result(
+        key=run.key,
+        condition=run.condition,
+        repetition=run.repetition,
+        status=status,
+        reason="since",
+        **fields,
+    )
+
+
+@pytest.fixture
+def path(tmp_path):
+    return tmp_path / "results.sqlite"
+
+
+@pytest.fixture
+def filled(path):
+    """A store in which the first three runs have results."""
+    with Store.create_or_open(path, SPEC) as store:
+        for run in store.missing()[:3]:
+            store.add(result_of(run))
+    return path
+
+
+# Keeping results ----------------------------------------------------------------------------
+
+
+def test_results_come_back_as_they_were(path):
+    first, second, *_ = runs(SPEC)
+    made = make_run(first, SPEC.limits)
+    crashed = result_of(second, "crashed", wall_s=1.5)
+    with Store.create_or_open(path, SPEC) as store:
+        store.add(crashed)
+        store.add(made)
+        assert store.results().results == (made, crashed)
+        assert (store.done, store.failed, store.asked) == (2, 1, 16)
+    with Store.open(path) as store:
+        results = store.results()
+    assert results.results == (made, crashed)
+    assert results.experiment == SPEC
+    assert results.asked == 16
+    assert results.provenance.program == store.provenance.program
+
+
+def test_a_collision_counts_as_failed(path):
+    run = runs(SPEC)[0]
+    made = make_run(run, SPEC.limits)
+    metrics = msgspec.structs.replace(made.metrics, collisions=1)
+    with Store.create_or_open(path, SPEC) as store:
+        store.add(msgspec.structs.replace(made, metrics=metrics))
+        assert store.failed == 1 == sum(result.failed for result in store.results())
+
+
+def test_what_is_missing_comes_in_the_experiments_order(filled):
+    every = runs(SPEC)
+    with Store.create_or_open(filled, SPEC) as store:
+        assert store.missing() == every[3:]
+        store.add(result_of(every[10]))
+        assert store.missing() == every[3:10] + every[11:]
+        assert [r.key for r in store.results()] == [r.key for r in (*every[:3], every[10])]
+    with Store.open(filled) as store:
+        assert store.missing() == every[3:10] + every[11:]
+
+
+def test_nothing_is_there_twice(filled):
+    first = runs(SPEC)[0]
+    with Store.create_or_open(filled, SPEC) as store:
+        store.add(result_of(first, "crashed"))
+        assert store.done == 3
+        assert store.results().results[0].status == "complete"
+
+
+def test_runs_can_be_forgotten(filled):
+    every = runs(SPEC)
+    with Store.create_or_open(filled, SPEC) as store:
+        store.add(result_of(every[5], "crashed"))
+        store.add(result_of(every[6], "stalled"))
+        assert store.forget() == 1
+        assert every[5] in store.missing()
+        assert store.forget(["stalled"]) == 1
+        assert store.done == 3
+
+
+def test_a_closed_store_is_one_file(filled):
+    assert [file.name for file in filled.parent.iterdir()] == ["results.sqlite"]
+
+
+def test_a_store_can_be_read_where_nothing_can_be_written(filled):
+    filled.chmod(0o444)
+    filled.parent.chmod(0o555)
+    try:
+        with Store.open(filled) as store:
+            assert store.done == 3
+    finally:
+        filled.parent.chmod(0o755)
+
+
+def test_reading_goes_on_while_a_runner_writes(filled):
+    with Store.create_or_open(filled, SPEC) as writer:
+        with Store.open(filled) as reader:
+            assert reader.done == 3
+            writer.add(result_of(writer.missing()[0]))
+            assert reader.done == 4
+            assert len(reader.results()) == 4
+        with Store.open(filled) as reader:
+            writer.close()
+            assert reader.done == 4
+    with Store.open(filled) as store:
+        assert store.done == 4
+
+
+def test_leftovers_of_recordings_are_cleared(path):
+    with Store.create_or_open(path, SPEC) as store:
+        whole = store.recording_path("abc")
+        part = whole.with_name("def.jsonl.part")
+        whole.write_text("{}")
+        part.write_text("{")
+    with Store.create_or_open(path, SPEC):
+        assert whole.exists()
+        assert not part.exists()
+
+
+# Going on -----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "more",
+    [
+        {"repetitions": 3},
+        {"robots": (4, 2, 1)},
+        {"environments": ("office", "rooms", "open")},
+        {"name": "renamed", "about": "to see", "recordings": "all"},
+        {"limits": Limits(computing_s=20.0, memory_mb=500)},
+    ],
+)
+def test_an_experiment_may_grow(filled, more):
+    spec = changed(**more)
+    with Store.create_or_open(filled, spec) as store:
+        assert store.done == 3
+        assert len(store.missing()) == len(runs(spec)) - 3
+    with Store.open(filled) as store:
+        assert store.experiment == spec
+        assert store.asked == len(runs(spec))
+        order = [run.key for run in runs(spec)]
+        keys = [result.key for result in store.results()]
+        assert keys == sorted(keys, key=order.index)
+
+
+def test_new_labels_are_taken_over(filled):
+    spec = ExperimentSpec.from_json(
+        SPEC.to_json().replace('"srt-radial"', '{"name": "srt-radial", "label": "ours"}')
+    )
+    with Store.create_or_open(filled, spec) as store:
+        assert {r.condition.strategy for r in store.results()} == {"ours", "srt-star"}
+
+
+def test_repetitions_are_counted_anew_from_another_first_seed(path):
+    with Store.create_or_open(path, changed(first_seed=1)) as store:
+        store.add(result_of(store.missing()[0]))
+    with Store.create_or_open(path, SPEC) as store:
+        assert [result.repetition for result in store.results()] == [1]
+
+
+@pytest.mark.parametrize(
+    ("less", "said"),
+    [
+        ({"strategies": ("srt-star",)}, "strategies"),
+        ({"environments": ("rooms",), "robots": (1, 2, 3)}, "environments, robots"),
+        ({"first_seed": 7}, "first_seed"),
+    ],
+)
+def test_another_experiment_is_refused(filled, less, said):
+    with pytest.raises(InvalidInputError, match=rf"another experiment: .*\(what differs: {said}\)"):
+        Store.create_or_open(filled, changed(**less))
+    with Store.create_or_open(filled, SPEC) as store:  # it is as it was, and free
+        assert store.done == 3
+
+
+def test_fewer_repetitions_are_refused_only_if_some_were_made(filled):
+    with Store.create_or_open(filled, changed(repetitions=1)) as store:
+        assert len(store.missing()) == 5
+    with Store.create_or_open(filled, SPEC) as store:
+        store.add(result_of(runs(SPEC)[-1]))
+    with pytest.raises(InvalidInputError, match=r"1 of its 4 runs .*repetitions"):
+        Store.create_or_open(filled, changed(repetitions=1))
+
+
+def test_more_time_makes_those_again_that_lacked_it(filled):
+    every = runs(SPEC)
+    with Store.create_or_open(filled, SPEC) as store:
+        store.add(result_of(every[8], "over_time"))
+        store.add(result_of(every[9], "over_memory"))
+    with Store.create_or_open(filled, changed(limits=Limits(computing_s=20, memory_mb=500))) as s:
+        assert every[8] in s.missing()
+        assert every[9] not in s.missing()
+    with pytest.raises(InvalidInputError, match=r"allowed more \(limits.computing_s\)"):
+        Store.create_or_open(filled, SPEC)
+
+
+# What is refused ----------------------------------------------------------------------------
+
+
+def doctored(path, statement, *values):
+    connection = sqlite3.connect(path)
+    with connection:
+        connection.execute(statement, values)
+    connection.close()
+
+
+def both_ways(path, match):
+    with pytest.raises(InvalidInputError, match=match):
+        Store.open(path)
+    with pytest.raises(InvalidInputError, match=match):
+        Store.create_or_open(path, SPEC)
+
+
+def test_what_is_no_store_is_refused(tmp_path, path):
+    with pytest.raises(InvalidInputError, match="No such file"):
+        Store.open(path)
+    with pytest.raises(InvalidInputError, match="cannot write"):
+        Store.create_or_open(tmp_path / "no-such-folder" / "x.sqlite", SPEC)
+    both_ways(tmp_path, "Is a directory")
+    path.write_text("key,status\n")
+    both_ways(path, "not a file of results")
+    assert path.read_text() == "key,status\n"
+
+
+def test_an_empty_file_is_a_beginning(path):
+    path.touch()
+    with pytest.raises(InvalidInputError, match="not a file of results"):
+        Store.open(path)
+    with Store.create_or_open(path, SPEC) as store:
+        assert store.done == 0
+
+
+def test_databases_of_others_are_refused(path):
+    doctored(path, "CREATE TABLE runs (key TEXT)")
+    before = path.read_bytes()
+    both_ways(path, "an SQLite file, but not one of results")
+    assert path.read_bytes() == before
+
+
+@pytest.mark.parametrize(
+    ("version", "which"), [(FORMAT + 1, "a newer version"), (FORMAT - 1, "an older version")]
+)
+def test_other_formats_are_refused(filled, version, which):
+    doctored(filled, f"PRAGMA user_version = {version}")
+    both_ways(filled, rf"results in format {version}, of {which} of multisrt")
+
+
+def test_damage_is_told(filled):
+    content = bytearray(filled.read_bytes())
+    content[4096:] = os.urandom(len(content) - 4096)
+    filled.write_bytes(content)
+    with pytest.raises(InvalidInputError, match="damaged file of results"), Store.open(filled) as s:
+        s.results()
+
+
+def test_a_damaged_row_is_told(filled):
+    doctored(filled, "UPDATE runs SET metrics = '{}'")
+    with (
+        Store.open(filled) as store,
+        pytest.raises(InvalidInputError, match=r"the result of run \w+ is damaged"),
+    ):
+        store.results()
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ('"program":"', '"program":"0', "another source of multisrt"),
+        ('"numpy":"', '"numpy":"0', "numpy 0"),
+    ],
+)
+def test_results_of_another_program_are_refused_for_going_on(filled, old, new, said):
+    doctored(
+        filled, "UPDATE meta SET value = replace(value, ?, ?) WHERE name = 'provenance'", old, new
+    )
+    with pytest.raises(InvalidInputError, match=rf"made by another program \({said}"):
+        Store.create_or_open(filled, SPEC)
+    with Store.open(filled) as store:  # to look at they are as good as ever
+        assert store.done == 3
+
+
+def test_two_runners_at_once_are_refused(filled):
+    holder = rf"another process .*\(process {os.getpid()}\)"
+    with (
+        Store.create_or_open(filled, SPEC),
+        pytest.raises(InvalidInputError, match=holder),
+    ):
+        Store.create_or_open(filled, SPEC)
+    with Store.create_or_open(filled, SPEC) as store:
+        assert store.done == 3
+
+
+def test_an_experiment_that_cannot_be_leaves_no_file(path):
+    with pytest.raises(InvalidInputError, match="there is no strategy"):
+        Store.create_or_open(path, changed(strategies=("nonsense",)))
+    assert not path.exists()
+
+
+def test_a_database_that_may_grow_no_more_is_told_and_stays_sound(filled):
+    with Store.create_or_open(filled, SPEC) as store:
+        pages = store._connection.execute("PRAGMA page_count").fetchone()[0]
+        store._connection.execute(f"PRAGMA max_page_count = {pages}")
+        results = [result_of(run, covered_at_s=(math.pi,) * 101) for run in store.missing()]
+        with pytest.raises(
+            InvalidInputError, match=r"the disk is full; .*the same command goes on"
+        ):
+            any(map(store.add, results))  # all, as it gives nothing
+        done = store.done
+        assert 3 <= done < 16
+    with Store.create_or_open(filled, SPEC) as store:
+        assert len(store.missing()) == 16 - done
+        assert store._connection.execute("PRAGMA integrity_check").fetchone() == ("ok",)

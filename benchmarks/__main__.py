@@ -3,13 +3,14 @@
 import sys
 from itertools import chain
 
-from benchmarks import frontier, kernels, team
+from benchmarks import frontier, kernels, team, throughput
 from benchmarks.harness import show
 
 
 def main() -> None:
-    """Measure the kernels, then teams of either family."""
-    all_met = show(chain(kernels.claims(), team.claims(), frontier.claims()))
+    """Measure the kernels, then teams of either family, then whole experiments."""
+    claims = chain(kernels.claims(), team.claims(), frontier.claims(), throughput.claims())
+    all_met = show(claims)
     # All figures are printed, whether the first are good or not.
     all_met &= team.show_figures()
     all_met &= frontier.show_figures()

@@ -315,6 +315,22 @@ class _Simulation:
             action = self._ask(robot, actions, outcome)
             outcome = None
             match action:
+                # What is asked for most comes first.
+                case Receive(timeout_s):
+                    outcome = yield from self._wait(robot, timeout_s)
+                case Send(message, to):
+                    self._send(robot, message, to)
+                case Note(event):
+                    self._record(event)
+                    if isinstance(event, Organized):
+                        self._doom(robot, "master")
+                case Move():
+                    if not self._begin_motion(robot, action):
+                        return
+                    if action.listen:
+                        outcome = yield from self._wait(robot, None)
+                    else:
+                        outcome = yield from self._wait(robot, None, hears=False)
                 case Sense():
                     outcome = take_scan(
                         self.index,
@@ -328,27 +344,12 @@ class _Simulation:
                         robot.number, self.now, robot.spec.range_finder.range_m
                     )
                     outcome = tuple(self._sighting(other) for other in seen)
-                case Move():
-                    if not self._begin_motion(robot, action):
-                        return
-                    if action.listen:
-                        outcome = yield from self._wait(robot, None)
-                    else:
-                        outcome = yield from self._wait(robot, None, hears=False)
                 case Stop():
                     if robot.move is None:
                         raise InvalidInputError(
                             f"the explorer of robot {robot.number} yielded Stop, but it stands"
                         )
                     outcome = self._end_motion(robot, self.now)
-                case Send(message, to):
-                    self._send(robot, message, to)
-                case Receive(timeout_s):
-                    outcome = yield from self._wait(robot, timeout_s)
-                case Note(event):
-                    self._record(event)
-                    if isinstance(event, Organized):
-                        self._doom(robot, "master")
                 case Done():
                     if robot.move is not None:
                         raise InvalidInputError(

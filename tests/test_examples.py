@@ -39,15 +39,6 @@ def test_an_explorer_has_less_than_forty_lines():
     assert sum(bool(text.splitlines()[k - 1].strip()) for k in lines) < 40
 
 
-def test_the_comparison(capsys):
-    load("compare_srt").main(environment="open", teams=(1, 2), seeds=2)
-    rows = [line.split() for line in capsys.readouterr().out.splitlines()[2:]]
-    assert [row[:2] for row in rows] == [
-        [strategy, robots] for strategy in ("srt-star", "srt-radial") for robots in "12"
-    ]
-    assert all(row[-3:] == ["2", "of", "2"] for row in rows)
-
-
 def test_the_faults(tmp_path, capsys):
     load("faults").main(folder=tmp_path)
     told = capsys.readouterr().out

@@ -18,11 +18,10 @@ import msgspec
 
 from multisrt.explorer import Explorer, RobotSelf
 from multisrt.frontier_team.alvarez import explorer_by_rules
-from multisrt.frontier_team.driving import drive
-from multisrt.frontier_team.explore import Drive, FrontierExplorer, Rule
-from multisrt.frontier_team.nearness import drive_by_diagram
+from multisrt.frontier_team.explore import FrontierExplorer, Rule
+from multisrt.frontier_team.nearness import drive_as_wanted
 from multisrt.frontier_team.options import (
-    FrontierOptions,
+    BiddingOptions,
     RulesOptions,
     SelfBiddingOptions,
     UtilityOptions,
@@ -206,14 +205,13 @@ def _require_reach(spec: RunSpec) -> None:
 def _bids(
     name: str,
     summary: str,
-    options: type[FrontierOptions],
+    options: type[BiddingOptions],
     rule: Rule,
-    drives: Drive = drive,
     watch: Watch | None = None,
     fits: Callable[[RunSpec], None] | None = None,
 ) -> Strategy:
-    def explorer(me: RobotSelf, options: FrontierOptions) -> Explorer:
-        return FrontierExplorer(me, options, rule, drives, watch)
+    def explorer(me: RobotSelf, options: BiddingOptions) -> Explorer:
+        return FrontierExplorer(me, options, rule, drive_as_wanted, watch)
 
     return Strategy(
         name=name,
@@ -247,9 +245,9 @@ _OWN = (
     _srt("ball", "Sensor-based Random Tree; safe regions are discs of the smallest reading"),
     _srt("star", "Sensor-based Random Tree; safe regions are stars of equal cones"),
     _srt("radial", "Sensor-based Random Tree; safe regions keep every reading"),
-    _bids("closest", "Every robot to its nearest frontier", FrontierOptions, choose_closest),
-    _bids("greedy", "The shortest ways first, every frontier once", FrontierOptions, choose_greedy),
-    _bids("minpos", "To the frontier where fewest are nearer", FrontierOptions, choose_minpos),
+    _bids("closest", "Every robot to its nearest frontier", BiddingOptions, choose_closest),
+    _bids("greedy", "The shortest ways first, every frontier once", BiddingOptions, choose_greedy),
+    _bids("minpos", "To the frontier where fewest are nearer", BiddingOptions, choose_minpos),
     _bids(
         "utility",
         "A leader weighs ways against views",
@@ -262,7 +260,6 @@ _OWN = (
         "SBX-R: bids for the whole team, which keeps within radio range",
         SelfBiddingOptions,
         choose_by_self_bidding,
-        drive_by_diagram,
         tell_who_may_stop,
         fits=_require_talk,
     ),

@@ -1,4 +1,4 @@
-"""Driving by Smooth Nearness Diagram, as SBX-R does; other robots are obstacles to it."""
+"""Driving by Smooth Nearness Diagram, as in SBX-R; other robots are obstacles to it."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy as np
 
 from multisrt.explorer import Action, Outcome, Sighting
 from multisrt.frontier_team.driving import Reason, carry_out, drive, reason_to_end
-from multisrt.frontier_team.options import SelfBiddingOptions
+from multisrt.frontier_team.options import BiddingOptions
 from multisrt.frontier_team.robot import FrontierRobot, Goal, length_of
 from multisrt.geometry.kernel import FloatArray
 from multisrt.planners.motion.kinematics import Differential, Holonomic
@@ -39,11 +39,14 @@ NEAR_GOAL_M = 0.5
 """So near to its goal the robot follows its path: the diagram stops short of walls."""
 
 
-def drive_by_diagram(
+def drive_as_wanted(
     robot: FrontierRobot, goal: Goal
 ) -> Generator[Action, Outcome, Reason | Sighting]:
-    """Let the diagram lead the body along a goal's path; where it gets nowhere, follow the path."""
-    options = cast(SelfBiddingOptions, robot.options)
+    """Follow a goal's path, or let the diagram lead the body along it, as the options say.
+
+    Where the diagram gets nowhere, the path is followed.
+    """
+    options = cast(BiddingOptions, robot.options)
     if options.drive == "path" or options.sense == "targets":
         return (yield from drive(robot, goal))
     path = goal.path
@@ -64,7 +67,7 @@ def drive_by_diagram(
 
 
 def steer(
-    robot: FrontierRobot, towards: tuple[float, float], options: SelfBiddingOptions
+    robot: FrontierRobot, towards: tuple[float, float], options: BiddingOptions
 ) -> Generator[Action, Outcome, float]:
     """Hold one command of the diagram, and look round; give for how long it could be held."""
     kinematics = cast(Differential | Holonomic, robot.me.kinematics)

@@ -102,8 +102,32 @@ class FrontierOptions(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
             raise InvalidInputError(f"{name} is {getattr(self, name)}; it must be {allowed}")
 
 
-class UtilityOptions(FrontierOptions, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Parameters of `utility`: those of `FrontierOptions`, and of the rule.
+class BiddingOptions(FrontierOptions, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Parameters of `closest`, `greedy` and `minpos`: those of `FrontierOptions`, and of driving.
+
+    Attributes
+    ----------
+    drive : {"path", "nearness-diagram"}
+        Whether the robot follows its path, or drives by Smooth Nearness Diagram along it, which
+        slows down near obstacles.
+    control_period_s : float
+        How long a command of the nearness diagram is held.
+    lookahead_m : float
+        How far ahead on its path the nearness diagram is led.
+    """
+
+    drive: Literal["path", "nearness-diagram"] = "path"
+    control_period_s: float = 0.25
+    lookahead_m: float = 1.5
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        for name in ("control_period_s", "lookahead_m"):
+            self.require(name, 0.0 < getattr(self, name) < math.inf, "positive")
+
+
+class UtilityOptions(BiddingOptions, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Parameters of `utility`: those of `BiddingOptions`, and of the rule.
 
     Attributes
     ----------
@@ -121,8 +145,8 @@ class UtilityOptions(FrontierOptions, frozen=True, kw_only=True, forbid_unknown_
         self.require("beta", 0.0 <= self.beta < math.inf, "0 or more")
 
 
-class SelfBiddingOptions(FrontierOptions, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Parameters of `self-bidding` (SBX-R): those of `FrontierOptions`, and of the rule.
+class SelfBiddingOptions(BiddingOptions, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Parameters of `self-bidding` (SBX-R): those of `BiddingOptions`, and of the rule.
 
     Attributes
     ----------
@@ -137,11 +161,7 @@ class SelfBiddingOptions(FrontierOptions, frozen=True, kw_only=True, forbid_unkn
     phi_step : float
         By how much the factor grows while the robot has no finite bid.
     drive : {"nearness-diagram", "path"}
-        Whether the robot drives by Smooth Nearness Diagram, or follows its path.
-    control_period_s : float
-        How long a command of the nearness diagram is held.
-    lookahead_m : float
-        How far ahead on its path the nearness diagram is led.
+        As above.
     """
 
     replan: Literal["news", "target"] = "target"
@@ -149,13 +169,11 @@ class SelfBiddingOptions(FrontierOptions, frozen=True, kw_only=True, forbid_unkn
     paths: Literal["march", "eedt"] = "eedt"
     phi_factor: float = 0.9
     phi_step: float = 0.5
-    drive: Literal["nearness-diagram", "path"] = "nearness-diagram"
-    control_period_s: float = 0.25
-    lookahead_m: float = 1.5
+    drive: Literal["path", "nearness-diagram"] = "nearness-diagram"
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        for name in ("phi_factor", "phi_step", "control_period_s", "lookahead_m"):
+        for name in ("phi_factor", "phi_step"):
             self.require(name, 0.0 < getattr(self, name) < math.inf, "positive")
 
 

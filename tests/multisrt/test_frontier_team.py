@@ -476,6 +476,20 @@ def test_options_that_make_no_sense_are_refused(name, options, message):
         simulated(name, options=options)
 
 
+@pytest.mark.parametrize("name", ["closest", "greedy", "minpos", "utility"])
+def test_all_that_bid_can_drive_by_the_diagram(name):
+    paths, diagram = (
+        simulated(name, 2, world=PLAZA, options={"drive": drive}, seed=1)
+        for drive in ("path", "nearness-diagram")
+    )
+    for recording in (paths, diagram):
+        assert recording.footer.outcome == "complete"
+        assert not events(recording, Collision)
+    # It drives in arcs, and slows down near walls.
+    assert diagram.footer.time_s > paths.footer.time_s
+    assert len(events(diagram, Motion)) > len(events(paths, Motion))
+
+
 @pytest.mark.parametrize("seed", range(4))
 def test_ways_lead_as_far_from_others_goals_as_dense_points_say(seed):
     places = places_drawn(seed, 6)

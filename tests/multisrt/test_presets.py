@@ -136,7 +136,8 @@ def test_all_strategies_meet_the_same_worlds_and_starts():
 def test_conditions_are_those_of_the_papers():
     for run in a_run_each("sbx-r"):
         spec = run.spec
-        assert spec.options == ({"replan": "target"} if spec.strategy == "closest" else {})
+        at_targets = {"replan": "target"} if spec.strategy == "closest" else {}
+        assert spec.options == {"drive": "nearness-diagram", **at_targets}
         assert spec.radio.range_m in (15.0, 20.0, 30.0)
         assert spec.starts == "clustered"
         assert spec.robots[0].start is not None

@@ -53,8 +53,11 @@ bench: $(BENCH_READY)
 # A run that fails ends its experiment with an error at the end; the others are made all the same.
 results: $(READY)
 	@failed=; \
-	for name in multi_srt self_bidding minpos alvarez; do \
-		$(BIN)/python -m benchmarks.$$name || failed="$$failed $$name"; \
+	$(BIN)/python -m benchmarks.multi_srt || failed="$$failed multi-srt"; \
+	for paper in sbx-r minpos alvarez; do \
+		$(BIN)/multisrt reproduce $$paper --out $(OUT)/results/$$paper || failed="$$failed $$paper"; \
+		cp $(OUT)/results/$$paper/summary.md docs/results/$$paper.md; \
+		$(BIN)/multisrt experiment export $(OUT)/results/$$paper/results.sqlite docs/results/$$paper.csv; \
 	done; \
 	if [ -n "$$failed" ]; then echo "runs failed or are missing in:$$failed"; exit 1; fi
 

@@ -15,7 +15,7 @@ from multisrt.presets.judging import Cells, Judged, judge, number
 from multisrt.presets.preset import Preset
 from multisrt.reporting.claims import Claim, PrintedTable, Verdict
 from multisrt.spec import RangeFinderSpec, StopRule
-from multisrt.statistics.summaries import median, quantile
+from multisrt.statistics.summaries import median
 
 WORLDS = ("garden", "clutter")
 STAR, RADIAL = "srt-star", "srt-radial"
@@ -26,6 +26,7 @@ MAX_TIME_S = 14_400.0
 """Of the run's own clock: several times what a robot alone needs."""
 
 TIME, DISTANCE = measure_named("exploration_time_s"), measure_named("total_distance_m")
+OTHERS = tuple(map(measure_named, ("waiting_time_s", "overlap_share", "coverage", "deadlocks")))
 
 SOURCE = "Multi-SRT, section 3 (simulation results), Figure 7"
 
@@ -74,10 +75,11 @@ def claims(results: Results) -> list[Claim]:
 
 
 def tables(results: Results) -> list[PrintedTable]:
-    """Give time and distance by team size, which the paper draws, and the comparisons."""
+    """Give what the paper draws by team size, what else there is to know, and the comparisons."""
     cells = Cells(results)
     return [
-        *(_by_team(cells, measure) for measure in (TIME, DISTANCE)),
+        *(_by_team(cells, measure, drawn=True) for measure in (TIME, DISTANCE)),
+        *(_by_team(cells, measure, drawn=False) for measure in OTHERS),
         *(judged.table for judged in _compared(results)),
     ]
 
@@ -268,7 +270,7 @@ MOST_TOLD = 10
 # Tables -------------------------------------------------------------------------------------
 
 
-def _by_team(cells: Cells, measure: Measure) -> PrintedTable:
+def _by_team(cells: Cells, measure: Measure, *, drawn: bool) -> PrintedTable:
     teams = sorted({at.robots for at in cells.conditions()})
     lines: dict[tuple[str, ...], dict[int, Condition]] = {}
     for at in cells.conditions():
@@ -276,7 +278,7 @@ def _by_team(cells: Cells, measure: Measure) -> PrintedTable:
         lines.setdefault((at.environment, at.strategy, *how), {})[at.robots] = at
     return PrintedTable(
         title=f"{measure.heading} by team size",
-        source="Multi-SRT, Figure 7 (curves only)",
+        source="Multi-SRT, Figure 7 (curves only)" if drawn else "",
         columns=(
             *("world", "strategy", "starts", "radio"),
             *(f"{n} robot{'s' * (n > 1)}" for n in teams),
@@ -288,8 +290,8 @@ def _by_team(cells: Cells, measure: Measure) -> PrintedTable:
             )
             for name, of in lines.items()
         ),
-        note="Medians, and quartiles in brackets, over all runs. The paper shows its means as "
-        "curves, without figures.",
+        note="Medians, and in brackets means and standard deviations, over all runs."
+        + " The paper shows its means as curves, without figures." * drawn,
     )
 
 
@@ -297,11 +299,13 @@ def _spread(values: tuple[float, ...], measure: Measure) -> str:
     if not values:
         return "-"
     of = np.array(values)
-    low, middle, high = (float(x) for x in (quantile(of, 0.25), median(of), quantile(of, 0.75)))
-    return (
-        f"{number(middle, measure.digits)} ({number(low, measure.digits)} to "
-        f"{number(high, measure.digits)})"
-    )
+    known = of[np.isfinite(of)]
+    middle = number(float(median(of)), measure.digits)
+    if not len(known):
+        return middle
+    mean, deviation = float(known.mean()), float(known.std(ddof=1)) if len(known) > 1 else 0.0
+    some = "" if len(known) == len(of) else f", {len(known)} of {len(of)}"
+    return f"{middle} ({mean:.{measure.digits}f} ± {deviation:.{measure.digits}f}{some})"
 
 
 MULTI_SRT = Preset(

@@ -448,8 +448,8 @@ def test_table_of_multi_srt_by_team_size():
     assert table.columns[-3:] == ("1 robot", "2 robots", "4 robots")
     assert len(table.rows) == 2 * 2 * (1 + 4)
     # Repetitions 0 to 9.
-    assert table.rows[0] == ("garden", "srt-star", "", "", "104.5 (102.2 to 106.8)", "", "")
-    assert table.rows[1][-2:] == ("204.5 (202.2 to 206.8)", "404.5 (402.2 to 406.8)")
+    assert table.rows[0] == ("garden", "srt-star", "", "", "104.5 (104.5 ± 3.0)", "", "")
+    assert table.rows[1][-2:] == ("204.5 (204.5 ± 3.0)", "404.5 (404.5 ± 3.0)")
     assert all(len(row) == len(table.columns) for row in table.rows)
 
 

@@ -70,7 +70,7 @@ def reproduce(
       multi-srt    20   10    20
       sbx-r        10    5    31
       minpos       20    8    not told
-      alvarez       5    2    40
+      alvarez      10    7    40
 
     \b
     The folder gets:

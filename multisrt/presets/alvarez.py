@@ -26,7 +26,7 @@ from multisrt.statistics.power_law import PowerLaw, fit_power_law
 
 STRATEGY = "rules"
 TEAMS, QUICK_TEAMS = (1, 2, 3, 4, 5, 6, 7, 8), (1, 2, 4)
-REPETITIONS, QUICK_REPETITIONS = 5, 2
+REPETITIONS, QUICK_REPETITIONS = 10, 7
 PAPERS_REPETITIONS = 40
 RANGE_M = 4.5
 MAX_TIME_S = 28_800.0

@@ -91,8 +91,8 @@ def claim_on(found: Iterable[Claim], *words: str) -> Claim:
         ("sbx-r", True, 1 + 3 * 3 * 1, 5),
         ("minpos", False, 2 * (1 + 3 * 6), 20),
         ("minpos", True, 2 * (1 + 3 * 2), 8),
-        ("alvarez", False, 10 * 8, 5),
-        ("alvarez", True, 3 * 3, 2),
+        ("alvarez", False, 10 * 8, 10),
+        ("alvarez", True, 3 * 3, 7),
     ],
 )
 def test_an_experiment_has_the_runs_of_its_paper(name, quick, cells, repetitions):
@@ -633,7 +633,9 @@ def test_when_a_gain_reaches_eight_percent(low, high, decision):
 
 # Álvarez ------------------------------------------------------------------------------------
 
-FULL_ALVAREZ = alvarez.experiment(False)
+# With few repetitions, so that numbers are small.
+FULL_ALVAREZ = msgspec.structs.replace(alvarez.experiment(False), repetitions=5)
+QUICK_ALVAREZ = msgspec.structs.replace(alvarez.experiment(True), repetitions=2)
 
 
 def laws(
@@ -696,21 +698,21 @@ def test_claims_of_alvarez_that_do_not_hold():
 
 def test_exponents_may_lie_outside_at_either_end():
     for exponent in (-1.3, -0.4):
-        found = alvarez.claims(made(alvarez.experiment(True), laws(exponent, -1.1, spread=0.0)))
+        found = alvarez.claims(made(QUICK_ALVAREZ, laws(exponent, -1.1, spread=0.0)))
         assert [claim.verdict for claim in found[1:3]] == ["does not hold", "holds"]
 
 
 def test_claims_of_alvarez_that_may_be_chance_or_are_not_tested():
     # 6 or 9 failures in 108 runs are 94.4 and 91.7 %, and the truth may lie on either side.
-    some = msgspec.structs.replace(alvarez.experiment(True), repetitions=12)
+    some = msgspec.structs.replace(QUICK_ALVAREZ, repetitions=12)
     for many in (2, 3):
         lost = laws(-0.9, -1.1, lost=lambda at, k, many=many: at.robots == 2 and k < many)
         assert alvarez.claims(made(some, lost))[0].verdict == "not significant"
     # Three teams of widely scattered times leave the exponent open.
-    wide = alvarez.claims(made(alvarez.experiment(True), laws(-0.9, -1.1, spread=0.6)))
+    wide = alvarez.claims(made(QUICK_ALVAREZ, laws(-0.9, -1.1, spread=0.6)))
     assert [claim.verdict for claim in wide[1:3]] == ["not significant"] * 2
     assert {claim.verdict for claim in alvarez.claims(none_of(FULL_ALVAREZ))} == {"not tested"}
-    few = alvarez.claims(made(alvarez.experiment(True), laws(-0.9, -1.1)))
+    few = alvarez.claims(made(QUICK_ALVAREZ, laws(-0.9, -1.1)))
     assert [few[k].verdict for k in (0, 3, 4)] == ["not tested"] * 3
 
 
@@ -761,7 +763,7 @@ def test_a_summary_lists_runs_that_failed():
     text = summary(preset, results, "it", claims=[], tables=[])
     assert text.count("repetition 1: over time: beyond 900 s") == 3
     assert "6 complete, 3 failed" not in text
-    assert "15 complete, 3 failed" in text
+    assert "60 complete, 3 failed" in text
 
 
 def test_presets_have_names():
@@ -817,10 +819,10 @@ def test_reproduce_writes_a_report_and_a_summary(call, tmp_path):
     code, out, _ = call("alvarez", "--quick")
     folder = tmp_path / "reproduced" / "alvarez-quick"
     assert code == 0
-    assert "alvarez: 18 of 18 runs complete" in out
+    assert "alvarez: 63 of 63 runs complete" in out
     assert "not tested" in out
     assert {path.name for path in folder.iterdir()} >= {"results.sqlite", "report", "summary.md"}
-    assert "18 runs, 5 claims" in (folder / "report" / "index.html").read_text()
+    assert "63 runs, 5 claims" in (folder / "report" / "index.html").read_text()
     assert "`multisrt reproduce alvarez --quick`" in (folder / "summary.md").read_text()
     # More repetitions go on in the same store.
     code, out, _ = call("alvarez", "--quick", "--seeds", "3")

@@ -10,6 +10,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections import defaultdict
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -18,7 +19,7 @@ import shapely
 from multisrt.environments.environment import Environment
 from multisrt.events import Motion
 from multisrt.geometry.footprint import Footprint
-from multisrt.geometry.kernel import FloatArray
+from multisrt.geometry.kernel import BoolArray, FloatArray, IntArray
 from multisrt.recording import Recording
 
 TURN_STEP_RAD = math.radians(2.0)
@@ -30,15 +31,66 @@ SAGITTA_M = 1e-4
 TOLERANCE_M = 1e-4
 """The smallest distance between robots is found to within this."""
 
-
-def path_length(motion: Motion) -> float:
-    """Length of the way of a body's reference point, along arcs."""
-    return float(_lengths(_legs(motion)).sum())
+ROUNDING_M = 1e-9
+"""Distances that are computed in two ways differ by less."""
 
 
-def moving_spans(motion: Motion) -> list[tuple[float, float]]:
-    """Give the times from when to when a body moved or turned, leg by leg."""
-    return [(a[0], b[0]) for a, b in itertools.pairwise(motion.waypoints) if a[1:] != b[1:]]
+class Track(NamedTuple):
+    """All that a robot did with its body, from 0 to the end of the run.
+
+    Attributes
+    ----------
+    legs : (n, 8) array
+        Time, x, y, heading at the start and at the end of each leg; they follow one another
+        without gaps.
+    stands : (k + 1,) array of int
+        The legs that are no part of its k motions: before each of them it stands, and at last.
+    """
+
+    legs: FloatArray
+    stands: IntArray
+
+    @property
+    def driven(self) -> FloatArray:
+        """The legs of its motions."""
+        return np.delete(self.legs, self.stands, axis=0)
+
+    def moving_spans(self) -> FloatArray:
+        """Give the times from when to when the body moved or turned, leg by leg; ``(m, 2)``."""
+        driven = self.driven
+        moving = (driven[:, 1:4] != driven[:, 5:]).any(axis=1)
+        return np.column_stack([driven[moving, 0], driven[moving, 4]])
+
+    def length_m(self) -> float:
+        """Length of the way of the body's reference point, along arcs."""
+        lengths = _lengths(self.legs)
+        return math.fsum(
+            lengths[before + 1 : after].sum()
+            for before, after in itertools.pairwise(self.stands.tolist())
+        )
+
+
+def tracks(recording: Recording) -> list[Track]:
+    """Give every robot's track, motions in the order of time."""
+    motions: dict[int, list[Motion]] = defaultdict(list)
+    for motion in recording.of(Motion):
+        motions[motion.robot].append(motion)
+    return [
+        _track(start, motions[robot], recording.footer.time_s)
+        for robot, start in enumerate(recording.header.starts)
+    ]
+
+
+def _track(start: tuple[float, float, float], motions: list[Motion], end: float) -> Track:
+    motions.sort(key=lambda motion: motion.time_s)
+    ways = [motion.waypoints for motion in motions]
+    points = [(0.0, *start), *itertools.chain.from_iterable(ways)]
+    last = points[-1]
+    way = np.array([*points, (max(end, last[0]), *last[1:])])
+    legs: FloatArray = np.hstack([way[:-1], way[1:]])
+    stands = np.cumsum([0, *map(len, ways)])
+    legs[stands, 5:] = legs[stands, 1:4]
+    return Track(legs, stands)
 
 
 def smallest_clearance(recording: Recording, environment: Environment) -> float:
@@ -47,20 +99,26 @@ def smallest_clearance(recording: Recording, environment: Environment) -> float:
     Negative where a disc's centre came nearer than its radius. Turns of bodies that are no discs
     are measured in steps of `TURN_STEP_RAD`.
     """
-    walls = np.asarray(shapely.linestrings(environment.edges.reshape(-1, 2, 2)))
-    tree = shapely.STRtree(walls.tolist())
-    motions = motions_by_robot(recording)
+    walls = _walls(environment)
     smallest = math.inf
-    for number, robot in enumerate(recording.spec.robots):
+    for robot, track in zip(recording.spec.robots, tracks(recording), strict=True):
         footprint = Footprint.parse(robot.footprint)
-        shapes = _outlines(footprint, np.array([recording.header.starts[number]]))
-        for motion in motions[number]:
-            for leg in _legs(motion):
-                shapes += _swept(footprint, leg)
-        _, distances = tree.query_nearest(shapes, return_distance=True, all_matches=False)
+        shapes = _outlines(footprint, track.legs[:1, 1:4]) + _swept(footprint, track.driven)
         radius = footprint.radius_m if footprint.is_disc else 0.0
-        smallest = min(smallest, float(distances.min()) - radius)
+        # Walls that are farther than the least so far need not be measured.
+        at_start = float(shapely.distance(shapes[0], walls.geometries).min())
+        least = max(0.0, min(smallest + radius, at_start)) + ROUNDING_M
+        which, wall = walls.query(shapes, predicate="dwithin", distance=least)
+        distances = shapely.distance(np.array(shapes)[which], walls.geometries[wall])
+        smallest = min(smallest, float(np.min(distances, initial=math.inf)) - radius)
     return smallest
+
+
+@lru_cache(maxsize=8)
+def _walls(environment: Environment) -> shapely.STRtree:
+    # Many runs in one world sort its walls once.
+    walls = np.asarray(shapely.linestrings(environment.edges.reshape(-1, 2, 2)))
+    return shapely.STRtree(walls.tolist())
 
 
 def smallest_distance_between_robots(recording: Recording) -> float | None:
@@ -72,32 +130,12 @@ def smallest_distance_between_robots(recording: Recording) -> float | None:
     """
     if len(recording.spec.robots) < 2:
         return None
-    tracks = _tracks(recording)
+    legs = [_lasting(track.legs) for track in tracks(recording)]
     bodies = [Footprint.parse(robot.footprint) for robot in recording.spec.robots]
     best = math.inf
-    for i, j in itertools.combinations(range(len(tracks)), 2):
-        best = _closest_approach(_Pair(bodies[i], bodies[j]), _together(tracks[i], tracks[j]), best)
+    for i, j in itertools.combinations(range(len(legs)), 2):
+        best = _closest_approach(_Pair(bodies[i], bodies[j]), _together(legs[i], legs[j]), best)
     return max(0.0, best)
-
-
-def motions_by_robot(recording: Recording) -> dict[int, list[Motion]]:
-    """Give every robot's motions, in the order of time."""
-    motions: dict[int, list[Motion]] = defaultdict(list)
-    for event in recording.events:
-        if isinstance(event, Motion):
-            motions[event.robot].append(event)
-    for own in motions.values():
-        own.sort(key=lambda motion: motion.time_s)
-    return motions
-
-
-# Legs: (n, 8) arrays of time, x, y, heading at the start and at the end.
-
-
-def _legs(motion: Motion) -> FloatArray:
-    waypoints = np.array(motion.waypoints)
-    legs: FloatArray = np.hstack([waypoints[:-1], waypoints[1:]])
-    return legs
 
 
 def _lengths(legs: FloatArray) -> FloatArray:
@@ -127,19 +165,28 @@ def _poses(legs: FloatArray, share: FloatArray) -> FloatArray:
     )
 
 
-def _swept(footprint: Footprint, leg: FloatArray) -> list[shapely.Geometry]:
-    # What a leg covers; for a disc the way of its centre, from which the radius is taken off.
-    turn = abs(float(leg[7] - leg[3]))
-    if footprint.is_disc and turn == 0.0 and (leg[1:3] != leg[5:7]).any():
-        return [shapely.LineString([leg[1:3], leg[5:7]])]
-    length = float(_lengths(leg[None])[0])
+def _swept(footprint: Footprint, legs: FloatArray) -> list[shapely.Geometry]:
+    # What legs cover; for a disc the way of its centre, from which the radius is taken off.
+    lengths, turns = _lengths(legs), np.abs(legs[:, 7] - legs[:, 3])
+    still = (lengths == 0.0) & (footprint.is_disc | (turns == 0.0))
+    shapes = _outlines(footprint, legs[still, 1:4])
     if footprint.is_disc:
-        if length == 0.0:
-            return _outlines(footprint, leg[None, 1:4])
+        straight = (turns == 0.0) & ~still
+        ends = legs[straight][:, [1, 2, 5, 6]].reshape(-1, 2, 2)
+        shapes += shapely.linestrings(ends).tolist()
+        still |= straight
+    for leg, length, turn in zip(legs[~still], lengths[~still], turns[~still], strict=True):
+        shapes += _swept_on(footprint, leg, length, turn)
+    return shapes
+
+
+def _swept_on(
+    footprint: Footprint, leg: FloatArray, length: float, turn: float
+) -> list[shapely.Geometry]:
+    # The same for one leg, on which a disc follows an arc and any other body moves or turns.
+    if footprint.is_disc:
         steps = math.ceil(turn / _step(length / turn)) + 1
         return [shapely.LineString(_along(leg, steps)[:, :2])]
-    if length == 0.0 and turn == 0.0:
-        return _outlines(footprint, leg[None, 1:4])
     if turn == 0.0:
         return [footprint.swept((*leg[1:3], leg[3]), (*leg[5:7], leg[3]))]
     radius = length / turn + footprint.circumscribed_radius_m
@@ -205,7 +252,7 @@ class _Spans(NamedTuple):
     start: FloatArray
     end: FloatArray
 
-    def where(self, which: FloatArray) -> _Spans:
+    def where(self, which: BoolArray) -> _Spans:
         return _Spans(*(part[which] for part in self))
 
     def halves(self) -> _Spans:
@@ -218,24 +265,10 @@ class _Spans(NamedTuple):
         )
 
 
-def _tracks(recording: Recording) -> list[FloatArray]:
-    # Every robot's legs from 0 to the end of the run, without gaps: between motions it stands.
-    motions = motions_by_robot(recording)
-    end = recording.footer.time_s
-    tracks = []
-    for number, start in enumerate(recording.header.starts):
-        legs = [np.empty((0, 8))]
-        here = np.array([0.0, *start])
-        for motion in motions[number]:
-            legs.append(np.concatenate([here, motion.waypoints[:1][0][:1], here[1:]])[None])
-            legs.append(_legs(motion))
-            here = np.array(motion.waypoints[-1])
-        legs.append(np.array([[*here, max(end, here[0]), *here[1:]]]))
-        track = np.concatenate(legs)
-        # An empty leg has no speed; one that takes no time but is there is kept out all the same.
-        lasting = track[track[:, 4] > track[:, 0]]
-        tracks.append(lasting if len(lasting) else track[-1:])
-    return tracks
+def _lasting(legs: FloatArray) -> FloatArray:
+    # An empty leg has no speed; one that takes no time but is there is kept out all the same.
+    lasting = legs[legs[:, 4] > legs[:, 0]]
+    return lasting if len(lasting) else legs[-1:]
 
 
 def _together(one: FloatArray, two: FloatArray) -> _Spans:
@@ -258,6 +291,7 @@ def _closest_approach(pair: _Pair, spans: _Spans, best: float) -> float:
     """
     reach = sum(body.circumscribed_radius_m for body in pair)
     exact_bodies = all(body.is_disc for body in pair)
+    spans = spans.where(_apart(spans) - reach < best)
     while len(spans.start):
         velocity, rate = _speeds(pair, spans)
         straight = rate == 0.0
@@ -279,6 +313,13 @@ def _closest_approach(pair: _Pair, spans: _Spans, best: float) -> float:
         )
         spans = spans.halves()
     return best
+
+
+def _apart(spans: _Spans) -> FloatArray:
+    # No less than this is between the ways of two bodies' reference points.
+    one, two = spans.one, spans.two
+    between = np.hypot(two[:, 1] - one[:, 1], two[:, 2] - one[:, 2])
+    return between - _lengths(one) - _lengths(two) - ROUNDING_M
 
 
 def _poses_at(legs: FloatArray, times: FloatArray) -> FloatArray:

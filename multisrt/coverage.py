@@ -118,9 +118,8 @@ def team_areas(recording: Recording, what: Explorable) -> TeamAreas:
     """
     robots = range(len(recording.spec.robots))
     nodes: dict[int, list[NodeAdded]] = defaultdict(list)
-    for event in recording.events:
-        if isinstance(event, NodeAdded):
-            nodes[event.robot].append(event)
+    for node in recording.of(NodeAdded):
+        nodes[node.robot].append(node)
     once = np.zeros_like(what.raster.cells)
     twice = np.zeros_like(once)
     if len(robots) > 1:
@@ -141,15 +140,12 @@ def _lost(
 ) -> tuple[BoolArray, list[BoolArray]]:
     # Cells that are lost, of the team and by robot.
     robots = range(len(recording.spec.robots))
-    dead = {event.robot for event in recording.events if isinstance(event, Died)}
+    dead = {event.robot for event in recording.of(Died)}
     nothing = np.zeros_like(what.raster.cells)
     if not dead:
         return nothing, [nothing for _ in robots]
     passed_on: set[NodeName] = {
-        name
-        for event in recording.events
-        if isinstance(event, Learned) and event.robot not in dead
-        for name in event.nodes
+        name for event in recording.of(Learned) if event.robot not in dead for name in event.nodes
     }
     kept = _painted(
         what,

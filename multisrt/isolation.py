@@ -17,9 +17,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from multisrt.closeness import motions_by_robot
+from multisrt import closeness
 from multisrt.environments.environment import Environment
-from multisrt.events import CameBack, Died, FellSilent, Joined, Motion
+from multisrt.events import CameBack, Died, FellSilent, Joined
 from multisrt.geometry.edge_index import EdgeIndex
 from multisrt.geometry.kernel import BoolArray, FloatArray, IntArray, kernel
 from multisrt.radio import links_hold, weakened_range
@@ -136,7 +136,8 @@ def team_isolation(recording: Recording, environment: Environment | None = None)
     here, silent = _presence(recording)
     alone = len(here) < 2
     reaches_all = spec.range_m is None and spec.walls == "pass"
-    tracks = [] if alone or reaches_all else _tracks(recording)
+    needed = not (alone or reaches_all)
+    tracks = [_motions(track.legs) for track in closeness.tracks(recording)] if needed else []
     if tracks and spec.walls != "pass" and environment is None:
         environment = recording.environment()
     changes = [*_switches(here, silent)]
@@ -180,15 +181,12 @@ def _presence(recording: Recording) -> tuple[list[Spell], list[tuple[float, int]
     robots = range(len(recording.starts))
     begins = [math.inf if robot in late else 0.0 for robot in robots]
     ends = [end for _ in robots]
-    silent = []
-    for event in recording.events:
-        match event:
-            case Joined():
-                begins[event.robot] = event.time_s
-            case Died():
-                ends[event.robot] = min(end, event.time_s)
-            case FellSilent() | CameBack():
-                silent.append((event.time_s, event.robot))
+    for joined in recording.of(Joined):
+        begins[joined.robot] = joined.time_s
+    for died in recording.of(Died):
+        ends[died.robot] = min(end, died.time_s)
+    changes = (*recording.of(FellSilent), *recording.of(CameBack))
+    silent = [(change.time_s, change.robot) for change in changes]
     return list(zip(begins, ends, strict=True)), silent
 
 
@@ -306,22 +304,8 @@ def _cut_off(state: BoolArray, multi_hop: bool) -> BoolArray:
 START, END, X, Y, VX, VY, TURN, SPEED = range(8)
 
 
-def _tracks(recording: Recording) -> list[FloatArray]:
-    motions = motions_by_robot(recording)
-    end = recording.footer.time_s
-    return [_track(start, motions[robot], end) for robot, start in enumerate(recording.starts)]
-
-
-def _track(start: tuple[float, ...], motions: list[Motion], end: float) -> FloatArray:
-    ways = []
-    here = (0.0, *start)
-    for motion in motions:
-        ways.append((here, (motion.waypoints[0][0], *here[1:])))  # stands until it sets out
-        ways += itertools.pairwise(motion.waypoints)
-        here = motion.waypoints[-1]
-    ways.append((here, (max(end, here[0]), *here[1:])))
-    legs = np.array(ways)
-    a, b = legs[:, 0], legs[:, 1]
+def _motions(legs: FloatArray) -> FloatArray:
+    a, b = legs[:, :4], legs[:, 4:]
     lasting = b[:, 0] > a[:, 0]
     moves = lasting & (a[:, 1:3] != b[:, 1:3]).any(axis=1)
     chord = np.where(moves[:, None], b[:, 1:3] - a[:, 1:3], 0.0)

@@ -55,10 +55,11 @@ def area_known_to_one(recording: Recording, *, cell_m: float = CELL_M) -> KnownT
         If the width is not positive, or the world has too many cells of it.
     """
     robots, end = len(recording.starts), recording.footer.time_s
-    nodes = {(e.robot, e.serial): e for e in recording.events if isinstance(e, NodeAdded)}
+    nodes = recording.of(NodeAdded)
     if not nodes:
         return KnownToOne(integral_m2s=(0.0,) * robots, final_m2=(0.0,) * robots)
-    areas = _Areas({name: np.array(node.boundary) for name, node in nodes.items()}, cell_m, robots)
+    regions = {(node.robot, node.serial): np.array(node.boundary) for node in nodes}
+    areas = _Areas(regions, cell_m, robots)
     integral, since = np.zeros(robots), 0.0
     for time, learned, dead in _moments_of_knowledge(recording):
         integral += areas.alone * (time - since)
@@ -78,7 +79,7 @@ def _moments_of_knowledge(
     recording: Recording,
 ) -> Iterator[tuple[float, dict[NodeName, list[int]], list[int]]]:
     # What was learned by whom, and who died, moment by moment.
-    events = [e for e in recording.events if isinstance(e, NodeAdded | Learned | Died)]
+    events = [*recording.of(NodeAdded), *recording.of(Learned), *recording.of(Died)]
     events.sort(key=lambda event: event.time_s)
     for time, moment in itertools.groupby(events, key=lambda event: event.time_s):
         learned: dict[NodeName, list[int]] = defaultdict(list)

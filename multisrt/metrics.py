@@ -3,31 +3,26 @@
 from __future__ import annotations
 
 import math
-from collections import Counter, defaultdict
+from collections import Counter
 from collections.abc import Iterable
-from typing import Any, TypeVar
 
 import msgspec
 import numpy as np
 
 from multisrt.closeness import (
-    motions_by_robot,
-    moving_spans,
-    path_length,
     smallest_clearance,
     smallest_distance_between_robots,
+    tracks,
 )
 from multisrt.coverage import CoverageMeter, team_areas
 from multisrt.environments.environment import Environment
 from multisrt.events import (
-    AnyEvent,
     ArcClosed,
     Blocked,
     Collision,
     Decision,
     Died,
     Ended,
-    Event,
     Joined,
     MapComplete,
     NodeAdded,
@@ -44,9 +39,6 @@ from multisrt.spec import LateStart, RunSpec
 
 THRESHOLDS = (0.90, 0.95, 0.99)
 """Shares of the explorable area whose times are reported: no two papers agree on one."""
-
-
-EventT = TypeVar("EventT", bound=Event)
 
 
 class Metrics(msgspec.Struct, frozen=True, kw_only=True):
@@ -238,11 +230,10 @@ def measure_with_curve(
     if environment is None:
         environment = recording.environment()
     spec, end = recording.spec, recording.footer.time_s
-    events = _Events(recording.events)
-    nodes, sent, organized = events.of(NodeAdded), events.of(Sent), events.of(Organized)
+    nodes, sent = recording.of(NodeAdded), recording.of(Sent)
+    organized = recording.of(Organized)
     left = [s for segments in remaining_frontier(recording).values() for s in segments]
-    motions = motions_by_robot(recording)
-    distances = [math.fsum(map(path_length, motions[robot])) for robot in range(len(spec.robots))]
+    distances = [track.length_m() for track in tracks(recording)]
     waiting = waiting_times(recording)
     made = Counter(node.robot for node in nodes)
     coverage = CoverageMeter(spec, environment, recording.starts)
@@ -256,7 +247,7 @@ def measure_with_curve(
     times = {share: coverage.time_to(share) for share in THRESHOLDS}
     metrics = Metrics(
         outcome=recording.footer.outcome,
-        exploration_time_s=min((event.time_s for event in events.of(MapComplete)), default=None),
+        exploration_time_s=min((event.time_s for event in recording.of(MapComplete)), default=None),
         makespan_s=end,
         total_distance_m=math.fsum(distances),
         distance_by_robot_m=tuple(distances),
@@ -287,20 +278,20 @@ def measure_with_curve(
         nodes=len(nodes),
         nodes_by_robot=tuple(made[robot] for robot in range(len(spec.robots))),
         nodes_by_stage=_counts(node.stage for node in nodes),
-        decisions=len(events.of(Decision)),
+        decisions=len(recording.of(Decision)),
         coordinations=len(organized),
         deadlocks=sum(event.deadlock for event in organized),
-        protective_stops=len(events.of(Blocked)),
-        deaths=len(events.of(Died)),
+        protective_stops=len(recording.of(Blocked)),
+        deaths=len(recording.of(Died)),
         messages=len(sent),
         deliveries=sum(len(event.reached) for event in sent),
         lost_deliveries=sum(len(event.lost) for event in sent),
         bytes_sent=sum(event.size_bytes for event in sent),
         messages_by_kind=_counts(event.kind for event in sent),
         bytes_by_kind=_sums((event.kind, event.size_bytes) for event in sent),
-        arcs_closed=_counts(event.reason for event in events.of(ArcClosed)),
+        arcs_closed=_counts(event.reason for event in recording.of(ArcClosed)),
         frontier_left_m=math.fsum(math.hypot(x1 - x0, y1 - y0) for x0, y0, x1, y1 in left),
-        collisions=len(events.of(Collision)),
+        collisions=len(recording.of(Collision)),
         smallest_clearance_m=smallest_clearance(recording, environment),
         smallest_distance_between_robots_m=smallest_distance_between_robots(recording),
         lower_bound_s=max(reach, sweep),
@@ -345,39 +336,19 @@ def waiting_times(recording: Recording) -> tuple[float, ...]:
     late = [fault.robot for fault in recording.spec.faults if isinstance(fault, LateStart)]
     begin = {robot: math.inf if robot in late else 0.0 for robot in range(len(recording.starts))}
     last = dict.fromkeys(begin, end)
-    died: dict[int, float] = {}
-    for event in recording.events:
-        match event:
-            case Joined():
-                begin[event.robot] = event.time_s
-            case Ended():
-                last[event.robot] = event.time_s
-            case Died():
-                died[event.robot] = event.time_s
-    motions = motions_by_robot(recording)
+    for joined in recording.of(Joined):
+        begin[joined.robot] = joined.time_s
+    for ended in recording.of(Ended):
+        last[ended.robot] = ended.time_s
+    for died in recording.of(Died):
+        last[died.robot] = min(last[died.robot], died.time_s)
     waited = []
-    for robot, since in begin.items():
-        until = min(last[robot], died.get(robot, math.inf))
-        moving = math.fsum(
-            max(0.0, min(b, until) - max(a, since))
-            for motion in motions[robot]
-            for a, b in moving_spans(motion)
-        )
+    for robot, track in enumerate(tracks(recording)):
+        since, until = begin[robot], last[robot]
+        spans = np.clip(track.moving_spans(), since, until)
+        moving = math.fsum(spans[:, 1] - spans[:, 0])
         waited.append(max(0.0, until - since - moving) if since < until else 0.0)
     return tuple(waited)
-
-
-class _Events:
-    """A run's events by their kinds, which are many times fewer than the events."""
-
-    def __init__(self, events: Iterable[AnyEvent]) -> None:
-        self._by_kind: dict[type, list[Any]] = defaultdict(list)
-        for event in events:
-            self._by_kind[type(event)].append(event)
-
-    def of(self, kind: type[EventT]) -> list[EventT]:
-        """Give those of a kind, in order."""
-        return self._by_kind.get(kind, [])
 
 
 def _sums(sizes: Iterable[tuple[str, int]]) -> dict[str, int]:

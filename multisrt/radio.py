@@ -44,6 +44,11 @@ class Radio:
         self._rng = rng
         self._range_m = math.inf if spec.range_m is None else spec.range_m
 
+    @property
+    def is_unlimited(self) -> bool:
+        """Whether it does not matter to whom a message comes where the robots are."""
+        return self._range_m == math.inf and self._spec.walls == "pass"
+
     def datasheet(self) -> RadioSelf:
         """Give what a robot knows of its radio."""
         return RadioSelf(
@@ -51,9 +56,7 @@ class Radio:
             latency_s=self._spec.latency_s + self._spec.jitter_s,
             loss=self._spec.loss,
             multi_hop=self._spec.multi_hop,
-            reaches_all=self._spec.range_m is None
-            and self._spec.walls == "pass"
-            and self._spec.loss == 0.0,
+            reaches_all=self.is_unlimited and self._spec.loss == 0.0,
         )
 
     def links(self, positions: Sequence[Sequence[float]], working: Sequence[bool]) -> BoolArray:
@@ -87,14 +90,14 @@ class Radio:
         sender : int
             Who sends.
         positions, working
-            As for `links`.
+            As for `links`; positions do not matter if the radio is unlimited.
         """
         if not working[sender]:
             return []
+        if self.is_unlimited:
+            return [robot for robot, hears in enumerate(working) if hears and robot != sender]
         open_to = np.array(working, np.bool_)
         open_to[sender] = False
-        if self._range_m == math.inf and self._spec.walls == "pass":
-            return [int(robot) for robot in np.flatnonzero(open_to)]
         places = _places(positions)
         found: list[int] = []
         relays = [sender]
@@ -125,7 +128,7 @@ class Radio:
         to : int or None
             Whom the message is for; None: all.
         positions, working
-            As for `links`.
+            As for `reached`.
         """
         delivered: list[tuple[int, float]] = []
         lost: list[int] = []

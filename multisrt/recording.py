@@ -15,13 +15,13 @@ import hashlib
 import itertools
 import os
 import platform
-from collections.abc import Container, Iterable, Iterator
+from collections.abc import Container, Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
-from typing import IO, Literal
+from typing import IO, Any, Literal, TypeVar
 
 import msgspec
 import shapely
@@ -33,6 +33,7 @@ from multisrt.events import (
     Blocked,
     Coordinated,
     Decision,
+    Event,
     Learned,
     Motion,
     NodeAdded,
@@ -52,6 +53,8 @@ LARGEST_BYTES = 2_000_000_000
 """A larger file is refused."""
 
 RunOutcome = Literal["complete", "stalled", "out_of_time"]
+
+EventT = TypeVar("EventT", bound=Event)
 
 Ring = tuple[tuple[float, float], ...]
 
@@ -123,6 +126,14 @@ class Recording:
     header: Header
     events: tuple[AnyEvent, ...]
     footer: Footer
+    _by_kind: dict[type, list[Any]] = field(init=False, repr=False, default_factory=dict)
+
+    def of(self, kind: type[EventT]) -> Sequence[EventT]:
+        """Give the events of a kind, in order."""
+        if not self._by_kind:
+            for event in self.events:
+                self._by_kind.setdefault(type(event), []).append(event)
+        return self._by_kind.get(kind, [])
 
     @property
     def spec(self) -> RunSpec:
@@ -153,7 +164,7 @@ class Recording:
         """Write the recording to a file, wholly or not at all."""
         with written_whole(Path(path)) as file:
             for line in (self.header, *self.events, self.footer):
-                file.write(msgspec.json.encode(line) + b"\n")
+                file.write(_ENCODER.encode(line) + b"\n")
 
     @classmethod
     def load(cls, path: str | Path) -> Recording:
@@ -273,10 +284,13 @@ def _nodes_named(event: AnyEvent) -> Iterable[NodeName]:
     return ()
 
 
+_ENCODER = msgspec.json.Encoder()
+
+
 def _digest(header: Header, events: Iterable[AnyEvent]) -> str:
     digest = hashlib.sha256()
     for part in (header.spec, header.free, header.starts, *events):
-        digest.update(msgspec.json.encode(part) + b"\n")
+        digest.update(_ENCODER.encode(part) + b"\n")
     return digest.hexdigest()
 
 
@@ -290,13 +304,13 @@ class Recorder:
     _digest: hashlib._Hash = field(default_factory=hashlib.sha256)
 
     def __post_init__(self) -> None:
-        self._write(msgspec.json.encode(self.header))
+        self._write(_ENCODER.encode(self.header))
         for part in (self.header.spec, self.header.free, self.header.starts):
-            self._digest.update(msgspec.json.encode(part) + b"\n")
+            self._digest.update(_ENCODER.encode(part) + b"\n")
 
     def record(self, event: AnyEvent) -> None:
         """Take down an event."""
-        line = msgspec.json.encode(event)
+        line = _ENCODER.encode(event)
         self._digest.update(line + b"\n")
         self.events.append(event)
         self._write(line)
@@ -306,7 +320,7 @@ class Recorder:
         footer = Footer(
             time_s=time_s, outcome=outcome, reason=reason, digest=self._digest.hexdigest()
         )
-        self._write(msgspec.json.encode(footer))
+        self._write(_ENCODER.encode(footer))
         return Recording(header=self.header, events=tuple(self.events), footer=footer)
 
     def _write(self, line: bytes) -> None:

@@ -224,6 +224,7 @@ class _Simulation:
         self.recorder = recorder
         self.watch = watch
         self.clock = simpy.Environment()
+        self.now = 0.0
         self.robots = [
             _Robot(number, robot, world.body(Footprint.parse(robot.footprint)), self.clock)
             for number, robot in enumerate(spec.robots)
@@ -233,10 +234,6 @@ class _Simulation:
         self.places_at_s = -1.0
         self.last_s = 0.0
         self.collision: Collision | None = None
-
-    @property
-    def now(self) -> float:
-        return float(self.clock.now)
 
     def run(self, explorers: list[Explorer], starts: tuple[Configuration, ...]) -> Recording:
         self.traffic = Traffic([robot.body for robot in self.robots], starts, self.index)
@@ -250,7 +247,8 @@ class _Simulation:
         for robot, explorer in zip(self.robots, explorers, strict=True):
             self.clock.process(self._live(robot, explorer, joins.get(robot.number)))
         max_time = self.spec.stop.max_time_s
-        while not self._is_over() and self.clock.peek() <= max_time:
+        while not self._is_over() and (next_s := self.clock.peek()) <= max_time:
+            self.now = float(next_s)
             self.clock.step()
         if not self._is_over() and max_time < self.clock.peek() < math.inf:
             return self._run_out_of_time(max_time)
@@ -259,13 +257,14 @@ class _Simulation:
 
     def _is_over(self) -> bool:
         # All are done or dead, and nothing is on its way that could call one on.
-        return self.collision is not None or (
-            self.on_the_air == 0
-            and all(
-                robot.state == "dead" or (robot.state == "done" and not robot.mailbox)
-                for robot in self.robots
-            )
-        )
+        if self.collision is not None:
+            return True
+        if self.on_the_air > 0:
+            return False
+        for robot in self.robots:
+            if robot.state != "dead" and (robot.state != "done" or robot.mailbox):
+                return False
+        return True
 
     def _run_out_of_time(self, max_time: float) -> Recording:
         for robot in self.robots:
@@ -401,8 +400,6 @@ class _Simulation:
     ) -> Generator[Any, Any, Moved | Received | TimedOut]:
         # Until a motion ends, messages come, or time is up; the last at a moment's end.
         times_out = None
-        if timeout_s is not None:
-            times_out = _Later(self.clock, max(0.0, timeout_s), robot.poke, LATE)
         robot.waits = robot.move is None
         if robot.waits:
             self._doom(robot, "waiting")
@@ -417,6 +414,8 @@ class _Simulation:
                     return self._received(robot)
                 if times_out is not None and times_out.processed:
                     return self._received(robot) if hears and robot.mailbox else TimedOut(self.now)
+                if timeout_s is not None and times_out is None:
+                    times_out = _Later(self.clock, max(0.0, timeout_s), robot.poke, LATE)
                 yield from self._sleep(robot)
         finally:
             robot.waits = False
@@ -571,7 +570,7 @@ class _Simulation:
         deliveries: list[tuple[int, float]] = []
         lost: list[int] = []
         if robot.hears:
-            positions = self._places()
+            positions = [] if self.radio.is_unlimited else self._places()
             working = [r.hears for r in self.robots]
             deliveries, lost = self.radio.deliveries(robot.number, to, positions, working)
         self._record(

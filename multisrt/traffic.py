@@ -192,6 +192,8 @@ class Traffic:
         That is by its last `begin` or `end`; the robots come in increasing order.
         """
         box, since_s = self._changes[robot]
+        if box is _NOWHERE:
+            return []
         slack = self._reaches + self._reaches[robot] + self._guards
         return [
             other

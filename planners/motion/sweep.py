@@ -85,7 +85,7 @@ def _of_disc(footprint: Footprint, waypoints: tuple[Waypoint, ...]) -> tuple[Bas
         chords, sagitta = _chords(a, b, 0.0)
         left_out = max(left_out, sagitta)
         points += [leg_pose(a, b, (k + 1) / chords)[:2] for k in range(chords)]
-    line = shapely.LineString(points) if len(points) > 1 else shapely.Point(points[0])
+    line = shapely.linestrings(points) if len(points) > 1 else shapely.Point(points[0])
     return line, footprint.radius_m + left_out
 
 

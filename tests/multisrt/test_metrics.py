@@ -242,6 +242,23 @@ def test_the_clearance_of_a_body_that_touched():
     assert smallest_clearance(recorded(into), HALL) == pytest.approx(0.1 - 0.25)
 
 
+def test_the_least_clearance_of_any_robot_counts():
+    # The large one keeps off by 0.4 m, the box by 0.3 m, and the small one by 0.2 m.
+    bodies = {(1.9, 5.0): "disc:1.5", (5.0, 0.5): "box:0.6x0.4", (9.0, 5.0): "disc:0.1"}
+    there = moved((0, 9.0, 5.0, 0.0), (2, 9.7, 5.0, 0.0), robot=2)
+    assert clearance_of_team(bodies, there) == pytest.approx(0.2)
+    assert clearance_of_team(bodies) == pytest.approx(0.3)
+    # One that is in a wall by 1 m is not outdone by one that touches it.
+    into = moved((0, 1.9, 5.0, 0.0), (2, 0.5, 5.0, 0.0), robot=0)
+    touching = moved((0, 9.0, 5.0, 0.0), (2, 10.0, 5.0, 0.0), robot=2)
+    assert clearance_of_team(bodies, into, touching) == pytest.approx(-1.0)
+
+
+def clearance_of_team(bodies, *motions):
+    starts = [(*start, 0.0) for start in bodies]
+    return smallest_clearance(team(*motions, starts=starts, footprints=[*bodies.values()]), HALL)
+
+
 def bounds(world, *, start=(1.0, 0.5, 0.0), speed=0.5, range_m=4.0):
     robot = RobotSpec(
         start=start,

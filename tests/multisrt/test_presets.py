@@ -825,8 +825,8 @@ def test_reproduce_writes_a_report_and_a_summary(call, tmp_path):
     assert "63 runs, 5 claims" in (folder / "report" / "index.html").read_text()
     assert "`multisrt reproduce alvarez --quick`" in (folder / "summary.md").read_text()
     # More repetitions go on in the same store.
-    code, out, _ = call("alvarez", "--quick", "--seeds", "3")
-    assert "27 of 27 runs complete" in out
+    code, out, _ = call("alvarez", "--quick", "--seeds", "8")
+    assert "72 of 72 runs complete" in out
 
 
 def test_an_interruption_says_that_nothing_is_lost(call, monkeypatch):

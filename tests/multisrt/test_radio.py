@@ -33,6 +33,14 @@ def test_an_unlimited_radio_reaches_all_that_work():
     assert radio().reached(0, at[:1], [True]) == []
 
 
+def test_only_an_unlimited_radio_needs_no_positions():
+    assert radio().is_unlimited
+    assert radio(loss=0.5).is_unlimited
+    assert not radio(walls="block").is_unlimited
+    assert not radio(range_m=100.0).is_unlimited
+    assert radio().reached(2, [], [True, False, True, True]) == [0, 3]
+
+
 def test_the_range_is_a_disc_with_its_border():
     at = [(1, 1), (4, 5), (1, 6.001)]
     assert radio(range_m=5.0).reached(0, at, everybody(at)) == [1, 2]  # 2 by a relay at 1

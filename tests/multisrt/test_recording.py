@@ -9,7 +9,7 @@ import pytest
 import shapely
 
 from multisrt.environments.environment import Environment
-from multisrt.events import Ended, Motion, NodeAdded
+from multisrt.events import Died, Ended, Motion, NodeAdded
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.metrics import measure
 from multisrt.recording import FORMAT, VERSION, Header, Recording, written_whole
@@ -77,6 +77,13 @@ def test_there_is_every_kind_of_line(recording):
     assert {"multisrt", "numpy", "numba", "shapely", "geos", "python", "architecture"} <= set(
         versions
     )
+
+
+def test_events_of_a_kind_come_in_order(recording):
+    for kind in (Motion, NodeAdded, Ended):
+        assert list(recording.of(kind)) == [e for e in recording.events if type(e) is kind]
+    assert len(recording.of(Motion)) > 1
+    assert list(recording.of(Died)) == []
 
 
 def test_metrics_of_a_reloaded_recording_are_the_same(recording, tmp_path):

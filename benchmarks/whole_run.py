@@ -17,7 +17,7 @@ import numpy as np
 from benchmarks.harness import Claim
 from multisrt.environments.catalog import environment
 from multisrt.events import NodeAdded
-from multisrt.geometry import scan, visibility
+from multisrt.geometry import arc_pieces, scan, visibility
 from multisrt.geometry.raster import Raster
 from multisrt.recording import Recording
 from multisrt.simulation import simulate
@@ -65,26 +65,20 @@ def whole_run() -> Iterator[Claim]:
 
 @contextmanager
 def _captured(calls: list[Call]) -> Iterator[None]:
-    # Every module looks its kernels up by their own names: these are what is replaced.
-    from multisrt import exploration_map
-
+    # Every module looks its kernels up by their own names: these are what is replaced. Arrays
+    # that change in place afterwards are kept as they were.
     def recorder(function: Callable[..., Any]) -> Callable[..., Any]:
         def wrapper(*positional: Any, **named: Any) -> Any:
-            calls.append((function, positional, named))
+            kept = tuple(a.copy() if isinstance(a, np.ndarray) else a for a in positional)
+            calls.append((function, kept, named))
             return function(*positional, **named)
 
         return wrapper
 
-    with mock.patch.object(scan, "visibility_polygon", recorder(visibility.visibility_polygon)):
-        names = ("frontier_candidates", "uncovered", "long_arcs", "arc_ends", "joined_lengths")
-        patches = [
-            mock.patch.object(exploration_map, name, recorder(getattr(exploration_map, name)))
-            for name in names
-        ]
-        for patch in patches:
-            patch.start()
-        try:
-            yield
-        finally:
-            for patch in patches:
-                patch.stop()
+    with (
+        mock.patch.object(scan, "visibility_polygon", recorder(visibility.visibility_polygon)),
+        mock.patch.object(arc_pieces, "changed_pieces", recorder(arc_pieces.changed_pieces)),
+        mock.patch.object(arc_pieces, "_put", recorder(arc_pieces._put)),
+        mock.patch.object(arc_pieces, "_wide_enough", recorder(arc_pieces._wide_enough)),
+    ):
+        yield

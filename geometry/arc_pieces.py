@@ -11,8 +11,26 @@ from typing import Final
 
 import numpy as np
 
-from multisrt.geometry.frontier_arcs import SHORTEST_CUT_M, arc_labels
+from multisrt.geometry.boundary import TagArray
+from multisrt.geometry.frontier_arcs import (
+    OUTWARD_M,
+    SHORTEST_ARC_M,
+    SHORTEST_CUT_M,
+    arc_ends,
+    arc_labels,
+    joined_lengths,
+    pieces_by_owner,
+    pieces_tagged,
+    uncovered,
+)
 from multisrt.geometry.kernel import BoolArray, FloatArray, IntArray, kernel
+
+ONE_BORDER_M: Final = 0.5 * OUTWARD_M
+"""Borders of two regions within this of each other are one. Further apart than twice this, the
+region of the outer one takes the inner one away."""
+
+APART_M: Final = 2.0 * OUTWARD_M
+"""Regions whose boxes are further apart than this take nothing from each other."""
 
 LEAST_OVERLAP_M: Final = 1e-5
 """Segments that lie along each other for less than this only touch or cross."""
@@ -166,3 +184,351 @@ def in_long_arcs(segments: FloatArray, shortest_m: float) -> BoolArray:
         )
     long: BoolArray = lengths[labels] >= shortest_m
     return long
+
+
+class ArcPieces:
+    """What is left of the arcs of many regions: of each its pieces, in one growing array.
+
+    Pieces that are replaced stay where they are until the array is full; then those in use move
+    together.
+
+    Attributes
+    ----------
+    pieces, wholes : (c, 4) arrays
+        Pieces, and the whole segment that each is of.
+    spans : (n, 4) array
+        Which rows are a region's: first and end of what other regions left, and first and end of
+        what of this was not given up.
+    lengths_m : (n, 2) array
+        The shortest and the longest arc of what was not given up; -1 where there is none.
+    """
+
+    __slots__ = ("_end", "lengths_m", "pieces", "spans", "wholes")
+
+    def __init__(self) -> None:
+        self.pieces: FloatArray = np.empty((1024, 4))
+        self.wholes: FloatArray = np.empty((1024, 4))
+        self.spans: IntArray = np.zeros((0, 4), np.int64)
+        self.lengths_m: FloatArray = np.empty((0, 2))
+        self._end = 0
+
+    def make_room(self, count: int) -> None:
+        """Have room for so many regions; the new ones have nothing."""
+        more = count - len(self.spans)
+        self.spans = np.concatenate([self.spans, np.zeros((more, 4), np.int64)])
+        self.lengths_m = np.concatenate([self.lengths_m, np.full((more, 2), -1.0)])
+
+    def left(self, index: int) -> tuple[FloatArray, FloatArray]:
+        """Give the pieces that other regions left of a region's arcs, and their wholes."""
+        first, end = self.spans[index, :2].tolist()
+        return self.pieces[first:end], self.wholes[first:end]
+
+    def is_open(self, index: int) -> bool:
+        """Whether anything is left that was not given up."""
+        return bool(self.lengths_m[index, 1] >= 0.0)
+
+    def take_in(
+        self,
+        index: int,
+        boundary: FloatArray,
+        tags: TagArray,
+        include_gaps: bool,
+        neighbours: IntArray,
+        ids: IntArray,
+        starts: IntArray,
+        corners: FloatArray,
+        boxes: FloatArray,
+    ) -> IntArray:
+        """Take in a new region; the parameters are those of `changed_pieces`.
+
+        Returns
+        -------
+        (c,) array
+            Whose pieces changed, the new region first.
+        """
+        owners, begins, left, left_wholes = changed_pieces(
+            index,
+            boundary,
+            tags,
+            include_gaps,
+            neighbours,
+            ids,
+            starts,
+            corners,
+            boxes,
+            self.spans,
+            self.pieces,
+            self.wholes,
+        )
+        self.put(owners, begins, left, left_wholes)
+        return owners
+
+    def put(
+        self, owners: IntArray, begins: IntArray, pieces: FloatArray, wholes: FloatArray
+    ) -> None:
+        """Replace what is left of some regions' arcs, as `changed_pieces` gives it."""
+        self._put(owners, begins, pieces, wholes, given_up=False)
+
+    def give_up(self, index: int, arcs: FloatArray, tolerance_m: float) -> None:
+        """Take from what is open of a region whatever lies along some segments."""
+        pieces, wholes = self.left(index)
+        rest, source = apart_from(wholes, np.ones(len(wholes), np.bool_), arcs, tolerance_m)
+        still, origin = common_pieces(pieces, wholes, rest, source)
+        long = in_long_arcs(still, SHORTEST_ARC_M)
+        still, wholes = still[long], wholes[origin[long]]
+        owners, begins = np.array([index]), np.array([0, len(still)])
+        self._put(owners, begins, still, wholes, given_up=True)
+
+    def wide_enough(self, index: int, near: IntArray, shortest_m: float) -> FloatArray:
+        """Give a region's open arcs that are long enough with those of others that they join.
+
+        Parameters
+        ----------
+        index : int
+            Whose arcs are asked for.
+        near : (k,) array of int
+            Whose arcs may join them.
+        shortest_m : float
+            Shorter arcs, with all that they are joined to, are left out.
+        """
+        return _wide_enough(index, near, self.spans, self.pieces, shortest_m)
+
+    def _put(
+        self,
+        owners: IntArray,
+        begins: IntArray,
+        pieces: FloatArray,
+        wholes: FloatArray,
+        *,
+        given_up: bool,
+    ) -> None:
+        self.pieces, self.wholes, self._end = _put(
+            owners,
+            begins,
+            pieces,
+            wholes,
+            given_up,
+            self.spans,
+            self.lengths_m,
+            self.pieces,
+            self.wholes,
+            self._end,
+        )
+
+
+@kernel
+def changed_pieces(
+    index: int,
+    boundary: FloatArray,
+    tags: TagArray,
+    include_gaps: bool,
+    neighbours: IntArray,
+    ids: IntArray,
+    starts: IntArray,
+    corners: FloatArray,
+    boxes: FloatArray,
+    spans: IntArray,
+    pieces: FloatArray,
+    wholes: FloatArray,
+) -> tuple[IntArray, IntArray, FloatArray, FloatArray]:
+    """Work out whose frontier a new region changes, and what is left of each.
+
+    The regions near by take from the new one's boundary, and it takes from theirs. Of a border
+    on which several regions end on one side, the one with the lowest id keeps the frontier;
+    regions on two sides take it from each other.
+
+    Parameters
+    ----------
+    index : int
+        The new region.
+    boundary, tags, include_gaps
+        As `frontier_candidates` takes them.
+    neighbours : (k,) array
+        The regions near by, without the new one.
+    ids : (n, 2) array
+        The regions' ids, which have an order.
+    starts, corners, boxes
+        All regions, with the new one, as `uncovered` takes them.
+    spans, pieces, wholes
+        What is left of their arcs, as `ArcPieces` keeps it.
+
+    Returns
+    -------
+    owners : (c,) array
+        Whose pieces change, the new region first.
+    begins : (c + 1,) array
+        Owner k is left with ``left[begins[k]:begins[k + 1]]``.
+    left, left_wholes : (r, 4) arrays
+        Pieces, and the whole segment that each is of.
+    """
+    candidates = pieces_tagged(boundary, tags, include_gaps)
+    own, source = uncovered(candidates, starts, corners, boxes, neighbours)
+    own_wholes = candidates[source]
+    near, earlier = _with_pieces_near(index, neighbours, ids, boxes, spans)
+    theirs, their_wholes, owners = _gathered(near, spans, pieces, wholes)
+    lines = their_wholes[earlier[owners]]
+    if lines.shape[0] > 0:
+        everywhere = np.ones(own.shape[0], np.bool_)
+        rest, source = apart_from(own_wholes, everywhere, lines, ONE_BORDER_M)
+        own, source = common_pieces(own, own_wholes, rest, source)
+        own_wholes = own_wholes[source]
+    long = in_long_arcs(own, SHORTEST_ARC_M)
+    own, own_wholes = own[long], own_wholes[long]
+
+    rest, source = uncovered(their_wholes, starts, corners, boxes, np.array([index]))
+    left, origin = common_pieces(theirs, their_wholes, rest, source)
+    if not earlier.all():
+        left_wholes = their_wholes[origin]
+        concerned = ~earlier[owners[origin]]
+        rest, source = apart_from(left_wholes, concerned, own_wholes, ONE_BORDER_M)
+        left, source = common_pieces(left, left_wholes, rest, source)
+        origin = origin[source]
+    parts, cut = pieces_by_owner(theirs, owners, near.shape[0], left, origin)
+
+    changed = np.concatenate((np.array([index]), near[cut]))
+    begins = np.zeros(changed.shape[0] + 1, np.int64)
+    all_left = np.empty((own.shape[0] + left.shape[0], 4))
+    all_wholes = np.empty_like(all_left)
+    count = own.shape[0]
+    all_left[:count], all_wholes[:count] = own, own_wholes
+    begins[1] = count
+    owner = 1
+    for k in np.flatnonzero(cut):
+        part = left[parts[k] : parts[k + 1]]
+        long = in_long_arcs(part, SHORTEST_ARC_M)
+        for i in range(part.shape[0]):
+            if long[i]:
+                all_left[count] = part[i]
+                all_wholes[count] = their_wholes[origin[parts[k] + i]]
+                count += 1
+        owner += 1
+        begins[owner] = count
+    return changed, begins, all_left[:count], all_wholes[:count]
+
+
+@kernel
+def _with_pieces_near(
+    index: int, neighbours: IntArray, ids: IntArray, boxes: FloatArray, spans: IntArray
+) -> tuple[IntArray, BoolArray]:
+    # The neighbours that have pieces and are not apart from a region, and whose ids are lower.
+    near = np.empty_like(neighbours)
+    earlier = np.empty(neighbours.shape[0], np.bool_)
+    count = 0
+    for k in neighbours:
+        if (
+            spans[k, 0] == spans[k, 1]
+            or boxes[k, 0] > boxes[index, 2] + APART_M
+            or boxes[k, 2] < boxes[index, 0] - APART_M
+            or boxes[k, 1] > boxes[index, 3] + APART_M
+            or boxes[k, 3] < boxes[index, 1] - APART_M
+        ):
+            continue
+        near[count] = k
+        earlier[count] = ids[k, 0] < ids[index, 0] or (
+            ids[k, 0] == ids[index, 0] and ids[k, 1] < ids[index, 1]
+        )
+        count += 1
+    return near[:count], earlier[:count]
+
+
+@kernel
+def _gathered(
+    indices: IntArray, spans: IntArray, pieces: FloatArray, wholes: FloatArray
+) -> tuple[FloatArray, FloatArray, IntArray]:
+    # The pieces of some regions one after the other, their wholes, and whose of these each is.
+    total = 0
+    for k in indices:
+        total += spans[k, 1] - spans[k, 0]
+    some, some_wholes = np.empty((total, 4)), np.empty((total, 4))
+    owners = np.empty(total, np.int64)
+    count = 0
+    for k in range(indices.shape[0]):
+        first, end = spans[indices[k], 0], spans[indices[k], 1]
+        after = count + end - first
+        some[count:after], some_wholes[count:after] = pieces[first:end], wholes[first:end]
+        owners[count:after] = k
+        count = after
+    return some, some_wholes, owners
+
+
+@kernel
+def _put(
+    owners: IntArray,
+    begins: IntArray,
+    new_pieces: FloatArray,
+    new_wholes: FloatArray,
+    given_up: bool,
+    spans: IntArray,
+    lengths: FloatArray,
+    pieces: FloatArray,
+    wholes: FloatArray,
+    end: int,
+) -> tuple[FloatArray, FloatArray, int]:
+    # Writes owners' new pieces behind all others; after something was given up, the open ones
+    # alone. Gives the arrays, and where they end.
+    after = end + new_pieces.shape[0]
+    if after > pieces.shape[0]:
+        pieces, wholes, end = _moved_together(spans, pieces, wholes, new_pieces.shape[0])
+        after = end + new_pieces.shape[0]
+    pieces[end:after], wholes[end:after] = new_pieces, new_wholes
+    for k in range(owners.shape[0]):
+        owner = owners[k]
+        spans[owner, 2], spans[owner, 3] = end + begins[k], end + begins[k + 1]
+        if not given_up:
+            spans[owner, :2] = spans[owner, 2:]
+        lengths[owner] = -1.0
+        if begins[k + 1] > begins[k]:
+            arcs = arc_ends(new_pieces[begins[k] : begins[k + 1]])
+            lengths[owner, 0], lengths[owner, 1] = arcs[:, 4].min(), arcs[:, 4].max()
+    return pieces, wholes, after
+
+
+@kernel
+def _moved_together(
+    spans: IntArray, pieces: FloatArray, wholes: FloatArray, more: int
+) -> tuple[FloatArray, FloatArray, int]:
+    # Copies of the pieces in use, with room for others. Tells where they end.
+    used = 0
+    for owner in range(spans.shape[0]):
+        used += spans[owner, 1] - spans[owner, 0] + spans[owner, 3] - spans[owner, 2]
+    capacity = max(pieces.shape[0], 2 * (used + more))
+    moved, moved_wholes = np.empty((capacity, 4)), np.empty((capacity, 4))
+    end = 0
+    for owner in range(spans.shape[0]):
+        one = spans[owner, 0] == spans[owner, 2] and spans[owner, 1] == spans[owner, 3]
+        for k in (0, 2):
+            if k == 2 and one:
+                spans[owner, 2:] = spans[owner, :2]
+                continue
+            first, last = spans[owner, k], spans[owner, k + 1]
+            after = end + last - first
+            moved[end:after], moved_wholes[end:after] = pieces[first:last], wholes[first:last]
+            spans[owner, k], spans[owner, k + 1] = end, after
+            end = after
+    return moved, moved_wholes, end
+
+
+@kernel
+def _wide_enough(
+    index: int, near: IntArray, spans: IntArray, pieces: FloatArray, shortest: float
+) -> FloatArray:
+    arcs = pieces[spans[index, 2] : spans[index, 3]]
+    own = arc_ends(arcs)
+    total = own.shape[0]
+    for k in near:
+        if k != index:
+            total += spans[k, 3] - spans[k, 2]
+    ends = np.empty((total, 5))
+    count = own.shape[0]
+    ends[:count] = own
+    for k in near:
+        if k != index and spans[k, 3] > spans[k, 2]:
+            others = arc_ends(pieces[spans[k, 2] : spans[k, 3]])
+            ends[count : count + others.shape[0]] = others
+            count += others.shape[0]
+    lengths = joined_lengths(ends[:count])
+    labels, _ = arc_labels(arcs)
+    kept = np.empty(arcs.shape[0], np.bool_)
+    for i in range(arcs.shape[0]):
+        kept[i] = lengths[labels[i]] >= shortest
+    return arcs[kept]

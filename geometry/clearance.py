@@ -25,6 +25,9 @@ from multisrt.geometry.kernel import FloatArray, kernel
 TOLERANCE_M = 1e-9
 """Overlaps up to this depth count as touching."""
 
+CLEARLY_M = 1e-6
+"""What is further away than a touch by this is so in spite of all rounding."""
+
 TWO_PI = 2.0 * math.pi
 
 
@@ -140,14 +143,24 @@ def free_travel_disc(
     if not (math.isfinite(x + y + cos_t + sin_t + radius) and limit > 0.0):
         return 0.0
     inner = radius - TOLERANCE_M
+    clear = radius + CLEARLY_M
     travel = limit
-    ax, ay = boundary[-1, 0] - x, boundary[-1, 1] - y
+    bx, by = boundary[-1, 0] - x, boundary[-1, 1] - y
+    next_ahead, next_aside = bx * cos_t + by * sin_t, bx * sin_t - by * cos_t
     for j in range(boundary.shape[0]):
+        ax, ay, ahead, aside = bx, by, next_ahead, next_aside
         bx, by = boundary[j, 0] - x, boundary[j, 1] - y
+        next_ahead, next_aside = bx * cos_t + by * sin_t, bx * sin_t - by * cos_t
+        # Most edges lie wholly behind the disc, further on, or on one side of its way.
+        if (
+            (ahead < -clear and next_ahead < -clear)
+            or (ahead > travel + clear and next_ahead > travel + clear)
+            or (aside < -clear and next_aside < -clear)
+            or (aside > clear and next_aside > clear)
+        ):
+            continue
         if not _squared_distance(ax, ay, bx, by) >= inner * inner:
             return 0.0
-        ahead = ax * cos_t + ay * sin_t
-        aside = ax * sin_t - ay * cos_t
         if ahead > 0.0 and abs(aside) < inner:
             entry = ahead - math.sqrt((radius - aside) * (radius + aside))
             travel = min(travel, max(entry, 0.0))
@@ -172,7 +185,6 @@ def free_travel_disc(
                     elif drift < 0.0:
                         entry = max(entry, (length - start) / drift)
                     travel = min(travel, entry)
-        ax, ay = bx, by
     return travel
 
 
@@ -186,6 +198,22 @@ def free_travel_disc_fan(
         travels[k] = free_travel_disc(
             boundary, x, y, math.cos(directions[k]), math.sin(directions[k]), radius, limit
         )
+    return travels
+
+
+@kernel
+def free_travel_disc_towards(
+    boundary: FloatArray, x: float, y: float, places: FloatArray, radius: float
+) -> FloatArray:
+    """Give `free_travel_disc` towards many places, ``(n, 2)``, and no further than there."""
+    travels = np.zeros(places.shape[0])
+    for k in range(places.shape[0]):
+        dx, dy = places[k, 0] - x, places[k, 1] - y
+        distance = math.hypot(dx, dy)
+        if distance > 0.0:
+            travels[k] = free_travel_disc(
+                boundary, x, y, dx / distance, dy / distance, radius, distance
+            )
     return travels
 
 

@@ -60,11 +60,12 @@ def frontier_candidates(
     (m, 4) array
         Segments x0, y0, x1, y1 in their order along the boundary, the region on their left.
     """
-    return _pieces_tagged(boundary, tags, include_gaps)
+    return pieces_tagged(boundary, tags, include_gaps)
 
 
 @kernel
-def _pieces_tagged(boundary: FloatArray, tags: TagArray, include_gaps: bool) -> FloatArray:
+def pieces_tagged(boundary: FloatArray, tags: TagArray, include_gaps: bool) -> FloatArray:
+    """Do what `frontier_candidates` does, for kernels that call it."""
     n = boundary.shape[0]
     pieces = np.empty((n, 4))
     kept = 0
@@ -104,6 +105,7 @@ def uncovered(
     source : (r,) array
         Which segment each rest is of.
     """
+    ids = ids.copy()
     longest, total = 0, 0
     for k in range(ids.shape[0]):
         size = starts[ids[k] + 1] - starts[ids[k]]
@@ -164,6 +166,8 @@ def uncovered(
                     covered += 1
                     whole = begin == 0.0 and end == length
             if whole:
+                # It mostly takes the next segment, too: then no other one is asked.
+                ids[0], ids[k] = ids[k], ids[0]
                 break
         if whole:
             continue
@@ -223,24 +227,6 @@ def arc_labels(segments: FloatArray) -> tuple[IntArray, int]:
             labels[i] = 0
         count -= 1
     return labels, count + 1
-
-
-@kernel
-def long_arcs(segments: FloatArray, shortest: float) -> FloatArray:
-    """Drop the segments of arcs whose whole length is below a body's width."""
-    labels, count = arc_labels(segments)
-    lengths = np.zeros(count)
-    for i in range(segments.shape[0]):
-        lengths[labels[i]] += np.hypot(
-            segments[i, 2] - segments[i, 0], segments[i, 3] - segments[i, 1]
-        )
-    kept = 0
-    result = np.empty_like(segments)
-    for i in range(segments.shape[0]):
-        if lengths[labels[i]] >= shortest:
-            result[kept] = segments[i]
-            kept += 1
-    return result[:kept].copy()
 
 
 @kernel

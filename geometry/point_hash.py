@@ -65,6 +65,10 @@ class PointHash:
         """Give the numbers of all points within a radius, the borders included, rising."""
         return _within(self._table, self._before, self._points, x, y, radius_m, self._cell)
 
+    def around(self, numbers: IntArray, radius_m: float) -> IntArray:
+        """Give the numbers of all points within a radius of any of some points, rising."""
+        return _around(self._table, self._before, self._points, numbers, radius_m, self._cell)
+
 
 @kernel
 def _slot(table: IntArray, i: int, j: int) -> int:
@@ -114,3 +118,26 @@ def _within(
     result = found[:count].copy()
     result.sort()
     return result
+
+
+@kernel
+def _around(
+    table: IntArray,
+    before: IntArray,
+    points: FloatArray,
+    numbers: IntArray,
+    radius: float,
+    cell: float,
+) -> IntArray:
+    found = np.empty(64, np.int64)
+    count = 0
+    for number in numbers:
+        x, y = points[number, 0], points[number, 1]
+        near = _within(table, before, points, x, y, radius, cell)
+        if count + near.shape[0] > found.shape[0]:
+            more = np.empty(2 * (count + near.shape[0]), np.int64)
+            more[:count] = found[:count]
+            found = more
+        found[count : count + near.shape[0]] = near
+        count += near.shape[0]
+    return np.unique(found[:count])

@@ -13,22 +13,11 @@ from numpy.typing import NDArray
 from shapely.geometry.base import BaseGeometry
 
 from multisrt.entries import Closing, ClosingId, Entries, Entry, Have, Node, NodeId
-from multisrt.geometry.arc_pieces import apart_from, common_pieces, in_long_arcs
+from multisrt.geometry.arc_pieces import ArcPieces
 from multisrt.geometry.boxes import boxes_meeting
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.geometry.frontier_arcs import (
-    OUTWARD_M,
-    SHORTEST_ARC_M,
-    arc_ends,
-    arc_labels,
-    frontier_candidates,
-    joined_lengths,
-    long_arcs,
-    pieces_by_owner,
-    total_length,
-    uncovered,
-)
-from multisrt.geometry.kernel import BoolArray, FloatArray, IntArray
+from multisrt.geometry.frontier_arcs import arc_labels, total_length
+from multisrt.geometry.kernel import FloatArray, IntArray
 from multisrt.geometry.point_hash import PointHash
 from multisrt.geometry.raster import Raster, bounds_of
 
@@ -36,10 +25,6 @@ __all__ = ["Closing", "ClosingId", "Entry", "ExplorationMap", "Have", "Node", "N
 
 ON_ARC_M: Final = 1e-6
 """Frontier within this of an arc that was given up is part of it."""
-
-ONE_BORDER_M: Final = 0.5 * OUTWARD_M
-"""Borders of two nodes within this of each other are one. Further apart than twice this, the
-region of the outer one takes the inner one away."""
 
 ROUNDING_M: Final = 1e-9
 """Widths and lengths that differ by less are equal."""
@@ -92,7 +77,7 @@ class ExplorationMap:
         robot: int | None = None,
     ) -> None:
         self._reach = reach_m
-        self._shortest_arc = shortest_arc_m
+        self._least_m = shortest_arc_m - ROUNDING_M
         self._gaps_count = gaps_count
         self._width = shortest_arc_m if width_m is None else width_m
         self._robot = robot
@@ -104,22 +89,18 @@ class ExplorationMap:
         self._orphans: dict[NodeId, list[NodeId]] = {}
         self._ids: list[NodeId] = []
         self._index: dict[NodeId, int] = {}
-        self._pieces: list[FloatArray] = []
-        self._wholes: list[FloatArray] = []
-        self._uncovered: list[FloatArray] = []
-        self._ends: list[FloatArray] = []
+        self._arcs = ArcPieces()
         self._frontiers: dict[int, _Frontier] = {}
-        self._sizes: IntArray = np.zeros(64, np.int64)
-        self._changed: IntArray = np.zeros(64, np.int64)
+        self._changed: IntArray = np.zeros(0, np.int64)
         self._revision = 0
-        self._maybe_open: dict[NodeId, None] = {}
-        self._witness: NodeId | None = None
+        self._witness = 0
         self._unlisted: dict[int, None] = {}
         self._open: dict[NodeId | None, dict[NodeId, float]] = {}
         self._open_m: dict[NodeId | None, float] = {}
         self._places = PointHash(reach_m)
-        self._boxes: FloatArray = np.empty((64, 4))
-        self._starts: IntArray = np.zeros(65, np.int64)
+        self._id_rows: IntArray = np.zeros((0, 2), np.int64)
+        self._boxes: FloatArray = np.empty((0, 4))
+        self._starts: IntArray = np.zeros(1, np.int64)
         self._corners: FloatArray = np.empty((4096, 2))
         self._raster: Raster | None = None
 
@@ -169,17 +150,18 @@ class ExplorationMap:
         )
         self._entries.add_node(node)
         index = self._store(node)
-        candidates = frontier_candidates(
-            node.region.boundary, node.region.tags, include_gaps=self._gaps_count
-        )
-        pieces, source = uncovered(candidates, self._starts, self._corners, self._boxes, neighbours)
-        still_open = neighbours[self._sizes[neighbours] > 0]
-        earlier = np.array([self._ids[i] < node.id for i in still_open.tolist()], np.bool_)
-        self._set_pieces(
+        changed = self._arcs.take_in(
             index,
-            *self._without_shared_borders(pieces, candidates[source], still_open[earlier]),
+            node.region.boundary,
+            node.region.tags,
+            self._gaps_count,
+            neighbours,
+            self._id_rows,
+            self._starts,
+            self._corners,
+            self._boxes,
         )
-        self._trim(still_open, ~earlier, index)
+        self._note_changed(changed.tolist())
         self._join_tree(node)
         if self._raster is not None:
             self._raster.paint(node.region.boundary)
@@ -203,7 +185,7 @@ class ExplorationMap:
         if self._applies(closing):
             self._closed_arcs.setdefault(closing.node, []).append(closing.arc)
             if closing.node in self._index:
-                self._set_uncovered(self._index[closing.node])
+                self._note_changed([self._index[closing.node]])
         return True
 
     def merge(self, entries: Iterable[Entry]) -> tuple[NodeId, ...]:
@@ -260,16 +242,20 @@ class ExplorationMap:
     def frontier(self, node_id: NodeId) -> FloatArray:
         """Give a node's local frontier as ``(m, 4)`` segments, the region on their left."""
         index = self._index[node_id]
-        if not len(self._uncovered[index]):
-            return self._uncovered[index]
+        if not self._arcs.is_open(index):
+            return np.empty((0, 4))
         known = self._frontiers.get(index)
         if known is not None and known.asked == self._revision:
             return known.segments
-        # Arcs of others that join a node's own count too: it is as new as the newest change near.
-        near = self._around(index)
+        if self._arcs.lengths_m[index, 0] >= self._least_m:
+            near = np.array([index])
+        else:
+            # Arcs of others that join its own count, too: it is as new as the newest change near.
+            near = self._places.around(np.array([index]), 2.0 * self._reach)
         newest = int(self._changed[near].max())
         if known is None or known.newest != newest:
-            segments = self._wide_enough(index, near[self._sizes[near] > 0])
+            segments = self._arcs.wide_enough(index, near, self._least_m)
+            segments.setflags(write=False)
         else:
             segments = known.segments
         self._frontiers[index] = _Frontier(self._revision, newest, segments)
@@ -283,16 +269,20 @@ class ExplorationMap:
 
     def has_frontier(self, node_id: NodeId) -> bool:
         """Whether a node has a local frontier."""
-        return node_id in self._maybe_open and len(self.frontier(node_id)) > 0
+        index = self._index.get(node_id)
+        return index is not None and (self._is_wide(index) or len(self.frontier(node_id)) > 0)
 
     def is_complete(self) -> bool:
         """Whether no node has a local frontier."""
-        # The last node that had one is asked first: mostly it still has.
-        if self._witness is not None and self.has_frontier(self._witness):
+        if not self._ids:
+            return True
+        # One arc that is long enough by itself will do; the longest one mostly stays so.
+        if not self._is_wide(self._witness):
+            self._witness = int(self._arcs.lengths_m[: len(self._ids), 1].argmax())
+        if self._is_wide(self._witness):
             return False
         self._list_open()
-        self._witness = next((node for nodes in self._open.values() for node in nodes), None)
-        return self._witness is None
+        return not any(self._open.values())
 
     def open_nodes(self, tree: NodeId | None = None) -> list[NodeId]:
         """Give the nodes that have a local frontier, in the order of their ids.
@@ -324,7 +314,7 @@ class ExplorationMap:
     def near(self, x: float, y: float, radius_m: float) -> list[Node]:
         """Give the nodes whose place lies within a radius, in the order of their ids."""
         found = self._places.within(x, y, radius_m)
-        return sorted((self._nodes[self._ids[i]] for i in found), key=lambda node: node.id)
+        return [self._nodes[node_id] for node_id in sorted(self._ids[i] for i in found.tolist())]
 
     def places_near(self, x: float, y: float, radius_m: float) -> FloatArray:
         """Give the places of the nodes within a radius, ``(n, 2)``."""
@@ -354,10 +344,12 @@ class ExplorationMap:
     def _store(self, node: Node) -> int:
         index = len(self._ids)
         if index == len(self._boxes):
-            self._boxes = _grown(self._boxes, 2 * index)
-            self._sizes = _grown(self._sizes, 2 * index)
-            self._changed = _grown(self._changed, 2 * index)
-            self._starts = _grown(self._starts, 2 * index + 1)
+            count = max(64, 2 * index)
+            self._arcs.make_room(count)
+            self._id_rows = _grown(self._id_rows, count)
+            self._boxes = _grown(self._boxes, count)
+            self._changed = _grown(self._changed, count)
+            self._starts = _grown(self._starts, count + 1)
         boundary = node.region.boundary
         first, last = self._starts[index], self._starts[index] + len(boundary)
         if last > len(self._corners):
@@ -365,14 +357,11 @@ class ExplorationMap:
         self._corners[first:last] = boundary
         self._starts[index + 1] = last
         self._boxes[index] = bounds_of(boundary)
+        self._id_rows[index] = node.id
         x, y, _ = node.configuration
         self._places.add(x, y)
         self._ids.append(node.id)
         self._index[node.id] = index
-        self._pieces.append(np.empty((0, 4)))
-        self._wholes.append(np.empty((0, 4)))
-        self._uncovered.append(np.empty((0, 4)))
-        self._ends.append(np.empty((0, 5)))
         return index
 
     def _polygons(self, indices: IntArray) -> NDArray[np.object_]:
@@ -385,75 +374,19 @@ class ExplorationMap:
         rings = shapely.linearrings(np.concatenate(corners), indices=owners)
         return np.asarray(shapely.polygons(rings), np.object_)
 
-    def _without_shared_borders(
-        self, pieces: FloatArray, wholes: FloatArray, earlier: IntArray
-    ) -> tuple[FloatArray, FloatArray]:
-        # Of a border on which several regions end on one side, the node with the lowest id keeps
-        # the frontier. Regions on two sides have taken it from each other already.
-        if not len(pieces) or not len(earlier):
-            return pieces, wholes
-        concerned = np.ones(len(wholes), np.bool_)
-        lines = np.concatenate([self._wholes[i] for i in earlier.tolist()])
-        rest, source = apart_from(wholes, concerned, lines, ONE_BORDER_M)
-        left, origin = common_pieces(pieces, wholes, rest, source)
-        return left, wholes[origin]
-
-    def _trim(self, neighbours: IntArray, later: BoolArray, index: int) -> None:
-        # Takes a new node's region from the frontiers near by, and the borders that it shares
-        # with nodes of higher ids.
-        if not len(neighbours):
-            return
-        indices = neighbours.tolist()
-        pieces = np.concatenate([self._pieces[i] for i in indices])
-        wholes = np.concatenate([self._wholes[i] for i in indices])
-        owners = np.repeat(np.arange(len(indices)), self._sizes[neighbours])
-        rest, source = uncovered(
-            wholes, self._starts, self._corners, self._boxes, np.asarray([index])
-        )
-        left, origin = common_pieces(pieces, wholes, rest, source)
-        if later.any():
-            concerned: BoolArray = later[owners[origin]]
-            left_wholes = wholes[origin]
-            rest, source = apart_from(left_wholes, concerned, self._wholes[index], ONE_BORDER_M)
-            left, further = common_pieces(left, left_wholes, rest, source)
-            origin = origin[further]
-        begins, cut = pieces_by_owner(pieces, owners, len(indices), left, origin)
-        for k in np.flatnonzero(cut).tolist():
-            own = slice(begins[k], begins[k + 1])
-            self._set_pieces(indices[k], left[own].copy(), wholes[origin[own]])
-
-    def _set_pieces(self, index: int, pieces: FloatArray, wholes: FloatArray) -> None:
-        # What no other region takes of a node's frontier.
-        if len(pieces):
-            keep = in_long_arcs(pieces, SHORTEST_ARC_M)
-            if not keep.all():
-                pieces, wholes = pieces[keep], wholes[keep]
-        self._pieces[index] = pieces
-        self._wholes[index] = wholes
-        self._sizes[index] = len(pieces)
-        self._set_uncovered(index)
-
-    def _set_uncovered(self, index: int) -> None:
-        # That, without what was given up.
-        node_id = self._ids[index]
-        arcs, wholes = self._pieces[index], self._wholes[index]
-        closed = self._closed_arcs.get(node_id)
-        if closed and len(arcs):
-            rest, source = apart_from(
-                wholes, np.ones(len(wholes), np.bool_), np.concatenate(closed), ON_ARC_M
-            )
-            arcs = long_arcs(common_pieces(arcs, wholes, rest, source)[0], SHORTEST_ARC_M)
+    def _note_changed(self, indices: list[int]) -> None:
+        # What other regions leave of these nodes' frontiers is new, or something was given up.
         self._revision += 1
-        self._changed[index] = self._revision
-        self._unlisted[index] = None
-        if len(arcs):
-            arcs.setflags(write=False)
-            self._uncovered[index] = arcs
-            self._ends[index] = arc_ends(arcs)
-            self._maybe_open[node_id] = None
-        else:
-            self._uncovered[index], self._ends[index] = np.empty((0, 4)), np.empty((0, 5))
-            self._maybe_open.pop(node_id, None)
+        self._changed[indices] = self._revision
+        for index in indices:
+            self._unlisted[index] = None
+            closed = self._closed_arcs.get(self._ids[index])
+            if closed:
+                self._arcs.give_up(index, np.concatenate(closed), ON_ARC_M)
+
+    def _is_wide(self, index: int) -> bool:
+        # Whether an arc of a node is long enough by itself.
+        return bool(self._arcs.lengths_m[index, 1] >= self._least_m)
 
     def _applies(self, closing: Closing) -> bool:
         if closing.reason == "seen from near":
@@ -490,11 +423,12 @@ class ExplorationMap:
         # Looks again at the nodes near those that changed: arcs of others that join theirs count.
         if not self._unlisted:
             return
-        near = [self._around(index) for index in self._unlisted]
-        for index in np.unique(np.concatenate(near)).tolist():
-            node_id = self._ids[index]
-            if index in self._unlisted or len(self._uncovered[index]):
-                length = total_length(self.frontier(node_id))
+        near = self._places.around(np.array([*self._unlisted]), 2.0 * self._reach)
+        opened = self._arcs.lengths_m[near, 1] >= 0.0
+        for index, is_open in zip(near.tolist(), opened.tolist(), strict=True):
+            if is_open or index in self._unlisted:
+                node_id = self._ids[index]
+                length = total_length(self.frontier(node_id)) if is_open else 0.0
                 self._set_open(self._root_of.get(node_id), node_id, length)
         self._unlisted.clear()
 
@@ -507,22 +441,6 @@ class ExplorationMap:
             nodes[node_id] = length_m
         else:
             del nodes[node_id]
-
-    def _around(self, index: int) -> IntArray:
-        # The nodes whose regions can meet a node's, itself among them.
-        x, y = self._places.points[index].tolist()
-        return self._places.within(x, y, 2.0 * self._reach)
-
-    def _wide_enough(self, index: int, near: IntArray) -> FloatArray:
-        # The node's arcs that are long enough together with those of others that they join.
-        arcs = self._uncovered[index]
-        own = self._ends[index]
-        others = [self._ends[i] for i in near.tolist() if i != index]
-        lengths = joined_lengths(np.concatenate([own, *others]))[: len(own)]
-        labels, _ = arc_labels(arcs)
-        kept: FloatArray = arcs[(lengths >= self._shortest_arc - ROUNDING_M)[labels]]
-        kept.setflags(write=False)
-        return kept
 
 
 def _grown(array: Array, length: int) -> Array:

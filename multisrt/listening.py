@@ -42,7 +42,7 @@ class Known(Protocol):
     """What a robot knows, as it is told to others."""
 
     def have(self) -> Have:
-        """Give how much is known of whom."""
+        """Give how much is known of whom; what was given is never changed."""
 
     def lacks(self, theirs: Have) -> Iterable[Entry]:
         """Give what is known beyond such counts."""
@@ -79,6 +79,8 @@ class Listener(ABC):
         self.period_s = ask_period_s + self.round_trip_s
         self._clock = robot
         self._wanted: dict[int, float] = {}
+        self._counted: Have = {}
+        self._counts: Counts = ()
 
     @property
     def is_alone(self) -> bool:
@@ -140,7 +142,12 @@ class Listener(ABC):
         ...
 
     def _have(self) -> Counts:
-        return tuple((robot, *counts) for robot, counts in self._known.have().items())
+        # It is said with every message, and made anew only when the counts are.
+        have = self._known.have()
+        if have is not self._counted:
+            self._counted = have
+            self._counts = tuple((robot, *counts) for robot, counts in have.items())
+        return self._counts
 
     def _answer_want(self, message: WantMessage) -> Talk:
         entries = tuple(self._known.lacks(have_of(message.have)))
@@ -148,6 +155,8 @@ class Listener(ABC):
             yield Send(EntriesMessage(sender=self.number, entries=entries), message.sender)
 
     def _ask_for_what_lacks(self, other: int, theirs: Counts) -> Talk:
+        if theirs == self._have():
+            return
         mine = self._known.have()
         for robot, nodes, closings in theirs:
             known = mine.get(robot, (0, 0))

@@ -252,7 +252,7 @@ class SrtPlanner:
         if biased and not len(frontier):
             return None, draws
         lengths = np.hypot(frontier[:, 2] - frontier[:, 0], frontier[:, 3] - frontier[:, 1])
-        along = np.cumsum(lengths).tolist()
+        along, pieces = np.cumsum(lengths).tolist(), frontier.tolist()
         for _ in range(self.options.max_draws):
             draws.drawn += 1
             if biased:
@@ -261,7 +261,7 @@ class SrtPlanner:
                 position = rng.random() * along[-1]
                 k = min(bisect_right(along, position), len(along) - 1)
                 t = 1.0 - (along[k] - position) / float(lengths[k])
-                x0, y0, x1, y1 = frontier[k].tolist()
+                x0, y0, x1, y1 = pieces[k]
                 direction = math.atan2(y0 + t * (y1 - y0) - at.y, x0 + t * (x1 - x0) - at.x)
             else:
                 direction = rng.random() * 2.0 * math.pi

@@ -70,14 +70,11 @@ def check_feasibility(robot: SrtRobot, group: tuple[int, ...]) -> Feasibility:
     team = robot.team
     prospects = {}
     for number in group:
-        state, footprint = team.state_of(number), team.footprint(number)
-        motion = motion_of(state.path)
-        body = Sweep(footprint, Trajectory(motion.waypoints[:1]))
+        state = team.state_of(number)
         prospects[number] = Prospect(
             robot=number,
-            motion=motion,
-            body=body,
-            way=Sweep(footprint, motion) if len(motion.waypoints) > 1 else body,
+            footprint=team.footprint(number),
+            motion=motion_of(state.path),
             frontier_m=state.frontier_m,
             waited=state.waited,
         )

@@ -52,12 +52,13 @@ def are_coupled(a: RobotState, b: RobotState) -> bool:
     """
     if math.dist(a.target, b.target) < a.range_m + b.range_m:
         return True
-    for moving, other in ((a, b), (b, a)):
-        if moving.phase == "moving" and any(
-            math.dist(waypoint[1:3], other.target) < other.range_m for waypoint in moving.path
-        ):
-            return True
-    return False
+    return _passes_near(a, b) or _passes_near(b, a)
+
+
+def _passes_near(a: RobotState, b: RobotState) -> bool:
+    return a.phase == "moving" and any(
+        math.dist(waypoint[1:3], b.target) < b.range_m for waypoint in a.path
+    )
 
 
 def regions_overlap(a: shapely.Polygon, b: shapely.Polygon) -> bool:
@@ -74,6 +75,8 @@ def group_of(
     group = [number]
     rest = [other for other in sorted(members) if other != number]
     for one in group:
+        if not rest:
+            break
         near = [other for other in rest if coupled(members[one], members[other])]
         group += near
         rest = [other for other in rest if other not in near]
@@ -121,6 +124,8 @@ def build_ger(robot: SrtRobot, gpr: tuple[int, ...]) -> Generator[Action, Outcom
     if team.is_alone:
         return gpr
     yield from _meet(robot, gpr, "perceived")
+    if len(gpr) == 1:
+        return gpr
     regions = {}
     for number in gpr:
         node = robot.here if number == team.number else team.states[number].node

@@ -12,11 +12,13 @@ import itertools
 import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Protocol
 
 from multisrt.exploration_map import NodeId
+from multisrt.geometry.footprint import Footprint
 from multisrt.multi_srt.messages import Order, Path
-from multisrt.planners.motion.sweep import Sweep
+from multisrt.planners.motion.sweep import SAGITTA_M, Sweep
 from multisrt.planners.motion.trajectory import Trajectory, Waypoint
 
 MOST_EXACT = 12
@@ -26,7 +28,7 @@ BEYOND_GUARD = 1.2
 """Paths keep this share of the guard distance between them, so that none is stopped by it."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Prospect:
     """What a robot would do in this step.
 
@@ -34,12 +36,10 @@ class Prospect:
     ----------
     robot : int
         Which.
+    footprint : Footprint
+        Its body.
     motion : Trajectory
         Where it would go.
-    way : Sweep
-        What its body sweeps on the way.
-    body : Sweep
-        What its body covers where it stands.
     frontier_m : float
         Length of the local frontier that it goes for.
     waited : int
@@ -47,11 +47,37 @@ class Prospect:
     """
 
     robot: int
+    footprint: Footprint
     motion: Trajectory
-    way: Sweep
-    body: Sweep
     frontier_m: float
     waited: int = 0
+
+    @cached_property
+    def body(self) -> Sweep:
+        """What its body covers where it stands."""
+        return Sweep(self.footprint, Trajectory(self.motion.waypoints[:1]))
+
+    @cached_property
+    def way(self) -> Sweep:
+        """What its body sweeps on the way; the body, if it stays."""
+        return Sweep(self.footprint, self.motion) if self.moves else self.body
+
+    @cached_property
+    def bounds(self) -> tuple[float, float, float, float]:
+        """The least x and y that its body may come to on the way, and the greatest."""
+        waypoints = self.motion.waypoints
+        # An arc of at most half a circle stays in the circle that has its chord as diameter.
+        bulge = max(
+            (
+                0.5 * math.dist(a[1:3], b[1:3])
+                for a, b in itertools.pairwise(waypoints)
+                if a.heading != b.heading
+            ),
+            default=0.0,
+        )
+        reach = self.footprint.circumscribed_radius_m + bulge + SAGITTA_M
+        xs, ys = [w.x for w in waypoints], [w.y for w in waypoints]
+        return min(xs) - reach, min(ys) - reach, max(xs) + reach, max(ys) + reach
 
     @property
     def moves(self) -> bool:
@@ -106,8 +132,15 @@ class Conflicts:
         self.pairs = tuple(
             (i, j)
             for i, j in itertools.combinations(numbers, 2)
-            if self.meet(i, prospects[i].way, j, prospects[j].way)
+            if self._may_meet(prospects[i], prospects[j])
+            and self.meet(i, prospects[i].way, j, prospects[j].way)
         )
+
+    def _may_meet(self, a: Prospect, b: Prospect) -> bool:
+        # Most are far apart, which shows without looking at their ways.
+        gap = BEYOND_GUARD * self.guard_m
+        (ax0, ay0, ax1, ay1), (bx0, by0, bx1, by1) = a.bounds, b.bounds
+        return max(ax0 - bx1, bx0 - ax1) < gap and max(ay0 - by1, by0 - ay1) < gap
 
     def gap(self, i: int, j: int) -> float:
         """How near two robots' ways may come."""
@@ -119,9 +152,12 @@ class Conflicts:
 
     def meet(self, i: int, way_i: Sweep, j: int, way_j: Sweep) -> bool:
         """Whether two robots' ways come too near to one another."""
+        apart = way_i.distance_to(way_j)
+        if apart >= BEYOND_GUARD * self.guard_m:  # which is the widest gap
+            return False
         if way_i is self.prospects[i].body and way_j is self.prospects[j].body:
             return False
-        return way_i.distance_to(way_j) < self.gap(i, j)
+        return apart < self.gap(i, j)
 
     def in_the_way(self, i: int) -> list[int]:
         """Give the robots that stand in the way of one."""

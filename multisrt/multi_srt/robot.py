@@ -265,7 +265,9 @@ class SrtRobot:
 
     def tell_when_complete(self) -> Steps:
         """Put on record that no frontier is left in the map, once."""
-        if not self._told_complete and self.map.is_complete():
+        if self._told_complete or (self.here is not None and self.map.has_frontier(self.here)):
+            return
+        if self.map.is_complete():
             self._told_complete = True
             yield Note(MapComplete(time_s=self.time_s, robot=self.me.robot))
 

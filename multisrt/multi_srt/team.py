@@ -227,7 +227,8 @@ class Team(Listener):
             case StateMessage():
                 for state in message.states:
                     self._take_state(state, message.sender)
-                yield from self.learn(message.entries)
+                if message.entries:
+                    yield from self.learn(message.entries)
                 own = message.states[0]
                 if self.number in message.asked or (message.ask and self._concerns_me(own)):
                     yield from self._answer(own)

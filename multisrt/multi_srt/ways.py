@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable
 from typing import NamedTuple
 
+import numpy as np
 from shapely.geometry.base import BaseGeometry
 
 from multisrt.exploration_map import ExplorationMap, Node, NodeId
@@ -54,7 +55,7 @@ class Ways:
         self.map = known
         self.roadmap: Roadmap[NodeId] = Roadmap()
         self._seen = 0
-        self._order: dict[NodeId, int] = {}
+        self._looked_at: set[NodeId] = set()
         self._roomy: set[frozenset[NodeId]] = set()
         self._has_room: set[NodeId] = set()
         self._turns: dict[NodeId, float] = {}
@@ -98,12 +99,19 @@ class Ways:
         nodes = self.map.nodes
         for node in nodes[self._seen :]:
             # Every pair is looked at once, when the later of the two is.
-            self._order[node.id] = len(self._order)
             self.roadmap.add(node.id)
             x, y, _ = node.configuration
-            for other in self.map.near(x, y, self.me.range_m):
-                if other.id != node.id and other.id in self._order:
-                    self._bridge(node, other)
+            others = [
+                other
+                for other in self.map.near(x, y, self.me.range_m)
+                if other.id in self._looked_at and not self._knows_way(node.id, other.id)
+            ]
+            if others:
+                places = np.array([other.configuration[:2] for other in others])
+                reached = self.body.disc_reaches(node.region.boundary, x, y, places)
+                for other, reached_m in zip(others, reached.tolist(), strict=True):
+                    self._bridge(node, other, reached_m)
+            self._looked_at.add(node.id)
         self._seen = len(nodes)
 
     def way(
@@ -118,16 +126,16 @@ class Ways:
         """Find the way to the nearest of the wanted nodes."""
         return self.roadmap.way_to_nearest(start, wanted, passable)
 
-    def _bridge(self, a: Node, b: Node) -> None:
-        pair = frozenset((a.id, b.id))
-        if pair in self._roomy or (a.id, b.id) in self._driven:
-            return
+    def _knows_way(self, a: NodeId, b: NodeId) -> bool:
+        return frozenset((a, b)) in self._roomy or (a, b) in self._driven
+
+    def _bridge(self, a: Node, b: Node, reached_m: float) -> None:
+        # Towards b the body gets so far in the region of a.
         (ax, ay, _), (bx, by, _) = a.configuration, b.configuration
         length = math.hypot(bx - ax, by - ay)
-        reached = self.body.disc_reach(a.region.boundary, ax, ay, bx, by)
-        if reached < length:
-            reached += self.body.disc_reach(b.region.boundary, bx, by, ax, ay)
-        if reached < length:
+        if reached_m < length:
+            reached_m += self.body.disc_reach(b.region.boundary, bx, by, ax, ay)
+        if reached_m < length:
             return
         if isinstance(self.me.kinematics, Car):
             there, back = self._curve(a, b), self._curve(b, a)

@@ -11,6 +11,7 @@ from multisrt.geometry.clearance import (
     disc_clearance,
     free_travel_disc,
     free_travel_disc_fan,
+    free_travel_disc_towards,
     free_travel_polygon,
     rotation_is_free,
 )
@@ -133,6 +134,12 @@ class PlanningBody:
         return free_travel_disc(
             boundary, x, y, (tx - x) / distance, (ty - y) / distance, radius, distance
         )
+
+    def disc_reaches(
+        self, boundary: FloatArray, x: float, y: float, places: FloatArray
+    ) -> FloatArray:
+        """Give `disc_reach` towards many places, ``(n, 2)``, at once."""
+        return free_travel_disc_towards(boundary, x, y, places, self.roomy_radius_m)
 
     def has_room(self, boundary: FloatArray, at: Configuration) -> bool:
         """Whether a region holds the body in any heading."""

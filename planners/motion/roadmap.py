@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import heapq
+import math
 from collections.abc import Callable, Hashable
 from typing import Generic, TypeVar
 
@@ -71,7 +72,7 @@ class Roadmap(Generic[Place]):
                 reach = travelled + length
                 if (
                     neighbour not in settled
-                    and reach < distance.get(neighbour, float("inf"))
+                    and reach < distance.get(neighbour, math.inf)
                     and (passable is None or passable(place, neighbour))
                 ):
                     distance[neighbour] = reach

@@ -12,7 +12,6 @@ from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.frontier_arcs import (
     arc_labels,
     frontier_candidates,
-    long_arcs,
     total_length,
     uncovered,
 )
@@ -114,6 +113,22 @@ def test_what_is_left_keeps_its_order_and_its_source():
     rest, source = uncovered(segments, *packed([SQUARE]), np.array([0]))
     assert source.tolist() == [0, 0, 2, 2]
     assert rest[:, 0] == pytest.approx([-1, 2, -1, 2])
+
+
+def test_the_order_of_the_polygons_makes_no_difference(worlds):
+    free = worlds.office()
+    known = [r.boundary for r in regions(worlds, free, worlds.viewpoints(free, 12, seed=44))]
+    segments = np.hstack([known[0], np.roll(known[0], -1, axis=0)])
+    others = np.arange(1, len(known))
+    rest, source = uncovered(segments, *packed(known), others)
+    assert 0 < len(np.unique(source)) < len(segments)
+    for seed in range(20):
+        order = np.random.default_rng(seed).permutation(others)
+        asked = order.copy()
+        again, again_source = uncovered(segments, *packed(known), order)
+        assert np.array_equal(again, rest)
+        assert np.array_equal(again_source, source)
+        assert np.array_equal(order, asked)
 
 
 def test_many_holes_in_one_segment():
@@ -293,15 +308,4 @@ def test_a_closed_arc_is_one():
 def test_no_segments_have_no_arcs():
     labels, count = arc_labels(np.empty((0, 4)))
     assert len(labels) == count == 0
-    assert long_arcs(np.empty((0, 4)), 1.0).shape == (0, 4)
     assert total_length(np.empty((0, 4))) == 0.0
-
-
-def test_only_arcs_as_long_as_the_body_is_wide_are_kept():
-    segments = np.array(
-        [[0.0, 0, 0.3, 0], [0.3, 0, 0.3, 0.3], [5, 5, 5.5, 5], [-0.1, 0, 0, 0], [7, 7, 7, 9]]
-    )
-    # The first two are 0.6 m together; the fourth begins elsewhere than the third ends.
-    assert long_arcs(segments, 0.55).tolist() == segments[[0, 1, 4]].tolist()
-    assert long_arcs(segments, 0.0).tolist() == segments.tolist()
-    assert total_length(segments) == pytest.approx(0.6 + 0.5 + 0.1 + 2.0)

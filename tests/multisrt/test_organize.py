@@ -38,13 +38,10 @@ def line(*places, heading=0.0) -> Trajectory:
 
 
 def prospect(robot, *places, frontier_m=1.0, body=DISC, heading=0.0, waited=0) -> Prospect:
-    motion = line(*places, heading=heading)
-    standing = Sweep(body, line(places[0], heading=heading))
     return Prospect(
         robot=robot,
-        motion=motion,
-        way=Sweep(body, motion) if len(places) > 1 else standing,
-        body=standing,
+        footprint=body,
+        motion=line(*places, heading=heading),
         frontier_m=frontier_m,
         waited=waited,
     )
@@ -196,6 +193,19 @@ def best_by_trying_all(plans) -> tuple[int, ...]:
 
 
 @settings(max_examples=150)
+@given(
+    st.sampled_from(BODIES),
+    st.lists(st.tuples(st.floats(-3, 3), st.floats(-3, 3), st.floats(-3, 3)), max_size=4),
+)
+def test_a_prospect_covers_nothing_beyond_its_bounds(body, legs):
+    waypoints = [Waypoint(0.0, 0.0, 0.0, 0.3)]
+    for dx, dy, turn in legs:
+        at = waypoints[-1]
+        waypoints.append(Waypoint(at.time_s + 1.0, at.x + dx, at.y + dy, at.heading + turn))
+    found = Prospect(robot=0, footprint=body, motion=Trajectory(tuple(waypoints)), frontier_m=0.0)
+    assert shapely.box(*found.bounds).covers(shapely.box(*found.way.bounds))
+
+
 @given(teams())
 def test_the_best_targets_are_those_that_trying_all_finds(plans):
     assert best_targets(conflicts_of(plans)) == best_by_trying_all(plans)

@@ -121,6 +121,18 @@ def test_a_disc_can_always_turn():
     assert DISC.can_turn(CORRIDOR, Configuration(5.0, 0.25), 6.0) is True
 
 
+def test_many_places_are_reached_as_each_of_them():
+    hall = ring(shapely.box(0.0, 0.0, 6.0, 4.0).difference(shapely.box(2.5, 0.0, 3.5, 2.0)))
+    rng = np.random.default_rng(5)
+    for body in (PlanningBody(Footprint.disc(0.25), 0.02), PlanningBody(Footprint.box(1, 0.4), 0)):
+        places = np.vstack([rng.uniform((0.0, 0.0), (6.0, 4.0), (200, 2)), [[1.2, 1.1]]])
+        reached = body.disc_reaches(hall, 1.2, 1.1, places)
+        each = [body.disc_reach(hall, 1.2, 1.1, x, y) for x, y in places.tolist()]
+        assert reached == pytest.approx(each, abs=1e-12)
+        assert reached[-1] == 0.0
+        assert 0.2 < np.mean(reached < np.hypot(*(places - [1.2, 1.1]).T)) < 0.9
+
+
 def test_travel_in_any_heading():
     # The disc around the box, with a tenth of the margin, has a radius of 0.3626 m.
     corridor = ring(shapely.box(0, 0, 10, 0.73))

@@ -230,7 +230,7 @@ class _Simulation:
             for number, robot in enumerate(spec.robots)
         ]
         self.on_the_air = 0
-        self.places: list[tuple[float, float]] = []
+        self.places: dict[int, tuple[float, float]] = {}
         self.places_at_s = -1.0
         self.last_s = 0.0
         self.collision: Collision | None = None
@@ -570,9 +570,7 @@ class _Simulation:
         deliveries: list[tuple[int, float]] = []
         lost: list[int] = []
         if robot.hears:
-            positions = [] if self.radio.is_unlimited else self._places()
-            working = [r.hears for r in self.robots]
-            deliveries, lost = self.radio.deliveries(robot.number, to, positions, working)
+            deliveries, lost = self._deliveries(robot.number, to)
         self._record(
             Sent(
                 time_s=self.now,
@@ -590,12 +588,32 @@ class _Simulation:
             else:
                 self._deliver(self.robots[receiver], message)
 
-    def _places(self) -> list[tuple[float, float]]:
-        # Where all robots are; much is said at one moment.
+    def _deliveries(self, sender: int, to: int | None) -> tuple[list[tuple[int, float]], list[int]]:
+        # Asks the radio about those that are anywhere near: they are numbered among themselves.
+        if self.radio.is_unlimited:
+            working = [robot.hears for robot in self.robots]
+            return self.radio.deliveries(sender, to, [], working)
+        radio = self.spec.radio
+        range_m = math.inf if radio.range_m is None else radio.range_m
+        near = self.traffic.may_reach(sender, range_m, relayed=radio.multi_hop)
+        if to is not None and to not in near:
+            return [], []
+        delivered, lost = self.radio.deliveries(
+            near.index(sender),
+            None if to is None else near.index(to),
+            [self._place(robot) for robot in near],
+            [self.robots[robot].hears for robot in near],
+        )
+        return [(near[k], delay) for k, delay in delivered], [near[k] for k in lost]
+
+    def _place(self, robot: int) -> tuple[float, float]:
+        # Where a robot is; much is said at one moment.
         if self.places_at_s != self.now:
             self.places_at_s = self.now
-            self.places = [self.traffic.where(r.number, self.now)[:2] for r in self.robots]
-        return self.places
+            self.places = {}
+        if robot not in self.places:
+            self.places[robot] = self.traffic.where(robot, self.now)[:2]
+        return self.places[robot]
 
     def _arrive(self, robot: _Robot, message: Message) -> None:
         self.on_the_air -= 1

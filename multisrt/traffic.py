@@ -227,6 +227,29 @@ class Traffic:
                 seen.append(other)
         return seen
 
+    def may_reach(self, robot: int, range_m: float, *, relayed: bool) -> list[int]:
+        """Give all robots whose courses come so near to a robot's that they may hear it.
+
+        It is among them itself, and where messages are relayed also who is near to those.
+
+        Parameters
+        ----------
+        robot : int
+            Which.
+        range_m : float
+            How far they hear.
+        relayed : bool
+            Whether they relay.
+        """
+        slacks = np.full(len(self._boxes), range_m)
+        found, waiting = {robot}, [robot]
+        while waiting:
+            box = self._boxes[waiting.pop()]
+            near = set(boxes_meeting(self._boxes, slacks, tuple(box.tolist())).tolist()) - found
+            found |= near
+            waiting += sorted(near) if relayed else []
+        return sorted(found)
+
     # ---------------------------------------------------------------------------------------
 
     def _set(self, robot: int, course: _Course, change: tuple[_Box, float]) -> None:

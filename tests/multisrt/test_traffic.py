@@ -452,3 +452,17 @@ def test_many_robots_never_touch_and_only_the_affected_change(names):
                 assert gap[0] > 0.0
         begin(robot, now)
     assert stops > 10
+
+
+def test_who_may_be_reached_is_found_over_relays_by_courses():
+    # In a row, three apart; the last is on its way from the third to far beyond.
+    bodies = [Body(Footprint.disc(0.25))] * 5
+    starts = [Configuration(x, 0.0, 0.0) for x in (0.0, 3.0, 6.0, 9.0, 30.0)]
+    traffic = Traffic(bodies, starts, EdgeIndex(np.array([[0.0, 5.0, 1.0, 5.0]]), 1.0))
+    assert traffic.may_reach(0, 3.5, relayed=False) == [0, 1]
+    assert traffic.may_reach(0, 3.5, relayed=True) == [0, 1, 2, 3]
+    assert traffic.may_reach(4, 3.5, relayed=True) == [4]
+    assert traffic.may_reach(4, math.inf, relayed=False) == [0, 1, 2, 3, 4]
+    way = Trajectory((Waypoint(0.0, 9.0, 0.0, 0.0), Waypoint(40.0, 27.0, 0.0, 0.0)))
+    traffic.begin(3, 0.0, way, None)
+    assert traffic.may_reach(0, 3.5, relayed=True) == [0, 1, 2, 3, 4]

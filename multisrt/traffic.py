@@ -36,6 +36,9 @@ STOP_SLACK_M = 1e-5
 """A protective stop ends a motion a hair before its distance is reached; a body that is no
 farther than this beyond counts as nearer when the next motion begins."""
 
+ROUNDING_M = 1e-6
+"""How far rounding may put a place on a course outside the box of the course."""
+
 LOOK_M = 0.02
 """While a body is near but hidden, it is looked for each time the two have moved by this."""
 
@@ -241,7 +244,8 @@ class Traffic:
         relayed : bool
             Whether they relay.
         """
-        slacks = np.full(len(self._boxes), range_m)
+        # A little more, for places on a course are rounded: whether they hear is asked exactly.
+        slacks = np.full(len(self._boxes), range_m + ROUNDING_M)
         found, waiting = {robot}, [robot]
         while waiting:
             box = self._boxes[waiting.pop()]

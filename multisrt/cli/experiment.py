@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import click
 
+from multisrt.cli.given import described
+
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
@@ -133,18 +135,8 @@ def read_experiment(path: Path) -> ExperimentSpec:
         If it cannot be read or is no experiment; the message says what is wrong.
     """
     from multisrt.experiments.description import ExperimentSpec
-    from multisrt.geometry.errors import InvalidInputError
 
-    try:
-        text = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        said = error.strerror if isinstance(error, OSError) else "not a text file"
-        raise InvalidInputError(f"{path}: {said or error}") from None
-    read = ExperimentSpec.from_json if path.suffix == ".json" else ExperimentSpec.from_toml
-    try:
-        return read(text)
-    except InvalidInputError as error:
-        raise InvalidInputError(f"{path}: {error}") from None
+    return described(path, ExperimentSpec.from_toml, ExperimentSpec.from_json)
 
 
 def _impossible_starts(planned: Sequence[PlannedRun]) -> dict[Condition, str]:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
@@ -12,6 +13,8 @@ from multisrt.geometry.errors import InvalidInputError
 
 if TYPE_CHECKING:
     from multisrt.spec import Fault, RobotSpec, RunSpec
+
+Described = TypeVar("Described")
 
 OVERRIDES = ("footprint", "range", "beams", "drive", "speed", "turning-radius", "start")
 """What `--robot` may say of one robot."""
@@ -33,13 +36,26 @@ def spec_of_file(path: Path) -> RunSpec:
     """
     from multisrt.spec import RunSpec
 
+    return described(path, RunSpec.from_toml, RunSpec.from_json)
+
+
+def described(
+    path: Path, from_toml: Callable[[str], Described], from_json: Callable[[str], Described]
+) -> Described:
+    """Read what a TOML file describes, or a JSON file if it is called so.
+
+    Raises
+    ------
+    InvalidInputError
+        If it cannot be read, or by `from_toml` or `from_json`; the message names the file.
+    """
     try:
         text = path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
         said = error.strerror if isinstance(error, OSError) else "not a text file"
         raise InvalidInputError(f"{path}: {said or error}") from None
     try:
-        return RunSpec.from_json(text) if path.suffix == ".json" else RunSpec.from_toml(text)
+        return from_json(text) if path.suffix == ".json" else from_toml(text)
     except InvalidInputError as error:
         raise InvalidInputError(f"{path}: {error}") from None
 

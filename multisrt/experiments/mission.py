@@ -32,7 +32,6 @@ def make_run(
     recording_path: Path | None = None,
     *,
     only_failed: bool = False,
-    world: EnvironmentSpec | None = None,
 ) -> Result:
     """Make a run in this process, in its main thread.
 
@@ -48,8 +47,6 @@ def make_run(
         Where to write its recording; a run that does not come to an end has none.
     only_failed : bool
         Write it only if the run has to be looked at.
-    world : EnvironmentSpec, optional
-        The world that the run's spec describes, where that cannot be read here.
 
     Raises
     ------
@@ -63,7 +60,7 @@ def make_run(
     curve: tuple[float | None, ...] = ()
     try:
         with within(limits):
-            where = world_of(run.spec.environment if world is None else world)
+            where = world_of(run.spec.environment)
             recording = simulate(run.spec, where)
             metrics, curve = measure_with_curve(recording, where)
             # What JSON has no words for, as infinity, would be lost on the way to the store.

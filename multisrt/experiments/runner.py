@@ -9,7 +9,6 @@ import time
 from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import closing
 from dataclasses import dataclass
-from functools import lru_cache
 
 from multisrt.experiments.crossing import PlannedRun
 from multisrt.experiments.description import ExperimentSpec
@@ -17,7 +16,6 @@ from multisrt.experiments.results import Result
 from multisrt.experiments.store import Store
 from multisrt.experiments.worker import Job, StoppedError, Worker, import_modules
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.spec import FileEnvironment, InlineEnvironment, build_environment, inline
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -146,7 +144,7 @@ def cores() -> int:
 
 
 def job_of(run: PlannedRun, experiment: ExperimentSpec, recording: str = "") -> Job:
-    """Give the job that makes a run, with its world if that is in a file.
+    """Give the job that makes a run.
 
     Parameters
     ----------
@@ -157,22 +155,15 @@ def job_of(run: PlannedRun, experiment: ExperimentSpec, recording: str = "") -> 
     recording : str
         Where the recording goes if it is kept.
     """
-    world = run.spec.environment
     return Job(
         key=run.key,
         condition=run.condition,
         repetition=run.repetition,
         spec=run.spec,
         limits=experiment.limits,
-        world=_written_out(world) if isinstance(world, FileEnvironment) else None,
         recording="" if experiment.recordings == "none" else recording,
         only_failed=experiment.recordings == "failed",
     )
-
-
-@lru_cache(maxsize=32)
-def _written_out(world: FileEnvironment) -> InlineEnvironment:
-    return inline(build_environment(world))
 
 
 def _jobs(store: Store, missing: Sequence[PlannedRun]) -> Iterator[Job]:

@@ -34,7 +34,7 @@ from multisrt.experiments.description import Limits
 from multisrt.experiments.limits import GRACE_S
 from multisrt.experiments.results import Provenance, Result, Status, provenance
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.spec import InlineEnvironment, RunSpec
+from multisrt.spec import RunSpec
 
 FROM_OUTSIDE = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT, signal.SIGHUP)
 """Signals that end a worker without the run's own doing."""
@@ -61,8 +61,6 @@ class Job(msgspec.Struct, frozen=True, kw_only=True):
         The planned run.
     limits : Limits
         What it may take.
-    world : InlineEnvironment or None
-        The world of a spec that names a file.
     recording : str
         Where to write its recording; empty: nowhere.
     only_failed : bool
@@ -74,7 +72,6 @@ class Job(msgspec.Struct, frozen=True, kw_only=True):
     repetition: int
     spec: RunSpec
     limits: Limits
-    world: InlineEnvironment | None = None
     recording: str = ""
     only_failed: bool = False
 
@@ -384,9 +381,7 @@ def main(modules: Sequence[str]) -> None:
         job = decoder.decode(lines.get())
         path = Path(job.recording) if job.recording else None
         try:
-            result = make_run(
-                job.run, job.limits, path, only_failed=job.only_failed, world=job.world
-            )
+            result = make_run(job.run, job.limits, path, only_failed=job.only_failed)
         except InvalidInputError as error:
             _answer(answers, _Unable(str(error)))
         else:

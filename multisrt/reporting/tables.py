@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
 from multisrt.experiments.crossing import Condition
 from multisrt.experiments.measures import Measure, measure_named
-from multisrt.experiments.results import Results
+from multisrt.experiments.results import Result, Results
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.reporting.layout import Cell, Table, number, slug
 from multisrt.reporting.study import SEED, Comparison, Study, team_name
@@ -91,35 +92,27 @@ def measure_table(study: Study, measure: Measure) -> Table:
 
 def success_table(study: Study) -> Table:
     """Make the table of how many runs were complete, without a collision."""
-    rows = []
-    for setting in study.settings:
-        cells = []
-        for strategy in study.strategies:
-            results = study.of(setting, strategy)
-            if not results:
-                cells.append(NOTHING)
-                continue
-            good = sum(not result.failed for result in results)
-            share = wilson(good, len(results))
-            cells.append(
-                Cell(
-                    text=f"{good} of {len(results)}",
-                    detail=f"({100 * share.low:.0f} to {100 * share.high:.0f} %)",
-                    sort=share.value,
-                    data={
-                        "successes": good,
-                        "runs": len(results),
-                        "low": share.low,
-                        "high": share.high,
-                    },
-                )
-            )
-        rows.append((*_labels(study, setting), *cells))
+
+    def cell(results: Sequence[Result]) -> Cell:
+        good = sum(not result.failed for result in results)
+        share = wilson(good, len(results))
+        return Cell(
+            text=f"{good} of {len(results)}",
+            detail=f"({100 * share.low:.0f} to {100 * share.high:.0f} %)",
+            sort=share.value,
+            data={
+                "successes": good,
+                "runs": len(results),
+                "low": share.low,
+                "high": share.high,
+            },
+        )
+
     return Table(
         name="success",
         title="Runs that were complete, without a collision",
         columns=("World", "Team", *study.strategies),
-        rows=tuple(rows),
+        rows=_rows(study, cell),
         labels=2,
         notes=("In brackets Wilson's 95 % interval of the rate of success.",),
     )
@@ -218,34 +211,36 @@ def growth_table(study: Study, measure: Measure) -> Table | None:
 
 def computing_table(study: Study) -> Table:
     """Make the table of what runs took of the computer."""
-    rows = []
-    for setting in study.settings:
-        cells = []
-        for strategy in study.strategies:
-            results = study.of(setting, strategy)
-            if not results:
-                cells.append(NOTHING)
-                continue
-            times = [result.computing_s for result in results]
-            memory = max(result.memory_mb for result in results)
-            middle = float(np.median(times))
-            cells.append(
-                Cell(
-                    text=number(middle, 2),
-                    detail=f"(at most {number(max(times), 2)} s, {number(memory, 0)} MB)",
-                    sort=middle,
-                    data={"median_s": middle, "most_s": max(times), "most_mb": memory},
-                )
-            )
-        rows.append((*_labels(study, setting), *cells))
+
+    def cell(results: Sequence[Result]) -> Cell:
+        times = [result.computing_s for result in results]
+        memory = max(result.memory_mb for result in results)
+        middle = float(np.median(times))
+        return Cell(
+            text=number(middle, 2),
+            detail=f"(at most {number(max(times), 2)} s, {number(memory, 0)} MB)",
+            sort=middle,
+            data={"median_s": middle, "most_s": max(times), "most_mb": memory},
+        )
+
     return Table(
         name="computing",
         title="Computing time of a run (s)",
         columns=("World", "Team", *study.strategies),
-        rows=tuple(rows),
+        rows=_rows(study, cell),
         labels=2,
         notes=("Median, and the most that any run took of time and memory.",),
     )
+
+
+def _rows(study: Study, cell: Callable[[Sequence[Result]], Cell]) -> tuple[tuple[Cell, ...], ...]:
+    """Make a row for each setting, with the cell of each strategy that was run there."""
+    rows = []
+    for setting in study.settings:
+        found = [study.of(setting, strategy) for strategy in study.strategies]
+        cells = [cell(results) if results else NOTHING for results in found]
+        rows.append((*_labels(study, setting), *cells))
+    return tuple(rows)
 
 
 def _labels(study: Study, setting: Condition) -> tuple[Cell, Cell]:

@@ -18,7 +18,6 @@ from multisrt.metrics import measure, measure_with_curve
 from multisrt.recording import Recording
 from multisrt.registry import Strategy, _registry
 from multisrt.simulation import simulate
-from multisrt.spec import inline
 
 ENOUGH = Limits(computing_s=60.0, memory_mb=2000)
 
@@ -103,14 +102,13 @@ def test_a_world_is_built_once():
     )
 
 
-def test_the_world_of_a_file_may_come_with_the_job(tmp_path):
+def test_a_run_holds_the_world_of_a_file(tmp_path):
     path = tmp_path / "hall.wkt"
     path.write_text("POLYGON ((0 0, 7.1 0, 7.1 5.3, 3 5.3, 3 4, 0 4, 0 0), (2 1, 3 1, 3 2, 2 1))")
     run = planned(environments=(str(path),))
     there = make_run(run, ENOUGH)
-    world = inline(world_of(run.spec.environment))
     path.unlink()
-    assert make_run(run, ENOUGH, world=world).digest == there.digest != ""
+    assert make_run(run, ENOUGH).digest == there.digest != ""
 
 
 # What goes wrong ----------------------------------------------------------------------------

@@ -53,7 +53,7 @@ def disc_clearance(boundary: FloatArray, x: float, y: float) -> float:
     ax, ay = boundary[-1, 0] - x, boundary[-1, 1] - y
     for j in range(boundary.shape[0]):
         bx, by = boundary[j, 0] - x, boundary[j, 1] - y
-        nearest = min(nearest, _squared_distance(ax, ay, bx, by))
+        nearest = min(nearest, squared_distance(ax, ay, bx, by))
         ax, ay = bx, by
     return math.sqrt(nearest)
 
@@ -93,11 +93,11 @@ def path_clearance(
     ax, ay = boundary[-1, 0] - ox, boundary[-1, 1] - oy
     for j in range(boundary.shape[0]):
         bx, by = boundary[j, 0] - ox, boundary[j, 1] - oy
-        nearest = min(nearest, math.sqrt(_squared_distance(ax - px, ay - py, bx - px, by - py)))
-        nearest = min(nearest, math.sqrt(_squared_distance(ax - qx, ay - qy, bx - qx, by - qy)))
+        nearest = min(nearest, math.sqrt(squared_distance(ax - px, ay - py, bx - px, by - py)))
+        nearest = min(nearest, math.sqrt(squared_distance(ax - qx, ay - qy, bx - qx, by - qy)))
         if turn == 0.0:
-            nearest = min(nearest, math.sqrt(_squared_distance(-ax, -ay, dx - ax, dy - ay)))
-            if _cross_each_other(ax, ay, bx, by, px, py, qx, qy):
+            nearest = min(nearest, math.sqrt(squared_distance(-ax, -ay, dx - ax, dy - ay)))
+            if cross_each_other(ax, ay, bx, by, px, py, qx, qy):
                 return 0.0
         else:
             nearest = _near_arc(nearest, ax, ay, bx, by, px, py, radius, turn)
@@ -159,7 +159,7 @@ def free_travel_disc(
             or (aside > clear and next_aside > clear)
         ):
             continue
-        if not _squared_distance(ax, ay, bx, by) >= inner * inner:
+        if not squared_distance(ax, ay, bx, by) >= inner * inner:
             return 0.0
         if ahead > 0.0 and abs(aside) < inner:
             entry = ahead - math.sqrt((radius - aside) * (radius + aside))
@@ -334,7 +334,7 @@ def rotation_is_free(
     ax, ay = boundary[-1, 0] - x, boundary[-1, 1] - y
     for j in range(boundary.shape[0]):
         bx, by = boundary[j, 0] - x, boundary[j, 1] - y
-        if _squared_distance(ax, ay, bx, by) < reach * reach:
+        if squared_distance(ax, ay, bx, by) < reach * reach:
             # The boundary's corner b in the body's frame.
             corner_x, corner_y = bx * c + by * s, by * c - bx * s
             corner_is_near = bx * bx + by * by < reach * reach
@@ -380,19 +380,19 @@ def pose_is_inside(
         bx, by = boundary[j, 0] - x, boundary[j, 1] - y
         if (ay > py) != (by > py) and px < ax + (bx - ax) * (py - ay) / (by - ay):
             inside = not inside
-        if _squared_distance(ax, ay, bx, by) < reach * reach:
+        if squared_distance(ax, ay, bx, by) < reach * reach:
             vx, vy = px, py
             for i in range(corners):
                 ux, uy = vx, vy
                 vx, vy = outline[i, 0], outline[i, 1]
-                if _cross_each_other(ax, ay, bx, by, ux, uy, vx, vy):
+                if cross_each_other(ax, ay, bx, by, ux, uy, vx, vy):
                     return False
         ax, ay = bx, by
     return inside
 
 
 @kernel
-def _squared_distance(ax: float, ay: float, bx: float, by: float) -> float:
+def squared_distance(ax: float, ay: float, bx: float, by: float) -> float:
     """Squared distance from the origin to the segment from a to b."""
     ex, ey = bx - ax, by - ay
     along = -(ax * ex + ay * ey)
@@ -493,7 +493,7 @@ def _direction(x: float, y: float) -> tuple[float, float]:
 
 
 @kernel
-def _cross_each_other(
+def cross_each_other(
     ax: float, ay: float, bx: float, by: float, ux: float, uy: float, vx: float, vy: float
 ) -> bool:
     """Whether segments a-b and u-v cross; of each, one end belongs to it."""

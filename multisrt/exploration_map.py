@@ -18,6 +18,7 @@ from multisrt.geometry.boxes import boxes_meeting
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.frontier_arcs import arc_labels, total_length
 from multisrt.geometry.kernel import FloatArray, IntArray
+from multisrt.geometry.known_space import KnownSpace, Rings
 from multisrt.geometry.point_hash import PointHash
 from multisrt.geometry.raster import Raster, bounds_of
 
@@ -320,14 +321,22 @@ class ExplorationMap:
         """Give the places of the nodes within a radius, ``(n, 2)``."""
         return self._places.points[self._places.within(x, y, radius_m)]
 
+    def known_space(self, x: float, y: float, half_width_m: float) -> KnownSpace:
+        """Give the union of the regions of all nodes inside a square window around a place."""
+        window, near = self._window(x, y, half_width_m)
+        return KnownSpace(Rings(self._starts, self._corners, self._boxes), near, window)
+
     def local_union(self, x: float, y: float, half_width_m: float) -> BaseGeometry:
         """Unite the regions of all nodes inside a square window around a place."""
+        window, near = self._window(x, y, half_width_m)
+        return shapely.union_all(shapely.intersection(self._polygons(near), shapely.box(*window)))
+
+    def _window(self, x: float, y: float, half_width_m: float) -> tuple[Box, IntArray]:
+        # A square around a place, and whose regions reach into it, in the order of their ids.
         window = (x - half_width_m, y - half_width_m, x + half_width_m, y + half_width_m)
         near = self._places.within(x, y, math.sqrt(2.0) * half_width_m + self._reach)
         near = near[boxes_meeting(self._boxes[near], np.zeros(len(near)), window)]
-        near = np.array(sorted(near.tolist(), key=self._ids.__getitem__), np.int64)
-        polygons = self._polygons(near)
-        return shapely.union_all(shapely.intersection(polygons, shapely.box(*window)))
+        return window, np.array(sorted(near.tolist(), key=self._ids.__getitem__), np.int64)
 
     def region_union(self) -> BaseGeometry:
         """Unite all regions, exactly. Costs more the larger the map is: not for the loop."""

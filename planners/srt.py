@@ -16,9 +16,7 @@ from typing import Literal, NamedTuple, Protocol
 
 import msgspec
 import numpy as np
-import shapely
 from numpy.random import Generator
-from shapely.geometry.base import BaseGeometry
 
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.distances import (
@@ -28,11 +26,10 @@ from multisrt.geometry.distances import (
     nearest_point,
     nearest_points,
 )
-from multisrt.geometry.edge_index import EdgeIndex
-from multisrt.geometry.errors import ClearanceError, InvalidInputError
+from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.kernel import FloatArray, kernel
+from multisrt.geometry.known_space import KnownSpace
 from multisrt.geometry.safe_region import CONTACT_TOLERANCE_M, LocalSafeRegion
-from multisrt.geometry.visibility import visibility_polygon
 from multisrt.planners.motion.body import HAIR_M, PlanningBody
 from multisrt.planners.motion.kinematics import Car, Kinematics
 from multisrt.planners.motion.steering import reach, reach_fan, steer
@@ -57,10 +54,6 @@ FAN = 72
 
 CLOSE_BY = 6.0
 """Viewing places are first looked for within this many radii of the body."""
-
-ROUND_SEGMENTS = 16
-ROUND = math.cos(math.pi / (4 * ROUND_SEGMENTS))
-"""Chords for a quarter circle, and how near to its centre they come."""
 
 INWARD_M = 1e-4
 """How far inside the known region a frontier arc is looked at from."""
@@ -363,7 +356,7 @@ class SrtPlanner:
     def viewing_place(
         self,
         arc: FloatArray,
-        known: BaseGeometry,
+        known: KnownSpace,
         within_m: float,
         nodes: Sequence[Viewpoint],
         leads: Callable[[int, float, float], bool] | None = None,
@@ -374,8 +367,8 @@ class SrtPlanner:
         ----------
         arc : (k, 4) array
             The arc's segments.
-        known : shapely geometry
-            The union of the known regions in a window around the arc.
+        known : KnownSpace
+            What is known in a window around the arc.
         within_m : float
             How far from the arc's middle to look for places.
         nodes : sequence of Viewpoint
@@ -391,30 +384,19 @@ class SrtPlanner:
         str
             Why there is none; see `Refusal`.
         """
-        # Regions that meet along a line leave cracks of rounding between them.
-        closed = known.buffer(INWARD_M / 2, join_style="mitre")
-        room = _eroded(closed, self.body.roomy_radius_m)
-        if room.is_empty:
-            return "too narrow"
-        shapely.prepare(room)
-        ample: BaseGeometry | None = None
         reasons: list[Refusal] = []
-        sight = _Sight(known, within_m)
         for x, y, left_x, left_y in arc_points(arc, self.d_min_m):
-            view = sight.view(x + left_x * INWARD_M, y + left_y * INWARD_M)
-            if view is None:
+            x_inside, y_inside = x + left_x * INWARD_M, y + left_y * INWARD_M
+            if not known.holds(np.array([[x_inside, y_inside]]))[0]:
                 continue
             places = np.array([x, y]) + _lattice(within_m, self.d_min_m / 4.0)
-            shapely.prepare(view)
-            places = places[shapely.contains_xy(view, places)]
-            places = places[shapely.contains_xy(room, places)]
-            if len(places):
-                # Where there is room for the whole margin, that is better.
-                ample = ample or _eroded(closed, self.body.ample_radius_m)
-                shapely.prepare(ample)
-                roomy = shapely.contains_xy(ample, places)
-                places = np.vstack([places[roomy], places[~roomy]])
-            found = self._place_with_a_way(places, room, nodes, leads)
+            places = places[known.sees(x_inside, y_inside, places)]
+            # Where there is room for the whole margin, that is better.
+            room = known.clearances(places, self.body.ample_radius_m)
+            ample = room >= self.body.ample_radius_m
+            narrower = (room >= self.body.roomy_radius_m) & ~ample
+            places = np.vstack([places[ample], places[narrower]])
+            found = self._place_with_a_way(places, known, nodes, leads)
             if not isinstance(found, str):
                 return found
             reasons.append(found)
@@ -444,12 +426,12 @@ class SrtPlanner:
     def _place_with_a_way(
         self,
         places: FloatArray,
-        room: BaseGeometry,
+        known: KnownSpace,
         nodes: Sequence[Viewpoint],
         leads: Callable[[int, float, float], bool] | None,
     ) -> Way | Refusal:
-        # The first place that is not close to a node and has a straight way from one: through
-        # the room for any heading or, from a narrow node, inside what it sees.
+        # The first place that is not close to a node and has a straight way from one: with room
+        # for any heading or, from a narrow node, inside what it sees.
         if not len(places):
             return "too narrow"
         spots = np.array([node.configuration[:2] for node in nodes]).reshape(-1, 2)
@@ -459,7 +441,8 @@ class SrtPlanner:
             return "seen from near"
         if leads is not None:
             return self._place_asked_for(places, spots, leads)
-        roomy = shapely.contains_xy(room, spots)
+        least = self.body.roomy_radius_m
+        roomy = known.holds(spots) & (known.clearances(spots, least) >= least)
         # A way begins where there is room for any heading, or in a narrow place that is seen.
         begins = np.flatnonzero(
             [r or self._is_narrow(n) for r, n in zip(roomy, nodes, strict=True)]
@@ -472,8 +455,9 @@ class SrtPlanner:
             some = places[done : done + many]
             apart = np.hypot(*(spots[begins] - some[:, None]).transpose(2, 0, 1))
             nearest = begins[np.argsort(apart, axis=1, kind="stable")[:, :NEAREST_NODES]]
-            ways = np.stack([spots[nearest], np.repeat(some[:, None], nearest.shape[1], 1)], axis=2)
-            clear = shapely.contains_properly(room, shapely.linestrings(ways)) & roomy[nearest]
+            ways = np.dstack([spots[nearest], np.repeat(some[:, None], nearest.shape[1], 1)])
+            clear = known.passes(ways.reshape(-1, 4), least)
+            clear = clear.reshape(nearest.shape) & roomy[nearest]
             for i in np.flatnonzero(clear.any(axis=1) | ~roomy[nearest].all(axis=1)).tolist():
                 x, y = some[i].tolist()
                 for k, is_clear in zip(nearest[i].tolist(), clear[i].tolist(), strict=True):
@@ -529,40 +513,6 @@ def arc_points(arc: FloatArray, spacing: float) -> list[tuple[float, float, floa
         x, y = (arc[i, :2] + t * (arc[i, 2:] - arc[i, :2])).tolist()
         points.append((x, y, -dy / float(lengths[i]), dx / float(lengths[i])))
     return sorted(points, key=lambda point: abs(points.index(point) - pairs))
-
-
-def _eroded(region: BaseGeometry, radius: float) -> BaseGeometry:
-    # Rounded corners are chords: these are moved to where they keep the whole radius.
-    return region.buffer(-radius / ROUND - INWARD_M / 2, quad_segs=ROUND_SEGMENTS)
-
-
-class _Sight:
-    """What of a known region can be seen from places in it, and so sees those places."""
-
-    def __init__(self, known: BaseGeometry, range_m: float) -> None:
-        self._range_m = range_m
-        self._parts = [p for p in shapely.get_parts(known) if p.geom_type == "Polygon"]
-        self._indices: dict[int, EdgeIndex] = {}
-
-    def view(self, x: float, y: float) -> shapely.Polygon | None:
-        """Give what can be seen from a place; None where it is not inside the region."""
-        for k, part in enumerate(self._parts):
-            if shapely.contains_xy(part, x, y):
-                if k not in self._indices:
-                    self._indices[k] = EdgeIndex(_edges_of(part), self._range_m / 3.0)
-                try:
-                    boundary, _ = visibility_polygon(self._indices[k], x, y, self._range_m)
-                except ClearanceError:
-                    return None
-                return shapely.Polygon(boundary)
-        return None
-
-
-def _edges_of(polygon: shapely.Polygon) -> FloatArray:
-    # Directed, the polygon on their left.
-    part = shapely.orient_polygons(shapely.remove_repeated_points(polygon, 1e-9))
-    rings = [np.asarray(ring.coords) for ring in (part.exterior, *part.interiors)]
-    return np.vstack([np.hstack([ring[:-1], ring[1:]]) for ring in rings])
 
 
 @lru_cache(maxsize=16)

@@ -5,9 +5,8 @@ from __future__ import annotations
 import itertools
 import math
 from collections import Counter
-from collections.abc import Generator
+from collections.abc import Callable, Generator
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import Literal
 
 import shapely
@@ -482,13 +481,12 @@ class SrtRobot:
             near = self.map.near(x, y, math.sqrt(2.0) * window)
             if window < self.me.range_m and not self.planner.may_find_way(x, y, window, near):
                 continue
-            known = self.map.local_union(x, y, window)
             found = self.planner.viewing_place(
                 arc,
-                known,
+                self.map.known_space(x, y, window),
                 min(window, self.me.range_m),
                 near,
-                partial(self._leads, near, known) if self.is_car else None,
+                self._leads(near, self.map.local_union(x, y, window)) if self.is_car else None,
             )
             # A wider window than the robot sees holds no more places, only more ways.
             if found != "not reachable" and (
@@ -504,8 +502,8 @@ class SrtRobot:
         self._views[spot] += 1
         return NewPlace(found.x, found.y, "complete", tuple(way), found.roomy, node)
 
-    def _leads(self, near: list[Node], known: BaseGeometry, k: int, x: float, y: float) -> bool:
-        return self.ways.leads(near[k], known, x, y)
+    def _leads(self, near: list[Node], known: BaseGeometry) -> Callable[[int, float, float], bool]:
+        return lambda k, x, y: self.ways.leads(near[k], known, x, y)
 
     def _windows(self) -> list[float]:
         # How far around an arc to look for a place: close by first, which is cheap and mostly

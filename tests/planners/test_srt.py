@@ -21,6 +21,7 @@ from multisrt.geometry.edge_index import EdgeIndex
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.footprint import Footprint
 from multisrt.geometry.frontier_arcs import arc_labels, frontier_candidates
+from multisrt.geometry.known_space import KnownSpace, Rings
 from multisrt.geometry.safe_region import LocalSafeRegion, local_safe_region
 from multisrt.geometry.scan import take_scan
 from multisrt.planners.motion.body import PlanningBody
@@ -302,6 +303,14 @@ def test_no_approach_without_room_to_move():
 ARC = np.array([(6.0, 1.0, 6.0, 2.0), (6.0, 2.0, 6.0, 3.0)])
 
 
+def viewing_place(arc, free, range_m, nodes, *leads):
+    """Where the arc can be seen from, if what is known is pieces that meet along lines."""
+    pieces = shapely.get_parts(shapely.constrained_delaunay_triangles(free))
+    rings = [np.array(shapely.orient_polygons(piece).exterior.coords)[:-1] for piece in pieces]
+    known = KnownSpace(Rings.of(rings), np.arange(len(rings)), (-1.0, -1.0, 9.0, 9.0))
+    return planner().viewing_place(arc, known, range_m, nodes, *leads)
+
+
 def standing_at(*places):
     """Nodes with an open view of 4 m, where the body has room for any heading."""
     return [
@@ -318,41 +327,41 @@ def standing_at(*places):
 def test_a_viewing_place():
     # The lattice has steps of d_min / 4 = 0.125 m around (6, 2). At x = 5.75 the disc of 0.252 m
     # does not fit; at x = 5.625 there is the whole margin.
-    found = planner().viewing_place(ARC, shapely.box(0, 0, 6, 4), 3.0, standing_at((1.0, 2.0)))
+    found = viewing_place(ARC, shapely.box(0, 0, 6, 4), 3.0, standing_at((1.0, 2.0)))
     assert found == Way(5.625, 2.0, 0, roomy=True)
 
 
 def test_a_viewing_place_keeps_off_nodes_and_names_the_nearest():
     # Half of d_min, 0.25 m, from the node: two steps of the lattice to a side.
     nodes = standing_at((1.0, 2.0), (5.625, 2.0))
-    x, y, k, _ = planner().viewing_place(ARC, shapely.box(0, 0, 6, 4), 3.0, nodes)
+    x, y, k, _ = viewing_place(ARC, shapely.box(0, 0, 6, 4), 3.0, nodes)
     assert math.hypot(x - 5.625, y - 2.0) >= 0.25
     assert k == 1
 
 
 def test_a_viewing_place_sees_the_arc():
     # A screen stands in front of the arc's middle: places right behind it do not see it.
-    known = shapely.box(0, 0, 6, 4).difference(shapely.box(5.2, 1.5, 5.3, 2.5))
-    x, y, *_ = planner().viewing_place(ARC, known, 3.0, standing_at((1.0, 2.0)))
-    assert shapely.LineString([(x, y), (6.0 - 1e-3, 2.0)]).within(known)
-    assert known.boundary.distance(shapely.Point(x, y)) >= 0.252 - 1e-6
+    free = shapely.box(0, 0, 6, 4).difference(shapely.box(5.2, 1.5, 5.3, 2.5))
+    x, y, *_ = viewing_place(ARC, free, 3.0, standing_at((1.0, 2.0)))
+    assert shapely.LineString([(x, y), (6.0 - 1e-3, 2.0)]).within(free)
+    assert free.boundary.distance(shapely.Point(x, y)) >= 0.252 - 1e-6
 
 
 def test_a_viewing_place_to_which_other_ways_lead_than_straight_ones():
     nodes = standing_at((1.0, 2.0), (5.0, 1.0))
-    known = shapely.box(0, 0, 6, 4)
+    free = shapely.box(0, 0, 6, 4)
     asked = []
 
     def leads(node, x, y):
         asked.append((node, x, y))
         return node == 0 and len(asked) > 2
 
-    found = planner().viewing_place(ARC, known, 3.0, nodes, leads)
+    found = viewing_place(ARC, free, 3.0, nodes, leads)
     assert found == Way(*asked[3][1:], 0, roomy=False)
     # Nearest nodes first, place by place.
     assert [node for node, *_ in asked] == [1, 0, 1, 0]
     asked.clear()
-    assert planner().viewing_place(ARC, known, 3.0, nodes, lambda *_: False) == "not reachable"
+    assert viewing_place(ARC, free, 3.0, nodes, lambda *_: False) == "not reachable"
 
 
 @given(
@@ -364,9 +373,9 @@ def test_a_viewing_place_to_which_other_ways_lead_than_straight_ones():
 def test_where_no_way_may_be_found_none_is(places, half_width):
     nodes = standing_at(*places)
     window = shapely.box(6 - half_width, 2 - half_width, 6 + half_width, 2 + half_width)
-    known = shapely.box(0, 0, 6, 4).intersection(window)
+    free = shapely.box(0, 0, 6, 4).intersection(window)
     if not planner().may_find_way(6.0, 2.0, half_width, nodes):
-        assert isinstance(planner().viewing_place(ARC, known, half_width, nodes), str)
+        assert isinstance(viewing_place(ARC, free, half_width, nodes), str)
 
 
 def test_a_way_may_begin_at_a_node_inside_the_window_or_at_a_narrow_one():
@@ -386,39 +395,39 @@ def test_a_way_may_begin_at_a_node_inside_the_window_or_at_a_narrow_one():
 def test_refused_too_narrow():
     arc = np.array([(6.0, 0.0, 6.0, 0.4)])
     nodes = standing_at((1.0, 0.2))
-    assert planner().viewing_place(arc, shapely.box(0, 0, 6, 0.4), 3.0, nodes) == "too narrow"
+    assert viewing_place(arc, shapely.box(0, 0, 6, 0.4), 3.0, nodes) == "too narrow"
 
 
 def test_refused_too_narrow_where_the_room_does_not_see_the_arc():
     # Round the corner of a slit: the room beside it is wide, but sees none of the arc's middle.
-    known = shapely.union_all(
+    free = shapely.union_all(
         [shapely.box(0, 0, 2, 2), shapely.box(2, 0, 3, 0.2), shapely.box(2.8, 0, 3, 2)]
     )
     arc = np.array([(3.0, 2.0, 2.8, 2.0)])
-    assert planner().viewing_place(arc, known, 3.0, standing_at((1.0, 1.0))) == "too narrow"
+    assert viewing_place(arc, free, 3.0, standing_at((1.0, 1.0))) == "too narrow"
 
 
 def test_refused_not_reachable():
     # The pocket before the arc has room for the body, but only a slit, round a corner, leads there.
     rooms = shapely.box(0, 0, 4, 4), shapely.box(4.5, 1, 6, 3)
     slit = shapely.box(4, 0, 5.2, 0.2), shapely.box(5, 0, 5.2, 1)
-    known = shapely.union_all([*rooms, *slit])
-    assert planner().viewing_place(ARC, known, 3.0, standing_at((1.0, 2.0))) == "not reachable"
-    assert planner().viewing_place(ARC, known, 3.0, []) == "not reachable"
+    free = shapely.union_all([*rooms, *slit])
+    assert viewing_place(ARC, free, 3.0, standing_at((1.0, 2.0))) == "not reachable"
+    assert viewing_place(ARC, free, 3.0, []) == "not reachable"
 
 
 def test_refused_seen_from_near():
     # A niche with room for places within 0.1 m of its middle, where there was a scan already.
-    known = shapely.box(5.3, 1.65, 6.0, 2.35)
+    free = shapely.box(5.3, 1.65, 6.0, 2.35)
     arc = np.array([(6.0, 1.9, 6.0, 2.1)])
     nodes = standing_at((5.65, 2.0))
-    assert planner().viewing_place(arc, known, 3.0, nodes) == "seen from near"
+    assert viewing_place(arc, free, 3.0, nodes) == "seen from near"
 
 
 def test_refused_where_the_arc_is_not_at_known_space():
     away = ARC + 50.0
-    known = shapely.box(0, 0, 6, 4)
-    assert planner().viewing_place(away, known, 3.0, standing_at((1.0, 2.0))) == "too narrow"
+    free = shapely.box(0, 0, 6, 4)
+    assert viewing_place(away, free, 3.0, standing_at((1.0, 2.0))) == "too narrow"
 
 
 def test_points_of_an_arc_its_middle_first():

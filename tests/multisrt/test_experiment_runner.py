@@ -71,11 +71,16 @@ MISCHIEF = """
         assert sys.stdin.read() == ""
         return as_usual(me)
 
+    def litter(me, options):
+        garbage = [bytearray(120_000_000)]
+        garbage.append(garbage)
+        return as_usual(me)
+
     def sleep(me, options):
         Path("asleep").touch()
         time.sleep(1e6)
 
-    for does in (hang, hang_in_c, eat, crash, leave, die, die_once, chat, sleep):
+    for does in (hang, hang_in_c, eat, crash, leave, die, die_once, chat, litter, sleep):
         register(Strategy(name=does.__name__, summary="", options=NoOptions, explorer=does))
 """
 
@@ -261,6 +266,11 @@ def test_what_strategies_print_does_not_get_between(worker):
     pid = worker.pid
     assert worker.make(job("chat")).status == "complete"
     assert worker.pid == pid
+
+
+def test_a_worker_gives_back_what_runs_have_left(worker):
+    took_mb = [worker.make(job("litter")).memory_mb for _ in range(8)]
+    assert took_mb[-1] - took_mb[0] < 3 * 120.0
 
 
 def test_a_worker_that_was_killed_from_outside_makes_its_run_once_more(worker):

@@ -2,11 +2,14 @@ import ast
 import importlib.util
 import subprocess
 import sys
+from collections import Counter
 from pathlib import Path
 
 import pytest
 
 from multisrt import registry
+from multisrt.experiments.crossing import runs
+from multisrt.experiments.description import ExperimentSpec
 
 EXAMPLES = Path(__file__).parent.parent / "examples"
 
@@ -26,6 +29,14 @@ def test_an_explorer_of_ones_own(monkeypatch, tmp_path, capsys):
     assert "nearest-frontier keeps to the contract of explorers" in told
     assert "99." in told or "100.0% covered" in told
     assert (tmp_path / "own_explorer.svg").read_text().count("<path") > 10
+
+
+def test_robustness_is_a_hundred_runs_of_every_strategy():
+    experiment = ExperimentSpec.from_toml((EXAMPLES / "robustness.toml").read_text())
+    planned = runs(experiment)
+    names = [strategy.name for strategy in registry.strategies()]
+    assert Counter(run.spec.strategy for run in planned) == dict.fromkeys(names, 100)
+    assert all(run.spec.faults for run in planned)
 
 
 def test_an_explorer_has_less_than_forty_lines():

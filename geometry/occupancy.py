@@ -528,6 +528,18 @@ def _occupy(
     return new
 
 
+@inlined_kernel
+def _are_near(marks: NDArray[np.uint8], r0: int, r1: int, c0: int, c1: int) -> bool:
+    # Whether all cells of a window are, without a branch for each.
+    for r in range(r0, r1):
+        near = NEAR
+        for c in range(c0, c1):
+            near &= marks[r, c]
+        if not near:
+            return False
+    return True
+
+
 @kernel
 def _keep_away(
     ax: float,
@@ -549,6 +561,10 @@ def _keep_away(
     length2 = dx * dx + dy * dy
     first = int(np.ceil((ay - radius) / cell + OFFSET - 0.5))
     last = int(np.floor((by + radius) / cell + OFFSET - 0.5))
+    left = int(np.ceil((min(ax, bx) - radius) / cell + OFFSET - 0.5))
+    right = int(np.floor((max(ax, bx) + radius) / cell + OFFSET - 0.5))
+    if _are_near(marks, first - row, last + 1 - row, left - column, right + 1 - column):
+        return
     for r in range(first, last + 1):
         # Only the part of the segment counts that is near enough to the row.
         y = (r + 0.5) * cell - shift

@@ -16,6 +16,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Final, Literal
 
 import numpy as np
@@ -135,27 +136,55 @@ def _boundary_from_beams(scan: LaserScan) -> tuple[FloatArray, TagArray]:
         raise InvalidInputError(
             f"a safe region needs at least 5 beams around the robot, not {len(scan.ranges)}"
         )
-    hit = np.isfinite(scan.ranges)
-    reading = np.where(hit, scan.ranges, scan.range_m)
-    nearest = np.minimum(reading, np.minimum(np.roll(reading, 1), np.roll(reading, -1)))
-    radius = nearest * (1.0 - math.tan(0.5 * spacing))
-    direction = spacing * np.arange(len(reading))
-    boundary = np.column_stack(
-        [
-            scan.configuration.x + radius * np.cos(direction),
-            scan.configuration.y + radius * np.sin(direction),
-        ]
-    )
+    x, y, _ = scan.configuration
+    directions = _directions(len(scan.ranges), spacing)
+    boundary, tags = _chords(scan.ranges, scan.range_m, x, y, spacing, directions)
+    return boundary, tags
 
-    def one_surface(distance: FloatArray) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
-        following = np.roll(distance, -1)
-        jump = np.abs(following - distance)
-        return jump <= np.minimum(distance, following) * spacing / math.tan(GRAZING_ANGLE_RAD)
 
-    surface = hit & np.roll(hit, -1) & one_surface(reading) & one_surface(nearest)
-    at_range = nearest == scan.range_m
-    open_end = at_range & np.roll(at_range, -1)
-    tags = np.where(surface, OBSTACLE, np.where(open_end, RANGE, GAP)).astype(np.int8)
+@lru_cache(maxsize=16)
+def _directions(beams: int, spacing_rad: float) -> FloatArray:
+    angles = spacing_rad * np.arange(beams)
+    directions = np.column_stack([np.cos(angles), np.sin(angles)])
+    directions.setflags(write=False)
+    return directions
+
+
+@kernel
+def _chords(
+    ranges: FloatArray,
+    range_m: float,
+    x: float,
+    y: float,
+    spacing: float,
+    directions: FloatArray,
+) -> tuple[FloatArray, TagArray]:
+    # A corner on every beam, before the nearest of its reading and those beside it.
+    n = ranges.shape[0]
+    indent, steepest = math.tan(0.5 * spacing), math.tan(GRAZING_ANGLE_RAD)
+    reading, nearest = np.empty(n), np.empty(n)
+    for i in range(n):
+        reading[i] = ranges[i] if np.isfinite(ranges[i]) else range_m
+    boundary, tags = np.empty((n, 2)), np.empty(n, np.int8)
+    for i in range(n):
+        nearest[i] = min(reading[i], reading[i - 1], reading[i + 1 - n])
+        radius = nearest[i] * (1.0 - indent)
+        boundary[i, 0], boundary[i, 1] = (
+            x + radius * directions[i, 0],
+            y + radius * directions[i, 1],
+        )
+    for i in range(n):
+        j = i + 1 - n
+        is_surface = np.isfinite(ranges[i]) and np.isfinite(ranges[j])
+        for distance in (reading, nearest):
+            jump = abs(distance[j] - distance[i])
+            is_surface &= jump <= min(distance[i], distance[j]) * spacing / steepest
+        if is_surface:
+            tags[i] = OBSTACLE
+        elif nearest[i] == range_m and nearest[j] == range_m:
+            tags[i] = RANGE
+        else:
+            tags[i] = GAP
     return boundary, tags
 
 

@@ -19,6 +19,7 @@ from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.distance_field import distance_field
 from multisrt.geometry.edge_index import EdgeIndex
 from multisrt.geometry.frontier_arcs import frontier_candidates, uncovered
+from multisrt.geometry.known_space import Rings
 from multisrt.geometry.laser import laser_ranges
 from multisrt.geometry.raster import Raster
 from multisrt.geometry.safe_region import LocalSafeRegion, local_safe_region
@@ -167,9 +168,7 @@ def frontier(nodes: int = 3000) -> Claim:
     places = worlds.viewpoints(free, nodes, seed=5)
     known = regions_of(free, places)
     polygons = np.array([region.polygon() for region in known])
-    starts = np.concatenate([[0], np.cumsum([len(region.boundary) for region in known])])
-    corners = np.vstack([region.boundary for region in known])
-    boxes = shapely.bounds(polygons)
+    rings = Rings.of([region.boundary for region in known])
     tree = cKDTree(places)
     queries = list(range(nodes - 150, nodes))
     neighbours = {
@@ -179,7 +178,7 @@ def frontier(nodes: int = 3000) -> Claim:
 
     def ours(i: int) -> np.ndarray:
         candidates = frontier_candidates(known[i].boundary, known[i].tags)
-        return uncovered(candidates, starts, corners, boxes, neighbours[i])[0]
+        return uncovered(candidates, *rings, neighbours[i])[0]
 
     def theirs(i: int) -> shapely.Geometry:
         # The tagged pieces as lines, less one neighbour that touches them after the other:

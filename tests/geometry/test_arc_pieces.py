@@ -23,6 +23,7 @@ from multisrt.geometry.frontier_arcs import (
     frontier_candidates,
     uncovered,
 )
+from multisrt.geometry.known_space import Rings
 from multisrt.geometry.safe_region import local_safe_region
 from multisrt.geometry.scan import take_scan
 
@@ -32,10 +33,7 @@ class Regions:
 
     def __init__(self, regions, ids):
         self.regions = regions
-        boundaries = [region.boundary for region in regions]
-        self.starts = np.cumsum([0, *map(len, boundaries)])
-        self.corners = np.vstack(boundaries)
-        self.boxes = np.array([[*b.min(axis=0), *b.max(axis=0)] for b in boundaries])
+        self.starts, self.corners, self.boxes = Rings.of([r.boundary for r in regions])
         self.ids = np.asarray(ids)
 
     def uncovered(self, segments, ids):

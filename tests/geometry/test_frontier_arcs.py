@@ -15,6 +15,7 @@ from multisrt.geometry.frontier_arcs import (
     total_length,
     uncovered,
 )
+from multisrt.geometry.known_space import Rings
 from multisrt.geometry.safe_region import local_safe_region
 from multisrt.geometry.scan import take_scan
 
@@ -29,19 +30,12 @@ def regions(worlds, free, places, shape="radial", range_m=R):
     ]
 
 
-def packed(polygons):
-    """Polygons' corners as the kernels take them: starts, corners, boxes."""
-    starts = np.concatenate([[0], np.cumsum([len(p) for p in polygons])]).astype(np.int64)
-    boxes = np.array([[*p.min(axis=0), *p.max(axis=0)] for p in polygons])
-    return starts, np.vstack(polygons), boxes
-
-
 def take(segments, polygons, ids=None):
     """What the polygons leave of the segments."""
     if not polygons:
         return segments
     ids = np.arange(len(polygons)) if ids is None else np.asarray(ids, np.int64)
-    rest, _ = uncovered(segments, *packed(polygons), ids)
+    rest, _ = uncovered(segments, *Rings.of(polygons), ids)
     return rest
 
 
@@ -110,7 +104,7 @@ def test_a_square_takes_what_lies_in_it_by_hand(segment, left):
 
 def test_what_is_left_keeps_its_order_and_its_source():
     segments = np.array([[-1.0, 1, 3, 1], [0.5, 1, 1.5, 1], [-1, 1.5, 3, 1.5]])
-    rest, source = uncovered(segments, *packed([SQUARE]), np.array([0]))
+    rest, source = uncovered(segments, *Rings.of([SQUARE]), np.array([0]))
     assert source.tolist() == [0, 0, 2, 2]
     assert rest[:, 0] == pytest.approx([-1, 2, -1, 2])
 
@@ -120,12 +114,12 @@ def test_the_order_of_the_polygons_makes_no_difference(worlds):
     known = [r.boundary for r in regions(worlds, free, worlds.viewpoints(free, 12, seed=44))]
     segments = np.hstack([known[0], np.roll(known[0], -1, axis=0)])
     others = np.arange(1, len(known))
-    rest, source = uncovered(segments, *packed(known), others)
+    rest, source = uncovered(segments, *Rings.of(known), others)
     assert 0 < len(np.unique(source)) < len(segments)
     for seed in range(20):
         order = np.random.default_rng(seed).permutation(others)
         asked = order.copy()
-        again, again_source = uncovered(segments, *packed(known), order)
+        again, again_source = uncovered(segments, *Rings.of(known), order)
         assert np.array_equal(again, rest)
         assert np.array_equal(again_source, source)
         assert np.array_equal(order, asked)
@@ -191,7 +185,7 @@ def test_arcs_by_dense_sampling(worlds, name):
         for polygon in polygons:
             seen |= shapely.contains_xy(polygon, points[:, 0], points[:, 1])
         rest, source = uncovered(
-            candidates, *packed([o.boundary for o in others]), np.arange(len(others))
+            candidates, *Rings.of([o.boundary for o in others]), np.arange(len(others))
         )
         for k in range(len(candidates)):
             mine = owner == k

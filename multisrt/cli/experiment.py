@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from multisrt.cli.given import described
+from multisrt.cli.running import make_runs, running_options
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -259,21 +260,12 @@ def _troubles(probes: Sequence[Result]) -> dict[Condition, str]:
     metavar="RESULTS",
     help="Where results go.  [default: FILE with .sqlite for its suffix]",
 )
-@click.option(
-    "--workers",
-    type=click.IntRange(1),
-    metavar="N",
-    help="Processes on this machine.  [default: one for each core]",
-)
-@click.option(
-    "--cluster", metavar="ADDRESS", help="A scheduler of dask.distributed instead: tcp://HOST:8786."
-)
+@running_options
 @click.option(
     "--recordings",
     type=click.Choice(["none", "failed", "all"]),
     help="Which recordings are kept.  [default: as FILE says]",
 )
-@click.option("--retry", is_flag=True, help="Make runs again that did not come to an end.")
 @click.option(
     "--import",
     "modules",
@@ -281,7 +273,6 @@ def _troubles(probes: Sequence[Result]) -> dict[Condition, str]:
     metavar="MODULE",
     help="A module that registers strategies; repeat for several.",
 )
-@click.option("--quiet", is_flag=True, help="Print nothing but errors.")
 def run(
     file: Path,
     store: Path | None,
@@ -309,31 +300,23 @@ def run(
     """
     import msgspec
 
-    from multisrt.experiments.live import LiveProgress
-    from multisrt.experiments.runner import run_experiment
-    from multisrt.experiments.store import Store
     from multisrt.experiments.worker import import_modules
 
-    if workers is not None and cluster is not None:
-        raise click.UsageError("give --workers or --cluster, not both: a cluster has its own")
     import_modules(modules)
     spec = read_experiment(file)
     if recordings is not None:
         spec = msgspec.structs.replace(spec, recordings=recordings)
     path = file.with_suffix(".sqlite") if store is None else store
-    with Store.create_or_open(path, spec, file.parent) as opened:
-        if retry:
-            opened.forget()
-        try:
-            with LiveProgress(not quiet) as live:
-                run_experiment(
-                    opened, workers=workers, cluster=cluster, modules=modules, progress=live
-                )
-        except KeyboardInterrupt:
-            done = f"{opened.done} of {opened.asked} runs are stored in {path}"
-            click.echo(f"{done}; the same command goes on", err=True)
-            raise click.Abort from None
-        results = opened.results()
+    results = make_runs(
+        path,
+        spec,
+        file.parent,
+        workers=workers,
+        cluster=cluster,
+        retry=retry,
+        quiet=quiet,
+        modules=modules,
+    )
     if not quiet:
         _print_results(results, path)
     if any(result.status != "complete" for result in results):

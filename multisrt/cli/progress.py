@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-import sys
 from typing import TYPE_CHECKING
+
+from multisrt.terminal import LiveLine
 
 if TYPE_CHECKING:
     from multisrt.environments.environment import Environment
@@ -12,37 +13,15 @@ if TYPE_CHECKING:
     from multisrt.spec import RunSpec
 
 
-class Progress:
+class Progress(LiveLine):
     """What a person sees while a run goes on: the share covered, on a terminal only."""
 
     def __init__(self, quiet: bool) -> None:
-        self.shown = not quiet and sys.stderr.isatty()
+        super().__init__(not quiet)
 
-    def __enter__(self) -> Progress:
-        if self.shown:
-            from rich import progress
-            from rich.console import Console
-
-            self.bar = progress.Progress(
-                progress.TextColumn("{task.description}"),
-                progress.BarColumn(),
-                progress.TaskProgressColumn(),
-                progress.TextColumn("{task.fields[note]}"),
-                console=Console(stderr=True),
-                transient=True,
-            )
-            self.bar.start()
-            self.task = self.bar.add_task("starting", total=None, note="")
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        if self.shown:
-            self.bar.stop()
-
-    def say(self, what: str) -> None:
-        """Tell what is being done."""
-        if self.shown:
-            self.bar.update(self.task, description=what, total=None, note="")
+    def say(self, note: str) -> None:
+        """Tell what is being done, of which no share is known."""
+        self.update(description=note, total=None, note="")
 
     def watcher(self, spec: RunSpec, world: Environment) -> Watcher | None:
         """Give what watches a run, where anybody does."""
@@ -61,8 +40,7 @@ class Progress:
             if isinstance(event, NodeAdded):
                 nodes += 1
                 meter.add(event)
-                self.bar.update(
-                    self.task,
+                self.update(
                     description=spec.strategy,
                     total=1.0,
                     completed=meter.share,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 
 import click
@@ -53,25 +52,22 @@ def report(
       multisrt report results.sqlite --baseline srt-star --measure makespan_s --latex
     """
     from multisrt.experiments.store import Store
-    from multisrt.reporting.page import write_report
+    from multisrt.terminal import LiveLine
 
-    with Store.open(results) as store:
-        found, folder = store.results(), store.folder
+    with LiveLine(not quiet, "report", "reading") as live:
+        with Store.open(results) as store:
+            found, folder = store.results(), store.folder
+        from multisrt.reporting.page import write_report
 
-    def say(text: str) -> None:
-        if not quiet and sys.stderr.isatty():
-            click.echo(f"\r\033[K{text[:78]}", nl=False, err=True)
-
-    page = write_report(
-        found,
-        out,
-        latex=latex,
-        gallery=not no_gallery,
-        measures=measures,
-        baseline=baseline,
-        folder=folder,
-        progress=say,
-    )
-    say("")
+        page = write_report(
+            found,
+            out,
+            latex=latex,
+            gallery=not no_gallery,
+            measures=measures,
+            baseline=baseline,
+            folder=folder,
+            progress=live.say,
+        )
     if not quiet:
         click.echo(f"{page}: {len(found)} of {found.asked} runs")

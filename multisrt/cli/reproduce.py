@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import click
 
+from multisrt.cli.running import make_runs, running_options
+
 if TYPE_CHECKING:
     from multisrt.experiments.results import Results
     from multisrt.presets import Preset
@@ -27,7 +29,7 @@ RUNS_FAILED = 3
     metavar="N",
     help="Repetitions of every condition.  [default: see below]",
 )
-@click.option("--workers", type=int, metavar="N", help="Processes.  [default: all cores]")
+@running_options
 @click.option(
     "--out",
     type=click.Path(path_type=Path),
@@ -40,15 +42,14 @@ RUNS_FAILED = 3
     metavar="FILE",
     help=f"Where results are stored.  [default: {STORE_NAME} in DIR]",
 )
-@click.option("--retry", is_flag=True, help="Make runs again that did not come to an end.")
 @click.option("--no-gallery", is_flag=True, help="Draw no trees: nothing is simulated again.")
-@click.option("--quiet", is_flag=True, help="Print nothing but errors.")
 def reproduce(
     name: str,
     *,
     quick: bool,
     seeds: int | None,
     workers: int | None,
+    cluster: str | None,
     out: Path | None,
     store: Path | None,
     retry: bool,
@@ -64,6 +65,7 @@ def reproduce(
     Examples:
       multisrt reproduce multi-srt --quick
       multisrt reproduce sbx-r --seeds 31 --workers 2
+      multisrt reproduce minpos --cluster tcp://node1:8786
 
     \b
     Repetitions, in full and quick, and those of the paper:
@@ -78,18 +80,17 @@ def reproduce(
       report           the page, its figures and tables
       summary.md       claims and figures beside the paper's, as text
 
-    Exit code: 0 all runs are complete, 3 some are not (the claims are judged all the same), 2 bad
-    input.
+    \b
+    Exit code: 0 all runs complete, 3 some are not or had a collision (the claims are judged all
+    the same), 2 bad input, 130 interrupted.
     """
     import msgspec
 
-    from multisrt.experiments.live import LiveProgress
-    from multisrt.experiments.runner import run_experiment
-    from multisrt.experiments.store import Store
     from multisrt.presets import preset_named
     from multisrt.presets.summary import summary
     from multisrt.recording import written_whole
     from multisrt.reporting.page import write_report
+    from multisrt.terminal import LiveLine
 
     preset = preset_named(name)
     experiment = preset.experiment(quick)
@@ -98,17 +99,9 @@ def reproduce(
     out = out or Path("reproduced") / (name + ("-quick" if quick else ""))
     path = store or out / STORE_NAME
     _make_folder(out)
-    with Store.create_or_open(path, experiment) as opened:
-        if retry:
-            opened.forget()
-        try:
-            with LiveProgress(not quiet) as live:
-                run_experiment(opened, workers=workers, progress=live)
-        except KeyboardInterrupt:
-            done = f"{opened.done} of {opened.asked} runs are stored in {path}"
-            click.echo(f"{done}; the same command goes on", err=True)
-            raise click.Abort from None
-        results = opened.results()
+    results = make_runs(
+        path, experiment, workers=workers, cluster=cluster, retry=retry, quiet=quiet
+    )
     claims, tables = preset.claims(results), preset.tables(results)
     command = f"multisrt reproduce {name}{' --quick' * quick}"
     if seeds is not None:
@@ -116,7 +109,7 @@ def reproduce(
     text = summary(preset, results, command, claims=claims, tables=tables)
     with written_whole(out / SUMMARY_NAME) as file:
         file.write(text.encode())
-    with LiveProgress(not quiet) as live:
+    with LiveLine(not quiet, "report") as live:
         page = write_report(
             results,
             out / REPORT_NAME,

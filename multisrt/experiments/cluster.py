@@ -75,7 +75,7 @@ def _client(address: str) -> Client:
         raise InvalidInputError(
             "a cluster needs the package 'distributed'; pip install 'multisrt[cluster]'"
         ) from None
-    if re.fullmatch(r"(tcp|tls|ws|wss|ucx)://.+", address) is None:
+    if re.fullmatch(r"(tcp|tls|ws|wss|ucx)://.+:\d{1,5}/?", address) is None:
         raise InvalidInputError(
             f"the address of a scheduler is like tcp://host:8786, not {address!r}"
         )

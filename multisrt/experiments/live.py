@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-import sys
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from multisrt.terminal import LiveLine
 
 if TYPE_CHECKING:
     from multisrt.experiments.runner import Progress
 
 
-class LiveProgress:
+class LiveProgress(LiveLine):
     """A bar that `run_experiment` moves; nothing where there is no terminal.
 
     Parameters
@@ -19,42 +20,11 @@ class LiveProgress:
     """
 
     def __init__(self, shown: bool = True) -> None:
-        self.shown = shown and sys.stderr.isatty()
-        self._bar: Any = None
-        self._task: Any = None
-
-    def __enter__(self) -> LiveProgress:
-        if self.shown:
-            from rich import progress
-            from rich.console import Console
-
-            self._bar = progress.Progress(
-                progress.TextColumn("{task.description}"),
-                progress.BarColumn(bar_width=24),
-                progress.MofNCompleteColumn(),
-                progress.TextColumn("{task.fields[note]}"),
-                console=Console(stderr=True),
-                transient=True,
-            )
-            self._bar.start()
-            self._task = self._bar.add_task("runs", total=None, note="starting workers")
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        if self._bar is not None:
-            self._bar.stop()
+        super().__init__(shown, "runs", "starting workers", counted=True)
 
     def __call__(self, now: Progress) -> None:
         """Take in how far it is."""
-        if self._bar is not None:
-            self._bar.update(
-                self._task, total=now.total, completed=now.done, note=f"{note_of(now)}"
-            )
-
-    def say(self, what: str) -> None:
-        """Tell what is being done."""
-        if self._bar is not None:
-            self._bar.update(self._task, note=what)
+        self.update(total=now.total, completed=now.done, note=note_of(now))
 
 
 def note_of(now: Progress) -> str:

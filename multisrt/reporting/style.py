@@ -11,7 +11,9 @@ from typing import Any, Final
 
 import matplotlib as mpl
 from matplotlib.axes import Axes
+from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from multisrt.drawing.colours import INK, ROBOT_COLOURS, tint
 from multisrt.drawing.svg import printable
@@ -167,12 +169,12 @@ def drawn(
 ) -> Picture:
     """Draw a figure of one pair of axes."""
     with _settings():
-        figure = Figure(figsize=(WIDTH_IN, height_in), layout="constrained")
-        axes = figure.add_subplot()
-        draw(axes)
+        figure = Figure(figsize=(WIDTH_IN, height_in))
+        FigureCanvasSVG(figure)  # by which letters are measured
+        draw(figure.add_subplot())
+        # Once for both files: a figure that lays itself out draws all twice for each of them.
+        ConstrainedLayoutEngine().execute(figure)
         svg = _saved(figure, "svg", {"Date": None, "Creator": None, "Title": printable(title)})
-        # Everything has its place now; finding it once more takes time.
-        figure.set_layout_engine("none")
         return Picture(
             name=name,
             title=printable(title),

@@ -27,6 +27,9 @@ __all__ = [
     "summary_table",
 ]
 
+FEWEST_FOR_INTERVALS = 10
+"""Of fewer runs, intervals by resampling hold the true value clearly less often than they say."""
+
 NOTHING = Cell(text="", sort=math.inf)
 """Where there are no runs."""
 
@@ -69,6 +72,14 @@ def measure_table(study: Study, measure: Measure) -> Table:
         f"95 % interval (stratified bootstrap). "
         f"{'Lower' if measure.lower_is_better else 'Higher'} is better."
     ]
+    fewest = min(
+        (len(study.of(s, name)) for s in study.settings for name in study.here(s)), default=0
+    )
+    if 1 < fewest < FEWEST_FOR_INTERVALS:
+        notes.append(
+            f"There are conditions of {fewest} runs only: resampling so few gives intervals that "
+            "are too narrow."
+        )
     if study.rivals:
         notes.append(
             f"+ significantly better than {study.baseline}, - significantly worse, no mark: no "

@@ -8,10 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from multisrt.geometry.arrays import FloatArray, IntArray
+from multisrt.geometry.arrays import FloatArray
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.statistics.intervals import LEVEL, RESAMPLES, percentile_ends
-from multisrt.statistics.samples import ascending, checked_resamples, finite_sample_of
+from multisrt.statistics.samples import ascending, finite_sample_of
 from multisrt.statistics.summaries import median, quantile
 
 StepCurve = tuple[ArrayLike, ArrayLike]
@@ -31,29 +30,16 @@ class CurveBands:
         The grid.
     median, lower_quartile, upper_quartile : ndarray of float, shape (n,)
         Of the runs at each time: the quartiles say how much runs differ.
-    low, high : ndarray of float, shape (n,)
-        Ends of the median's interval, pointwise: they say how well the median is known.
     """
 
     times: FloatArray
     median: FloatArray
     lower_quartile: FloatArray
     upper_quartile: FloatArray
-    low: FloatArray
-    high: FloatArray
 
 
-def curve_bands(
-    curves: Sequence[StepCurve],
-    times: ArrayLike,
-    *,
-    level: float = LEVEL,
-    resamples: int = RESAMPLES,
-    rng: np.random.Generator | int,
-) -> CurveBands:
-    """Median, quartiles and the median's bootstrap interval of the curves of runs, against time.
-
-    The bootstrap draws whole runs.
+def curve_bands(curves: Sequence[StepCurve], times: ArrayLike) -> CurveBands:
+    """Median and quartiles of the curves of runs, against time.
 
     Parameters
     ----------
@@ -61,27 +47,18 @@ def curve_bands(
         One for each run of a condition.
     times : array_like, shape (n,)
         The grid, ascending; see `common_grid`.
-    level, resamples, rng
-        As in `intervals.bootstrap`.
 
     Raises
     ------
     InvalidInputError
         See `on_grid`.
     """
-    at = ascending(times, "times")
-    shares = on_grid(curves, at)
-    runs = len(shares)
-    generator = np.random.default_rng(rng)
-    drawn = generator.integers(runs, size=(checked_resamples(resamples), runs))
-    low, high = _median_ends(shares, drawn, level)
+    shares = on_grid(curves, times).T
     return CurveBands(
-        times=at,
-        median=median(shares.T),
-        lower_quartile=quantile(shares.T, 0.25),
-        upper_quartile=quantile(shares.T, 0.75),
-        low=low,
-        high=high,
+        times=ascending(times, "times"),
+        median=median(shares),
+        lower_quartile=quantile(shares, 0.25),
+        upper_quartile=quantile(shares, 0.75),
     )
 
 
@@ -129,19 +106,6 @@ def common_grid(curves: Sequence[StepCurve], points: int = GRID_POINTS) -> Float
     if end <= 0.0:
         raise InvalidInputError("no curve changes after time 0: there is no span to lay a grid on")
     return np.linspace(0.0, end, points)
-
-
-def _median_ends(
-    shares: FloatArray, drawn: IntArray, level: float
-) -> tuple[FloatArray, FloatArray]:
-    """Give the ends of the median's interval at each time; `drawn` is the runs of the resamples."""
-    low, high = np.empty(shares.shape[1]), np.empty(shares.shape[1])
-    for i, at_once in enumerate(shares.T):
-        if i > 0 and np.array_equal(at_once, shares[:, i - 1]):
-            low[i], high[i] = low[i - 1], high[i - 1]
-        else:
-            low[i], high[i] = percentile_ends(median(at_once[drawn]), level)
-    return low, high
 
 
 def _checked(curves: Sequence[StepCurve]) -> list[tuple[FloatArray, FloatArray]]:

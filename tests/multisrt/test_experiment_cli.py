@@ -14,7 +14,7 @@ import pytest
 
 from multisrt import cli
 from multisrt.cli.experiment import MOST_ROWS
-from multisrt.experiments import live, runner, template, worker
+from multisrt.experiments import runner, template, worker
 from multisrt.experiments.crossing import runs
 from multisrt.experiments.description import ExperimentSpec, schema
 from multisrt.experiments.live import LiveProgress, duration, note_of
@@ -442,7 +442,7 @@ def test_nothing_is_shown_where_there_is_no_terminal(capsys):
 
 
 def test_a_bar_is_shown_on_a_terminal(monkeypatch, capsys):
-    monkeypatch.setattr(live.sys.stderr, "isatty", lambda: True, raising=False)
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True, raising=False)
     with LiveProgress() as bar:
         bar(progress(40, 20, 60.0))
         bar._bar.refresh()

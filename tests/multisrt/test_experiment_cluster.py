@@ -12,9 +12,7 @@ from pathlib import Path
 import msgspec
 import pytest
 
-from multisrt.experiments.crossing import runs
 from multisrt.experiments.description import ExperimentSpec
-from multisrt.experiments.mission import make_run
 from multisrt.experiments.runner import run_experiment
 from multisrt.experiments.store import Store
 from multisrt.geometry.errors import InvalidInputError
@@ -33,40 +31,9 @@ SPEC = ExperimentSpec(
     recordings="all",
 )
 
-RUNNER = """
-import sys
-from multisrt.experiments.description import ExperimentSpec
-from multisrt.experiments.runner import run_experiment
-from multisrt.experiments.store import Store
-from multisrt.geometry.errors import InvalidInputError
-
-spec = ExperimentSpec.from_json(sys.argv[2])
-try:
-    with Store.create_or_open(sys.argv[1], spec) as store:
-        tell = lambda p: print(p.done, flush=True)
-        run_experiment(store, cluster=sys.argv[3], progress=tell)
-except InvalidInputError as error:
-    sys.exit(str(error))
-"""
-"""In a process of its own, as distributed leaves warnings behind."""
-
-
-@pytest.fixture(scope="module")
-def undisturbed() -> dict[str, str]:
-    return {run.key: make_run(run, SPEC.limits).digest for run in runs(SPEC)}
-
-
-@contextlib.contextmanager
-def ended_at_last(command: list[str], **options):
-    with subprocess.Popen(command, text=True, **options) as process:
-        try:
-            yield process
-        finally:
-            process.kill()
-
 
 @pytest.fixture
-def scheduler(tmp_path):
+def scheduler(tmp_path, ended_at_last):
     """The address of a scheduler."""
     file = tmp_path / "scheduler.json"
     command = [sys.executable, "-m", "distributed.cli.dask_scheduler", "--no-dashboard"]
@@ -81,15 +48,16 @@ def scheduler(tmp_path):
             time.sleep(0.05)
 
 
-def cluster_worker(address: str, folder: Path, **options):
-    command = [sys.executable, "-m", "distributed.cli.dask_worker", address, "--no-nanny"]
-    command += ["--nthreads", "1", "--no-dashboard", "--local-directory", str(folder)]
-    return ended_at_last(command, stderr=subprocess.DEVNULL, **options)
+@pytest.fixture
+def cluster_worker(tmp_path, scheduler, ended_at_last):
+    """Start a worker of the scheduler's."""
 
+    def started():
+        command = [sys.executable, "-m", "distributed.cli.dask_worker", scheduler, "--no-nanny"]
+        command += ["--nthreads", "1", "--no-dashboard", "--local-directory", str(tmp_path)]
+        return ended_at_last(command, stderr=subprocess.DEVNULL)
 
-def runner(path: Path, address: str, *, before: str = ""):
-    command = [sys.executable, "-c", before + RUNNER, str(path), SPEC.to_json(), address]
-    return ended_at_last(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    return started
 
 
 def require_all(path: Path, undisturbed: dict[str, str]) -> None:
@@ -102,12 +70,13 @@ def require_all(path: Path, undisturbed: dict[str, str]) -> None:
 
 
 @needs_distributed
-def test_a_worker_of_the_cluster_that_is_killed_costs_nothing(tmp_path, scheduler, undisturbed):
-    path = tmp_path / "results.sqlite"
+def test_a_worker_of_the_cluster_that_is_killed_costs_nothing(
+    path, scheduler, cluster_worker, runner, undisturbed
+):
     with (
-        cluster_worker(scheduler, tmp_path) as first,
-        cluster_worker(scheduler, tmp_path),
-        runner(path, scheduler) as process,
+        cluster_worker() as first,
+        cluster_worker(),
+        runner(path, cluster=scheduler) as process,
     ):
         for line in process.stdout:
             if int(line) == 2:
@@ -118,24 +87,24 @@ def test_a_worker_of_the_cluster_that_is_killed_costs_nothing(tmp_path, schedule
 
 
 @needs_distributed
-def test_a_runner_that_is_killed_goes_on_with_the_cluster(tmp_path, scheduler, undisturbed):
-    path = tmp_path / "results.sqlite"
-    with cluster_worker(scheduler, tmp_path):
-        with runner(path, scheduler) as process:
+def test_a_runner_that_is_killed_goes_on_with_the_cluster(
+    path, scheduler, cluster_worker, runner, undisturbed
+):
+    with cluster_worker():
+        with runner(path, cluster=scheduler) as process:
             for line in process.stdout:
                 if int(line) == 2:
                     process.kill()
         with Store.open(path) as store:
             assert 2 <= store.done < len(undisturbed)
-        with runner(path, scheduler) as process:
+        with runner(path, cluster=scheduler) as process:
             _, errors = process.communicate()
             assert process.returncode == 0, errors
     require_all(path, undisturbed)
 
 
 @needs_distributed
-def test_a_scheduler_that_is_lost_is_told(tmp_path):
-    path = tmp_path / "results.sqlite"
+def test_a_scheduler_that_is_lost_is_told(path, runner, ended_at_last):
     code = """
 import sys, signal, os
 from distributed import LocalCluster
@@ -149,7 +118,7 @@ if __name__ == "__main__":
     pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": subprocess.DEVNULL}
     with ended_at_last(command, **pipes) as cluster:
         address = cluster.stdout.readline().strip()
-        with runner(path, address) as process:
+        with runner(path, cluster=address) as process:
             for line in process.stdout:
                 if int(line) == 2:
                     cluster.kill()
@@ -162,17 +131,16 @@ if __name__ == "__main__":
 
 
 @needs_distributed
-def test_a_cluster_of_another_program_is_refused(tmp_path, scheduler):
+def test_a_cluster_of_another_program_is_refused(path, scheduler, cluster_worker, runner):
     pretend = """
 import msgspec
 import multisrt.experiments.cluster as cluster
 mine = msgspec.structs.replace(cluster.provenance(), program="0123")
 cluster.provenance = lambda: mine
 """
-    path = tmp_path / "results.sqlite"
     with (
-        cluster_worker(scheduler, tmp_path),
-        runner(path, scheduler, before=pretend) as process,
+        cluster_worker(),
+        runner(path, cluster=scheduler, before=pretend) as process,
     ):
         _, errors = process.communicate()
         assert process.returncode == 1
@@ -182,10 +150,10 @@ cluster.provenance = lambda: mine
 
 
 @needs_distributed
-def test_a_cluster_that_does_not_answer_is_told(tmp_path):
+def test_a_cluster_that_does_not_answer_is_told(path, runner):
     address = "tcp://127.0.0.1:1"
     few = "import multisrt.experiments.cluster as cluster; cluster.TIMEOUT_S = 1.0"
-    with runner(tmp_path / "results.sqlite", address, before=few) as process:
+    with runner(path, cluster=address, before=few) as process:
         _, errors = process.communicate()
         assert process.returncode == 1
     assert errors.startswith(f"no scheduler of dask.distributed answers at '{address}'")
@@ -193,18 +161,21 @@ def test_a_cluster_that_does_not_answer_is_told(tmp_path):
 
 
 @needs_distributed
-def test_what_is_no_address_is_told(tmp_path):
+@pytest.mark.parametrize(
+    "address", ["localhost", "localhost:8786", "tcp://", "tcp://host", "tcp://host:http"]
+)
+def test_what_is_no_address_is_told(path, address):
     with (
-        Store.create_or_open(tmp_path / "results.sqlite", SPEC) as store,
-        pytest.raises(InvalidInputError, match=r"like tcp://host:8786, not 'localhost'"),
+        Store.create_or_open(path, SPEC) as store,
+        pytest.raises(InvalidInputError, match=rf"like tcp://host:8786, not '{address}'"),
     ):
-        run_experiment(store, cluster="localhost")
+        run_experiment(store, cluster=address)
 
 
-def test_a_cluster_without_its_package_is_told(tmp_path, monkeypatch):
+def test_a_cluster_without_its_package_is_told(path, monkeypatch):
     monkeypatch.setitem(sys.modules, "distributed", None)
     with (
-        Store.create_or_open(tmp_path / "results.sqlite", SPEC) as store,
+        Store.create_or_open(path, SPEC) as store,
         pytest.raises(InvalidInputError, match=r"pip install 'multisrt\[cluster\]'"),
     ):
         run_experiment(store, cluster="tcp://127.0.0.1:1")

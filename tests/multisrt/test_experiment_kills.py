@@ -5,16 +5,13 @@ import os
 import resource
 import signal
 import subprocess
-import sys
 import time
 from pathlib import Path
 
 import msgspec
 import pytest
 
-from multisrt.experiments.crossing import runs
 from multisrt.experiments.description import ExperimentSpec
-from multisrt.experiments.mission import make_run
 from multisrt.experiments.store import Store
 from multisrt.geometry.errors import InvalidInputError
 
@@ -30,51 +27,6 @@ SPEC = ExperimentSpec(
     repetitions=4,
     recordings="all",
 )
-
-RUNNER = """
-import sys
-from multisrt.experiments.description import ExperimentSpec
-from multisrt.experiments.runner import run_experiment
-from multisrt.experiments.store import Store
-from multisrt.geometry.errors import InvalidInputError
-
-spec = ExperimentSpec.from_json(sys.argv[2])
-try:
-    with Store.create_or_open(sys.argv[1], spec) as store:
-        run_experiment(store, workers=2, progress=lambda p: print(p.done, flush=True))
-except InvalidInputError as error:
-    sys.exit(str(error))
-except KeyboardInterrupt:
-    sys.exit(130)
-"""
-
-
-@pytest.fixture(scope="module")
-def undisturbed() -> dict[str, str]:
-    """Digests of all runs, made one after another in this process."""
-    return {run.key: make_run(run, SPEC.limits).digest for run in runs(SPEC)}
-
-
-@pytest.fixture
-def path(tmp_path):
-    return tmp_path / "results.sqlite"
-
-
-@contextlib.contextmanager
-def runner(path: Path, spec: ExperimentSpec = SPEC, **options):
-    """A process that makes an experiment's runs and says after each how many there are."""
-    process = subprocess.Popen(
-        [sys.executable, "-c", RUNNER, str(path), spec.to_json()],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        **options,
-    )
-    with process:
-        try:
-            yield process
-        finally:
-            process.kill()
 
 
 def wait_for(process: subprocess.Popen[str], done: int) -> None:
@@ -107,25 +59,30 @@ def require_end(pids: list[int]) -> None:
         time.sleep(0.02)
 
 
-def finish(path: Path, undisturbed: dict[str, str], spec: ExperimentSpec = SPEC) -> None:
-    """The same command goes on; then all is there, as it would have been."""
-    with Store.open(path) as store:
-        before = {result.key: result for result in store.results()}
-    with runner(path, spec) as process:
-        _, errors = process.communicate()
-        assert process.returncode == 0, errors
-    with Store.open(path) as store:
-        results = store.results()
-        assert {result.key: result.digest for result in results} == undisturbed
-        assert len(results) == len(undisturbed)
-        # Those that were there were not made again: even their times are the same.
-        assert all(before.get(result.key, result) == result for result in results)
-    if spec.recordings == "all":
-        recordings = {store.recording_path(key) for key in undisturbed}
-        assert set(Path(f"{path}.recordings").iterdir()) == recordings
+@pytest.fixture
+def finish(runner, undisturbed):
+    """Have the same command go on; then all is there, as it would have been."""
+
+    def go_on(path: Path, spec: ExperimentSpec = SPEC) -> None:
+        with Store.open(path) as store:
+            before = {result.key: result for result in store.results()}
+        with runner(path, spec) as process:
+            _, errors = process.communicate()
+            assert process.returncode == 0, errors
+        with Store.open(path) as store:
+            results = store.results()
+            assert {result.key: result.digest for result in results} == undisturbed
+            assert len(results) == len(undisturbed)
+            # Those that were there were not made again: even their times are the same.
+            assert all(before.get(result.key, result) == result for result in results)
+        if spec.recordings == "all":
+            recordings = {store.recording_path(key) for key in undisturbed}
+            assert set(Path(f"{path}.recordings").iterdir()) == recordings
+
+    return go_on
 
 
-def test_a_runner_that_is_killed_loses_only_what_was_under_way(path, undisturbed):
+def test_a_runner_that_is_killed_loses_only_what_was_under_way(path, undisturbed, finish, runner):
     for done in (1, 3):
         with runner(path) as process:
             wait_for(process, done)
@@ -136,10 +93,10 @@ def test_a_runner_that_is_killed_loses_only_what_was_under_way(path, undisturbed
         require_end(workers)
         with Store.open(path) as store:
             assert done <= store.done < len(undisturbed)
-    finish(path, undisturbed)
+    finish(path)
 
 
-def test_workers_in_the_middle_of_a_run_end_with_their_runner(path):
+def test_workers_in_the_middle_of_a_run_end_with_their_runner(path, runner):
     # Long runs: the one that is under way would go on for long.
     spec = msgspec.structs.replace(SPEC, environments=("hospital",), robots=(8,))
     with runner(path, spec) as process:
@@ -151,16 +108,16 @@ def test_workers_in_the_middle_of_a_run_end_with_their_runner(path):
     require_end(workers)
 
 
-def test_a_worker_that_is_killed_costs_nothing(path, undisturbed):
+def test_a_worker_that_is_killed_costs_nothing(path, finish, runner):
     with runner(path) as process:
         wait_for(process, 1)
         os.kill(workers_of(process)[0], signal.SIGKILL)
         _, errors = process.communicate()
         assert process.returncode == 0, errors
-    finish(path, undisturbed)
+    finish(path)
 
 
-def test_an_interrupt_keeps_what_has_ended(path, undisturbed):
+def test_an_interrupt_keeps_what_has_ended(path, finish, runner):
     with runner(path) as process:
         wait_for(process, 2)
         workers = workers_of(process)
@@ -169,13 +126,13 @@ def test_an_interrupt_keeps_what_has_ended(path, undisturbed):
         assert process.returncode == 130
     require_end(workers)
     assert not Path(f"{path}-wal").exists()
-    finish(path, undisturbed)
+    finish(path)
 
 
 # Full disks ---------------------------------------------------------------------------------
 
 
-def test_a_file_that_may_grow_no_more(path, undisturbed):
+def test_a_file_that_may_grow_no_more(path, undisturbed, finish, runner):
     # The operating system refuses to write beyond, as it does on a full disk.
     spec = msgspec.structs.replace(SPEC, recordings="none")
 
@@ -189,7 +146,7 @@ def test_a_file_that_may_grow_no_more(path, undisturbed):
     assert len(errors.splitlines()) == 1
     with Store.open(path) as store:
         assert 0 < store.done < len(undisturbed)
-    finish(path, undisturbed, spec)
+    finish(path, spec)
 
 
 @pytest.fixture
@@ -210,7 +167,7 @@ def small_disk(tmp_path):
         subprocess.run(["umount", str(folder)], check=True)
 
 
-def test_a_full_disk(small_disk, undisturbed):
+def test_a_full_disk(small_disk, undisturbed, finish, runner):
     folder, mount = small_disk
     path = folder / "results.sqlite"
     spec = msgspec.structs.replace(SPEC, recordings="none")
@@ -226,10 +183,10 @@ def test_a_full_disk(small_disk, undisturbed):
     assert mount("remount", "size=100m")
     with Store.open(path) as store:
         assert 0 < store.done < len(undisturbed)
-    finish(path, undisturbed, spec)
+    finish(path, spec)
 
 
-def test_a_full_disk_for_recordings(small_disk, undisturbed):
+def test_a_full_disk_for_recordings(small_disk, finish, runner):
     folder, mount = small_disk
     path = folder / "results.sqlite"
     with runner(path) as process:
@@ -240,4 +197,4 @@ def test_a_full_disk_for_recordings(small_disk, undisturbed):
     assert mount("remount", "size=100m")
     with pytest.raises(InvalidInputError), Store.open(folder / "results.sqlite.recordings"):
         pass
-    finish(path, undisturbed)
+    finish(path)

@@ -85,17 +85,6 @@ MISCHIEF = """
 """
 
 
-@pytest.fixture(scope="module")
-def undisturbed() -> dict[str, str]:
-    """Digests of all runs, made one after another in this process."""
-    return {run.key: make_run(run, SPEC.limits).digest for run in runs(SPEC)}
-
-
-@pytest.fixture
-def path(tmp_path):
-    return tmp_path / "results.sqlite"
-
-
 @pytest.fixture
 def mischief(tmp_path, monkeypatch):
     """A module of strategies that do what none should."""

@@ -38,11 +38,6 @@ def result_of(run, status="complete", **fields) -> Result:
 
 
 @pytest.fixture
-def path(tmp_path):
-    return tmp_path / "results.sqlite"
-
-
-@pytest.fixture
 def filled(path):
     """A store in which the first three runs have results."""
     with Store.create_or_open(path, SPEC) as store:

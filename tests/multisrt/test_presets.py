@@ -779,7 +779,8 @@ def test_presets_have_names():
 def call(tmp_path, monkeypatch, capsys):
     """Run the command without simulating: runs come out as `SOME` says, pages stay empty."""
 
-    def fake_runs(store: Store, *, workers, progress) -> None:
+    def fake_runs(store: Store, *, workers, cluster, modules, progress) -> None:
+        told.append((workers, cluster, modules))
         name = store.experiment.name.split()[0]
         for run in store.missing():
             store.add(
@@ -801,6 +802,7 @@ def call(tmp_path, monkeypatch, capsys):
         page.write_text(f"{len(results)} runs, {len(claims)} claims, {len(comparisons)} tables")
         return page
 
+    told: list[tuple[object, ...]] = []
     monkeypatch.setattr("multisrt.experiments.runner.run_experiment", fake_runs)
     monkeypatch.setattr("multisrt.reporting.page.write_report", fake_page)
     monkeypatch.chdir(tmp_path)
@@ -812,7 +814,26 @@ def call(tmp_path, monkeypatch, capsys):
         captured = capsys.readouterr()
         return end.value.code, captured.out, captured.err
 
+    run.told = told
     return run
+
+
+def test_runs_are_made_here_or_on_a_cluster(call, tmp_path):
+    assert call("alvarez", "--quick", "--seeds", "1", "--workers", "3")[0] == 0
+    words = ("alvarez", "--quick", "--seeds", "2", "--cluster", "tcp://host:8786")
+    assert call(*words, "--quiet") == (0, "", "")
+    assert call.told == [(3, None, ()), (None, "tcp://host:8786", ())]
+    there = sorted(tmp_path.rglob("*"))
+    for both in (("--workers", "2", "--cluster", "c"), ("--cluster", "c", "--workers", "2")):
+        code, out, err = call("minpos", *both)
+        assert (code, out) == (2, "")
+        assert err.splitlines()[-1] == (
+            "Error: give --workers or --cluster, not both: a cluster has its own"
+        )
+    code, _, err = call("minpos", "--workers", "0")
+    assert code == 2
+    assert "0 is not in the range x>=1" in err
+    assert sorted(tmp_path.rglob("*")) == there
 
 
 def test_reproduce_writes_a_report_and_a_summary(call, tmp_path):

@@ -24,7 +24,10 @@ from multisrt.metrics import Metrics
 from multisrt.reporting.layout import Cell, Table, latex_escaped, number, slug
 from multisrt.reporting.study import Study, chosen_measures
 from multisrt.reporting.tables import (
+    bounded_settings,
+    computing_table,
     gap_table,
+    gaps_to_bounds,
     growth_table,
     measure_table,
     success_table,
@@ -161,6 +164,13 @@ def test_failed_runs_count_as_worst(make):
     assert success[2].data["low"] == pytest.approx(low)
 
 
+@pytest.mark.parametrize(("runs", "warned"), [(1, False), (2, True), (9, True), (10, False)])
+def test_intervals_of_few_runs_come_with_a_warning(make, runs, warned):
+    results = make({("w", "a", 1): lognormal(1, 9.0, runs), ("w", "b", 1): lognormal(2, 9.0, 20)})
+    notes = summary_table(results, TIME).notes
+    assert any(f"of {runs} runs only" in note for note in notes) is warned
+
+
 def test_conditions_without_runs_are_empty(make):
     results = make({("w", "a", 1): [1.0, 2.0], ("w", "b", 2): [1.0, 2.0]})
     rows = summary_table(results, TIME).rows
@@ -185,6 +195,97 @@ def test_growth_finds_the_exponent_that_was_put_in(make):
     assert row[1].data["low"] < -0.8 < row[1].data["high"]
     assert row[1].data["exponent"] == pytest.approx(-0.8)
     assert growth_table(Study(make({("w", "a", 1): noise})), TIME) is None
+
+
+def test_growth_by_hand(make):
+    # Two sizes of the team, two runs each. In logarithms to base 2 the runs of a are 8 and 6, then
+    # 5 and 3: the slope is the difference of the means, -3, and the residuals are 1, -1, 1, -1.
+    # Their variance is 4 / 2, that of the slope 2 / (4 / 4), and Student's t for 2 degrees of
+    # freedom is 4.302653.
+    results = make(
+        {
+            ("w", "a", 1): [256.0, 64.0],
+            ("w", "a", 2): [32.0, 8.0],
+            ("w", "b", 1): [64.0, 64.0],
+            ("w", "b", 2): [128.0, 128.0],
+            ("v", "b", 1): [10.0, 20.0],
+            ("v", "b", 4): [10.0, 20.0],
+        }
+    )
+    table = growth_table(Study(results), TIME)
+    assert table.columns == ("World", "a", "b")
+    (world, of_a, of_b), (other, none, flat) = table.rows
+    assert (world.text, other.text) == ("w", "v")
+    half = 4.302653 * math.sqrt(2.0)
+    assert of_a.data["exponent"] == pytest.approx(-3.0)
+    assert of_a.data["low"] == pytest.approx(-3.0 - half, abs=1e-4)
+    assert of_a.data["high"] == pytest.approx(-3.0 + half, abs=1e-4)
+    assert of_a.text == "\N{MINUS SIGN}3.00"
+    assert of_a.detail == "(\N{MINUS SIGN}9.08 to 3.08)"
+    assert [of_b.data[key] for key in ("exponent", "low", "high")] == pytest.approx([1.0] * 3)
+    assert (none.text, none.data) == ("", None)
+    assert flat.data["exponent"] == pytest.approx(0.0, abs=1e-12)
+
+
+def test_no_growth_where_a_run_has_no_value(make):
+    results = make({("w", "a", n): [10.0 / n, None if n == 2 else 9.0 / n] for n in (1, 2, 4)})
+    assert growth_table(Study(results), TIME) is None
+
+
+def test_computing_by_hand(make):
+    took = {("v", "a"): (1.0, 2.0, 6.0), ("v", "b"): (3.0, 5.0, 4.0)}
+    results = make({(world, strategy, 1): own for (world, strategy), own in took.items()})
+    changed = [
+        msgspec.structs.replace(
+            result,
+            computing_s=took["v", result.condition.strategy][result.repetition],
+            memory_mb=100.0 * (1 + result.repetition) + (result.condition.strategy == "b"),
+        )
+        for result in results
+    ]
+    study = Study(Results(results.experiment, changed, 6, results.provenance))
+    (row,) = computing_table(study).rows
+    assert [cell.text for cell in row] == ["v", "1 robot", "2.00", "4.00"]
+    assert [cell.detail for cell in row[2:]] == [
+        "(at most 6.00 s, 300 MB)",
+        "(at most 5.00 s, 301 MB)",
+    ]
+    assert row[2].data == {"median_s": 2.0, "most_s": 6.0, "most_mb": 300.0}
+
+
+def test_gaps_are_of_settings_that_all_strategies_met(make):
+    study = Study(
+        make(
+            {
+                ("v", "a", 1): [20.0, 20.0],
+                ("v", "b", 1): [15.0, 15.0],
+                ("w", "a", 1): [90.0, 90.0],
+                ("x", "a", 1): [40.0, 40.0],
+                ("x", "b", 1): [25.0, 25.0],
+            }
+        )
+    )
+    assert [setting.environment for setting in bounded_settings(study)] == ["v", "x"]
+    # Over a bound of 10 s: 1, 1, 3, 3 and 0.5, 0.5, 1.5, 1.5, of which the middle half is taken.
+    found = gaps_to_bounds(study)
+    assert {name: gap.value for name, gap in found.items()} == pytest.approx({"a": 2.0, "b": 1.0})
+    # Equal runs of a setting leave nothing to chance.
+    assert (found["a"].low, found["a"].high) == pytest.approx((2.0, 2.0))
+
+
+def test_settings_and_scenes_are_in_order(make):
+    times = {(w, s, n): [1.0] for w in ("w", "v") for n in (4, 1) for s in ("b", "a")}
+    study = Study(make(times | {("w", "a", 2): [1.0]}), "a")
+    assert study.strategies == ["b", "a"]
+    assert study.rivals == ["b"]
+    assert [(s.environment, s.robots) for s in study.settings] == [
+        ("w", 4), ("w", 1), ("v", 4), ("v", 1), ("w", 2),
+    ]  # fmt: skip
+    assert [
+        (scene.environment, [s.robots for s in own]) for scene, own in study.scenes().items()
+    ] == [("w", [1, 2, 4]), ("v", [1, 4])]
+    assert ("w", 2) not in [(s.environment, s.robots) for s in study.shared_settings()]
+    assert study.here(study.settings[-1]) == ["a"]
 
 
 def test_runs_are_compared_pair_by_pair(make):

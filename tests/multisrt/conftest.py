@@ -1,0 +1,71 @@
+"""What tests of experiments share: each of their modules has an experiment `SPEC`."""
+
+import contextlib
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from multisrt.experiments.crossing import runs
+from multisrt.experiments.mission import make_run
+
+RUNNER = """
+import sys
+from multisrt.experiments.description import ExperimentSpec
+from multisrt.experiments.runner import run_experiment
+from multisrt.experiments.store import Store
+from multisrt.geometry.errors import InvalidInputError
+
+path, spec, cluster = sys.argv[1:]
+where = {"cluster": cluster} if cluster else {"workers": 2}
+try:
+    with Store.create_or_open(path, ExperimentSpec.from_json(spec)) as store:
+        run_experiment(store, progress=lambda p: print(p.done, flush=True), **where)
+except InvalidInputError as error:
+    sys.exit(str(error))
+except KeyboardInterrupt:
+    sys.exit(130)
+"""
+
+
+@pytest.fixture
+def path(tmp_path) -> Path:
+    """Where a store may be."""
+    return tmp_path / "results.sqlite"
+
+
+@pytest.fixture(scope="module")
+def undisturbed(request) -> dict[str, str]:
+    """Digests of all runs of the module's experiment, made one after another in this process."""
+    spec = request.module.SPEC
+    return {run.key: make_run(run, spec.limits).digest for run in runs(spec)}
+
+
+@contextlib.contextmanager
+def _ended_at_last(command: list[str], **options):
+    with subprocess.Popen(command, text=True, **options) as process:
+        try:
+            yield process
+        finally:
+            process.kill()
+
+
+@pytest.fixture
+def ended_at_last():
+    """Start a process that is gone when its block ends."""
+    return _ended_at_last
+
+
+@pytest.fixture
+def runner(request):
+    """Start a process that makes an experiment's runs, and says after each how many there are.
+
+    By two workers of this machine, or on the cluster at an address; `before` is done first.
+    """
+
+    def started(path: Path, spec=request.module.SPEC, *, cluster="", before="", **options):
+        command = [sys.executable, "-c", before + RUNNER, str(path), spec.to_json(), cluster]
+        return _ended_at_last(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, **options)
+
+    return started

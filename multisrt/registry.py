@@ -213,12 +213,14 @@ def _bids(
     def explorer(me: RobotSelf, options: BiddingOptions) -> Explorer:
         return FrontierExplorer(me, options, rule, drive_as_wanted, watch)
 
+    def require_fit(spec: RunSpec) -> None:
+        if spec.options.get("drive", options().drive) == "nearness-diagram":
+            _require_no_car(spec)
+        if fits is not None:
+            fits(spec)
+
     return Strategy(
-        name=name,
-        summary=summary,
-        options=options,
-        explorer=explorer,
-        fits=_require_no_car if fits is None else fits,
+        name=name, summary=summary, options=options, explorer=explorer, fits=require_fit
     )
 
 
@@ -226,14 +228,13 @@ def _require_no_car(spec: RunSpec) -> None:
     for number, robot in enumerate(spec.robots):
         if isinstance(robot.drive.kinematics(), Car):
             raise InvalidInputError(
-                f"{spec.strategy} drives along paths with corners, and robot {number} is a car; "
-                "give it a holonomic or differential drive, or choose a strategy of the SRT family"
+                f"robot {number} is a car, which {spec.strategy} cannot drive by the nearness "
+                "diagram; choose drive=path, or give it a holonomic or differential drive"
             )
 
 
 def _require_talk(spec: RunSpec) -> None:
     # Who assigns, bids for others or swaps goals has to hear of them.
-    _require_no_car(spec)
     if len(spec.robots) > 1 and spec.radio.range_m == 0.0:
         raise InvalidInputError(
             f"{spec.strategy} needs robots that hear one another, and the radio range is 0; "

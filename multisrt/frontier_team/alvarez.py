@@ -129,7 +129,7 @@ class Rules:
         return goal
 
     def remember(self, robot: FrontierRobot, because: str) -> tuple[Place, ...]:
-        """Take note of what came of the last goal; give its place if it was in vain."""
+        """Take note of what came of the last goal; give its place if it was so for others, too."""
         place, self.place, self.wanders = self.place, None, False
         self.vain = self.vain + 1 if because in ("no way", "blocked") else 0
         if place is None:
@@ -144,7 +144,8 @@ class Rules:
             return ()
         robot.team.tried[place] = None
         robot.give_up(place)
-        return (place,)
+        # Where a car finds no way others may.
+        return () if because == "no way" and robot.car is not None else (place,)
 
     def wander(self, robot: FrontierRobot, because: str) -> Choice:
         """RANDOM GOAL: go to any place that is known, to try from there."""

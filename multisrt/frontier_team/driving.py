@@ -49,17 +49,23 @@ def drive(
 def drive_leg(
     robot: FrontierRobot, path: FloatArray, purpose: Purpose
 ) -> Generator[Action, Outcome, Reason | Sighting | None]:
-    """Follow a path until the next look round, and look.
+    """Follow a path until the next look round, and look; a car by curves of its own.
 
     Returns
     -------
     Reason or Sighting or None
         Why driving ended there, as `drive` has it; None: the way goes on.
     """
-    motion = follow(robot.body, robot.me.kinematics, robot.boundary, robot.at, path)
+    car = robot.car
+    if car is None:
+        motion = follow(robot.driven_body(), robot.me.kinematics, robot.boundary, robot.at, path)
+    else:
+        motion = yield from car.way_along(path)
     if motion is None:
         return "no way"
     moved = yield from carry_out(robot, motion.until(robot.options.sense_period_s), purpose)
+    if car is not None:
+        car.has_driven(moved, robot.set_out_s)
     yield from robot.perceive(maps=robot.options.sense == "moving")
     return moved.blocked_by
 

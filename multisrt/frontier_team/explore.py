@@ -99,6 +99,8 @@ class FrontierExplorer:
         """Be done until something new is heard; or wait until a robot that is in the way leaves."""
         robot, team = self.robot, self.robot.team
         robot.note_progress()
+        if robot.try_again():
+            return "no way"
         if robot.blocked_frontiers():
             if robot.waits < MOST_WAITS and not robot.only_lost_bodies():
                 robot.waits += 1

@@ -74,18 +74,35 @@ def give_way(robot: FrontierRobot) -> Steps:
     asked, team.asked_way = team.asked_way, None
     assert asked is not None
     aside = yield from find_place_aside(robot, asked)
-    if aside is None:
+    if aside is not None and aside.cost_m > REACHED_M:
+        robot.set_goal(aside)
+        if (yield from drive(robot, aside, "give way")) == "no way":
+            yield from go_on(robot, asked)
+        robot.set_goal(None)
+        yield from team.report()
+    elif aside is None and not (yield from go_on(robot, asked)):
         # Whoever can go somewhere has to.
         if not asked.firm and robot.goal is not None:
             yield Send(ask_for_way(robot, robot.goal, firm=True), asked.sender)
         yield from team.pause(pause_s * robot.me.rng.random())
         return
-    if aside.cost_m > REACHED_M:
-        robot.set_goal(aside)
-        yield from drive(robot, aside, "give way")
-        robot.set_goal(None)
-        yield from team.report()
     yield from team.pause(pause_s * (0.5 + robot.me.rng.random()))
+
+
+def go_on(robot: FrontierRobot, asked: GiveWayMessage) -> Generator[Action, Outcome, bool]:
+    """Let a car that finds no way aside leave another's way by what leads on; tell if it does."""
+    if robot.car is None:
+        return False
+    on = robot.car.set_out_on(np.array(asked.path).reshape(-1, 2), apart_m(robot, asked))
+    if on is None:
+        return False
+    x, y, _ = on.end
+    goal = Goal(x, y, np.array([robot.at[:2], (x, y)]), on.length_m)
+    robot.set_goal(goal)
+    yield from drive(robot, goal, "give way")
+    robot.set_goal(None)
+    yield from robot.team.report()
+    return True
 
 
 def ask_for_way(robot: FrontierRobot, goal: Goal, firm: bool = False) -> GiveWayMessage:
@@ -99,6 +116,16 @@ def ask_for_way(robot: FrontierRobot, goal: Goal, firm: bool = False) -> GiveWay
     )
 
 
+def apart_m(robot: FrontierRobot, asked: GiveWayMessage) -> float:
+    """Give how far from another's way a place aside is."""
+    return (
+        robot.body.outer_radius_m
+        + asked.radius_m
+        + robot.options.guard_m
+        + 2.0 * robot.options.margin_m
+    )
+
+
 def find_place_aside(
     robot: FrontierRobot, asked: GiveWayMessage
 ) -> Generator[Action, Outcome, Goal | None]:
@@ -107,12 +134,6 @@ def find_place_aside(
     If there is none, they are asked to give way in turn when they are met.
     """
     seen = yield from robot.look()
-    apart_m = (
-        robot.body.outer_radius_m
-        + asked.radius_m
-        + robot.options.guard_m
-        + 2.0 * robot.options.margin_m
-    )
     way = np.array(asked.path).reshape(-1, 2)
     for bodies in (seen, [s for s in seen if s.robot == asked.sender]):
         with robot.around_bodies(bodies):
@@ -121,7 +142,7 @@ def find_place_aside(
                 continue
             places = robot.raster.passable_centres(*robot.at[:2], ASIDE_M)
             costs = field.distance(robot.indices_of(places))
-            place = place_aside(places, costs, way, apart_m)
+            place = place_aside(places, costs, way, apart_m(robot, asked))
             if place is not None:
                 return robot.goal_at(field, *place)
     return None

@@ -13,19 +13,23 @@ import numpy as np
 from multisrt.entries import Entries, Entry, Node, NodeId
 from multisrt.events import MapComplete
 from multisrt.explorer import Action, Look, Note, Outcome, RobotSelf, Sense, Sighting
+from multisrt.frontier_team.car_driving import CarDriver
 from multisrt.frontier_team.options import FrontierOptions
 from multisrt.frontier_team.team import Team
+from multisrt.geometry.clearance import disc_clearance
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.distance_field import DistanceField
 from multisrt.geometry.distances import inside, nearest_points
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.euclidean_field import EuclideanField
+from multisrt.geometry.footprint import Footprint
 from multisrt.geometry.grid_path import shortest_path
 from multisrt.geometry.kernel import FloatArray, IntArray
 from multisrt.geometry.occupancy import FrontierGroup, Occupancy
 from multisrt.geometry.safe_region import LocalSafeRegion, local_safe_region
 from multisrt.geometry.scan import Scan
 from multisrt.planners.motion.body import PlanningBody
+from multisrt.planners.motion.kinematics import Car
 from multisrt.planners.motion.trajectory import Trajectory
 
 Steps = Generator[Action, Outcome, None]
@@ -119,6 +123,8 @@ class FrontierRobot:
         What it knows of the others.
     bodies : dict of int to BodyInTheWay
         Robots that stand in its way and do not leave.
+    car : CarDriver or None
+        What plans its ways, if it is a car.
     """
 
     def __init__(self, me: RobotSelf, options: FrontierOptions, watch: Watch | None = None) -> None:
@@ -134,6 +140,7 @@ class FrontierRobot:
         # Ways between cells run nearer to walls than the cells' centres lie: the body is driven
         # with less of a margin than its ways are planned with.
         self.body = PlanningBody(me.footprint, 0.5 * options.margin_m)
+        self._disc = PlanningBody(Footprint.disc(self.body.outer_radius_m), 0.5 * options.margin_m)
         self.raster = Occupancy(
             options.cell_m,
             self.body.outer_radius_m + options.margin_m + CORNER_CELLS * options.cell_m,
@@ -157,11 +164,14 @@ class FrontierRobot:
         self._stuck_at: tuple[float, float] | None = None
         self._serial = 0
         self._given_up: dict[tuple[float, float], None] = {}
+        self._no_way: dict[tuple[float, float], int] = {}
         self._out_of_reach: dict[int, FrontierGroup] = {}
         self._instead: dict[int, tuple[FrontierGroup, tuple[float, float]]] = {}
         self._seen_in_vain: dict[tuple[float, float], None] = {}
         self._fields: dict[tuple[int, int], tuple[int, DistanceField]] = {}
         self.team = Team(self)
+        drive = me.kinematics
+        self.car = CarDriver(self, drive) if isinstance(drive, Car) else None
 
     @property
     def boundary(self) -> FloatArray:
@@ -318,6 +328,8 @@ class FrontierRobot:
                 self.give_up(goal.place)
             self._seen_in_vain[goal.place] = None
         elif reason == "no way":
+            if self.car is not None:
+                self._no_way[goal.place] = self.raster.revision
             if self._stuck_at == self.at[:2]:
                 self.give_up(goal.place)
             self._stuck_at = self.at[:2]
@@ -331,6 +343,18 @@ class FrontierRobot:
         """Make no place a goal again from which nothing new is seen, or to which no way leads."""
         self._given_up[place] = None
 
+    def try_again(self) -> bool:
+        """Let a car try places anew that it gave up for want of a way; tell if there are any.
+
+        Whether one leads there depends on where a car stands, and how, and on what room it knows
+        to turn round: so when nothing else is left, and it has learned anything since.
+        """
+        again = [p for p, known in self._no_way.items() if known != self.raster.revision]
+        for place in again:
+            del self._no_way[place]
+            self._given_up.pop(place, None)
+        return len(again) > 0
+
     def is_frontier(self, x: float, y: float) -> bool:
         """Whether there is still something to be seen around a place."""
         return self.raster.has_frontier_near(x, y, 0.5 * self.me.footprint.width_m)
@@ -340,6 +364,17 @@ class FrontierRobot:
         if not self.told_complete:
             self.told_complete = True
             yield Note(MapComplete(time_s=self.time_s, robot=self.me.robot))
+
+    def driven_body(self) -> PlanningBody:
+        """Give the body that legs are planned for: a disc around it, which turns anywhere.
+
+        Through a gap that only its narrow side fits through it could get, but not turn there if
+        something new is seen or heard. Only where the disc has no room, as at a start perhaps,
+        it drives as it is.
+        """
+        x, y, _ = self.at
+        has_room = disc_clearance(self.boundary, x, y) >= self.body.outer_radius_m
+        return self._disc if has_room else self.body
 
     # Ways ---------------------------------------------------------------------------------
 

@@ -72,7 +72,7 @@ def car_way(
     room = body.room(_rings(region), start, goal)
     if room is None:
         return None
-    return _shortest(car, room, start, goal) or _planned(
+    return shortest_way(car, room, start, goal) or _planned(
         car, room, start, goal, seed, _Budget(most_checks)
     )
 
@@ -121,8 +121,8 @@ def car_ways(
     for goal in _goals(car, start, x, y):
         if not room.holds(goal):
             continue
-        out = _shortest(car, room, start, goal)
-        back = _back(out) if car.reverse else _shortest(car, room, goal, start)
+        out = shortest_way(car, room, start, goal)
+        back = _back(out) if car.reverse else shortest_way(car, room, goal, start)
         if out is not None and back is not None:
             return out, back
         found.append((goal, out, back))
@@ -155,7 +155,10 @@ def _back(out: Trajectory | None) -> Trajectory | None:
     return None if out is None else out.reversed()
 
 
-def _shortest(car: Car, room: Room, start: Configuration, goal: Configuration) -> Trajectory | None:
+def shortest_way(
+    car: Car, room: Room, start: Configuration, goal: Configuration
+) -> Trajectory | None:
+    """Give the motion along a car's shortest curve, if there is room for it."""
     way = curve(car, start, goal)
     return way if room.lets_pass(way.waypoints) else None
 
@@ -199,7 +202,7 @@ def _planned(
     def lets_pass(first: Any, last: Any) -> bool:
         budget.left -= 1
         a, b = _configuration(first), _configuration(last)
-        return room.holds(b) and _shortest(car, room, a, b) is not None
+        return room.holds(b) and shortest_way(car, room, a, b) is not None
 
     information.setStateValidityChecker(lambda state: room.holds(_configuration(state)))
     information.setMotionValidator(_motion_validator()(information, lets_pass))
@@ -250,7 +253,7 @@ def _joined(car: Car, room: Room, stops: list[Configuration]) -> Trajectory | No
     here = 0
     while here < len(stops) - 1:
         for there in range(len(stops) - 1, here, -1):
-            leg = _shortest(car, room, stops[here], stops[there])
+            leg = shortest_way(car, room, stops[here], stops[there])
             if leg is not None:
                 break
         if leg is None:

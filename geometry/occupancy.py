@@ -43,12 +43,17 @@ NEAR: Final = 1
 """A surface is nearer to the cell's centre than the body's radius."""
 FRONTIER: Final = 2
 """The cell is free and one of its four neighbours is unknown."""
+LABELLED: Final = 4
+"""The cell has a label: it was frontier when labels were given last."""
 
 CELL_BYTES: Final = 7
 """Memory of a cell in all arrays together."""
 
 CHANGES_KEPT: Final = 64
 """So many changes are told apart; older ones are remembered as one."""
+
+TOGETHER: Final = 8
+"""Of so many pieces of a boundary it is asked at once whether there is anything new around them."""
 
 ROUNDING_CELLS: Final = 1e-9
 """Widths that differ by less, in cells, are equal."""
@@ -412,7 +417,7 @@ class Occupancy:
         windows[:, 2:] = np.minimum(windows[:, 2:], self.cells.shape[1])
         self._unlabelled.clear()
 
-        old = dict.fromkeys(_labels_in(windows, self._labels).tolist())
+        old = dict.fromkeys(_labels_in(windows, self._marks, self._labels).tolist())
         gone = [self._groups.pop(label).cells for label in old]
         released = np.concatenate(gone) if gone else np.empty((0, 2), np.int64)
         members, ends, targets, lengths = _flood(
@@ -473,15 +478,23 @@ def _learn(
     changed = np.array([cells.shape[0], -1, cells.shape[1], -1])
     new = 0
     n = boundary.shape[0]
-    for i in range(n):
-        if tags[i] == OBSTACLE:
+    for first in range(0, n, TOGETHER):
+        end = min(first + TOGETHER, n)
+        all_near = _surfaces_are_near(boundary, tags, first, end, cell, radius, row, column, marks)
+        for i in range(first, end):
+            if tags[i] != OBSTACLE:
+                continue
+            is_near = all_near or _surfaces_are_near(
+                boundary, tags, i, i + 1, cell, radius, row, column, marks
+            )
             j = i + 1 if i + 1 < n else 0
             # From below to above, so that a surface is the same from either side.
             if (boundary[i, 1], boundary[i, 0]) > (boundary[j, 1], boundary[j, 0]):
                 i, j = j, i
             ax, ay, bx, by = boundary[i, 0], boundary[i, 1], boundary[j, 0], boundary[j, 1]
             new += _occupy(ax, ay, bx, by, cell, row, column, cells, passable, changed)
-            _keep_away(ax, ay, bx, by, cell, radius, row, column, passable, marks, changed)
+            if not is_near:
+                _keep_away(ax, ay, bx, by, cell, radius, row, column, passable, marks, changed)
     new += _set_free(boundary, cell, row, column, cells, passable, marks, changed)
     _mark_frontier(changed, cells, marks)
     return new, row + changed[0], row + changed[1], column + changed[2], column + changed[3]
@@ -528,13 +541,40 @@ def _occupy(
     return new
 
 
-@inlined_kernel
-def _are_near(marks: NDArray[np.uint8], r0: int, r1: int, c0: int, c1: int) -> bool:
-    # Whether all cells of a window are, without a branch for each.
-    for r in range(r0, r1):
-        near = NEAR
-        for c in range(c0, c1):
-            near &= marks[r, c]
+@kernel
+def _surfaces_are_near(
+    boundary: FloatArray,
+    tags: TagArray,
+    first: int,
+    end: int,
+    cell: float,
+    radius: float,
+    row: int,
+    column: int,
+    marks: NDArray[np.uint8],
+) -> bool:
+    # Whether all cells around some pieces of a boundary are known to be near to a surface: to
+    # those pieces that are surfaces there is nothing to be kept away from then.
+    left, right, low, high = np.inf, -np.inf, np.inf, -np.inf
+    n = boundary.shape[0]
+    for i in range(first, end):
+        if tags[i] == OBSTACLE:
+            j = i + 1 if i + 1 < n else 0
+            left = min(left, boundary[i, 0], boundary[j, 0])
+            right = max(right, boundary[i, 0], boundary[j, 0])
+            low = min(low, boundary[i, 1], boundary[j, 1])
+            high = max(high, boundary[i, 1], boundary[j, 1])
+    if left > right:
+        return True
+    c0 = int(np.ceil((left - radius) / cell + OFFSET - 0.5)) - column
+    c1 = int(np.floor((right + radius) / cell + OFFSET - 0.5)) - column
+    r0 = int(np.ceil((low - radius) / cell + OFFSET - 0.5)) - row
+    r1 = int(np.floor((high + radius) / cell + OFFSET - 0.5)) - row
+    for r in range(r0, r1 + 1):
+        # Without a branch for each cell.
+        near = np.uint8(NEAR)
+        for mark in marks[r, c0 : c1 + 1]:
+            near &= mark
         if not near:
             return False
     return True
@@ -561,10 +601,6 @@ def _keep_away(
     length2 = dx * dx + dy * dy
     first = int(np.ceil((ay - radius) / cell + OFFSET - 0.5))
     last = int(np.floor((by + radius) / cell + OFFSET - 0.5))
-    left = int(np.ceil((min(ax, bx) - radius) / cell + OFFSET - 0.5))
-    right = int(np.floor((max(ax, bx) + radius) / cell + OFFSET - 0.5))
-    if _are_near(marks, first - row, last + 1 - row, left - column, right + 1 - column):
-        return
     for r in range(first, last + 1):
         # Only the part of the segment counts that is near enough to the row.
         y = (r + 0.5) * cell - shift
@@ -639,7 +675,7 @@ def _mark_frontier(changed: IntArray, cells: NDArray[np.uint8], marks: NDArray[n
                 or r + 1 == rows
                 or cells[r + 1, c] == UNKNOWN
             )
-            marks[r, c] = (marks[r, c] & NEAR) | (FRONTIER if is_frontier else 0)
+            marks[r, c] = (marks[r, c] & ~FRONTIER) | (FRONTIER if is_frontier else 0)
 
 
 @kernel
@@ -672,29 +708,31 @@ def _block(discs: FloatArray, cell: float, row: int, column: int, passable: Bool
 
 
 @kernel
-def _labels_in(windows: IntArray, labels: NDArray[np.int32]) -> IntArray:
-    # The labels in some windows, most of them once only. Few cells have one: whether a piece of
-    # a row has any is told without a branch for each of its cells.
+def _labels_in(windows: IntArray, marks: NDArray[np.uint8], labels: NDArray[np.int32]) -> IntArray:
+    # The labels in some windows, most of them once only. Few cells have one: whether a row has
+    # any is told without a branch for each of its cells.
     found = np.empty(64, np.int64)
     count = 0
     for w in range(windows.shape[0]):
+        first = windows[w, 2]
         for r in range(windows[w, 0], windows[w, 1]):
-            for begin in range(windows[w, 2], windows[w, 3], 32):
-                end = min(begin + 32, windows[w, 3])
-                any_label = np.int32(0)
-                for c in range(begin, end):
-                    any_label |= labels[r, c]
-                if any_label == 0:
+            row = marks[r, first : windows[w, 3]]
+            any_mark = np.uint8(0)
+            for mark in row:
+                any_mark |= mark
+            if not any_mark & LABELLED:
+                continue
+            for c in range(row.shape[0]):
+                if not row[c] & LABELLED:
                     continue
-                for c in range(begin, end):
-                    label = labels[r, c]
-                    if label and (count == 0 or found[count - 1] != label):
-                        if count == found.shape[0]:
-                            longer = np.empty(2 * count, np.int64)
-                            longer[:count] = found
-                            found = longer
-                        found[count] = label
-                        count += 1
+                label = labels[r, first + c]
+                if count == 0 or found[count - 1] != label:
+                    if count == found.shape[0]:
+                        longer = np.empty(2 * count, np.int64)
+                        longer[:count] = found
+                        found = longer
+                    found[count] = label
+                    count += 1
     return np.unique(found[:count])
 
 
@@ -715,7 +753,7 @@ def _flood(
     columns = cells.shape[1]
     most = released.shape[0]
     for i in range(released.shape[0]):
-        labels[released[i, 0] - row, released[i, 1] - column] = 0
+        marks[released[i, 0] - row, released[i, 1] - column] &= ~LABELLED
     for w in range(windows.shape[0]):
         for r in range(windows[w, 0], windows[w, 1]):
             for c in range(windows[w, 2], windows[w, 3]):
@@ -726,14 +764,14 @@ def _flood(
     count = groups = 0
     for i in range(released.shape[0]):
         r, c = released[i, 0] - row, released[i, 1] - column
-        if marks[r, c] & FRONTIER and labels[r, c] == 0:
+        if marks[r, c] & (FRONTIER | LABELLED) == FRONTIER:
             count = _fill(r, c, next_label + groups, marks, labels, members, count)
             ends[groups] = count
             groups += 1
     for w in range(windows.shape[0]):
         for r in range(windows[w, 0], windows[w, 1]):
             for c in range(windows[w, 2], windows[w, 3]):
-                if marks[r, c] & FRONTIER and labels[r, c] == 0:
+                if marks[r, c] & (FRONTIER | LABELLED) == FRONTIER:
                     count = _fill(r, c, next_label + groups, marks, labels, members, count)
                     ends[groups] = count
                     groups += 1
@@ -784,6 +822,7 @@ def _fill(
     # Labels all frontier cells that hang together with one, and appends them to the members.
     rows, columns = marks.shape
     labels[r, c] = label
+    marks[r, c] |= LABELLED
     members[count] = r * columns + c
     reached = count + 1
     while count < reached:
@@ -791,8 +830,9 @@ def _fill(
         count += 1
         for s in range(max(0, r - 1), min(rows, r + 2)):
             for d in range(max(0, c - 1), min(columns, c + 2)):
-                if marks[s, d] & FRONTIER and labels[s, d] == 0:
+                if marks[s, d] & (FRONTIER | LABELLED) == FRONTIER:
                     labels[s, d] = label
+                    marks[s, d] |= LABELLED
                     members[reached] = s * columns + d
                     reached += 1
     return count

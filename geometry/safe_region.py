@@ -32,6 +32,7 @@ from multisrt.geometry.boundary import (
     arc_divisions,
     arc_tolerance,
 )
+from multisrt.geometry.distances import inside
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.kernel import FloatArray, kernel
 from multisrt.geometry.scan import LaserScan, Scan, beam_spacing_rad
@@ -70,6 +71,13 @@ class LocalSafeRegion:
     def polygon(self) -> shapely.Polygon:
         """Give the region as a shapely polygon."""
         return shapely.Polygon(self.boundary)
+
+    def overlaps(self, other: LocalSafeRegion) -> bool:
+        """Whether the region has anything in common with another one; both ask alike."""
+        first, second = self.boundary, other.boundary
+        if (other.x, other.y) < (self.x, self.y):
+            first, second = second, first
+        return bool(_have_common_points(first, second))
 
 
 def local_safe_region(
@@ -148,6 +156,42 @@ def _directions(beams: int, spacing_rad: float) -> FloatArray:
     directions = np.column_stack([np.cos(angles), np.sin(angles)])
     directions.setflags(write=False)
     return directions
+
+
+@kernel
+def _have_common_points(a: FloatArray, b: FloatArray) -> bool:
+    # Two borders cross or touch, or one polygon lies in the other.
+    left, right = b[:, 0].min(), b[:, 0].max()
+    low, high = b[:, 1].min(), b[:, 1].max()
+    px, py = a[-1]
+    for i in range(a.shape[0]):
+        qx, qy = a[i]
+        if (
+            max(px, qx) >= left
+            and min(px, qx) <= right
+            and max(py, qy) >= low
+            and min(py, qy) <= high
+        ):
+            ex, ey = qx - px, qy - py
+            ux, uy = b[-1]
+            side_u = ex * (uy - py) - ey * (ux - px)
+            for j in range(b.shape[0]):
+                vx, vy = b[j]
+                side_v = ex * (vy - py) - ey * (vx - px)
+                if (
+                    side_u * side_v <= 0.0
+                    and max(ux, vx) >= min(px, qx)
+                    and min(ux, vx) <= max(px, qx)
+                    and max(uy, vy) >= min(py, qy)
+                    and min(uy, vy) <= max(py, qy)
+                ):
+                    fx, fy = vx - ux, vy - uy
+                    side_p = fx * (py - uy) - fy * (px - ux)
+                    if side_p * (fx * (qy - uy) - fy * (qx - ux)) <= 0.0:
+                        return True
+                ux, uy, side_u = vx, vy, side_v
+        px, py = qx, qy
+    return inside(a, b[0, 0], b[0, 1]) or inside(b, a[0, 0], a[0, 1])
 
 
 @kernel

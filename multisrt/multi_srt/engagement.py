@@ -18,8 +18,7 @@ import math
 from collections.abc import Callable, Generator, Iterable, Mapping
 from typing import TYPE_CHECKING, TypeVar
 
-import shapely
-
+from multisrt.geometry.safe_region import LocalSafeRegion
 from multisrt.multi_srt.messages import Phase, RobotState
 
 if TYPE_CHECKING:
@@ -59,11 +58,6 @@ def _passes_near(a: RobotState, b: RobotState) -> bool:
     return a.phase == "moving" and any(
         math.dist(waypoint[1:3], b.target) < b.range_m for waypoint in a.path
     )
-
-
-def regions_overlap(a: shapely.Polygon, b: shapely.Polygon) -> bool:
-    """Whether two local safe regions overlap (paper: GER-coupled)."""
-    return bool(shapely.intersects(a, b))
 
 
 def group_of(
@@ -130,8 +124,8 @@ def build_ger(robot: SrtRobot, gpr: tuple[int, ...]) -> Generator[Action, Outcom
     for number in gpr:
         node = robot.here if number == team.number else team.states[number].node
         if node is not None:
-            regions[number] = robot.map[node].region.polygon()
-    return group_of(team.number, regions, regions_overlap)
+            regions[number] = robot.map[node].region
+    return group_of(team.number, regions, LocalSafeRegion.overlaps)
 
 
 def agree(robot: SrtRobot, group: Iterable[int]) -> Generator[Action, Outcome, None]:

@@ -20,9 +20,9 @@ from multisrt.explorer import Receive, RobotSelf, Send, TimedOut
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.edge_index import EdgeIndex
 from multisrt.geometry.footprint import Footprint
-from multisrt.geometry.safe_region import local_safe_region
+from multisrt.geometry.safe_region import LocalSafeRegion, local_safe_region
 from multisrt.geometry.scan import take_scan
-from multisrt.multi_srt.engagement import are_coupled, build_ger, group_of, regions_overlap
+from multisrt.multi_srt.engagement import are_coupled, build_ger, group_of
 from multisrt.multi_srt.messages import RobotState
 from multisrt.multi_srt.options import MultiSrtOptions
 from multisrt.multi_srt.robot import SrtRobot
@@ -128,18 +128,19 @@ def regions(draw, most=7):
         x, y = draw(coordinates)
         radii = draw(st.lists(st.floats(0.3, 5.0), min_size=3, max_size=9))
         angles = np.linspace(0.0, 2.0 * math.pi, len(radii), endpoint=False)
-        made[number] = shapely.Polygon(
-            np.column_stack([x + radii * np.cos(angles), y + radii * np.sin(angles)])
-        )
+        boundary = np.column_stack([x + radii * np.cos(angles), y + radii * np.sin(angles)])
+        tags = np.zeros(len(radii), np.int8)
+        made[number] = LocalSafeRegion(x=x, y=y, range_m=5.0, boundary=boundary, tags=tags)
     return made
 
 
 @given(regions(), st.data())
-def test_the_groups_of_engaged_robots_are_equivalence_classes(polygons, data):
+def test_the_groups_of_engaged_robots_are_equivalence_classes(made, data):
     def touch(a, b):
-        return not shapely.relate_pattern(a, b, "FF*FF****")
+        return not shapely.relate_pattern(a.polygon(), b.polygon(), "FF*FF****")
 
-    check_groups(polygons, regions_overlap, touch, data.draw(st.permutations(sorted(polygons))))
+    order = data.draw(st.permutations(sorted(made)))
+    check_groups(made, LocalSafeRegion.overlaps, touch, order)
 
 
 WORLD = environment("clutter", seed=4)
@@ -152,17 +153,15 @@ def test_groups_of_real_regions(seed, shape):
     rng = np.random.default_rng(seed)
     places = rng.uniform(WORLD.free.bounds[:2], WORLD.free.bounds[2:], (60, 2)).tolist()
     free = [p for p in places if shapely.contains_xy(WORLD.free, *p) and WORLD.clearance(*p) > 0.3]
-    polygons = {
-        number: local_safe_region(
-            take_scan(INDEX, Configuration(x, y, 0.0), 0.0, 4.0), shape
-        ).polygon()
+    made = {
+        number: local_safe_region(take_scan(INDEX, Configuration(x, y, 0.0), 0.0, 4.0), shape)
         for number, (x, y) in enumerate(free[:8])
     }
 
     def share_area(a, b):
-        return shapely.distance(a, b) == 0.0
+        return shapely.distance(a.polygon(), b.polygon()) == 0.0
 
-    check_groups(polygons, regions_overlap, share_area, rng.permutation(len(polygons)).tolist())
+    check_groups(made, LocalSafeRegion.overlaps, share_area, rng.permutation(len(made)).tolist())
 
 
 # By hand -------------------------------------------------------------------------------------

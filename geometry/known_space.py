@@ -69,11 +69,12 @@ class KnownSpace:
     ) -> None:
         self._rings = rings
         self._indices = indices
+        self._window = window
         self.border = _border(indices, window, *rings)
 
     def holds(self, places: FloatArray) -> BoolArray:
-        """Tell which places, ``(n, 2)``, lie inside."""
-        found: BoolArray = _holds(places, self._indices, *self._rings)
+        """Tell which places, ``(n, 2)``, lie inside, and in the window."""
+        found: BoolArray = _holds(places, self._window, self._indices, *self._rings)
         return found
 
     def clearances(self, places: FloatArray, at_most_m: float) -> FloatArray:
@@ -132,11 +133,19 @@ def _border(
 
 @kernel
 def _holds(
-    places: FloatArray, indices: IntArray, starts: IntArray, corners: FloatArray, boxes: FloatArray
+    places: FloatArray,
+    window: tuple[float, float, float, float],
+    indices: IntArray,
+    starts: IntArray,
+    corners: FloatArray,
+    boxes: FloatArray,
 ) -> BoolArray:
+    x0, y0, x1, y1 = window
     holds = np.zeros(places.shape[0], np.bool_)
     for i in range(places.shape[0]):
         x, y = places[i, 0], places[i, 1]
+        if not (x0 < x < x1 and y0 < y < y1):
+            continue
         for k in indices:
             if (
                 boxes[k, 0] <= x <= boxes[k, 2]

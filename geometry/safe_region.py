@@ -42,6 +42,9 @@ Shape = Literal["ball", "star", "radial"]
 CONTACT_TOLERANCE_M: Final = 0.05
 """A star's or ball's arc lies at an obstacle where a reading ends within this behind it."""
 
+SHARPEST_CORNER_RAD: Final = math.radians(45.0)
+"""Corners of obstacles that stand between two beams are taken to be no sharper than this."""
+
 GRAZING_ANGLE_RAD: Final = math.radians(10.0)
 """Neighbouring beams hit one surface unless it would be met at a flatter angle than this."""
 
@@ -109,14 +112,14 @@ def local_safe_region(
     -----
     From beams the region is conservative: between two beams it ends before the nearer of their
     readings, or before the range, by about half the beams' spacing there. It holds no point of
-    an obstacle that is wider than the beams' spacing and has no corner sharper than a right
-    angle; what is thinner can stand between two beams unseen, as for any laser.
+    an obstacle that is wider than the beams' spacing and has no corner sharper than 45 degrees
+    (`SHARPEST_CORNER_RAD`); what is thinner can stand between two beams unseen, as for any laser.
     """
     reach = scan.range_m
     if isinstance(scan, LaserScan):
         boundary, tags = _boundary_from_beams(scan)
         half = 0.5 * beam_spacing_rad(scan)
-        reach *= math.cos(half) - math.sin(half)
+        reach *= math.cos(half) - math.sin(half) / math.tan(0.5 * SHARPEST_CORNER_RAD)
     else:
         boundary, tags = scan.boundary, scan.tags
     x, y, _ = scan.configuration
@@ -136,9 +139,10 @@ def local_safe_region(
 
 
 def _boundary_from_beams(scan: LaserScan) -> tuple[FloatArray, TagArray]:
-    # A right-angled corner between two beams lies on or behind the circle that has the chord of
-    # their hits as its diameter. It comes nearest for equal readings r: to r (cos a - sin a) along
-    # the middle, a being half the spacing; chords between beams at r (1 - tan a) touch it there.
+    # From a corner of angle c between two beams the chord of their hits is seen under that angle,
+    # so that it lies on or behind an arc. It comes nearest for equal readings r: to
+    # r (cos a - sin a / tan(c / 2)) along the middle, a being half the spacing; chords between
+    # beams at r (1 - tan a / tan(c / 2)) touch it there.
     spacing = beam_spacing_rad(scan)
     if len(scan.ranges) < 5:
         raise InvalidInputError(
@@ -205,7 +209,8 @@ def _chords(
 ) -> tuple[FloatArray, TagArray]:
     # A corner on every beam, before the nearest of its reading and those beside it.
     n = ranges.shape[0]
-    indent, steepest = math.tan(0.5 * spacing), math.tan(GRAZING_ANGLE_RAD)
+    indent = math.tan(0.5 * spacing) / math.tan(0.5 * SHARPEST_CORNER_RAD)
+    steepest = math.tan(GRAZING_ANGLE_RAD)
     reading, nearest = np.empty(n), np.empty(n)
     for i in range(n):
         reading[i] = ranges[i] if np.isfinite(ranges[i]) else range_m

@@ -130,6 +130,11 @@ def test_beyond_the_window_nothing_is_known():
     inside = np.array([[5.8, 3.0], [3.0, 3.0]])
     np.testing.assert_allclose(known.clearances(inside, 1.0), [0.2, 1.0])
     assert not known.passes(np.array([[3.0, 3.0, 5.8, 3.0]]), 0.3)[0]
+    assert known.holds(np.array([[3.0, 3.0], [7.0, 3.0], [3.0, -1.0]])).tolist() == [
+        True,
+        False,
+        False,
+    ]
 
 
 def test_nothing_known_holds_nothing():

@@ -178,15 +178,14 @@ def test_regions_from_beams_hold_free_space_only(worlds, name, options, beams, s
         assert region.polygon().difference(free).area < 1e-9
 
 
-def test_a_corner_between_two_beams_within_range_stays_outside(worlds):
-    # Two beams miss a box of which a corner stands 0.1 m within the range, half way between them.
+@pytest.mark.parametrize("sharp_deg", [45.0, 57.0, 90.0])
+def test_a_corner_between_two_beams_within_range_stays_outside(worlds, sharp_deg):
+    # Two beams miss a wedge, the corner of which is within the range, half way between them.
     half = math.pi / 90
-    corner = (R - 0.1) * np.array([math.cos(half), math.sin(half)])
-    crate = shapely.affinity.rotate(
-        shapely.box(corner[0], corner[1], corner[0] + 2, corner[1] + 2),
-        math.degrees(half) - 45,
-        origin=tuple(corner),
-    )
+    indent = 0.95 * R * math.sin(half) / math.tan(math.radians(0.5 * sharp_deg))
+    corner = (R - indent) * np.array([math.cos(half), math.sin(half)])
+    away = half + np.radians([-0.5 * sharp_deg, 0.5 * sharp_deg])
+    crate = Polygon([corner, *(corner + 2.0 * np.column_stack([np.cos(away), np.sin(away)]))])
     index = worlds.index(shapely.box(-9, -9, 9, 9).difference(crate))
     scan = take_scan(index, Configuration(0.0, 0.0), 0.0, R, beams=90)
     assert np.isinf(scan.ranges).all()
@@ -215,7 +214,7 @@ def test_tags_are_true(worlds, name, shape, beams):
         to_wall = shapely.distance(free.boundary, sides(region))
         radii = np.hypot(*(region.boundary - (x, y)).T)
         contact = 0.0 if shape == "radial" else CONTACT_TOLERANCE_M + ARC_TOLERANCE_M
-        at_range = np.minimum(radii, np.roll(radii, -1)) >= R - spacing - 1e-9
+        at_range = np.minimum(radii, np.roll(radii, -1)) >= R - 1.25 * spacing - 1e-9
         outside = just_outside(region)
         free_behind = shapely.contains_xy(free, outside[:, 0], outside[:, 1])
         for tag in counts:

@@ -133,6 +133,12 @@ def test_a_laser(name):
     check(run, 0.97)
 
 
+@pytest.mark.parametrize("seed", [1, 5])
+@pytest.mark.parametrize("name", ["garden", "clutter"])
+def test_a_laser_of_few_beams_among_sharp_corners(name, seed):
+    check(ms.explore(world(name), strategy="srt-radial", beams=360, seed=seed), 0.95)
+
+
 def test_a_laser_and_a_box_and_a_star():
     run = ms.explore(
         world("apartment"), strategy="srt-star", beams=720, footprint="box:0.5x0.3", seed=4

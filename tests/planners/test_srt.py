@@ -303,11 +303,11 @@ def test_no_approach_without_room_to_move():
 ARC = np.array([(6.0, 1.0, 6.0, 2.0), (6.0, 2.0, 6.0, 3.0)])
 
 
-def viewing_place(arc, free, range_m, nodes, *leads):
+def viewing_place(arc, free, range_m, nodes, *leads, window=(-1.0, -1.0, 9.0, 9.0)):
     """Where the arc can be seen from, if what is known is pieces that meet along lines."""
     pieces = shapely.get_parts(shapely.constrained_delaunay_triangles(free))
     rings = [np.array(shapely.orient_polygons(piece).exterior.coords)[:-1] for piece in pieces]
-    known = KnownSpace(Rings.of(rings), np.arange(len(rings)), (-1.0, -1.0, 9.0, 9.0))
+    known = KnownSpace(Rings.of(rings), np.arange(len(rings)), window)
     return planner().viewing_place(arc, known, range_m, nodes, *leads)
 
 
@@ -422,6 +422,16 @@ def test_refused_seen_from_near():
     arc = np.array([(6.0, 1.9, 6.0, 2.1)])
     nodes = standing_at((5.65, 2.0))
     assert viewing_place(arc, free, 3.0, nodes) == "seen from near"
+
+
+def test_points_of_an_arc_beyond_the_window_are_no_help():
+    # In the window all places are near a node; from the arc's ends others could be seen.
+    arc = np.array([(6.0, 0.2, 6.0, 3.8)])
+    nodes = standing_at((5.3, 2.0), (5.65, 2.0), (4.0, 0.7))
+    free = shapely.box(0, 0, 6, 4)
+    assert isinstance(viewing_place(arc, free, 1.0, nodes), Way)
+    window = (5.0, 1.6, 7.0, 2.4)
+    assert viewing_place(arc, free, 1.0, nodes, window=window) == "seen from near"
 
 
 def test_refused_where_the_arc_is_not_at_known_space():

@@ -1,3 +1,4 @@
+import gc
 import math
 from itertools import pairwise
 from typing import ClassVar
@@ -30,7 +31,15 @@ from multisrt.metrics import measure
 from multisrt.planners.motion.trajectory import Trajectory, Waypoint
 from multisrt.registry import Strategy
 from multisrt.simulation import simulate
-from multisrt.spec import RadioSpec, RangeFinderSpec, RobotSpec, RunSpec, StopRule, inline
+from multisrt.spec import (
+    CatalogEnvironment,
+    RadioSpec,
+    RangeFinderSpec,
+    RobotSpec,
+    RunSpec,
+    StopRule,
+    inline,
+)
 from multisrt.starts import starts_of
 
 HALL = Environment("hall", shapely.box(0, 0, 10, 6))
@@ -1046,3 +1055,21 @@ def test_a_run_of_a_team_can_be_repeated(trouble):
     first, second = simulate(spec, HALL), simulate(spec, HALL)
     assert first.events == second.events
     assert first.footer == second.footer
+
+
+def test_a_run_leaves_the_garbage_collector_as_it_was():
+    before, met = gc.get_threshold(), []
+
+    def watch(_event):
+        met.append(gc.get_threshold())
+
+    simulate(RunSpec(environment=CatalogEnvironment(name="open"), seed=1), watch=watch)
+    assert met[0] != before
+    assert gc.get_threshold() == before
+    gc.set_threshold(0)
+    try:
+        met.clear()
+        simulate(RunSpec(environment=CatalogEnvironment(name="open"), seed=1), watch=watch)
+        assert met[0][0] == 0
+    finally:
+        gc.set_threshold(*before)

@@ -11,7 +11,7 @@ from __future__ import annotations
 import gc
 import math
 from collections.abc import Callable, Generator, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from functools import lru_cache, partial
 from itertools import pairwise
 from pathlib import Path
@@ -145,12 +145,8 @@ def simulate(
     ]
     header = header_of(spec, environment, starts)
     world = _collision_world(environment)
-    if path is None:
-        with _little_garbage():
-            return _Simulation(spec, world, index, radio, Recorder(header), watch).run(
-                explorers, starts
-            )
-    with written_whole(Path(path)) as file, _little_garbage():
+    opened = nullcontext() if path is None else written_whole(Path(path))
+    with opened as file, _little_garbage():
         return _Simulation(spec, world, index, radio, Recorder(header, file), watch).run(
             explorers, starts
         )

@@ -45,11 +45,8 @@ BEGINNINGS = 3
 LAST_WORDS_BYTES = 8192
 """How much is kept of what a worker wrote at last."""
 
-GARBAGE_AFTER = 50_000
-"""How many objects a worker makes before it looks for garbage among them."""
-
 GARBAGE_MB = 100.0
-"""It looks for garbage among all objects, too, whenever it needs so much more memory."""
+"""A worker looks for garbage among all objects whenever it needs so much more memory."""
 
 THREADS = ("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 """What libraries take for the number of their threads: a worker has one core."""
@@ -369,6 +366,7 @@ def main(modules: Sequence[str]) -> None:
         _answer(answers, _Unable(str(error)))
         return
     import multisrt.experiments.mission
+    from multisrt.simulation import GARBAGE_AFTER
 
     make_run = multisrt.experiments.mission.make_run
     # What has been made by importing stays, and so does most of what a run makes until it ends:

@@ -372,6 +372,8 @@ class FrontierRobot:
         something new is seen or heard. Only where the disc has no room, as at a start perhaps,
         it drives as it is.
         """
+        if self.body.is_disc:
+            return self.body
         x, y, _ = self.at
         has_room = disc_clearance(self.boundary, x, y) >= self.body.outer_radius_m
         return self._disc if has_room else self.body

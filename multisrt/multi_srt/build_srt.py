@@ -86,9 +86,23 @@ def perceive(robot: SrtRobot) -> Generator[Action, Outcome, LocalSafeRegion]:
 
 
 def look(robot: SrtRobot) -> Steps:
-    """Notice who stands around without answering."""
-    if not robot.team.is_alone:
-        robot.notice(cast(tuple[Sighting, ...], (yield Look())))
+    """Notice who stands around without answering, and ask who is not where it said to be.
+
+    Raises
+    ------
+    Regroup
+        If somebody was asked: its answer, or its silence, may change the group.
+    """
+    team = robot.team
+    if team.is_alone:
+        return
+    seen = cast(tuple[Sighting, ...], (yield Look()))
+    robot.notice(seen)
+    elsewhere = [sighting.robot for sighting in seen if team.is_news(sighting)]
+    if elsewhere:
+        yield from team.ask(elsewhere)
+        yield from team.pause(team.round_trip_s)
+        raise Regroup
 
 
 def local_frontier(robot: SrtRobot) -> FloatArray:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from multisrt.entries import Entry, NodeId
 from multisrt.events import TakenAsLost
 from multisrt.exploration_map import ExplorationMap
-from multisrt.explorer import Note, Send
+from multisrt.explorer import Note, Send, Sighting
 from multisrt.geometry.footprint import Footprint
 from multisrt.listening import Listener, Talk
 from multisrt.messages import Message
@@ -31,6 +31,9 @@ if TYPE_CHECKING:
 
 ALMOST_NEVER = 1e-4
 """A robot is taken as lost when its silence has at most this probability by the radio's loss."""
+
+SAME_PLACE_M = 0.001
+"""A robot that is seen so near to where it said that it stands, stands there."""
 
 
 class Team(Listener):
@@ -107,6 +110,13 @@ class Team(Listener):
     def is_out(self, number: int) -> bool:
         """Whether a robot is not stepped with: it is lost, or the two could not agree."""
         return number in self.lost or self.ignored_until_s.get(number, 0.0) > self.robot.time_s
+
+    def is_news(self, sighting: Sighting) -> bool:
+        """Whether a robot that answers is seen elsewhere than where it said that it stands."""
+        state = self.states.get(sighting.robot)
+        if state is None or sighting.robot in self.lost or state.phase == "moving":
+            return False
+        return math.dist(state.place[:2], sighting.configuration[:2]) > SAME_PLACE_M
 
     def key_of(self, group: Iterable[int]) -> Key:
         """Name a group and the step that it is about to make."""

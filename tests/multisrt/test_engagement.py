@@ -16,13 +16,14 @@ from scipy.sparse.csgraph import connected_components
 from multisrt.environments.catalog import environment
 from multisrt.environments.environment import Environment
 from multisrt.events import Coordinated, Decision
-from multisrt.explorer import Receive, RobotSelf, Send, TimedOut
+from multisrt.explorer import Look, Receive, RobotSelf, Send, Sighting, TimedOut
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.edge_index import EdgeIndex
 from multisrt.geometry.footprint import Footprint
 from multisrt.geometry.safe_region import LocalSafeRegion, local_safe_region
 from multisrt.geometry.scan import take_scan
-from multisrt.multi_srt.engagement import are_coupled, build_ger, group_of
+from multisrt.multi_srt.build_srt import look
+from multisrt.multi_srt.engagement import Regroup, are_coupled, build_ger, group_of
 from multisrt.multi_srt.messages import RobotState
 from multisrt.multi_srt.options import MultiSrtOptions
 from multisrt.multi_srt.robot import SrtRobot
@@ -268,10 +269,8 @@ def member(number: int, *, step: int, key=(), phase="idle") -> RobotState:
     return msgspec.structs.replace(standing, step=step, key=key, phase=phase)
 
 
-@pytest.mark.parametrize("theirs", [((0, 0), (1, 3), (2, 5)), ((0, 0), (1, 3))])
-def test_a_member_whom_others_name_otherwise_is_asked_itself(theirs):
-    # The second waits with another group: it has left out the third, which stands idle, or it
-    # knows of a step that the third made meanwhile. Only the third can tell.
+def a_robot() -> SrtRobot:
+    """The first of three, at the origin."""
     me = RobotSelf(
         robot=0,
         start=Configuration(0.0, 0.0, 0.0),
@@ -281,7 +280,14 @@ def test_a_member_whom_others_name_otherwise_is_asked_itself(theirs):
         rng=np.random.default_rng(0),
         team=3,
     )
-    robot = SrtRobot(me, "star", MultiSrtOptions())
+    return SrtRobot(me, "star", MultiSrtOptions())
+
+
+@pytest.mark.parametrize("theirs", [((0, 0), (1, 3), (2, 5)), ((0, 0), (1, 3))])
+def test_a_member_whom_others_name_otherwise_is_asked_itself(theirs):
+    # The second waits with another group: it has left out the third, which stands idle, or it
+    # knows of a step that the third made meanwhile. Only the third can tell.
+    robot = a_robot()
     team = robot.team
     team.states[1] = member(1, step=3, key=theirs, phase="perceived")
     team.states[2] = member(2, step=4)
@@ -297,3 +303,54 @@ def test_a_member_whom_others_name_otherwise_is_asked_itself(theirs):
         elif isinstance(action, Receive):
             outcome = TimedOut(robot.time_s + action.timeout_s)
     assert asked == (1, 2)
+
+
+def looks(robot: SrtRobot, seen: tuple[Sighting, ...]) -> tuple[tuple[int, ...], bool]:
+    """Let a robot look round where nobody answers: whom it asks, and whether it begins anew."""
+    looking, outcome, asked = look(robot), None, ()
+    while True:
+        try:
+            action = looking.send(outcome)
+        except StopIteration:
+            return asked, False
+        except Regroup:
+            return asked, True
+        outcome = None
+        if isinstance(action, Look):
+            outcome = seen
+        elif isinstance(action, Send):
+            asked += action.message.asked
+        elif isinstance(action, Receive):
+            outcome = TimedOut(robot.time_s + action.timeout_s)
+
+
+def sighting(number: int, x: float, y: float) -> Sighting:
+    """A robot that is seen somewhere."""
+    return Sighting(
+        robot=number,
+        configuration=Configuration(x, y, 0.0),
+        footprint=Footprint.parse("disc:0.25"),
+    )
+
+
+def test_one_that_is_seen_elsewhere_than_where_it_said_to_stand_is_asked_until_it_is_a_body():
+    # The second said that it stands idle, went on unheard, and died on its way.
+    robot = a_robot()
+    team = robot.team
+    team.states[1] = member(1, step=3)
+    there = sighting(1, 3.0, 1.0)
+    for _ in range(team.patience):
+        assert looks(robot, (there,)) == ((1,), True)
+        assert not robot.bodies
+    assert looks(robot, (there,)) == ((1,), True)
+    assert 1 in team.lost
+    assert looks(robot, (there,)) == ((), False)
+    assert robot.bodies == {1: there}
+
+
+def test_one_that_stands_where_it_said_or_moves_is_not_asked():
+    robot = a_robot()
+    robot.team.states[1] = member(1, step=3)
+    robot.team.states[2] = state(2, [(4.0, 0.0), (6.0, 0.0)], moving=True)
+    assert looks(robot, (sighting(1, 2.0, 0.0), sighting(2, 5.0, 0.0))) == ((), False)
+    assert not robot.bodies

@@ -246,22 +246,27 @@ class ArcPieces:
         (c,) array
             Whose pieces changed, the new region first.
         """
-        owners, begins, left, left_wholes = changed_pieces(
-            index,
-            boundary,
-            tags,
-            include_gaps,
-            neighbours,
-            ids,
-            starts,
-            corners,
-            boxes,
-            self.spans,
-            self.pieces,
-            self.wholes,
-        )
-        self.put(owners, begins, left, left_wholes)
-        return owners
+        while True:
+            owners, end = _take_in(
+                index,
+                boundary,
+                tags,
+                include_gaps,
+                neighbours,
+                ids,
+                starts,
+                corners,
+                boxes,
+                self.spans,
+                self.lengths_m,
+                self.pieces,
+                self.wholes,
+                self._end,
+            )
+            if end <= len(self.pieces):
+                self._end = end
+                return owners
+            self._move_together(end - self._end)
 
     def put(
         self, owners: IntArray, begins: IntArray, pieces: FloatArray, wholes: FloatArray
@@ -302,7 +307,9 @@ class ArcPieces:
         *,
         given_up: bool,
     ) -> None:
-        self.pieces, self.wholes, self._end = _put(
+        if self._end + len(pieces) > len(self.pieces):
+            self._move_together(len(pieces))
+        self._end = _put(
             owners,
             begins,
             pieces,
@@ -314,6 +321,50 @@ class ArcPieces:
             self.wholes,
             self._end,
         )
+
+    def _move_together(self, more: int) -> None:
+        self.pieces, self.wholes, self._end = _moved_together(
+            self.spans, self.pieces, self.wholes, more
+        )
+
+
+@kernel
+def _take_in(
+    index: int,
+    boundary: FloatArray,
+    tags: TagArray,
+    include_gaps: bool,
+    neighbours: IntArray,
+    ids: IntArray,
+    starts: IntArray,
+    corners: FloatArray,
+    boxes: FloatArray,
+    spans: IntArray,
+    lengths: FloatArray,
+    pieces: FloatArray,
+    wholes: FloatArray,
+    end: int,
+) -> tuple[IntArray, int]:
+    # Puts what `changed_pieces` gives, if there is room. Gives the owners, and where the pieces
+    # end, or would end.
+    owners, begins, left, left_wholes = changed_pieces(
+        index,
+        boundary,
+        tags,
+        include_gaps,
+        neighbours,
+        ids,
+        starts,
+        corners,
+        boxes,
+        spans,
+        pieces,
+        wholes,
+    )
+    after = end + left.shape[0]
+    if after <= pieces.shape[0]:
+        _put(owners, begins, left, left_wholes, False, spans, lengths, pieces, wholes, end)
+    return owners, after
 
 
 @kernel
@@ -463,13 +514,10 @@ def _put(
     pieces: FloatArray,
     wholes: FloatArray,
     end: int,
-) -> tuple[FloatArray, FloatArray, int]:
+) -> int:
     # Writes owners' new pieces behind all others; after something was given up, the open ones
-    # alone. Gives the arrays, and where they end.
-    after = end + new_pieces.shape[0]
-    if after > pieces.shape[0]:
-        pieces, wholes, end = _moved_together(spans, pieces, wholes, new_pieces.shape[0])
-        after = end + new_pieces.shape[0]
+    # alone. Tells where they end.
+    after: int = end + new_pieces.shape[0]
     pieces[end:after], wholes[end:after] = new_pieces, new_wholes
     for k in range(owners.shape[0]):
         owner = owners[k]
@@ -480,7 +528,7 @@ def _put(
         if begins[k + 1] > begins[k]:
             arcs = arc_ends(new_pieces[begins[k] : begins[k + 1]])
             lengths[owner, 0], lengths[owner, 1] = arcs[:, 4].min(), arcs[:, 4].max()
-    return pieces, wholes, after
+    return after
 
 
 @kernel

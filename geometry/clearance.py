@@ -20,7 +20,7 @@ import numpy as np
 import shapely
 from shapely.geometry.base import BaseGeometry
 
-from multisrt.geometry.kernel import FloatArray, kernel
+from multisrt.geometry.kernel import BoolArray, FloatArray, kernel
 
 TOLERANCE_M = 1e-9
 """Overlaps up to this depth count as touching."""
@@ -389,6 +389,20 @@ def pose_is_inside(
                     return False
         ax, ay = bx, by
     return inside
+
+
+@kernel
+def keep_off(ways: FloatArray, discs: FloatArray) -> BoolArray:
+    """Tell which straight ways, ``(n, 4)``, keep off all discs, ``(m, 3)``: x, y and radius."""
+    off = np.ones(ways.shape[0], np.bool_)
+    for i in range(ways.shape[0]):
+        for k in range(discs.shape[0]):
+            x, y, radius = discs[k]
+            ax, ay, bx, by = ways[i, 0] - x, ways[i, 1] - y, ways[i, 2] - x, ways[i, 3] - y
+            if squared_distance(ax, ay, bx, by) < radius * radius:
+                off[i] = False
+                break
+    return off
 
 
 @kernel

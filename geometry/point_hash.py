@@ -129,6 +129,9 @@ def _around(
     radius: float,
     cell: float,
 ) -> IntArray:
+    if numbers.shape[0] == 1:
+        x, y = points[numbers[0], 0], points[numbers[0], 1]
+        return _within(table, before, points, x, y, radius, cell)
     found = np.empty(64, np.int64)
     count = 0
     for number in numbers:

@@ -20,7 +20,7 @@ Pose = tuple[float, float, float]
 NodeName = tuple[int, int]
 """The robot that made a node, and the node's serial number among that robot's."""
 
-Stage = Literal["root", "draw", "approach", "complete", "coordinate", "passed", "scan"]
+Stage = Literal["root", "draw", "approach", "complete", "bypass", "coordinate", "passed", "scan"]
 """How a node's place was found: by a stage of the planner, or by a master that organised; or
 that it is where a robot took a scan on its way, of the SRT family or bidding for frontiers."""
 
@@ -71,10 +71,10 @@ class NodeAdded(Event, frozen=True, kw_only=True, tag="node"):
         The node that the robot came from; None at a root.
     configuration : (x, y, heading)
         Where the scan was taken.
-    stage : {"root", "draw", "approach", "complete", "coordinate", "passed", "scan"}
-        How the place was found; `coordinate`: by a master, or where a protective stop ended a
-        motion; `passed`: not chosen, but on the way to a place that was; `scan`: where a robot
-        that bids for frontiers looked round.
+    stage : {"root", "draw", "approach", "complete", "bypass", "coordinate", "passed", "scan"}
+        How the place was found; `bypass`: on the way round a robot that stands; `coordinate`: by
+        a master, or where a protective stop ended a motion; `passed`: not chosen, but on the way
+        to a place that was; `scan`: where a robot that bids for frontiers looked round.
     boundary : tuple of (x, y)
         The local safe region, counter-clockwise, not closed.
     tags : str
@@ -100,7 +100,7 @@ class Decision(Event, frozen=True, kw_only=True, tag="decision"):
         Length of the local frontier there.
     choice : str
         `draw`, `approach`, `complete`, `parent`, `nearest_open`, `home`, `transfer` (to
-        another's tree and back), `stay` (for now) or `end`.
+        another's tree and back), `bypass` (round a robot that stands), `stay` (for now) or `end`.
     target : (x, y) or None
         The place chosen.
     draws : int
@@ -124,6 +124,7 @@ class Decision(Event, frozen=True, kw_only=True, tag="decision"):
         "nearest_open",
         "home",
         "transfer",
+        "bypass",
         "stay",
         "end",
     ]

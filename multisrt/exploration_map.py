@@ -87,7 +87,9 @@ class ExplorationMap:
         self._closed_arcs: dict[NodeId, list[FloatArray]] = {}
         self._roots: list[NodeId] = []
         self._root_of: dict[NodeId, NodeId] = {}
-        self._orphans: dict[NodeId, list[NodeId]] = {}
+        # Of trees whose first node's parent is missing: their roots by that parent, and all nodes.
+        self._cut_off: dict[NodeId, list[NodeId]] = {}
+        self._members: dict[NodeId, list[NodeId]] = {}
         self._ids: list[NodeId] = []
         self._index: dict[NodeId, int] = {}
         self._arcs = ArcPieces()
@@ -96,8 +98,8 @@ class ExplorationMap:
         self._revision = 0
         self._witness = 0
         self._unlisted: dict[int, None] = {}
-        self._open: dict[NodeId | None, dict[NodeId, float]] = {}
-        self._open_m: dict[NodeId | None, float] = {}
+        self._open: dict[NodeId, dict[NodeId, float]] = {}
+        self._open_m: dict[NodeId, float] = {}
         self._places = PointHash(reach_m)
         self._id_rows: IntArray = np.zeros((0, 2), np.int64)
         self._boxes: FloatArray = np.empty((0, 4))
@@ -231,14 +233,17 @@ class ExplorationMap:
         return self._entries.more_than(theirs)
 
     def roots(self) -> list[NodeId]:
-        """Give the roots of all trees, in the order of their ids."""
+        """Give the roots of all trees, in the order of their ids.
+
+        While a node's parent is not known, it is the root of what grows from it.
+        """
         return list(self._roots)
 
-    def tree(self, node_id: NodeId) -> NodeId | None:
-        """Give the root at the end of a known node's parent links; None while one is missing."""
+    def tree(self, node_id: NodeId) -> NodeId:
+        """Give the root at the end of a known node's parent links, as far as they are known."""
         if node_id not in self._nodes:
             raise InvalidInputError(f"node {tuple(node_id)} is not known, nor is its tree")
-        return self._root_of.get(node_id)
+        return self._root_of[node_id]
 
     def frontier(self, node_id: NodeId) -> FloatArray:
         """Give a node's local frontier as ``(m, 4)`` segments, the region on their left."""
@@ -291,7 +296,7 @@ class ExplorationMap:
         Parameters
         ----------
         tree : NodeId or None
-            The root of the tree that is asked for; None: all nodes.
+            Any node of the tree that is asked for; None: all nodes.
         """
         if tree is None:
             self._list_open()
@@ -299,17 +304,17 @@ class ExplorationMap:
         return sorted(self._open_in(tree))
 
     def open_frontier_m(self, tree: NodeId | None = None) -> float:
-        """Sum of all local frontiers' lengths in metres, of all nodes or of a tree's.
+        """Sum of all local frontiers' lengths in metres, of all nodes or of those in one's tree.
 
         What changed since it was asked last is looked at, and nothing else.
         """
         if tree is None:
             self._list_open()
             return math.fsum(m for nodes in self._open.values() for m in nodes.values())
-        nodes = self._open_in(tree)
-        known = self._open_m.get(tree)
+        nodes, root = self._open_in(tree), self._root_of[tree]
+        known = self._open_m.get(root)
         if known is None:
-            known = self._open_m[tree] = math.fsum(nodes.values())
+            known = self._open_m[root] = math.fsum(nodes.values())
         return known
 
     def near(self, x: float, y: float, radius_m: float) -> list[Node]:
@@ -405,28 +410,31 @@ class ExplorationMap:
         return self._robot is None or closing.id.robot == self._robot
 
     def _join_tree(self, node: Node) -> None:
-        # A node's root is known once its parent's is; then so is that of all that waited for it.
+        # A node whose parent is missing is a root until the parent comes: then its tree joins.
+        root, joined = node.id, [node.id]
         if node.parent is None:
-            root = node.id
             insort(self._roots, root)
         elif node.parent in self._root_of:
             root = self._root_of[node.parent]
         else:
-            self._orphans.setdefault(node.parent, []).append(node.id)
-            return
-        found = [node.id]
-        while found:
-            node_id = found.pop()
+            insort(self._roots, root)
+            self._cut_off.setdefault(node.parent, []).append(root)
+            self._members[root] = []
+        for head in self._cut_off.pop(node.id, []):
+            self._roots.remove(head)
+            joined += self._members.pop(head)
+        for node_id in joined:
+            if node_id in self._root_of:
+                self._set_open(self._root_of[node_id], node_id, 0.0)
             self._root_of[node_id] = root
-            found += self._orphans.pop(node_id, [])
-            self._set_open(None, node_id, 0.0)
             self._unlisted[self._index[node_id]] = None
+        if root in self._members:
+            self._members[root] += joined
 
     def _open_in(self, tree: NodeId) -> dict[NodeId, float]:
-        if self._root_of.get(tree) != tree:
-            raise InvalidInputError(f"{tuple(tree)} is not the root of a tree known here")
+        root = self.tree(tree)
         self._list_open()
-        return self._open.get(tree, {})
+        return self._open.get(root, {})
 
     def _list_open(self) -> None:
         # Looks again at the nodes near those that changed: arcs of others that join theirs count.
@@ -438,10 +446,10 @@ class ExplorationMap:
             if is_open or index in self._unlisted:
                 node_id = self._ids[index]
                 length = total_length(self.frontier(node_id)) if is_open else 0.0
-                self._set_open(self._root_of.get(node_id), node_id, length)
+                self._set_open(self._root_of[node_id], node_id, length)
         self._unlisted.clear()
 
-    def _set_open(self, tree: NodeId | None, node_id: NodeId, length_m: float) -> None:
+    def _set_open(self, tree: NodeId, node_id: NodeId, length_m: float) -> None:
         nodes = self._open.setdefault(tree, {})
         if nodes.get(node_id, 0.0) == length_m:
             return

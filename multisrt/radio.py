@@ -36,6 +36,11 @@ class Radio:
         The edges of the world.
     rng : numpy.random.Generator
         What losses and jitter are drawn from.
+
+    Attributes
+    ----------
+    is_unlimited : bool
+        Whether it does not matter to whom a message comes where the robots are.
     """
 
     def __init__(self, spec: RadioSpec, index: EdgeIndex, rng: RandomGenerator) -> None:
@@ -43,11 +48,7 @@ class Radio:
         self._index = index
         self._rng = rng
         self._range_m = math.inf if spec.range_m is None else spec.range_m
-
-    @property
-    def is_unlimited(self) -> bool:
-        """Whether it does not matter to whom a message comes where the robots are."""
-        return self._range_m == math.inf and self._spec.walls == "pass"
+        self.is_unlimited = self._range_m == math.inf and spec.walls == "pass"
 
     def datasheet(self) -> RadioSelf:
         """Give what a robot knows of its radio."""

@@ -18,6 +18,7 @@ import msgspec
 import numpy as np
 from numpy.random import Generator
 
+from multisrt.geometry.clearance import keep_off
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.distances import (
     distance_to_boundary,
@@ -360,6 +361,9 @@ class SrtPlanner:
         within_m: float,
         nodes: Sequence[Viewpoint],
         leads: Callable[[int, float, float], bool] | None = None,
+        bodies: FloatArray | None = None,
+        *,
+        past_bodies: bool = False,
     ) -> Way | Refusal:
         """Stage 3: a place in the known region from which the body can see a frontier arc.
 
@@ -376,6 +380,10 @@ class SrtPlanner:
         leads : callable, optional
             Whether a way leads from a node, given by its number, to a place and back, for a
             body that does not drive straight; asked at most `MOST_ASKED` times.
+        bodies : (m, 3) array, optional
+            Of bodies that stand for good x, y and how far off the body has to be.
+        past_bodies : bool
+            Whether the way to the place may lead past them all the same.
 
         Returns
         -------
@@ -396,7 +404,10 @@ class SrtPlanner:
             ample = room >= self.body.ample_radius_m
             narrower = (room >= self.body.roomy_radius_m) & ~ample
             places = np.vstack([places[ample], places[narrower]])
-            found = self._place_with_a_way(places, known, nodes, leads)
+            if bodies is not None:
+                places = places[keep_off(np.hstack([places, places]), bodies)]
+            in_the_way = None if past_bodies else bodies
+            found = self._place_with_a_way(places, known, nodes, leads, in_the_way)
             if not isinstance(found, str):
                 return found
             reasons.append(found)
@@ -429,6 +440,7 @@ class SrtPlanner:
         known: KnownSpace,
         nodes: Sequence[Viewpoint],
         leads: Callable[[int, float, float], bool] | None,
+        bodies: FloatArray | None,
     ) -> Way | Refusal:
         # The first place that is not close to a node and has a straight way from one: with room
         # for any heading or, from a narrow node, inside what it sees.
@@ -457,6 +469,8 @@ class SrtPlanner:
             nearest = begins[np.argsort(apart, axis=1, kind="stable")[:, :NEAREST_NODES]]
             ways = np.dstack([spots[nearest], np.repeat(some[:, None], nearest.shape[1], 1)])
             clear = known.passes(ways.reshape(-1, 4), least)
+            if bodies is not None:
+                clear &= keep_off(ways.reshape(-1, 4), bodies)
             clear = clear.reshape(nearest.shape) & roomy[nearest]
             for i in np.flatnonzero(clear.any(axis=1) | ~roomy[nearest].all(axis=1)).tolist():
                 x, y = some[i].tolist()

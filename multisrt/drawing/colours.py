@@ -142,6 +142,7 @@ STAGES: Final[dict[Stage, tuple[Marker, str]]] = {
     "draw": ("disc", "node drawn at random"),
     "approach": ("triangle", "node on the way to a frontier"),
     "complete": ("diamond", "node for a frontier left behind"),
+    "bypass": ("wedge", "node on the way round a robot that stands"),
     "coordinate": ("star", "node where a master sent the robot"),
 }
 """How nodes are marked by how the planner found their place."""

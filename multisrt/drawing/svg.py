@@ -17,7 +17,7 @@ from multisrt.geometry.kernel import FloatArray
 
 Bounds = tuple[float, float, float, float]
 Marker = Literal[
-    "disc", "triangle", "diamond", "square", "star", "octagon", "pin", "arrow", "cross"
+    "disc", "triangle", "wedge", "diamond", "square", "star", "octagon", "pin", "arrow", "cross"
 ]
 
 FINEST = 1 / 5000
@@ -31,6 +31,7 @@ Browsers calculate with 24 binary digits, which leaves millimetres up to here.
 
 _CORNERS: dict[Marker, tuple[tuple[float, float], ...]] = {
     "triangle": ((-1.1, -0.75), (1.1, -0.75), (0.0, 1.25)),
+    "wedge": ((-1.1, 0.75), (0.0, -1.25), (1.1, 0.75)),
     "diamond": ((0.0, -1.25), (1.25, 0.0), (0.0, 1.25), (-1.25, 0.0)),
     "square": ((-0.9, -0.9), (0.9, -0.9), (0.9, 0.9), (-0.9, 0.9)),
     "star": tuple(

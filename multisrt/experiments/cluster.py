@@ -14,6 +14,8 @@ import re
 import tempfile
 import threading
 from collections.abc import Generator, Iterator, Sequence
+from concurrent.futures import CancelledError
+from contextlib import contextmanager
 from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -96,7 +98,8 @@ def _made(
     under_way: dict[Any, Job] = {}
 
     def hand_out() -> None:
-        threads = sum(client.ncores().values())
+        with _told_when_lost(address):
+            threads = sum(client.ncores().values())
         most = max(FEWEST_HANDED_OUT, AT_A_TIME * threads)
         for job in islice(jobs, max(0, most - len(under_way))):
             future = client.submit(make_there, msgspec.json.encode(job), mine, modules, pure=False)
@@ -113,7 +116,8 @@ def _made(
             hand_out()  # there may be more workers by now
             continue
         job = under_way.pop(future)
-        result, recording = _outcome(future, job, address)
+        with _told_when_lost(address):
+            result, recording = _outcome(future, job, address)
         if recording is not None:
             with written_whole(Path(job.recording)) as file:
                 file.write(recording)
@@ -139,6 +143,15 @@ def _outcome(future: Any, job: Job, address: str) -> tuple[Result, bytes | None]
         f"the cluster at {address!r} cannot make runs ({type(error).__name__}: {error}); install "
         "the same multisrt there as here"
     ) from None
+
+
+@contextmanager
+def _told_when_lost(address: str) -> Iterator[None]:
+    # A scheduler may be lost at any question that is put to it.
+    try:
+        yield
+    except (OSError, CancelledError):
+        raise _lost(address) from None
 
 
 def _lost(address: str) -> InvalidInputError:

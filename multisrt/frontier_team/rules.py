@@ -9,7 +9,7 @@ the same decide alike.
 from __future__ import annotations
 
 import math
-from collections.abc import Generator, Iterator
+from collections.abc import Generator, Iterable, Iterator
 from contextlib import nullcontext
 from dataclasses import dataclass
 from functools import cached_property
@@ -132,6 +132,14 @@ class Bids:
             field=self.field,
             row=self.row,
         )
+
+    def at_least(self) -> FloatArray:
+        """Give what no way is shorter than: as the crow flies, and rounded down, ``(n, m)``."""
+        apart = np.array(self._places)[:, None] - self.targets
+        straight = np.hypot(apart[..., 0], apart[..., 1])
+        spare = NEARER_CELLS * self.robot.raster.cell_m
+        bound: FloatArray = np.maximum(0.0, straight - spare) / NEARER_FACTOR
+        return bound
 
     def all_targets(self) -> IntArray:
         """Give the numbers of all targets."""
@@ -270,22 +278,74 @@ def choose_greedy(robot: FrontierRobot, because: str) -> Choice:
     that it gets, and the rounds end with this robot's own.
     """
     bids = Bids(robot)
-    unused = bids.all_targets()
-    waiting = dict.fromkeys(i for i in range(len(bids.robots)) if bids.nearest(i, unused))
+    waiting = dict.fromkeys(range(len(bids.robots)))
+    offers = Offers(bids)
     rounds: list[tuple[int, int, float]] = []
     while bids.row in waiting:
-        offers = [(*found, i) for i in waiting if (found := bids.nearest(i, unused)) is not None]
-        if not offers:
-            unused = bids.all_targets()
-            continue
-        cost, target, i = min(offers, key=lambda offer: (offer[0], offer[2], offer[1]))
-        rounds.append((i, target, cost))
-        del waiting[i]
-        unused = unused[unused != target]
+        shortest = offers.shortest(waiting)
+        if shortest is not None:
+            cost, i, target = shortest
+            rounds.append((i, target, cost))
+            del waiting[i]
+            offers.take(target)
+        elif not offers.start_again():
+            break
     own = rounds[-1][1] if rounds and rounds[-1][0] == bids.row else None
     longest = max((cost for _, _, cost in rounds), default=0.0) or 1.0
     told = tuple((bids.robots[i], target, 1.0, cost / longest) for i, target, cost in rounds)
     return (yield from settle_on(robot, bids.table(), own, "greedy", because, rounds=told))
+
+
+class Offers:
+    """The shortest ways of several robots to the targets that are left, worked out when needed.
+
+    A robot's wave runs only when it could have the shortest way of all: as the crow flies, its
+    nearest target is no farther than the shortest way found.
+
+    Parameters
+    ----------
+    bids : Bids
+        What targets cost.
+    """
+
+    def __init__(self, bids: Bids) -> None:
+        self._bids = bids
+        self._at_least_m = bids.at_least()
+        self._unused = bids.all_targets()
+        self._known: dict[int, tuple[float, int] | None] = {}
+
+    def shortest(self, waiting: Iterable[int]) -> tuple[float, int, int] | None:
+        """Give the cost, robot and target of the shortest way that a waiting robot has.
+
+        Of equal ones that of the first robot; None if none of them has a way.
+        """
+        if not len(self._unused):
+            return None
+        at_least = self._at_least_m[:, self._unused].min(axis=1)
+        best: tuple[float, int, int] | None = None
+        for i in sorted(waiting, key=at_least.__getitem__):
+            if best is not None and at_least[i] > best[0]:
+                break
+            if i not in self._known:
+                self._known[i] = self._bids.nearest(i, self._unused)
+            known = self._known[i]
+            if known is not None and (best is None or (known[0], i) < best[:2]):
+                best = known[0], i, known[1]
+        return best
+
+    def take(self, target: int) -> None:
+        """Leave out a target, which is nearest to others no more."""
+        self._unused = self._unused[self._unused != target]
+        self._known = {
+            i: known for i, known in self._known.items() if (known or (0, -1))[1] != target
+        }
+
+    def start_again(self) -> bool:
+        """Leave in all targets again; false if they all were left in."""
+        if len(self._unused) == len(self._bids.targets):
+            return False
+        self._unused, self._known = self._bids.all_targets(), {}
+        return True
 
 
 def choose_minpos(robot: FrontierRobot, because: str) -> Choice:

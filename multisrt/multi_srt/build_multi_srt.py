@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Generator
-from contextlib import suppress
 
 from multisrt.explorer import Action, Done, Outcome, RobotSelf
 from multisrt.geometry.frontier_arcs import total_length
 from multisrt.geometry.kernel import FloatArray
 from multisrt.geometry.safe_region import Shape
-from multisrt.multi_srt.build_srt import BoxedIn, build_srt
+from multisrt.multi_srt.build_srt import as_far_as_it_gets, build_srt
 from multisrt.multi_srt.options import MultiSrtOptions
 from multisrt.multi_srt.robot import SrtRobot, segments_of
 from multisrt.multi_srt.support import obey, support_others
@@ -37,35 +36,27 @@ class SrtExplorer:
     def run(self) -> Steps:
         """BUILD_MULTI_SRT: the own tree, then those of others; and stand by at the end."""
         robot = self.robot
-        try:
-            yield from robot.team.begin_step()
-            yield from build_srt(robot)
-            yield from self.finish_tree()
-            while True:
-                if not robot.team.is_alone:
-                    yield from support_others(robot)
-                outcome = yield self.done()
-                yield from robot.team.take(outcome)
-                yield from obey(robot)
-        except BoxedIn:
-            yield from self.finish_tree()
+        yield from robot.team.begin_step()
+        yield from as_far_as_it_gets(robot, build_srt(robot))
+        yield from self.finish_tree()
         while True:
-            outcome = yield self.done(boxed_in=True)
+            if not robot.team.is_alone:
+                yield from support_others(robot)
+            outcome = yield self.done()
             yield from robot.team.take(outcome)
-            with suppress(BoxedIn):
-                yield from obey(robot)
+            yield from as_far_as_it_gets(robot, obey(robot))
 
     def finish_tree(self) -> Steps:
         """Tell that this robot does nothing more in any tree."""
         self.robot.tree = None
         yield from self.robot.team.rest()
 
-    def done(self, boxed_in: bool = False) -> Done:
+    def done(self) -> Done:
         """Say how it ended: by what is known, all explored, or what was left and why."""
         robot = self.robot
         nodes = robot.map.open_nodes(robot.root)
         frontier = [robot.map.frontier(node) for node in nodes]
-        if boxed_in:
+        if robot.is_boxed_in:
             around = sorted(robot.obstacles)
             reason = "boxed in" + (f" by robots {around}, which do not give way" if around else "")
             if nodes:
@@ -78,7 +69,7 @@ class SrtExplorer:
         else:
             reason = "every frontier arc is explored or closed"
             if not robot.map.is_complete():
-                others = [root.robot for root in robot.map.roots() if robot.map.open_nodes(root)]
+                others = sorted({node.robot for node in robot.map.open_nodes()})
                 reason = (
                     "every frontier arc of its own tree is explored or closed; "
                     f"those left in the trees of robots {others} are theirs or out of reach"

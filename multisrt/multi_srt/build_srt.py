@@ -20,24 +20,29 @@ from multisrt.geometry.scan import Scan
 from multisrt.multi_srt.coordination import check_feasibility, coordinate
 from multisrt.multi_srt.engagement import Regroup, agree, build_and_wait_gpr, build_ger
 from multisrt.multi_srt.organize import path_of
-from multisrt.multi_srt.robot import KnownNode, NewPlace, SrtRobot, Step, Target
+from multisrt.multi_srt.robot import MOST_TRIES, KnownNode, NewPlace, SrtRobot, Step, Target
 from multisrt.multi_srt.ways import OutAndBack
 from multisrt.planners.motion.trajectory import Trajectory
 from multisrt.planners.srt import Draws
 
 Steps = Generator[Action, Outcome, None]
 Choice = Literal[
-    "draw", "approach", "complete", "parent", "nearest_open", "home", "transfer", "stay", "end"
+    "draw",
+    "approach",
+    "complete",
+    "parent",
+    "nearest_open",
+    "home",
+    "transfer",
+    "bypass",
+    "stay",
+    "end",
 ]
 Plan = Generator[Action, Outcome, tuple[Choice, Target | None]]
 Planner = Callable[[SrtRobot, FloatArray, Draws], Plan]
 
 MOST_WAITS = 3
 """A robot that was told to wait so often in a row plans anew."""
-
-MOST_TRIES = 12
-"""After so many tries a robot plans around those who stand in its way; and if it is boxed in,
-it gives up."""
 
 
 class BoxedIn(Exception):
@@ -47,6 +52,14 @@ class BoxedIn(Exception):
 def build_srt(robot: SrtRobot) -> Steps:
     """BUILD_SRT: extend a tree until its frontier is explored and the robot is at its root."""
     yield from take_steps(robot, planner)
+
+
+def as_far_as_it_gets(robot: SrtRobot, steps: Steps) -> Steps:
+    """Take steps until they are done, or bodies that do not answer stand all around."""
+    try:
+        yield from steps
+    except BoxedIn:
+        robot.target = None
 
 
 def take_steps(robot: SrtRobot, plan: Planner) -> Steps:
@@ -140,7 +153,7 @@ def decide(
         choice, target = yield from plan(robot, frontier, draws)
         if choice == "stay":
             robot.boxed_in += 1
-            if robot.boxed_in > MOST_TRIES:
+            if robot.is_boxed_in:
                 raise BoxedIn
         elif target is not None:
             robot.boxed_in = 0
@@ -236,8 +249,14 @@ def _what_is_left(robot: SrtRobot, here: NodeId) -> Plan:
             for arc in robot.map.frontier_arcs(way[-1]):
                 found = robot.viewing_place(here, way[-1], arc)
                 if isinstance(found, NewPlace):
-                    return "complete", found
+                    return "bypass" if found.stage == "bypass" else "complete", found
+                if way[-1] not in robot.exhausted:
+                    # Another robot's node: from there this one has drawn no place yet.
+                    return "nearest_open", KnownNode(tuple(way), way[-1])
                 yield from robot.close(way[-1], arc, found)
+        round_them = robot.bypass(robot.may_extend)
+        if round_them is not None:
+            return "bypass", round_them
         for node in robot.map.open_nodes(robot.tree):
             # No robot that answers stands in the way for long; these do.
             joined = robot.ways.way(here, node) is not None
@@ -249,8 +268,19 @@ def _what_is_left(robot: SrtRobot, here: NodeId) -> Plan:
     assert robot.tree is not None
     if here == robot.tree or supports:
         return "end", None
-    way = robot.way(here, robot.tree)
-    return ("stay", None) if way is None else ("home", KnownNode(tuple(way)))
+    return on_the_way(robot, robot.tree, "home")
+
+
+def on_the_way(
+    robot: SrtRobot, end: NodeId, choice: Literal["home", "transfer"]
+) -> tuple[Choice, Target | None]:
+    """Go to a node over the roadmap, or round who stands there, or stay for now."""
+    assert robot.here is not None
+    way = robot.way(robot.here, end)
+    if way is not None:
+        return choice, KnownNode(tuple(way))
+    round_them = robot.bypass(lambda node: node == end)
+    return ("stay", None) if round_them is None else ("bypass", round_them)
 
 
 def move_to(robot: SrtRobot, step: Step | None) -> Steps:
@@ -365,6 +395,7 @@ def stop_here(robot: SrtRobot, step: Step, moved: Moved) -> Steps:
         moved = yield from follow(robot, replace(step, way=OutAndBack(motion)))
         driven_s += moved.time_s - began_s
     else:
+        robot.boxed_in = MOST_TRIES + 1
         raise BoxedIn
     if moved.blocked_by is None:
         robot.here = step.node

@@ -49,15 +49,18 @@ def are_coupled(a: RobotState, b: RobotState) -> bool:
     A path that is not straight (a car's) may also pass near to a robot without leading there:
     that couples, too.
     """
-    if math.dist(a.target, b.target) < a.range_m + b.range_m:
-        return True
-    return _passes_near(a, b) or _passes_near(b, a)
-
-
-def _passes_near(a: RobotState, b: RobotState) -> bool:
-    return a.phase == "moving" and any(
-        math.dist(waypoint[1:3], b.target) < b.range_m for waypoint in a.path
+    at, there = a.target, b.target
+    return (
+        math.dist(at, there) < a.range_m + b.range_m
+        or _passes_near(a, there, b.range_m)
+        or _passes_near(b, at, a.range_m)
     )
+
+
+def _passes_near(robot: RobotState, place: tuple[float, float], range_m: float) -> bool:
+    if robot.phase != "moving":
+        return False
+    return any(math.dist((x, y), place) < range_m for _, x, y, _ in robot.path)
 
 
 def group_of(

@@ -9,16 +9,18 @@ from collections.abc import Callable, Generator
 from dataclasses import dataclass, replace
 from typing import Literal
 
-import shapely
+import numpy as np
 from shapely.geometry.base import BaseGeometry
 
 from multisrt.events import ArcClosed, MapComplete, Purpose, Segment, Stage
 from multisrt.exploration_map import Closing, ClosingId, ExplorationMap, Node, NodeId
 from multisrt.explorer import Action, Note, Outcome, RobotSelf, Sighting
+from multisrt.geometry.clearance import keep_off
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.distances import inside
 from multisrt.geometry.kernel import FloatArray
 from multisrt.geometry.safe_region import LocalSafeRegion, Shape
+from multisrt.multi_srt.bypass import first_leg
 from multisrt.multi_srt.messages import Order
 from multisrt.multi_srt.options import MultiSrtOptions
 from multisrt.multi_srt.organize import BEYOND_GUARD, least_gap, motion_of
@@ -29,6 +31,10 @@ from multisrt.planners.motion.kinematics import Car
 from multisrt.planners.motion.sweep import Sweep
 from multisrt.planners.motion.trajectory import Trajectory, Waypoint, standing_at
 from multisrt.planners.srt import CLOSE_BY, Refusal, SrtPlanner, Way, arc_points
+
+MOST_TRIES = 12
+"""After so many tries a robot plans around those who stand in its way; and if it is boxed in,
+it gives up."""
 
 Steps = Generator[Action, Outcome, None]
 GivenUp = Refusal | Literal["blocked by a robot"]
@@ -184,6 +190,7 @@ class SrtRobot:
         self.avoided: dict[int, Sighting] = {}
         self.tried: dict[NodeId, float] = {}
         self.considered: tuple[NodeId, ...] = ()
+        self._chosen: tuple[tuple[int, int], NodeId] | None = None
         self.boxed_in = 0
         self._serial = 0
         self._closings = 0
@@ -195,6 +202,11 @@ class SrtRobot:
     def is_unlimited(self) -> bool:
         """Whether its radio reaches everywhere (paper: unlimited communication range)."""
         return math.isinf(self.me.radio.range_m)
+
+    @property
+    def is_boxed_in(self) -> bool:
+        """Whether it has found no way at all, time after time."""
+        return self.boxed_in > MOST_TRIES
 
     @property
     def is_car(self) -> bool:
@@ -272,7 +284,9 @@ class SrtRobot:
 
     def may_extend(self, node: NodeId) -> bool:
         """Whether a node's frontier is this robot's concern: that of the tree it is active in."""
-        return self.map.has_frontier(node) and self.map.tree(node) == self.tree
+        if self.tree is None or not self.map.has_frontier(node):
+            return False
+        return self.map.tree(node) == self.map.tree(self.tree)
 
     @property
     def obstacles(self) -> dict[int, Sighting]:
@@ -316,20 +330,26 @@ class SrtRobot:
         bodies = self.obstacles
         if not bodies:
             return True
-        (ax, ay, heading), (bx, by, _) = self.map[a].configuration, self.map[b].configuration
+        (ax, ay, _), (bx, by, _) = self.map[a].configuration, self.map[b].configuration
         if a == self.here:
-            line = Trajectory((Waypoint(0.0, ax, ay, heading), Waypoint(1.0, bx, by, heading)))
-            return self.blocking(line) is None
-        way = shapely.LineString([(ax, ay), (bx, by)])
-        for sighting in bodies.values():
-            reach = (
-                self.body.outer_radius_m
-                + sighting.footprint.circumscribed_radius_m
-                + BEYOND_GUARD * self.options.guard_m
-            )
-            if way.distance(shapely.Point(sighting.configuration[:2])) < reach:
-                return False
-        return True
+            return self.goes_straight(bx, by)
+        return bool(keep_off(np.array([[ax, ay, bx, by]]), self.berths)[0])
+
+    @property
+    def berths(self) -> FloatArray:
+        """The bodies to plan around: of each x, y and how far off a way has to be, ``(n, 3)``."""
+        own = self.body.outer_radius_m + BEYOND_GUARD * self.options.guard_m
+        rows = [
+            (*sighting.configuration[:2], own + sighting.footprint.circumscribed_radius_m)
+            for sighting in self.obstacles.values()
+        ]
+        return np.array(rows).reshape(-1, 3)
+
+    def goes_straight(self, x: float, y: float) -> bool:
+        """Whether no such body stands in the way straight to a place."""
+        heading = self.q_act.heading
+        line = Waypoint(0.0, *self.q_act), Waypoint(1.0, x, y, heading)
+        return self.blocking(Trajectory(line)) is None
 
     def refuse(self, x: float, y: float) -> str | None:
         """Say why the robot cannot go straight to a candidate; None if it can."""
@@ -340,18 +360,6 @@ class SrtRobot:
         if way is None:
             return "no way for the car" if self.is_car else "no room"
         return None if self.blocking(way.out) is None else "blocked by a robot"
-
-    def believe_to_stand(self, number: int) -> None:
-        """Take a robot that does not answer for a body at the place that it last told."""
-        state = self.team.states.get(number)
-        if state is None:
-            return
-        x, y, heading = state.path[-1 if state.phase == "moving" else 0][1:]
-        self.bodies[number] = Sighting(
-            robot=number,
-            configuration=Configuration(x, y, heading),
-            footprint=self.team.footprint(number),
-        )
 
     def notice(self, seen: tuple[Sighting, ...]) -> None:
         """Compare what is seen with what is believed of robots that do not answer."""
@@ -461,6 +469,32 @@ class SrtRobot:
             self.ways.extend()
         return self.ways.way(start, end, self.is_passable)
 
+    def bypass(self, wanted: Callable[[NodeId], bool]) -> Target | None:
+        """Find a way that leads on to the nearest wanted node where the roadmap has none."""
+        leg = first_leg(self, wanted)
+        return None if leg is None else self._by(leg, wanted)
+
+    def bypass_to(self, x: float, y: float, aim: NodeId) -> NewPlace | None:
+        """Find a way that leads on to a place where the roadmap has none."""
+        leg = first_leg(self, lambda _: False, (x, y))
+        target = None if leg is None else self._by(leg, lambda _: False)
+        if not isinstance(target, NewPlace):
+            return None
+        stage: Stage = "complete" if (target.x, target.y) == (x, y) else "bypass"
+        return replace(target, stage=stage, aim=aim)
+
+    def _by(
+        self, leg: tuple[NodeId, NodeId | tuple[float, float]], wanted: Callable[[NodeId], bool]
+    ) -> Target | None:
+        assert self.here is not None
+        start, end = leg
+        if isinstance(end, NodeId):
+            self.ways.join(start, end)
+            way = self.ways.to_nearest(self.here, wanted, self.is_passable)
+            return None if way is None else KnownNode(tuple(way))
+        way = self.way(self.here, start)
+        return None if way is None else NewPlace(*end, "bypass", tuple(way), roomy=True)
+
     def way_length_m(self, way: list[NodeId]) -> float:
         """Length of a way over the roadmap."""
         places = [self.map[node].configuration for node in way]
@@ -474,10 +508,34 @@ class SrtRobot:
         """Stage 3 for one arc: a place from which it can be seen, or why there is none."""
         x, y, *_ = arc_points(arc, self.d_min_m)[0]
         spot = round(x / self.d_min_m), round(y / self.d_min_m)
-        found: Way | Refusal = "seen from near"
+        if self._views[spot] >= self.options.max_views:
+            return "seen from near"
+        found = self._view(arc, x, y)
+        if isinstance(found, str) and self.obstacles:
+            found = self._view(arc, x, y, past_bodies=True)
+        if isinstance(found, str):
+            return found
+        place, start = found
+        way = self.way(here, start)
+        last = np.array([[*self.map[start].configuration[:2], place.x, place.y]])
+        # Who has to wait here may choose it again: it was not looked at meanwhile.
+        again = self._chosen == (spot, here)
+        self._chosen = spot, here
+        if way is not None and keep_off(last, self.berths)[0]:
+            self._views[spot] += not again
+            return NewPlace(place.x, place.y, "complete", tuple(way), place.roomy, node)
+        target = self.bypass_to(place.x, place.y, node)
+        if target is None:
+            return "blocked by a robot" if self.ways.way(here, start) else "not reachable"
+        self._views[spot] += target.stage == "complete" and not again
+        return target
+
+    def _view(
+        self, arc: FloatArray, x: float, y: float, *, past_bodies: bool = False
+    ) -> tuple[Way, NodeId] | Refusal:
+        # A place from which an arc around x, y can be seen, and the node from which it is reached.
+        refusal: Refusal = "too narrow"
         for window in self._windows():
-            if self._views[spot] >= self.options.max_views:
-                break
             near = self.map.near(x, y, math.sqrt(2.0) * window)
             if window < self.me.range_m and not self.planner.may_find_way(x, y, window, near):
                 continue
@@ -487,20 +545,16 @@ class SrtRobot:
                 min(window, self.me.range_m),
                 near,
                 self._leads(near, self.map.local_union(x, y, window)) if self.is_car else None,
+                self.berths if self.obstacles else None,
+                past_bodies=past_bodies,
             )
             # A wider window than the robot sees holds no more places, only more ways.
-            if found != "not reachable" and (
-                not isinstance(found, str) or window >= self.me.range_m
-            ):
+            if not isinstance(found, str):
+                return found, near[found.node].id
+            refusal = found
+            if refusal != "not reachable" and window >= self.me.range_m:
                 break
-        if isinstance(found, str):
-            return found
-        start = near[found.node].id
-        way = self.way(here, start)
-        if way is None:
-            return "blocked by a robot" if self.ways.way(here, start) else "not reachable"
-        self._views[spot] += 1
-        return NewPlace(found.x, found.y, "complete", tuple(way), found.roomy, node)
+        return refusal
 
     def _leads(self, near: list[Node], known: BaseGeometry) -> Callable[[int, float, float], bool]:
         return lambda k, x, y: self.ways.leads(near[k], known, x, y)

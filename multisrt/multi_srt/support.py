@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Generator
-from typing import cast
 
 from multisrt.events import Supports
 from multisrt.exploration_map import NodeId
@@ -13,11 +12,13 @@ from multisrt.geometry.kernel import FloatArray
 from multisrt.multi_srt.build_srt import (
     MOST_WAITS,
     Plan,
+    as_far_as_it_gets,
     build_srt,
     move_to,
+    on_the_way,
     take_steps,
 )
-from multisrt.multi_srt.robot import KnownNode, SrtRobot
+from multisrt.multi_srt.robot import SrtRobot
 from multisrt.planners.srt import Draws
 
 Steps = Generator[Action, Outcome, None]
@@ -41,16 +42,21 @@ def support_others(robot: SrtRobot) -> Steps:
     while True:
         tree = yield from select(robot)
         if tree is not None:
-            yield from transfer_to(robot, tree, tree)
-            robot.purpose, robot.completing = "support", True
-            yield from build_srt(robot)
+            yield from as_far_as_it_gets(robot, support(robot, tree))
             robot.tried[tree] = open_frontier(robot, tree)
-            yield from transfer_to(robot, robot.root, None)
+            yield from as_far_as_it_gets(robot, transfer_to(robot, robot.root, None))
             yield from robot.team.rest()
         elif exploration_running(robot):
             yield from wait_for_news(robot)
         else:
             return
+
+
+def support(robot: SrtRobot, tree: NodeId) -> Steps:
+    """Extend another robot's tree."""
+    yield from transfer_to(robot, tree, tree)
+    robot.purpose, robot.completing = "support", True
+    yield from build_srt(robot)
 
 
 def select(robot: SrtRobot) -> Generator[Action, Outcome, NodeId | None]:
@@ -60,7 +66,7 @@ def select(robot: SrtRobot) -> Generator[Action, Outcome, NodeId | None]:
     that is active in it.
     """
     yield from robot.tell_when_complete()
-    if not robot.options.support:
+    if not robot.options.support or robot.here is None:
         return None
     known, options = robot.map, robot.options
     open_m = {root: open_frontier(robot, root) for root in known.roots()}
@@ -76,13 +82,14 @@ def select(robot: SrtRobot) -> Generator[Action, Outcome, NodeId | None]:
     if not candidates:
         return None
     robot.ways.extend()
-    assert robot.here is not None
     if options.select == "most_recent":
         candidates.sort(key=lambda root: (-_last_extended_s(robot, root), root))
         chosen = next((r for r in candidates if robot.way(robot.here, r) is not None), None)
     else:
         way = robot.ways.to_nearest(robot.here, lambda node: node in candidates, robot.is_passable)
         chosen = None if way is None else way[-1]
+    if chosen is None:
+        chosen = next((r for r in candidates if robot.bypass(r.__eq__) is not None), None)
     if chosen is None and tuple(candidates) == robot.considered:
         return None
     robot.considered = tuple(candidates)
@@ -105,10 +112,16 @@ def open_frontier(robot: SrtRobot, root: NodeId) -> float:
 
 
 def active_robots(robot: SrtRobot, root: NodeId) -> int:
-    """ACTIVE_ROBOTS: how many robots extend a tree, as far as is known."""
+    """ACTIVE_ROBOTS: how many robots extend a tree, as far as is known.
+
+    With a limited radio those that were not heard of for long count no more.
+    """
     team = robot.team
     return sum(
-        state.tree == root for number, state in team.states.items() if number not in team.lost
+        state.tree == root
+        for number, state in team.states.items()
+        if number not in team.lost
+        and (robot.is_unlimited or _gives_up_s(robot, number) > robot.time_s)
     )
 
 
@@ -136,7 +149,7 @@ def transfer_to(robot: SrtRobot, end: NodeId, tree: NodeId | None) -> Steps:
         way = robot.way(robot.here, end)
         if robot.here == end or (way is not None and is_near_enough(robot, way)):
             return "end", None
-        return ("stay", None) if way is None else ("transfer", KnownNode(tuple(way)))
+        return on_the_way(robot, end, "transfer")
 
     robot.target = None
     yield from robot.team.begin_step()
@@ -202,11 +215,11 @@ def stand_by(robot: SrtRobot, until_s: float) -> Steps:
 def obey(robot: SrtRobot) -> Steps:
     """Give way, if a master has ordered it; and go home again."""
     order = robot.team.order_for_me()
-    if order is None or order.order != "give way":
+    if order is None or order.order != "give way" or robot.here is None:
         return
     yield from move_to(robot, robot.step_by(order, None))
     yield from robot.team.rest()
-    way = robot.way(cast(NodeId, robot.here), robot.root)
+    way = robot.way(robot.here, robot.root)
     if way is not None and robot.way_length_m(way) > robot.me.range_m:
         yield from robot.team.pause(AWAY_S)
         yield from transfer_to(robot, robot.root, None)
@@ -224,12 +237,17 @@ def _is_cared_for(robot: SrtRobot, root: NodeId) -> bool:
 
 def _take_over_s(robot: SrtRobot, root: NodeId) -> float:
     team = robot.team
-    heard = [
-        team.heard_s.get(number, 0.0)
+    times = [
+        _gives_up_s(robot, number)
         for number, state in team.states.items()
         if number not in team.lost and (number == root.robot or state.tree == root)
     ]
-    return max(heard, default=-math.inf) + robot.options.take_over_after_s
+    return max(times, default=-math.inf)
+
+
+def _gives_up_s(robot: SrtRobot, number: int) -> float:
+    # Until when a robot that was heard of is believed to go on with what it did.
+    return robot.team.heard_s.get(number, 0.0) + robot.options.take_over_after_s
 
 
 def _next_take_over_s(robot: SrtRobot) -> float:

@@ -191,7 +191,6 @@ class Team(Listener):
             if self.unanswered[number] > self.patience:
                 self.unanswered[number] = 0
                 self.lost[number] = None
-                self.robot.believe_to_stand(number)
                 yield Note(TakenAsLost(time_s=self.robot.time_s, robot=self.number, other=number))
         yield from self.say(asked=asked)
 

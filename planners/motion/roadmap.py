@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import heapq
 import math
-from collections.abc import Callable, Hashable
+from collections.abc import Callable, Hashable, Iterable
 from typing import Generic, TypeVar
 
 Place = TypeVar("Place", bound=Hashable)
@@ -89,3 +89,34 @@ class Roadmap(Generic[Place]):
     ) -> list[Place] | None:
         """Find the shortest way between two places."""
         return self.way_to_nearest(start, lambda place: place == end, passable)
+
+    def lengths(
+        self, starts: Iterable[Place], passable: Callable[[Place, Place], bool] | None = None
+    ) -> dict[Place, float]:
+        """Give the lengths of the shortest ways from the nearest start to all places that have one.
+
+        Parameters
+        ----------
+        starts : iterable of places
+            Where ways begin.
+        passable : callable, optional
+            Whether the way from one place to a neighbour can be gone at present.
+
+        Returns
+        -------
+        dict
+            Lengths in metres by place, the nearest place first.
+        """
+        queue = [(0.0, order, start) for order, start in enumerate(starts)]
+        order = len(queue)
+        lengths: dict[Place, float] = {}
+        while queue:
+            length, _, place = heapq.heappop(queue)
+            if place in lengths:
+                continue
+            lengths[place] = length
+            for neighbour, more in self._ways.get(place, {}).items():
+                if neighbour not in lengths and (passable is None or passable(place, neighbour)):
+                    order += 1
+                    heapq.heappush(queue, (length + more, order, neighbour))
+        return lengths

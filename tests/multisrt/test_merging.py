@@ -272,11 +272,14 @@ def test_trees_grow_together_when_the_missing_link_comes():
     known = new_map()
     for node in nodes[:-1]:
         known.add(node)
-    assert [known.tree(n.id) for n in nodes[:-1]] == [None] * 3 + [NodeId(0, 0), NodeId(1, 0)]
-    assert known.roots() == [NodeId(0, 0), NodeId(1, 0)]
+    # Until then, what grows from a node without a parent is a tree.
+    roots = [NodeId(0, 0), NodeId(1, 0), NodeId(1, 5), NodeId(2, 1)]
+    assert [known.tree(n.id) for n in nodes[:-1]] == [roots[k] for k in (2, 3, 2, 0, 1)]
+    assert known.roots() == roots
     known.add(nodes[-1])
     trees = [known.tree(n.id) for n in nodes]
     assert trees == [NodeId(1, 0) if n.id == (1, 0) else NodeId(0, 0) for n in nodes]
+    assert known.roots() == roots[:2]
 
 
 def test_a_far_node_counts_for_its_tree_once_the_missing_link_comes():
@@ -288,20 +291,20 @@ def test_a_far_node_counts_for_its_tree_once_the_missing_link_comes():
     root, link, leaf = chain
     known = map_of([root, leaf])
     assert known.open_frontier_m() == 8.0
-    assert known.open_frontier_m(root.id) == 4.0
+    assert known.open_frontier_m(root.id) == known.open_frontier_m(leaf.id) == 4.0
     assert known.open_nodes() == [root.id, leaf.id]
     known.add(link)
     assert known.open_frontier_m(root.id) == known.open_frontier_m() == 12.0
     assert known.open_nodes(root.id) == known.open_nodes() == [n.id for n in chain]
 
 
-@pytest.mark.parametrize("other", [NodeId(0, 1), NodeId(5, 0)])
-def test_open_frontier_is_asked_of_roots(other):
+def test_open_frontier_is_asked_of_any_node_of_a_tree():
     known = map_of([plain_node(0, 0), plain_node(0, 1, NodeId(0, 0))])
-    with pytest.raises(InvalidInputError, match="not the root of a tree"):
-        known.open_frontier_m(other)
-    with pytest.raises(InvalidInputError, match="not the root of a tree"):
-        known.open_nodes(other)
+    assert known.open_nodes(NodeId(0, 1)) == known.open_nodes(NodeId(0, 0))
+    with pytest.raises(InvalidInputError, match="not known"):
+        known.open_frontier_m(NodeId(5, 0))
+    with pytest.raises(InvalidInputError, match="not known"):
+        known.open_nodes(NodeId(5, 0))
 
 
 def test_the_tree_of_a_node_that_is_not_known():
@@ -328,13 +331,10 @@ def test_open_frontier_of_trees_at_every_moment(teams, team, shortest, random):
             assert known.tree(node.id) == followed(known, node.id)
 
 
-def followed(known: ExplorationMap, node_id: NodeId) -> NodeId | None:
-    while node_id in known:
-        parent = known[node_id].parent
-        if parent is None:
-            return node_id
+def followed(known: ExplorationMap, node_id: NodeId) -> NodeId:
+    while (parent := known[node_id].parent) is not None and parent in known:
         node_id = parent
-    return None
+    return node_id
 
 
 def lines(segments):

@@ -2,10 +2,11 @@ import math
 from itertools import pairwise, permutations
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.sparse import lil_array
-from scipy.sparse.csgraph import dijkstra
+from scipy.sparse.csgraph import csgraph_from_dense, dijkstra
 
 from multisrt.planners.motion.roadmap import Roadmap
 
@@ -125,3 +126,32 @@ def test_against_scipy_and_against_trying_every_way(graph):
     if nearest is not None:
         assert nearest[-1] % 2 == 1
         assert theirs[nearest[-1]] == odd.min()
+
+
+@given(
+    st.dictionaries(
+        st.tuples(st.integers(0, 12), st.integers(0, 12)), st.floats(0.1, 9.0), max_size=40
+    ),
+    st.sets(st.integers(0, 12), min_size=1, max_size=3),
+)
+def test_lengths_are_those_of_scipy(ways, starts):
+    joined: Roadmap[int] = Roadmap()
+    lengths = np.full((13, 13), np.inf)
+    for (a, b), length in ways.items():
+        joined.connect(a, b, length)
+        lengths[a, b] = lengths[b, a] = length
+    np.fill_diagonal(lengths, np.inf)
+    expected = dijkstra(csgraph_from_dense(lengths, null_value=np.inf), indices=[*starts])
+    found = joined.lengths(starts)
+    nearest = expected.min(axis=0)
+    assert {*found} == {k for k in range(13) if nearest[k] < np.inf}
+    assert all(found[k] == pytest.approx(nearest[k]) for k in found)
+    assert [*found.values()] == sorted(found.values())
+
+
+def test_lengths_of_the_ways_that_can_be_gone():
+    joined: Roadmap[str] = Roadmap()
+    joined.connect("a", "b", 1.0)
+    joined.connect("b", "c", 1.0)
+    assert joined.lengths(["a"], lambda _, b: b != "c") == {"a": 0.0, "b": 1.0}
+    assert joined.lengths([]) == {}

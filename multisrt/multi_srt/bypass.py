@@ -1,0 +1,141 @@
+"""Ways through what is known where the roadmap has none.
+
+The paper's robots never die, and its roadmap joins all trees. Here whoever stands for good may
+block a way where there is room to pass, and trees may touch where no two nodes see each other.
+The way is found on a raster of what is known, without bodies; its first straight piece becomes
+the next edge of the tree.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.ndimage import distance_transform_edt
+
+from multisrt.exploration_map import NodeId
+from multisrt.geometry.clearance import keep_off
+from multisrt.geometry.distance_field import DistanceField
+from multisrt.geometry.kernel import BoolArray, FloatArray, IntArray
+
+if TYPE_CHECKING:
+    from multisrt.multi_srt.robot import SrtRobot
+
+CELLS_PER_RADIUS = 5.0
+"""Cells of the raster that make up a body's radius."""
+
+BEYOND_CELLS = 0.1
+"""Cells that are so much further off a body than a way has to be have clear ways between them."""
+
+
+def first_leg(
+    robot: SrtRobot, wanted: Callable[[NodeId], bool], goal: tuple[float, float] | None = None
+) -> tuple[NodeId, NodeId | tuple[float, float]] | None:
+    """Find the straight way off the roadmap with which the way to a wanted node, or place, begins.
+
+    Parameters
+    ----------
+    robot : SrtRobot
+        Who goes. A car has no such way: it would need its own curves.
+    wanted : callable
+        Whether a node is one of those looked for.
+    goal : (x, y) or None
+        A place that is looked for instead.
+
+    Returns
+    -------
+    start : NodeId
+        Where it begins; the roadmap leads there.
+    end : NodeId or (x, y)
+        Where it ends: at a node from which the roadmap leads on, or at a place without a node.
+    None, if there is none.
+    """
+    if robot.here is None or robot.is_car:
+        return None
+    looked_for = [] if goal is not None else [n.id for n in robot.map.nodes if wanted(n.id)]
+    if goal is None and not looked_for:
+        return None
+    robot.ways.extend()
+    grid, roadmap = _Grid(robot), robot.ways.roadmap
+    starts = roadmap.lengths([robot.here], robot.is_passable)
+    begins = grid.with_room([*starts])
+    beyond = roadmap.lengths(looked_for, robot.is_passable)
+    ends = grid.with_room([node for node in beyond if node not in starts])
+    spots = _places(robot, begins)
+    places = _places(robot, ends) if goal is None else np.array([goal])
+    if not len(begins) or not grid.has_room(places).any():
+        return None
+    field = DistanceField(grid.room, grid.cell_m, places, x0=grid.x0, y0=grid.y0)
+    lengths = field.distance(grid.cells(spots)) + [starts[node] for node in begins]
+    best = int(np.argmin(lengths))
+    if math.isinf(lengths[best]):
+        return None
+    cells = field.descent(grid.cells(spots[best : best + 1])[0])
+    last = int(np.hypot(*(places - grid.places(cells[-1:])).T).argmin())
+    along = np.vstack([grid.places(cells[1:]), places[last]])
+    clear = np.flatnonzero(_goes_straight(robot, spots[best], along))
+    if not len(clear):
+        return None
+    if clear[-1] == len(along) - 1 and goal is None:
+        return begins[best], ends[last]
+    x, y = along[clear[-1]].tolist()
+    return begins[best], (x, y)
+
+
+class _Grid:
+    """Where a robot's body has room in what is known, off all bodies: on a raster."""
+
+    def __init__(self, robot: SrtRobot) -> None:
+        self.cell_m = robot.body.outer_radius_m / CELLS_PER_RADIUS
+        raster = robot.map.raster(self.cell_m)
+        self.x0, self.y0 = raster.x0, raster.y0
+        off_border = distance_transform_edt(np.pad(raster.cells, 1))[1:-1, 1:-1]
+        # The border runs anywhere between a cell that is known and its neighbour that is not.
+        least = robot.body.roomy_radius_m / self.cell_m + math.sqrt(0.5)
+        self.room: BoolArray = off_border >= least
+        self._robot = robot
+        xs, ys = raster.centres()
+        for x, y, berth_m in robot.berths.tolist():
+            reach = berth_m + BEYOND_CELLS * self.cell_m
+            columns = np.flatnonzero(np.abs(xs - x) < reach)
+            rows = np.flatnonzero(np.abs(ys - y) < reach)
+            near = np.hypot(xs[columns] - x, ys[rows, None] - y) < reach
+            self.room[np.ix_(rows, columns)] &= ~near
+
+    def cells(self, places: FloatArray) -> IntArray:
+        """Give the rows and columns in which places lie."""
+        cells: IntArray = np.floor((places - (self.x0, self.y0)) / self.cell_m).astype(np.int64)
+        return cells[:, ::-1]
+
+    def places(self, cells: IntArray) -> FloatArray:
+        """Give the middles of cells."""
+        places: FloatArray = (cells[:, ::-1] + 0.5) * self.cell_m + np.array([self.x0, self.y0])
+        return places
+
+    def has_room(self, places: FloatArray) -> BoolArray:
+        """Tell at which places the body has room; all lie in what is known."""
+        rows, columns = self.cells(places).T
+        room: BoolArray = self.room[rows, columns]
+        return room
+
+    def with_room(self, nodes: list[NodeId]) -> list[NodeId]:
+        """Give the nodes at which the body has room."""
+        room = self.has_room(_places(self._robot, nodes))
+        return [node for node, has_room in zip(nodes, room.tolist(), strict=True) if has_room]
+
+
+def _places(robot: SrtRobot, nodes: list[NodeId]) -> FloatArray:
+    return np.array([robot.map[node].configuration[:2] for node in nodes]).reshape(-1, 2)
+
+
+def _goes_straight(robot: SrtRobot, start: FloatArray, ends: FloatArray) -> BoolArray:
+    # Whether the body gets straight from a place with room to others, no farther than it sees.
+    x, y = start.tolist()
+    ways = np.hstack([np.broadcast_to(start, ends.shape), ends])
+    known = robot.map.known_space(x, y, robot.me.range_m + robot.body.outer_radius_m)
+    clear: BoolArray = np.hypot(*(ends - start).T) <= robot.me.range_m
+    clear[clear] = known.passes(ways[clear], robot.body.roomy_radius_m)
+    clear[clear] = keep_off(ways[clear], robot.berths)
+    return clear

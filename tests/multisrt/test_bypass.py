@@ -1,0 +1,189 @@
+"""Ways through what is known where the roadmap has none: round bodies, and from tree to tree."""
+
+import math
+
+import numpy as np
+import pytest
+import shapely
+
+from multisrt.environments.environment import Environment
+from multisrt.events import Decision, NodeAdded
+from multisrt.exploration_map import Node, NodeId
+from multisrt.explorer import RobotSelf, Sighting
+from multisrt.geometry.boundary import OBSTACLE
+from multisrt.geometry.configuration import Configuration
+from multisrt.geometry.footprint import Footprint
+from multisrt.geometry.safe_region import LocalSafeRegion
+from multisrt.metrics import measure
+from multisrt.multi_srt.bypass import first_leg
+from multisrt.multi_srt.options import MultiSrtOptions
+from multisrt.multi_srt.robot import NewPlace, SrtRobot
+from multisrt.planners.motion.kinematics import Car, Differential
+from multisrt.simulation import simulate
+from multisrt.spec import Death, RadioSpec, RobotSpec, RunSpec, StopRule, inline
+
+RADIUS = 0.25
+REACH = 8.0
+BERTH = 2 * RADIUS + 1.2 * 0.1
+
+
+def box_node(robot: int, serial: int, place, box) -> Node:
+    """A node somewhere in a rectangle that is its region."""
+    x0, y0, x1, y1 = box
+    region = LocalSafeRegion(
+        x=place[0],
+        y=place[1],
+        range_m=REACH,
+        boundary=np.array([(x0, y0), (x1, y0), (x1, y1), (x0, y1)], float),
+        tags=np.full(4, OBSTACLE, np.int8),
+    )
+    return Node(
+        id=NodeId(robot, serial),
+        configuration=Configuration(*place, 0.0),
+        region=region,
+        parent=None,
+        time_s=0.0,
+    )
+
+
+def robot_in(*rooms, kinematics=None) -> SrtRobot:
+    """A robot at the first of some nodes, whose regions are boxes, (x, y) and the box of each."""
+    me = RobotSelf(
+        robot=0,
+        start=Configuration(*rooms[0][0], 0.0),
+        footprint=Footprint.parse(f"disc:{RADIUS}"),
+        kinematics=kinematics or Differential(),
+        range_m=REACH,
+        rng=np.random.default_rng(0),
+        team=2,
+    )
+    robot = SrtRobot(me, "star", MultiSrtOptions())
+    for number, (place, box) in enumerate(rooms):
+        robot.map.add(box_node(0, number, place, box))
+    robot.ways.extend()
+    robot.here = NodeId(0, 0)
+    robot.q_act = me.start
+    return robot
+
+
+def stand(robot: SrtRobot, x: float, y: float) -> None:
+    """Another robot that does not answer stands there."""
+    footprint = Footprint.parse(f"disc:{RADIUS}")
+    robot.bodies[1] = Sighting(robot=1, configuration=Configuration(x, y, 0.0), footprint=footprint)
+
+
+def stand_at(robot: SrtRobot, serial: int, place, box) -> None:
+    """The robot itself has come to a place, straight from where it was, and made a node."""
+    before = robot.here
+    robot.map.add(box_node(0, serial, place, box))
+    robot.q_act, robot.here = Configuration(*place, 0.0), NodeId(0, serial)
+    robot.ways.extend()
+    robot.ways.join(before, robot.here)
+
+
+def corridor(width: float, body_y: float) -> SrtRobot:
+    """Nodes at both ends of a corridor along y = 0, 4 m apart, and a body half way."""
+    low, high = -width / 2, width / 2
+    ends = ((0.0, 0.0), (-1.0, low, 5.0, high)), ((4.0, 0.0), (-1.0, low, 5.0, high))
+    robot = robot_in(*ends)
+    stand(robot, 2.0, body_y)
+    return robot
+
+
+def at_end(node: NodeId) -> bool:
+    return node == NodeId(0, 1)
+
+
+@pytest.mark.parametrize("body_y", [0.0, 0.2, -0.2])
+def test_round_a_body_step_by_step(body_y):
+    width = 2.2
+    robot = corridor(width, body_y)
+    known = shapely.box(-1, -width / 2, 5, width / 2)
+    body = shapely.Point(2.0, body_y)
+    assert robot.way(robot.here, NodeId(0, 1)) is None
+    serial = 2
+    while robot.way(robot.here, NodeId(0, 1)) is None:
+        target = robot.bypass(at_end)
+        assert isinstance(target, NewPlace)
+        assert target.stage == "bypass"
+        start = robot.map[target.way[-1]].configuration
+        line = shapely.LineString([start[:2], (target.x, target.y)])
+        assert line.distance(body) >= BERTH
+        assert known.buffer(-RADIUS).covers(line)
+        stand_at(robot, serial, (target.x, target.y), known.bounds)
+        serial += 1
+        assert serial < 6
+
+
+def test_no_way_where_there_is_no_room():
+    # On either side it takes the body's berth and the own radius.
+    room = BERTH + RADIUS
+    assert corridor(2 * room - 0.02, 0.0).bypass(at_end) is None
+    assert corridor(2 * room + 0.2, 0.0).bypass(at_end) is not None
+    # With the body at one wall there is room at the other.
+    assert corridor(2 * room - 0.02, 0.3).bypass(at_end) is not None
+
+
+def test_to_a_place_behind_a_body():
+    robot = corridor(2.4, 0.0)
+    target = robot.bypass_to(3.5, 0.1, NodeId(0, 1))
+    assert target is not None
+    assert target.stage == "bypass"
+    del robot.bodies[1]
+    target = robot.bypass_to(3.5, 0.1, NodeId(0, 1))
+    assert (target.x, target.y, target.stage) == (3.5, 0.1, "complete")
+
+
+def test_round_a_corner_from_tree_to_tree():
+    # Two corridors that meet in a corner, each seen from its far end: no straight way joins them.
+    known = shapely.box(-1, -0.5, 4, 0.5).union(shapely.box(3, -0.5, 4, 6))
+    robot = robot_in(((0.0, 0.0), (-1.0, -0.5, 4.0, 0.5)), ((3.5, 5.5), (3.0, -0.5, 4.0, 6.0)))
+    assert robot.way(robot.here, NodeId(0, 1)) is None
+    start, (x, y) = first_leg(robot, at_end)
+    assert start == robot.here
+    assert known.buffer(-RADIUS).covers(shapely.LineString([(0, 0), (x, y)]))
+    for serial in range(2, 6):
+        target = robot.bypass(at_end)
+        if not isinstance(target, NewPlace):
+            break
+        stand_at(robot, serial, (target.x, target.y), (-1.0, -0.5, 4.0, 0.5))
+    # Now the roadmap leads there, and there is nothing to look for off it.
+    assert robot.way(robot.here, NodeId(0, 1))[-1] == NodeId(0, 1)
+    assert robot.bypass(at_end) is None
+
+
+def test_a_car_and_one_without_a_place_have_none():
+    robot = corridor(2.4, 0.0)
+    robot.here = None
+    assert first_leg(robot, at_end) is None
+    ends = ((0.0, 0.0), (-1.0, -2, 5.0, 2)), ((4.0, 0.0), (-1.0, -2, 5.0, 2))
+    car = robot_in(*ends, kinematics=Car(turning_radius_m=0.5))
+    stand(car, 2.0, 0.0)
+    assert first_leg(car, at_end) is None
+
+
+@pytest.mark.parametrize("strategy", ["srt-star", "srt-radial"])
+@pytest.mark.parametrize("seed", [0, 1, 2])
+def test_who_is_left_passes_the_dead_and_explores_the_rest(strategy, seed):
+    # Wherever in the corridor the other dies, there is room on one side.
+    world = Environment("corridor", shapely.box(0, 0, 24, 2.6))
+    spec = RunSpec(
+        environment=inline(world),
+        strategy=strategy,
+        robots=(RobotSpec(start=(3.0, 1.3)), RobotSpec(start=(4.0, 1.3))),
+        radio=RadioSpec(range_m=12.0),
+        faults=(Death(robot=1, time_s=12.0, when="moving"),),
+        seed=seed,
+        stop=StopRule(max_time_s=3000.0),
+    )
+    recording = simulate(spec, world)
+    assert recording.footer.outcome == "complete"
+    metrics = measure(recording, world)
+    assert metrics.collisions == 0
+    assert metrics.coverage > 0.96
+    assert math.isfinite(metrics.exploration_time_s)
+    for event in recording.events:
+        if isinstance(event, Decision) and event.choice == "bypass":
+            assert event.target is not None
+        if isinstance(event, NodeAdded):
+            assert event.stage != "root" or event.serial == 0

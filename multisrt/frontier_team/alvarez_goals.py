@@ -15,6 +15,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
+from itertools import product
 from typing import NamedTuple
 
 import numpy as np
@@ -180,8 +181,8 @@ def _closed(
     for group in raster.frontier_groups(0.0):
         if id(group) not in wide:
             r, c = (group.cells - np.array(corner)).T
-            closed[r, c] = True
-    closed = ndimage.binary_dilation(closed, np.ones((3, 3), np.bool_))
+            for across, along in product((-1, 0, 1), repeat=2):
+                closed[r + across, c + along] = True
     reach = 0.5 * robot.me.footprint.width_m / raster.cell_m + 1.5
     n = math.floor(reach)
     for place in tried:

@@ -194,18 +194,21 @@ class DistanceField:
         self._march_to(rows, columns, all_of_them=True)
         return self._lengths(rows, columns)
 
-    def first(self, cells: ArrayLike) -> int | None:
+    def first(self, cells: ArrayLike, at_most_m: float = math.inf) -> int | None:
         """Which of some cells is nearest: the first that the front comes to.
 
         Parameters
         ----------
         cells : (k, 2) array of int
             Rows and columns.
+        at_most_m : float
+            The front goes no farther to find one; what it has come to before counts all the same.
 
         Returns
         -------
         int or None
-            Its index, the smallest if the cell is there twice; None if no path leads to any.
+            Its index, the smallest if the cell is there twice; None if no path leads to any, or
+            none that is so short.
 
         Raises
         ------
@@ -213,7 +216,7 @@ class DistanceField:
             If a cell is not in the grid.
         """
         rows, columns = asked_cells(cells, self.passable)
-        self._march_to(rows, columns, all_of_them=False)
+        self._march_to(rows, columns, all_of_them=False, at_most_m=at_most_m)
         inside, at = self._places_in_window(rows, columns)
         final = self._state[at] == ACCEPTED
         known = np.flatnonzero(inside)[final]
@@ -385,16 +388,24 @@ class DistanceField:
             (max(0, r0 - more), min(rows, r1 + more), max(0, c0 - more), min(columns, c1 + more))
         )
 
-    def _march_to(self, rows: IntArray, columns: IntArray, *, all_of_them: bool) -> None:
+    def _march_to(
+        self,
+        rows: IntArray,
+        columns: IntArray,
+        *,
+        all_of_them: bool,
+        at_most_m: float = math.inf,
+    ) -> None:
         # Mark the cells asked for that are not final yet and march to the last or first of them.
         free = self.passable[rows, columns]
         rows, columns = rows[free], columns[free]
+        limit = at_most_m / self.cell_m
         while True:
             at = self._places_in_window(rows, columns)[1]
             open_cells, final = ask(at, self._state, self._marks)
             missing = open_cells + len(rows) - len(at)
             if missing and (all_of_them or not final):
-                more = self._advance(missing if all_of_them else 1, widen=False)
+                more = self._advance(missing if all_of_them else 1, limit, widen=False)
             else:
                 more = False
             forget(at, self._marks)
@@ -402,7 +413,7 @@ class DistanceField:
                 return
             self._widen()
 
-    def _advance(self, remaining: int, *, widen: bool = True) -> bool:
+    def _advance(self, remaining: int, limit: float = math.inf, *, widen: bool = True) -> bool:
         # March until so many marked cells are accepted; True if the window is too small for it.
         while True:
             self._held, self._count, at_rim = march(
@@ -417,6 +428,7 @@ class DistanceField:
                 self._count,
                 self._width,
                 remaining,
+                limit,
             )
             if not at_rim or not widen:
                 return bool(at_rim)

@@ -81,11 +81,12 @@ def march(
     count: int,
     width: int,
     remaining: int,
+    limit: float,
 ) -> tuple[int, int, bool]:
     """Accept cells in the order of their values.
 
-    Until the front is empty, as many asked cells as remain are accepted, or the next one lies on
-    the rim. An accepted cell's place is its rank.
+    Until the front is empty or beyond the limit, as many asked cells as remain are accepted, or
+    the next one lies on the rim. An accepted cell's place is its rank.
 
     Returns
     -------
@@ -96,6 +97,8 @@ def march(
     """
     while held > 0 and remaining != 0:
         u = heap[1]
+        if distance[u] > limit:
+            return held, count, False
         if marks[u] != 0:
             if marks[u] & RIM:
                 return held, count, True

@@ -151,13 +151,18 @@ class Bids:
             if row != self.row:
                 self._fill_in(row)
 
-    def nearest(self, row: int, targets: IntArray) -> tuple[float, int] | None:
-        """Give how far a robot has to the nearest of some targets, and which that is."""
+    def nearest(
+        self, row: int, targets: IntArray, at_most_m: float = math.inf
+    ) -> tuple[float, int] | None:
+        """Give how far a robot has to the nearest of some targets, and which that is.
+
+        None if it has a way to none of them; or none that is so short, as far as that is known.
+        """
         field = self._field_from(row)
         if field is None:
             return None
         with self.robot.around_bodies() if row == self.row else nullcontext():
-            found = first_of(field, self._indices[targets])
+            found = first_of(field, self._indices[targets], at_most_m)
         if found is None:
             return None
         cost, place = found
@@ -239,9 +244,11 @@ class Bids:
             self.costs[row] = field.distance(self._indices)
 
 
-def first_of(field: DistanceField, cells: IntArray) -> tuple[float, int] | None:
+def first_of(
+    field: DistanceField, cells: IntArray, at_most_m: float = math.inf
+) -> tuple[float, int] | None:
     """Give how far it is to the first of some cells that a wave comes to, and which that is."""
-    first = field.first(cells)
+    first = field.first(cells, at_most_m)
     if first is None:
         return None
     return float(field.distance(cells[first])[0]), first
@@ -299,8 +306,8 @@ def choose_greedy(robot: FrontierRobot, because: str) -> Choice:
 class Offers:
     """The shortest ways of several robots to the targets that are left, worked out when needed.
 
-    A robot's wave runs only when it could have the shortest way of all: as the crow flies, its
-    nearest target is no farther than the shortest way found.
+    A robot's wave runs no farther than the shortest way found, and only if its nearest target
+    is that near as the crow flies.
 
     Parameters
     ----------
@@ -310,9 +317,14 @@ class Offers:
 
     def __init__(self, bids: Bids) -> None:
         self._bids = bids
-        self._at_least_m = bids.at_least()
-        self._unused = bids.all_targets()
-        self._known: dict[int, tuple[float, int] | None] = {}
+        self._straight = bids.at_least()
+        self._start()
+
+    def _start(self) -> None:
+        self._unused = self._bids.all_targets()
+        self._known: dict[int, tuple[float, int]] = {}
+        # How far waves have run in vain: inf, to the end.
+        self._beyond = np.zeros(len(self._bids.robots))
 
     def shortest(self, waiting: Iterable[int]) -> tuple[float, int, int] | None:
         """Give the cost, robot and target of the shortest way that a waiting robot has.
@@ -321,30 +333,33 @@ class Offers:
         """
         if not len(self._unused):
             return None
-        at_least = self._at_least_m[:, self._unused].min(axis=1)
+        at_least = np.maximum(self._straight[:, self._unused].min(axis=1), self._beyond)
         best: tuple[float, int, int] | None = None
         for i in sorted(waiting, key=at_least.__getitem__):
-            if best is not None and at_least[i] > best[0]:
+            if math.isinf(at_least[i]) or (best is not None and at_least[i] > best[0]):
                 break
             if i not in self._known:
-                self._known[i] = self._bids.nearest(i, self._unused)
-            known = self._known[i]
-            if known is not None and (best is None or (known[0], i) < best[:2]):
-                best = known[0], i, known[1]
+                at_most = math.inf if best is None else best[0]
+                found = self._bids.nearest(i, self._unused, at_most)
+                if found is None:
+                    self._beyond[i] = at_most
+                    continue
+                self._known[i] = found
+            cost, target = self._known[i]
+            if best is None or (cost, i) < best[:2]:
+                best = cost, i, target
         return best
 
     def take(self, target: int) -> None:
-        """Leave out a target, which is nearest to others no more."""
+        """Leave out a target: to no robot it is the nearest any more."""
         self._unused = self._unused[self._unused != target]
-        self._known = {
-            i: known for i, known in self._known.items() if (known or (0, -1))[1] != target
-        }
+        self._known = {i: known for i, known in self._known.items() if known[1] != target}
 
     def start_again(self) -> bool:
         """Leave in all targets again; false if they all were left in."""
         if len(self._unused) == len(self._bids.targets):
             return False
-        self._unused, self._known = self._bids.all_targets(), {}
+        self._start()
         return True
 
 

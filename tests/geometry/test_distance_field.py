@@ -332,6 +332,28 @@ def test_the_first_of_some_cells_is_the_nearest(seed):
             assert known or field.reached()[np.isfinite(field.reached())].max() <= lengths[first]
 
 
+@pytest.mark.parametrize("seed", range(6))
+def test_the_first_of_some_cells_within_a_limit(seed):
+    passable, sources, _, rng = disturbed(seed)
+    whole = distance_field(passable, 1.0, sources)
+    rows, columns = passable.shape
+    asked = np.column_stack([rng.integers(0, rows, 6), rng.integers(0, columns, 6)])
+    nearest = whole[tuple(asked.T)].min()
+    field = DistanceField(passable, 1.0, sources)
+    for limit in (0.0, nearest / 3.0, nearest - 0.01):
+        if limit < nearest < np.inf:
+            assert field.first(asked, limit) is None
+            reached = field.reached()
+            assert reached[np.isfinite(reached)].max(initial=0.0) <= limit
+    # It goes on from there, to the same values.
+    for limit in (nearest, np.inf):
+        first = field.first(asked, limit)
+        assert (first is None) == np.isinf(nearest)
+        assert first is None or whole[tuple(asked[first])] == nearest
+    field.complete()
+    np.testing.assert_array_equal(field.reached(), whole)
+
+
 def test_the_size_of_the_grid_costs_nothing():
     passable = np.ones((4000, 4000), bool)
     tracemalloc.start()

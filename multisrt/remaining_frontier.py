@@ -47,15 +47,14 @@ def remaining_frontier(recording: Recording) -> dict[int, tuple[Segment, ...]]:
 
 
 def _said(recording: Recording) -> dict[int, tuple[Segment, ...]]:
-    # What robots said at their ends. Who went on after it takes back what it said.
-    said: dict[int, tuple[Segment, ...]] = {}
-    for event in recording.events:
-        match event:
-            case Ended():
-                said[event.robot] = event.frontier
-            case Motion() | NodeAdded():
-                said.pop(event.robot, None)
-    return said
+    # What robots said at their ends, unless they went on after it.
+    last: dict[int, Ended | Motion | NodeAdded] = {}
+    for event in reversed(recording.events):
+        if isinstance(event, Ended | Motion | NodeAdded):
+            last.setdefault(event.robot, event)
+            if len(last) == len(recording.starts):
+                break
+    return {robot: event.frontier for robot, event in last.items() if isinstance(event, Ended)}
 
 
 def _team_map(recording: Recording) -> ExplorationMap:

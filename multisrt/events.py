@@ -20,6 +20,20 @@ Pose = tuple[float, float, float]
 NodeName = tuple[int, int]
 """The robot that made a node, and the node's serial number among that robot's."""
 
+Choice = Literal[
+    "draw",
+    "approach",
+    "complete",
+    "parent",
+    "nearest_open",
+    "home",
+    "transfer",
+    "bypass",
+    "stay",
+    "end",
+]
+"""What the planner of the SRT family chose."""
+
 Stage = Literal["root", "draw", "approach", "complete", "bypass", "coordinate", "passed", "scan"]
 """How a node's place was found: by a stage of the planner, or by a master that organised; or
 that it is where a robot took a scan on its way, of the SRT family or bidding for frontiers."""
@@ -116,18 +130,7 @@ class Decision(Event, frozen=True, kw_only=True, tag="decision"):
 
     node: NodeName
     frontier_m: float
-    choice: Literal[
-        "draw",
-        "approach",
-        "complete",
-        "parent",
-        "nearest_open",
-        "home",
-        "transfer",
-        "bypass",
-        "stay",
-        "end",
-    ]
+    choice: Choice
     target: Point | None
     draws: int = 0
     refused: dict[str, int] = {}

@@ -10,7 +10,7 @@ from collections.abc import Callable, Generator
 from dataclasses import replace
 from typing import Literal, cast
 
-from multisrt.events import Decision, Purpose
+from multisrt.events import Choice, Decision, Purpose
 from multisrt.exploration_map import NodeId
 from multisrt.explorer import Action, Look, Move, Moved, Note, Outcome, Sense, Sighting
 from multisrt.geometry.frontier_arcs import total_length
@@ -26,18 +26,6 @@ from multisrt.planners.motion.trajectory import Trajectory
 from multisrt.planners.srt import Draws
 
 Steps = Generator[Action, Outcome, None]
-Choice = Literal[
-    "draw",
-    "approach",
-    "complete",
-    "parent",
-    "nearest_open",
-    "home",
-    "transfer",
-    "bypass",
-    "stay",
-    "end",
-]
 Plan = Generator[Action, Outcome, tuple[Choice, Target | None]]
 Planner = Callable[[SrtRobot, FloatArray, Draws], Plan]
 

@@ -44,7 +44,7 @@ class SrtExplorer:
                 yield from support_others(robot)
             outcome = yield self.done()
             yield from robot.team.take(outcome)
-            yield from as_far_as_it_gets(robot, obey(robot))
+            yield from obey(robot)
 
     def finish_tree(self) -> Steps:
         """Tell that this robot does nothing more in any tree."""

@@ -18,6 +18,7 @@ from multisrt.multi_srt.build_srt import (
     on_the_way,
     take_steps,
 )
+from multisrt.multi_srt.messages import Order
 from multisrt.multi_srt.robot import SrtRobot
 from multisrt.planners.srt import Draws
 
@@ -215,10 +216,15 @@ def stand_by(robot: SrtRobot, until_s: float) -> Steps:
 def obey(robot: SrtRobot) -> Steps:
     """Give way, if a master has ordered it; and go home again."""
     order = robot.team.order_for_me()
-    if order is None or order.order != "give way" or robot.here is None:
-        return
+    if order is not None and order.order == "give way" and robot.here is not None:
+        yield from as_far_as_it_gets(robot, _give_way(robot, order))
+
+
+def _give_way(robot: SrtRobot, order: Order) -> Steps:
     yield from move_to(robot, robot.step_by(order, None))
     yield from robot.team.rest()
+    if robot.here is None:
+        return
     way = robot.way(robot.here, robot.root)
     if way is not None and robot.way_length_m(way) > robot.me.range_m:
         yield from robot.team.pause(AWAY_S)

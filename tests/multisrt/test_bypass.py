@@ -15,6 +15,7 @@ from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.footprint import Footprint
 from multisrt.geometry.safe_region import LocalSafeRegion
 from multisrt.metrics import measure
+from multisrt.multi_srt.build_srt import BoxedIn, as_far_as_it_gets
 from multisrt.multi_srt.bypass import first_leg
 from multisrt.multi_srt.options import MultiSrtOptions
 from multisrt.multi_srt.robot import NewPlace, SrtRobot
@@ -160,6 +161,18 @@ def test_a_car_and_one_without_a_place_have_none():
     car = robot_in(*ends, kinematics=Car(turning_radius_m=0.5))
     stand(car, 2.0, 0.0)
     assert first_leg(car, at_end) is None
+
+
+def test_who_is_boxed_in_ends_what_it_was_at_and_nothing_else():
+    robot = corridor(2.4, 0.0)
+    robot.target = robot.bypass(at_end)
+
+    def steps():
+        yield "one"
+        raise BoxedIn
+
+    assert [*as_far_as_it_gets(robot, steps())] == ["one"]
+    assert robot.target is None
 
 
 @pytest.mark.parametrize("strategy", ["srt-star", "srt-radial"])

@@ -372,6 +372,8 @@ class SrtRobot:
         for number, sighting in in_sight.items():
             if number in self.team.lost or number not in self.team.states:
                 self.bodies[number] = sighting
+            elif self.team.is_out(number):
+                self.avoided[number] = sighting
 
     # Ways --------------------------------------------------------------------------------
 

@@ -354,3 +354,14 @@ def test_one_that_stands_where_it_said_or_moves_is_not_asked():
     robot.team.states[2] = state(2, [(4.0, 0.0), (6.0, 0.0)], moving=True)
     assert looks(robot, (sighting(1, 2.0, 0.0), sighting(2, 5.0, 0.0))) == ((), False)
     assert not robot.bodies
+
+
+def test_one_with_whom_there_is_no_agreement_is_gone_round_while_it_is_in_sight():
+    robot = a_robot()
+    robot.team.states[1] = member(1, step=3, phase="perceived")
+    there = sighting(1, 2.0, 0.0)
+    looks(robot, (there,))
+    assert not robot.obstacles
+    robot.team.ignored_until_s[1] = 30.0
+    looks(robot, (there,))
+    assert robot.obstacles == {1: there}

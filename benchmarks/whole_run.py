@@ -87,7 +87,7 @@ def _captured(calls: list[Call]) -> Iterator[None]:
 
     with (
         mock.patch.object(scan, "visibility_polygon", recorder(visibility.visibility_polygon)),
-        mock.patch.object(arc_pieces, "changed_pieces", recorder(arc_pieces.changed_pieces)),
+        mock.patch.object(arc_pieces, "_take_in", recorder(arc_pieces._take_in)),
         mock.patch.object(arc_pieces, "_put", recorder(arc_pieces._put)),
         mock.patch.object(arc_pieces, "_wide_enough", recorder(arc_pieces._wide_enough)),
         mock.patch.object(known_space, "_border", recorder(known_space._border)),

@@ -31,7 +31,9 @@ BEYOND_CELLS = 0.1
 
 
 def first_leg(
-    robot: SrtRobot, wanted: Callable[[NodeId], bool], goal: tuple[float, float] | None = None
+    robot: SrtRobot,
+    wanted: Callable[[NodeId], bool] | None = None,
+    goal: tuple[float, float] | None = None,
 ) -> tuple[NodeId, NodeId | tuple[float, float]] | None:
     """Find the straight way off the roadmap with which the way to a wanted node, or place, begins.
 
@@ -39,8 +41,8 @@ def first_leg(
     ----------
     robot : SrtRobot
         Who goes. A car has no such way: it would need its own curves.
-    wanted : callable
-        Whether a node is one of those looked for.
+    wanted : callable or None
+        Whether a node is one of those looked for; None: none is.
     goal : (x, y) or None
         A place that is looked for instead.
 
@@ -54,7 +56,7 @@ def first_leg(
     """
     if robot.here is None or robot.is_car:
         return None
-    looked_for = [] if goal is not None else [n.id for n in robot.map.nodes if wanted(n.id)]
+    looked_for = [] if wanted is None else [n.id for n in robot.map.nodes if wanted(n.id)]
     if goal is None and not looked_for:
         return None
     robot.ways.extend()

@@ -474,28 +474,31 @@ class SrtRobot:
     def bypass(self, wanted: Callable[[NodeId], bool]) -> Target | None:
         """Find a way that leads on to the nearest wanted node where the roadmap has none."""
         leg = first_leg(self, wanted)
-        return None if leg is None else self._by(leg, wanted)
+        if leg is None:
+            return None
+        start, end = leg
+        if not isinstance(end, NodeId):
+            return self._off_roadmap(start, end)
+        assert self.here is not None
+        self.ways.join(start, end)
+        way = self.ways.to_nearest(self.here, wanted, self.is_passable)
+        return None if way is None else KnownNode(tuple(way))
 
     def bypass_to(self, x: float, y: float, aim: NodeId) -> NewPlace | None:
         """Find a way that leads on to a place where the roadmap has none."""
-        leg = first_leg(self, lambda _: False, (x, y))
-        target = None if leg is None else self._by(leg, lambda _: False)
-        if not isinstance(target, NewPlace):
+        leg = first_leg(self, goal=(x, y))
+        if leg is None or isinstance(leg[1], NodeId):
             return None
-        stage: Stage = "complete" if (target.x, target.y) == (x, y) else "bypass"
-        return replace(target, stage=stage, aim=aim)
+        place = self._off_roadmap(*leg)
+        if place is None:
+            return None
+        stage: Stage = "complete" if (place.x, place.y) == (x, y) else "bypass"
+        return replace(place, stage=stage, aim=aim)
 
-    def _by(
-        self, leg: tuple[NodeId, NodeId | tuple[float, float]], wanted: Callable[[NodeId], bool]
-    ) -> Target | None:
+    def _off_roadmap(self, start: NodeId, place: tuple[float, float]) -> NewPlace | None:
         assert self.here is not None
-        start, end = leg
-        if isinstance(end, NodeId):
-            self.ways.join(start, end)
-            way = self.ways.to_nearest(self.here, wanted, self.is_passable)
-            return None if way is None else KnownNode(tuple(way))
         way = self.way(self.here, start)
-        return None if way is None else NewPlace(*end, "bypass", tuple(way), roomy=True)
+        return None if way is None else NewPlace(*place, "bypass", tuple(way), roomy=True)
 
     def way_length_m(self, way: list[NodeId]) -> float:
         """Length of a way over the roadmap."""

@@ -372,7 +372,7 @@ def stop_here(robot: SrtRobot, step: Step, moved: Moved) -> Steps:
     driven_s = moved.time_s - (team.arrival_s - whole.duration_s)
     for _ in range(MOST_TRIES):
         if moved.blocked_by is not None:
-            robot.notice((moved.blocked_by,))
+            robot.heed(moved.blocked_by)
         if robot.can_reverse or moved.blocked_by is None:
             break
         yield from pause_a_while(robot)

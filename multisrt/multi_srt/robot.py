@@ -24,7 +24,7 @@ from multisrt.multi_srt.bypass import first_leg
 from multisrt.multi_srt.messages import Order
 from multisrt.multi_srt.options import MultiSrtOptions
 from multisrt.multi_srt.organize import BEYOND_GUARD, least_gap, motion_of
-from multisrt.multi_srt.team import Team
+from multisrt.multi_srt.team import SAME_PLACE_M, Team
 from multisrt.multi_srt.ways import OutAndBack, Ways
 from multisrt.planners.motion.body import PlanningBody
 from multisrt.planners.motion.kinematics import Car
@@ -301,7 +301,7 @@ class SrtRobot:
                 self.avoid(number)
 
     def avoid(self, number: int) -> None:
-        """Plan around a robot until the next step is made."""
+        """Plan around a robot until the next step is made, or until it goes."""
         self.avoided[number] = Sighting(
             robot=number,
             configuration=Configuration(*self.team.states[number].place),
@@ -362,18 +362,28 @@ class SrtRobot:
         return None if self.blocking(way.out) is None else "blocked by a robot"
 
     def notice(self, seen: tuple[Sighting, ...]) -> None:
-        """Compare what is seen with what is believed of robots that do not answer."""
+        """Compare what is seen all around with what is believed of robots that stand."""
         in_sight = {sighting.robot: sighting for sighting in seen}
         region = None if self.here is None else self.map[self.here].region
-        for number, sighting in list(self.bodies.items()):
-            x, y, _ = sighting.configuration
-            if number not in in_sight and region is not None and inside(region.boundary, x, y):
-                del self.bodies[number]
-        for number, sighting in in_sight.items():
-            if number in self.team.lost or number not in self.team.states:
-                self.bodies[number] = sighting
-            elif self.team.is_out(number):
-                self.avoided[number] = sighting
+        for standing in (self.bodies, self.avoided):
+            for number, sighting in list(standing.items()):
+                x, y, _ = place = sighting.configuration
+                if number in in_sight:
+                    is_gone = place.distance(in_sight[number].configuration) > SAME_PLACE_M
+                else:
+                    is_gone = region is not None and inside(region.boundary, x, y)
+                if is_gone:
+                    del standing[number]
+        for sighting in seen:
+            self.heed(sighting)
+
+    def heed(self, sighting: Sighting) -> None:
+        """Plan around a robot that is seen, if it does not answer or is not stepped with."""
+        number = sighting.robot
+        if number in self.team.lost or number not in self.team.states:
+            self.bodies[number] = sighting
+        elif self.team.is_out(number):
+            self.avoided[number] = sighting
 
     # Ways --------------------------------------------------------------------------------
 

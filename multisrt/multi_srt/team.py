@@ -263,6 +263,8 @@ class Team(Listener):
         if known is None or state.said >= known.said:
             self.states[number] = state
             self._heard(number)
+            if state.phase == "moving":
+                self.robot.avoided.pop(number, None)
 
     def _heard(self, number: int) -> None:
         self.heard_s[number] = self.robot.time_s

@@ -1,6 +1,8 @@
 """Ways through what is known where the roadmap has none: round bodies, and from tree to tree."""
 
 import math
+from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -200,3 +202,53 @@ def test_who_is_left_passes_the_dead_and_explores_the_rest(strategy, seed):
             assert event.target is not None
         if isinstance(event, NodeAdded):
             assert event.stage != "root" or event.serial == 0
+
+
+def seen_at(x: float, y: float) -> Sighting:
+    """Robot 1, seen at a place."""
+    footprint = Footprint.parse(f"disc:{RADIUS}")
+    return Sighting(robot=1, configuration=Configuration(x, y, 0.0), footprint=footprint)
+
+
+@pytest.mark.parametrize(
+    ("seen", "stands"),
+    [
+        ((seen_at(2.0, 0.0),), True),
+        ((seen_at(2.0, 0.5),), False),
+        ((), False),
+    ],
+    ids=["there", "elsewhere", "gone"],
+)
+def test_who_is_avoided_only_while_it_stands(seen, stands):
+    robot = robot_in(((0.0, 0.0), (-1.0, -1.0, 5.0, 1.0)), ((4.0, 0.0), (-1.0, -1.0, 5.0, 1.0)))
+    robot.team.states[1] = SimpleNamespace(phase="idle", place=(2.0, 0.0, 0.0))
+    robot.avoided[1] = seen_at(2.0, 0.0)
+    robot.notice(seen)
+    assert (1 in robot.avoided) == stands
+    assert robot.goes_straight(4.0, 0.0) == (not stands)
+
+
+def test_who_is_out_of_view_is_still_believed_to_stand():
+    robot = robot_in(((0.0, 0.0), (-1.0, -1.0, 1.0, 1.0)))
+    robot.avoided[1] = robot.bodies[2] = seen_at(2.0, 0.0)
+    robot.notice(())
+    assert robot.avoided
+    assert robot.bodies
+
+
+def test_a_protective_stop_tells_nothing_of_other_bodies():
+    robot = corridor(2.2, 0.0)
+    robot.team.lost[2] = None
+    robot.heed(replace(seen_at(1.0, 0.0), robot=2))
+    assert sorted(robot.bodies) == [1, 2]
+
+
+def test_who_says_that_it_goes_is_not_avoided_any_more():
+    robot, other = corridor(2.2, 0.0), corridor(2.2, 0.0)
+    robot.bodies.clear()
+    other.team.number = 1
+    for phase, stands in (("idle", True), ("moving", False)):
+        robot.avoided[1] = seen_at(2.0, 0.0)
+        other.team.phase = phase
+        robot.team._take_state(other.team.state(), sender=1)
+        assert (1 in robot.avoided) == stands

@@ -172,18 +172,20 @@ class DistanceField:
         """The sources in widths of cells from the grid's corner, columns first, (k, 2)."""
         return self._starts
 
-    def distance(self, cells: ArrayLike) -> FloatArray:
+    def distance(self, cells: ArrayLike, at_most_m: float = math.inf) -> FloatArray:
         """Length of the shortest path to the centre of each of some cells.
 
         Parameters
         ----------
         cells : (k, 2) array of int
             Rows and columns.
+        at_most_m : float
+            The front goes no farther; what it has come to before counts all the same.
 
         Returns
         -------
         (k,) array
-            Metres; ``inf`` where no path leads.
+            Metres; ``inf`` where no path leads, or none that is so short.
 
         Raises
         ------
@@ -191,7 +193,7 @@ class DistanceField:
             If a cell is not in the grid.
         """
         rows, columns = asked_cells(cells, self.passable)
-        self._march_to(rows, columns, all_of_them=True)
+        self._march_to(rows, columns, all_of_them=True, at_most_m=at_most_m)
         return self._lengths(rows, columns)
 
     def first(self, cells: ArrayLike, at_most_m: float = math.inf) -> int | None:

@@ -307,3 +307,47 @@ def row_crossings(
                 k -= 1
             crossings[k + 1] = value
     return first_row, starts, crossings
+
+
+@kernel
+def eroded(cells: BoolArray, radius: float) -> BoolArray:
+    """Erode a set of cells by a disc.
+
+    Parameters
+    ----------
+    cells : (rows, columns) array of bool
+        The set; outside the array lies none of it.
+    radius : float
+        Of the disc, in widths of a cell, below 255.
+
+    Returns
+    -------
+    (rows, columns) array of bool
+        The cells whose centres lie at least so far from that of every cell not in the set.
+    """
+    rows, columns = cells.shape
+    reach = math.ceil(radius)
+    # Of each cell the distance within its row to the nearest cell that is not in the set.
+    across = np.empty((rows, columns), np.uint8)
+    for r in range(rows):
+        distance = 0
+        for c in range(columns):
+            distance = min(distance + 1, reach) if cells[r, c] else 0
+            across[r, c] = distance
+        distance = 0
+        for c in range(columns - 1, -1, -1):
+            distance = min(distance + 1, reach) if cells[r, c] else 0
+            across[r, c] = min(across[r, c], distance)
+    left = cells.copy()
+    for apart in range(-reach, reach + 1):
+        # In a row so far apart the nearest cell that is not in the set is at least this far.
+        least = 0
+        while math.sqrt(apart * apart + least * least) < radius:
+            least += 1
+        for r in range(rows):
+            if 0 <= r + apart < rows:
+                for c in range(columns):
+                    left[r, c] &= across[r + apart, c] >= least
+            elif least > 0:
+                left[r] = False
+    return left

@@ -10,15 +10,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.ndimage import distance_transform_edt
+from scipy.spatial import cKDTree
 
 from multisrt.exploration_map import NodeId
 from multisrt.geometry.clearance import keep_off
 from multisrt.geometry.distance_field import DistanceField
 from multisrt.geometry.kernel import BoolArray, FloatArray, IntArray
+from multisrt.geometry.raster import eroded
 
 if TYPE_CHECKING:
     from multisrt.multi_srt.robot import SrtRobot
@@ -56,6 +58,81 @@ def first_leg(
     """
     if robot.here is None or robot.is_car:
         return None
+    for find in (_what_is_left, _search):
+        track = find(robot, wanted, goal)
+        clear = 0 if track is None else _clear_places(robot, track)
+        if track is not None and clear:
+            if clear == len(track.along) and track.end is not None:
+                robot.track = None
+                return track.start, track.end
+            robot.track = replace(track, gone=clear)
+            x, y = track.along[clear - 1].tolist()
+            return track.start, (x, y)
+    robot.track = None
+    return None
+
+
+@dataclass(frozen=True, slots=True)
+class Track:
+    """A way off the roadmap that was found, and is gone piece by piece.
+
+    Attributes
+    ----------
+    found_at : NodeId
+        Where the robot was.
+    start : NodeId
+        The node at which it leaves the roadmap.
+    along : (n, 2) array
+        Places along it, cell by cell.
+    end : NodeId or None
+        The node at its end; None: it ends at a place.
+    gone : int
+        How many of the places lie on its first piece.
+    """
+
+    found_at: NodeId
+    start: NodeId
+    along: FloatArray
+    end: NodeId | None
+    gone: int = 0
+
+
+def _what_is_left(
+    robot: SrtRobot,
+    wanted: Callable[[NodeId], bool] | None,
+    goal: tuple[float, float] | None,
+) -> Track | None:
+    # Of the way found last, if it leads to what is looked for still.
+    track, here = robot.track, robot.here
+    if track is None or here is None:
+        return None
+    if tuple(track.along[track.gone - 1]) == robot.q_act[:2]:
+        track = Track(here, here, track.along[track.gone :], track.end)
+    elif here != track.found_at or robot.way(here, track.start) is None:
+        return None
+    if not len(track.along):
+        return None
+    if track.end is None or wanted is None:
+        leads = track.end is None and goal == tuple(track.along[-1])
+    else:
+        leads = robot.ways.to_nearest(track.end, wanted, robot.is_passable) is not None
+    return track if leads else None
+
+
+def _clear_places(robot: SrtRobot, track: Track) -> int:
+    # How many places of a way lie on the longest straight piece with which it may begin.
+    start = np.array(robot.map[track.start].configuration[:2])
+    clear = np.flatnonzero(_goes_straight(robot, start, track.along))
+    return int(clear[-1]) + 1 if len(clear) else 0
+
+
+def _search(
+    robot: SrtRobot,
+    wanted: Callable[[NodeId], bool] | None,
+    goal: tuple[float, float] | None,
+) -> Track | None:
+    # The shortest way off the roadmap.
+    assert robot.here is not None
     looked_for = [] if wanted is None else [n.id for n in robot.map.nodes if wanted(n.id)]
     if goal is None and not looked_for:
         return None
@@ -65,25 +142,18 @@ def first_leg(
     begins = grid.with_room([*starts])
     beyond = roadmap.lengths(looked_for, robot.is_passable)
     ends = grid.with_room([node for node in beyond if node not in starts])
-    spots = _places(robot, begins)
+    spots = grid.cells(_places(robot, begins))
     places = _places(robot, ends) if goal is None else np.array([goal])
     if not len(begins) or not grid.has_room(places).any():
         return None
     field = DistanceField(grid.room, grid.cell_m, places, x0=grid.x0, y0=grid.y0)
-    lengths = field.distance(grid.cells(spots)) + [starts[node] for node in begins]
-    best = int(np.argmin(lengths))
-    if math.isinf(lengths[best]):
+    best = _best_start(field, spots, np.array([starts[node] for node in begins]))
+    if best is None:
         return None
-    cells = field.descent(grid.cells(spots[best : best + 1])[0])
+    cells = field.descent(spots[best])
     last = int(np.hypot(*(places - grid.places(cells[-1:])).T).argmin())
     along = np.vstack([grid.places(cells[1:]), places[last]])
-    clear = np.flatnonzero(_goes_straight(robot, spots[best], along))
-    if not len(clear):
-        return None
-    if clear[-1] == len(along) - 1 and goal is None:
-        return begins[best], ends[last]
-    x, y = along[clear[-1]].tolist()
-    return begins[best], (x, y)
+    return Track(robot.here, begins[best], along, ends[last] if goal is None else None)
 
 
 class _Grid:
@@ -93,10 +163,9 @@ class _Grid:
         self.cell_m = robot.body.outer_radius_m / CELLS_PER_RADIUS
         raster = robot.map.raster(self.cell_m)
         self.x0, self.y0 = raster.x0, raster.y0
-        off_border = distance_transform_edt(np.pad(raster.cells, 1))[1:-1, 1:-1]
         # The border runs anywhere between a cell that is known and its neighbour that is not.
         least = robot.body.roomy_radius_m / self.cell_m + math.sqrt(0.5)
-        self.room: BoolArray = off_border >= least
+        self.room: BoolArray = eroded(raster.cells, least)
         self._robot = robot
         xs, ys = raster.centres()
         for x, y, berth_m in robot.berths.tolist():
@@ -126,6 +195,21 @@ class _Grid:
         """Give the nodes at which the body has room."""
         room = self.has_room(_places(self._robot, nodes))
         return [node for node, has_room in zip(nodes, room.tolist(), strict=True) if has_room]
+
+
+def _best_start(field: DistanceField, spots: IntArray, before_m: FloatArray) -> int | None:
+    # Of the cells in which a way may leave the roadmap the one with the shortest way in all. The
+    # front goes only so far as may be shorter than the way over the first that it comes to.
+    first = field.first(spots)
+    if first is None:
+        return None
+    bound_m = float(field.distance(spots[first])[0] + before_m[first])
+    centres = (spots[:, ::-1] + 0.5) * field.cell_m + (field.x0, field.y0)
+    straight_m = cKDTree(field.sources).query(centres)[0] - field.cell_m
+    promising = np.flatnonzero(before_m + straight_m <= bound_m)
+    at_most_m = bound_m - float(before_m[promising].min())
+    lengths = field.distance(spots[promising], at_most_m) + before_m[promising]
+    return int(promising[np.argmin(lengths)])
 
 
 def _places(robot: SrtRobot, nodes: list[NodeId]) -> FloatArray:

@@ -20,7 +20,7 @@ from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.distances import inside
 from multisrt.geometry.kernel import FloatArray
 from multisrt.geometry.safe_region import LocalSafeRegion, Shape
-from multisrt.multi_srt.bypass import first_leg
+from multisrt.multi_srt.bypass import Track, first_leg
 from multisrt.multi_srt.messages import Order
 from multisrt.multi_srt.options import MultiSrtOptions
 from multisrt.multi_srt.organize import BEYOND_GUARD, least_gap, motion_of
@@ -155,6 +155,8 @@ class SrtRobot:
         Robots that stand where they were seen and do not answer.
     avoided : dict of int to Sighting
         Robots that stood in its way for so long that it plans around them.
+    track : Track or None
+        The way off the roadmap that it has found last.
     tried : dict of NodeId to float
         Trees that it has supported, with the open frontier that it could do nothing about.
     considered : tuple of NodeId
@@ -188,6 +190,7 @@ class SrtRobot:
         self.exhausted: set[NodeId] = set()
         self.bodies: dict[int, Sighting] = {}
         self.avoided: dict[int, Sighting] = {}
+        self.track: Track | None = None
         self.tried: dict[NodeId, float] = {}
         self.considered: tuple[NodeId, ...] = ()
         self._chosen: tuple[tuple[int, int], NodeId] | None = None

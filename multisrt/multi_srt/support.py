@@ -90,7 +90,8 @@ def select(robot: SrtRobot) -> Generator[Action, Outcome, NodeId | None]:
         way = robot.ways.to_nearest(robot.here, lambda node: node in candidates, robot.is_passable)
         chosen = None if way is None else way[-1]
     if chosen is None and robot.bypass(lambda node: node in candidates) is not None:
-        chosen = next((r for r in candidates if robot.bypass(r.__eq__) is not None), None)
+        *others, last = candidates
+        chosen = next((r for r in others if robot.bypass(r.__eq__) is not None), last)
     if chosen is None and tuple(candidates) == robot.considered:
         return None
     robot.considered = tuple(candidates)

@@ -354,6 +354,21 @@ def test_the_first_of_some_cells_within_a_limit(seed):
     np.testing.assert_array_equal(field.reached(), whole)
 
 
+@pytest.mark.parametrize("seed", range(6))
+def test_distances_within_a_limit(seed):
+    passable, sources, _, rng = disturbed(seed)
+    whole = distance_field(passable, 1.0, sources)
+    rows, columns = passable.shape
+    asked = np.column_stack([rng.integers(0, rows, 6), rng.integers(0, columns, 6)])
+    lengths = whole[tuple(asked.T)]
+    for limit in (0.0, *np.sort(lengths)):
+        field = DistanceField(passable, 1.0, sources)
+        found = field.distance(asked, limit)
+        np.testing.assert_array_equal(found, np.where(lengths <= limit, lengths, np.inf))
+        # It goes on from there, to the same values.
+        np.testing.assert_array_equal(field.distance(asked), lengths)
+
+
 def test_the_size_of_the_grid_costs_nothing():
     passable = np.ones((4000, 4000), bool)
     tracemalloc.start()

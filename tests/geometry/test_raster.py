@@ -5,9 +5,10 @@ import pytest
 import shapely
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.ndimage import distance_transform_edt
 
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.geometry.raster import OFFSET, Raster, paint_polygon
+from multisrt.geometry.raster import OFFSET, Raster, eroded, paint_polygon
 from multisrt.geometry.visibility import visibility_polygon
 
 
@@ -167,3 +168,14 @@ def test_refuses_to_grow_without_end():
         raster.paint(np.array([[1e4, 1e4], [1e4 + 1, 1e4], [1e4, 1e4 + 1]]))
     # What was there is still there.
     assert raster.area_m2() == pytest.approx(0.5, rel=0.03)
+
+
+@given(
+    st.integers(0, 100_000),
+    st.sampled_from([0.0, 1.0, 2**0.5, 2.0, 5**0.5, 5.0]) | st.floats(0.0, 9.0),
+)
+def test_erosion_keeps_what_is_far_enough_from_all_else(seed, radius):
+    rng = np.random.default_rng(seed)
+    cells = rng.random(rng.integers(1, 30, 2)) < rng.choice([0.5, 0.9, 0.99, 1.0])
+    off_border = distance_transform_edt(np.pad(cells, 1))[1:-1, 1:-1]
+    np.testing.assert_array_equal(eroded(cells, radius), cells & (off_border >= radius))

@@ -17,6 +17,7 @@ from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.footprint import Footprint
 from multisrt.geometry.safe_region import LocalSafeRegion
 from multisrt.metrics import measure
+from multisrt.multi_srt import bypass
 from multisrt.multi_srt.build_srt import BoxedIn, as_far_as_it_gets
 from multisrt.multi_srt.bypass import first_leg
 from multisrt.multi_srt.options import MultiSrtOptions
@@ -116,6 +117,36 @@ def test_round_a_body_step_by_step(body_y):
         stand_at(robot, serial, (target.x, target.y), known.bounds)
         serial += 1
         assert serial < 6
+
+
+def test_a_way_that_was_found_is_gone_to_its_end_without_searching_again(monkeypatch):
+    robot, searches = corridor(2.2, 0.0), []
+    search = bypass._search
+    monkeypatch.setattr(bypass, "_search", lambda *a: searches.append(a) or search(*a))
+    serial = 2
+    while robot.way(robot.here, NodeId(0, 1)) is None:
+        target = robot.bypass(at_end)
+        # Who has to wait, and asks again, is told the same.
+        assert robot.bypass(at_end) == target
+        stand_at(robot, serial, (target.x, target.y), (-1.0, -1.1, 5.0, 1.1))
+        serial += 1
+    assert serial > 3
+    assert len(searches) == 1
+
+
+def test_a_way_that_was_found_is_forgotten_where_somebody_stands_on_it():
+    robot = corridor(2.2, -0.2)
+    target = robot.bypass(at_end)
+    stand(robot, target.x, target.y)
+    other = robot.bypass(at_end)
+    assert other is None or math.dist((other.x, other.y), (target.x, target.y)) > BERTH - 0.01
+
+
+def test_a_way_that_was_found_is_forgotten_where_something_else_is_looked_for():
+    robot = corridor(2.2, -0.2)
+    assert robot.bypass(at_end) is not None
+    assert robot.bypass(lambda node: False) is None
+    assert robot.bypass_to(0.5, 0.5, NodeId(0, 1)).aim == NodeId(0, 1)
 
 
 def test_no_way_where_there_is_no_room():

@@ -15,7 +15,7 @@ from multisrt.environments.environment import Environment
 from multisrt.events import Died, Learned, NodeAdded, NodeName
 from multisrt.explorable import Explorable, explorable, viewers
 from multisrt.geometry.configuration import Configuration
-from multisrt.geometry.kernel import BoolArray
+from multisrt.geometry.kernel import BoolArray, FloatArray
 from multisrt.geometry.raster import Raster
 from multisrt.recording import Recording
 from multisrt.spec import RunSpec
@@ -58,10 +58,10 @@ class CoverageMeter:
         """Share covered so far, from 0 to 1."""
         return self._covered / self._all
 
-    def add(self, node: NodeAdded) -> None:
-        """Count what a node adds."""
-        self._covered += self._raster.paint_inside(np.asarray(node.boundary))
-        self.steps.append((node.time_s, self.share))
+    def add(self, time_s: float, region: FloatArray) -> None:
+        """Count what a region adds at a time."""
+        self._covered += self._raster.paint_inside(region)
+        self.steps.append((time_s, self.share))
 
     def time_to(self, share: float) -> float | None:
         """When a share was covered; None if it never was."""
@@ -117,17 +117,17 @@ def team_areas(recording: Recording, what: Explorable) -> TeamAreas:
         The area that counts.
     """
     robots = range(len(recording.spec.robots))
-    nodes: dict[int, list[NodeAdded]] = defaultdict(list)
+    regions: dict[int, dict[int, FloatArray]] = defaultdict(dict)
     for node in recording.of(NodeAdded):
-        nodes[node.robot].append(node)
+        regions[node.robot][node.serial] = recording.region(node)
     once = np.zeros_like(what.raster.cells)
     twice = np.zeros_like(once)
     if len(robots) > 1:
         for robot in robots:
-            own = _painted(what, nodes[robot])
+            own = _painted(what, regions[robot].values())
             twice |= once & own
             once |= own
-    lost, lost_by_robot = _lost(recording, what, nodes)
+    lost, lost_by_robot = _lost(recording, what, regions)
     return TeamAreas(
         overlap_m2=_count(twice) * what.cell_m2,
         lost_m2=_count(lost) * what.cell_m2,
@@ -136,7 +136,7 @@ def team_areas(recording: Recording, what: Explorable) -> TeamAreas:
 
 
 def _lost(
-    recording: Recording, what: Explorable, nodes: dict[int, list[NodeAdded]]
+    recording: Recording, what: Explorable, regions: dict[int, dict[int, FloatArray]]
 ) -> tuple[BoolArray, list[BoolArray]]:
     # Cells that are lost, of the team and by robot.
     robots = range(len(recording.spec.robots))
@@ -150,26 +150,27 @@ def _lost(
     kept = _painted(
         what,
         (
-            node
+            region
             for robot in robots
-            for node in nodes[robot]
-            if robot not in dead or (robot, node.serial) in passed_on
+            for serial, region in regions[robot].items()
+            if robot not in dead or (robot, serial) in passed_on
         ),
     )
     by_robot = [
-        _painted(what, nodes[robot]) & ~kept if robot in dead else nothing for robot in robots
+        _painted(what, regions[robot].values()) & ~kept if robot in dead else nothing
+        for robot in robots
     ]
     return np.logical_or.reduce(by_robot), by_robot
 
 
-def _painted(what: Explorable, nodes: Iterable[NodeAdded]) -> BoolArray:
-    # The explorable cells that lie in the regions of some nodes.
+def _painted(what: Explorable, regions: Iterable[FloatArray]) -> BoolArray:
+    # The explorable cells that lie in some regions.
     like = what.raster
     raster = Raster(like.cell_m)
     raster.column, raster.row = like.column, like.row
     raster.cells = np.zeros_like(like.cells)
-    for node in nodes:
-        raster.paint_inside(np.asarray(node.boundary))
+    for region in regions:
+        raster.paint_inside(region)
     return raster.cells & like.cells
 
 

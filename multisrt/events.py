@@ -6,9 +6,13 @@ radians. The names of the fields are the names in the file.
 
 from __future__ import annotations
 
+import itertools
 from typing import Literal
 
 import msgspec
+import numpy as np
+
+from multisrt.geometry.kernel import FloatArray
 
 Point = tuple[float, float]
 Segment = tuple[float, float, float, float]
@@ -101,6 +105,11 @@ class NodeAdded(Event, frozen=True, kw_only=True, tag="node"):
     stage: Stage
     boundary: tuple[Point, ...]
     tags: str
+
+    def region(self) -> FloatArray:
+        """Give the corners of the local safe region as an array, (n, 2), made at every call."""
+        numbers = itertools.chain.from_iterable(self.boundary)
+        return np.fromiter(numbers, np.float64, 2 * len(self.boundary)).reshape(-1, 2)
 
 
 class Decision(Event, frozen=True, kw_only=True, tag="decision"):

@@ -58,7 +58,7 @@ def area_known_to_one(recording: Recording, *, cell_m: float = CELL_M) -> KnownT
     nodes = recording.of(NodeAdded)
     if not nodes:
         return KnownToOne(integral_m2s=(0.0,) * robots, final_m2=(0.0,) * robots)
-    regions = {(node.robot, node.serial): np.array(node.boundary) for node in nodes}
+    regions = {(node.robot, node.serial): recording.region(node) for node in nodes}
     areas = _Areas(regions, cell_m, robots)
     integral, since = np.zeros(robots), 0.0
     for time, learned, dead in _moments_of_knowledge(recording):

@@ -238,7 +238,7 @@ def measure_with_curve(
     made = Counter(node.robot for node in nodes)
     coverage = CoverageMeter(spec, environment, recording.starts)
     for node in nodes:
-        coverage.add(node)
+        coverage.add(node.time_s, recording.region(node))
     areas = team_areas(recording, coverage.explorable)
     covered = coverage.share * coverage.explorable.area_m2
     cut_off = team_isolation(recording, environment)

@@ -45,6 +45,7 @@ from multisrt.events import (
 )
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import InvalidInputError
+from multisrt.geometry.kernel import FloatArray
 from multisrt.spec import RunSpec
 
 FORMAT = "multisrt-recording"
@@ -127,6 +128,7 @@ class Recording:
     events: tuple[AnyEvent, ...]
     footer: Footer
     _by_kind: dict[type, list[Any]] = field(init=False, repr=False, default_factory=dict)
+    _regions: dict[NodeName, FloatArray] = field(init=False, repr=False, default_factory=dict)
 
     def of(self, kind: type[EventT]) -> Sequence[EventT]:
         """Give the events of a kind, in order."""
@@ -134,6 +136,13 @@ class Recording:
             for event in self.events:
                 self._by_kind.setdefault(type(event), []).append(event)
         return self._by_kind.get(kind, [])
+
+    def region(self, node: NodeAdded) -> FloatArray:
+        """Give the corners of a node's region, (n, 2), made into an array once."""
+        name = node.robot, node.serial
+        if name not in self._regions:
+            self._regions[name] = node.region()
+        return self._regions[name]
 
     @property
     def spec(self) -> RunSpec:

@@ -98,7 +98,7 @@ def _node(event: NodeAdded, range_m: float) -> Node:
         x=configuration.x,
         y=configuration.y,
         range_m=range_m,
-        boundary=np.asarray(event.boundary, np.float64),
+        boundary=event.region(),
         tags=np.asarray([int(tag) for tag in event.tags], np.int8),
     )
     return Node(

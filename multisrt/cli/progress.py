@@ -39,7 +39,7 @@ class Progress(LiveLine):
             nonlocal nodes
             if isinstance(event, NodeAdded):
                 nodes += 1
-                meter.add(event)
+                meter.add(event.time_s, event.region())
                 self.update(
                     description=spec.strategy,
                     total=1.0,

@@ -62,7 +62,7 @@ def team_raster(recording: Recording) -> tuple[Occupancy, NDArray[np.int32]]:
         return raster, np.full(raster.cells.shape, NOBODY, np.int32)
     # Large enough from the beginning, so that rows and columns stay where they are.
     beyond_m = 2.0 * (radius_m + cell_m)
-    x0, y0, x1, y1 = bounds_of(np.array([p for node in nodes for p in node.boundary]))
+    x0, y0, x1, y1 = bounds_of(np.concatenate([node.region() for node in nodes]))
     bounds = x0 - beyond_m, y0 - beyond_m, x1 + beyond_m, y1 + beyond_m
     raster = Occupancy(cell_m, radius_m, bounds)
     first = np.full(raster.cells.shape, NOBODY, np.int32)
@@ -138,7 +138,7 @@ def _region(node: NodeAdded, range_m: float) -> LocalSafeRegion:
         x=x,
         y=y,
         range_m=range_m,
-        boundary=np.asarray(node.boundary, np.float64),
+        boundary=node.region(),
         tags=np.asarray([int(tag) for tag in node.tags], np.int8),
     )
 

@@ -68,7 +68,7 @@ def test_the_curve_says_when_each_percent_was_covered():
     meter = CoverageMeter(run.spec, recording.environment(), recording.starts)
     for event in recording.events:
         if isinstance(event, NodeAdded):
-            meter.add(event)
+            meter.add(event.time_s, event.region())
     assert len(curve) == 101
     assert curve[0] == 0.0
     assert curve[1:] == tuple(meter.time_to(percent / 100) for percent in range(1, 101))

@@ -58,7 +58,7 @@ def first_leg(
     """
     if robot.here is None or robot.is_car:
         return None
-    for find in (_what_is_left, _search):
+    for find in (_rest_of_the_way, _search):
         track = find(robot, wanted, goal)
         clear = 0 if track is None else _clear_places(robot, track)
         if track is not None and clear:
@@ -97,7 +97,7 @@ class Track:
     gone: int = 0
 
 
-def _what_is_left(
+def _rest_of_the_way(
     robot: SrtRobot,
     wanted: Callable[[NodeId], bool] | None,
     goal: tuple[float, float] | None,

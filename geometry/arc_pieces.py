@@ -415,7 +415,7 @@ def changed_pieces(
     candidates = pieces_tagged(boundary, tags, include_gaps)
     own, source = uncovered(candidates, starts, corners, boxes, neighbours)
     own_wholes = candidates[source]
-    near, earlier = _with_pieces_near(index, neighbours, ids, boxes, spans)
+    near, earlier = _with_pieces_near(index, neighbours, ids, boxes, spans, wholes)
     theirs, their_wholes, owners = _gathered(near, spans, pieces, wholes)
     lines = their_wholes[earlier[owners]]
     if lines.shape[0] > 0:
@@ -459,26 +459,34 @@ def changed_pieces(
 
 @kernel
 def _with_pieces_near(
-    index: int, neighbours: IntArray, ids: IntArray, boxes: FloatArray, spans: IntArray
+    index: int,
+    neighbours: IntArray,
+    ids: IntArray,
+    boxes: FloatArray,
+    spans: IntArray,
+    wholes: FloatArray,
 ) -> tuple[IntArray, BoolArray]:
-    # The neighbours that have pieces and are not apart from a region, and whose ids are lower.
+    # The neighbours with arcs that are not apart from a region, and whose ids are lower.
     near = np.empty_like(neighbours)
     earlier = np.empty(neighbours.shape[0], np.bool_)
     count = 0
+    left, bottom = boxes[index, 0] - APART_M, boxes[index, 1] - APART_M
+    right, top = boxes[index, 2] + APART_M, boxes[index, 3] + APART_M
     for k in neighbours:
-        if (
-            spans[k, 0] == spans[k, 1]
-            or boxes[k, 0] > boxes[index, 2] + APART_M
-            or boxes[k, 2] < boxes[index, 0] - APART_M
-            or boxes[k, 1] > boxes[index, 3] + APART_M
-            or boxes[k, 3] < boxes[index, 1] - APART_M
-        ):
-            continue
-        near[count] = k
-        earlier[count] = ids[k, 0] < ids[index, 0] or (
-            ids[k, 0] == ids[index, 0] and ids[k, 1] < ids[index, 1]
-        )
-        count += 1
+        for i in range(spans[k, 0], spans[k, 1]):
+            x0, y0, x1, y1 = wholes[i, 0], wholes[i, 1], wholes[i, 2], wholes[i, 3]
+            if (
+                min(x0, x1) <= right
+                and max(x0, x1) >= left
+                and min(y0, y1) <= top
+                and max(y0, y1) >= bottom
+            ):
+                near[count] = k
+                earlier[count] = ids[k, 0] < ids[index, 0] or (
+                    ids[k, 0] == ids[index, 0] and ids[k, 1] < ids[index, 1]
+                )
+                count += 1
+                break
     return near[:count], earlier[:count]
 
 

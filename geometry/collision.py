@@ -23,7 +23,9 @@ import shapely
 from shapely import MultiPolygon, Polygon
 from shapely.geometry.base import BaseGeometry
 
+from multisrt.geometry.clearance import rings_of
 from multisrt.geometry.configuration import Configuration
+from multisrt.geometry.edge_index import EdgeIndex, no_edge_within, winding_number
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.footprint import (
     Footprint,
@@ -36,11 +38,9 @@ from multisrt.geometry.solids import (
     MOST_TILES,
     TILE_M,
     convex_prism,
-    lying_capsule,
     polygons_of,
     standing_prisms,
     tiles_of,
-    upright_sheet,
 )
 
 RESOLUTION_M = 1e-3
@@ -51,9 +51,6 @@ CONTACT_PRECISION_M = 1e-6
 
 STRAIGHT_RAD = 1e-8
 """A way that turns by less is straight: its arc's centre is too far away to compute with."""
-
-CAPSULE_MARGIN_M = 1e-4
-"""More than FCL errs about a capsule."""
 
 # The distance is FCL's return value. A result that is already nearer keeps the bindings from
 # filling it with arrays for nearest points that nobody reads.
@@ -129,6 +126,9 @@ class CollisionWorld:
         tile = max(TILE_M, (x1 - x0) / MOST_TILES, (y1 - y0) / MOST_TILES)
         tiles = [part for whole in polygons_of(solid) for part in tiles_of(whole, tile)]
         self._obstacles = fcl.CollisionObject(standing_prisms(tiles, "world"))
+        rings = rings_of(free)
+        edges = np.hstack([rings[:-1], rings[1:]])
+        self._index = EdgeIndex(edges[np.isfinite(edges).all(axis=1)], tile)
         self._bodies: dict[Footprint, Body] = {}
 
     def body(self, footprint: Footprint) -> Body:
@@ -177,13 +177,15 @@ class CollisionWorld:
         if not step.any():
             return self._pose_is_free(body, first)
         if footprint.is_disc:
-            # A disc sweeps whatever is nearer than its radius to the way of its centre. FCL's
-            # capsule is quick but rounds: a wider one clears the way, or it is measured.
-            wider = footprint.radius_m + CAPSULE_MARGIN_M
-            if not _touch((lying_capsule(first, last, wider),), self._obstacles):
-                return True
-            way = fcl.CollisionObject(upright_sheet(first, last))
-            return bool(_gap((way,), self._obstacles) > footprint.radius_m)
+            # A disc sweeps whatever is nearer than its radius to the way of its centre.
+            return self._is_in_free_space(first) and no_edge_within(
+                *first[:2],
+                *last[:2],
+                footprint.radius_m,
+                self._index.edges,
+                self._index.grid,
+                self._index.bins,
+            )
         swept = (
             fcl.CollisionObject(convex_prism(sweep_convex(place(piece, *first), step)))
             for piece in footprint.convex_pieces
@@ -271,6 +273,18 @@ class CollisionWorld:
             return 0.0
         _move(body._movers, pose)
         return _gap(body._movers, self._obstacles)
+
+    def _is_in_free_space(self, pose: Configuration) -> bool:
+        index = self._index
+        winding = winding_number(
+            *pose[:2],
+            index.edges,
+            index.grid,
+            index.bins,
+            index.scratch.memory[0],
+            index.scratch.next_query(),
+        )
+        return winding > 0
 
     def _within_frame(self, pose: Configuration) -> bool:
         """Whether the reference point, which is part of the body, is not outside of everything."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from multisrt.geometry.clearance import cross_each_other, squared_distance
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.kernel import FloatArray, IntArray, kernel
 
@@ -161,6 +162,39 @@ def edges_within(
                     found[count] = e
                     count += 1
     return count
+
+
+@kernel
+def no_edge_within(
+    ax: float,
+    ay: float,
+    bx: float,
+    by: float,
+    distance: float,
+    edges: FloatArray,
+    grid: tuple[float, float, float, int, int],
+    bins: IntArray,
+) -> bool:
+    """Whether all edges are farther from the line from a to b than a distance."""
+    x0, y0, cell, columns, rows = grid
+    first_column = int(max(0.0, np.floor((min(ax, bx) - distance - x0) / cell)))
+    last_column = int(min(columns - 1.0, np.floor((max(ax, bx) + distance - x0) / cell)))
+    first_row = int(max(0.0, np.floor((min(ay, by) - distance - y0) / cell)))
+    last_row = int(min(rows - 1.0, np.floor((max(ay, by) + distance - y0) / cell)))
+    least = distance * distance
+    for i in range(first_column, last_column + 1):
+        for j in range(first_row, last_row + 1):
+            for k in range(bins[i * rows + j], bins[i * rows + j + 1]):
+                px, py, qx, qy = edges[bins[k]]
+                if (
+                    squared_distance(px - ax, py - ay, qx - ax, qy - ay) <= least
+                    or squared_distance(px - bx, py - by, qx - bx, qy - by) <= least
+                    or squared_distance(ax - px, ay - py, bx - px, by - py) <= least
+                    or squared_distance(ax - qx, ay - qy, bx - qx, by - qy) <= least
+                    or cross_each_other(ax, ay, bx, by, px, py, qx, qy)
+                ):
+                    return False
+    return True
 
 
 @kernel

@@ -4,7 +4,6 @@ Obstacles are prisms that stand on the floor z = 0; bodies reach through the flo
 it to above the obstacles.
 """
 
-import math
 from collections.abc import Sequence
 
 import fcl
@@ -14,7 +13,6 @@ from numpy.typing import NDArray
 from shapely import Polygon
 from shapely.geometry.base import BaseGeometry
 
-from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.kernel import FloatArray
 
@@ -43,23 +41,6 @@ def convex_prism(outline: FloatArray) -> fcl.Convex:
         j = (i + 1) % n
         faces += [4, i, j, n + j, n + i]
     return fcl.Convex(vertices, n + 2, faces)
-
-
-def lying_capsule(start: Configuration, end: Configuration, radius: float) -> fcl.CollisionObject:
-    """Give what a sphere sweeps along a line on the floor."""
-    (x0, y0, _), (x1, y1, _) = start, end
-    length = math.hypot(x1 - x0, y1 - y0)
-    cosine, sine = (x1 - x0) / length, (y1 - y0) / length
-    turned = np.array([[-sine, 0.0, cosine], [cosine, 0.0, sine], [0.0, 1.0, 0.0]])
-    middle = np.array([(x0 + x1) / 2.0, (y0 + y1) / 2.0, 0.0])
-    return fcl.CollisionObject(fcl.Capsule(radius, length), fcl.Transform(turned, middle))
-
-
-def upright_sheet(start: Configuration, end: Configuration) -> fcl.Convex:
-    """Give a sheet over a line on the floor, through the floor."""
-    (x0, y0, _), (x1, y1, _), z = start, end, BODY_REACH_M
-    corners = np.array([(x0, y0, -z), (x1, y1, -z), (x1, y1, z), (x0, y0, z)])
-    return fcl.Convex(corners, 2, [4, 0, 1, 2, 3, 4, 3, 2, 1, 0])
 
 
 def tiles_of(polygon: Polygon, width: float) -> list[Polygon]:

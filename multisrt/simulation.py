@@ -249,8 +249,6 @@ class _Simulation:
         self.places_at_s = -1.0
         self.last_s = 0.0
         self.collision: Collision | None = None
-        # Straight ways that were found free, from end to end: mostly they are gone back as well.
-        self._free_ways: set[tuple[Body, Configuration, Configuration]] = set()
 
     def run(self, explorers: list[Explorer], starts: tuple[Configuration, ...]) -> Recording:
         self.traffic = Traffic([robot.body for robot in self.robots], starts, self.index)
@@ -552,13 +550,7 @@ class _Simulation:
     def _leg_is_free(self, body: Body, a: Waypoint, b: Waypoint) -> bool:
         start, end = Configuration(*a[1:]), Configuration(*b[1:])
         if a.heading == b.heading:
-            way = body, min(start, end), max(start, end)
-            if way in self._free_ways:
-                return True
-            is_free = self.world.straight_motion_is_free(body, start, end)
-            if is_free:
-                self._free_ways.add(way)
-            return is_free
+            return self.world.straight_motion_is_free(body, start, end)
         if (a.x, a.y) == (b.x, b.y):
             return self.world.rotation_is_free(body, start, b.heading - a.heading)
         turn = b.heading - a.heading

@@ -79,7 +79,7 @@ Watcher = Callable[[AnyEvent], None]
 PROMPT, LATE = 1, 2
 """Priorities of what happens at one moment: a timeout comes after all else."""
 
-GARBAGE_AFTER = 200_000
+GARBAGE_AFTER = 50_000
 """How many objects a run makes before it is looked for garbage among them."""
 
 ROUNDING_S = 1e-9

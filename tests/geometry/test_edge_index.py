@@ -6,7 +6,12 @@ import shapely
 from hypothesis import given
 from hypothesis import strategies as st
 
-from multisrt.geometry.edge_index import EdgeIndex, edges_within, winding_number
+from multisrt.geometry.edge_index import (
+    EdgeIndex,
+    edges_within,
+    no_edge_within,
+    winding_number,
+)
 from multisrt.geometry.errors import InvalidInputError
 
 
@@ -67,6 +72,35 @@ def test_cells_grow_instead_of_memory():
     index = EdgeIndex(edges, 0.01)
     assert index.rows * index.columns <= 4_100_000
     assert len(lookup(index, 5e4, 1.0, 2.0)) == 1
+
+
+@pytest.mark.parametrize("cell", [0.37, 1.0, 50.0])
+@pytest.mark.parametrize("length", [0.0, 0.8, 7.0])
+def test_edges_near_a_way(worlds, cell, length):
+    edges = worlds.edges(worlds.office())
+    index = EdgeIndex(edges, cell)
+    lines = shapely.linestrings(edges.reshape(-1, 2, 2))
+    rng = np.random.default_rng(9)
+    told = []
+    for x, y in worlds.viewpoints(worlds.hall(), 60, seed=4) * 2.0:
+        angle = rng.uniform(0.0, 2.0 * np.pi)
+        way = x, y, x + length * np.cos(angle), y + length * np.sin(angle)
+        nearest = shapely.distance(lines, shapely.LineString([way[:2], way[2:]])).min()
+        for distance in (0.05, 0.3, nearest - 1e-9, nearest + 1e-9):
+            if distance > 0.0:
+                told.append(no_edge_within(*way, distance, index.edges, index.grid, index.bins))
+                assert told[-1] == (nearest > distance)
+    assert len(set(told)) == 2
+
+
+def test_a_way_that_touches_is_not_clear():
+    index = EdgeIndex(np.array([[0.0, 0.0, 4.0, 0.0]]), 1.0)
+    rest = index.edges, index.grid, index.bins
+    for way in ((0.0, 0.5, 4.0, 0.5), (4.5, 0.0, 9.0, 0.0), (2.0, 3.0, 2.0, 0.5)):
+        assert not no_edge_within(*way, 0.5, *rest)
+        assert no_edge_within(*way, 0.49, *rest)
+    # It crosses the edge, and all ends are far from it.
+    assert not no_edge_within(2.0, -1.0, 2.0, 1.0, 0.1, *rest)
 
 
 @given(x=st.floats(-2, 12), y=st.floats(-2, 12))

@@ -162,7 +162,7 @@ def covered_s(recording: Recording, world: Environment) -> float | None:
     meter = CoverageMeter(recording.spec, world, starts)
     for event in recording.events:
         if isinstance(event, NodeAdded):
-            meter.add(event)
+            meter.add(event.time_s, event.region())
     return meter.time_to(COVERED)
 
 

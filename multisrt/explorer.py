@@ -59,7 +59,8 @@ class Move:
     guard_m : float or None
         The protective stop: the motion ends where another body that is in sight would come
         nearer than this. One that is nearer already when the motion begins stops it where the
-        distance would fall below half of what it was. None: no such stop.
+        distance would fall below half of what it was, or below a quarter of this; one that is
+        nearer than that, where it would fall at all. None: no such stop.
     listen : bool
         Whether to be told of messages on the way: `Received` is sent back when one comes that
         wakes (see `Message`), while the motion goes on; `Receive` waits for what comes next,

@@ -36,6 +36,13 @@ STOP_SLACK_M = 1e-5
 """A protective stop ends a motion a hair before its distance is reached; a body that is no
 farther than this beyond counts as nearer when the next motion begins."""
 
+LEAST_SHARE = 0.25
+"""Whoever stands nearer than this share of the guard to another body comes no nearer, so that
+one who tries again and again does not creep up to it."""
+
+NO_NEARER = 0.999
+"""As near as it was, but for rounding."""
+
 ROUNDING_M = 1e-6
 """How far rounding may put a place on a course outside the box of the course."""
 
@@ -134,7 +141,7 @@ class Traffic:
             for other in self._near(robot, (*here[:2], *here[:2]), slack):
                 distance = self._distance(robot, other, time_s)
                 if distance <= guard_m + STOP_SLACK_M:
-                    course.nearer[other] = distance / 2.0
+                    course.nearer[other] = stop_within(distance, guard_m)
 
     def end(self, robot: int, time_s: float) -> Configuration:
         """End a robot's motion where it is at a time; after its arrival that is its very end.
@@ -171,7 +178,7 @@ class Traffic:
 
         It is what happens if all robots go on as they do. The protective stop counts bodies in
         sight at its distance; one that was nearer already when the motion began, or as near as a
-        stop had left it, at half of the distance that it had then. Contact counts always.
+        stop had left it, as `stop_within` says. Contact counts always.
 
         Returns
         -------
@@ -334,7 +341,7 @@ class _Course:
         self.begin_s = begin_s
         self.arrival_s = begin_s + trajectory.duration_s
         self.guard_m = guard_m
-        # Bodies that were nearer than the guard when it began, with half of their distance.
+        # Bodies that were nearer than the guard when it began, with the distance to stop at.
         self.nearer: dict[int, float] = {}
         # What is known of encounters with others, and for which course of theirs.
         self.encounters: dict[int, tuple[_Course, Encounter | None]] = {}
@@ -490,6 +497,14 @@ class _Span:
 
 def _standing(configuration: Configuration, time_s: float) -> _Course:
     return _Course(standing_at(configuration), time_s, None)
+
+
+def stop_within(distance_m: float, guard_m: float) -> float:
+    """Give at what distance a body stops a motion that was nearer than the guard as it began.
+
+    At half of the distance that it had then, but not within `LEAST_SHARE` of the guard.
+    """
+    return max(distance_m / 2.0, min(NO_NEARER * distance_m, LEAST_SHARE * guard_m))
 
 
 def _time(waypoint: Waypoint) -> float:

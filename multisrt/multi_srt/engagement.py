@@ -123,12 +123,15 @@ def build_ger(robot: SrtRobot, gpr: tuple[int, ...]) -> Generator[Action, Outcom
     yield from _meet(robot, gpr, "perceived")
     if len(gpr) == 1:
         return gpr
-    regions = {}
+    regions, unseen = {}, []
     for number in gpr:
         node = robot.here if number == team.number else team.states[number].node
-        if node is not None:
+        if node is not None and node in robot.map:
             regions[number] = robot.map[node].region
-    return group_of(team.number, regions, LocalSafeRegion.overlaps)
+        elif node is not None:
+            # A master that knows it has sent its orders already: they are engaged.
+            unseen.append(number)
+    return tuple(sorted([*group_of(team.number, regions, LocalSafeRegion.overlaps), *unseen]))
 
 
 def agree(robot: SrtRobot, group: Iterable[int]) -> Generator[Action, Outcome, None]:

@@ -104,13 +104,16 @@ def motion_of(path: Path) -> Trajectory:
 def least_gap(now_m: float, guard_m: float) -> float:
     """How near to one another the paths may come of two bodies that are a distance apart now.
 
-    So far that no protective stop ends them: that comes at the guard distance, or at half of the
-    distance that there was when the motion began.
+    So far that no protective stop ends them: that comes at the guard distance, or for bodies
+    that were nearer when the motion began at half of their distance then, but not within a
+    quarter of the guard (see `explorer.Move`).
     """
     beyond = BEYOND_GUARD * guard_m
     if now_m >= beyond:
         return beyond
-    return guard_m if now_m > guard_m else 0.75 * now_m
+    if now_m > guard_m:
+        return guard_m
+    return max(0.75 * now_m, min(0.9995 * now_m, 0.3 * guard_m))
 
 
 class Conflicts:

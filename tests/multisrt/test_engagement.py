@@ -16,6 +16,7 @@ from scipy.sparse.csgraph import connected_components
 from multisrt.environments.catalog import environment
 from multisrt.environments.environment import Environment
 from multisrt.events import Coordinated, Decision
+from multisrt.exploration_map import NodeId
 from multisrt.explorer import Look, Receive, RobotSelf, Send, Sighting, TimedOut
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.edge_index import EdgeIndex
@@ -24,7 +25,7 @@ from multisrt.geometry.safe_region import LocalSafeRegion, local_safe_region
 from multisrt.geometry.scan import take_scan
 from multisrt.multi_srt.build_srt import look
 from multisrt.multi_srt.engagement import Regroup, are_coupled, build_ger, group_of
-from multisrt.multi_srt.messages import RobotState
+from multisrt.multi_srt.messages import Order, OrdersMessage, RobotState
 from multisrt.multi_srt.options import MultiSrtOptions
 from multisrt.multi_srt.robot import SrtRobot
 from multisrt.planners.motion.kinematics import Differential
@@ -303,6 +304,24 @@ def test_a_member_whom_others_name_otherwise_is_asked_itself(theirs):
         elif isinstance(action, Receive):
             outcome = TimedOut(robot.time_s + action.timeout_s)
     assert asked == (1, 2)
+
+
+def test_a_member_whose_node_only_the_master_knows_is_engaged():
+    # The master's orders have come before the node that the third stands at.
+    robot = a_robot()
+    team = robot.team
+    team.states[1] = member(1, step=3)
+    team.states[2] = msgspec.structs.replace(member(2, step=4), node=NodeId(2, 7))
+    team.key = team.key_of(team.gpr())
+    orders = tuple((number, Order(order="wait")) for number in (0, 1, 2))
+    team.orders[team.key] = OrdersMessage(
+        sender=2, key=team.key, orders=orders, feasible=(), unfeasible=(0, 1, 2)
+    )
+    meeting = build_ger(robot, (0, 1, 2))
+    assert isinstance(next(meeting), Send)
+    with pytest.raises(StopIteration) as met:
+        next(meeting)
+    assert met.value.value == (0, 2)
 
 
 def looks(robot: SrtRobot, seen: tuple[Sighting, ...]) -> tuple[tuple[int, ...], bool]:

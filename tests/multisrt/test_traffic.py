@@ -101,17 +101,38 @@ def test_who_follows_at_the_same_speed_is_not_stopped():
 
 
 def test_robots_that_stand_close_can_part():
-    # The bodies are 0.4 m apart, the guard is at 1 m.
-    roads = traffic((0, 0), (1.4, 0))
+    # The bodies are 0.6 m apart, the guard is at 1 m.
+    roads = traffic((0, 0), (1.6, 0))
     roads.begin(0, 0.0, straight(0, 0, -5, 0), 1.0)
     assert roads.next_event(0, 0.0) is None
     roads.end(0, 0.0)
     roads.begin(0, 0.0, straight(0, 0, 5, 0), 1.0)
-    assert roads.next_event(0, 0.0).time_s == pytest.approx(0.2, abs=1e-6)
-    roads.end(0, 0.2)
+    assert roads.next_event(0, 0.0).time_s == pytest.approx(0.3, abs=1e-6)
+    roads.end(0, 0.3)
     # Past it sideways: the distance only grows.
-    roads.begin(0, 0.2, straight(0.2, 0, 0.2, 9), 1.0)
-    assert roads.next_event(0, 0.2) is None
+    roads.begin(0, 0.3, straight(0.3, 0, 0.3, 9), 1.0)
+    assert roads.next_event(0, 0.3) is None
+
+
+@pytest.mark.parametrize(
+    ("apart", "stop"), [(0.6, 0.3), (0.4, 0.25), (0.25, 0.25), (0.1, 0.1), (0.001, 0.001)]
+)
+def test_how_near_one_comes_to_who_was_near_already(apart, stop):
+    # Half way, but not within a quarter of the guard, which is at 1 m.
+    roads = traffic((0, 0), (1 + apart, 0))
+    roads.begin(0, 0.0, straight(0, 0, 5, 0), 1.0)
+    assert roads.next_event(0, 0.0).time_s == pytest.approx(apart - stop, abs=1e-6 + 2e-3 * stop)
+
+
+def test_who_tries_again_and_again_does_not_creep_up():
+    roads, x, now = traffic((0, 0), (1.5, 0)), 0.0, 0.0
+    for _ in range(40):
+        roads.begin(0, now, straight(x, 0, 5, 0), 0.1)
+        event = roads.next_event(0, now)
+        assert event.kind == "guard"
+        now = event.time_s
+        x = roads.end(0, now).x
+    assert 0.9 * 0.025 < 1.5 - 1.0 - x <= 0.025
 
 
 def test_after_a_stop_a_robot_is_as_near_as_the_guard():
@@ -302,7 +323,9 @@ def test_encounters_agree_with_sampling(seed, name_a, name_b, guard):
     poses_a = [way_a.at(time - begin_a) for time in times]
     poses_b = [way_b.at(time - begin_b) for time in times]
     distance = sampled_distance(bodies[0], poses_a, bodies[1], poses_b)
-    threshold = 0.0 if guard is None else guard if distance[0] > guard else distance[0] / 2
+    threshold = 0.0 if guard is None else guard
+    if distance[0] <= threshold:
+        threshold = max(distance[0] / 2, min(0.999 * distance[0], guard / 4))
     # What comes nearer by less than half a millimetre may be missed.
     slack = min(5e-4, 0.2 * threshold) if threshold else 5e-4
     if threshold == 0.0:

@@ -33,6 +33,10 @@ MOST_WAITS = 3
 """A robot that was told to wait so often in a row plans anew."""
 
 
+MOST_STOPS = 3
+"""A robot with more protective stops of late stands aside: two may stop one another for ever."""
+
+
 class BoxedIn(Exception):
     """The robot cannot get anywhere: bodies that do not answer stand all around."""
 
@@ -163,6 +167,8 @@ def decide(
         if choice == "end":
             yield from team.rest()
             return False, None
+    if target is not None:
+        target = robot.past_here(target)
     robot.target = target
     seeks = isinstance(target, NewPlace)
     step = None if target is None else robot.step_to(target, total_length(frontier) * seeks)
@@ -298,13 +304,17 @@ def move_to(robot: SrtRobot, step: Step | None) -> Steps:
     robot.avoided.clear()
     if moved.blocked_by is None:
         robot.here = step.node
+        robot.stops = max(0.0, robot.stops - 0.5)
     else:
+        robot.stops += 1.0
         yield from stop_here(robot, step, moved)
     team.path = ()
     if robot.here is not None and step.purpose != "give way" and step.stage != "coordinate":
         # Whoever is sent to and fro comes into trouble all the same.
         team.troubles = max(0.0, team.troubles - 0.5)
-    if step.purpose == "give way":
+    stopped_again = moved.blocked_by is not None and robot.stops > MOST_STOPS
+    team.troubles += stopped_again
+    if step.purpose == "give way" or stopped_again:
         yield from stand_aside(robot)
     yield from team.begin_step()
 

@@ -161,6 +161,8 @@ class SrtRobot:
         Trees that it has supported, with the open frontier that it could do nothing about.
     considered : tuple of NodeId
         The trees that it has found last to need support.
+    stops : float
+        Protective stops of late; every motion that reached its end counts against half of one.
     """
 
     def __init__(self, me: RobotSelf, shape: Shape, options: MultiSrtOptions) -> None:
@@ -195,6 +197,7 @@ class SrtRobot:
         self.considered: tuple[NodeId, ...] = ()
         self._chosen: tuple[tuple[int, int], NodeId] | None = None
         self.boxed_in = 0
+        self.stops = 0.0
         self._serial = 0
         self._closings = 0
         self._views: Counter[tuple[int, int]] = Counter()
@@ -389,6 +392,20 @@ class SrtRobot:
             self.avoided[number] = sighting
 
     # Ways --------------------------------------------------------------------------------
+
+    def past_here(self, target: Target) -> Target | None:
+        """Take all nodes on a way at this very place as reached; None if that is all of it.
+
+        Nobody could tell a motion of no length from standing, and let the robot go.
+        """
+        while len(target.way) > 1:
+            a, b = target.way[:2]
+            is_here = self.map[b].configuration[:2] == self.q_act[:2]
+            if not is_here or len(self.ways.hop(self.q_act, a, b).waypoints) > 1:
+                return target
+            self.here = b
+            target = replace(target, way=target.way[1:])
+        return None if isinstance(target, KnownNode) else target
 
     def step_to(self, target: Target, frontier_m: float = 0.0) -> Step:
         """Give the next motion towards a target."""

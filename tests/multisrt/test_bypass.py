@@ -21,10 +21,20 @@ from multisrt.multi_srt import bypass
 from multisrt.multi_srt.build_srt import BoxedIn, as_far_as_it_gets
 from multisrt.multi_srt.bypass import first_leg
 from multisrt.multi_srt.options import MultiSrtOptions
-from multisrt.multi_srt.robot import NewPlace, SrtRobot
+from multisrt.multi_srt.robot import KnownNode, NewPlace, SrtRobot
 from multisrt.planners.motion.kinematics import Car, Differential
 from multisrt.simulation import simulate
-from multisrt.spec import Death, RadioSpec, RobotSpec, RunSpec, StopRule, inline
+from multisrt.spec import (
+    CatalogEnvironment,
+    Death,
+    LateStart,
+    RadioSpec,
+    RobotSpec,
+    RunSpec,
+    Silence,
+    StopRule,
+    inline,
+)
 
 RADIUS = 0.25
 REACH = 8.0
@@ -265,6 +275,40 @@ def test_who_is_out_of_view_is_still_believed_to_stand():
     robot.notice(())
     assert robot.avoided
     assert robot.bodies
+
+
+def test_nodes_at_the_very_place_are_reached_already():
+    box = (-1.0, -1.0, 5.0, 1.0)
+    robot = robot_in(*(((x, 0.0), box) for x in (0.0, 0.0, 0.0, 4.0)))
+    first, second, third, last = (NodeId(0, k) for k in range(4))
+    assert robot.past_here(KnownNode((first, last))) == KnownNode((first, last))
+    assert robot.here == first
+    assert robot.past_here(KnownNode((first, second, third, last))) == KnownNode((third, last))
+    assert robot.here == third
+    place = NewPlace(1.0, 0.0, "complete", (third, first))
+    assert robot.past_here(place) == replace(place, way=(first,))
+    assert robot.past_here(KnownNode((first, second))) is None
+    assert robot.here == second
+
+
+def test_two_whose_ways_back_cross_do_not_stop_one_another_for_ever():
+    # Balls that do not overlap are not coordinated; the ways to their parents may cross all the
+    # same. Both stopped, stepped back, and tried again until the time was over.
+    spec = RunSpec(
+        environment=CatalogEnvironment(name="open"),
+        strategy="srt-ball",
+        robots=(RobotSpec(),) * 4,
+        starts="clustered",
+        radio=RadioSpec(range_m=20.0, walls="block"),
+        faults=(
+            Death(robot=3, time_s=55.444),
+            Silence(robot=1, time_s=75.631, duration_s=60.0),
+            LateStart(robot=2, time_s=73.638),
+        ),
+        stop=StopRule(max_time_s=4000.0),
+        seed=1,
+    )
+    assert simulate(spec).footer.outcome == "complete"
 
 
 def test_a_protective_stop_tells_nothing_of_other_bodies():

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import cast
 
 import numpy as np
+from scipy import ndimage
 
 from multisrt.entries import Entries, Entry, Node, NodeId
 from multisrt.events import MapComplete
@@ -16,7 +17,7 @@ from multisrt.explorer import Action, Look, Note, Outcome, RobotSelf, Sense, Sig
 from multisrt.frontier_team.car_driving import CarDriver
 from multisrt.frontier_team.options import FrontierOptions
 from multisrt.frontier_team.team import Team
-from multisrt.geometry.clearance import disc_clearance
+from multisrt.geometry.clearance import disc_clearance, keep_off
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.distance_field import DistanceField
 from multisrt.geometry.distances import inside, nearest_points
@@ -40,6 +41,9 @@ NEAR_BY_CELLS = 8
 
 CORNER_CELLS = 0.25
 """Ways are planned so much farther from walls, in cells, for the corners that they cut."""
+
+ROUNDING_M = 1e-9
+"""By so much less a robot is as far off as it was."""
 
 MOVED_M = 0.05
 """A robot that was seen elsewhere by more than this has moved."""
@@ -406,12 +410,49 @@ class FrontierRobot:
     def own_field(self) -> DistanceField | None:
         """Give the distances from where the robot stands; call within `around_bodies`."""
         x, y, _ = self.at
-        cell = self.raster.passable_near(x, y, NEAR_BY_CELLS)
+        cell = self._first_cell()
         if cell is None:
             return None
         # From the very place, so that the path does not begin with a turn to a cell's centre.
         here = cell == self.raster.cell_of(x, y)
         return self._new_field((x, y) if here else self.raster.centre_of(*cell))
+
+    def _first_cell(self) -> tuple[int, int] | None:
+        # Where ways begin: the nearest passable cell. Between a wall and the berth of a body that
+        # may be one from which no way leads; then it is the nearest from which one does, and to
+        # which the robot gets straight without coming nearer to any body.
+        raster, (x, y, _) = self.raster, self.at
+        nearest = raster.passable_near(x, y, NEAR_BY_CELLS)
+        if nearest is None or nearest == raster.cell_of(x, y):
+            return nearest
+        around = raster.passable_centres(x, y, (NEAR_BY_CELLS - 0.5) * raster.cell_m)
+        cells = raster.cells_of(around)
+        corner = cells.min(axis=0)
+        window = np.zeros(cells.max(axis=0) - corner + 1, np.bool_)
+        window[tuple((cells - corner).T)] = True
+        labels = ndimage.label(window)[0]
+        rim = np.abs(cells - raster.cell_of(x, y)).max(axis=1) >= NEAR_BY_CELLS
+        own = labels[tuple((cells - corner).T)]
+        leads = np.isin(own, own[rim])
+        if leads[(cells == nearest).all(axis=1)].any():
+            return nearest
+        away = np.hypot(*(around - (x, y)).T)
+        for k in np.flatnonzero(leads)[np.argsort(away[leads], kind="stable")].tolist():
+            if self._gets_away_to(*around[k].tolist()):
+                row, column = cells[k].tolist()
+                return row, column
+        return nearest
+
+    def _gets_away_to(self, x: float, y: float) -> bool:
+        # Whether the robot gets straight to a place, and no nearer to a body on the way.
+        here_x, here_y, _ = self.at
+        way = np.array([[here_x, here_y, x, y]])
+        bodies = [body.sighting.configuration[:2] for body in self.bodies.values()]
+        berths = [(*place, math.dist(place, (here_x, here_y)) - ROUNDING_M) for place in bodies]
+        return bool(
+            keep_off(way, np.array(berths).reshape(-1, 3))[0]
+            and self.body.disc_travel(self.boundary, here_x, here_y, x, y)
+        )
 
     def _new_field(self, source: tuple[float, float]) -> DistanceField:
         raster = self.raster

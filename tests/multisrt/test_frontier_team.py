@@ -13,11 +13,11 @@ from multisrt import registry
 from multisrt.environments.catalog import environment
 from multisrt.environments.environment import Environment
 from multisrt.events import Collision, GoalChosen, MapComplete, Motion, NodeAdded
-from multisrt.explorer import Done, Note, Receive, Received, RobotSelf, Send
+from multisrt.explorer import Done, Note, Receive, Received, RobotSelf, Send, Sighting
 from multisrt.frontier_team.explore import FrontierExplorer
 from multisrt.frontier_team.messages import ReportMessage, RobotReport, StopMessage
 from multisrt.frontier_team.options import FrontierOptions, SelfBiddingOptions
-from multisrt.frontier_team.robot import FrontierRobot
+from multisrt.frontier_team.robot import BodyInTheWay, FrontierRobot
 from multisrt.frontier_team.rules import (
     Bids,
     bid_table,
@@ -528,3 +528,29 @@ def test_ways_lead_as_far_from_others_goals_as_dense_points_say(seed):
         assert (gaps[~close] <= least_m + step_m).all()
     assert (exact > 1.0).any()
     assert (path_gaps(field, indices, others, step_m, math.inf) == 0.0).all()
+
+
+@pytest.mark.parametrize(
+    ("body", "begins_in"),
+    [((10.575, 7.0), "west"), ((9.425, 7.0), "pocket"), (None, "own cell")],
+    ids=["a way leads away from the body", "it would come nearer", "no body"],
+)
+def test_ways_begin_where_they_lead_on(body, begins_in):
+    # Around the robot nothing is passable but one cell, from which no way leads, and what lies
+    # half a metre to the west.
+    robot = robot_at([(10.0, 7.0)])
+    raster, cell = robot.raster, robot.raster.cell_of(10.0, 7.0)
+    scan = take_scan(edges_of(PLAZA), Configuration(10.0, 7.0), 0.0, 4.0)
+    robot.region = local_safe_region(scan, "radial")
+    pocket = cell[0] + 2, cell[1]
+    if body is not None:
+        seen = Sighting(
+            robot=1, configuration=Configuration(*body, 0.0), footprint=Footprint.parse("disc:0.25")
+        )
+        robot.bodies[1] = BodyInTheWay(seen, math.inf)
+        row, column = cell[0] - raster.row, cell[1] - raster.column
+        raster.passable[row - 12 : row + 13, column - 4 : column + 13] = False
+        raster.passable[pocket[0] - raster.row, pocket[1] - raster.column] = True
+    first = robot._first_cell()
+    expected = {"west": (cell[0], cell[1] - 5), "pocket": pocket, "own cell": cell}
+    assert first == expected[begins_in]

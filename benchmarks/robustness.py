@@ -10,11 +10,11 @@ from __future__ import annotations
 import argparse
 import re
 import sys
-from collections.abc import Iterable
 
 import pandas as pd
 
 from multisrt import load_results
+from multisrt.presets.summary import markdown_table
 
 ENDED = ("complete", "stalled")
 COLUMNS = (
@@ -60,9 +60,10 @@ def page(results: pd.DataFrame) -> list[str]:
         "What is covered is a share of what the whole team could have seen; who is shut in "
         "behind a body that stands for good covers little, and says so.",
         "",
-        row(COLUMNS),
-        row(["---"] * len(COLUMNS)),
-        *(row(summary(name, runs)) for name, runs in results.groupby("strategy", sort=False)),
+        markdown_table(
+            COLUMNS,
+            (summary(name, runs) for name, runs in results.groupby("strategy", sort=False)),
+        ),
         "",
         "## Runs that were not complete",
         "",
@@ -72,9 +73,8 @@ def page(results: pd.DataFrame) -> list[str]:
     counts = reasons.groupby(["strategy", "status", "reason"], sort=False).size()
     if counts.empty:
         return [*lines, "None."]
-    lines += [row(("strategy", "outcome", "why", "runs")), row(["---"] * 4)]
-    lines += [row((*key, str(count))) for key, count in counts.items()]
-    return lines
+    rows = ((*key, str(count)) for key, count in counts.items())
+    return [*lines, markdown_table(("strategy", "outcome", "why", "runs"), rows)]
 
 
 def summary(name: str, runs: pd.DataFrame) -> tuple[str, ...]:
@@ -96,11 +96,6 @@ def summary(name: str, runs: pd.DataFrame) -> tuple[str, ...]:
 def kind_of(reason: str) -> str:
     """Leave the numbers out of a reason, so that equal ones can be counted."""
     return re.sub(r"robots? [\d, ]*\d", "robots", re.sub(r"\d+\.\d+", "some", reason))
-
-
-def row(cells: Iterable[str]) -> str:
-    """Write a line of a table."""
-    return "| " + " | ".join(cells) + " |"
 
 
 if __name__ == "__main__":

@@ -39,7 +39,7 @@ def summary(
         f"Made with `{command}`. The paper: {preset.paper}.",
         _bullets(_account(results)),
         "## Claims",
-        _table(("claim", "verdict"), [(claim.text, claim.verdict) for claim in claims]),
+        markdown_table(("claim", "verdict"), [(claim.text, claim.verdict) for claim in claims]),
         *(_claim(claim) for claim in claims),
         "## Figures beside the paper's",
         *(_printed(table) for table in tables if table.source),
@@ -88,11 +88,12 @@ def _claim(claim: Claim) -> str:
 
 
 def _printed(table: PrintedTable) -> str:
-    parts = (f"### {table.title}", table.note, _table(table.columns, table.rows))
+    parts = (f"### {table.title}", table.note, markdown_table(table.columns, table.rows))
     return "\n\n".join(part for part in parts if part)
 
 
-def _table(columns: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+def markdown_table(columns: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """Write a table as Markdown."""
     lines = [columns, ["-" * max(3, len(column)) for column in columns], *rows]
     return "\n".join(
         f"| {' | '.join(field.replace('|', '/') for field in line)} |" for line in lines

@@ -80,10 +80,15 @@ def robot_in(*rooms, kinematics=None) -> SrtRobot:
     return robot
 
 
-def stand(robot: SrtRobot, x: float, y: float) -> None:
-    """Another robot that does not answer stands there."""
+def seen_at(x: float, y: float) -> Sighting:
+    """Robot 1, seen at a place."""
     footprint = Footprint.parse(f"disc:{RADIUS}")
-    robot.bodies[1] = Sighting(robot=1, configuration=Configuration(x, y, 0.0), footprint=footprint)
+    return Sighting(robot=1, configuration=Configuration(x, y, 0.0), footprint=footprint)
+
+
+def stand(robot: SrtRobot, x: float, y: float) -> None:
+    """Robot 1 stands at a place and does not answer."""
+    robot.bodies[1] = seen_at(x, y)
 
 
 def stand_at(robot: SrtRobot, serial: int, place, box) -> None:
@@ -243,12 +248,6 @@ def test_who_is_left_passes_the_dead_and_explores_the_rest(strategy, seed):
             assert event.target is not None
         if isinstance(event, NodeAdded):
             assert event.stage != "root" or event.serial == 0
-
-
-def seen_at(x: float, y: float) -> Sighting:
-    """Robot 1, seen at a place."""
-    footprint = Footprint.parse(f"disc:{RADIUS}")
-    return Sighting(robot=1, configuration=Configuration(x, y, 0.0), footprint=footprint)
 
 
 @pytest.mark.parametrize(

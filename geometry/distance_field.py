@@ -238,8 +238,7 @@ class DistanceField:
         """
         field = np.full(self.passable.shape, np.inf)
         r0, r1, c0, c1 = self._window
-        final = self._inner(self._state) == ACCEPTED
-        field[r0:r1, c0:c1] = np.where(final, self._inner(self._distance) * self.cell_m, np.inf)
+        field[r0:r1, c0:c1] = self._inner(self._distance) * self.cell_m
         return field
 
     def descent(self, cell: ArrayLike) -> IntArray:
@@ -338,7 +337,6 @@ class DistanceField:
             np.ascontiguousarray(self.passable[r0:r1, c0:c1]),
             self._starts - (c0, r0),
             self._state,
-            self._distance,
             self._places,
             self._heap,
             self._keys,
@@ -367,6 +365,7 @@ class DistanceField:
         rim[:, -1] |= RIM * (c1 < self.passable.shape[1])
         order, heap = np.empty(size, np.int32), np.empty(size, np.int32)
         keys = np.empty(size)
+        keys[0] = np.inf
         if old[0] < old[1]:
             below, left, across = old[0] - r0, old[2] - c0, old[3] - old[2] + 4
             part = np.s_[below : below + old[1] - old[0], left : left + old[3] - old[2]]
@@ -448,8 +447,7 @@ class DistanceField:
     def _lengths(self, rows: IntArray, columns: IntArray) -> FloatArray:
         lengths = np.full(len(rows), np.inf)
         inside, at = self._places_in_window(rows, columns)
-        final = self._state[at] == ACCEPTED
-        lengths[inside] = np.where(final, self._distance[at] * self.cell_m, np.inf)
+        lengths[inside] = self._distance[at] * self.cell_m
         return lengths
 
 

@@ -1,7 +1,9 @@
 """The fast march on a grid: its kernels, its heap, and sight from cell to cell.
 
 Grids are flat here. They have a border of two blocked cells, so that no neighbour is out of
-bounds; a cell's upper neighbour is `width` further on.
+bounds; a cell's upper neighbour is `width` further on. `distance` has the values that are final,
+and ``inf`` everywhere else; the values of the front are the heap's keys, of which number 0, for
+all cells not in it, is ``inf``.
 
 Source: J. A. Sethian, Fast marching methods, SIAM Review 41 (1999), sections 3 and 5; differs
 in: exact values around a source, and what has been accepted can be taken back.
@@ -43,7 +45,6 @@ def seed(
     free: BoolArray,
     starts: FloatArray,
     state: NDArray[np.uint8],
-    distance: FloatArray,
     places: NDArray[np.int32],
     heap: NDArray[np.int32],
     keys: FloatArray,
@@ -61,8 +62,7 @@ def seed(
             for c in range(max(0, int(x) - EXACT_CELLS), min(columns, int(x) + EXACT_CELLS + 1)):
                 straight = np.hypot(c + 0.5 - x, r + 0.5 - y)
                 u = (r + 2) * width + c + 2
-                if straight < distance[u] and in_sight(free, x, y, c, r):
-                    distance[u] = straight
+                if straight < keys[places[u]] and in_sight(free, x, y, c, r):
                     state[u] = EXACT
                     held = push(heap, keys, places, held, straight, u)
     return held
@@ -96,23 +96,24 @@ def march(
         Whether the next cell lies on the rim.
     """
     while held > 0 and remaining != 0:
-        u = heap[1]
-        if distance[u] > limit:
+        u, value = heap[1], keys[1]
+        if value > limit:
             return held, count, False
         if marks[u] != 0:
             if marks[u] & RIM:
                 return held, count, True
             remaining -= 1
         held = drop_first(heap, keys, places, held)
-        state[u] = ACCEPTED
+        state[u], distance[u] = ACCEPTED, value
         places[u], order[count] = count, u
         count += 1
         for step in (1, -1, width, -width):
             v = u + step
-            if (state[v] == FREE or state[v] == EXACT) and _lower(
-                distance, state, v, _upwind(distance, state, v, width)
-            ):
-                held = push(heap, keys, places, held, distance[v], v)
+            if state[v] == FREE or state[v] == EXACT:
+                value = _upwind(distance, v, width)
+                if _is_lower(value, keys[places[v]], state[v]):
+                    state[v] = FREE
+                    held = push(heap, keys, places, held, value, v)
     return held, count, False
 
 
@@ -159,21 +160,17 @@ def moved_cells(
 
 
 @inlined_kernel
-def _lower(distance: FloatArray, state: NDArray[np.uint8], v: int, value: float) -> bool:
-    slack = EXACT_SLACK_CELLS if state[v] == EXACT else 0.0
-    if value < distance[v] - slack:
-        distance[v] = value
-        state[v] = FREE
-        return True
-    return False
+def _is_lower(value: float, own: float, state: int) -> bool:
+    # Whether a cell takes a value that it is offered instead of its own.
+    return value < own - (EXACT_SLACK_CELLS if state == EXACT else 0.0)
 
 
 @inlined_kernel
-def _upwind(distance: FloatArray, state: NDArray[np.uint8], v: int, width: int) -> float:
+def _upwind(distance: FloatArray, v: int, width: int) -> float:
     # Solve sum over the axes of weight * (value - base)^2 = 1 with the accepted cells upwind.
-    base_x, weight_x = _one_sided(distance, state, v, 1)
-    base_y, weight_y = _one_sided(distance, state, v, width)
-    if weight_x > 0.0 and weight_y > 0.0:
+    base_x, weight_x = _one_sided(distance, v, 1)
+    base_y, weight_y = _one_sided(distance, v, width)
+    if base_x < np.inf and base_y < np.inf:
         a = weight_x + weight_y
         b = weight_x * base_x + weight_y * base_y
         c = weight_x * base_x * base_x + weight_y * base_y * base_y - 1.0
@@ -183,30 +180,19 @@ def _upwind(distance: FloatArray, state: NDArray[np.uint8], v: int, width: int) 
             if value >= max(base_x, base_y):
                 return value
     # The front comes along one axis only.
-    value = np.inf
-    if weight_x > 0.0:
-        value = base_x + 1.0 / math.sqrt(weight_x)
-    if weight_y > 0.0:
-        value = min(value, base_y + 1.0 / math.sqrt(weight_y))
-    return value
+    return min(base_x + 1.0 / math.sqrt(weight_x), base_y + 1.0 / math.sqrt(weight_y))
 
 
 @inlined_kernel
-def _one_sided(
-    distance: FloatArray, state: NDArray[np.uint8], v: int, step: int
-) -> tuple[float, float]:
-    # The difference along one axis as sqrt(weight) * (value - base); weight 0 if none is known.
-    nearest, toward = np.inf, 0
-    if state[v - step] == ACCEPTED:
-        nearest, toward = distance[v - step], -step
-    if state[v + step] == ACCEPTED and distance[v + step] < nearest:
-        nearest, toward = distance[v + step], step
-    if toward == 0:
-        return 0.0, 0.0
-    second = v + 2 * toward
-    if state[second] == ACCEPTED and distance[second] <= nearest:
-        return (4.0 * nearest - distance[second]) / 3.0, 2.25
-    return nearest, 1.0
+def _one_sided(distance: FloatArray, v: int, step: int) -> tuple[float, float]:
+    # The difference along one axis as sqrt(weight) * (value - base); base inf if none is known.
+    # Choices instead of branches: which neighbours are known nobody can predict.
+    before, after = distance[v - step], distance[v + step]
+    toward = step if after < before else -step
+    nearest, second = min(before, after), distance[v + 2 * toward]
+    of_second_order = second <= nearest and second < np.inf
+    base = (4.0 * nearest - second) / 3.0 if of_second_order else nearest
+    return base, 2.25 if of_second_order else 1.0
 
 
 @kernel
@@ -218,7 +204,7 @@ def descend(u: int, state: NDArray[np.uint8], distance: FloatArray, width: int) 
         for away in (-1, 0, 1):
             for aside in (-1, 0, 1):
                 v = u + away * width + aside
-                if state[v] != ACCEPTED or not (state[u + away * width] and state[u + aside]):
+                if not (state[u + away * width] and state[u + aside]):
                     continue
                 slope = distance[u] - distance[v]
                 if away != 0 and aside != 0:
@@ -269,18 +255,17 @@ def take_back(
         distance[u], places[u] = np.inf, 0
     for w in changed:
         state[w] = FREE if state[w] == BLOCKED else BLOCKED
+    held = 0
     for k in range(len(seeds)):
         u = seeds[k]
         if state[u] != ACCEPTED:
-            state[u], distance[u] = EXACT, seed_values[k]
+            state[u] = EXACT
+            held = push(heap, keys, places, held, seed_values[k], u)
     # The front of that moment.
-    held = 0
-    around, states = np.empty(25), np.empty(25, np.uint8)
+    around = np.full(25, np.inf)
     for u in loose:
-        if state[u] != BLOCKED and places[u] == 0:
-            _relive(u, distance, state, places, width, around, states)
-            if distance[u] < np.inf:
-                held = push(heap, keys, places, held, distance[u], u)
+        if state[u] != BLOCKED:
+            held = _relive(u, distance, state, places, heap, keys, held, width, around)
     return held, kept
 
 
@@ -290,10 +275,12 @@ def _relive(
     distance: FloatArray,
     state: NDArray[np.uint8],
     places: NDArray[np.int32],
+    heap: NDArray[np.int32],
+    keys: FloatArray,
+    held: int,
     width: int,
     around: FloatArray,
-    states: NDArray[np.uint8],
-) -> None:
+) -> int:
     # The value of a cell of the front is the least that it was offered as its neighbours were
     # accepted. Offer them again in that order, each with what was accepted by then, which is
     # laid out in 5 x 5 cells around it.
@@ -304,14 +291,16 @@ def _relive(
             if state[v + step] == ACCEPTED and done < places[v + step] < rank:
                 rank = places[v + step]
         if rank == np.iinfo(np.int32).max:
-            return
+            return held
         for away in (-2, -1, 1, 2):
             for step, here in ((1, 1), (width, 5)):
                 w = v + away * step
                 by_then = state[w] == ACCEPTED and places[w] <= rank
-                states[12 + away * here] = ACCEPTED if by_then else FREE
-                around[12 + away * here] = distance[w]
-        _lower(distance, state, v, _upwind(around, states, 12, 5))
+                around[12 + away * here] = distance[w] if by_then else np.inf
+        value = _upwind(around, 12, 5)
+        if _is_lower(value, keys[places[v]], state[v]):
+            state[v] = FREE
+            held = push(heap, keys, places, held, value, v)
         done = rank
 
 

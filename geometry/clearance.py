@@ -20,7 +20,7 @@ import numpy as np
 import shapely
 from shapely.geometry.base import BaseGeometry
 
-from multisrt.geometry.kernel import BoolArray, FloatArray, kernel
+from multisrt.geometry.kernel import BoolArray, FloatArray, IntArray, kernel
 
 TOLERANCE_M = 1e-9
 """Overlaps up to this depth count as touching."""
@@ -202,19 +202,49 @@ def free_travel_disc_fan(
 
 
 @kernel
-def free_travel_disc_towards(
-    boundary: FloatArray, x: float, y: float, places: FloatArray, radius: float
-) -> FloatArray:
-    """Give `free_travel_disc` towards many places, ``(n, 2)``, and no further than there."""
-    travels = np.zeros(places.shape[0])
+def disc_bridges(
+    boundary: FloatArray,
+    x: float,
+    y: float,
+    places: FloatArray,
+    corners: FloatArray,
+    starts: IntArray,
+    radius: float,
+) -> BoolArray:
+    """Whether a disc gets straight to other places through its region and theirs.
+
+    It goes as far as it gets in its own region; the rest of the way has to lie in the other's.
+
+    Parameters
+    ----------
+    boundary : (m, 2) array
+        The ring around the disc.
+    x, y : float
+        Centre of the disc.
+    places : (n, 2) array
+        Where to.
+    corners, starts : (c, 2) and (n + 1,) arrays
+        The ring around place k is ``corners[starts[k]:starts[k + 1]]``.
+    radius : float
+        Radius of the disc.
+
+    Returns
+    -------
+    (n,) array of bool
+    """
+    joined = np.ones(places.shape[0], np.bool_)
     for k in range(places.shape[0]):
         dx, dy = places[k, 0] - x, places[k, 1] - y
-        distance = math.hypot(dx, dy)
-        if distance > 0.0:
-            travels[k] = free_travel_disc(
-                boundary, x, y, dx / distance, dy / distance, radius, distance
-            )
-    return travels
+        length = math.hypot(dx, dy)
+        if length > 0.0:
+            ux, uy = dx / length, dy / length
+            reached = free_travel_disc(boundary, x, y, ux, uy, radius, length)
+            if reached < length:
+                ring = corners[starts[k] : starts[k + 1]]
+                px, py = places[k, 0], places[k, 1]
+                reached += free_travel_disc(ring, px, py, -ux, -uy, radius, length)
+            joined[k] = reached >= length
+    return joined
 
 
 @kernel

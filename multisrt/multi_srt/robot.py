@@ -333,8 +333,7 @@ class SrtRobot:
 
     def is_passable(self, a: NodeId, b: NodeId) -> bool:
         """Whether no robot that does not answer stands on the way between two nodes."""
-        bodies = self.obstacles
-        if not bodies:
+        if not self.bodies and not self.avoided:
             return True
         (ax, ay, _), (bx, by, _) = self.map[a].configuration, self.map[b].configuration
         if a == self.here:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
+from itertools import compress
 from typing import NamedTuple
 
 import numpy as np
@@ -56,7 +56,7 @@ class Ways:
         self.roadmap: Roadmap[NodeId] = Roadmap()
         self._seen = 0
         self._looked_at: set[NodeId] = set()
-        self._roomy: set[frozenset[NodeId]] = set()
+        self._roomy: set[tuple[NodeId, NodeId]] = set()
         self._has_room: set[NodeId] = set()
         self._turns: dict[NodeId, float] = {}
         self._driven: dict[tuple[NodeId, NodeId], Trajectory] = {}
@@ -108,9 +108,10 @@ class Ways:
             ]
             if others:
                 places = np.array([other.configuration[:2] for other in others])
-                reached = self.body.disc_reaches(node.region.boundary, x, y, places)
-                for other, reached_m in zip(others, reached.tolist(), strict=True):
-                    self._bridge(node, other, reached_m)
+                rings = [other.region.boundary for other in others]
+                joined = self.body.bridges(node.region.boundary, x, y, places, rings)
+                for other in compress(others, joined.tolist()):
+                    self._bridge(node, other)
             self._looked_at.add(node.id)
         self._seen = len(nodes)
 
@@ -127,24 +128,17 @@ class Ways:
         return self.roadmap.way_to_nearest(start, wanted, passable)
 
     def _knows_way(self, a: NodeId, b: NodeId) -> bool:
-        return frozenset((a, b)) in self._roomy or (a, b) in self._driven
+        return (a, b) in self._roomy or (a, b) in self._driven
 
-    def _bridge(self, a: Node, b: Node, reached_m: float) -> None:
-        # Towards b the body gets so far in the region of a.
-        (ax, ay, _), (bx, by, _) = a.configuration, b.configuration
-        length = math.hypot(bx - ax, by - ay)
-        if reached_m < length:
-            reached_m += self.body.disc_reach(b.region.boundary, bx, by, ax, ay)
-        if reached_m < length:
-            return
+    def _bridge(self, a: Node, b: Node) -> None:
         if isinstance(self.me.kinematics, Car):
             there, back = self._curve(a, b), self._curve(b, a)
             if there is None or back is None:
                 return
             self._driven[a.id, b.id], self._driven[b.id, a.id] = there, back
+            self.roadmap.connect(a.id, b.id, a.configuration.distance(b.configuration))
         else:
-            self._join(a.id, b.id)
-        self.roadmap.connect(a.id, b.id, length)
+            self.join(a.id, b.id)
 
     def join(self, a: NodeId, b: NodeId) -> None:
         """Add a straight way on which there is room for any heading."""
@@ -160,7 +154,7 @@ class Ways:
         return car_way(self.body, self.me.kinematics, region, start, goal, 1, most_checks=0)
 
     def _join(self, a: NodeId, b: NodeId) -> None:
-        self._roomy.add(frozenset((a, b)))
+        self._roomy.update(((a, b), (b, a)))
         self._has_room.update((a, b))
 
     # Motions -----------------------------------------------------------------------------
@@ -206,7 +200,7 @@ class Ways:
         if (
             self.body.is_disc
             or isinstance(drive, Holonomic)
-            or frozenset((a, b)) in self._roomy
+            or (a, b) in self._roomy
             or self._is_wide(start, end)
         ):
             return turn_and_drive(drive, at, x, y)

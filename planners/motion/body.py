@@ -8,16 +8,16 @@ import numpy as np
 from shapely import Polygon
 
 from multisrt.geometry.clearance import (
+    disc_bridges,
     disc_clearance,
     free_travel_disc,
     free_travel_disc_fan,
-    free_travel_disc_towards,
     free_travel_polygon,
     rotation_is_free,
 )
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.footprint import Footprint
-from multisrt.geometry.kernel import FloatArray
+from multisrt.geometry.kernel import BoolArray, FloatArray
 from multisrt.planners.motion.room import ROUNDING_M, Room
 
 TOUCH_M = 1e-7
@@ -135,11 +135,16 @@ class PlanningBody:
             boundary, x, y, (tx - x) / distance, (ty - y) / distance, radius, distance
         )
 
-    def disc_reaches(
-        self, boundary: FloatArray, x: float, y: float, places: FloatArray
-    ) -> FloatArray:
-        """Give `disc_reach` towards many places, ``(n, 2)``, at once."""
-        return free_travel_disc_towards(boundary, x, y, places, self.roomy_radius_m)
+    def bridges(
+        self, boundary: FloatArray, x: float, y: float, places: FloatArray, rings: list[FloatArray]
+    ) -> BoolArray:
+        """Whether the body gets straight to places, ``(n, 2)``, in whatever heading.
+
+        It goes as far as it gets in the region around it, and from there in that of the place.
+        """
+        starts = np.cumsum([0, *map(len, rings)])
+        corners = np.concatenate(rings)
+        return disc_bridges(boundary, x, y, places, corners, starts, self.roomy_radius_m)
 
     def has_room(self, boundary: FloatArray, at: Configuration) -> bool:
         """Whether a region holds the body in any heading."""

@@ -121,16 +121,25 @@ def test_a_disc_can_always_turn():
     assert DISC.can_turn(CORRIDOR, Configuration(5.0, 0.25), 6.0) is True
 
 
-def test_many_places_are_reached_as_each_of_them():
-    hall = ring(shapely.box(0.0, 0.0, 6.0, 4.0).difference(shapely.box(2.5, 0.0, 3.5, 2.0)))
+def test_a_bridge_goes_on_in_the_region_of_its_end_from_where_that_of_its_beginning_ends():
+    hall = shapely.box(0.0, 0.0, 6.0, 4.0).difference(shapely.box(2.5, 0.0, 3.5, 2.0))
     rng = np.random.default_rng(5)
     for body in (PlanningBody(Footprint.disc(0.25), 0.02), PlanningBody(Footprint.box(1, 0.4), 0)):
         places = np.vstack([rng.uniform((0.0, 0.0), (6.0, 4.0), (200, 2)), [[1.2, 1.1]]])
-        reached = body.disc_reaches(hall, 1.2, 1.1, places)
-        each = [body.disc_reach(hall, 1.2, 1.1, x, y) for x, y in places.tolist()]
-        assert reached == pytest.approx(each, abs=1e-12)
-        assert reached[-1] == 0.0
-        assert 0.2 < np.mean(reached < np.hypot(*(places - [1.2, 1.1]).T)) < 0.9
+        sizes = rng.uniform(0.3, 2.0, len(places))
+        regions = [
+            hall.intersection(shapely.Point(place).buffer(size))
+            for place, size in zip(places, sizes, strict=True)
+        ]
+        rings = [ring(max(shapely.get_parts(region), key=shapely.area)) for region in regions]
+        here = ring(hall.intersection(shapely.Point(1.2, 1.1).buffer(1.5)))
+        joined = body.bridges(here, 1.2, 1.1, places, rings)
+        for place, boundary, is_joined in zip(places.tolist(), rings, joined, strict=True):
+            onwards = body.disc_reach(here, 1.2, 1.1, *place)
+            back = body.disc_reach(boundary, *place, 1.2, 1.1)
+            assert is_joined == (onwards + back >= math.dist(place, (1.2, 1.1)))
+        assert 0.02 < joined.mean() < 0.5
+        assert joined[-1]
 
 
 def test_travel_in_any_heading():

@@ -94,8 +94,10 @@ def summary(name: str, runs: pd.DataFrame) -> tuple[str, ...]:
 
 
 def kind_of(reason: str) -> str:
-    """Leave the numbers out of a reason, so that equal ones can be counted."""
-    return re.sub(r"robots? [\d, ]*\d", "robots", re.sub(r"\d+\.\d+", "some", reason))
+    """Leave numbers and robots out of a reason, so that equal ones can be counted."""
+    whys = [re.sub(r"^(robot \d+|all robots): ", "", part) for part in reason.split("; ")]
+    plain = (re.sub(r"robots? [\d, ]*\d", "others", re.sub(r"\d+\.\d+", "some", w)) for w in whys)
+    return "; ".join(sorted(set(plain)))
 
 
 if __name__ == "__main__":

@@ -103,12 +103,11 @@ def viewers(spec: RunSpec, starts: Sequence[Configuration]) -> tuple[Viewer, ...
     )
 
 
-@lru_cache(maxsize=16)
 def explorable(environment: Environment, team: tuple[Viewer, ...]) -> Explorable:
     """Give what a team can explore: what any of its robots could see.
 
     Computed once for a world and team; robots of one body and range that can get to the same
-    places are computed together.
+    places are computed together, and so are teams of such robots.
 
     Parameters
     ----------
@@ -123,11 +122,19 @@ def explorable(environment: Environment, team: tuple[Viewer, ...]) -> Explorable
         component = environment.component(start.x, start.y)
         places = component, reachable_area(component, footprint, start)
         ranges[places] = max(range_m, ranges.get(places, 0.0))
+    return _explorable_from(environment, tuple((*places, ranges[places]) for places in ranges))
+
+
+@lru_cache(maxsize=16)
+def _explorable_from(
+    environment: Environment, seen_from: tuple[tuple[Polygon, Polygon, float], ...]
+) -> Explorable:
+    # From which components, which places in them, and how far it is seen.
     raster = Raster(cell_width(environment), environment.bounds)
     area = 0.0
-    for component in dict.fromkeys(component for component, _ in ranges):
+    for component in dict.fromkeys(component for component, _, _ in seen_from):
         cells = np.zeros_like(raster.cells)
-        for (whose, reachable), range_m in ranges.items():
+        for whose, reachable, range_m in seen_from:
             if whose == component:
                 cells |= _seen_from(environment, reachable, range_m)
         # A raster of walls on round coordinates is off by up to a permille; the share of the
@@ -135,7 +142,7 @@ def explorable(environment: Environment, team: tuple[Viewer, ...]) -> Explorable
         whole = int(np.count_nonzero(_filled(environment, component)))
         area += int(np.count_nonzero(cells)) * float(component.area) / whole
         raster.cells |= cells
-    reachable_by_any = shapely.union_all([reachable for _, reachable in ranges])
+    reachable_by_any = shapely.union_all([reachable for _, reachable, _ in seen_from])
     assert isinstance(reachable_by_any, Polygon | MultiPolygon)
     return Explorable(raster=raster, area_m2=area, reachable=reachable_by_any)
 

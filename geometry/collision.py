@@ -178,14 +178,7 @@ class CollisionWorld:
             return self._pose_is_free(body, first)
         if footprint.is_disc:
             # A disc sweeps whatever is nearer than its radius to the way of its centre.
-            return self._is_in_free_space(first) and no_edge_within(
-                *first[:2],
-                *last[:2],
-                footprint.radius_m,
-                self._index.edges,
-                self._index.grid,
-                self._index.bins,
-            )
+            return self._keeps_off(first, last, footprint.radius_m)
         swept = (
             fcl.CollisionObject(convex_prism(sweep_convex(place(piece, *first), step)))
             for piece in footprint.convex_pieces
@@ -255,6 +248,11 @@ class CollisionWorld:
             joins the configurations.
         """
         motion = _motion(body, start, end, turn, arc)
+        _require_resolution(resolution_m)
+        # Most motions stay so far off all obstacles that the body's heading does not matter.
+        reach = body.footprint.circumscribed_radius_m + motion.bulge
+        if self._keeps_off(motion.start, motion.pose(1.0), reach + CONTACT_PRECISION_M):
+            return None
         return _advance(
             lambda fraction: self._clearance(body, motion.pose(fraction)),
             lambda fraction: self._pose_is_free(body, motion.pose(fraction)),
@@ -273,6 +271,13 @@ class CollisionWorld:
             return 0.0
         _move(body._movers, pose)
         return _gap(body._movers, self._obstacles)
+
+    def _keeps_off(self, start: Configuration, end: Configuration, distance_m: float) -> bool:
+        # Whether a line lies in free space and farther than a distance from all obstacles.
+        index = self._index
+        return self._is_in_free_space(start) and no_edge_within(
+            *start[:2], *end[:2], distance_m, index.edges, index.grid, index.bins
+        )
 
     def _is_in_free_space(self, pose: Configuration) -> bool:
         index = self._index
@@ -401,6 +406,7 @@ def first_contact_between(
     begin = _first_within(x, y, vx, vy, reach + a.bulge + b.bulge + CONTACT_PRECISION_M)
     if begin is None:
         return None
+    _require_resolution(resolution_m)
     return _advance(
         beyond_gap,
         lambda fraction: beyond_gap(fraction) > 0.0,
@@ -504,6 +510,11 @@ def _motion(
     return _Motion(start=first, step=(dx, dy), turn=turn, center=center, length=length)
 
 
+def _require_resolution(resolution: float) -> None:
+    if not (math.isfinite(resolution) and resolution > 0.0):
+        raise InvalidInputError(f"a resolution of {resolution:g} m; it is positive and finite")
+
+
 def _advance(
     gap: Callable[[float], float],
     is_free: Callable[[float], bool],
@@ -516,8 +527,6 @@ def _advance(
     No point comes nearer to what it might hit than by ``length`` times the fraction passed, so
     a step may use up the whole gap. Up to ``begin`` there is no contact.
     """
-    if not (math.isfinite(resolution) and resolution > 0.0):
-        raise InvalidInputError(f"a resolution of {resolution:g} m; it is positive and finite")
     distance = gap(begin)
     if distance <= 0.0:
         return begin

@@ -15,6 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 import shapely
+from numpy.typing import ArrayLike
 
 from multisrt.environments.environment import Environment
 from multisrt.events import Motion
@@ -172,25 +173,35 @@ def _swept(footprint: Footprint, legs: FloatArray) -> list[shapely.Geometry]:
     shapes = _outlines(footprint, legs[still, 1:4])
     if footprint.is_disc:
         straight = (turns == 0.0) & ~still
+        arcs = ~still & ~straight
         ends = legs[straight][:, [1, 2, 5, 6]].reshape(-1, 2, 2)
         shapes += shapely.linestrings(ends).tolist()
-        still |= straight
+        return shapes + _arcs(legs[arcs], lengths[arcs], turns[arcs])
     for leg, length, turn in zip(legs[~still], lengths[~still], turns[~still], strict=True):
         shapes += _swept_on(footprint, leg, length, turn)
     return shapes
 
 
+def _arcs(legs: FloatArray, lengths: FloatArray, turns: FloatArray) -> list[shapely.Geometry]:
+    # The ways of a disc's centre on legs that are arcs, all laid out at once.
+    steps = np.ceil(turns / _steps(lengths / turns)).astype(np.int64) + 1
+    which = np.repeat(np.arange(len(legs)), steps + 1)
+    step = np.arange(len(which)) - np.repeat(np.cumsum(steps + 1) - (steps + 1), steps + 1)
+    poses = _poses(legs[which], step / steps[which])
+    arcs: list[shapely.Geometry] = np.asarray(
+        shapely.linestrings(poses[:, :2], indices=which)
+    ).tolist()
+    return arcs
+
+
 def _swept_on(
     footprint: Footprint, leg: FloatArray, length: float, turn: float
 ) -> list[shapely.Geometry]:
-    # The same for one leg, on which a disc follows an arc and any other body moves or turns.
-    if footprint.is_disc:
-        steps = math.ceil(turn / _step(length / turn)) + 1
-        return [shapely.LineString(_along(leg, steps)[:, :2])]
+    # The same for one leg, on which a body that is no disc moves or turns.
     if turn == 0.0:
         return [footprint.swept((*leg[1:3], leg[3]), (*leg[5:7], leg[3]))]
     radius = length / turn + footprint.circumscribed_radius_m
-    poses = _along(leg, max(2, math.ceil(turn / _step(radius))))
+    poses = _along(leg, max(2, math.ceil(turn / float(_steps(radius)))))
     if length == 0.0:
         return _outlines(footprint, poses)
     pieces = []
@@ -201,8 +212,10 @@ def _swept_on(
     return pieces
 
 
-def _step(radius_m: float) -> float:
-    return min(TURN_STEP_RAD, math.sqrt(8.0 * SAGITTA_M / radius_m))
+def _steps(radius_m: ArrayLike) -> FloatArray:
+    # By how much a body on arcs of such radii may turn at a time.
+    steps: FloatArray = np.minimum(TURN_STEP_RAD, np.sqrt(8.0 * SAGITTA_M / np.asarray(radius_m)))
+    return steps
 
 
 def _along(leg: FloatArray, steps: int) -> FloatArray:

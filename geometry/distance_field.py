@@ -260,15 +260,39 @@ class DistanceField:
         InvalidInputError
             If the cell is not in the grid, or no path leads there.
         """
-        rows, columns = asked_cells(cell, self.passable)
-        if not np.isfinite(self.distance(cell)).all():
+        return self.descents(cell)[0]
+
+    def descents(self, cells: ArrayLike) -> tuple[IntArray, IntArray]:
+        """Follow the field from many cells, as `descent` does from one.
+
+        Parameters
+        ----------
+        cells : (k, 2) array of int
+            Rows and columns.
+
+        Returns
+        -------
+        ways : (n, 2) array of int
+            The ways, one after the other.
+        begins : (k + 1,) array of int
+            Way i is ``ways[begins[i]:begins[i + 1]]``.
+
+        Raises
+        ------
+        InvalidInputError
+            If a cell is not in the grid, or no path leads there.
+        """
+        rows, columns = asked_cells(cells, self.passable)
+        lost = np.flatnonzero(np.isinf(self.distance(cells)))
+        if len(lost):
             raise InvalidInputError(
-                f"no path leads to cell ({rows[0]}, {columns[0]}): its distance tells"
+                f"no path leads to cell ({rows[lost[0]]}, {columns[lost[0]]}): its distance tells"
             )
         _, at = self._places_in_window(rows, columns)
-        down = descend(int(at[0]), self._state, self._distance, self._width)
+        down, begins = descend(at, self._state, self._distance, self._width)
         row, column = np.divmod(down, self._width)
-        return np.column_stack([row - 2 + self._window[0], column - 2 + self._window[2]])
+        ways = np.column_stack([row - 2 + self._window[0], column - 2 + self._window[2]])
+        return ways, begins
 
     def repair(self, window: tuple[int, int, int, int]) -> None:
         """Take in that cells have become passable or blocked.

@@ -196,25 +196,45 @@ def _one_sided(distance: FloatArray, v: int, step: int) -> tuple[float, float]:
 
 
 @kernel
-def descend(u: int, state: NDArray[np.uint8], distance: FloatArray, width: int) -> IntArray:
-    """Follow the distances down to a source, each time to the steepest of 8 neighbours."""
-    way = [u]
-    while True:
-        steepest, below = 0.0, 0
-        for away in (-1, 0, 1):
-            for aside in (-1, 0, 1):
-                v = u + away * width + aside
-                if not (state[u + away * width] and state[u + aside]):
-                    continue
-                slope = distance[u] - distance[v]
-                if away != 0 and aside != 0:
-                    slope *= math.sqrt(0.5)
-                if slope > steepest:
-                    steepest, below = slope, v
-        if steepest == 0.0:
-            return np.array(way)
-        u = below
-        way.append(u)
+def descend(
+    at: IntArray, state: NDArray[np.uint8], distance: FloatArray, width: int
+) -> tuple[IntArray, IntArray]:
+    """Follow the distances down to a source, each time to the steepest of 8 neighbours.
+
+    Returns
+    -------
+    ways : (n,) array
+        The ways from all cells that are asked for, one after the other.
+    begins : (k + 1,) array
+        Way k is ``ways[begins[k]:begins[k + 1]]``.
+    """
+    ways, count = np.empty(256, np.int64), 0
+    begins = np.zeros(at.shape[0] + 1, np.int64)
+    for k in range(at.shape[0]):
+        u = at[k]
+        while True:
+            if count == ways.shape[0]:
+                more = np.empty(2 * count, np.int64)
+                more[:count] = ways
+                ways = more
+            ways[count] = u
+            count += 1
+            steepest, below = 0.0, 0
+            for away in (-1, 0, 1):
+                for aside in (-1, 0, 1):
+                    v = u + away * width + aside
+                    if not (state[u + away * width] and state[u + aside]):
+                        continue
+                    slope = distance[u] - distance[v]
+                    if away != 0 and aside != 0:
+                        slope *= math.sqrt(0.5)
+                    if slope > steepest:
+                        steepest, below = slope, v
+            if steepest == 0.0:
+                break
+            u = below
+        begins[k + 1] = count
+    return ways[:count].copy(), begins
 
 
 @kernel

@@ -55,8 +55,12 @@ def shortest_path(field: DistanceField, cell: ArrayLike) -> FloatArray:
     >>> shortest_path(field, (0, 4)).tolist()
     [[0.5, 0.5], [1.5, 2.5], [3.5, 2.5], [4.5, 0.5]]
     """
-    way = field.descent(cell)[::-1]
-    centres = way[:, ::-1] + 0.5
+    return straightened(field, field.descent(cell))
+
+
+def straightened(field: DistanceField, descent: IntArray) -> FloatArray:
+    """Pull the way straight that a field's descent from a cell gave; see `shortest_path`."""
+    centres = descent[::-1, ::-1] + 0.5
     source = _source_of(field.passable, centres[0], field.starts)
     line = np.vstack([field.starts[source], centres])
     onward, back = _pull(field.passable, line, True), _pull(field.passable, line, False)

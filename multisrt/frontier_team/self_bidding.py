@@ -19,7 +19,7 @@ from multisrt.frontier_team.robot import FrontierRobot
 from multisrt.frontier_team.rules import Choice, Table, finite, own_bids, settle_on
 from multisrt.geometry.distance_field import DistanceField
 from multisrt.geometry.distances import nearest_point, nearest_points
-from multisrt.geometry.grid_path import shortest_path
+from multisrt.geometry.grid_path import straightened
 from multisrt.geometry.kernel import FloatArray, IntArray, kernel
 from multisrt.planners.assignment.self_bidding import self_bidding
 
@@ -108,25 +108,41 @@ def path_gaps(
     gaps = np.where(np.isfinite(costs), 0.0, np.inf)
     if math.isinf(least_m):
         return gaps
-    for j in np.flatnonzero(np.isfinite(costs)).tolist():
-        cells = np.vstack([field.descent(indices[j])[:, ::-1] + 0.5, field.starts])
-        gaps[j] = least_radius(cells * field.cell_m + (field.x0, field.y0), others)
-        if gaps[j] > least_m - ROUNDING_M:
-            gaps[j] = farthest_along(shortest_path(field, indices[j]), step_m, others)
+    reached = np.flatnonzero(np.isfinite(costs))
+    ways, begins = field.descents(indices[reached])
+    corner = np.array([field.x0, field.y0])
+    cells: FloatArray = (ways[:, ::-1] + 0.5) * field.cell_m + corner
+    starts: FloatArray = field.starts * field.cell_m + corner
+    radii = least_radii(cells, begins, starts, others)
+    gaps[reached] = radii
+    for k in np.flatnonzero(radii > least_m - ROUNDING_M).tolist():
+        path = straightened(field, ways[begins[k] : begins[k + 1]])
+        gaps[reached[k]] = farthest_along(path, step_m, others)
     return gaps
 
 
 @kernel
-def least_radius(points: FloatArray, places: FloatArray) -> float:
-    """Give the radius of the smallest circle around one of some places that holds all points."""
-    least2 = np.inf
-    for k in range(places.shape[0]):
-        radius2 = 0.0
-        for i in range(points.shape[0]):
-            dx, dy = points[i, 0] - places[k, 0], points[i, 1] - places[k, 1]
-            radius2 = max(radius2, dx * dx + dy * dy)
-        least2 = min(least2, radius2)
-    return math.sqrt(least2)
+def least_radii(
+    points: FloatArray, begins: IntArray, starts: FloatArray, places: FloatArray
+) -> FloatArray:
+    """Give the radius of the smallest circle around one of some places that holds a way's points.
+
+    Way k is ``points[begins[k]:begins[k + 1]]``, and the starts of all.
+    """
+    radii = np.full(begins.shape[0] - 1, np.inf)
+    for j in range(places.shape[0]):
+        x, y = places[j, 0], places[j, 1]
+        around = 0.0
+        for i in range(starts.shape[0]):
+            dx, dy = starts[i, 0] - x, starts[i, 1] - y
+            around = max(around, dx * dx + dy * dy)
+        for k in range(radii.shape[0]):
+            radius2 = around
+            for i in range(begins[k], begins[k + 1]):
+                dx, dy = points[i, 0] - x, points[i, 1] - y
+                radius2 = max(radius2, dx * dx + dy * dy)
+            radii[k] = min(radii[k], radius2)
+    return np.sqrt(radii)
 
 
 @kernel

@@ -10,15 +10,16 @@ from numpy.typing import ArrayLike, NDArray
 
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.fast_march import (
-    ACCEPTED,
     BLOCKED,
     EXACT_CELLS,
     RIM,
     ask,
     descend,
+    first_accepted,
     forget,
     march,
     moved_cells,
+    numbers_of,
     seed,
     take_back,
 )
@@ -194,7 +195,9 @@ class DistanceField:
         """
         rows, columns = asked_cells(cells, self.passable)
         self._march_to(rows, columns, all_of_them=True, at_most_m=at_most_m)
-        return self._lengths(rows, columns)
+        at = numbers_of(rows, columns, self._window, self._width)
+        lengths: FloatArray = self._distance[at] * self.cell_m
+        return lengths
 
     def first(self, cells: ArrayLike, at_most_m: float = math.inf) -> int | None:
         """Which of some cells is nearest: the first that the front comes to.
@@ -219,10 +222,9 @@ class DistanceField:
         """
         rows, columns = asked_cells(cells, self.passable)
         self._march_to(rows, columns, all_of_them=False, at_most_m=at_most_m)
-        inside, at = self._places_in_window(rows, columns)
-        final = self._state[at] == ACCEPTED
-        known = np.flatnonzero(inside)[final]
-        return int(known[np.argmin(self._places[at[final]])]) if len(known) else None
+        at = numbers_of(rows, columns, self._window, self._width)
+        first = first_accepted(at, self._state, self._places)
+        return None if first < 0 else first
 
     def complete(self) -> None:
         """March until every cell that can be reached has its final value."""
@@ -288,7 +290,7 @@ class DistanceField:
             raise InvalidInputError(
                 f"no path leads to cell ({rows[lost[0]]}, {columns[lost[0]]}): its distance tells"
             )
-        _, at = self._places_in_window(rows, columns)
+        at = numbers_of(rows, columns, self._window, self._width)
         down, begins = descend(at, self._state, self._distance, self._width)
         row, column = np.divmod(down, self._width)
         ways = np.column_stack([row - 2 + self._window[0], column - 2 + self._window[2]])
@@ -329,7 +331,7 @@ class DistanceField:
                 self._begin()
                 return
         self._held, self._count = take_back(
-            self._places_in_window(rows, columns)[1],
+            numbers_of(rows, columns, self._window, self._width),
             self._state,
             self._distance,
             self._places,
@@ -426,9 +428,8 @@ class DistanceField:
         rows, columns = rows[free], columns[free]
         limit = at_most_m / self.cell_m
         while True:
-            at = self._places_in_window(rows, columns)[1]
-            open_cells, final = ask(at, self._state, self._marks)
-            missing = open_cells + len(rows) - len(at)
+            at = numbers_of(rows, columns, self._window, self._width)
+            missing, final = ask(at, self._state, self._marks)
             if missing and (all_of_them or not final):
                 more = self._advance(missing if all_of_them else 1, limit, widen=False)
             else:
@@ -461,18 +462,6 @@ class DistanceField:
 
     def _inner(self, array: NDArray[Number]) -> NDArray[Number]:
         return array.reshape(-1, self._width)[2:-2, 2:-2]
-
-    def _places_in_window(self, rows: IntArray, columns: IntArray) -> tuple[BoolArray, IntArray]:
-        # Which cells lie in the window, and where those do.
-        r0, r1, c0, c1 = self._window
-        inside = (rows >= r0) & (rows < r1) & (columns >= c0) & (columns < c1)
-        return inside, (rows[inside] - r0 + 2) * self._width + columns[inside] - c0 + 2
-
-    def _lengths(self, rows: IntArray, columns: IntArray) -> FloatArray:
-        lengths = np.full(len(rows), np.inf)
-        inside, at = self._places_in_window(rows, columns)
-        lengths[inside] = self._distance[at] * self.cell_m
-        return lengths
 
 
 def cells_of(

@@ -118,16 +118,59 @@ def march(
 
 
 @kernel
+def numbers_of(
+    rows: IntArray, columns: IntArray, window: tuple[int, int, int, int], width: int
+) -> IntArray:
+    """Give the numbers that cells have in a window of the grid, with its border.
+
+    Parameters
+    ----------
+    rows, columns : (n,) arrays
+        Where they are in the grid.
+    window : (r0, r1, c0, c1)
+        The window's rows are r0 to r1 - 1, its columns c0 to c1 - 1.
+    width : int
+        Columns of the window with its border.
+
+    Returns
+    -------
+    (n,) array
+        0, which is a cell of the border, for those that do not lie in the window.
+    """
+    r0, r1, c0, c1 = window
+    numbers = np.zeros(rows.shape[0], np.int64)
+    for i in range(rows.shape[0]):
+        if r0 <= rows[i] < r1 and c0 <= columns[i] < c1:
+            numbers[i] = (rows[i] - r0 + 2) * width + columns[i] - c0 + 2
+    return numbers
+
+
+@kernel
 def ask(at: IntArray, state: NDArray[np.uint8], marks: NDArray[np.uint8]) -> tuple[int, int]:
-    """Mark cells as asked for; tell how many of them are not accepted yet, and how many are."""
+    """Mark cells as asked for; tell how many of them are not accepted yet, and how many are.
+
+    Those that do not lie in the window are not accepted.
+    """
     missing = final = 0
     for u in at:
         if state[u] == ACCEPTED:
             final += 1
+        elif u == 0:
+            missing += 1
         elif not marks[u] & ASKED:
             marks[u] |= ASKED
             missing += 1
     return missing, final
+
+
+@kernel
+def first_accepted(at: IntArray, state: NDArray[np.uint8], places: NDArray[np.int32]) -> int:
+    """Give the index of the cell that was accepted first; -1 if none was."""
+    first = -1
+    for i in range(at.shape[0]):
+        if state[at[i]] == ACCEPTED and (first < 0 or places[at[i]] < places[at[first]]):
+            first = i
+    return first
 
 
 @kernel

@@ -4,13 +4,16 @@ from hypothesis import strategies as st
 
 from multisrt.geometry.fast_march import (
     ACCEPTED,
+    BLOCKED,
     FREE,
     RIM,
     ask,
     drop_first,
+    first_accepted,
     forget,
     in_sight,
     moved_cells,
+    numbers_of,
     push,
 )
 
@@ -50,6 +53,26 @@ def test_asked_cells_count_once_and_are_forgotten():
     assert np.flatnonzero(marks).tolist() == [1, 2]
     forget(np.array([1, 2, 1, 4]), marks)
     assert marks.tolist() == [0, 0, RIM, 0, 0, 0]
+
+
+def test_cells_that_do_not_lie_in_the_window_are_those_that_are_missing():
+    rows, columns = np.array([3, 4, 6, 7]), np.array([9, 10, 11, 12])
+    numbers = numbers_of(rows, columns, (4, 7, 9, 12), 3 + 4)
+    assert numbers.tolist() == [0, 2 * 7 + 1 + 2, 4 * 7 + 2 + 2, 0]
+    state, marks = np.full(49, FREE, np.uint8), np.zeros(49, np.uint8)
+    state[0] = BLOCKED
+    assert ask(numbers, state, marks) == (4, 0)
+    assert np.flatnonzero(marks).tolist() == [17, 32]
+
+
+def test_which_cell_was_accepted_first():
+    state, places = np.full(6, FREE, np.uint8), np.arange(6, 0, -1).astype(np.int32)
+    asked = np.array([0, 2, 4, 2])
+    assert first_accepted(asked, state, places) == -1
+    state[[2, 4]] = ACCEPTED
+    assert first_accepted(asked, state, places) == 2
+    places[4] = 7
+    assert first_accepted(asked, state, places) == 1
 
 
 def test_nothing_is_seen_between_two_cells_that_meet_in_a_corner_beside_a_blocked_one():

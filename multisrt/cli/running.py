@@ -85,17 +85,28 @@ def make_runs(
     from multisrt.experiments.live import LiveProgress
     from multisrt.experiments.runner import run_experiment
     from multisrt.experiments.store import Store
+    from multisrt.geometry.errors import InvalidInputError
 
-    with Store.create_or_open(path, spec, folder) as opened:
-        if retry:
-            opened.forget()
-        try:
-            with LiveProgress(not quiet) as live:
-                run_experiment(
-                    opened, workers=workers, cluster=cluster, modules=modules, progress=live
-                )
-        except KeyboardInterrupt:
-            done = f"{opened.done} of {opened.asked} runs are stored in {path}"
-            click.echo(f"{done}; the same command goes on", err=True)
-            raise click.Abort from None
-        return opened.results()
+    was_there, has_begun = path.exists(), True
+    try:
+        with Store.create_or_open(path, spec, folder) as opened:
+            if retry:
+                opened.forget()
+            try:
+                with LiveProgress(not quiet) as live:
+                    run_experiment(
+                        opened, workers=workers, cluster=cluster, modules=modules, progress=live
+                    )
+            except KeyboardInterrupt:
+                told = f"{opened.done} of {opened.asked} runs are stored in {path}"
+                click.echo(f"{told}; the same command goes on", err=True)
+                raise click.Abort from None
+            except InvalidInputError:
+                has_begun = opened.done > 0
+                raise
+            return opened.results()
+    except InvalidInputError:
+        # A store is not left behind by what could not even begin.
+        if not (was_there or has_begun):
+            path.unlink()
+        raise

@@ -71,11 +71,13 @@ def made(run, status="complete", **said) -> Result:
 @pytest.fixture
 def fake_runs(monkeypatch):
     """Make no runs: they end as is said here, by repetition."""
-    said = {"status": {}, "stop": None, "calls": []}
+    said = {"status": {}, "stop": None, "lost": None, "calls": []}
 
     def run_experiment(store, *, workers, cluster, modules, progress):
         said["calls"].append({"workers": workers, "cluster": cluster, "modules": modules})
         for number, run in enumerate(store.missing()):
+            if number == said["lost"]:
+                raise InvalidInputError("the cluster is lost")
             if number == said["stop"]:
                 raise KeyboardInterrupt
             store.add(made(run, said["status"].get(run.repetition, "complete")))
@@ -322,6 +324,19 @@ def test_interrupted_it_says_what_is_there_and_goes_on(call, folder, fake_runs):
     assert call("run", "small.toml", "--quiet") == (0, "", "")
     with Store.open(folder / "small.sqlite") as store:
         assert store.done == 8
+
+
+def test_no_store_is_left_by_what_could_not_begin(call, folder, fake_runs):
+    fake_runs["lost"] = 0
+    told = (2, "", "error: the cluster is lost\n")
+    assert call("run", "small.toml") == told
+    assert not list(folder.glob("small.sqlite*"))
+    fake_runs["lost"] = 3
+    assert call("run", "small.toml") == told
+    fake_runs["lost"] = 0
+    assert call("run", "small.toml") == told
+    with Store.open(folder / "small.sqlite") as store:
+        assert store.done == 3
 
 
 def test_options_of_run_are_handed_on(call, folder, fake_runs):

@@ -263,8 +263,8 @@ def decision_in_large_map(near_m: float = 12.0, far_m: float = 24.0) -> Claim:
     large = _robot_at(start, index, places[(from_middle < far_m) & ~hole])
     order = np.argsort(np.hypot(*(places[hole] - start).T))
     news = [
-        _node(index, *place, NodeId(2, i))
-        for i, place in enumerate(places[hole][order][:NEWS].tolist())
+        _node(index, x, y, NodeId(2, i))
+        for i, (x, y) in enumerate(places[hole][order][:NEWS].tolist())
     ]
     goals: dict[int, list[tuple[float, float] | None]] = {id(small): [], id(large): []}
 
@@ -320,8 +320,9 @@ def repair() -> Claim:
     """Distances after a change of the map: a repaired field against a new one."""
     free = worlds.rooms()
     size = round(40.0 / CELL_M)
-    centres = (np.arange(size) + 0.5) * CELL_M
-    cells = shapely.contains_xy(free, *np.meshgrid(centres, centres))
+    centres = (np.arange(size, dtype=np.float64) + 0.5) * CELL_M
+    x, y = np.meshgrid(centres, centres)
+    cells = shapely.contains_xy(free, x, y)
     sources, changes = worlds.viewpoints(free, 2, seed=24)[:1], worlds.viewpoints(free, 81, seed=25)
     asked = np.floor(worlds.viewpoints(free, 12, seed=26)[:, ::-1] / CELL_M).astype(int)
     kept = DistanceField(cells, CELL_M, sources)
@@ -343,7 +344,8 @@ def repair() -> Claim:
         answers["new"] = DistanceField(cells, CELL_M, sources).distance(asked)
         same = same and np.array_equal(answers["kept"], answers["new"])
 
-    ours, theirs = [], []
+    ours: list[float] = []
+    theirs: list[float] = []
     for place in [p for p in changes if np.hypot(*(p - sources[0])) > 2.0]:
         for side, times in ((repaired, ours), (anew, theirs)):
             begin = time.perf_counter()
@@ -372,7 +374,7 @@ def _robot_at(start: np.ndarray, index: EdgeIndex, places: np.ndarray) -> Fronti
         FrontierOptions(cell_m=CELL_M),
     )
     all_places = [start.tolist(), *places.tolist()]
-    robot.merge(tuple(_node(index, *p, NodeId(1, i)) for i, p in enumerate(all_places)))
+    robot.merge(tuple(_node(index, x, y, NodeId(1, i)) for i, (x, y) in enumerate(all_places)))
     return robot
 
 

@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 from scipy.spatial import cKDTree
+from shapely.geometry.base import BaseGeometry
 
 from benchmarks import worlds
 from benchmarks.harness import Claim, in_turns, installed, show, skipped
 from benchmarks.whole_run import whole_run
 from multisrt.exploration_map import ExplorationMap, Node, NodeId
+from multisrt.geometry.arrays import FloatArray
+from multisrt.geometry.boundary import TagArray
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.distance_field import distance_field
 from multisrt.geometry.edge_index import EdgeIndex
@@ -59,8 +63,9 @@ def visibility(free: shapely.Polygon) -> Iterator[Claim]:
     free = shapely.orient_polygons(free)
     rings = [np.asarray(ring.coords)[:-1, :2].tolist() for ring in (free.exterior, *free.interiors)]
 
-    def ours(place: list[float]) -> object:
-        return visibility_polygon(index, *place, WHOLE_WORLD_M, arc_tolerance_m=1.0)
+    def ours(place: list[float]) -> tuple[FloatArray, TagArray]:
+        x, y = place
+        return visibility_polygon(index, x, y, WHOLE_WORLD_M, arc_tolerance_m=1.0)
 
     text = "visibility polygon, unlimited, office: CGAL"
     if installed("pyvispoly"):
@@ -73,7 +78,7 @@ def visibility(free: shapely.Polygon) -> Iterator[Claim]:
             cgal.PolygonWithHoles(polygon(rings[0]), [polygon(ring) for ring in rings[1:]])
         )
 
-        def by_cgal(place: list[float]) -> object:
+        def by_cgal(place: list[float]) -> cgal.Polygon:
             return calculator.compute_visibility_polygon(cgal.Point(*place))
 
         times = in_turns(places.tolist(), {"ours": ours, "theirs": by_cgal})
@@ -130,12 +135,16 @@ def beams(free: shapely.Polygon, count: int = 720) -> Claim:
     places = worlds.viewpoints(free, 60, seed=22)
     index = EdgeIndex(edges, R / 3.0)
 
-    def theirs(place: list[float]) -> np.ndarray:
-        origins = np.broadcast_to(np.float32([*place, 0.0]), (count, 3))
-        return scene.run(np.ascontiguousarray(origins), directions, dists=R, query="DISTANCE")
+    def theirs(place: list[float]) -> NDArray[np.float32]:
+        origins = np.broadcast_to(np.array([*place, 0.0], np.float32), (count, 3))
+        ranges: NDArray[np.float32] = scene.run(
+            np.ascontiguousarray(origins), directions, dists=R, query="DISTANCE"
+        )
+        return ranges
 
-    def ours(place: list[float]) -> np.ndarray:
-        return laser_ranges(index, *place, R, count)
+    def ours(place: list[float]) -> FloatArray:
+        x, y = place
+        return laser_ranges(index, x, y, R, count)
 
     times = in_turns(places.tolist(), {"ours": ours, "theirs": theirs})
     off = np.concatenate(
@@ -180,11 +189,11 @@ def frontier(nodes: int = 3000) -> Claim:
         candidates = frontier_candidates(known[i].boundary, known[i].tags)
         return uncovered(candidates, *rings, neighbours[i])[0]
 
-    def theirs(i: int) -> shapely.Geometry:
+    def theirs(i: int) -> BaseGeometry:
         # The tagged pieces as lines, less one neighbour that touches them after the other:
         # faster than their union, and far faster than boundaries less buffered obstacles.
         candidates = frontier_candidates(known[i].boundary, known[i].tags)
-        rest = shapely.multilinestrings(shapely.linestrings(candidates.reshape(-1, 2, 2)))
+        rest: BaseGeometry = lines(candidates)
         near = neighbours[i]
         for k in near[shapely.intersects(polygons[near], rest)]:
             rest = shapely.difference(rest, polygons[k])
@@ -195,8 +204,7 @@ def frontier(nodes: int = 3000) -> Claim:
     times = in_turns(queries, {"ours": ours, "theirs": theirs})
     lost = 0.0
     for i in queries:
-        mine = shapely.multilinestrings(shapely.linestrings(ours(i).reshape(-1, 2, 2)))
-        lost = max(lost, theirs(i).difference(mine.buffer(2e-4)).length)
+        lost = max(lost, theirs(i).difference(lines(ours(i)).buffer(2e-4)).length)
     return Claim(
         text=f"frontier of a node, {np.median([len(n) for n in neighbours.values()]):.0f} "
         "neighbours: shapely",
@@ -206,6 +214,14 @@ def frontier(nodes: int = 3000) -> Claim:
         holds=lost < 1e-3,
         note=f"{lost:.0e} m of shapely's frontier missing at most",
     )
+
+
+def lines(pieces: FloatArray) -> shapely.MultiLineString:
+    """Pieces of a frontier as one geometry."""
+    each = np.asarray(shapely.linestrings(pieces.reshape(-1, 2, 2)))
+    joined = shapely.multilinestrings(each)
+    assert isinstance(joined, shapely.MultiLineString)
+    return joined
 
 
 def raster(free: shapely.Polygon) -> Claim:
@@ -266,8 +282,9 @@ def geodesic_field() -> Claim:
 
     free = worlds.rooms()
     size = round(40.0 / CELL)
-    centres = (np.arange(size) + 0.5) * CELL
-    cells = shapely.contains_xy(free, *np.meshgrid(centres, centres))
+    centres = (np.arange(size, dtype=np.float64) + 0.5) * CELL
+    x, y = np.meshgrid(centres, centres)
+    cells = shapely.contains_xy(free, x, y)
     targets = np.floor(worlds.viewpoints(free, 200, seed=24) / CELL).astype(int)
     sources, targets = targets[:6], targets[6:]
     speed = np.ones((size, size))
@@ -284,7 +301,7 @@ def geodesic_field() -> Claim:
         return np.ma.filled(times, np.inf) + 0.5 * CELL
 
     times = in_turns(list(sources), {"ours": ours, "theirs": theirs})
-    errors = {"ours": [], "theirs": []}
+    errors: dict[str, list[float]] = {"ours": [], "theirs": []}
     for source in sources[:2]:
         truth = shortest_paths(free, centres[source], centres[targets])
         far = truth > 10 * CELL
@@ -302,7 +319,7 @@ def geodesic_field() -> Claim:
     )
 
 
-def shortest_paths(free: shapely.Polygon, source: np.ndarray, targets: np.ndarray) -> np.ndarray:
+def shortest_paths(free: shapely.Polygon, source: FloatArray, targets: FloatArray) -> FloatArray:
     """Exact lengths by a visibility graph of all corners."""
     corners = np.unique(worlds.edges(free)[:, :2], axis=0)
     points = np.vstack([source, corners, targets])
@@ -316,7 +333,7 @@ def shortest_paths(free: shapely.Polygon, source: np.ndarray, targets: np.ndarra
     i, j = first[sees], second[sees]
     lengths = np.hypot(*(points[i] - points[j]).T)
     graph = csr_array((lengths, (i, j)), shape=(len(points), len(points)))
-    return dijkstra(graph, directed=False, indices=0)[1 + len(corners) :]
+    return dijkstra(graph, directed=False, indices=[0])[0, 1 + len(corners) :]
 
 
 def node_at(index: EdgeIndex, x: float, y: float, node_id: NodeId) -> Node:
@@ -346,9 +363,10 @@ def node_in_large_map(small: int = 100, large: int = 10_000) -> Claim:
     new = worlds.viewpoints(free, 40_000, seed=7)[middle]
     serial = iter(range(10**9))
 
-    def in_map(known: ExplorationMap) -> object:
+    def in_map(known: ExplorationMap) -> Callable[[list[float]], object]:
         def add(place: list[float]) -> object:
-            return known.add(node_at(index, *place, NodeId(1, next(serial))))
+            x, y = place
+            return known.add(node_at(index, x, y, NodeId(1, next(serial))))
 
         return add
 
@@ -372,11 +390,13 @@ def node_against_global_union(nodes: int = 3000) -> Claim:
     union = known.region_union()
 
     def ours(i: int) -> object:
-        return known.add(node_at(index, *places[i].tolist(), NodeId(0, i)))
+        x, y = places[i].tolist()
+        return known.add(node_at(index, x, y, NodeId(0, i)))
 
     def theirs(i: int) -> object:
         nonlocal union
-        view, _ = visibility_polygon(index, *places[i], R)
+        x, y = places[i]
+        view, _ = visibility_polygon(index, x, y, R)
         union = union.union(shapely.Polygon(view))
         return union
 

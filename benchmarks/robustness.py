@@ -62,7 +62,7 @@ def page(results: pd.DataFrame) -> list[str]:
         "",
         markdown_table(
             COLUMNS,
-            (summary(name, runs) for name, runs in results.groupby("strategy", sort=False)),
+            (summary(str(name), runs) for name, runs in results.groupby("strategy", sort=False)),
         ),
         "",
         "## Runs that were not complete",
@@ -73,7 +73,7 @@ def page(results: pd.DataFrame) -> list[str]:
     counts = reasons.groupby(["strategy", "status", "reason"], sort=False).size()
     if counts.empty:
         return [*lines, "None."]
-    rows = ((*key, str(count)) for key, count in counts.items())
+    rows = counts.reset_index().astype(str).itertuples(index=False, name=None)
     return [*lines, markdown_table(("strategy", "outcome", "why", "runs"), rows)]
 
 

@@ -68,5 +68,5 @@ def _walls(width: float, count: int, door: float, rng: np.random.Generator) -> l
 
 def _free(width: float, solid: list[Polygon]) -> Polygon:
     free = box(0, 0, width, width).difference(shapely.union_all(solid))
-    largest = max(shapely.get_parts(free), key=lambda part: float(part.area))
+    largest: Polygon = max(shapely.get_parts(free), key=lambda part: float(part.area))
     return shapely.normalize(shapely.simplify(largest, 0))

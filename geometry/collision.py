@@ -1,5 +1,8 @@
 """Collision of bodies with a world and with one another, at rest and in motion, by FCL.
 
+What stays farther off all edges of the world than the body reaches needs no FCL, nor does a disc
+that moves straight: the edges near its way tell.
+
 Everything is solid and three-dimensional for FCL. Obstacles are prisms that stand on the floor
 z = 0; bodies reach through the floor, from below it to above the obstacles. So a body inside an
 obstacle cuts its bottom face, an obstacle inside a body is inside a convex solid, and both are

@@ -37,11 +37,12 @@ STOP_SLACK_M = 1e-5
 farther than this beyond counts as nearer when the next motion begins."""
 
 LEAST_SHARE = 0.25
-"""Whoever stands nearer than this share of the guard to another body comes no nearer, so that
-one who tries again and again does not creep up to it."""
+"""Whoever stands nearer than this share of the guard to another body is stopped at once, so that
+one who tries again now and then does not creep up to it."""
 
 NO_NEARER = 0.999
-"""As near as it was, but for rounding."""
+"""Where it is stopped then, as a share of its distance: what is left keeps a stop from coming
+before the motion begins. Who tries a thousand times without a pause creeps up all the same."""
 
 ROUNDING_M = 1e-6
 """How far rounding may put a place on a course outside the box of the course."""

@@ -31,18 +31,11 @@ from multisrt.planners.motion.trajectory import (
     leg_pose,
     standing_at,
 )
+from multisrt.protective_stop import stop_within
 
 STOP_SLACK_M = 1e-5
 """A protective stop ends a motion a hair before its distance is reached; a body that is no
 farther than this beyond counts as nearer when the next motion begins."""
-
-LEAST_SHARE = 0.25
-"""Whoever stands nearer than this share of the guard to another body is stopped at once, so that
-one who tries again now and then does not creep up to it."""
-
-NO_NEARER = 0.999
-"""Where it is stopped then, as a share of its distance: what is left keeps a stop from coming
-before the motion begins. Who tries a thousand times without a pause creeps up all the same."""
 
 ROUNDING_M = 1e-6
 """How far rounding may put a place on a course outside the box of the course."""
@@ -498,14 +491,6 @@ class _Span:
 
 def _standing(configuration: Configuration, time_s: float) -> _Course:
     return _Course(standing_at(configuration), time_s, None)
-
-
-def stop_within(distance_m: float, guard_m: float) -> float:
-    """Give at what distance a body stops a motion that was nearer than the guard as it began.
-
-    At half of the distance that it had then, but not within `LEAST_SHARE` of the guard.
-    """
-    return max(distance_m / 2.0, min(NO_NEARER * distance_m, LEAST_SHARE * guard_m))
 
 
 def _time(waypoint: Waypoint) -> float:

@@ -16,7 +16,13 @@ from multisrt.events import TakenAsLost
 from multisrt.explorer import Action, Note, Outcome, Send, Sighting
 from multisrt.frontier_team.driving import REACHED_M, drive
 from multisrt.frontier_team.messages import GiveWayMessage
-from multisrt.frontier_team.robot import BodyInTheWay, FrontierRobot, Goal, has_moved
+from multisrt.frontier_team.robot import (
+    MOVED_M,
+    BodyInTheWay,
+    FrontierRobot,
+    Goal,
+    has_moved,
+)
 from multisrt.planners.navigation.path_following import ahead
 from multisrt.planners.navigation.right_of_way import place_aside
 
@@ -40,8 +46,8 @@ def settle(robot: FrontierRobot, goal: Goal, met: Sighting) -> Steps:
     """
     team, other = robot.team, met.robot
     seen = yield from robot.look()
-    if robot.at[:2] != robot.detoured_at:
-        # Who is stopped on a detour at once need not try it again.
+    if robot.detoured_at is None or math.dist(robot.at[:2], robot.detoured_at) > MOVED_M:
+        # Who was stopped on a detour as soon as it began need not try it again.
         around = robot.goal_around(goal, seen, DETOUR_SHARE * goal.cost_m + DETOUR_M)
         if around is not None and around.cost_m > REACHED_M:
             robot.detour, robot.detoured_at = around, robot.at[:2]

@@ -69,7 +69,10 @@ def drive_as_wanted(
 def steer(
     robot: FrontierRobot, towards: tuple[float, float], options: BiddingOptions
 ) -> Generator[Action, Outcome, float]:
-    """Hold one command of the diagram, and look round; give for how long it could be held."""
+    """Hold one command of the diagram, and look round; give for how long it was held.
+
+    That may be hardly any time, where another body stands so near that it is stopped at once.
+    """
     kinematics = cast(Differential | Holonomic, robot.me.kinematics)
     assert robot.region is not None
     bodies = np.array(
@@ -99,10 +102,12 @@ def steer(
     held_s = min(
         options.control_period_s, safe_time(chosen, clearance, radius, margin_m=LEAST_MARGIN_M)
     )
-    if held_s >= SHORTEST_S:
-        yield from carry_out(robot, motion(chosen, kinematics, robot.at, held_s), "explore")
-        yield from robot.perceive()
-    return held_s
+    if held_s < SHORTEST_S:
+        return held_s
+    began_s = robot.time_s
+    moved = yield from carry_out(robot, motion(chosen, kinematics, robot.at, held_s), "explore")
+    yield from robot.perceive()
+    return moved.time_s - began_s
 
 
 def lead(robot: FrontierRobot, path: FloatArray, lookahead_m: float) -> tuple[float, float]:

@@ -32,6 +32,7 @@ from multisrt.geometry.scan import Scan
 from multisrt.planners.motion.body import PlanningBody
 from multisrt.planners.motion.kinematics import Car
 from multisrt.planners.motion.trajectory import Trajectory
+from multisrt.protective_stop import least_gap
 
 Steps = Generator[Action, Outcome, None]
 Watch = Callable[["FrontierRobot"], Steps]
@@ -158,6 +159,7 @@ class FrontierRobot:
         self.motion: Trajectory | None = None
         self.set_out_s = 0.0
         self.bodies: dict[int, BodyInTheWay] = {}
+        self._around: FloatArray = np.empty((0, 3))
         self.told_complete = False
         self.chosen_s = -math.inf
         self.chosen_at = -1
@@ -418,9 +420,9 @@ class FrontierRobot:
         return self._new_field((x, y) if here else self.raster.centre_of(*cell))
 
     def _first_cell(self) -> tuple[int, int] | None:
-        # Where ways begin: the nearest passable cell. Between a wall and the berth of a body that
-        # may be one from which no way leads; then it is the nearest from which one does, and to
-        # which the robot gets straight without coming nearer to any body.
+        # Where ways begin: the nearest passable cell. Beside a body that may be one from which no
+        # way leads, or one to which the robot gets only past the body; then it is the nearest
+        # from which a way leads and to which it gets straight.
         raster, (x, y, _) = self.raster, self.at
         nearest = raster.passable_near(x, y, NEAR_BY_CELLS)
         if nearest is None or nearest == raster.cell_of(x, y):
@@ -434,25 +436,28 @@ class FrontierRobot:
         rim = np.abs(cells - raster.cell_of(x, y)).max(axis=1) >= NEAR_BY_CELLS
         own = labels[tuple((cells - corner).T)]
         leads = np.isin(own, own[rim])
-        if leads[(cells == nearest).all(axis=1)].any():
+        keeps_off = self._keeps_off_bodies(raster.centre_of(*nearest))
+        if keeps_off and leads[(cells == nearest).all(axis=1)].any():
             return nearest
         away = np.hypot(*(around - (x, y)).T)
         for k in np.flatnonzero(leads)[np.argsort(away[leads], kind="stable")].tolist():
-            if self._gets_away_to(*around[k].tolist()):
+            place_x, place_y = around[k].tolist()
+            if self._keeps_off_bodies((place_x, place_y)) and self.body.disc_travel(
+                self.boundary, x, y, place_x, place_y
+            ):
                 row, column = cells[k].tolist()
                 return row, column
-        return nearest
+        return nearest if keeps_off else None
 
-    def _gets_away_to(self, x: float, y: float) -> bool:
-        # Whether the robot gets straight to a place, and no nearer to a body on the way.
-        here_x, here_y, _ = self.at
-        way = np.array([[here_x, here_y, x, y]])
-        bodies = [body.sighting.configuration[:2] for body in self.bodies.values()]
-        berths = [(*place, math.dist(place, (here_x, here_y)) - ROUNDING_M) for place in bodies]
-        return bool(
-            keep_off(way, np.array(berths).reshape(-1, 3))[0]
-            and self.body.disc_travel(self.boundary, here_x, here_y, x, y)
-        )
+    def _keeps_off_bodies(self, place: tuple[float, float]) -> bool:
+        # Whether no body that ways lead around would stop the robot on the straight way there.
+        x, y, _ = self.at
+        guard_m, berths = self.options.guard_m, self._around.copy()
+        for berth in berths:
+            apart, radii = math.dist(berth[:2], (x, y)), berth[2]
+            gap = min(guard_m, least_gap(max(0.0, apart - radii), guard_m))
+            berth[2] = min(apart - ROUNDING_M, radii + gap)
+        return bool(keep_off(np.array([[x, y, *place]]), berths)[0])
 
     def _new_field(self, source: tuple[float, float]) -> DistanceField:
         raster = self.raster
@@ -493,16 +498,25 @@ class FrontierRobot:
 
     @contextmanager
     def around_bodies(self, sightings: Iterable[Sighting] = ()) -> Iterator[None]:
-        """Take the cells that bodies keep this one from for not passable, meanwhile."""
-        own = self.body.outer_radius_m + self.options.guard_m
+        """Take the cells that bodies keep this one from for not passable, meanwhile.
+
+        Ways begin then where none of these bodies stops the robot.
+        """
+        own = self.body.outer_radius_m
         standing = (body.sighting for body in self.bodies.values())
         bodies = {s.robot: s for s in (*standing, *sightings)}
-        discs = [
-            (*s.configuration[:2], own + s.footprint.circumscribed_radius_m)
-            for s in bodies.values()
-        ]
-        with self.raster.blocked(np.array(discs).reshape(-1, 3)):
-            yield
+        discs = np.array(
+            [
+                (*s.configuration[:2], own + s.footprint.circumscribed_radius_m)
+                for s in bodies.values()
+            ]
+        ).reshape(-1, 3)
+        before, self._around = self._around, discs
+        try:
+            with self.raster.blocked(discs + np.array([0.0, 0.0, self.options.guard_m])):
+                yield
+        finally:
+            self._around = before
 
     def goal_around(self, goal: Goal, sightings: Iterable[Sighting], limit_m: float) -> Goal | None:
         """Give a goal with a way around bodies, if there is one that is not too long."""

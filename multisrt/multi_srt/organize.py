@@ -20,12 +20,10 @@ from multisrt.geometry.footprint import Footprint
 from multisrt.multi_srt.messages import Order, Path
 from multisrt.planners.motion.sweep import SAGITTA_M, Sweep
 from multisrt.planners.motion.trajectory import Trajectory, Waypoint
+from multisrt.protective_stop import BEYOND_GUARD, least_gap
 
 MOST_EXACT = 12
 """Up to so many robots the best set of targets is found; above, a good one."""
-
-BEYOND_GUARD = 1.2
-"""Paths keep this share of the guard distance between them, so that none is stopped by it."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -99,21 +97,6 @@ def path_of(motion: Trajectory) -> Path:
 def motion_of(path: Path) -> Trajectory:
     """Read a motion from a message."""
     return Trajectory(tuple(Waypoint(*waypoint) for waypoint in path))
-
-
-def least_gap(now_m: float, guard_m: float) -> float:
-    """How near to one another the paths may come of two bodies that are a distance apart now.
-
-    So far that no protective stop ends them: that comes at the guard distance, or for bodies
-    that were nearer when the motion began at half of their distance then, but not within a
-    quarter of the guard (see `explorer.Move`).
-    """
-    beyond = BEYOND_GUARD * guard_m
-    if now_m >= beyond:
-        return beyond
-    if now_m > guard_m:
-        return guard_m
-    return max(0.75 * now_m, min(0.9995 * now_m, 0.3 * guard_m))
 
 
 class Conflicts:

@@ -23,7 +23,7 @@ from multisrt.geometry.safe_region import LocalSafeRegion, Shape
 from multisrt.multi_srt.bypass import Track, first_leg
 from multisrt.multi_srt.messages import Order
 from multisrt.multi_srt.options import MultiSrtOptions
-from multisrt.multi_srt.organize import BEYOND_GUARD, least_gap, motion_of
+from multisrt.multi_srt.organize import motion_of
 from multisrt.multi_srt.team import SAME_PLACE_M, Team
 from multisrt.multi_srt.ways import OutAndBack, Ways
 from multisrt.planners.motion.body import PlanningBody
@@ -31,6 +31,7 @@ from multisrt.planners.motion.kinematics import Car
 from multisrt.planners.motion.sweep import Sweep
 from multisrt.planners.motion.trajectory import Trajectory, Waypoint, standing_at
 from multisrt.planners.srt import CLOSE_BY, Refusal, SrtPlanner, Way, arc_points
+from multisrt.protective_stop import BEYOND_GUARD, least_gap
 
 MOST_TRIES = 12
 """After so many tries a robot plans around those who stand in its way; and if it is boxed in,

@@ -4,11 +4,13 @@ import dataclasses
 import itertools
 import math
 
+import msgspec
 import numpy as np
 import pytest
 import shapely
 
 from multisrt import registry
+from multisrt.closeness import smallest_distance_between_robots
 from multisrt.environments.environment import Environment
 from multisrt.events import (
     Blocked,
@@ -22,12 +24,15 @@ from multisrt.events import (
     NodeAdded,
     Sent,
 )
+from multisrt.experiments.crossing import runs
 from multisrt.frontier_team.driving import drive
 from multisrt.frontier_team.explore import FrontierExplorer
 from multisrt.frontier_team.options import FrontierOptions
 from multisrt.geometry.occupancy import UNKNOWN, Occupancy
 from multisrt.geometry.safe_region import LocalSafeRegion
 from multisrt.metrics import measure
+from multisrt.presets.minpos import MINPOS_PRESET
+from multisrt.protective_stop import LEAST_SHARE
 from multisrt.registry import Strategy, strategy
 from multisrt.simulation import simulate
 from multisrt.spec import (
@@ -322,3 +327,28 @@ def test_robots_that_meet_in_a_corridor_pass_by_giving_way(monkeypatch, seed):
     for robot, place in enumerate(places):
         last = events(recording, Motion, robot)[-1].waypoints[-1]
         assert math.dist(last[1:3], place) < 1.5
+
+
+@pytest.mark.parametrize("name", FAMILY)
+def test_robots_that_begin_in_a_crowd_do_not_creep_up_to_one_another(name):
+    # In this drawn maze the nearest robots begin 0.2 m from each other, in a passage: with any
+    # rule some stop before others, and look for ways round them where there are none.
+    crowd = next(
+        run.spec
+        for run in runs(MINPOS_PRESET.experiment(False))
+        if run.spec.seed == 11 and run.condition.environment == "maze" and run.condition.robots == 6
+    )
+    spec = msgspec.structs.replace(crowd, strategy=name, stop=StopRule(max_time_s=12.0))
+    recording = simulate(spec)
+    assert not events(recording, Collision)
+    stops = [[e for e in events(recording, Blocked) if e.robot == robot] for robot in range(6)]
+    assert sum(map(len, stops)) > 0
+    at_once = [
+        later
+        for of_one in stops
+        for earlier, later in itertools.pairwise(of_one)
+        if later.time_s - earlier.time_s < 1e-3
+    ]
+    assert len(at_once) <= 3
+    least_m = LEAST_SHARE * FrontierOptions().guard_m
+    assert smallest_distance_between_robots(recording) > 0.95 * least_m

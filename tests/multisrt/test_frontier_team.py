@@ -531,26 +531,42 @@ def test_ways_lead_as_far_from_others_goals_as_dense_points_say(seed):
 
 
 @pytest.mark.parametrize(
-    ("body", "begins_in"),
-    [((10.575, 7.0), "west"), ((9.425, 7.0), "pocket"), (None, "own cell")],
-    ids=["a way leads away from the body", "it would come nearer", "no body"],
+    ("body", "pocket", "west", "begins_in"),
+    [
+        ((10.575, 7.0), 2, 4, "west"),
+        ((9.425, 7.0), 2, 4, "pocket"),
+        ((10.5, 7.35), 7, 4, "west"),
+        ((10.5, 7.35), 7, 16, "nowhere"),
+        (None, 2, 4, "own cell"),
+    ],
+    ids=[
+        "a way leads away from the body",
+        "the way on would come nearer",
+        "to the pocket it would come nearer",
+        "there is but the pocket, past the body",
+        "no body",
+    ],
 )
-def test_ways_begin_where_they_lead_on(body, begins_in):
+def test_ways_begin_where_they_lead_on_and_no_body_stops_the_robot(body, pocket, west, begins_in):
     # Around the robot nothing is passable but one cell, from which no way leads, and what lies
-    # half a metre to the west.
+    # to the west.
     robot = robot_at([(10.0, 7.0)])
     raster, cell = robot.raster, robot.raster.cell_of(10.0, 7.0)
     scan = take_scan(edges_of(PLAZA), Configuration(10.0, 7.0), 0.0, 4.0)
     robot.region = local_safe_region(scan, "radial")
-    pocket = cell[0] + 2, cell[1]
+    expected = {
+        "west": (cell[0], cell[1] - 5),
+        "pocket": (cell[0] + pocket, cell[1]),
+        "own cell": cell,
+        "nowhere": None,
+    }
     if body is not None:
         seen = Sighting(
             robot=1, configuration=Configuration(*body, 0.0), footprint=Footprint.parse("disc:0.25")
         )
         robot.bodies[1] = BodyInTheWay(seen, math.inf)
         row, column = cell[0] - raster.row, cell[1] - raster.column
-        raster.passable[row - 12 : row + 13, column - 4 : column + 13] = False
-        raster.passable[pocket[0] - raster.row, pocket[1] - raster.column] = True
-    first = robot._first_cell()
-    expected = {"west": (cell[0], cell[1] - 5), "pocket": pocket, "own cell": cell}
-    assert first == expected[begins_in]
+        raster.passable[row - 12 : row + 13, column - west : column + 13] = False
+        raster.passable[row + pocket, column] = True
+    with robot.around_bodies():
+        assert robot._first_cell() == expected[begins_in]

@@ -16,7 +16,6 @@ from multisrt.multi_srt.organize import (
     Conflicts,
     Prospect,
     best_targets,
-    least_gap,
     motion_of,
     organize,
     path_of,
@@ -323,17 +322,6 @@ def test_the_arrangement_does_not_depend_on_the_order_of_robots(plans, data):
     again = organize(conflicts_of(plans, order), wits)
     assert (once.orders, once.targets) == (again.orders, again.targets)
     assert organize(conflicts_of(plans), wits) == once
-
-
-@given(st.just(0.0) | st.floats(1e-9, 5.0), st.floats(0.01, 1.0))
-def test_the_least_gap_is_beyond_the_protective_stop(now, guard):
-    gap = least_gap(now, guard)
-    assert gap <= now
-    # A stop comes at the guard distance, or for who was nearer at half of the distance then, but
-    # not within a quarter of the guard.
-    stop = guard if now > guard else max(0.5 * now, min(0.999 * now, 0.25 * guard))
-    assert gap > stop or now == 0.0 or gap == stop == guard
-    assert least_gap(now + 0.1, guard) >= gap
 
 
 def test_bodies_that_stay_never_conflict_however_near():

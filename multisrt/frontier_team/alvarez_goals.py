@@ -20,7 +20,6 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import ndimage
 
 from multisrt.frontier_team.options import RulesOptions
 from multisrt.frontier_team.robot import NEAR_BY_CELLS, FrontierRobot
@@ -28,7 +27,7 @@ from multisrt.geometry.fast_march import in_sight
 from multisrt.geometry.kernel import BoolArray, FloatArray, IntArray
 from multisrt.geometry.occupancy import UNKNOWN, Occupancy
 from multisrt.planners.assignment.rules import GoalChoice, cells_ahead, choose_cell
-from multisrt.planners.grid_search import DIAGONAL, a_star, ring_search
+from multisrt.planners.grid_search import DIAGONAL, a_star, reachable, ring_search
 
 Place = tuple[float, float]
 Cell = tuple[int, int]
@@ -124,12 +123,10 @@ def survey(robot: FrontierRobot, tried: Iterable[Place], inaccessible: Iterable[
     ways |= unknown & ~_closed(robot, tried, (row, column), shape)
 
     start = raster.passable_near(*robot.at[:2], NEAR_BY_CELLS)
-    reachable = np.zeros(shape, np.bool_)
+    reached = np.zeros(shape, np.bool_)
     if start is not None:
         start = start[0] - row, start[1] - column
-        # Over four neighbours: A* does not cut corners, so it comes no farther over eight.
-        labels = ndimage.label(ways)[0]
-        reachable = labels == labels[start]
+        reached = reachable(ways, *start)
 
     x0, y0 = raster.centre_of(row + pad, column + pad)
     x1, y1 = raster.centre_of(row + shape[0] - pad - 1, column + shape[1] - pad - 1)
@@ -149,7 +146,7 @@ def survey(robot: FrontierRobot, tried: Iterable[Place], inaccessible: Iterable[
         column=column,
         unknown=unknown,
         ways=ways,
-        reachable=reachable,
+        reachable=reached,
         start=start,
         centres=np.stack(np.meshgrid(xs, ys), axis=-1),
         unexplored=unexplored,
@@ -251,7 +248,7 @@ def way_to(robot: FrontierRobot, drawn: Survey, aim: Place) -> Way | None:
     """
     raster, width = robot.raster, robot_options(robot).search_cell_m
     goal = drawn.index_of(raster, aim)
-    if drawn.start is None or goal is None or not (drawn.unknown & drawn.reachable)[goal]:
+    if drawn.start is None or goal is None or not (drawn.unknown[goal] and drawn.reachable[goal]):
         return None
     (r, c), (goal_r, goal_c) = drawn.start, goal
     obstacles = drawn.centres[drawn.obstacle]

@@ -6,11 +6,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import array_shapes, arrays
-from scipy.ndimage import binary_dilation
+from scipy.ndimage import binary_dilation, label
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import dijkstra
 
-from multisrt.planners.grid_search import a_star, ring_search
+from multisrt.planners.grid_search import a_star, reachable, ring_search
 
 GRIDS = arrays(bool, array_shapes(min_dims=2, max_dims=2, max_side=9))
 EIGHT = np.ones((3, 3), bool)
@@ -82,6 +82,21 @@ def test_a_way_may_begin_but_not_end_in_a_cell_that_is_not_passable():
 
 def test_a_way_to_where_one_is():
     assert a_star(grid_of("..."), 0, 1, 0, 1).tolist() == [[0, 1]]
+
+
+@given(GRIDS, st.data())
+def test_what_is_reached_is_what_scipy_labels_alike(passable, data):
+    start = data.draw(cells(passable.shape))
+    reached = reachable(passable, *start)
+    labels, _ = label(passable)
+    assert (reached == ((labels == labels[start]) if passable[start] else False)).all()
+
+
+@given(GRIDS, st.data())
+def test_ways_lead_to_what_is_reached_and_nowhere_else(passable, data):
+    start, goal = data.draw(cells(passable.shape)), data.draw(cells(passable.shape))
+    if passable[start]:
+        assert reachable(passable, *start)[goal] == (len(a_star(passable, *start, *goal)) > 0)
 
 
 def rings(passable, start):

@@ -570,3 +570,43 @@ def test_ways_begin_where_they_lead_on_and_no_body_stops_the_robot(body, pocket,
         raster.passable[row + pocket, column] = True
     with robot.around_bodies():
         assert robot._first_cell() == expected[begins_in]
+
+
+@pytest.mark.parametrize(
+    ("reached", "place", "seen"),
+    [
+        ("sight", (5.0, 5.3), True),
+        ("sight", (5.0, 6.3), False),
+        ("sight", (7.0, 4.5), False),
+        ("cell", (5.0, 5.3), False),
+    ],
+    ids=["near and in sight", "beyond half the range", "behind a pillar", "not asked for"],
+)
+def test_a_goal_is_reached_in_sight_within_half_the_range(reached, place, seen):
+    robot = robot_at([(5.0, 4.2), (7.0, 6.0)], options=FrontierOptions(reached=reached))
+    # Its range is 4 m; the pillar stands at x from 6 to 7 and y from 3 to 4.
+    assert robot.me.range_m == 4.0
+    robot.at = Configuration(6.5, 2.7, 0.0) if place == (7.0, 4.5) else robot.at
+    is_near = math.dist(robot.at[:2], place) <= 2.0
+    assert is_near == (place != (5.0, 6.3))
+    scan = take_scan(edges_of(PLAZA), robot.at, 0.0, 4.0)
+    robot.region = local_safe_region(scan, "radial")
+    goal = robot.goal_at(robot.own_field(), *place)
+    assert robot.sees_at_half_range(goal) == seen
+
+
+def test_a_goal_at_which_nothing_was_learnt_from_afar_is_gone_to():
+    robot = robot_at([(5.0, 4.2)], options=FrontierOptions(reached="sight"))
+    scan = take_scan(edges_of(PLAZA), robot.at, 0.0, 4.0)
+    robot.region = local_safe_region(scan, "radial")
+    field = robot.own_field()
+    costs = field.distance(robot.indices_of(robot.targets()))
+    x, y = robot.targets()[int(np.argmin(costs))].tolist()
+    goal = robot.goal_at(field, x, y)
+    # Half way there it is in sight, and still a frontier.
+    half_way = goal.path[0] + 0.7 * (goal.path[-1] - goal.path[0])
+    robot.at = Configuration(*half_way.tolist(), 0.0)
+    assert robot.sees_at_half_range(goal)
+    robot.judge(goal, "reached")
+    assert not robot.sees_at_half_range(goal)
+    assert any((place == goal.place).all() for place in robot.targets())

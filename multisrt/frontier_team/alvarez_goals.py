@@ -103,7 +103,7 @@ def survey(robot: FrontierRobot, tried: Iterable[Place], inaccessible: Iterable[
     Parameters
     ----------
     robot : FrontierRobot
-        Whose map; within `around_bodies` bodies are obstacles too.
+        Whose map; call within `around_bodies`, then bodies are obstacles too.
     tried : iterable of (x, y)
         Where the robot entered, or tried to, what nobody has seen, in vain.
     inaccessible : iterable of (x, y)
@@ -122,7 +122,7 @@ def survey(robot: FrontierRobot, tried: Iterable[Place], inaccessible: Iterable[
     ways[inner] = raster.passable[held]
     ways |= unknown & ~_closed(robot, tried, (row, column), shape)
 
-    start = raster.passable_near(*robot.at[:2], NEAR_BY_CELLS)
+    start = robot.first_cell()
     reached = np.zeros(shape, np.bool_)
     if start is not None:
         start = start[0] - row, start[1] - column
@@ -261,10 +261,19 @@ def way_to(robot: FrontierRobot, drawn: Survey, aim: Place) -> Way | None:
     else:
         way = a_star(drawn.ways, r, c, goal_r, goal_c)
         cells = _length(way)
-    entered = int(np.argmax(drawn.unknown[way[:, 0], way[:, 1]]))
-    row, column = way[entered - 1].tolist()
+    row, column = way[last_known(drawn.ways & ~drawn.unknown, way)].tolist()
     edge = raster.centre_of(row + drawn.row, column + drawn.column)
     return Way(edge, cells * raster.cell_m)
+
+
+def last_known(known: BoolArray, way: IntArray) -> int:
+    """Give up to where a way, ``(n, 2)``, to a cell that is not known leads over such that are.
+
+    A step across a corner counts if the way round it by one side is known.
+    """
+    rows, columns = way.T
+    beside = known[rows[:-1], columns[1:]] | known[rows[1:], columns[:-1]]
+    return int(np.argmin(known[rows[1:], columns[1:]] & beside))
 
 
 def way_cost(robot: FrontierRobot, drawn: Survey, place: Place, aim: Place) -> float:

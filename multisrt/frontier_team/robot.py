@@ -412,17 +412,20 @@ class FrontierRobot:
     def own_field(self) -> DistanceField | None:
         """Give the distances from where the robot stands; call within `around_bodies`."""
         x, y, _ = self.at
-        cell = self._first_cell()
+        cell = self.first_cell()
         if cell is None:
             return None
         # From the very place, so that the path does not begin with a turn to a cell's centre.
         here = cell == self.raster.cell_of(x, y)
         return self._new_field((x, y) if here else self.raster.centre_of(*cell))
 
-    def _first_cell(self) -> tuple[int, int] | None:
-        # Where ways begin: the nearest passable cell. Beside a body that may be one from which no
-        # way leads, or one to which the robot gets only past the body; then it is the nearest
-        # from which a way leads and to which it gets straight.
+    def first_cell(self) -> tuple[int, int] | None:
+        """Give the cell at which its ways begin; call within `around_bodies`.
+
+        It is the nearest passable cell. Beside a body that may be one from which no way leads, or
+        one to which the robot gets only past the body; then it is the nearest from which a way
+        leads and to which it gets straight. None: there is no such cell.
+        """
         raster, (x, y, _) = self.raster, self.at
         nearest = raster.passable_near(x, y, NEAR_BY_CELLS)
         if nearest is None or nearest == raster.cell_of(x, y):

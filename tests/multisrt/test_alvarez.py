@@ -5,13 +5,23 @@ import math
 import numpy as np
 import pytest
 import shapely
+from hypothesis import assume, given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
 
 import multisrt as ms
 from multisrt.environments.environment import Environment
 from multisrt.events import GoalChosen, Sent
 from multisrt.explorer import Note, RobotSelf, Send, Sighting
 from multisrt.frontier_team.alvarez import Rules, agreed, as_party, facing
-from multisrt.frontier_team.alvarez_goals import is_open, search, survey, way_cost, way_to
+from multisrt.frontier_team.alvarez_goals import (
+    is_open,
+    last_known,
+    search,
+    survey,
+    way_cost,
+    way_to,
+)
 from multisrt.frontier_team.messages import InaccessibleMessage, SwapMessage
 from multisrt.frontier_team.options import RulesOptions
 from multisrt.frontier_team.robot import FrontierRobot
@@ -21,6 +31,7 @@ from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.footprint import Footprint
 from multisrt.geometry.safe_region import local_safe_region
 from multisrt.geometry.scan import take_scan
+from multisrt.planners.grid_search import reachable
 from multisrt.planners.motion.kinematics import Differential
 from multisrt.registry import strategy
 from multisrt.spec import RadioSpec, RobotSpec, RunSpec, inline
@@ -147,6 +158,32 @@ def test_the_way_ends_at_the_edge_of_what_is_known():
     assert not is_open(robot.raster, (15.0, 5.0))
     assert way.cost_m == pytest.approx(math.dist((15, 5), (19.25, 5.25)), abs=0.15)
     assert way_to(robot, drawn, (15.25, 5.25)) is None  # it has been seen
+
+
+@pytest.mark.parametrize(
+    ("known", "last"),
+    [("110 010", 1), ("100 010", 0), ("100 110", 1), ("110 000", 0)],
+    ids=["round one side", "round neither", "round the other", "unknown at once"],
+)
+def test_a_way_is_known_up_to_a_step_that_is_not(known, last):
+    cells = np.array([[c == "1" for c in row] for row in known.split()])
+    way = np.array([(0, 0), (1, 1), (1, 2)])
+    assert last_known(cells, way) == last
+
+
+@given(arrays(bool, (7, 7)), st.integers(0, 1000))
+def test_what_is_known_of_a_way_is_joined_without_cutting_corners(known, seed):
+    rng = np.random.default_rng(seed)
+    steps = rng.integers(-1, 2, (12, 2))
+    way = np.clip(np.cumsum([(3, 3), *steps.tolist()], axis=0), 0, 6)
+    assume(way[-1].tolist() != [3, 3])
+    known[3, 3], known[tuple(way[-1])] = True, False
+    last = last_known(known, way)
+    reached = reachable(known, 3, 3)
+    assert all(reached[tuple(cell)] for cell in way[: last + 1].tolist())
+    after = tuple(way[last + 1].tolist())
+    beside = [(way[last][0], after[1]), (after[0], way[last][1])]
+    assert not known[after] or not any(known[cell] for cell in beside)
 
 
 def test_the_cost_of_a_way_is_that_of_a_star():

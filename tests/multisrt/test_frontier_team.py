@@ -569,7 +569,7 @@ def test_ways_begin_where_they_lead_on_and_no_body_stops_the_robot(body, pocket,
         raster.passable[row - 12 : row + 13, column - west : column + 13] = False
         raster.passable[row + pocket, column] = True
     with robot.around_bodies():
-        assert robot._first_cell() == expected[begins_in]
+        assert robot.first_cell() == expected[begins_in]
 
 
 @pytest.mark.parametrize(

@@ -84,7 +84,6 @@ def _turns(free: BoolArray, width: int, cell: int, down: int, right: int, turns:
     n = 0
     for dr in range(-1, 2):
         for dc in range(-1, 2):
-            along, across = dr * down + dc * right, dr * right - dc * down
             if dr == 0 and dc == 0:
                 continue
             if down != 0 and right != 0:
@@ -92,6 +91,7 @@ def _turns(free: BoolArray, width: int, cell: int, down: int, right: int, turns:
                 may = dr * down >= 0 and dc * right >= 0
             elif down != 0 or right != 0:
                 # Straight on; or to a side, past the end of an obstacle there.
+                along, across = dr * down + dc * right, dr * right - dc * down
                 aside = dr * width if down == 0 else dc
                 before = cell - down * width - right
                 may = along >= 0 and (across == 0 or not free[before + aside])

@@ -331,8 +331,8 @@ def test_robots_that_meet_in_a_corridor_pass_by_giving_way(monkeypatch, seed):
 
 @pytest.mark.parametrize("name", FAMILY)
 def test_robots_that_begin_in_a_crowd_do_not_creep_up_to_one_another(name):
-    # In this drawn maze the nearest robots begin 0.2 m from each other, in a passage: with any
-    # rule some stop before others, and look for ways round them where there are none.
+    # In this drawn maze they begin close together: with any rule some stop before others, and
+    # look for ways round them where there are none.
     crowd = next(
         run.spec
         for run in runs(MINPOS_PRESET.experiment(False))

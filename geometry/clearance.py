@@ -203,45 +203,44 @@ def free_travel_disc_fan(
 
 @kernel
 def disc_bridges(
-    boundary: FloatArray,
-    x: float,
-    y: float,
     places: FloatArray,
     corners: FloatArray,
     starts: IntArray,
+    pairs: IntArray,
     radius: float,
 ) -> BoolArray:
-    """Whether a disc gets straight to other places through its region and theirs.
+    """Whether a disc gets straight from place to place through the regions around both.
 
-    It goes as far as it gets in its own region; the rest of the way has to lie in the other's.
+    It goes as far as it gets in the one's region; the rest of the way has to lie in the other's.
 
     Parameters
     ----------
-    boundary : (m, 2) array
-        The ring around the disc.
-    x, y : float
-        Centre of the disc.
     places : (n, 2) array
-        Where to.
+        Where the disc is, and where it is to get.
     corners, starts : (c, 2) and (n + 1,) arrays
         The ring around place k is ``corners[starts[k]:starts[k + 1]]``.
+    pairs : (m, 2) array of int
+        From which place to which.
     radius : float
         Radius of the disc.
 
     Returns
     -------
-    (n,) array of bool
+    (m,) array of bool
     """
-    joined = np.ones(places.shape[0], np.bool_)
-    for k in range(places.shape[0]):
-        dx, dy = places[k, 0] - x, places[k, 1] - y
+    joined = np.ones(pairs.shape[0], np.bool_)
+    for k in range(pairs.shape[0]):
+        a, b = pairs[k, 0], pairs[k, 1]
+        x, y = places[a, 0], places[a, 1]
+        px, py = places[b, 0], places[b, 1]
+        dx, dy = px - x, py - y
         length = math.hypot(dx, dy)
         if length > 0.0:
             ux, uy = dx / length, dy / length
-            reached = free_travel_disc(boundary, x, y, ux, uy, radius, length)
+            ring = corners[starts[a] : starts[a + 1]]
+            reached = free_travel_disc(ring, x, y, ux, uy, radius, length)
             if reached < length:
-                ring = corners[starts[k] : starts[k + 1]]
-                px, py = places[k, 0], places[k, 1]
+                ring = corners[starts[b] : starts[b + 1]]
                 reached += free_travel_disc(ring, px, py, -ux, -uy, radius, length)
             joined[k] = reached >= length
     return joined

@@ -69,6 +69,18 @@ class PointHash:
         """Give the numbers of all points within a radius of any of some points, rising."""
         return _around(self._table, self._before, self._points, numbers, radius_m, self._cell)
 
+    def pairs(self, first: int, radius_m: float) -> IntArray:
+        """Pair all points from a number on with those before them that are within a radius.
+
+        Returns
+        -------
+        (n, 2) array
+            Numbers of both, the later one first; by it, and by the earlier one, rising.
+        """
+        return _pairs(
+            self._table, self._before, self._points, first, self._count, radius_m, self._cell
+        )
+
 
 @kernel
 def _slot(table: IntArray, i: int, j: int) -> int:
@@ -144,3 +156,29 @@ def _around(
         found[count : count + near.shape[0]] = near
         count += near.shape[0]
     return np.unique(found[:count])
+
+
+@kernel
+def _pairs(
+    table: IntArray,
+    before: IntArray,
+    points: FloatArray,
+    first: int,
+    end: int,
+    radius: float,
+    cell: float,
+) -> IntArray:
+    pairs = np.empty((64, 2), np.int64)
+    count = 0
+    for later in range(first, end):
+        x, y = points[later, 0], points[later, 1]
+        for number in _within(table, before, points, x, y, radius, cell):
+            if number >= later:
+                break
+            if count == pairs.shape[0]:
+                more = np.empty((2 * count, 2), np.int64)
+                more[:count] = pairs
+                pairs = more
+            pairs[count, 0], pairs[count, 1] = later, number
+            count += 1
+    return pairs[:count].copy()

@@ -326,10 +326,40 @@ class ExplorationMap:
         """Give the places of the nodes within a radius, ``(n, 2)``."""
         return self._places.points[self._places.within(x, y, radius_m)]
 
+    def pairs_near(self, first: int, radius_m: float) -> IntArray:
+        """Pair nodes with those that became known before them and lie within a radius.
+
+        Parameters
+        ----------
+        first : int
+            The node from which on all are paired, by its place in `nodes`.
+        radius_m : float
+            How far from one another they may be.
+
+        Returns
+        -------
+        (n, 2) array
+            The later one's place in `nodes`, and the earlier one's; by the former, and then in
+            the order of the latter's ids.
+        """
+        pairs = self._places.pairs(first, radius_m)
+        ids = self._id_rows[pairs[:, 1]]
+        return pairs[np.lexsort((ids[:, 1], ids[:, 0], pairs[:, 0]))]
+
+    @property
+    def places(self) -> FloatArray:
+        """The places of all nodes, ``(n, 2)``, in the order of `nodes`."""
+        return self._places.points
+
+    @property
+    def rings(self) -> Rings:
+        """The boundaries of all nodes' regions, in the order of `nodes`."""
+        return Rings(self._starts, self._corners, self._boxes)
+
     def known_space(self, x: float, y: float, half_width_m: float) -> KnownSpace:
         """Give the union of the regions of all nodes inside a square window around a place."""
         window, near = self._window(x, y, half_width_m)
-        return KnownSpace(Rings(self._starts, self._corners, self._boxes), near, window)
+        return KnownSpace(self.rings, near, window)
 
     def local_union(self, x: float, y: float, half_width_m: float) -> BaseGeometry:
         """Unite the regions of all nodes inside a square window around a place."""

@@ -19,7 +19,7 @@ from collections.abc import Callable, Generator, Iterable, Mapping
 from typing import TYPE_CHECKING, TypeVar
 
 from multisrt.geometry.safe_region import LocalSafeRegion
-from multisrt.multi_srt.messages import Phase, RobotState
+from multisrt.multi_srt.messages import Path, Phase, RobotState
 
 if TYPE_CHECKING:
     from multisrt.explorer import Action, Outcome
@@ -52,15 +52,13 @@ def are_coupled(a: RobotState, b: RobotState) -> bool:
     at, there = a.target, b.target
     return (
         math.dist(at, there) < a.range_m + b.range_m
-        or _passes_near(a, there, b.range_m)
-        or _passes_near(b, at, a.range_m)
+        or (a.phase == "moving" and _passes_near(a.path, there, b.range_m))
+        or (b.phase == "moving" and _passes_near(b.path, at, a.range_m))
     )
 
 
-def _passes_near(robot: RobotState, place: tuple[float, float], range_m: float) -> bool:
-    if robot.phase != "moving":
-        return False
-    return any(math.dist((x, y), place) < range_m for _, x, y, _ in robot.path)
+def _passes_near(path: Path, place: tuple[float, float], range_m: float) -> bool:
+    return any(math.dist((x, y), place) < range_m for _, x, y, _ in path)
 
 
 def group_of(

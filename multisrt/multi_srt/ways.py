@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from itertools import compress
 from typing import NamedTuple
 
 import numpy as np
@@ -55,7 +54,6 @@ class Ways:
         self.map = known
         self.roadmap: Roadmap[NodeId] = Roadmap()
         self._seen = 0
-        self._looked_at: set[NodeId] = set()
         self._roomy: set[tuple[NodeId, NodeId]] = set()
         self._has_room: set[NodeId] = set()
         self._turns: dict[NodeId, float] = {}
@@ -98,22 +96,15 @@ class Ways:
             return
         nodes = self.map.nodes
         for node in nodes[self._seen :]:
-            # Every pair is looked at once, when the later of the two is.
             self.roadmap.add(node.id)
-            x, y, _ = node.configuration
-            others = [
-                other
-                for other in self.map.near(x, y, self.me.range_m)
-                if other.id in self._looked_at and not self._knows_way(node.id, other.id)
-            ]
-            if others:
-                places = np.array([other.configuration[:2] for other in others])
-                rings = [other.region.boundary for other in others]
-                joined = self.body.bridges(node.region.boundary, x, y, places, rings)
-                for other in compress(others, joined.tolist()):
-                    self._bridge(node, other)
-            self._looked_at.add(node.id)
+        # Every pair is looked at once, when the later of the two is.
+        pairs = self.map.pairs_near(self._seen, self.me.range_m)
         self._seen = len(nodes)
+        unknown = [not self._knows_way(nodes[a].id, nodes[b].id) for a, b in pairs.tolist()]
+        pairs = pairs[np.array(unknown, np.bool_)]
+        joined = self.body.bridges(self.map.places, self.map.rings, pairs)
+        for a, b in pairs[joined].tolist():
+            self._bridge(nodes[a], nodes[b])
 
     def way(
         self, start: NodeId, end: NodeId, passable: Passable | None = None

@@ -17,7 +17,8 @@ from multisrt.geometry.clearance import (
 )
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.footprint import Footprint
-from multisrt.geometry.kernel import BoolArray, FloatArray
+from multisrt.geometry.kernel import BoolArray, FloatArray, IntArray
+from multisrt.geometry.known_space import Rings
 from multisrt.planners.motion.room import ROUNDING_M, Room
 
 TOUCH_M = 1e-7
@@ -135,16 +136,25 @@ class PlanningBody:
             boundary, x, y, (tx - x) / distance, (ty - y) / distance, radius, distance
         )
 
-    def bridges(
-        self, boundary: FloatArray, x: float, y: float, places: FloatArray, rings: list[FloatArray]
-    ) -> BoolArray:
-        """Whether the body gets straight to places, ``(n, 2)``, in whatever heading.
+    def bridges(self, places: FloatArray, rings: Rings, pairs: IntArray) -> BoolArray:
+        """Whether the body gets straight from place to place, in whatever heading.
 
-        It goes as far as it gets in the region around it, and from there in that of the place.
+        It goes as far as it gets in the region around the one, and from there in the other's.
+
+        Parameters
+        ----------
+        places : (n, 2) array
+            Where it is, and where it is to get.
+        rings : Rings
+            The regions around the places.
+        pairs : (m, 2) array of int
+            From which place to which.
+
+        Returns
+        -------
+        (m,) array of bool
         """
-        starts = np.cumsum([0, *map(len, rings)])
-        corners = np.concatenate(rings)
-        return disc_bridges(boundary, x, y, places, corners, starts, self.roomy_radius_m)
+        return disc_bridges(places, rings.corners, rings.starts, pairs, self.roomy_radius_m)
 
     def has_room(self, boundary: FloatArray, at: Configuration) -> bool:
         """Whether a region holds the body in any heading."""

@@ -6,6 +6,7 @@ import math
 from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -31,7 +32,7 @@ class Waypoint(NamedTuple):
     heading: float
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Trajectory:
     """A body's motion: between two waypoints it moves with a constant twist.
 
@@ -70,12 +71,12 @@ class Trajectory:
         """How far the reference point travels."""
         return math.fsum(leg_length(a, b) for a, b in pairwise(self.waypoints))
 
-    @property
+    @cached_property
     def start(self) -> Configuration:
         """Where the motion begins."""
         return _configuration(self.waypoints[0])
 
-    @property
+    @cached_property
     def end(self) -> Configuration:
         """Where the motion ends."""
         return _configuration(self.waypoints[-1])

@@ -38,6 +38,17 @@ def test_around_some_points_is_what_is_within_of_any_of_them(points, data, radiu
     assert found.tolist() == sorted(expected)
 
 
+@given(places, st.data(), st.floats(0.0, 12.0))
+def test_pairs_are_of_every_new_point_with_those_before_it_that_are_near(points, data, radius):
+    first = data.draw(st.integers(0, len(points)))
+    expected = [
+        [later, earlier]
+        for later in range(first, len(points))
+        for earlier in within(points[:later], *points[later], radius)
+    ]
+    assert hashed(points).pairs(first, radius).tolist() == expected
+
+
 def test_many_points_are_around_many():
     points = np.random.default_rng(1).uniform(0.0, 5.0, (400, 2)).tolist()
     known = hashed(points)

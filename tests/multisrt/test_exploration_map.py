@@ -418,10 +418,14 @@ def test_nothing_that_is_open_is_forgotten(source, request):
         assert max((part.length for part in shapely.get_parts(rest)), default=0.0) < 2e-3
 
 
+# In micrometres: squares of what is far smaller are 0, by which brute force finds too many.
+coordinate = st.integers(-25_000_000, 25_000_000).map(lambda n: n / 1e6)
+
+
 @given(
-    st.lists(st.tuples(st.floats(-20, 20), st.floats(-20, 20)), max_size=30),
-    st.floats(-25, 25),
-    st.floats(-25, 25),
+    st.lists(st.tuples(coordinate, coordinate), max_size=30),
+    coordinate,
+    coordinate,
     st.floats(0, 30),
 )
 def test_near_is_what_is_within_the_radius(places, x, y, radius):
@@ -442,6 +446,20 @@ def test_near_is_in_the_order_of_ids():
     regions = [box_node(k, k, 0, k + 1, 1, "").region for k in range(3)]
     known = map_of([node(2, regions[0]), node(0, regions[1], robot=1), node(1, regions[2])])
     assert [n.id for n in known.near(0, 0, 9)] == [NodeId(0, 1), NodeId(0, 2), NodeId(1, 0)]
+
+
+def test_pairs_are_with_nodes_known_before_in_the_order_of_their_ids():
+    regions = [box_node(k, k, 0, k + 1, 1, "").region for k in range(4)]
+    first, far = node(2, regions[0]), node(3, regions[3])
+    known = map_of([first, far, node(0, regions[1], robot=1), node(1, regions[1]), first])
+    assert known.pairs_near(0, 2.0).tolist() == [[2, 0], [2, 1], [3, 0], [3, 1], [3, 2]]
+    assert known.pairs_near(0, 1.5).tolist() == [[2, 0], [3, 0], [3, 2]]
+    assert known.pairs_near(3, 1.5).tolist() == [[3, 0], [3, 2]]
+    assert known.pairs_near(4, 2.0).tolist() == []
+    assert known.places.tolist() == [[n.configuration.x, n.configuration.y] for n in known.nodes]
+    for number, each in enumerate(known.nodes):
+        first_corner, end = known.rings.starts[number : number + 2]
+        assert (known.rings.corners[first_corner:end] == each.region.boundary).all()
 
 
 def test_the_raster_is_the_same_painted_at_once_or_by_and_by(rooms):

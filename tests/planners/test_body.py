@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.footprint import Footprint
+from multisrt.geometry.known_space import Rings
 from multisrt.planners.motion.body import HAIR_M, TOUCH_M, PlanningBody
 
 
@@ -125,21 +126,21 @@ def test_a_bridge_goes_on_in_the_region_of_its_end_from_where_that_of_its_beginn
     hall = shapely.box(0.0, 0.0, 6.0, 4.0).difference(shapely.box(2.5, 0.0, 3.5, 2.0))
     rng = np.random.default_rng(5)
     for body in (PlanningBody(Footprint.disc(0.25), 0.02), PlanningBody(Footprint.box(1, 0.4), 0)):
-        places = np.vstack([rng.uniform((0.0, 0.0), (6.0, 4.0), (200, 2)), [[1.2, 1.1]]])
-        sizes = rng.uniform(0.3, 2.0, len(places))
+        places = np.vstack([[[1.2, 1.1], [1.2, 1.1]], rng.uniform(0.0, (6.0, 4.0), (200, 2))])
+        sizes = [1.5, *rng.uniform(0.3, 2.0, len(places) - 1)]
         regions = [
             hall.intersection(shapely.Point(place).buffer(size))
             for place, size in zip(places, sizes, strict=True)
         ]
         rings = [ring(max(shapely.get_parts(region), key=shapely.area)) for region in regions]
-        here = ring(hall.intersection(shapely.Point(1.2, 1.1).buffer(1.5)))
-        joined = body.bridges(here, 1.2, 1.1, places, rings)
-        for place, boundary, is_joined in zip(places.tolist(), rings, joined, strict=True):
-            onwards = body.disc_reach(here, 1.2, 1.1, *place)
-            back = body.disc_reach(boundary, *place, 1.2, 1.1)
-            assert is_joined == (onwards + back >= math.dist(place, (1.2, 1.1)))
+        pairs = np.array([(0, k) for k in range(1, len(places))] + [(9, 3), (3, 9)])
+        joined = body.bridges(places, Rings.of(rings), pairs)
+        for (a, b), is_joined in zip(pairs.tolist(), joined, strict=True):
+            onwards = body.disc_reach(rings[a], *places[a], *places[b])
+            back = body.disc_reach(rings[b], *places[b], *places[a])
+            assert is_joined == (onwards + back >= math.dist(places[a], places[b]))
         assert 0.02 < joined.mean() < 0.5
-        assert joined[-1]
+        assert joined[0]
 
 
 def test_travel_in_any_heading():

@@ -25,6 +25,7 @@ from collections.abc import Generator
 from dataclasses import dataclass
 from typing import Protocol
 
+import msgspec
 from numpy.random import Generator as RandomGenerator
 
 from multisrt.events import AnyEvent, Purpose
@@ -36,18 +37,15 @@ from multisrt.planners.motion.kinematics import Kinematics
 from multisrt.planners.motion.trajectory import Trajectory
 
 
-@dataclass(frozen=True, slots=True)
-class Sense:
+class Sense(msgspec.Struct, frozen=True):
     """Look round from where the robot is, also while it moves."""
 
 
-@dataclass(frozen=True, slots=True)
-class Look:
+class Look(msgspec.Struct, frozen=True):
     """Notice the bodies of other robots that are in sight and within range."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Move:
+class Move(msgspec.Struct, frozen=True, kw_only=True):
     """Follow a trajectory, which begins where the robot is.
 
     Attributes
@@ -73,13 +71,11 @@ class Move:
     listen: bool = False
 
 
-@dataclass(frozen=True, slots=True)
-class Stop:
+class Stop(msgspec.Struct, frozen=True):
     """End the motion that goes on."""
 
 
-@dataclass(frozen=True, slots=True)
-class Send:
+class Send(msgspec.Struct, frozen=True):
     """Send a message to whoever the radio reaches, or to one robot.
 
     Attributes
@@ -94,8 +90,7 @@ class Send:
     to: int | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class Receive:
+class Receive(msgspec.Struct, frozen=True):
     """Wait for messages, or for the end of the motion that goes on.
 
     Attributes
@@ -109,15 +104,13 @@ class Receive:
     timeout_s: float | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class Note:
+class Note(msgspec.Struct, frozen=True):
     """Put an event on record. It changes nothing and takes no time."""
 
     event: AnyEvent
 
 
-@dataclass(frozen=True, slots=True)
-class Done:
+class Done(msgspec.Struct, frozen=True):
     """The robot has finished.
 
     Attributes
@@ -140,8 +133,7 @@ class Done:
     on_call: bool = False
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Sighting:
+class Sighting(msgspec.Struct, frozen=True, kw_only=True):
     """Another robot's body, as the range finder sees it.
 
     Attributes
@@ -159,8 +151,7 @@ class Sighting:
     footprint: Footprint
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Moved:
+class Moved(msgspec.Struct, frozen=True, kw_only=True):
     """Where and when a motion ended.
 
     Attributes
@@ -178,8 +169,7 @@ class Moved:
     blocked_by: Sighting | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class Received:
+class Received(msgspec.Struct, frozen=True):
     """Messages that came, in the order in which they came.
 
     Attributes
@@ -194,8 +184,7 @@ class Received:
     time_s: float
 
 
-@dataclass(frozen=True, slots=True)
-class TimedOut:
+class TimedOut(msgspec.Struct, frozen=True):
     """Nothing came in time."""
 
     time_s: float

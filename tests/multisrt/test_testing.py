@@ -5,6 +5,7 @@ import sys
 import time
 from time import time as clock
 
+import msgspec
 import numpy as np
 import pytest
 import shapely
@@ -347,7 +348,7 @@ def test_sightings():
     def act(self):
         seen = yield Look()
         for sighting in seen:
-            object.__setattr__(sighting, "robot", 9)
+            msgspec.structs.force_setattr(sighting, "robot", 9)
         yield Sense()
 
     robot = RobotSpec(range_finder=RangeFinderSpec(range_m=10.0))

@@ -4,6 +4,7 @@ import math
 from dataclasses import replace
 from types import SimpleNamespace
 
+import msgspec
 import numpy as np
 import pytest
 import shapely
@@ -313,7 +314,7 @@ def test_two_whose_ways_back_cross_do_not_stop_one_another_for_ever():
 def test_a_protective_stop_tells_nothing_of_other_bodies():
     robot = corridor(2.2, 0.0)
     robot.team.lost[2] = None
-    robot.heed(replace(seen_at(1.0, 0.0), robot=2))
+    robot.heed(msgspec.structs.replace(seen_at(1.0, 0.0), robot=2))
     assert sorted(robot.bodies) == [1, 2]
 
 

@@ -50,9 +50,6 @@ from multisrt.spec import RunSpec
 
 FORMAT = "multisrt-recording"
 VERSION = 2
-TOGETHER = 256
-"""So many events are encoded and written at once."""
-
 LARGEST_BYTES = 2_000_000_000
 """A larger file is refused."""
 
@@ -314,37 +311,30 @@ class Recorder:
     file: IO[bytes] | None = None
     events: list[AnyEvent] = field(default_factory=list)
     _digest: hashlib._Hash = field(default_factory=hashlib.sha256)
-    _written: int = 0
 
     def __post_init__(self) -> None:
-        self._write(_ENCODER.encode_lines((self.header,)))
-        parts = self.header.spec, self.header.free, self.header.starts
-        self._digest.update(_ENCODER.encode_lines(parts))
+        self._write(_ENCODER.encode(self.header))
+        for part in (self.header.spec, self.header.free, self.header.starts):
+            self._digest.update(_ENCODER.encode(part) + b"\n")
 
     def record(self, event: AnyEvent) -> None:
         """Take down an event."""
+        line = _ENCODER.encode(event)
+        self._digest.update(line + b"\n")
         self.events.append(event)
-        if len(self.events) == self._written + TOGETHER:
-            self._write_events()
+        self._write(line)
 
     def finish(self, time_s: float, outcome: RunOutcome, reason: str) -> Recording:
         """Write the footer and give the recording."""
-        self._write_events()
         footer = Footer(
             time_s=time_s, outcome=outcome, reason=reason, digest=self._digest.hexdigest()
         )
-        self._write(_ENCODER.encode_lines((footer,)))
+        self._write(_ENCODER.encode(footer))
         return Recording(header=self.header, events=tuple(self.events), footer=footer)
 
-    def _write_events(self) -> None:
-        lines = _ENCODER.encode_lines(self.events[self._written :])
-        self._written = len(self.events)
-        self._digest.update(lines)
-        self._write(lines)
-
-    def _write(self, lines: bytes) -> None:
+    def _write(self, line: bytes) -> None:
         if self.file is not None:
-            self.file.write(lines)
+            self.file.write(line + b"\n")
 
 
 def header_of(spec: RunSpec, environment: Environment, starts: tuple[Configuration, ...]) -> Header:

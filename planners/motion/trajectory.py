@@ -6,7 +6,6 @@ import math
 from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -32,7 +31,7 @@ class Waypoint(NamedTuple):
     heading: float
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Trajectory:
     """A body's motion: between two waypoints it moves with a constant twist.
 
@@ -71,12 +70,12 @@ class Trajectory:
         """How far the reference point travels."""
         return math.fsum(leg_length(a, b) for a, b in pairwise(self.waypoints))
 
-    @cached_property
+    @property
     def start(self) -> Configuration:
         """Where the motion begins."""
         return _configuration(self.waypoints[0])
 
-    @cached_property
+    @property
     def end(self) -> Configuration:
         """Where the motion ends."""
         return _configuration(self.waypoints[-1])

@@ -17,6 +17,7 @@ from multisrt.planners.motion.trajectory import (
     leg_length,
     leg_points,
     leg_pose,
+    standing_at,
 )
 
 # Two metres along x in four seconds, a quarter turn to the left in one, one metre along y in two.
@@ -244,3 +245,12 @@ def test_joined_motions_add_up(first, second):
     assert joined.length_m == pytest.approx(first.length_m + moved.length_m, abs=1e-9)
     turn = moved.waypoints[-1].heading - begin.heading
     assert joined.waypoints[-1].heading == pytest.approx(last.heading + turn, abs=1e-9)
+
+
+def test_nothing_but_its_waypoints_says_where_a_trajectory_ends():
+    motion = standing_at(Configuration(1.0, 2.0, 0.5))
+    assert not hasattr(motion, "__dict__")
+    for name in ("start", "end"):
+        with pytest.raises(AttributeError):
+            object.__setattr__(motion, name, Configuration(3.0, 4.0, 0.0))
+    assert motion.end == (1.0, 2.0, 0.5)

@@ -159,6 +159,13 @@ class Environment:
         """SHA-256 of the free space's coordinates: equal worlds have equal digests."""
         return hashlib.sha256(shapely.to_wkb(self._free, byte_order=1)).hexdigest()
 
+    @cached_property
+    def _components(self) -> tuple[Polygon, ...]:
+        # Always the same objects: what is computed of a component is found again at once.
+        parts = tuple(self._free.geoms)
+        shapely.prepare(parts)
+        return parts
+
     def contains(self, x: float, y: float) -> bool:
         """Whether a point lies in the interior of free space."""
         return bool(shapely.contains_xy(self._free, x, y))
@@ -177,7 +184,7 @@ class Environment:
         ClearanceError
             If the point is not in free space.
         """
-        for part in self._free.geoms:
+        for part in self._components:
             if shapely.contains_xy(part, x, y):
                 return part
         raise ClearanceError(

@@ -1,4 +1,6 @@
-"""How near bodies came to obstacles and to one another, over a whole run; by shapely alone.
+"""How near bodies came to obstacles and to one another, over a whole run.
+
+By shapely alone, but that two discs are as far apart as their centres, less their radii.
 
 Between two waypoints a body moves with a constant twist. Over a share `s` of such a leg, with
 turn `a` and chord `C`, its reference point has moved by the chord turned by `(s - 1) a / 2` and
@@ -10,6 +12,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections import defaultdict
+from collections.abc import Sequence
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -94,15 +97,17 @@ def _track(start: tuple[float, float, float], motions: list[Motion], end: float)
     return Track(legs, stands)
 
 
-def smallest_clearance(recording: Recording, environment: Environment) -> float:
+def smallest_clearance(
+    recording: Recording, environment: Environment, ways: Sequence[Track] | None = None
+) -> float:
     """Least distance between a body and an obstacle, over all motions.
 
     Negative where a disc's centre came nearer than its radius. Turns of bodies that are no discs
-    are measured in steps of `TURN_STEP_RAD`.
+    are measured in steps of `TURN_STEP_RAD`. `ways` are the `tracks`, if they are at hand already.
     """
     walls = _walls(environment)
     smallest = math.inf
-    for robot, track in zip(recording.spec.robots, tracks(recording), strict=True):
+    for robot, track in zip(recording.spec.robots, ways or tracks(recording), strict=True):
         footprint = Footprint.parse(robot.footprint)
         shapes = _outlines(footprint, track.legs[:1, 1:4]) + _swept(footprint, track.driven)
         radius = footprint.radius_m if footprint.is_disc else 0.0
@@ -122,16 +127,19 @@ def _walls(environment: Environment) -> shapely.STRtree:
     return shapely.STRtree(walls.tolist())
 
 
-def smallest_distance_between_robots(recording: Recording) -> float | None:
+def smallest_distance_between_robots(
+    recording: Recording, ways: Sequence[Track] | None = None
+) -> float | None:
     """Least distance between two robots' bodies at one moment of the run; None for one robot.
 
     Bodies count all the time, also of robots that are switched off, done or dead. For discs
     that move straight it is exact; else it is that of a moment at which it is at most
-    `TOLERANCE_M` more than the least. 0 where two touch.
+    `TOLERANCE_M` more than the least. 0 where two touch. `ways` are the `tracks`, if they are at
+    hand already.
     """
     if len(recording.spec.robots) < 2:
         return None
-    legs = [_lasting(track.legs) for track in tracks(recording)]
+    legs = [_lasting(track.legs) for track in ways or tracks(recording)]
     bodies = [Footprint.parse(robot.footprint) for robot in recording.spec.robots]
     best = math.inf
     for i, j in itertools.combinations(range(len(legs)), 2):
@@ -251,6 +259,9 @@ class _Pair(NamedTuple):
     two: Footprint
 
     def distances(self, at_one: FloatArray, at_two: FloatArray) -> FloatArray:
+        if self.one.is_disc and self.two.is_disc:
+            apart: FloatArray = np.linalg.norm((at_one - at_two)[:, :2], axis=1)
+            return apart - (self.one.radius_m + self.two.radius_m)
         gaps: FloatArray = shapely.distance(
             np.array(_outlines(self.one, at_one)), np.array(_outlines(self.two, at_two))
         )

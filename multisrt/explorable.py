@@ -91,8 +91,7 @@ def reachable_area(component: Polygon, footprint: Footprint, start: Configuratio
     Exact for a disc. For a polygon these are the places with room for its inscribed disc: more
     than it can get to where it has to turn in a narrow place, never less.
     """
-    here = shapely.Point(start.x, start.y)
-    return min(_roomy_parts(component, footprint), key=lambda part: float(part.distance(here)))
+    return _places(component, footprint, start).reachable
 
 
 def viewers(spec: RunSpec, starts: Sequence[Configuration]) -> tuple[Viewer, ...]:
@@ -117,51 +116,69 @@ def explorable(environment: Environment, team: tuple[Viewer, ...]) -> Explorable
         The robots' bodies, ranges and starts; see `viewers`.
     """
     # Who sees farther from the same places sees all that the others see.
-    ranges: dict[tuple[Polygon, Polygon], float] = {}
+    ranges: dict[_Places, float] = {}
     for footprint, range_m, start in team:
-        component = environment.component(start.x, start.y)
-        places = component, reachable_area(component, footprint, start)
+        places = _places(environment.component(start.x, start.y), footprint, start)
         ranges[places] = max(range_m, ranges.get(places, 0.0))
-    return _explorable_from(environment, tuple((*places, ranges[places]) for places in ranges))
+    return _explorable_from(environment, tuple(ranges.items()))
+
+
+@dataclass(frozen=True, slots=True)
+class _Places:
+    """Places of a component that a body can get to; long borders are hashed once."""
+
+    component: Polygon
+    reachable: Polygon
+    hashed: int
+
+    def __hash__(self) -> int:
+        return self.hashed
+
+
+def _places(component: Polygon, footprint: Footprint, start: Configuration) -> _Places:
+    here = shapely.Point(start.x, start.y)
+    parts = _roomy_parts(component, footprint)
+    return min(parts, key=lambda places: float(places.reachable.distance(here)))
 
 
 @lru_cache(maxsize=16)
 def _explorable_from(
-    environment: Environment, seen_from: tuple[tuple[Polygon, Polygon, float], ...]
+    environment: Environment, seen_from: tuple[tuple[_Places, float], ...]
 ) -> Explorable:
-    # From which components, which places in them, and how far it is seen.
+    # From which places, and how far it is seen from them.
     raster = Raster(cell_width(environment), environment.bounds)
     area = 0.0
-    for component in dict.fromkeys(component for component, _, _ in seen_from):
+    for component in dict.fromkeys(places.component for places, _ in seen_from):
         cells = np.zeros_like(raster.cells)
-        for whose, reachable, range_m in seen_from:
-            if whose == component:
-                cells |= _seen_from(environment, reachable, range_m)
+        for places, range_m in seen_from:
+            if places.component == component:
+                cells |= _seen_from(environment, places, range_m)
         # A raster of walls on round coordinates is off by up to a permille; the share of the
         # component's cells times its exact area is much less so.
         whole = int(np.count_nonzero(_filled(environment, component)))
         area += int(np.count_nonzero(cells)) * float(component.area) / whole
         raster.cells |= cells
-    reachable_by_any = shapely.union_all([reachable for _, reachable, _ in seen_from])
+    reachable_by_any = shapely.union_all([places.reachable for places, _ in seen_from])
     assert isinstance(reachable_by_any, Polygon | MultiPolygon)
     return Explorable(raster=raster, area_m2=area, reachable=reachable_by_any)
 
 
 @lru_cache(maxsize=16)
-def _roomy_parts(component: Polygon, footprint: Footprint) -> tuple[Polygon, ...]:
+def _roomy_parts(component: Polygon, footprint: Footprint) -> tuple[_Places, ...]:
     # Chords of the rounded corners lie inside the true border by less than a micrometre.
     eroded = component.buffer(1e-6 - footprint.inscribed_radius_m, quad_segs=16)
-    return tuple(part for part in shapely.get_parts(eroded) if not part.is_empty)
+    parts = (part for part in shapely.get_parts(eroded) if not part.is_empty)
+    return tuple(_Places(component, part, hash(part)) for part in parts)
 
 
 @lru_cache(maxsize=16)
-def _seen_from(environment: Environment, reachable: Polygon, range_m: float) -> BoolArray:
+def _seen_from(environment: Environment, places: _Places, range_m: float) -> BoolArray:
     raster = Raster(cell_width(environment), environment.bounds)
-    raster.cells |= _filled(environment, reachable)
+    raster.cells |= _filled(environment, places.reachable)
     # What lies outside the reachable places is seen across their border, and so from a
     # point of the border that is nearer.
     index = EdgeIndex(environment.edges, range_m / 3.0)
-    border = shapely.segmentize(reachable.boundary, raster.cell_m)
+    border = shapely.segmentize(places.reachable.boundary, raster.cell_m)
     for x, y in np.unique(shapely.get_coordinates(border), axis=0).tolist():
         boundary, _ = visibility_polygon(index, x, y, range_m, arc_tolerance_m=raster.cell_m / 10.0)
         raster.paint_inside(boundary)

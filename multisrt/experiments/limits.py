@@ -99,6 +99,12 @@ def most_memory_mb() -> float:
     return most / 1e6 if sys.platform == "darwin" else most * 1024 / 1e6
 
 
+def memory_mb() -> float:
+    """Give the memory that this process takes now (megabytes); the most so far, if none tells."""
+    pages = _pages(1)
+    return most_memory_mb() if pages is None else pages * resource.getpagesize() / 1e6
+
+
 _CPU, _DATA = resource.RLIMIT_CPU, resource.RLIMIT_DATA
 
 
@@ -110,8 +116,13 @@ def _set_soft(what: int, value: int) -> None:
 
 def _data_bytes() -> int:
     # What the kernel counts towards the limit; where it does not tell, what has been taken.
+    pages = _pages(5)
+    return int(most_memory_mb() * 1e6) if pages is None else pages * resource.getpagesize()
+
+
+def _pages(field: int) -> int | None:
+    # What Linux tells of this process's memory.
     try:
-        pages = int(Path("/proc/self/statm").read_text().split()[5])
+        return int(Path("/proc/self/statm").read_text().split()[field])
     except OSError:
-        return int(most_memory_mb() * 1e6)
-    return pages * resource.getpagesize()
+        return None

@@ -258,8 +258,8 @@ def test_what_strategies_print_does_not_get_between(worker):
 
 
 def test_a_worker_gives_back_what_runs_have_left(worker):
-    took_mb = [worker.make(job("litter")).memory_mb for _ in range(8)]
-    assert took_mb[-1] - took_mb[0] < 3 * 120.0
+    took_mb = [worker.make(job("litter")).memory_mb for _ in range(20)]
+    assert took_mb[-1] - took_mb[0] < 2 * 120.0
 
 
 def test_a_worker_that_was_killed_from_outside_makes_its_run_once_more(worker):

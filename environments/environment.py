@@ -162,9 +162,7 @@ class Environment:
     @cached_property
     def _components(self) -> tuple[Polygon, ...]:
         # Always the same objects: what is computed of a component is found again at once.
-        parts = tuple(self._free.geoms)
-        shapely.prepare(parts)
-        return parts
+        return tuple(self._free.geoms)
 
     def contains(self, x: float, y: float) -> bool:
         """Whether a point lies in the interior of free space."""

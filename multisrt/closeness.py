@@ -12,9 +12,9 @@ from __future__ import annotations
 import itertools
 import math
 from collections import defaultdict
-from collections.abc import Sequence
 from functools import lru_cache
 from typing import NamedTuple
+from weakref import WeakKeyDictionary
 
 import numpy as np
 import shapely
@@ -74,15 +74,24 @@ class Track(NamedTuple):
         )
 
 
-def tracks(recording: Recording) -> list[Track]:
-    """Give every robot's track, motions in the order of time."""
+_TRACKS: WeakKeyDictionary[Recording, tuple[Track, ...]] = WeakKeyDictionary()
+
+
+def tracks(recording: Recording) -> tuple[Track, ...]:
+    """Give every robot's track, motions in the order of time; laid out once for a recording."""
+    if recording not in _TRACKS:
+        _TRACKS[recording] = _laid_out(recording)
+    return _TRACKS[recording]
+
+
+def _laid_out(recording: Recording) -> tuple[Track, ...]:
     motions: dict[int, list[Motion]] = defaultdict(list)
     for motion in recording.of(Motion):
         motions[motion.robot].append(motion)
-    return [
+    return tuple(
         _track(start, motions[robot], recording.footer.time_s)
         for robot, start in enumerate(recording.header.starts)
-    ]
+    )
 
 
 def _track(start: tuple[float, float, float], motions: list[Motion], end: float) -> Track:
@@ -97,17 +106,15 @@ def _track(start: tuple[float, float, float], motions: list[Motion], end: float)
     return Track(legs, stands)
 
 
-def smallest_clearance(
-    recording: Recording, environment: Environment, ways: Sequence[Track] | None = None
-) -> float:
+def smallest_clearance(recording: Recording, environment: Environment) -> float:
     """Least distance between a body and an obstacle, over all motions.
 
     Negative where a disc's centre came nearer than its radius. Turns of bodies that are no discs
-    are measured in steps of `TURN_STEP_RAD`. `ways` are the `tracks`, if they are at hand already.
+    are measured in steps of `TURN_STEP_RAD`.
     """
     walls = _walls(environment)
     smallest = math.inf
-    for robot, track in zip(recording.spec.robots, ways or tracks(recording), strict=True):
+    for robot, track in zip(recording.spec.robots, tracks(recording), strict=True):
         footprint = Footprint.parse(robot.footprint)
         shapes = _outlines(footprint, track.legs[:1, 1:4]) + _swept(footprint, track.driven)
         radius = footprint.radius_m if footprint.is_disc else 0.0
@@ -127,19 +134,16 @@ def _walls(environment: Environment) -> shapely.STRtree:
     return shapely.STRtree(walls.tolist())
 
 
-def smallest_distance_between_robots(
-    recording: Recording, ways: Sequence[Track] | None = None
-) -> float | None:
+def smallest_distance_between_robots(recording: Recording) -> float | None:
     """Least distance between two robots' bodies at one moment of the run; None for one robot.
 
     Bodies count all the time, also of robots that are switched off, done or dead. For discs
     that move straight it is exact; else it is that of a moment at which it is at most
-    `TOLERANCE_M` more than the least. 0 where two touch. `ways` are the `tracks`, if they are at
-    hand already.
+    `TOLERANCE_M` more than the least. 0 where two touch.
     """
     if len(recording.spec.robots) < 2:
         return None
-    legs = [_lasting(track.legs) for track in ways or tracks(recording)]
+    legs = [_lasting(track.legs) for track in tracks(recording)]
     bodies = [Footprint.parse(robot.footprint) for robot in recording.spec.robots]
     best = math.inf
     for i, j in itertools.combinations(range(len(legs)), 2):
@@ -259,12 +263,13 @@ class _Pair(NamedTuple):
     two: Footprint
 
     def distances(self, at_one: FloatArray, at_two: FloatArray) -> FloatArray:
+        gaps: FloatArray
         if self.one.is_disc and self.two.is_disc:
-            apart: FloatArray = np.linalg.norm((at_one - at_two)[:, :2], axis=1)
-            return apart - (self.one.radius_m + self.two.radius_m)
-        gaps: FloatArray = shapely.distance(
-            np.array(_outlines(self.one, at_one)), np.array(_outlines(self.two, at_two))
-        )
+            gaps = np.linalg.norm((at_one - at_two)[:, :2], axis=1)
+        else:
+            gaps = shapely.distance(
+                np.array(_outlines(self.one, at_one)), np.array(_outlines(self.two, at_two))
+            )
         return gaps - sum(body.radius_m for body in self if body.is_disc)
 
 

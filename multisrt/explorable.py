@@ -123,16 +123,12 @@ def explorable(environment: Environment, team: tuple[Viewer, ...]) -> Explorable
     return _explorable_from(environment, tuple(ranges.items()))
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class _Places:
-    """Places of a component that a body can get to; long borders are hashed once."""
+    """Places of a component that a body can get to; known again without comparing borders."""
 
     component: Polygon
     reachable: Polygon
-    hashed: int
-
-    def __hash__(self) -> int:
-        return self.hashed
 
 
 def _places(component: Polygon, footprint: Footprint, start: Configuration) -> _Places:
@@ -168,7 +164,7 @@ def _roomy_parts(component: Polygon, footprint: Footprint) -> tuple[_Places, ...
     # Chords of the rounded corners lie inside the true border by less than a micrometre.
     eroded = component.buffer(1e-6 - footprint.inscribed_radius_m, quad_segs=16)
     parts = (part for part in shapely.get_parts(eroded) if not part.is_empty)
-    return tuple(_Places(component, part, hash(part)) for part in parts)
+    return tuple(_Places(component, part) for part in parts)
 
 
 @lru_cache(maxsize=16)

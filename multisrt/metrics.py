@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 
 import msgspec
 import numpy as np
 
 from multisrt.closeness import (
-    Track,
     smallest_clearance,
     smallest_distance_between_robots,
     tracks,
@@ -234,9 +233,8 @@ def measure_with_curve(
     nodes, sent = recording.of(NodeAdded), recording.of(Sent)
     organized = recording.of(Organized)
     left = [s for segments in remaining_frontier(recording).values() for s in segments]
-    ways = tracks(recording)
-    distances = [way.length_m() for way in ways]
-    waiting = waiting_times(recording, ways)
+    distances = [track.length_m() for track in tracks(recording)]
+    waiting = waiting_times(recording)
     made = Counter(node.robot for node in nodes)
     coverage = CoverageMeter(spec, environment, recording.starts)
     for node in nodes:
@@ -294,8 +292,8 @@ def measure_with_curve(
         arcs_closed=_counts(event.reason for event in recording.of(ArcClosed)),
         frontier_left_m=math.fsum(math.hypot(x1 - x0, y1 - y0) for x0, y0, x1, y1 in left),
         collisions=len(recording.of(Collision)),
-        smallest_clearance_m=smallest_clearance(recording, environment, ways),
-        smallest_distance_between_robots_m=smallest_distance_between_robots(recording, ways),
+        smallest_clearance_m=smallest_clearance(recording, environment),
+        smallest_distance_between_robots_m=smallest_distance_between_robots(recording),
         lower_bound_s=max(reach, sweep),
         lower_bound_reach_s=reach,
         lower_bound_area_s=sweep,
@@ -328,12 +326,11 @@ def lower_bounds(
     )
 
 
-def waiting_times(recording: Recording, ways: Sequence[Track]) -> tuple[float, ...]:
+def waiting_times(recording: Recording) -> tuple[float, ...]:
     """Time that each robot stood still between its start and its last end (s).
 
     A robot that starts late counts from then; if it never came to start, it has not waited. One
-    that dies counts until then, one that never ended until the end of the run. `ways` are the
-    `tracks` of the recording.
+    that dies counts until then, one that never ended until the end of the run.
     """
     end = recording.footer.time_s
     late = [fault.robot for fault in recording.spec.faults if isinstance(fault, LateStart)]
@@ -346,7 +343,7 @@ def waiting_times(recording: Recording, ways: Sequence[Track]) -> tuple[float, .
     for died in recording.of(Died):
         last[died.robot] = min(last[died.robot], died.time_s)
     waited = []
-    for robot, track in enumerate(ways):
+    for robot, track in enumerate(tracks(recording)):
         since, until = begin[robot], last[robot]
         spans = np.clip(track.moving_spans(), since, until)
         moving = math.fsum(spans[:, 1] - spans[:, 0])

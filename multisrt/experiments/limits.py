@@ -78,7 +78,7 @@ def within(limits: Limits) -> Iterator[None]:
     before = {number: signal.signal(number, handler) for number, handler in handlers.items()}
     allowed = {what: resource.getrlimit(what) for what in (_CPU, _DATA)}
     _set_soft(_CPU, math.ceil(time.process_time() + limits.computing_s + GRACE_S))
-    _set_soft(_DATA, _data_bytes() + limits.memory_mb * 1_000_000)
+    _set_soft(_DATA, _taken_bytes(_COUNTED) + limits.memory_mb * 1_000_000)
     try:
         signal.setitimer(signal.ITIMER_PROF, limits.computing_s, AGAIN_S)
         signal.setitimer(signal.ITIMER_REAL, spell_s, spell_s)
@@ -101,11 +101,13 @@ def most_memory_mb() -> float:
 
 def memory_mb() -> float:
     """Give the memory that this process takes now (megabytes); the most so far, if none tells."""
-    pages = _pages(1)
-    return most_memory_mb() if pages is None else pages * resource.getpagesize() / 1e6
+    return _taken_bytes(_RESIDENT) / 1e6
 
 
 _CPU, _DATA = resource.RLIMIT_CPU, resource.RLIMIT_DATA
+
+# Fields of /proc/self/statm: what is taken, and what the kernel counts towards the limit.
+_RESIDENT, _COUNTED = 1, 5
 
 
 def _set_soft(what: int, value: int) -> None:
@@ -114,15 +116,10 @@ def _set_soft(what: int, value: int) -> None:
     resource.setrlimit(what, (min([value, *bounds]), hard))
 
 
-def _data_bytes() -> int:
-    # What the kernel counts towards the limit; where it does not tell, what has been taken.
-    pages = _pages(5)
-    return int(most_memory_mb() * 1e6) if pages is None else pages * resource.getpagesize()
-
-
-def _pages(field: int) -> int | None:
-    # What Linux tells of this process's memory.
+def _taken_bytes(field: int) -> int:
+    # What the kernel tells of this process's memory; where it does not, the most so far.
     try:
-        return int(Path("/proc/self/statm").read_text().split()[field])
+        pages = int(Path("/proc/self/statm").read_text().split()[field])
     except OSError:
-        return None
+        return int(most_memory_mb() * 1e6)
+    return pages * resource.getpagesize()

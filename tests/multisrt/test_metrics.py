@@ -1,4 +1,5 @@
 import cmath
+import gc
 import itertools
 import math
 
@@ -8,6 +9,7 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from multisrt import closeness
 from multisrt.closeness import smallest_clearance, smallest_distance_between_robots
 from multisrt.coverage import CoverageMeter
 from multisrt.environments.environment import Environment
@@ -612,3 +614,14 @@ def fastest_point(recording: Recording) -> float:
             arc = chord if turn < 1e-6 else chord * turn / 2.0 / math.sin(turn / 2.0)
             speeds.append((arc + 0.4 * turn) / (b[0] - a[0]))
     return max(speeds)
+
+
+def test_tracks_are_laid_out_once_and_kept_no_longer_than_the_recording():
+    gc.collect()
+    before = len(closeness._TRACKS)
+    recording = team(starts=[(1.0, 1.0, 0.0), (3.0, 1.0, 0.0)])
+    assert closeness.tracks(recording) is closeness.tracks(recording)
+    assert len(closeness._TRACKS) == before + 1
+    del recording
+    gc.collect()
+    assert len(closeness._TRACKS) == before

@@ -46,15 +46,79 @@ def _line_of_sight(
     scratch: NDArray[np.int64],
     query: int,
 ) -> bool:
+    # Add up how much of the segment lies inside obstacles: minus the distance of every crossing
+    # into one, plus that of every crossing out of one. An end exactly on the line counts as right
+    # of it in one sum and as left of it in the other; what is only touched, or run along on one
+    # side, leaves one of the two at zero.
+    count = edges_across(ax, ay, bx, by, edges, grid, bins, scratch, query)
+    if count == 0:
+        return True
+    length = np.hypot(bx - ax, by - ay)
+    ux, uy = (bx - ax) / length, (by - ay) / length
+    found = scratch[1]
+    inside_right = inside_left = 0.0
+    touched = False
+    met = 0
+    for k in range(count):
+        e = found[k]
+        px, py = edges[e, 0] - ax, edges[e, 1] - ay
+        qx, qy = edges[e, 2] - ax, edges[e, 3] - ay
+        side_p, side_q = ux * py - uy * px, ux * qy - uy * qx
+        fraction = side_p / (side_p - side_q)
+        t = ux * (px + fraction * (qx - px)) + uy * (py + fraction * (qy - py))
+        if 0.0 < t < length:
+            found[met] = e
+            met += 1
+            touched = touched or side_p == 0.0 or side_q == 0.0
+            left = length - t if side_q > side_p else t - length
+            if (side_p > 0.0) != (side_q > 0.0):
+                inside_right += left
+            if (side_p < 0.0) != (side_q < 0.0):
+                inside_left += left
+    if min(inside_right, inside_left) <= 1e-9:
+        return True
+    if not touched:
+        return False
+    return _inside_on_both_sides(ax, ay, ux, uy, edges, found[:met]) <= 1e-9
+
+
+@kernel
+def edges_across(
+    ax: float,
+    ay: float,
+    bx: float,
+    by: float,
+    edges: FloatArray,
+    grid: tuple[float, float, float, int, int],
+    bins: NDArray[np.int64],
+    scratch: NDArray[np.int64],
+    query: int,
+) -> int:
+    """Find the edges that a segment may cross: those near it that its line crosses or touches.
+
+    Walks the cells along the segment. Edges that run along the line are left out.
+
+    Parameters
+    ----------
+    ax, ay, bx, by : float
+        The ends of the segment.
+    edges, grid, bins
+        As an `EdgeIndex` has them.
+    scratch : (2, n) array
+        Its second row takes the edges found.
+    query : int
+        A number of the scratch memory that no query had before.
+
+    Returns
+    -------
+    int
+        How many edges were found.
+    """
     stamps, found = scratch[0], scratch[1]
-    # Walk the cells along the segment and add up how much of it lies inside obstacles: minus
-    # the distance of every crossing into one, plus that of every crossing out of one. An end
-    # exactly on the line counts as right of it in one sum and as left of it in the other; what
-    # is only touched, or run along on one side, leaves one of the two at zero.
     x0, y0, cell, columns, rows = grid
     length = np.hypot(bx - ax, by - ay)
     if length == 0.0:
-        return True
+        return 0
     ux, uy = (bx - ax) / length, (by - ay) / length
     i, j = int(np.floor((ax - x0) / cell)), int(np.floor((ay - y0) / cell))
     step_i, step_j = (1 if ux > 0.0 else -1), (1 if uy > 0.0 else -1)
@@ -62,8 +126,6 @@ def _line_of_sight(
     next_y = np.inf if uy == 0.0 else (y0 + (j + (step_j > 0)) * cell - ay) / uy
     width_x = np.inf if ux == 0.0 else cell / abs(ux)
     width_y = np.inf if uy == 0.0 else cell / abs(uy)
-    inside_right = inside_left = 0.0
-    touched = False
     count = 0
     travelled = 0.0
     while travelled <= length:
@@ -73,22 +135,11 @@ def _line_of_sight(
                 if stamps[e] == query:
                     continue
                 stamps[e] = query
-                px, py = edges[e, 0] - ax, edges[e, 1] - ay
-                qx, qy = edges[e, 2] - ax, edges[e, 3] - ay
-                side_p, side_q = ux * py - uy * px, ux * qy - uy * qx
-                if side_p == side_q:
-                    continue
-                fraction = side_p / (side_p - side_q)
-                t = ux * (px + fraction * (qx - px)) + uy * (py + fraction * (qy - py))
-                if 0.0 < t < length:
+                side_p = ux * (edges[e, 1] - ay) - uy * (edges[e, 0] - ax)
+                side_q = ux * (edges[e, 3] - ay) - uy * (edges[e, 2] - ax)
+                if side_p != side_q and min(side_p, side_q) <= 0.0 <= max(side_p, side_q):
                     found[count] = e
                     count += 1
-                    touched = touched or side_p == 0.0 or side_q == 0.0
-                    left = length - t if side_q > side_p else t - length
-                    if (side_p > 0.0) != (side_q > 0.0):
-                        inside_right += left
-                    if (side_p < 0.0) != (side_q < 0.0):
-                        inside_left += left
         if next_x < next_y:
             travelled = next_x
             next_x += width_x
@@ -97,11 +148,7 @@ def _line_of_sight(
             travelled = next_y
             next_y += width_y
             j += step_j
-    if min(inside_right, inside_left) <= 1e-9:
-        return True
-    if not touched:
-        return False
-    return _inside_on_both_sides(ax, ay, ux, uy, edges, found[:count]) <= 1e-9
+    return count
 
 
 @kernel

@@ -18,7 +18,7 @@ from multisrt.explorer import RadioSelf
 from multisrt.geometry.arrays import BoolArray, IntArray
 from multisrt.geometry.edge_index import EdgeIndex
 from multisrt.geometry.kernel import FloatArray, kernel
-from multisrt.geometry.line_of_sight import crossings
+from multisrt.geometry.line_of_sight import crossings, edges_across
 from multisrt.spec import RadioSpec
 
 TOUCH_M = 1e-9
@@ -216,58 +216,11 @@ def _walls_on(
     # Line k takes query number `query + 2 k`.
     walls = np.zeros(lines.shape[0], np.int64)
     for k in range(lines.shape[0]):
-        count = _edges_along(lines[k], edges, grid, bins, scratch, query + 2 * k)
+        ax, ay, bx, by = lines[k, 0], lines[k, 1], lines[k, 2], lines[k, 3]
+        count = edges_across(ax, ay, bx, by, edges, grid, bins, scratch, query + 2 * k)
         if count > 0:
             walls[k] = _passages(lines[k], edges, scratch[1, :count])
     return walls
-
-
-@kernel
-def _edges_along(
-    line: FloatArray,
-    edges: FloatArray,
-    grid: tuple[float, float, float, int, int],
-    bins: IntArray,
-    scratch: IntArray,
-    query: int,
-) -> int:
-    # Walk the cells along a line and write the edges that lie across it into the scratch memory.
-    stamps, found = scratch[0], scratch[1]
-    x0, y0, cell, columns, rows = grid
-    ax, ay = line[0], line[1]
-    length = np.hypot(line[2] - ax, line[3] - ay)
-    if length == 0.0:
-        return 0
-    ux, uy = (line[2] - ax) / length, (line[3] - ay) / length
-    i, j = int(np.floor((ax - x0) / cell)), int(np.floor((ay - y0) / cell))
-    step_i, step_j = (1 if ux > 0.0 else -1), (1 if uy > 0.0 else -1)
-    next_x = np.inf if ux == 0.0 else (x0 + (i + (step_i > 0)) * cell - ax) / ux
-    next_y = np.inf if uy == 0.0 else (y0 + (j + (step_j > 0)) * cell - ay) / uy
-    width_x = np.inf if ux == 0.0 else cell / abs(ux)
-    width_y = np.inf if uy == 0.0 else cell / abs(uy)
-    count = 0
-    travelled = 0.0
-    while travelled <= length:
-        if 0 <= i < columns and 0 <= j < rows:
-            for k in range(bins[i * rows + j], bins[i * rows + j + 1]):
-                e = bins[k]
-                if stamps[e] == query:
-                    continue
-                stamps[e] = query
-                side_p = ux * (edges[e, 1] - ay) - uy * (edges[e, 0] - ax)
-                side_q = ux * (edges[e, 3] - ay) - uy * (edges[e, 2] - ax)
-                if side_p != side_q and min(side_p, side_q) <= 0.0 <= max(side_p, side_q):
-                    found[count] = e
-                    count += 1
-        if next_x < next_y:
-            travelled = next_x
-            next_x += width_x
-            i += step_i
-        else:
-            travelled = next_y
-            next_y += width_y
-            j += step_j
-    return count
 
 
 @kernel

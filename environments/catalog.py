@@ -3,7 +3,6 @@
 Nothing is built, and no geometry is loaded, before a world is asked for.
 """
 
-import difflib
 import inspect
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -12,7 +11,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
-from multisrt.geometry.errors import InvalidInputError
+from multisrt.geometry.errors import InvalidInputError, did_you_mean
 
 if TYPE_CHECKING:
     from multisrt.environments.environment import Environment
@@ -171,6 +170,5 @@ def _read(name: str) -> "Environment":
 
 
 def _unknown(name: str) -> str:
-    close = difflib.get_close_matches(name, names(), n=3)
-    hint = f"did you mean {' or '.join(map(repr, close))}? " if close else ""
-    return f"no environment is called {name!r}; {hint}the names are {', '.join(names())}"
+    hint = did_you_mean(name, names())
+    return f"no environment is called {name!r}{hint}; the names are {', '.join(names())}"

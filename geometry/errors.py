@@ -1,5 +1,10 @@
 """The errors that multisrt raises, under one root."""
 
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable
+
 
 class MultiSrtError(Exception):
     """Root of every error that multisrt raises on purpose."""
@@ -29,3 +34,9 @@ class ClearanceError(InvalidInputError):
 
     def __str__(self) -> str:
         return str(self.args[0])
+
+
+def did_you_mean(word: object, known: Iterable[object]) -> str:
+    """Give the hint at the nearest of the known words, for behind an unknown one; or nothing."""
+    close = difflib.get_close_matches(str(word), list(map(str, known)), n=1)
+    return f" (did you mean {close[0]!r}?)" if close else ""

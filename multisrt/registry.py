@@ -6,7 +6,6 @@ Other packages add their own by an entry point in the group `multisrt.strategies
 
 from __future__ import annotations
 
-import difflib
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -16,6 +15,7 @@ from typing import Any
 
 import msgspec
 
+from multisrt.explained import explained
 from multisrt.explorer import Explorer, RobotSelf
 from multisrt.frontier_team.alvarez import explorer_by_rules
 from multisrt.frontier_team.explore import FrontierExplorer, Rule
@@ -30,7 +30,7 @@ from multisrt.frontier_team.robot import Watch
 from multisrt.frontier_team.rules import choose_closest, choose_greedy, choose_minpos
 from multisrt.frontier_team.self_bidding import choose_by_self_bidding, tell_who_may_stop
 from multisrt.frontier_team.utility import choose_utility
-from multisrt.geometry.errors import InvalidInputError
+from multisrt.geometry.errors import InvalidInputError, did_you_mean
 from multisrt.geometry.safe_region import Shape
 from multisrt.multi_srt.build_multi_srt import SrtExplorer
 from multisrt.multi_srt.options import MultiSrtOptions
@@ -85,18 +85,20 @@ class Strategy:
         for key in options:
             if key not in known:
                 raise InvalidInputError(
-                    f"{self.name} has no option {key!r}{_did_you_mean(key, known)}; "
+                    f"{self.name} has no option {key!r}{did_you_mean(key, known)}; "
                     f"it has: {', '.join(known)}"
                 )
         for key, value in options.items():
             try:
                 msgspec.convert(value, known[key].type, strict=False)
             except msgspec.ValidationError as error:
-                raise InvalidInputError(f"option {key}={value!r} of {self.name}: {error}") from None
+                wrong = explained(error, known[key].type)
+                raise InvalidInputError(f"option {key}={value!r} of {self.name}: {wrong}") from None
         try:
             return msgspec.convert(dict(options), self.options, strict=False)
         except msgspec.ValidationError as error:
-            raise InvalidInputError(f"options of {self.name}: {error}") from None
+            wrong = explained(error, self.options)
+            raise InvalidInputError(f"options of {self.name}: {wrong}") from None
 
 
 def register(strategy: Strategy) -> None:
@@ -135,7 +137,7 @@ def strategy(name: str) -> Strategy:
                 f"({broken[name]}); mend or uninstall that package"
             )
         raise InvalidInputError(
-            f"there is no strategy {name!r}{_did_you_mean(name, registered)}; "
+            f"there is no strategy {name!r}{did_you_mean(name, registered)}; "
             f"there are: {', '.join(registered)}"
         )
     return registered[name]
@@ -272,8 +274,3 @@ _OWN = (
         fits=_require_talk,
     ),
 )
-
-
-def _did_you_mean(word: str, known: Mapping[str, object]) -> str:
-    close = difflib.get_close_matches(word, known, n=1)
-    return f" (did you mean {close[0]!r}?)" if close else ""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import math
 from functools import cache
 from pathlib import Path
@@ -13,7 +12,8 @@ import numpy as np
 import shapely
 
 from multisrt.environments.environment import Environment
-from multisrt.geometry.errors import InvalidInputError
+from multisrt.explained import explained
+from multisrt.geometry.errors import InvalidInputError, did_you_mean
 from multisrt.geometry.footprint import Footprint
 from multisrt.planners.motion.kinematics import Car, Differential, Holonomic, Kinematics
 
@@ -407,7 +407,7 @@ class RunSpec(_Spec, frozen=True, kw_only=True):
         try:
             return msgspec.json.decode(text, type=cls)
         except (msgspec.MsgspecError, UnicodeDecodeError) as error:
-            raise InvalidInputError(f"not a run spec: {error}") from None
+            raise InvalidInputError(f"not a run spec: {explained(error, cls)}") from None
 
     @classmethod
     def from_toml(cls, text: str) -> RunSpec:
@@ -421,7 +421,7 @@ class RunSpec(_Spec, frozen=True, kw_only=True):
         try:
             return msgspec.toml.decode(text, type=cls)
         except (msgspec.MsgspecError, RecursionError) as error:
-            raise InvalidInputError(f"not a run spec: {error}") from None
+            raise InvalidInputError(f"not a run spec: {explained(error, cls)}") from None
 
 
 def _less_defaults(part: Any) -> Any:
@@ -468,11 +468,9 @@ def environment_spec(
         return CatalogEnvironment(name=text)
     path = Path(text)
     if not _exists(path) and not path.suffix and len(path.parts) == 1:
-        close = difflib.get_close_matches(text, names(), n=1)
-        hint = f" (did you mean {close[0]!r}?)" if close else ""
         raise InvalidInputError(
-            f"there is no environment {text!r}{hint} and no file of that name; "
-            f"the catalogue has: {', '.join(names())}"
+            f"there is no environment {text!r}{did_you_mean(text, names())} and no file of that "
+            f"name; the catalogue has: {', '.join(names())}"
         )
     return FileEnvironment(path=text, resolution_m=resolution_m, threshold=threshold)
 

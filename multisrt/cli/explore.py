@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 from click.core import ParameterSource
 
-from multisrt.cli.given import FAULTS, OVERRIDES, spec_of_file, spec_of_words
+from multisrt.cli.given import DRIVES, FAULTS, OVERRIDES, spec_of_file, spec_of_words
 from multisrt.cli.progress import Progress
 from multisrt.cli.summary import print_summary
 
@@ -92,7 +92,7 @@ Exit code: 0 complete, 3 stalled or out of time, 2 bad input.
 )
 @click.option(
     "--drive",
-    type=click.Choice(["differential", "holonomic", "reeds-shepp", "dubins"]),
+    type=click.Choice(DRIVES),
     default="differential",
     show_default=True,
     help="How the body moves; the last two are cars.",

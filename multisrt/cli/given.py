@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 
 Described = TypeVar("Described")
 
+DRIVES = ("differential", "holonomic", "reeds-shepp", "dubins")
+
 OVERRIDES = ("footprint", "range", "beams", "drive", "speed", "turning-radius", "start")
 """What `--robot` may say of one robot."""
 
@@ -155,6 +157,10 @@ def _overrides(text: str) -> dict[str, Any]:
             said[key] = _number(value, float, "--robot")
         elif key == "beams":
             said[key] = _number(value, int, "--robot")
+        elif key == "drive" and value not in DRIVES:
+            raise InvalidInputError(
+                f"--robot: there is no drive {value!r}; there are: {', '.join(DRIVES)}"
+            )
         else:
             said[key] = _start(value, "--robot") if key == "start" else value
     return said

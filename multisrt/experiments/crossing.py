@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import hashlib
 import itertools
 import math
@@ -32,7 +31,7 @@ from multisrt.experiments.description import (
     StrategyChoice,
     TeamChoice,
 )
-from multisrt.geometry.errors import InvalidInputError
+from multisrt.geometry.errors import InvalidInputError, did_you_mean
 from multisrt.geometry.footprint import Footprint
 from multisrt.registry import Strategy, strategy
 from multisrt.spec import (
@@ -400,9 +399,7 @@ def _stranger(only: Only, everything: list[Condition]) -> str:
                 known[condition.team] = None
         for label in given if isinstance(given, tuple) else (given,):
             if label not in known:
-                close = difflib.get_close_matches(str(label), list(map(str, known)), n=1)
-                hint = f" (did you mean {close[0]!r}?)" if close else ""
-                return f": there is no {name} {label!r}{hint}"
+                return f": there is no {name} {label!r}{did_you_mean(label, known)}"
     return ""
 
 

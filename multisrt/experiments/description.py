@@ -12,7 +12,8 @@ from typing import Annotated, Any, Literal
 import msgspec
 from msgspec import Meta
 
-from multisrt.experiments.schema import explained, for_editors
+from multisrt.experiments.schema import for_editors
+from multisrt.explained import explained
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.spec import DriveSpec, Fault, RadioSpec, RangeFinderSpec, Scalar, StopRule
 
@@ -366,7 +367,7 @@ def _decoded(decode: Callable[[], ExperimentSpec], length: int) -> ExperimentSpe
     try:
         return decode()
     except (msgspec.MsgspecError, RecursionError, UnicodeDecodeError) as error:
-        raise InvalidInputError(f"not an experiment: {explained(str(error), schema())}") from None
+        raise InvalidInputError(f"not an experiment: {explained(error, ExperimentSpec)}") from None
 
 
 def schema() -> dict[str, Any]:

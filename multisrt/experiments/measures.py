@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import difflib
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 from multisrt.experiments.results import Result
-from multisrt.geometry.errors import InvalidInputError
+from multisrt.geometry.errors import InvalidInputError, did_you_mean
 from multisrt.metrics import Metrics
 
 
@@ -150,9 +149,8 @@ def measure_named(name: str) -> Measure:
     """
     known = {measure.name: measure for measure in MEASURES}
     if name not in known:
-        close = difflib.get_close_matches(name, known, n=1)
-        hint = f" (did you mean {close[0]!r}?)" if close else ""
         raise InvalidInputError(
-            f"there is no measure {name!r}{hint}; there are: {', '.join(known)}"
+            f"there is no measure {name!r}{did_you_mean(name, known)}; "
+            f"there are: {', '.join(known)}"
         )
     return known[name]

@@ -1,10 +1,9 @@
-"""The JSON Schema of experiment files: for editors, and for saying what would have been right."""
+"""The JSON Schema of experiment files, as editors understand it."""
 
 from __future__ import annotations
 
-import difflib
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 DIALECT = "http://json-schema.org/draft-07/schema#"
@@ -72,72 +71,3 @@ def _older(part: Any) -> Any:
     if "prefixItems" in made:
         made |= {"items": made.pop("prefixItems"), "additionalItems": False}
     return made
-
-
-# What would have been right ------------------------------------------------------------------
-
-
-def explained(message: str, schema: Schema) -> str:
-    """Say what is wrong with a file as a person would: where, what, and what would be right.
-
-    Parameters
-    ----------
-    message : str
-        What msgspec says.
-    schema : dict
-        The schema that the file does not keep to.
-    """
-    said, _, path = message.partition(" - at `")
-    place = path.rstrip("`").removeprefix("$").lstrip(".")
-    said = re.sub(r"`[^`]*`", lambda kinds: _in_toml(kinds[0]), said)
-    unknown = re.fullmatch(r"Object contains unknown field `(.*)`", said)
-    if unknown is not None:
-        said = f"there is no field {unknown[1]!r}{_nearest(unknown[1], _fields(schema, place))}"
-    elif said.startswith(("Invalid enum value", "Invalid value '")):
-        said += f"; allowed: {', '.join(_allowed(schema, place))}"
-    elif said.startswith("Object missing required field"):
-        said = said.replace("Object missing required field", "missing field")
-    return f"{place}: {said}" if place else said
-
-
-def _in_toml(kinds: str) -> str:
-    return kinds.replace("object", "table").replace("array", "list").replace(" | null", "")
-
-
-def _nearest(word: str, known: list[str]) -> str:
-    close = difflib.get_close_matches(word, known, n=1)
-    return f" (did you mean {close[0]!r}?)" if close else f"; there are: {', '.join(known)}"
-
-
-def _fields(schema: Schema, place: str) -> list[str]:
-    return list(
-        dict.fromkeys(name for node in _nodes(schema, place) for name in node.get("properties", {}))
-    )
-
-
-def _allowed(schema: Schema, place: str) -> list[str]:
-    return [repr(value) for node in _nodes(schema, place) for value in node.get("enum", ())]
-
-
-def _nodes(schema: Schema, place: str) -> list[Schema]:
-    # All that the schema says of a place such as `radios[0].walls`.
-    found = list(_alternatives(schema, schema))
-    for step in re.findall(r"[^.\[\]]+", place):
-        below = []
-        for node in found:
-            if step.isdigit() or step == "...":
-                items = node.get("items", {})
-                below += items if isinstance(items, list) else [items]
-            else:
-                below.append(node.get("properties", {}).get(step, {}))
-        found = [one for node in below for one in _alternatives(node, schema)]
-    return found
-
-
-def _alternatives(node: Schema, schema: Schema) -> Iterator[Schema]:
-    if "$ref" in node:
-        yield from _alternatives(schema["definitions"][node["$ref"].rpartition("/")[2]], schema)
-        return
-    yield node
-    for one in (*node.get("anyOf", ()), *node.get("allOf", ())):
-        yield from _alternatives(one, schema)

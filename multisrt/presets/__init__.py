@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import difflib
-
-from multisrt.geometry.errors import InvalidInputError
+from multisrt.geometry.errors import InvalidInputError, did_you_mean
 from multisrt.presets.alvarez import ALVAREZ
 from multisrt.presets.minpos import MINPOS_PRESET
 from multisrt.presets.multi_srt import MULTI_SRT
@@ -27,9 +25,8 @@ def preset_named(name: str) -> Preset:
         If there is none of that name; the message lists them.
     """
     if name not in PRESETS:
-        close = difflib.get_close_matches(name, PRESETS, n=1)
-        hint = f" (did you mean {close[0]!r}?)" if close else ""
         raise InvalidInputError(
-            f"there is no preset {name!r}{hint}; there are: {', '.join(PRESETS)}"
+            f"there is no preset {name!r}{did_you_mean(name, PRESETS)}; "
+            f"there are: {', '.join(PRESETS)}"
         )
     return PRESETS[name]

@@ -6,7 +6,6 @@ same world, starts, faults and draws of the radio, so that strategies are compar
 
 from __future__ import annotations
 
-import difflib
 from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -17,7 +16,7 @@ import numpy as np
 from multisrt.experiments.crossing import Condition
 from multisrt.experiments.measures import MEASURES, Measure, measure_named
 from multisrt.experiments.results import Result, Results
-from multisrt.geometry.errors import InvalidInputError
+from multisrt.geometry.errors import InvalidInputError, did_you_mean
 from multisrt.statistics.effect_size import Magnitude, magnitude, vargha_delaney
 from multisrt.statistics.intervals import Interval, bootstrap
 from multisrt.statistics.rank_tests import (
@@ -136,10 +135,9 @@ class Study:
         self.strategies = list(dict.fromkeys(c.strategy for c in self._by_condition))
         self.settings = list(dict.fromkeys(map(setting_of, self._by_condition)))
         if baseline is not None and baseline not in self.strategies:
-            close = difflib.get_close_matches(baseline, self.strategies, n=1)
-            hint = f" (did you mean {close[0]!r}?)" if close else ""
             raise InvalidInputError(
-                f"the results have no strategy {baseline!r}{hint}; they have: "
+                f"the results have no strategy {baseline!r}"
+                f"{did_you_mean(baseline, self.strategies)}; they have: "
                 f"{', '.join(self.strategies) or 'none'}"
             )
         self.baseline = baseline or next(iter(self.strategies), "")

@@ -372,7 +372,14 @@ def bad_worlds(folder: Path) -> None:
         (["room.wkt", "--robots", "3", "--start", "1,1", "--start", "2,2"], "2 starts for 3"),
         (["room.wkt", "--robots", "1", "--robot", "range=2", "--robot", "range=3"], "2 times"),
         (["room.wkt", "--robot", "footprint=disc:-1"], "disc:-1"),
-        (["room.wkt", "--robot", "drive=sail"], "sail"),
+        (
+            ["room.wkt", "--robot", "drive=sail"],
+            "no drive 'sail'; there are: differential, holonomic",
+        ),
+        (
+            ["room.wkt", "--option", "select=first"],
+            "srt-radial: Invalid enum value 'first'; allowed: 'closest_root', 'most_recent'",
+        ),
         (["room.wkt", "--robot", "range=0"], "range"),
         (["room.wkt", "--radio-range", "-1"], "range_m of a radio"),
         (["room.wkt", "--loss", "1"], "loss of a radio"),

@@ -177,6 +177,18 @@ def test_bad_json_is_refused_by_name(text, named):
         ('strategy = "a"', "environment"),
         ('environment = {from = "catalog", name = "open"}\ncolour = 1', "colour"),
         (
+            'environment = {from = "catalog", name = "open"}\nstrategies = "srt-star"',
+            r"no field 'strategies' \(did you mean 'strategy'\?\)",
+        ),
+        (
+            'environment = {from = "catalog", name = "open"}\nrobots = [{drive = {kind = "sail"}}]',
+            r"robots\[0\].drive.kind: Invalid enum value 'sail'; allowed: 'differential'",
+        ),
+        (
+            'environment = {from = "moon"}',
+            "environment.from: Invalid value 'moon'; allowed: 'catalog', 'file', 'wkt'",
+        ),
+        (
             'environment = {from = "catalog", name = "open"}\nstop = {max_time_s = nan}',
             "max_time_s",
         ),

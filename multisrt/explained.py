@@ -1,0 +1,76 @@
+"""What is wrong with a file or an option, in plain words: where, what, and what would be right."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from typing import Any
+
+import msgspec
+
+from multisrt.geometry.errors import did_you_mean
+
+Schema = dict[str, Any]
+
+
+def explained(error: Exception, wanted: Any) -> str:
+    """Say what is wrong as a person would: where, what, and what would be right.
+
+    Parameters
+    ----------
+    error : Exception
+        What msgspec raised.
+    wanted : type
+        What it was to make.
+    """
+    schema = msgspec.json.schema(wanted)
+    said, _, path = str(error).partition(" - at `")
+    place = path.rstrip("`").removeprefix("$").lstrip(".")
+    said = re.sub(r"`[^`]*`", lambda kinds: _in_words(kinds[0]), said)
+    unknown = re.fullmatch(r"Object contains unknown field `(.*)`", said)
+    if unknown is not None:
+        known = _fields(schema, place)
+        hint = did_you_mean(unknown[1], known) or f"; there are: {', '.join(known)}"
+        said = f"there is no field {unknown[1]!r}{hint}"
+    elif said.startswith(("Invalid enum value", "Invalid value '")):
+        said += f"; allowed: {', '.join(_allowed(schema, place))}"
+    elif said.startswith("Object missing required field"):
+        said = said.replace("Object missing required field", "missing field")
+    return f"{place}: {said}" if place else said
+
+
+def _in_words(kinds: str) -> str:
+    return kinds.replace("object", "table").replace("array", "list").replace(" | null", "")
+
+
+def _fields(schema: Schema, place: str) -> list[str]:
+    return list(
+        dict.fromkeys(name for node in _nodes(schema, place) for name in node.get("properties", {}))
+    )
+
+
+def _allowed(schema: Schema, place: str) -> list[str]:
+    return [repr(value) for node in _nodes(schema, place) for value in node.get("enum", ())]
+
+
+def _nodes(schema: Schema, place: str) -> list[Schema]:
+    # All that the schema says of a place such as `radios[0].walls`.
+    found = list(_alternatives(schema, schema))
+    for step in re.findall(r"[^.\[\]]+", place):
+        below: list[Schema] = []
+        for node in found:
+            if step.isdigit() or step == "...":
+                below += node.get("prefixItems") or [node.get("items") or {}]
+            else:
+                below.append(node.get("properties", {}).get(step, {}))
+        found = [one for node in below for one in _alternatives(node, schema)]
+    return found
+
+
+def _alternatives(node: Schema, schema: Schema) -> Iterator[Schema]:
+    if "$ref" in node:
+        yield from _alternatives(schema["$defs"][node["$ref"].rpartition("/")[2]], schema)
+        return
+    yield node
+    for one in node.get("anyOf", ()):
+        yield from _alternatives(one, schema)

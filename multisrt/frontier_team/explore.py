@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator
+import math
+from collections.abc import Callable, Generator, Iterable
 
 from multisrt.explorer import Action, Done, Outcome, RobotSelf, Sighting
 from multisrt.frontier_team.driving import Reason, drive
 from multisrt.frontier_team.giving_way import give_way, settle
 from multisrt.frontier_team.options import FrontierOptions
-from multisrt.frontier_team.robot import FrontierRobot, Goal, Watch
+from multisrt.frontier_team.robot import MOVED_M, FrontierRobot, Goal, Watch
 
 MOST_WAITS = 30
 """So often a robot waits for others to leave its way; then it is done."""
@@ -59,7 +60,7 @@ class FrontierExplorer:
         because, hasty = "start", 0
         while True:
             goal, robot.detour = robot.detour, None
-            if goal is None:
+            if goal is None and (robot.team.has_to_choose or not robot.is_jammed):
                 robot.team.phase = "choosing"
                 goal = yield from self.rule(robot, because)
             robot.set_goal(goal)
@@ -81,10 +82,15 @@ class FrontierExplorer:
         robot, team = self.robot, self.robot.team
         if isinstance(reason, Sighting):
             yield from settle(robot, goal, reason)
+            if reason.robot in robot.bodies:
+                robot.note_jam(reason.robot)
             reason = "interrupted" if team.is_interrupted else "blocked"
         if reason == "interrupted":
             if team.asked_way is not None:
+                asked_by, place = team.asked_way.sender, robot.at[:2]
                 yield from give_way(robot)
+                if math.dist(robot.at[:2], place) <= MOVED_M:
+                    robot.note_jam(asked_by)
                 return "gave way"
             if team.stopped:
                 team.stopped = False
@@ -101,7 +107,9 @@ class FrontierExplorer:
         robot.note_progress()
         if robot.try_again():
             return "no way"
-        if robot.blocked_frontiers():
+        if robot.is_jammed:
+            done = self.boxed_in(robot.jammed_by)
+        elif robot.blocked_frontiers():
             if robot.waits < MOST_WAITS and not robot.only_lost_bodies():
                 robot.waits += 1
                 yield from team.pause(robot.options.pause_s * (0.5 + robot.me.rng.random()))
@@ -109,12 +117,7 @@ class FrontierExplorer:
                 if team.asked_way is not None:
                     yield from give_way(robot)
                 return "blocked"
-            around = ", ".join(map(str, sorted(robot.bodies)))
-            done = Done(
-                complete=False,
-                reason=f"boxed in by robots {around}, which do not give way",
-                on_call=not team.is_alone,
-            )
+            done = self.boxed_in(robot.bodies)
         else:
             yield from robot.tell_when_complete()
             done = Done(
@@ -133,3 +136,11 @@ class FrontierExplorer:
             yield from give_way(robot)
         team.stopped = False
         return "called on"
+
+    def boxed_in(self, by: Iterable[int]) -> Done:
+        """Be done because other robots stand in all ways."""
+        return Done(
+            complete=False,
+            reason=f"boxed in by robots {', '.join(map(str, sorted(by)))}, which do not give way",
+            on_call=not self.robot.team.is_alone,
+        )

@@ -49,6 +49,10 @@ ROUNDING_M = 1e-9
 MOVED_M = 0.05
 """A robot that was seen elsewhere by more than this has moved."""
 
+MOST_JAMS = 100
+"""So often a robot and others cannot let each other pass, at one place and with nothing new known;
+then it is jammed."""
+
 MOST_FIELDS = 8
 """Distance fields that a robot keeps, so as not to begin them anew."""
 
@@ -128,6 +132,8 @@ class FrontierRobot:
         What it knows of the others.
     bodies : dict of int to BodyInTheWay
         Robots that stand in its way and do not leave.
+    jammed_by : dict of int to int
+        How often which robots and it could not let each other pass, where it stands.
     car : CarDriver or None
         What plans its ways, if it is a car.
     """
@@ -167,6 +173,8 @@ class FrontierRobot:
         self.waits = 0
         self._waited_at = 0
         self.detoured_at: tuple[float, float] | None = None
+        self.jammed_by: dict[int, int] = {}
+        self._jammed_at: tuple[tuple[float, float], int] | None = None
         self._stuck_at: tuple[float, float] | None = None
         self._serial = 0
         self._given_up: dict[tuple[float, float], None] = {}
@@ -344,6 +352,23 @@ class FrontierRobot:
         """Begin to count anew how often the robot waits, if it has learned anything since."""
         if self.raster.revision != self._waited_at:
             self.waits, self._waited_at = 0, self.raster.revision
+
+    def note_jam(self, other: int) -> None:
+        """Count that another robot did not let this one pass, or could not be let pass."""
+        if not self._stands_as_jammed():
+            self.jammed_by, self._jammed_at = {}, (self.at[:2], self.raster.revision)
+        self.jammed_by[other] = self.jammed_by.get(other, 0) + 1
+
+    @property
+    def is_jammed(self) -> bool:
+        """Whether that was so too often here: neither asking nor giving way leads any further."""
+        return self._stands_as_jammed() and sum(self.jammed_by.values()) >= MOST_JAMS
+
+    def _stands_as_jammed(self) -> bool:
+        if self._jammed_at is None:
+            return False
+        place, known = self._jammed_at
+        return known == self.raster.revision and math.dist(place, self.at[:2]) <= MOVED_M
 
     def give_up(self, place: tuple[float, float]) -> None:
         """Make no place a goal again from which nothing new is seen, or to which no way leads."""

@@ -122,9 +122,12 @@ class Team(Listener):
     @property
     def is_interrupted(self) -> bool:
         """Whether something was heard for which a robot that drives stops."""
-        return (
-            self.asked_way is not None or self.stopped or self.wanted or self.assignment is not None
-        )
+        return self.asked_way is not None or self.stopped or self.has_to_choose
+
+    @property
+    def has_to_choose(self) -> bool:
+        """Whether a goal is wanted from this robot, or its leader gave it one."""
+        return self.wanted or self.assignment is not None
 
     def is_deaf(self, report: RobotReport) -> bool:
         """Whether a robot has not been heard of since it did not answer."""

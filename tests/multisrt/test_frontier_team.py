@@ -12,12 +12,12 @@ import shapely
 from multisrt import registry
 from multisrt.environments.catalog import environment
 from multisrt.environments.environment import Environment
-from multisrt.events import Collision, GoalChosen, MapComplete, Motion, NodeAdded
+from multisrt.events import Collision, Ended, GoalChosen, MapComplete, Motion, NodeAdded
 from multisrt.explorer import Done, Note, Receive, Received, RobotSelf, Send, Sighting
 from multisrt.frontier_team.explore import FrontierExplorer
-from multisrt.frontier_team.messages import ReportMessage, RobotReport, StopMessage
+from multisrt.frontier_team.messages import GiveWayMessage, ReportMessage, RobotReport, StopMessage
 from multisrt.frontier_team.options import FrontierOptions, SelfBiddingOptions
-from multisrt.frontier_team.robot import BodyInTheWay, FrontierRobot
+from multisrt.frontier_team.robot import MOST_JAMS, MOVED_M, BodyInTheWay, FrontierRobot
 from multisrt.frontier_team.rules import (
     Bids,
     bid_table,
@@ -385,6 +385,62 @@ def test_a_robot_that_is_told_to_stop_chooses_again(monkeypatch):
     stopped = [e for e in events(run, GoalChosen, 0) if e.because == "stop signal"]
     assert len(stopped) == 1
     assert run.footer.outcome == "complete"
+
+
+class Nagger:
+    """Stands in a corridor and insists that the other robot gives way, for a long time."""
+
+    LONG_S = 400.0
+
+    def run(self):
+        nag = GiveWayMessage(sender=1, path=((4.0, 0.35), (0.5, 0.35)), radius_m=0.25, firm=True)
+        now_s = 0.0
+        while now_s < self.LONG_S:
+            yield Send(nag, 0)
+            again_s = now_s + 1.0
+            while now_s < again_s:
+                now_s = (yield Receive(again_s - now_s)).time_s
+        yield Done(complete=True, reason="enough")
+
+
+@pytest.mark.parametrize("name", FAMILY)
+def test_a_robot_that_can_neither_pass_nor_give_way_is_done_at_last(name, monkeypatch):
+    own = strategy(name)
+
+    def explorer(me, options):
+        return own.explorer(me, options) if me.robot == 0 else Nagger()
+
+    monkeypatch.setitem(registry._registry(), own.name, dataclasses.replace(own, explorer=explorer))
+    corridor = Environment("corridor", shapely.box(0, 0, 12, 0.7), starts=[(1, 0.35), (4, 0.35)])
+    robots = tuple(RobotSpec(start=start) for start in corridor.starts)
+    run = simulate(RunSpec(environment=inline(corridor), strategy=name, robots=robots), corridor)
+    boxed_in = [e for e in events(run, Ended, 0) if e.time_s < Nagger.LONG_S]
+    assert [(e.complete, e.reason) for e in boxed_in] == [
+        (False, "boxed in by robots 1, which do not give way")
+    ]
+    assert run.footer.outcome == "stalled"
+
+
+def test_a_robot_is_jammed_where_it_stands_and_with_what_it_knows():
+    def jammed():
+        robot = robot_at([(5.0, 4.2)], [(6.0, 4.2), (5.0, 5.2)])
+        for _ in range(MOST_JAMS - 1):
+            robot.note_jam(1)
+        assert not robot.is_jammed
+        robot.note_jam(2)
+        assert robot.is_jammed
+        assert robot.jammed_by == {1: MOST_JAMS - 1, 2: 1}
+        return robot
+
+    robot = jammed()
+    robot.at = Configuration(5.0, 4.2 + 2.0 * MOVED_M, 0.0)
+    assert not robot.is_jammed
+    robot.note_jam(2)
+    assert robot.jammed_by == {2: 1}
+    robot = jammed()
+    scan = take_scan(edges_of(PLAZA), Configuration(9.0, 6.0), 0.0, 4.0)
+    robot.raster.add(local_safe_region(scan, "radial"))
+    assert not robot.is_jammed
 
 
 # Options ---------------------------------------------------------------------------------------

@@ -7,11 +7,14 @@ from functools import cached_property
 
 import numpy as np
 import shapely
-from shapely import MultiPolygon, Point, Polygon
+from numpy.typing import NDArray
+from shapely import GeometryType, MultiPolygon, Point, Polygon
 from shapely.geometry.base import BaseGeometry
 
 from multisrt.geometry.arrays import FloatArray
 from multisrt.geometry.errors import ClearanceError, InvalidInputError
+
+GeometryArray = NDArray[np.object_]
 
 SLIVER_WIDTH_M = 1e-3
 """Parts of free space and obstacles that are nowhere wider than this are dropped."""
@@ -61,14 +64,14 @@ class Environment:
         origin: str = "",
     ) -> None:
         _require_valid(free, name)
-        parts = [part for part in _polygons(free) if not _is_sliver(part)]
-        if not parts:
+        solid = _without_slivers(_polygons(free))
+        if not solid.size:
             raise InvalidInputError(
                 f"environment {name!r}: free space is empty; "
                 "a world needs at least one area wider than 1 mm"
             )
-        parts = [_without_sliver_holes(part) for part in parts]
-        free_space = shapely.orient_polygons(shapely.normalize(MultiPolygon(parts)))
+        parts = MultiPolygon([_without_sliver_holes(part) for part in solid])
+        free_space = shapely.orient_polygons(shapely.normalize(parts))
         self._name = name
         self._free: MultiPolygon = free_space
         self._origin = origin
@@ -207,8 +210,10 @@ class Environment:
         return hash((self._name, self.digest))
 
 
-def _polygons(geometry: BaseGeometry) -> list[Polygon]:
-    return [part for part in shapely.get_parts(geometry) if part.geom_type == "Polygon"]
+def _polygons(geometry: BaseGeometry) -> GeometryArray:
+    parts = shapely.get_parts(geometry)
+    polygons: GeometryArray = parts[shapely.get_type_id(parts) == GeometryType.POLYGON]
+    return polygons
 
 
 def _require_valid(geometry: BaseGeometry, name: str) -> None:
@@ -234,15 +239,19 @@ def _require_valid(geometry: BaseGeometry, name: str) -> None:
         )
 
 
-def _is_sliver(part: Polygon) -> bool:
+def _without_slivers(parts: GeometryArray) -> GeometryArray:
     # Eroding takes at most a strip along the boundary and a sector at each hole; what has more
     # area than that is none, which spares large worlds the erosion.
     radius = SLIVER_WIDTH_M / 2
-    if part.area > radius * part.length + len(part.interiors) * math.pi * radius**2:
-        return False
-    return bool(part.buffer(-radius).is_empty)
+    holes = shapely.get_num_interior_rings(parts)
+    thin = shapely.area(parts) <= radius * shapely.length(parts) + holes * math.pi * radius**2
+    thin[thin] = shapely.is_empty(shapely.buffer(parts[thin], -radius))
+    return parts[~thin]
 
 
 def _without_sliver_holes(part: Polygon) -> Polygon:
-    holes = [ring for ring in part.interiors if not _is_sliver(Polygon(ring))]
-    return part if len(holes) == len(part.interiors) else Polygon(part.exterior, holes)
+    holes = np.asarray(shapely.polygons(shapely.get_rings(part)[1:]), np.object_)
+    solid = _without_slivers(holes)
+    if solid.size == holes.size:
+        return part
+    return Polygon(part.exterior, [hole.exterior for hole in solid])

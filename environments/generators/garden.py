@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from functools import lru_cache
 
 import numpy as np
 import shapely
@@ -69,14 +70,14 @@ def garden(
                 continue
             if not deck:
                 deck = [_PLANTINGS[i] for i in rng.permutation(len(_PLANTINGS))]
-            bed = deck.pop()(plot_m, path_m)
+            bed = _planted(deck.pop(), plot_m, path_m)
             for mirrored in sorted({column, plots - 1 - column}):
                 planted.append(
                     affinity.translate(bed, corner + mirrored * pitch, corner + row * pitch)
                 )
     middle = size_m / 2
     wide = plot_m if plots % 2 else 2 * plot_m + path_m
-    planted.append(affinity.translate(_centrepiece(wide, path_m), middle, middle))
+    planted.append(affinity.translate(_planted(_centrepiece, wide, path_m), middle, middle))
 
     ground = box(0.0, 0.0, size_m, size_m)
     free = passable(ground.difference(shapely.union_all(planted)), path_m)
@@ -91,6 +92,12 @@ def garden(
         ),
         origin=call_text("garden", size_m=size_m, plots=plots, path_m=path_m, seed=seed),
     )
+
+
+@lru_cache(maxsize=64)
+def _planted(planting: Planting, width: float, path_m: float) -> BaseGeometry:
+    # Gardens of one size are planted with the same few plots.
+    return planting(width, path_m)
 
 
 def _centrepiece(wide: float, path_m: float) -> BaseGeometry:

@@ -79,6 +79,9 @@ Watcher = Callable[[AnyEvent], None]
 PROMPT, LATE = 1, 2
 """Priorities of what happens at one moment: a timeout comes after all else."""
 
+MOST_ACTIONS = 100_000
+"""A robot that does more than this at one moment will never let time pass."""
+
 GARBAGE_AFTER = 50_000
 """How many objects a run makes before it is looked for garbage among them."""
 
@@ -204,6 +207,8 @@ class _Robot:
         self.wake = clock.event()
         self.state: Literal["off", "on", "done", "dead"] = "off"
         self.hears = False
+        self.acted_s = 0.0
+        self.actions = 0
         self.set_out_s = 0.0
         self.arrival_s = 0.0
         self.encounter: Encounter | None = None
@@ -389,6 +394,15 @@ class _Simulation:
         self, robot: _Robot, actions: Generator[Action, Outcome, None], outcome: Outcome
     ) -> Action:
         self.last_s = max(self.last_s, self.now)
+        if robot.acted_s < self.now:
+            robot.acted_s, robot.actions = self.now, 0
+        robot.actions += 1
+        if robot.actions > MOST_ACTIONS:
+            raise InvalidInputError(
+                f"the explorer of robot {robot.number} yielded {MOST_ACTIONS:,} actions at "
+                f"{self.now:g} s and lets no time pass; have it move, or wait with a Receive "
+                "that does not end at once"
+            )
         try:
             return actions.send(outcome)
         except StopIteration:

@@ -9,11 +9,13 @@ import xml.etree.ElementTree as ET
 import zlib
 from importlib import import_module
 from pathlib import Path
+from typing import get_args, get_type_hints
 
 import pytest
 from PIL import Image
 
 from multisrt import cli
+from multisrt.cli.given import DRIVES
 from multisrt.environments.catalog import names
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.recording import Recording
@@ -259,6 +261,10 @@ def test_words_for_a_team(call, folder):
         LateStart(robot=3, time_s=60.0),
         Death(robot=0, time_s=1.5, when="moving"),
     )
+
+
+def test_every_drive_can_be_asked_for_by_name():
+    assert get_args(get_type_hints(DriveSpec)["kind"]) == DRIVES
 
 
 def test_words_for_robots_that_differ(call, folder):

@@ -747,6 +747,39 @@ def test_a_robot_stops_where_it_is(play):
     ]
 
 
+def test_a_robot_that_lets_no_time_pass_is_told(play, monkeypatch):
+    monkeypatch.setattr("multisrt.simulation.MOST_ACTIONS", 50)
+
+    def waits_for_nothing():
+        yield straight(1, 5, 2, 5)
+        while True:
+            yield Receive(0.0)
+
+    with pytest.raises(InvalidInputError, match=r"robot 0 yielded 50 actions at 2 s and lets no"):
+        play(waits_for_nothing(), starts=[(1.0, 5.0)])
+
+    def answers(robot):
+        yield Send(Call(sender=robot))
+        while True:
+            yield Receive()
+            yield Send(Call(sender=robot))
+
+    with pytest.raises(InvalidInputError, match=r"yielded 50 actions at 0 s and lets no time"):
+        play(answers(0), answers(1), starts=TWO)
+
+
+def test_many_actions_with_time_between_them_are_none_too_many(play, monkeypatch):
+    monkeypatch.setattr("multisrt.simulation.MOST_ACTIONS", 5)
+
+    def waits():
+        for _ in range(40):
+            yield Receive(0.1)
+        yield END
+
+    recording, _ = play(waits(), starts=[(1.0, 5.0)])
+    assert recording.footer.outcome == "complete"
+
+
 def test_a_stop_needs_a_motion_and_a_motion_a_robot_that_stands(play):
     with pytest.raises(InvalidInputError, match=r"robot 1 yielded Stop, but it stands"):
         play([END], [Stop(), END], starts=TWO)

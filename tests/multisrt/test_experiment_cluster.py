@@ -32,6 +32,12 @@ SPEC = ExperimentSpec(
 )
 
 
+@pytest.fixture(autouse=True)
+def own_temporary_files(tmp_path, monkeypatch):
+    """Have processes that are killed leave their temporary files where the tests' own go."""
+    monkeypatch.setenv("TMPDIR", str(tmp_path))
+
+
 @pytest.fixture
 def scheduler(tmp_path, ended_at_last):
     """The address of a scheduler."""

@@ -16,14 +16,13 @@ from __future__ import annotations
 import math
 import resource
 import signal
-import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from pathlib import Path
 from types import FrameType
 
 from multisrt.experiments.description import Limits
+from multisrt.experiments.memory import counted_bytes
 
 GRACE_S = 5.0
 """How much longer compiled code may compute before its process is ended."""
@@ -78,7 +77,7 @@ def within(limits: Limits) -> Iterator[None]:
     before = {number: signal.signal(number, handler) for number, handler in handlers.items()}
     allowed = {what: resource.getrlimit(what) for what in (_CPU, _DATA)}
     _set_soft(_CPU, math.ceil(time.process_time() + limits.computing_s + GRACE_S))
-    _set_soft(_DATA, _taken_bytes(_COUNTED) + limits.memory_mb * 1_000_000)
+    _set_soft(_DATA, counted_bytes() + limits.memory_mb * 1_000_000)
     try:
         signal.setitimer(signal.ITIMER_PROF, limits.computing_s, AGAIN_S)
         signal.setitimer(signal.ITIMER_REAL, spell_s, spell_s)
@@ -93,33 +92,10 @@ def within(limits: Limits) -> Iterator[None]:
             signal.signal(number, handler)
 
 
-def most_memory_mb() -> float:
-    """Give the most memory that this process has taken so far (megabytes)."""
-    most = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    return most / 1e6 if sys.platform == "darwin" else most * 1024 / 1e6
-
-
-def memory_mb() -> float:
-    """Give the memory that this process takes now (megabytes); the most so far, if none tells."""
-    return _taken_bytes(_RESIDENT) / 1e6
-
-
 _CPU, _DATA = resource.RLIMIT_CPU, resource.RLIMIT_DATA
-
-# Fields of /proc/self/statm: what is taken, and what the kernel counts towards the limit.
-_RESIDENT, _COUNTED = 1, 5
 
 
 def _set_soft(what: int, value: int) -> None:
     soft, hard = resource.getrlimit(what)
     bounds = [bound for bound in (soft, hard) if bound != resource.RLIM_INFINITY]
     resource.setrlimit(what, (min([value, *bounds]), hard))
-
-
-def _taken_bytes(field: int) -> int:
-    # What the kernel tells of this process's memory; where it does not, the most so far.
-    try:
-        pages = int(Path("/proc/self/statm").read_text().split()[field])
-    except OSError:
-        return int(most_memory_mb() * 1e6)
-    return pages * resource.getpagesize()

@@ -12,7 +12,8 @@ import msgspec
 from multisrt.environments.environment import Environment
 from multisrt.experiments.crossing import PlannedRun
 from multisrt.experiments.description import Limits
-from multisrt.experiments.limits import OverTimeError, most_memory_mb, within
+from multisrt.experiments.limits import OverTimeError, within
+from multisrt.experiments.memory import forget_most_memory, most_memory_mb
 from multisrt.experiments.results import Result, Status
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.metrics import Metrics, measure_with_curve
@@ -53,6 +54,7 @@ def make_run(
     InvalidInputError
         If the recording cannot be written; nothing is left behind.
     """
+    forget_most_memory()
     begin, computed_s = time.perf_counter(), time.process_time()
     status: Status
     recording: Recording | None = None

@@ -52,7 +52,7 @@ class Result(msgspec.Struct, frozen=True, kw_only=True):
     computing_s, wall_s : float
         What it took, of computing time and by the clock.
     memory_mb : float
-        The most that its process had taken when it ended.
+        The most that its process took while it was made; on macOS, that it took until then.
     """
 
     key: str

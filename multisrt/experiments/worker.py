@@ -31,7 +31,8 @@ import msgspec
 
 from multisrt.experiments.crossing import Condition, PlannedRun
 from multisrt.experiments.description import Limits
-from multisrt.experiments.limits import GRACE_S, memory_mb
+from multisrt.experiments.limits import GRACE_S
+from multisrt.experiments.memory import Thrift
 from multisrt.experiments.results import Provenance, Result, Status, provenance
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.spec import RunSpec
@@ -44,9 +45,6 @@ BEGINNINGS = 3
 
 LAST_WORDS_BYTES = 8192
 """How much is kept of what a worker wrote at last."""
-
-GARBAGE_MB = 100.0
-"""A worker that takes so much more than after it last did looks for garbage among all objects."""
 
 THREADS = ("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 """What libraries take for the number of their threads: a worker has one core."""
@@ -378,7 +376,7 @@ def main(modules: Sequence[str]) -> None:
     threading.Thread(target=_read, args=(jobs, lines), daemon=True).start()
     _answer(answers, _Ready(provenance()))
     decoder = msgspec.json.Decoder(Job)
-    taken_mb = memory_mb()
+    thrift = Thrift()
     while True:
         job = decoder.decode(lines.get())
         path = Path(job.recording) if job.recording else None
@@ -388,9 +386,7 @@ def main(modules: Sequence[str]) -> None:
             _answer(answers, _Unable(str(error)))
         else:
             _answer(answers, _Made(result))
-            if memory_mb() >= taken_mb + GARBAGE_MB:
-                gc.collect()
-                taken_mb = memory_mb()
+            thrift.look()
 
 
 def import_modules(modules: Sequence[str]) -> None:

@@ -3,6 +3,7 @@ import math
 import resource
 import signal
 import time
+from pathlib import Path
 
 import msgspec
 import pytest
@@ -200,7 +201,7 @@ def test_a_run_that_sleeps_is_given_up(register, monkeypatch):
     assert (result.status, result.reason) == ("over_time", "did nothing for 0.4 s")
 
 
-@pytest.mark.skipif(not limits_module.Path("/proc/self/statm").exists(), reason="Linux only")
+@pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="Linux only")
 @pytest.mark.parametrize("wrapped", [False, True])
 def test_a_run_that_takes_too_much_memory_is_given_up(register, wrapped):
     def eat():

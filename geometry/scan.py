@@ -74,6 +74,9 @@ def take_scan(
     ClearanceError, InvalidInputError
         As `visibility_polygon` and `laser_ranges`.
     """
+    # Kernels count in whole numbers what they are given in whole numbers.
+    configuration = Configuration(*map(float, configuration))
+    range_m = float(range_m)
     x, y, _ = configuration
     if beams is None:
         boundary, tags = visibility_polygon(index, x, y, range_m)

@@ -119,6 +119,8 @@ def simulate(
     InvalidInputError
         If the spec cannot be run: the world, a start, the strategy or its options.
     """
+    # Specs that are equal run alike: also one with whole numbers where others have fractions.
+    spec = spec.canonical()
     chosen = strategy(spec.strategy)
     options = chosen.parse_options(spec.options)
     chosen.require_fit(spec)

@@ -8,6 +8,7 @@ import pytest
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import ClearanceError
 from multisrt.geometry.laser import laser_ranges
+from multisrt.geometry.safe_region import local_safe_region
 from multisrt.geometry.scan import ExactScan, LaserScan, beam_spacing_rad, take_scan
 from multisrt.geometry.visibility import visibility_polygon
 
@@ -43,6 +44,17 @@ def test_scanning_inside_an_obstacle_is_an_error(worlds):
     for beams in (None, 90):
         with pytest.raises(ClearanceError):
             take_scan(index, Configuration(5.0, 5.0), 0.0, 4.0, beams)
+
+
+@pytest.mark.parametrize("beams", [None, 90])
+def test_whole_numbers_are_as_good_as_fractions(worlds, beams):
+    index = worlds.index(worlds.pillar())
+    scan = take_scan(index, Configuration(2, 5, 1), 0.0, 4, beams)
+    same = take_scan(index, Configuration(2.0, 5.0, 1.0), 0.0, 4.0, beams)
+    for shape in ("ball", "star", "radial"):
+        regions = local_safe_region(scan, shape), local_safe_region(same, shape)
+        assert np.array_equal(regions[0].boundary, regions[1].boundary)
+        assert np.array_equal(regions[0].tags, regions[1].tags)
 
 
 def test_scans_do_not_change(worlds):

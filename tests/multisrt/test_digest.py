@@ -15,6 +15,7 @@ from multisrt.simulation import simulate
 from multisrt.spec import (
     CatalogEnvironment,
     Death,
+    DriveSpec,
     FileEnvironment,
     RadioSpec,
     RangeFinderSpec,
@@ -103,6 +104,23 @@ def test_equal_specs_give_equal_bytes_in_any_process_and_order(tmp_path):
         bytes_here = (tmp_path / "here.jsonl").read_bytes()
         assert (folders[0] / f"{k}.jsonl").read_bytes() == bytes_here
         assert (folders[1] / f"{1 - k}.jsonl").read_bytes() == bytes_here
+
+
+@pytest.mark.parametrize("strategy", ["srt-star", "srt-radial", "minpos", "self-bidding"])
+def test_whole_numbers_give_the_bytes_of_fractions(strategy):
+    def spec(number):
+        seeing = RangeFinderSpec(range_m=number(4))
+        body = RobotSpec(range_finder=seeing, drive=DriveSpec(speed_m_s=number(1)))
+        return RunSpec(
+            environment=CatalogEnvironment(name="open"),
+            strategy=strategy,
+            robots=(msgspec.structs.replace(body, start=(number(3), number(3))), body),
+            radio=RadioSpec(range_m=number(20), latency_s=number(0)),
+            stop=StopRule(max_time_s=number(60)),
+        )
+
+    assert spec(int) == spec(float)
+    assert simulate(spec(int)).footer.digest == simulate(spec(float)).footer.digest
 
 
 @pytest.fixture(scope="module")

@@ -24,6 +24,7 @@ from multisrt.geometry.frontier_arcs import (
     uncovered,
 )
 from multisrt.geometry.kernel import BoolArray, FloatArray, IntArray, kernel
+from multisrt.geometry.rings import RingArrays
 
 ONE_BORDER_M: Final = 0.5 * OUTWARD_M
 """Borders of two regions within this of each other are one. Further apart than twice this, the
@@ -235,9 +236,7 @@ class ArcPieces:
         include_gaps: bool,
         neighbours: IntArray,
         ids: IntArray,
-        starts: IntArray,
-        corners: FloatArray,
-        boxes: FloatArray,
+        rings: RingArrays,
     ) -> IntArray:
         """Take in a new region; the parameters are those of `changed_pieces`.
 
@@ -254,9 +253,7 @@ class ArcPieces:
                 include_gaps,
                 neighbours,
                 ids,
-                starts,
-                corners,
-                boxes,
+                *rings,
                 self.spans,
                 self.lengths_m,
                 self.pieces,
@@ -339,6 +336,7 @@ def _take_in(
     starts: IntArray,
     corners: FloatArray,
     boxes: FloatArray,
+    stretches: FloatArray,
     spans: IntArray,
     lengths: FloatArray,
     pieces: FloatArray,
@@ -357,6 +355,7 @@ def _take_in(
         starts,
         corners,
         boxes,
+        stretches,
         spans,
         pieces,
         wholes,
@@ -378,6 +377,7 @@ def changed_pieces(
     starts: IntArray,
     corners: FloatArray,
     boxes: FloatArray,
+    stretches: FloatArray,
     spans: IntArray,
     pieces: FloatArray,
     wholes: FloatArray,
@@ -398,7 +398,7 @@ def changed_pieces(
         The regions near by, without the new one.
     ids : (n, 2) array
         The regions' ids, which have an order.
-    starts, corners, boxes
+    starts, corners, boxes, stretches
         All regions, with the new one, as `uncovered` takes them.
     spans, pieces, wholes
         What is left of their arcs, as `ArcPieces` keeps it.
@@ -413,7 +413,7 @@ def changed_pieces(
         Pieces, and the whole segment that each is of.
     """
     candidates = pieces_tagged(boundary, tags, include_gaps)
-    own, source = uncovered(candidates, starts, corners, boxes, neighbours)
+    own, source = uncovered(candidates, starts, corners, boxes, stretches, neighbours)
     own_wholes = candidates[source]
     near, earlier = _with_pieces_near(index, neighbours, ids, boxes, spans, wholes)
     theirs, their_wholes, owners = _gathered(near, spans, pieces, wholes)
@@ -426,7 +426,7 @@ def changed_pieces(
     long = in_long_arcs(own, SHORTEST_ARC_M)
     own, own_wholes = own[long], own_wholes[long]
 
-    rest, source = uncovered(their_wholes, starts, corners, boxes, np.array([index]))
+    rest, source = uncovered(their_wholes, starts, corners, boxes, stretches, np.array([index]))
     left, origin = common_pieces(theirs, their_wholes, rest, source)
     if not earlier.all():
         left_wholes = their_wholes[origin]

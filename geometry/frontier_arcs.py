@@ -13,6 +13,7 @@ import numpy as np
 
 from multisrt.geometry.boundary import GAP, OBSTACLE, TagArray
 from multisrt.geometry.kernel import BoolArray, FloatArray, IntArray, kernel
+from multisrt.geometry.rings import STRETCH, first_stretch
 
 OUTWARD_M: Final = 1e-6
 """How far outside its region a segment is asked whether another region covers it.
@@ -81,7 +82,12 @@ def pieces_tagged(boundary: FloatArray, tags: TagArray, include_gaps: bool) -> F
 
 @kernel
 def uncovered(
-    segments: FloatArray, starts: IntArray, corners: FloatArray, boxes: FloatArray, ids: IntArray
+    segments: FloatArray,
+    starts: IntArray,
+    corners: FloatArray,
+    boxes: FloatArray,
+    stretches: FloatArray,
+    ids: IntArray,
 ) -> tuple[FloatArray, IntArray]:
     """Take from segments what lies in the interior of given polygons.
 
@@ -89,12 +95,8 @@ def uncovered(
     ----------
     segments : (m, 4) array
         Directed segments, the region that they bound on their left.
-    starts : (p + 1,) array
-        Polygon k has the corners ``corners[starts[k]:starts[k + 1]]``.
-    corners : (c, 2) array
-        Corners of all polygons.
-    boxes : (p, 4) array
-        x0, y0, x1, y1 of every polygon.
+    starts, corners, boxes, stretches
+        The polygons, as `RingArrays` has them.
     ids : (k,) array
         Which polygons take from the segments.
 
@@ -125,6 +127,9 @@ def uncovered(
         ox, oy = x0 + uy * OUTWARD_M, y0 - ux * OUTWARD_M
         left, right = min(ox, ox + x1 - x0), max(ox, ox + x1 - x0)
         bottom, top = min(oy, oy + y1 - y0), max(oy, oy + y1 - y0)
+        # The corners of a box that lie farthest to the left and to the right of the segment.
+        leftmost = (0 if uy > 0.0 else 2, 3 if ux > 0.0 else 1)
+        rightmost = (2 - leftmost[0], 4 - leftmost[1])
         covered = 0
         whole = False
         for k in range(ids.shape[0]):
@@ -138,23 +143,35 @@ def uncovered(
                 continue
             # Where the polygon's boundary crosses the segment's line, in order: between the
             # first and the second crossing the line is inside, and so on.
-            first, last = starts[p], starts[p + 1]
+            start, stop = starts[p], starts[p + 1]
+            row = first_stretch(p, start)
             count = 0
-            px, py = corners[last - 1, 0] - ox, corners[last - 1, 1] - oy
-            side_p = ux * py - uy * px
-            for c in range(first, last):
-                qx, qy = corners[c, 0] - ox, corners[c, 1] - oy
-                side_q = ux * qy - uy * qx
-                if (side_p > 0.0) != (side_q > 0.0):
-                    along_p, along_q = ux * px + uy * py, ux * qx + uy * qy
-                    t = along_p + side_p / (side_p - side_q) * (along_q - along_p)
-                    z = count - 1
-                    while z >= 0 and crossings[z] > t:
-                        crossings[z + 1] = crossings[z]
-                        z -= 1
-                    crossings[z + 1] = t
-                    count += 1
-                px, py, side_p = qx, qy, side_q
+            for first in range(start, stop, STRETCH):
+                most = ux * (stretches[row, leftmost[1]] - oy) - uy * (
+                    stretches[row, leftmost[0]] - ox
+                )
+                least = ux * (stretches[row, rightmost[1]] - oy) - uy * (
+                    stretches[row, rightmost[0]] - ox
+                )
+                row += 1
+                if most <= 0.0 or least > 0.0:
+                    continue
+                before = first - 1 if first > start else stop - 1
+                px, py = corners[before, 0] - ox, corners[before, 1] - oy
+                side_p = ux * py - uy * px
+                for c in range(first, min(first + STRETCH, stop)):
+                    qx, qy = corners[c, 0] - ox, corners[c, 1] - oy
+                    side_q = ux * qy - uy * qx
+                    if (side_p > 0.0) != (side_q > 0.0):
+                        along_p, along_q = ux * px + uy * py, ux * qx + uy * qy
+                        t = along_p + side_p / (side_p - side_q) * (along_q - along_p)
+                        z = count - 1
+                        while z >= 0 and crossings[z] > t:
+                            crossings[z + 1] = crossings[z]
+                            z -= 1
+                        crossings[z + 1] = t
+                        count += 1
+                    px, py, side_p = qx, qy, side_q
             for z in range(0, count - 1, 2):
                 begin, end = max(0.0, crossings[z]), min(length, crossings[z + 1])
                 if end > begin:

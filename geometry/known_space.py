@@ -7,8 +7,6 @@ the union's border, which is what of the regions' borders lies in none of the ot
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 
@@ -16,32 +14,7 @@ from multisrt.geometry.clearance import cross_each_other, squared_distance
 from multisrt.geometry.distances import inside
 from multisrt.geometry.frontier_arcs import uncovered
 from multisrt.geometry.kernel import BoolArray, FloatArray, IntArray, kernel
-
-
-class Rings(NamedTuple):
-    """Many rings in few arrays.
-
-    Attributes
-    ----------
-    starts : (n + 1,) array of int
-        Ring k has the corners ``corners[starts[k]:starts[k + 1]]``.
-    corners : (c, 2) array
-        The corners of all, in metres, each ring counter-clockwise.
-    boxes : (n, 4) array
-        x0, y0, x1, y1 of every ring.
-    """
-
-    starts: IntArray
-    corners: FloatArray
-    boxes: FloatArray
-
-    @classmethod
-    def of(cls, boundaries: Sequence[FloatArray]) -> Rings:
-        """Put boundaries together, each ``(m, 2)``."""
-        starts = np.cumsum([0, *map(len, boundaries)])
-        corners = np.concatenate([np.empty((0, 2)), *boundaries])
-        boxes = [[*ring.min(axis=0), *ring.max(axis=0)] for ring in boundaries]
-        return cls(starts, corners, np.array(boxes).reshape(-1, 4))
+from multisrt.geometry.rings import Rings
 
 
 class KnownSpace:
@@ -70,11 +43,11 @@ class KnownSpace:
         self._rings = rings
         self._indices = indices
         self._window = window
-        self.border = _border(indices, window, *rings)
+        self.border = _border(indices, window, *rings.arrays)
 
     def holds(self, places: FloatArray) -> BoolArray:
         """Tell which places, ``(n, 2)``, lie inside, and in the window."""
-        found: BoolArray = _holds(places, self._window, self._indices, *self._rings)
+        found: BoolArray = _holds(places, self._window, self._indices, *self._rings.arrays[:3])
         return found
 
     def clearances(self, places: FloatArray, at_most_m: float) -> FloatArray:
@@ -111,6 +84,7 @@ def _border(
     starts: IntArray,
     corners: FloatArray,
     boxes: FloatArray,
+    stretches: FloatArray,
 ) -> FloatArray:
     x0, y0, x1, y1 = window
     total = 0
@@ -126,7 +100,7 @@ def _border(
                 edges[count, 0], edges[count, 1], edges[count, 2], edges[count, 3] = px, py, qx, qy
                 count += 1
             px, py = qx, qy
-    rest, _ = uncovered(edges[:count], starts, corners, boxes, indices)
+    rest, _ = uncovered(edges[:count], starts, corners, boxes, stretches, indices)
     frame = np.array([[x0, y0, x1, y0], [x1, y0, x1, y1], [x1, y1, x0, y1], [x0, y1, x0, y0]])
     return np.concatenate((rest, frame))
 

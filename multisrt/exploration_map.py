@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from bisect import insort
 from collections.abc import Iterable
-from typing import Final, NamedTuple, TypeVar
+from typing import Final, NamedTuple
 
 import numpy as np
 import shapely
@@ -14,13 +14,15 @@ from shapely.geometry.base import BaseGeometry
 
 from multisrt.entries import Closing, ClosingId, Entries, Entry, Have, Node, NodeId
 from multisrt.geometry.arc_pieces import ArcPieces
+from multisrt.geometry.arrays import grown
 from multisrt.geometry.boxes import boxes_meeting
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.frontier_arcs import arc_labels, total_length
 from multisrt.geometry.kernel import FloatArray, IntArray
-from multisrt.geometry.known_space import KnownSpace, Rings
+from multisrt.geometry.known_space import KnownSpace
 from multisrt.geometry.point_hash import PointHash
-from multisrt.geometry.raster import Raster, bounds_of
+from multisrt.geometry.raster import Raster
+from multisrt.geometry.rings import Rings
 
 __all__ = ["Closing", "ClosingId", "Entry", "ExplorationMap", "Have", "Node", "NodeId"]
 
@@ -31,7 +33,6 @@ ROUNDING_M: Final = 1e-9
 """Widths and lengths that differ by less are equal."""
 
 Box = tuple[float, float, float, float]
-Array = TypeVar("Array", FloatArray, IntArray)
 
 
 class _Frontier(NamedTuple):
@@ -102,9 +103,7 @@ class ExplorationMap:
         self._open_m: dict[NodeId, float] = {}
         self._places = PointHash(reach_m)
         self._id_rows: IntArray = np.zeros((0, 2), np.int64)
-        self._boxes: FloatArray = np.empty((0, 4))
-        self._starts: IntArray = np.zeros(1, np.int64)
-        self._corners: FloatArray = np.empty((4096, 2))
+        self._rings = Rings()
         self._raster: Raster | None = None
 
     def __len__(self) -> int:
@@ -160,9 +159,7 @@ class ExplorationMap:
             self._gaps_count,
             neighbours,
             self._id_rows,
-            self._starts,
-            self._corners,
-            self._boxes,
+            self._rings.arrays,
         )
         self._note_changed(changed.tolist())
         self._join_tree(node)
@@ -354,7 +351,7 @@ class ExplorationMap:
     @property
     def rings(self) -> Rings:
         """The boundaries of all nodes' regions, in the order of `nodes`."""
-        return Rings(self._starts, self._corners, self._boxes)
+        return self._rings
 
     def known_space(self, x: float, y: float, half_width_m: float) -> KnownSpace:
         """Give the union of the regions of all nodes inside a square window around a place."""
@@ -370,7 +367,7 @@ class ExplorationMap:
         # A square around a place, and whose regions reach into it, in the order of their ids.
         window = (x - half_width_m, y - half_width_m, x + half_width_m, y + half_width_m)
         near = self._places.within(x, y, math.sqrt(2.0) * half_width_m + self._reach)
-        near = near[boxes_meeting(self._boxes[near], np.zeros(len(near)), window)]
+        near = near[boxes_meeting(self._rings.arrays.boxes[near], np.zeros(len(near)), window)]
         return window, np.array(sorted(near.tolist(), key=self._ids.__getitem__), np.int64)
 
     def region_union(self) -> BaseGeometry:
@@ -386,21 +383,12 @@ class ExplorationMap:
         return self._raster
 
     def _store(self, node: Node) -> int:
-        index = len(self._ids)
-        if index == len(self._boxes):
+        index = self._rings.add(node.region.boundary)
+        if index == len(self._id_rows):
             count = max(64, 2 * index)
             self._arcs.make_room(count)
-            self._id_rows = _grown(self._id_rows, count)
-            self._boxes = _grown(self._boxes, count)
-            self._changed = _grown(self._changed, count)
-            self._starts = _grown(self._starts, count + 1)
-        boundary = node.region.boundary
-        first, last = self._starts[index], self._starts[index] + len(boundary)
-        if last > len(self._corners):
-            self._corners = _grown(self._corners, max(int(last), 2 * len(self._corners)))
-        self._corners[first:last] = boundary
-        self._starts[index + 1] = last
-        self._boxes[index] = bounds_of(boundary)
+            self._id_rows = grown(self._id_rows, count)
+            self._changed = grown(self._changed, count)
         self._id_rows[index] = node.id
         x, y, _ = node.configuration
         self._places.add(x, y)
@@ -412,8 +400,7 @@ class ExplorationMap:
         # The regions as shapely polygons, all made at once.
         if not len(indices):
             return np.empty(0, np.object_)
-        first, last = self._starts[indices].tolist(), self._starts[indices + 1].tolist()
-        corners = [self._corners[a:b] for a, b in zip(first, last, strict=True)]
+        corners = [self._rings.ring(index) for index in indices.tolist()]
         owners = np.repeat(np.arange(len(corners)), [len(ring) for ring in corners])
         rings = shapely.linearrings(np.concatenate(corners), indices=owners)
         return np.asarray(shapely.polygons(rings), np.object_)
@@ -488,9 +475,3 @@ class ExplorationMap:
             nodes[node_id] = length_m
         else:
             del nodes[node_id]
-
-
-def _grown(array: Array, length: int) -> Array:
-    larger = np.zeros((length, *array.shape[1:]), array.dtype)
-    larger[: len(array)] = array
-    return larger

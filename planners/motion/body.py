@@ -18,7 +18,7 @@ from multisrt.geometry.clearance import (
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.footprint import Footprint
 from multisrt.geometry.kernel import BoolArray, FloatArray, IntArray
-from multisrt.geometry.known_space import Rings
+from multisrt.geometry.rings import Rings
 from multisrt.planners.motion.room import ROUNDING_M, Room
 
 TOUCH_M = 1e-7
@@ -154,7 +154,8 @@ class PlanningBody:
         -------
         (m,) array of bool
         """
-        return disc_bridges(places, rings.corners, rings.starts, pairs, self.roomy_radius_m)
+        starts, corners, _, _ = rings.arrays
+        return disc_bridges(places, corners, starts, pairs, self.roomy_radius_m)
 
     def has_room(self, boundary: FloatArray, at: Configuration) -> bool:
         """Whether a region holds the body in any heading."""

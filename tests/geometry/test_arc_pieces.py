@@ -23,22 +23,22 @@ from multisrt.geometry.frontier_arcs import (
     frontier_candidates,
     uncovered,
 )
-from multisrt.geometry.known_space import Rings
+from multisrt.geometry.rings import Rings
 from multisrt.geometry.safe_region import local_safe_region
 from multisrt.geometry.scan import take_scan
 
 
 class Regions:
-    """Regions as the kernels take them: starts, corners, boxes; and an id for each."""
+    """Regions as the kernels take them, and an id for each."""
 
     def __init__(self, regions, ids):
         self.regions = regions
-        self.starts, self.corners, self.boxes = Rings.of([r.boundary for r in regions])
+        self.rings = Rings([r.boundary for r in regions])
         self.ids = np.asarray(ids)
 
     def uncovered(self, segments, ids):
         ids = np.asarray(ids, np.int64)
-        return uncovered(segments, self.starts, self.corners, self.boxes, ids)
+        return uncovered(segments, *self.rings.arrays, ids)
 
     def candidates(self, index):
         return frontier_candidates(self.regions[index].boundary, self.regions[index].tags)
@@ -53,9 +53,7 @@ class Regions:
             True,
             np.arange(index),
             self.ids,
-            self.starts,
-            self.corners,
-            self.boxes,
+            self.rings.arrays,
         )
 
 

@@ -15,17 +15,17 @@ from multisrt.geometry.frontier_arcs import (
     total_length,
     uncovered,
 )
-from multisrt.geometry.known_space import Rings
+from multisrt.geometry.rings import Rings
 from multisrt.geometry.safe_region import local_safe_region
 from multisrt.geometry.scan import take_scan
 
 R = 4.0
 
 
-def regions(worlds, free, places, shape="radial", range_m=R):
+def regions(worlds, free, places, shape="radial", range_m=R, beams=None):
     index = worlds.index(free, range_m)
     return [
-        local_safe_region(take_scan(index, Configuration(x, y), 0.0, range_m), shape)
+        local_safe_region(take_scan(index, Configuration(x, y), 0.0, range_m, beams), shape)
         for x, y in np.asarray(places).tolist()
     ]
 
@@ -35,7 +35,7 @@ def take(segments, polygons, ids=None):
     if not polygons:
         return segments
     ids = np.arange(len(polygons)) if ids is None else np.asarray(ids, np.int64)
-    rest, _ = uncovered(segments, *Rings.of(polygons), ids)
+    rest, _ = uncovered(segments, *Rings(polygons).arrays, ids)
     return rest
 
 
@@ -104,7 +104,7 @@ def test_a_square_takes_what_lies_in_it_by_hand(segment, left):
 
 def test_what_is_left_keeps_its_order_and_its_source():
     segments = np.array([[-1.0, 1, 3, 1], [0.5, 1, 1.5, 1], [-1, 1.5, 3, 1.5]])
-    rest, source = uncovered(segments, *Rings.of([SQUARE]), np.array([0]))
+    rest, source = uncovered(segments, *Rings([SQUARE]).arrays, np.array([0]))
     assert source.tolist() == [0, 0, 2, 2]
     assert rest[:, 0] == pytest.approx([-1, 2, -1, 2])
 
@@ -114,12 +114,12 @@ def test_the_order_of_the_polygons_makes_no_difference(worlds):
     known = [r.boundary for r in regions(worlds, free, worlds.viewpoints(free, 12, seed=44))]
     segments = np.hstack([known[0], np.roll(known[0], -1, axis=0)])
     others = np.arange(1, len(known))
-    rest, source = uncovered(segments, *Rings.of(known), others)
+    rest, source = uncovered(segments, *Rings(known).arrays, others)
     assert 0 < len(np.unique(source)) < len(segments)
     for seed in range(20):
         order = np.random.default_rng(seed).permutation(others)
         asked = order.copy()
-        again, again_source = uncovered(segments, *Rings.of(known), order)
+        again, again_source = uncovered(segments, *Rings(known).arrays, order)
         assert np.array_equal(again, rest)
         assert np.array_equal(again_source, source)
         assert np.array_equal(order, asked)
@@ -152,10 +152,10 @@ def test_a_frontier_collinear_with_a_neighbours_gap_is_kept(worlds):
 
 
 @pytest.mark.parametrize("name", ["rooms", "office", "clutter"])
-@pytest.mark.parametrize("shape", ["radial", "star"])
-def test_arcs_equal_shapely_away_from_degenerate_places(worlds, name, shape):
+@pytest.mark.parametrize(("shape", "beams"), [("radial", None), ("star", None), ("radial", 360)])
+def test_arcs_equal_shapely_away_from_degenerate_places(worlds, name, shape, beams):
     free = worlds.WORLDS[name]()
-    known = regions(worlds, free, worlds.viewpoints(free, 14, seed=41), shape)
+    known = regions(worlds, free, worlds.viewpoints(free, 14, seed=41), shape, beams=beams)
     lengths = 0.0
     for i, region in enumerate(known):
         others = known[:i] + known[i + 1 :]
@@ -185,7 +185,7 @@ def test_arcs_by_dense_sampling(worlds, name):
         for polygon in polygons:
             seen |= shapely.contains_xy(polygon, points[:, 0], points[:, 1])
         rest, source = uncovered(
-            candidates, *Rings.of([o.boundary for o in others]), np.arange(len(others))
+            candidates, *Rings([o.boundary for o in others]).arrays, np.arange(len(others))
         )
         for k in range(len(candidates)):
             mine = owner == k

@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 from shapely import LineString, Point, box
 
 from multisrt.geometry.configuration import Configuration
-from multisrt.geometry.known_space import KnownSpace, Rings
+from multisrt.geometry.known_space import KnownSpace
+from multisrt.geometry.rings import Rings
 from multisrt.geometry.safe_region import local_safe_region
 from multisrt.geometry.scan import take_scan
 
@@ -21,7 +22,7 @@ CLOSE_M = 1e-3
 
 def space(polygons, window=WINDOW):
     rings = [np.array(shapely.orient_polygons(p).exterior.coords)[:-1] for p in polygons]
-    return KnownSpace(Rings.of(rings), np.arange(len(rings)), window)
+    return KnownSpace(Rings(rings), np.arange(len(rings)), window)
 
 
 def union(polygons, window=WINDOW):
@@ -138,7 +139,7 @@ def test_beyond_the_window_nothing_is_known():
 
 
 def test_nothing_known_holds_nothing():
-    known = KnownSpace(Rings.of([]), np.empty(0, np.int64), WINDOW)
+    known = KnownSpace(Rings([]), np.empty(0, np.int64), WINDOW)
     assert not known.holds(np.array([[3.0, 3.0]]))[0]
     assert len(known.border) == 4
 

@@ -458,8 +458,7 @@ def test_pairs_are_with_nodes_known_before_in_the_order_of_their_ids():
     assert known.pairs_near(4, 2.0).tolist() == []
     assert known.places.tolist() == [[n.configuration.x, n.configuration.y] for n in known.nodes]
     for number, each in enumerate(known.nodes):
-        first_corner, end = known.rings.starts[number : number + 2]
-        assert (known.rings.corners[first_corner:end] == each.region.boundary).all()
+        assert (known.rings.ring(number) == each.region.boundary).all()
 
 
 def test_the_raster_is_the_same_painted_at_once_or_by_and_by(rooms):

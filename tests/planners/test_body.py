@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.footprint import Footprint
-from multisrt.geometry.known_space import Rings
+from multisrt.geometry.rings import Rings
 from multisrt.planners.motion.body import HAIR_M, TOUCH_M, PlanningBody
 
 
@@ -134,7 +134,7 @@ def test_a_bridge_goes_on_in_the_region_of_its_end_from_where_that_of_its_beginn
         ]
         rings = [ring(max(shapely.get_parts(region), key=shapely.area)) for region in regions]
         pairs = np.array([(0, k) for k in range(1, len(places))] + [(9, 3), (3, 9)])
-        joined = body.bridges(places, Rings.of(rings), pairs)
+        joined = body.bridges(places, Rings(rings), pairs)
         for (a, b), is_joined in zip(pairs.tolist(), joined, strict=True):
             onwards = body.disc_reach(rings[a], *places[a], *places[b])
             back = body.disc_reach(rings[b], *places[b], *places[a])

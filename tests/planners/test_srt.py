@@ -21,7 +21,8 @@ from multisrt.geometry.edge_index import EdgeIndex
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.footprint import Footprint
 from multisrt.geometry.frontier_arcs import arc_labels, frontier_candidates
-from multisrt.geometry.known_space import KnownSpace, Rings
+from multisrt.geometry.known_space import KnownSpace
+from multisrt.geometry.rings import Rings
 from multisrt.geometry.safe_region import LocalSafeRegion, local_safe_region
 from multisrt.geometry.scan import take_scan
 from multisrt.planners.motion.body import PlanningBody
@@ -307,7 +308,7 @@ def viewing_place(arc, free, range_m, nodes, *leads, window=(-1.0, -1.0, 9.0, 9.
     """Where the arc can be seen from, if what is known is pieces that meet along lines."""
     pieces = shapely.get_parts(shapely.constrained_delaunay_triangles(free))
     rings = [np.array(shapely.orient_polygons(piece).exterior.coords)[:-1] for piece in pieces]
-    known = KnownSpace(Rings.of(rings), np.arange(len(rings)), window)
+    known = KnownSpace(Rings(rings), np.arange(len(rings)), window)
     return planner().viewing_place(arc, known, range_m, nodes, *leads)
 
 

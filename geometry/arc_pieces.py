@@ -11,6 +11,7 @@ from typing import Final
 
 import numpy as np
 
+from multisrt.geometry.arrays import grown
 from multisrt.geometry.boundary import TagArray
 from multisrt.geometry.frontier_arcs import (
     OUTWARD_M,
@@ -216,7 +217,7 @@ class ArcPieces:
     def make_room(self, count: int) -> None:
         """Have room for so many regions; the new ones have nothing."""
         more = count - len(self.spans)
-        self.spans = np.concatenate([self.spans, np.zeros((more, 4), np.int64)])
+        self.spans = grown(self.spans, count)
         self.lengths_m = np.concatenate([self.lengths_m, np.full((more, 2), -1.0)])
 
     def left(self, index: int) -> tuple[FloatArray, FloatArray]:

@@ -3,12 +3,13 @@
 import sys
 from itertools import chain
 
-from benchmarks import frontier, kernels, team, throughput
+from benchmarks import frontier, kernels, machine, team, throughput
 from benchmarks.harness import show
 
 
 def main() -> None:
     """Measure the kernels, then teams of either family, then whole experiments."""
+    print(machine.account(), flush=True)
     claims = chain(kernels.claims(), team.claims(), frontier.claims(), throughput.claims())
     all_met = show(claims)
     # All figures are printed, whether the first are good or not.

@@ -134,6 +134,7 @@ def decide(
     """
     team, here = robot.team, robot.here
     assert here is not None
+    frontier_m = total_length(frontier)
     if team.waited >= MOST_WAITS:
         robot.target = None
     if team.troubles >= MOST_TRIES:
@@ -154,7 +155,7 @@ def decide(
                 time_s=robot.time_s,
                 robot=team.number,
                 node=here,
-                frontier_m=total_length(frontier),
+                frontier_m=frontier_m,
                 choice=choice,
                 target=place_of(robot, target),
                 draws=draws.drawn,
@@ -171,7 +172,7 @@ def decide(
         target = robot.past_here(target)
     robot.target = target
     seeks = isinstance(target, NewPlace)
-    step = None if target is None else robot.step_to(target, total_length(frontier) * seeks)
+    step = None if target is None else robot.step_to(target, frontier_m * seeks)
     if not team.is_alone:
         team.path = ((0.0, *robot.q_act),) if step is None else path_of(step.motion)
         team.frontier_m = 0.0 if step is None else step.frontier_m

@@ -646,8 +646,11 @@ def _set_free(
         for i in range(starts[k], starts[k + 1] - 1, 2):
             begin = int(np.ceil(crossings[i] / cell + OFFSET - 0.5)) - column
             end = int(np.ceil(crossings[i + 1] / cell + OFFSET - 0.5)) - column
+            begin, end = max(0, begin), min(columns, end)
+            if _all_are_known(cells[r, begin:end]):
+                continue
             first, last = columns, -1
-            for c in range(max(0, begin), min(columns, end)):
+            for c in range(begin, end):
                 if cells[r, c] == UNKNOWN:
                     cells[r, c] = FREE
                     passable[r, c] = not marks[r, c] & NEAR
@@ -659,23 +662,41 @@ def _set_free(
     return new
 
 
+@inlined_kernel
+def _all_are_known(cells: NDArray[np.uint8]) -> bool:
+    # Without a branch for each cell.
+    unknown = False
+    for cell in cells:
+        unknown |= cell == UNKNOWN
+    return not unknown
+
+
 @kernel
 def _mark_frontier(changed: IntArray, cells: NDArray[np.uint8], marks: NDArray[np.uint8]) -> None:
     # In the window of the changes and one cell around it. Outside the array nothing is known.
     rows, columns = cells.shape
+    first, end = max(0, changed[2] - 1), min(columns, changed[3] + 2)
+    nothing = np.zeros(columns, np.uint8)
     for r in range(max(0, changed[0] - 1), min(rows, changed[1] + 2)):
-        for c in range(max(0, changed[2] - 1), min(columns, changed[3] + 2)):
-            is_frontier = cells[r, c] == FREE and (
-                r == 0
-                or cells[r - 1, c] == UNKNOWN
-                or c == 0
-                or cells[r, c - 1] == UNKNOWN
-                or c + 1 == columns
-                or cells[r, c + 1] == UNKNOWN
-                or r + 1 == rows
-                or cells[r + 1, c] == UNKNOWN
-            )
-            marks[r, c] = (marks[r, c] & ~FRONTIER) | (FRONTIER if is_frontier else 0)
+        below = cells[r - 1] if r > 0 else nothing
+        above = cells[r + 1] if r + 1 < rows else nothing
+        for c in (0, columns - 1):
+            if first <= c < end:
+                marks[r, c] = _with_frontier(marks[r, c], cells[r, c], UNKNOWN)
+        c0, c1 = max(first, 1), min(end, columns - 1)
+        # Slices: so there is no branch for each cell.
+        here, held = cells[r, c0:c1], marks[r, c0:c1]
+        left, right = cells[r, c0 - 1 : c1 - 1], cells[r, c0 + 1 : c1 + 1]
+        below, above = below[c0:c1], above[c0:c1]
+        for i in range(held.shape[0]):
+            least = min(min(left[i], right[i]), min(below[i], above[i]))
+            held[i] = _with_frontier(held[i], here[i], least)
+
+
+@inlined_kernel
+def _with_frontier(marks: int, cell: int, least_around: int) -> int:
+    is_frontier = (cell == FREE) & (least_around == UNKNOWN)
+    return (marks & ~FRONTIER) | (FRONTIER if is_frontier else 0)
 
 
 @kernel

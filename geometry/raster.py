@@ -222,17 +222,47 @@ def paint_polygon(
     int
         How many cells were not marked before.
     """
-    rows, columns = cells.shape
-    first_row, starts, crossings = row_crossings(boundary, y0, cell, 0, rows - 1)
     new = 0
+    for row, begin, end in runs_inside(boundary, x0, y0, cell, *cells.shape):
+        # A slice: so there is no branch for each cell.
+        run = cells[row, begin:end]
+        for i in range(run.shape[0]):
+            new += not run[i]
+        run[:] = True
+    return new
+
+
+@kernel
+def runs_inside(
+    boundary: FloatArray, x0: float, y0: float, cell: float, rows: int, columns: int
+) -> NDArray[np.int32]:
+    """Find the cells whose centre lies inside a polygon, by the even-odd rule, row by row.
+
+    Parameters
+    ----------
+    boundary : (n, 2) array
+        Corners of the polygon.
+    x0, y0, cell : float
+        Lower left corner of the grid and width of its cells.
+    rows, columns : int
+        How many the grid has.
+
+    Returns
+    -------
+    (k, 3) array
+        Runs of cells: row, first column, column after the last.
+    """
+    first_row, starts, crossings = row_crossings(boundary, y0, cell, 0, rows - 1)
+    runs = np.empty((crossings.shape[0] // 2, 3), np.int32)
+    count = 0
     for r in range(starts.shape[0] - 1):
         for i in range(starts[r], starts[r + 1] - 1, 2):
             begin = max(0, int(np.ceil((crossings[i] - x0) / cell - 0.5)))
-            end = min(columns - 1, int(np.ceil((crossings[i + 1] - x0) / cell - 0.5)) - 1)
-            for c in range(begin, end + 1):
-                new += 0 if cells[first_row + r, c] else 1
-                cells[first_row + r, c] = True
-    return new
+            end = min(columns, int(np.ceil((crossings[i + 1] - x0) / cell - 0.5)))
+            if begin < end:
+                runs[count, 0], runs[count, 1], runs[count, 2] = first_row + r, begin, end
+                count += 1
+    return runs[:count].copy()
 
 
 @kernel

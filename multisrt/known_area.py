@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from multisrt.events import Died, Learned, NodeAdded, NodeName
 from multisrt.geometry.kernel import FloatArray, IntArray, kernel
-from multisrt.geometry.raster import Raster, bounds_of, paint_polygon
+from multisrt.geometry.raster import Raster, bounds_of, runs_inside
 from multisrt.recording import Recording
 
 CELL_M = 0.1
@@ -144,30 +144,15 @@ class _Areas:
 
 @kernel
 def _runs(boundary: FloatArray, x0: float, y0: float, cell: float) -> NDArray[np.int32]:
-    # The cells of a polygon as (row, first column, last column).
+    # The cells of a polygon in the grid as (row, first column, column after the last).
     low_x, low_y, high_x, high_y = bounds_of(boundary)
     column, row = int((low_x - x0) / cell), int((low_y - y0) / cell)
-    cells = np.zeros(
-        (int((high_y - y0) / cell) + 1 - row, int((high_x - x0) / cell) + 1 - column), np.bool_
-    )
-    paint_polygon(boundary, x0 + column * cell, y0 + row * cell, cell, cells)
-    count = 0
-    for r in range(cells.shape[0]):
-        inside = False
-        for c in range(cells.shape[1]):
-            count += cells[r, c] and not inside
-            inside = cells[r, c]
-    runs = np.empty((count, 3), np.int32)
-    count = 0
-    for r in range(cells.shape[0]):
-        inside = False
-        for c in range(cells.shape[1]):
-            if cells[r, c] and not inside:
-                runs[count, 0], runs[count, 1] = row + r, column + c
-                count += 1
-            inside = cells[r, c]
-            if inside:
-                runs[count - 1, 2] = column + c
+    rows, columns = int((high_y - y0) / cell) + 1 - row, int((high_x - x0) / cell) + 1 - column
+    runs = runs_inside(boundary, x0 + column * cell, y0 + row * cell, cell, rows, columns)
+    for k in range(runs.shape[0]):
+        runs[k, 0] += row
+        runs[k, 1] += column
+        runs[k, 2] += column
     return runs
 
 
@@ -176,7 +161,7 @@ def _share(runs: NDArray[np.int32], owner: int, owners: NDArray[np.int32], alone
     # One robot gets to know cells, or several do.
     for k in range(runs.shape[0]):
         row = runs[k, 0]
-        for column in range(runs[k, 1], runs[k, 2] + 1):
+        for column in range(runs[k, 1], runs[k, 2]):
             before = owners[row, column]
             if before in (owner, SEVERAL):
                 continue

@@ -17,7 +17,14 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from multisrt.geometry.kernel import BoolArray, FloatArray, IntArray, inlined_kernel, kernel
+from multisrt.geometry.kernel import (
+    BoolArray,
+    FloatArray,
+    IntArray,
+    index,
+    inlined_kernel,
+    kernel,
+)
 
 EXACT_CELLS: Final = 10
 """Cells in sight of a source and no further from it than this start with their exact distance.
@@ -95,8 +102,9 @@ def march(
     at_rim : bool
         Whether the next cell lies on the rim.
     """
+    one, across = index(1), index(width)
     while held > 0 and remaining != 0:
-        u, value = heap[1], keys[1]
+        u, value = index(heap[1]), keys[1]
         if value > limit:
             return held, count, False
         if marks[u] != 0:
@@ -107,11 +115,10 @@ def march(
         state[u], distance[u] = ACCEPTED, value
         places[u], order[count] = count, u
         count += 1
-        for step in (1, -1, width, -width):
-            v = u + step
+        for v in (u + one, u - one, u + across, u - across):
             if state[v] == FREE or state[v] == EXACT:
-                value = _upwind(distance, v, width)
-                if _is_lower(value, keys[places[v]], state[v]):
+                value = _upwind(distance, v, across)
+                if _is_lower(value, keys[index(places[v])], state[v]):
                     state[v] = FREE
                     held = push(heap, keys, places, held, value, v)
     return held, count, False
@@ -211,7 +218,7 @@ def _is_lower(value: float, own: float, state: int) -> bool:
 @inlined_kernel
 def _upwind(distance: FloatArray, v: int, width: int) -> float:
     # Solve sum over the axes of weight * (value - base)^2 = 1 with the accepted cells upwind.
-    base_x, weight_x = _one_sided(distance, v, 1)
+    base_x, weight_x = _one_sided(distance, v, index(1))
     base_y, weight_y = _one_sided(distance, v, width)
     if base_x < np.inf and base_y < np.inf:
         a = weight_x + weight_y
@@ -231,8 +238,8 @@ def _one_sided(distance: FloatArray, v: int, step: int) -> tuple[float, float]:
     # The difference along one axis as sqrt(weight) * (value - base); base inf if none is known.
     # Choices instead of branches: which neighbours are known nobody can predict.
     before, after = distance[v - step], distance[v + step]
-    toward = step if after < before else -step
-    nearest, second = min(before, after), distance[v + 2 * toward]
+    beyond = v + step + step if after < before else v - step - step
+    nearest, second = min(before, after), distance[beyond]
     of_second_order = second <= nearest and second < np.inf
     base = (4.0 * nearest - second) / 3.0 if of_second_order else nearest
     return base, 2.25 if of_second_order else 1.0
@@ -360,7 +367,7 @@ def _relive(
                 w = v + away * step
                 by_then = state[w] == ACCEPTED and places[w] <= rank
                 around[12 + away * here] = distance[w] if by_then else np.inf
-        value = _upwind(around, 12, 5)
+        value = _upwind(around, index(12), index(5))
         if _is_lower(value, keys[places[v]], state[v]):
             state[v] = FREE
             held = push(heap, keys, places, held, value, v)
@@ -411,18 +418,19 @@ def push(
     the cells' numbers, so that the order in which cells leave does not depend on how they came.
     Returns how many cells it holds.
     """
-    i = int(places[cell])
+    one, new = index(1), index(cell)
+    i = index(places[new])
     if i == 0:
         held += 1
-        i = held
+        i = index(held)
     while i > 1:
-        parent = i >> 1
-        above = heap[parent]
-        if keys[parent] <= key and (keys[parent] < key or above < cell):
+        parent = i >> one
+        above = index(heap[parent])
+        if keys[parent] <= key and (keys[parent] < key or above < new):
             break
         heap[i], keys[i], places[above] = above, keys[parent], i
         i = parent
-    heap[i], keys[i], places[cell] = cell, key, i
+    heap[i], keys[i], places[new] = new, key, i
     return held
 
 
@@ -436,20 +444,20 @@ def drop_first(
     """
     # The hole at the top goes down to the bottom along the smaller children, without a branch
     # to mispredict; there the last cell, which has one of the largest values, is near its place.
-    last, key = heap[held], keys[held]
+    one, last, key = index(1), index(heap[held]), keys[held]
     held -= 1
-    i, child = 1, 2
-    while child < held:
-        left, right = keys[child], keys[child + 1]
+    i, child, bottom = index(1), index(2), index(held)
+    while child < bottom:
+        left, right = keys[child], keys[child + one]
         if left == right:
-            child += 1 if heap[child + 1] < heap[child] else 0
+            child += one if heap[child + one] < heap[child] else index(0)
         else:
-            child += 1 if right < left else 0
-        below = heap[child]
+            child += one if right < left else index(0)
+        below = index(heap[child])
         heap[i], keys[i], places[below] = below, keys[child], i
-        i, child = child, 2 * child
-    if child == held:
-        below = heap[child]
+        i, child = child, child + child
+    if child == bottom:
+        below = index(heap[child])
         heap[i], keys[i], places[below] = below, keys[child], i
         i = child
     if held > 0:

@@ -5,16 +5,24 @@ lock, and never use fast-math, whose results depend on the machine.
 """
 
 from collections.abc import Callable
-from typing import ParamSpec, TypeVar
+from typing import ParamSpec, TypeVar, cast
 
 import numba
+import numpy as np
 
 from multisrt.geometry.arrays import BoolArray, FloatArray, IntArray
 
-__all__ = ["BoolArray", "FloatArray", "IntArray", "inlined_kernel", "kernel"]
+__all__ = ["BoolArray", "FloatArray", "IntArray", "index", "inlined_kernel", "kernel"]
 
 P = ParamSpec("P")
 R = TypeVar("R")
+
+index = cast(Callable[[int], int], np.uint64)
+"""Makes a number an unsigned index for a loop where each instruction counts.
+
+A signed one that is negative counts from an array's end, and each access asks for that. What is
+added to an unsigned one has to be unsigned, too, or the sum is no integer.
+"""
 
 
 def kernel(function: Callable[P, R]) -> Callable[P, R]:

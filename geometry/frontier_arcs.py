@@ -12,7 +12,7 @@ from typing import Final
 import numpy as np
 
 from multisrt.geometry.boundary import GAP, OBSTACLE, TagArray
-from multisrt.geometry.kernel import BoolArray, FloatArray, IntArray, kernel
+from multisrt.geometry.kernel import BoolArray, FloatArray, IntArray, index, kernel
 from multisrt.geometry.rings import STRETCH, first_stretch
 
 OUTWARD_M: Final = 1e-6
@@ -128,12 +128,12 @@ def uncovered(
         left, right = min(ox, ox + x1 - x0), max(ox, ox + x1 - x0)
         bottom, top = min(oy, oy + y1 - y0), max(oy, oy + y1 - y0)
         # The corners of a box that lie farthest to the left and to the right of the segment.
-        leftmost = (0 if uy > 0.0 else 2, 3 if ux > 0.0 else 1)
-        rightmost = (2 - leftmost[0], 4 - leftmost[1])
+        leftmost = (index(0 if uy > 0.0 else 2), index(3 if ux > 0.0 else 1))
+        rightmost = (index(2) - leftmost[0], index(4) - leftmost[1])
         covered = 0
         whole = False
         for k in range(ids.shape[0]):
-            p = ids[k]
+            p = index(ids[k])
             if (
                 boxes[p, 0] > right
                 or boxes[p, 2] < left
@@ -143,24 +143,24 @@ def uncovered(
                 continue
             # Where the polygon's boundary crosses the segment's line, in order: between the
             # first and the second crossing the line is inside, and so on.
-            start, stop = starts[p], starts[p + 1]
-            row = first_stretch(p, start)
+            ring = corners[starts[p] : starts[p + index(1)]]
+            row = index(first_stretch(ids[k], starts[p]))
             count = 0
-            for first in range(start, stop, STRETCH):
+            for first in range(0, ring.shape[0], STRETCH):
                 most = ux * (stretches[row, leftmost[1]] - oy) - uy * (
                     stretches[row, leftmost[0]] - ox
                 )
                 least = ux * (stretches[row, rightmost[1]] - oy) - uy * (
                     stretches[row, rightmost[0]] - ox
                 )
-                row += 1
+                row += index(1)
                 if most <= 0.0 or least > 0.0:
                     continue
-                before = first - 1 if first > start else stop - 1
-                px, py = corners[before, 0] - ox, corners[before, 1] - oy
+                # Before the first corner comes the last one: the index -1.
+                px, py = ring[first - 1, 0] - ox, ring[first - 1, 1] - oy
                 side_p = ux * py - uy * px
-                for c in range(first, min(first + STRETCH, stop)):
-                    qx, qy = corners[c, 0] - ox, corners[c, 1] - oy
+                for c in range(first, min(first + STRETCH, ring.shape[0])):
+                    qx, qy = ring[c, 0] - ox, ring[c, 1] - oy
                     side_q = ux * qy - uy * qx
                     if (side_p > 0.0) != (side_q > 0.0):
                         along_p, along_q = ux * px + uy * py, ux * qx + uy * qy

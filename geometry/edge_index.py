@@ -6,7 +6,7 @@ import numpy as np
 
 from multisrt.geometry.clearance import cross_each_other, squared_distance
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.geometry.kernel import FloatArray, IntArray, kernel
+from multisrt.geometry.kernel import FloatArray, IntArray, kernel, unsigned
 
 MAX_CELLS = 4_000_000
 """A grid never has more cells than this; its cells are made larger instead."""
@@ -156,7 +156,7 @@ def edges_within(
             if dx * dx + dy * dy > radius * radius:
                 continue
             for k in range(bins[i * rows + j], bins[i * rows + j + 1]):
-                e = bins[k]
+                e = unsigned(bins[k])
                 if stamps[e] != query:
                     stamps[e] = query
                     found[count] = e
@@ -216,7 +216,7 @@ def winding_number(
     winding = 0
     for i in range(int(min(max(0.0, np.floor((x - x0) / cell)), float(columns))), columns):
         for k in range(bins[i * rows + j], bins[i * rows + j + 1]):
-            e = bins[k]
+            e = unsigned(bins[k])
             if stamps[e] == query:
                 continue
             stamps[e] = query

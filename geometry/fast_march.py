@@ -21,9 +21,9 @@ from multisrt.geometry.kernel import (
     BoolArray,
     FloatArray,
     IntArray,
-    index,
     inlined_kernel,
     kernel,
+    unsigned,
 )
 
 EXACT_CELLS: Final = 10
@@ -102,9 +102,9 @@ def march(
     at_rim : bool
         Whether the next cell lies on the rim.
     """
-    one, across = index(1), index(width)
+    one, across = unsigned(1), unsigned(width)
     while held > 0 and remaining != 0:
-        u, value = index(heap[1]), keys[1]
+        u, value = unsigned(heap[1]), keys[1]
         if value > limit:
             return held, count, False
         if marks[u] != 0:
@@ -118,7 +118,7 @@ def march(
         for v in (u + one, u - one, u + across, u - across):
             if state[v] == FREE or state[v] == EXACT:
                 value = _upwind(distance, v, across)
-                if _is_lower(value, keys[index(places[v])], state[v]):
+                if _is_lower(value, keys[unsigned(places[v])], state[v]):
                     state[v] = FREE
                     held = push(heap, keys, places, held, value, v)
     return held, count, False
@@ -218,7 +218,7 @@ def _is_lower(value: float, own: float, state: int) -> bool:
 @inlined_kernel
 def _upwind(distance: FloatArray, v: int, width: int) -> float:
     # Solve sum over the axes of weight * (value - base)^2 = 1 with the accepted cells upwind.
-    base_x, weight_x = _one_sided(distance, v, index(1))
+    base_x, weight_x = _one_sided(distance, v, unsigned(1))
     base_y, weight_y = _one_sided(distance, v, width)
     if base_x < np.inf and base_y < np.inf:
         a = weight_x + weight_y
@@ -367,7 +367,7 @@ def _relive(
                 w = v + away * step
                 by_then = state[w] == ACCEPTED and places[w] <= rank
                 around[12 + away * here] = distance[w] if by_then else np.inf
-        value = _upwind(around, index(12), index(5))
+        value = _upwind(around, unsigned(12), unsigned(5))
         if _is_lower(value, keys[places[v]], state[v]):
             state[v] = FREE
             held = push(heap, keys, places, held, value, v)
@@ -418,14 +418,14 @@ def push(
     the cells' numbers, so that the order in which cells leave does not depend on how they came.
     Returns how many cells it holds.
     """
-    one, new = index(1), index(cell)
-    i = index(places[new])
+    one, new = unsigned(1), unsigned(cell)
+    i = unsigned(places[new])
     if i == 0:
         held += 1
-        i = index(held)
+        i = unsigned(held)
     while i > 1:
         parent = i >> one
-        above = index(heap[parent])
+        above = unsigned(heap[parent])
         if keys[parent] <= key and (keys[parent] < key or above < new):
             break
         heap[i], keys[i], places[above] = above, keys[parent], i
@@ -444,20 +444,20 @@ def drop_first(
     """
     # The hole at the top goes down to the bottom along the smaller children, without a branch
     # to mispredict; there the last cell, which has one of the largest values, is near its place.
-    one, last, key = index(1), index(heap[held]), keys[held]
+    one, last, key = unsigned(1), unsigned(heap[held]), keys[held]
     held -= 1
-    i, child, bottom = index(1), index(2), index(held)
+    i, child, bottom = unsigned(1), unsigned(2), unsigned(held)
     while child < bottom:
         left, right = keys[child], keys[child + one]
         if left == right:
-            child += one if heap[child + one] < heap[child] else index(0)
+            child += one if heap[child + one] < heap[child] else unsigned(0)
         else:
-            child += one if right < left else index(0)
-        below = index(heap[child])
+            child += one if right < left else unsigned(0)
+        below = unsigned(heap[child])
         heap[i], keys[i], places[below] = below, keys[child], i
         i, child = child, child + child
     if child == bottom:
-        below = index(heap[child])
+        below = unsigned(heap[child])
         heap[i], keys[i], places[below] = below, keys[child], i
         i = child
     if held > 0:

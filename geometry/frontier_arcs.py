@@ -12,7 +12,7 @@ from typing import Final
 import numpy as np
 
 from multisrt.geometry.boundary import GAP, OBSTACLE, TagArray
-from multisrt.geometry.kernel import BoolArray, FloatArray, IntArray, index, kernel
+from multisrt.geometry.kernel import BoolArray, FloatArray, IntArray, kernel, unsigned
 from multisrt.geometry.rings import STRETCH, first_stretch
 
 OUTWARD_M: Final = 1e-6
@@ -128,12 +128,12 @@ def uncovered(
         left, right = min(ox, ox + x1 - x0), max(ox, ox + x1 - x0)
         bottom, top = min(oy, oy + y1 - y0), max(oy, oy + y1 - y0)
         # The corners of a box that lie farthest to the left and to the right of the segment.
-        leftmost = (index(0 if uy > 0.0 else 2), index(3 if ux > 0.0 else 1))
-        rightmost = (index(2) - leftmost[0], index(4) - leftmost[1])
+        leftmost = (unsigned(0 if uy > 0.0 else 2), unsigned(3 if ux > 0.0 else 1))
+        rightmost = (unsigned(2) - leftmost[0], unsigned(4) - leftmost[1])
         covered = 0
         whole = False
         for k in range(ids.shape[0]):
-            p = index(ids[k])
+            p = unsigned(ids[k])
             if (
                 boxes[p, 0] > right
                 or boxes[p, 2] < left
@@ -143,8 +143,8 @@ def uncovered(
                 continue
             # Where the polygon's boundary crosses the segment's line, in order: between the
             # first and the second crossing the line is inside, and so on.
-            ring = corners[starts[p] : starts[p + index(1)]]
-            row = index(first_stretch(ids[k], starts[p]))
+            ring = corners[starts[p] : starts[p + unsigned(1)]]
+            row = unsigned(first_stretch(ids[k], starts[p]))
             count = 0
             for first in range(0, ring.shape[0], STRETCH):
                 most = ux * (stretches[row, leftmost[1]] - oy) - uy * (
@@ -153,7 +153,7 @@ def uncovered(
                 least = ux * (stretches[row, rightmost[1]] - oy) - uy * (
                     stretches[row, rightmost[0]] - ox
                 )
-                row += index(1)
+                row += unsigned(1)
                 if most <= 0.0 or least > 0.0:
                     continue
                 # Before the first corner comes the last one: the index -1.

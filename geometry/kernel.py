@@ -12,12 +12,12 @@ import numpy as np
 
 from multisrt.geometry.arrays import BoolArray, FloatArray, IntArray
 
-__all__ = ["BoolArray", "FloatArray", "IntArray", "index", "inlined_kernel", "kernel"]
+__all__ = ["BoolArray", "FloatArray", "IntArray", "inlined_kernel", "kernel", "unsigned"]
 
 P = ParamSpec("P")
 R = TypeVar("R")
 
-index = cast(Callable[[int], int], np.uint64)
+unsigned = cast(Callable[[int], int], np.uint64)
 """Makes a number an unsigned index for a loop where each instruction counts.
 
 A signed one that is negative counts from an array's end, and each access asks for that. What is

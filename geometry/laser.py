@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from multisrt.geometry.edge_index import EdgeIndex, edges_within
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.geometry.kernel import FloatArray, kernel
+from multisrt.geometry.kernel import FloatArray, kernel, unsigned
 from multisrt.geometry.viewpoint import (
     MAX_RANGE_M,
     MIN_CLEARANCE_M,
@@ -107,7 +107,7 @@ def _z_buffer(
     per_rad = beams / (2.0 * np.pi)
     last_x, last_y, last_angle = 0.0, 0.0, 0.0
     for k in range(count):
-        e = found[k]
+        e = unsigned(found[k])
         ax, ay = edges[e, 0] - x, edges[e, 1] - y
         bx, by = edges[e, 2] - x, edges[e, 3] - y
         cross = ax * by - ay * bx
@@ -135,9 +135,17 @@ def _z_buffer(
             (begin - turn, min(until - turn, beams)),
             (0, until - turn - beams),
         ):
-            for i in range(low, high):
-                value = directions[0, i] * along_x + directions[1, i] * along_y
-                ranges[i] = value if value > ranges[i] else ranges[i]
+            if low >= high:
+                continue
+            # Slices: so the processor takes several beams at once.
+            some, cosines, sines = (
+                ranges[low:high],
+                directions[0, low:high],
+                directions[1, low:high],
+            )
+            for i in range(some.shape[0]):
+                value = cosines[i] * along_x + sines[i] * along_y
+                some[i] = value if value > some[i] else some[i]
     for i in range(beams):
         ranges[i] = 1.0 / ranges[i] if ranges[i] * radius >= 1.0 else np.inf
     return ranges, clearance

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from multisrt.geometry.edge_index import winding_number
 from multisrt.geometry.errors import ClearanceError, InvalidInputError
-from multisrt.geometry.kernel import FloatArray, kernel
+from multisrt.geometry.kernel import FloatArray, kernel, unsigned
 
 MIN_CLEARANCE_M: Final = 1e-9
 """A viewpoint nearer to an edge than this would leak through it."""
@@ -57,7 +57,7 @@ def signed_clearance(
     nearest, facing = np.inf, 0.0
     free = True
     for k in range(count):
-        e = found[k]
+        e = unsigned(found[k])
         ax, ay = edges[e, 0] - x, edges[e, 1] - y
         dx, dy = edges[e, 2] - edges[e, 0], edges[e, 3] - edges[e, 1]
         length2 = dx * dx + dy * dy

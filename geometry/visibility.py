@@ -19,7 +19,7 @@ from multisrt.geometry.boundary import (
 )
 from multisrt.geometry.edge_index import EdgeIndex, edges_within
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.geometry.kernel import FloatArray, kernel
+from multisrt.geometry.kernel import FloatArray, kernel, unsigned
 from multisrt.geometry.viewpoint import (
     MAX_RANGE_M,
     MIN_CLEARANCE_M,
@@ -154,7 +154,7 @@ def _sweep(
     grazed_count = 0
     radius2 = radius * radius
     for k in range(count):
-        e = found[k]
+        e = unsigned(found[k])
         ax, ay = edges[e, 0] - x, edges[e, 1] - y
         bx, by = edges[e, 2] - x, edges[e, 3] - y
         cross = ax * by - ay * bx

@@ -676,18 +676,18 @@ def _mark_frontier(changed: IntArray, cells: NDArray[np.uint8], marks: NDArray[n
     # In the window of the changes and one cell around it. Outside the array nothing is known.
     rows, columns = cells.shape
     first, end = max(0, changed[2] - 1), min(columns, changed[3] + 2)
-    nothing = np.zeros(columns, np.uint8)
+    c0 = max(first, 1)
+    c1 = max(c0, min(end, columns - 1))
+    nothing = np.zeros(c1 - c0, np.uint8)
     for r in range(max(0, changed[0] - 1), min(rows, changed[1] + 2)):
-        below = cells[r - 1] if r > 0 else nothing
-        above = cells[r + 1] if r + 1 < rows else nothing
         for c in (0, columns - 1):
             if first <= c < end:
                 marks[r, c] = _with_frontier(marks[r, c], cells[r, c], UNKNOWN)
-        c0, c1 = max(first, 1), min(end, columns - 1)
         # Slices: so there is no branch for each cell.
         here, held = cells[r, c0:c1], marks[r, c0:c1]
         left, right = cells[r, c0 - 1 : c1 - 1], cells[r, c0 + 1 : c1 + 1]
-        below, above = below[c0:c1], above[c0:c1]
+        below = cells[r - 1, c0:c1] if r > 0 else nothing
+        above = cells[r + 1, c0:c1] if r + 1 < rows else nothing
         for i in range(held.shape[0]):
             least = min(min(left[i], right[i]), min(below[i], above[i]))
             held[i] = _with_frontier(held[i], here[i], least)

@@ -236,14 +236,12 @@ def paint_polygon(
 def runs_inside(
     boundary: FloatArray, x0: float, y0: float, cell: float, rows: int, columns: int
 ) -> NDArray[np.int32]:
-    """Find the cells whose centre lies inside a polygon, by the even-odd rule, row by row.
+    """Find the cells that `paint_polygon` marks.
 
     Parameters
     ----------
-    boundary : (n, 2) array
-        Corners of the polygon.
-    x0, y0, cell : float
-        Lower left corner of the grid and width of its cells.
+    boundary, x0, y0, cell
+        As it takes them.
     rows, columns : int
         How many the grid has.
 

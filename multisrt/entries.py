@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar, Final, NamedTuple
 
@@ -20,6 +20,9 @@ REASONS: Final = ("too narrow", "seen from near", "not reachable", "blocked by a
 
 Have = Mapping[int, tuple[int, int]]
 """By robot, of how many of its nodes and of its closings all are known, counted from its first."""
+
+Counts = tuple[tuple[int, int, int], ...]
+"""The same as messages have it: robot, nodes and closings, by robot."""
 
 
 class NodeId(NamedTuple):
@@ -131,7 +134,7 @@ class WantMessage(Message, frozen=True, kw_only=True):
 
     kind: ClassVar[str] = "want"
 
-    have: tuple[tuple[int, int, int], ...]
+    have: Counts
 
     @property
     def wakes(self) -> bool:
@@ -150,13 +153,14 @@ class EntriesMessage(Message, frozen=True, kw_only=True):
 class Entries:
     """All nodes and closings that a robot knows, by their ids and by their makers."""
 
-    __slots__ = ("_have", "_makers", "closings", "nodes")
+    __slots__ = ("_counts", "_have", "_makers", "closings", "nodes")
 
     def __init__(self) -> None:
         self.nodes: dict[NodeId, Node] = {}
         self.closings: dict[ClosingId, Closing] = {}
         self._makers: dict[int, tuple[_Numbers, _Numbers]] = {}
         self._have: dict[int, tuple[int, int]] | None = None
+        self._counts: Counts | None = None
 
     def add_node(self, node: Node) -> bool:
         """Take in a node; tell whether it was new."""
@@ -177,23 +181,34 @@ class Entries:
     def have(self) -> dict[int, tuple[int, int]]:
         """Give, by robot, of how many nodes and closings there is no gap, in rising order.
 
-        It is asked for with every message: it is made anew only when something came in.
+        What was given is never changed.
         """
         if self._have is None:
-            self._have = {
-                robot: (nodes.count, closings.count)
-                for robot, (nodes, closings) in sorted(self._makers.items())
-            }
+            self._have = {robot: (nodes, closings) for robot, nodes, closings in self.counts()}
         return self._have
 
-    def lacks(self, theirs: Have) -> Iterator[Entry]:
+    def counts(self) -> Counts:
+        """Give the same for a message.
+
+        It is said with every message: it is made anew only when something came in.
+        """
+        if self._counts is None:
+            self._counts = tuple(
+                [
+                    (robot, nodes.count, closings.count)
+                    for robot, (nodes, closings) in self._makers.items()
+                ]
+            )
+        return self._counts
+
+    def lacks(self, theirs: Have) -> tuple[Entry, ...]:
         """Give what is known beyond such counts, by robot, nodes first, by number."""
-        for robot, (nodes, closings) in sorted(self._makers.items()):
+        beyond: list[Entry] = []
+        for robot, (nodes, closings) in self._makers.items():
             node_count, closing_count = theirs.get(robot, (0, 0))
-            for serial in nodes.since(node_count):
-                yield self.nodes[NodeId(robot, serial)]
-            for number in closings.since(closing_count):
-                yield self.closings[ClosingId(robot, number)]
+            beyond += [self.nodes[NodeId(robot, n)] for n in nodes.since(node_count)]
+            beyond += [self.closings[ClosingId(robot, n)] for n in closings.since(closing_count)]
+        return tuple(beyond)
 
     def more_than(self, theirs: Have) -> bool:
         """Whether anything is known beyond such counts."""
@@ -205,10 +220,12 @@ class Entries:
 
     def _numbers(self, robot: int) -> tuple[_Numbers, _Numbers]:
         # To add to.
-        self._have = None
+        self._have = self._counts = None
         numbers = self._makers.get(robot)
         if numbers is None:
-            numbers = self._makers[robot] = _Numbers(), _Numbers()
+            numbers = _Numbers(), _Numbers()
+            # In rising order.
+            self._makers = dict(sorted([*self._makers.items(), (robot, numbers)]))
         return numbers
 
 
@@ -232,4 +249,7 @@ class _Numbers:
             self.count += 1
 
     def since(self, first: int) -> list[int]:
-        return [*range(first, self.count), *sorted(n for n in self.beyond if n >= first)]
+        known = [*range(first, self.count)]
+        if self.beyond:
+            known += sorted(n for n in self.beyond if n >= first)
+        return known

@@ -12,7 +12,7 @@ import shapely
 from numpy.typing import NDArray
 from shapely.geometry.base import BaseGeometry
 
-from multisrt.entries import Closing, ClosingId, Entries, Entry, Have, Node, NodeId
+from multisrt.entries import Closing, ClosingId, Entries, Entry, Node, NodeId
 from multisrt.geometry.arc_pieces import ArcPieces
 from multisrt.geometry.arrays import grown
 from multisrt.geometry.boxes import boxes_meeting
@@ -24,7 +24,7 @@ from multisrt.geometry.point_hash import PointHash
 from multisrt.geometry.raster import Raster
 from multisrt.geometry.rings import Rings
 
-__all__ = ["Closing", "ClosingId", "Entry", "ExplorationMap", "Have", "Node", "NodeId"]
+__all__ = ["Closing", "ClosingId", "Entry", "ExplorationMap", "Node", "NodeId"]
 
 ON_ARC_M: Final = 1e-6
 """Frontier within this of an arc that was given up is part of it."""
@@ -67,6 +67,11 @@ class ExplorationMap:
     robot : int or None
         Whose map this is: what others could not reach, or found blocked by a robot, stays open
         for it. None: nobody's, and all such arcs are closed.
+
+    Attributes
+    ----------
+    entries : Entries
+        All that is known, in the order of its makers, as robots tell each other of it.
     """
 
     def __init__(
@@ -83,8 +88,8 @@ class ExplorationMap:
         self._gaps_count = gaps_count
         self._width = shortest_arc_m if width_m is None else width_m
         self._robot = robot
-        self._entries = Entries()
-        self._nodes = self._entries.nodes
+        self.entries = Entries()
+        self._nodes = self.entries.nodes
         self._closed_arcs: dict[NodeId, list[FloatArray]] = {}
         self._roots: list[NodeId] = []
         self._root_of: dict[NodeId, NodeId] = {}
@@ -123,7 +128,7 @@ class ExplorationMap:
     @property
     def closings(self) -> tuple[Closing, ...]:
         """All closings, in the order in which they became known here."""
-        return tuple(self._entries.closings.values())
+        return tuple(self.entries.closings.values())
 
     def add(self, node: Node) -> bool:
         """Take in a node; one that is known already changes nothing.
@@ -150,7 +155,7 @@ class ExplorationMap:
         neighbours = self._places.within(
             node.configuration.x, node.configuration.y, 2.0 * self._reach
         )
-        self._entries.add_node(node)
+        self.entries.add_node(node)
         index = self._store(node)
         changed = self._arcs.take_in(
             index,
@@ -180,7 +185,7 @@ class ExplorationMap:
         bool
             Whether the closing was new.
         """
-        if not self._entries.add_closing(closing):
+        if not self.entries.add_closing(closing):
             return False
         if self._applies(closing):
             self._closed_arcs.setdefault(closing.node, []).append(closing.arc)
@@ -203,31 +208,6 @@ class ExplorationMap:
             elif self.add(entry):
                 new.append(entry.id)
         return tuple(new)
-
-    def have(self) -> dict[int, tuple[int, int]]:
-        """Say what is known, in short: the version vector.
-
-        Returns
-        -------
-        dict
-            By robot, in rising order: of how many of its nodes and of how many of its closings,
-            from the first on, none is missing.
-        """
-        return self._entries.have()
-
-    def lacks(self, theirs: Have) -> tuple[Entry, ...]:
-        """Give what another robot lacks, as far as what it said with `have` tells.
-
-        Returns
-        -------
-        tuple of Node or Closing
-            What is known here beyond the other's counts: by robot, nodes first, by number.
-        """
-        return tuple(self._entries.lacks(theirs))
-
-    def knows_more_than(self, theirs: Have) -> bool:
-        """Whether `lacks` would give anything."""
-        return self._entries.more_than(theirs)
 
     def roots(self) -> list[NodeId]:
         """Give the roots of all trees, in the order of their ids.

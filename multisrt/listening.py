@@ -8,10 +8,18 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Generator, Iterable
+from collections.abc import Generator
 from typing import ClassVar, Protocol
 
-from multisrt.entries import EntriesMessage, Entry, Have, NodeId, WantMessage
+from multisrt.entries import (
+    Counts,
+    Entries,
+    EntriesMessage,
+    Entry,
+    Have,
+    NodeId,
+    WantMessage,
+)
 from multisrt.events import Learned
 from multisrt.explorer import (
     Action,
@@ -28,24 +36,12 @@ from multisrt.messages import Message
 
 Talk = Generator[Action, Outcome, None]
 Heard = Generator[Action, Outcome, Moved | None]
-Counts = tuple[tuple[int, int, int], ...]
-"""Robot, and of how many of its nodes and closings none is missing."""
 
 
 class Clocked(Protocol):
     """A robot that knows what time it is."""
 
     time_s: float
-
-
-class Known(Protocol):
-    """What a robot knows, as it is told to others."""
-
-    def have(self) -> Have:
-        """Give how much is known of whom; what was given is never changed."""
-
-    def lacks(self, theirs: Have) -> Iterable[Entry]:
-        """Give what is known beyond such counts."""
 
 
 class Listener(ABC):
@@ -57,6 +53,8 @@ class Listener(ABC):
         Whose; its clock is set by what is heard.
     me : RobotSelf
         What that robot knows of itself.
+    entries : Entries
+        What it knows of the world.
     ask_period_s : float
         After how long it asks again; a message's way there and back comes on top.
 
@@ -72,15 +70,16 @@ class Listener(ABC):
     """Whether a pause is over at its end also where something was heard at that very moment; else
     it goes on until nothing more comes."""
 
-    def __init__(self, robot: Clocked, me: RobotSelf, ask_period_s: float) -> None:
+    def __init__(
+        self, robot: Clocked, me: RobotSelf, entries: Entries, ask_period_s: float
+    ) -> None:
         self.number = me.robot
         self.size = me.team
         self.round_trip_s = 2.0 * me.radio.latency_s
         self.period_s = ask_period_s + self.round_trip_s
         self._clock = robot
+        self._entries = entries
         self._wanted: dict[int, float] = {}
-        self._counted: Have = {}
-        self._counts: Counts = ()
 
     @property
     def is_alone(self) -> bool:
@@ -125,12 +124,6 @@ class Listener(ABC):
         if new:
             yield Note(Learned(time_s=self._clock.time_s, robot=self.number, nodes=new))
 
-    @property
-    @abstractmethod
-    def _known(self) -> Known:
-        # What this robot knows.
-        ...
-
     @abstractmethod
     def _merge(self, entries: tuple[Entry, ...]) -> tuple[NodeId, ...]:
         # Take in entries; give the nodes that were new.
@@ -141,29 +134,22 @@ class Listener(ABC):
         # Take in one message, and answer.
         ...
 
-    def _have(self) -> Counts:
-        # It is said with every message, and made anew only when the counts are.
-        have = self._known.have()
-        if have is not self._counted:
-            self._counted = have
-            self._counts = tuple((robot, *counts) for robot, counts in have.items())
-        return self._counts
-
     def _answer_want(self, message: WantMessage) -> Talk:
-        entries = tuple(self._known.lacks(have_of(message.have)))
+        entries = self._entries.lacks(have_of(message.have))
         if entries:
             yield Send(EntriesMessage(sender=self.number, entries=entries), message.sender)
 
     def _ask_for_what_lacks(self, other: int, theirs: Counts) -> Talk:
-        if theirs == self._have():
+        if theirs == self._entries.counts():
             return
-        mine = self._known.have()
+        mine = self._entries.have()
         for robot, nodes, closings in theirs:
             known = mine.get(robot, (0, 0))
             if nodes > known[0] or closings > known[1]:
                 if self._clock.time_s >= self._wanted.get(robot, -math.inf) + self.period_s:
                     self._wanted[robot] = self._clock.time_s
-                    yield Send(WantMessage(sender=self.number, have=self._have()), other)
+                    have = self._entries.counts()
+                    yield Send(WantMessage(sender=self.number, have=have), other)
                 return
 
 

@@ -337,13 +337,13 @@ class _Simulation:
             outcome = None
             match action:
                 # What is asked for most comes first.
-                case Receive(timeout_s):
-                    outcome = yield from self._wait(robot, timeout_s)
-                case Send(message, to):
-                    self._send(robot, message, to)
-                case Note(event):
-                    self._record(event)
-                    if isinstance(event, Organized):
+                case Receive():
+                    outcome = yield from self._wait(robot, action.timeout_s)
+                case Send():
+                    self._send(robot, action.message, action.to)
+                case Note():
+                    self._record(action.event)
+                    if isinstance(action.event, Organized):
                         self._doom(robot, "master")
                 case Move():
                     if not self._begin_motion(robot, action):

@@ -6,7 +6,7 @@ from typing import ClassVar, Literal
 
 import msgspec
 
-from multisrt.entries import Closing, Node
+from multisrt.entries import Closing, Counts, Node
 from multisrt.messages import Message
 
 Phase = Literal["choosing", "driving", "idle"]
@@ -55,7 +55,7 @@ class RobotReport(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True)
     remaining_m: float
     path: tuple[Place, ...]
     footprint: str
-    have: tuple[tuple[int, int, int], ...]
+    have: Counts
     aim: Place | None = None
     leader: bool = False
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from multisrt.entries import Entries, EntriesMessage, Entry, Node, NodeId, WantMessage
+from multisrt.entries import EntriesMessage, Entry, Node, NodeId, WantMessage
 from multisrt.explorer import Send
 from multisrt.frontier_team.messages import (
     AssignmentMessage,
@@ -60,7 +60,7 @@ class Team(Listener):
     ends_pauses_on_time = True
 
     def __init__(self, robot: FrontierRobot) -> None:
-        super().__init__(robot, robot.me, robot.options.ask_period_s)
+        super().__init__(robot, robot.me, robot.entries, robot.options.ask_period_s)
         self.robot = robot
         self.reports: dict[int, RobotReport] = {}
         self.heard_s: dict[int, float] = {}
@@ -114,7 +114,7 @@ class Team(Listener):
             remaining_m=0.0 if goal is None else max(0.0, goal.cost_m - done),
             path=path,
             footprint=str(robot.me.footprint),
-            have=self._have(),
+            have=self._entries.counts(),
             aim=self.aim,
             leader=self.leader,
         )
@@ -141,7 +141,7 @@ class Team(Listener):
         self._said += 1
         entries: tuple[Node, ...] = ()
         if to is None:
-            own = self.robot.entries
+            own = self._entries
             have = {**own.have(), self.number: (self._told, 0)}
             entries = tuple(e for e in own.lacks(have) if isinstance(e, Node))
             self._told = own.have().get(self.number, (0, 0))[0]
@@ -156,10 +156,6 @@ class Team(Listener):
             ),
             to,
         )
-
-    @property
-    def _known(self) -> Entries:
-        return self.robot.entries
 
     def _merge(self, entries: tuple[Entry, ...]) -> tuple[NodeId, ...]:
         return self.robot.merge(entries)
@@ -233,7 +229,7 @@ class Team(Listener):
         if self.phase != "idle":
             return False
         lately = self.robot.time_s < self._offered.get(report.robot, -math.inf) + self.period_s
-        if lately or not self.robot.entries.more_than(have_of(report.have)):
+        if lately or not self._entries.more_than(have_of(report.have)):
             return False
         self._offered[report.robot] = self.robot.time_s
         return True

@@ -6,7 +6,7 @@ from typing import ClassVar, Literal
 
 import msgspec
 
-from multisrt.entries import Closing, EntriesMessage, Node, NodeId, WantMessage
+from multisrt.entries import Closing, Counts, EntriesMessage, Node, NodeId, WantMessage
 from multisrt.messages import Message
 from multisrt.planners.motion.kinematics import Kinematics
 
@@ -84,7 +84,7 @@ class RobotState(msgspec.Struct, frozen=True, kw_only=True):
     footprint: str
     kinematics: Kinematics
     range_m: float
-    have: tuple[tuple[int, int, int], ...]
+    have: Counts
 
     @property
     def place(self) -> tuple[float, float, float]:

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 from multisrt.entries import Entry, NodeId
 from multisrt.events import TakenAsLost
-from multisrt.exploration_map import ExplorationMap
 from multisrt.explorer import Note, Send, Sighting
 from multisrt.geometry.footprint import Footprint
 from multisrt.listening import Listener, Talk
@@ -48,7 +47,7 @@ class Team(Listener):
     ends_pauses_on_time = False
 
     def __init__(self, robot: SrtRobot) -> None:
-        super().__init__(robot, robot.me, robot.options.ask_period_s)
+        super().__init__(robot, robot.me, robot.map.entries, robot.options.ask_period_s)
         self.robot = robot
         self.states: dict[int, RobotState] = {}
         self.heard_s: dict[int, float] = {}
@@ -142,7 +141,7 @@ class Team(Listener):
             footprint=str(robot.me.footprint),
             kinematics=robot.me.kinematics,
             range_m=robot.me.range_m,
-            have=self._have(),
+            have=self._entries.counts(),
         )
 
     def announce(self, phase: Phase) -> Talk:
@@ -162,11 +161,11 @@ class Team(Listener):
         entries: tuple[Entry, ...] = ()
         if to is None:
             nodes, closings = self._told
-            have = dict(self.robot.map.have())
-            have[self.number] = nodes, closings
-            if self.robot.map.knows_more_than(have):
-                entries = self.robot.map.lacks(have)
-                self._told = self.robot.map.have().get(self.number, (0, 0))
+            known = self._entries
+            have = {**known.have(), self.number: (nodes, closings)}
+            if known.more_than(have):
+                entries = known.lacks(have)
+                self._told = known.have().get(self.number, (0, 0))
         states = self._vouched(to)
         yield Send(
             StateMessage(sender=self.number, states=states, ask=ask, asked=asked, entries=entries),
@@ -197,7 +196,7 @@ class Team(Listener):
     def news(self) -> tuple[object, ...]:
         """Give something that changes when another robot's doing or the map has changed."""
         doing = tuple((n, self.states[n].tree, n in self.lost) for n in sorted(self.states))
-        return doing, tuple(self.robot.map.have().items())
+        return doing, self._entries.counts()
 
     def order_for_me(self) -> Order | None:
         """Give what a master told this robot for the step that it is about to make."""
@@ -205,10 +204,6 @@ class Team(Listener):
             if (self.number, self.step) in key:
                 return orders.order_for(self.number)
         return None
-
-    @property
-    def _known(self) -> ExplorationMap:
-        return self.robot.map
 
     def _merge(self, entries: tuple[Entry, ...]) -> tuple[NodeId, ...]:
         return self.robot.map.merge(entries)

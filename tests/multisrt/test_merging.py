@@ -110,7 +110,7 @@ TEAMS = st.sampled_from([*zip(WORLDS, SHAPES, strict=True), ("apartment", "star"
 def assert_same(known: ExplorationMap, expected: ExplorationMap) -> None:
     assert {n.id for n in known.nodes} == {n.id for n in expected.nodes}
     assert {c.id for c in known.closings} == {c.id for c in expected.closings}
-    assert known.have() == expected.have()
+    assert known.entries.have() == expected.entries.have()
     assert known.roots() == expected.roots()
     assert known.open_nodes() == expected.open_nodes()
     assert known.open_frontier_m() == pytest.approx(expected.open_frontier_m(), abs=1e-9)
@@ -160,12 +160,12 @@ def test_what_was_lost_is_asked_for_again(teams, team, data, random):
     source, known = map_of(entries, 0), new_map(0)
     for batch in told(random, [e for k, e in enumerate(entries) if k not in lost]):
         known.merge(batch)
-    lacking = source.lacks(known.have())
+    lacking = source.entries.lacks(known.entries.have())
     assert {e.id for k, e in enumerate(entries) if k in lost} <= {e.id for e in lacking}
     known.merge(lacking)
     assert_same(known, source)
-    assert source.lacks(known.have()) == ()
-    assert not source.knows_more_than(known.have())
+    assert source.entries.lacks(known.entries.have()) == ()
+    assert not source.entries.more_than(known.entries.have())
 
 
 @given(TEAMS, st.data())
@@ -175,11 +175,16 @@ def test_two_robots_that_tell_each_other_what_they_lack_know_the_same(teams, tea
     shares = st.lists(st.sampled_from(entries), max_size=len(entries))
     one, other = map_of(data.draw(shares), 0), map_of(data.draw(shares), 1)
     for each, else_ in ((one, other), (other, one)):
-        assert each.knows_more_than(else_.have()) == (len(each.lacks(else_.have())) > 0)
-    for_one, for_other = other.lacks(one.have()), one.lacks(other.have())
+        assert each.entries.more_than(else_.entries.have()) == (
+            len(each.entries.lacks(else_.entries.have())) > 0
+        )
+    for_one, for_other = (
+        other.entries.lacks(one.entries.have()),
+        one.entries.lacks(other.entries.have()),
+    )
     one.merge(for_one)
     other.merge(for_other)
-    assert one.have() == other.have()
+    assert one.entries.have() == other.entries.have()
     assert {n.id for n in one.nodes} == {n.id for n in other.nodes}
     assert {c.id for c in one.closings} == {c.id for c in other.closings}
 
@@ -219,15 +224,16 @@ def plain_closing(robot: int, number: int) -> Closing:
 
 def test_what_is_known_without_a_gap():
     known = new_map()
-    assert known.have() == {}
+    assert known.entries.have() == {}
     entries = [plain_node(4, 1), plain_node(4, 3), plain_closing(2, 0), plain_node(2, 0)]
     assert known.merge(entries) == (NodeId(4, 1), NodeId(4, 3), NodeId(2, 0))
     assert known.merge(entries) == ()
-    assert list(known.have().items()) == [(2, (1, 1)), (4, (0, 0))]
+    assert list(known.entries.have().items()) == [(2, (1, 1)), (4, (0, 0))]
     known.merge([plain_node(4, 0), plain_closing(4, 1)])
-    assert known.have() == {2: (1, 1), 4: (2, 0)}
+    assert known.entries.have() == {2: (1, 1), 4: (2, 0)}
+    assert known.entries.counts() == ((2, 1, 1), (4, 2, 0))
     known.merge([plain_node(4, 2), plain_closing(4, 0)])
-    assert known.have() == {2: (1, 1), 4: (4, 2)}
+    assert known.entries.have() == {2: (1, 1), 4: (4, 2)}
 
 
 def test_what_another_lacks_comes_by_robot_kind_and_number():
@@ -243,14 +249,14 @@ def test_what_another_lacks_comes_by_robot_kind_and_number():
     )
 
     def lacking(theirs):
-        return [entry.id for entry in known.lacks(theirs)]
+        return [entry.id for entry in known.entries.lacks(theirs)]
 
     one, three = [NodeId(1, 0), NodeId(1, 1)], [NodeId(3, 0), NodeId(3, 2)]
     assert lacking({}) == [*one, ClosingId(1, 5), *three, ClosingId(3, 0)]
     assert lacking({1: (1, 0), 3: (1, 1), 8: (9, 9)}) == [one[1], ClosingId(1, 5), three[1]]
     assert lacking({1: (2, 6), 3: (3, 1)}) == []
-    assert known.knows_more_than({1: (2, 5), 3: (3, 1)})
-    assert not known.knows_more_than({1: (2, 6), 3: (3, 1)})
+    assert known.entries.more_than({1: (2, 5), 3: (3, 1)})
+    assert not known.entries.more_than({1: (2, 6), 3: (3, 1)})
 
 
 @pytest.mark.parametrize("entry", [plain_node(0, -1), plain_closing(0, -1)])

@@ -161,7 +161,7 @@ def test_robots_share_nothing_that_can_change(explorers, strategy, max_time_s):
     robots = [explorer.robot for explorer in explorers[0]]
     assert len(robots) == 3
     if max_time_s > 1.0:
-        assert all(len(robot.map.have()) == 3 for robot in robots)
+        assert all(len(robot.map.entries.have()) == 3 for robot in robots)
     for a, b in combinations(robots, 2):
         assert a.me.rng is not b.me.rng
         assert shared(a, b) == []
@@ -293,7 +293,7 @@ def test_with_an_unlimited_radio_all_know_all_in_the_end(explorers, latency_s, s
     radio = RadioSpec(latency_s=latency_s)
     recording = run(ROOMS, 3, seed=seed, max_time_s=2000.0, radio=radio)
     assert recording.footer.outcome == "complete"
-    have = [explorer.robot.map.have() for explorer in explorers[0]]
+    have = [explorer.robot.map.entries.have() for explorer in explorers[0]]
     assert have[0] == have[1] == have[2]
     assert sum(nodes for nodes, _ in have[0].values()) == sum(
         isinstance(event, NodeAdded) for event in recording.events
@@ -335,7 +335,7 @@ def test_robots_that_come_into_range_learn_all_that_the_other_knows(explorers, s
     assert early <= known[0] & known[1]
     # The last node was made while they were in range: so their version vectors are equal.
     assert max(times[-1] for times in made.values()) <= max(met)
-    have = [explorer.robot.map.have() for explorer in explorers[0]]
+    have = [explorer.robot.map.entries.have() for explorer in explorers[0]]
     assert have[0] == have[1]
 
 
@@ -347,7 +347,7 @@ def test_before_they_meet_they_know_nothing_of_one_another(explorers):
         robots=(RobotSpec(start=(2.0, 1.0)), RobotSpec(start=(28.0, 1.0))),
         radio=RadioSpec(range_m=12.0),
     )
-    assert [list(explorer.robot.map.have()) for explorer in explorers[0]] == [[0], [1]]
+    assert [list(explorer.robot.map.entries.have()) for explorer in explorers[0]] == [[0], [1]]
     assert [explorer.robot.team.states for explorer in explorers[0]] == [{}, {}]
 
 
@@ -365,4 +365,4 @@ def test_a_robot_in_between_passes_on_what_it_learned(explorers, seed):
     sent = [event for event in recording.events if isinstance(event, Sent)]
     assert not any({event.robot, *event.reached} >= {0, 2} for event in sent if event.robot != 1)
     for explorer in explorers[0]:
-        assert set(explorer.robot.map.have()) == {0, 1, 2}
+        assert set(explorer.robot.map.entries.have()) == {0, 1, 2}

@@ -19,7 +19,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from multisrt.geometry.boundary import OBSTACLE, TagArray
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.geometry.kernel import BoolArray, FloatArray, IntArray, inlined_kernel, kernel
+from multisrt.geometry.kernel import (
+    BoolArray,
+    FloatArray,
+    IntArray,
+    inlined_kernel,
+    kernel,
+    unsigned,
+)
 from multisrt.geometry.raster import (
     OFFSET,
     Window,
@@ -478,21 +485,32 @@ def _learn(
     changed = np.array([cells.shape[0], -1, cells.shape[1], -1])
     new = 0
     n = boundary.shape[0]
+    holds = np.empty((n, 2), np.int64)
+    for i in range(n):
+        # The cell that holds a corner, as `_occupy` finds it.
+        holds[i, 0] = int(np.floor(boundary[i, 1] / cell + OFFSET)) - row
+        holds[i, 1] = int(np.floor(boundary[i, 0] / cell + OFFSET)) - column
     for first in range(0, n, TOGETHER):
         end = min(first + TOGETHER, n)
         all_near = _surfaces_are_near(boundary, tags, first, end, cell, radius, row, column, marks)
         for i in range(first, end):
             if tags[i] != OBSTACLE:
                 continue
+            j = i + 1 if i + 1 < n else 0
+            r, c = holds[i, 0], holds[i, 1]
+            in_one = r == holds[j, 0] and c == holds[j, 1]
+            is_known = in_one and cells[unsigned(r), unsigned(c)] == OCCUPIED
+            if is_known and all_near:
+                continue
             is_near = all_near or _surfaces_are_near(
                 boundary, tags, i, i + 1, cell, radius, row, column, marks
             )
-            j = i + 1 if i + 1 < n else 0
             # From below to above, so that a surface is the same from either side.
             if (boundary[i, 1], boundary[i, 0]) > (boundary[j, 1], boundary[j, 0]):
                 i, j = j, i
             ax, ay, bx, by = boundary[i, 0], boundary[i, 1], boundary[j, 0], boundary[j, 1]
-            new += _occupy(ax, ay, bx, by, cell, row, column, cells, passable, changed)
+            if not is_known:
+                new += _occupy(ax, ay, bx, by, cell, row, column, cells, passable, changed)
             if not is_near:
                 _keep_away(ax, ay, bx, by, cell, radius, row, column, passable, marks, changed)
     new += _set_free(boundary, cell, row, column, cells, passable, marks, changed)
@@ -531,12 +549,13 @@ def _occupy(
         if r < last:
             end = min(most, max(least, ax + (r + 1 - ay) / (by - ay) * (bx - ax)))
         low, high = int(np.floor(min(begin, end))), int(np.floor(max(begin, end)))
-        for c in range(low - column, high - column + 1):
-            if cells[r - row, c] != OCCUPIED:
-                new += cells[r - row, c] == UNKNOWN
-                cells[r - row, c] = OCCUPIED
-                passable[r - row, c] = False
-                _touch(changed, r - row, c)
+        k = unsigned(r - row)
+        for c in range(unsigned(low - column), unsigned(high - column + 1)):
+            if cells[k, c] != OCCUPIED:
+                new += cells[k, c] == UNKNOWN
+                cells[k, c] = OCCUPIED
+                passable[k, c] = False
+                _touch(changed, r - row, int(c))
         begin = end
     return new
 
@@ -570,11 +589,11 @@ def _surfaces_are_near(
     c1 = int(np.floor((right + radius) / cell + OFFSET - 0.5)) - column
     r0 = int(np.ceil((low - radius) / cell + OFFSET - 0.5)) - row
     r1 = int(np.floor((high + radius) / cell + OFFSET - 0.5)) - row
-    for r in range(r0, r1 + 1):
+    near = np.uint8(NEAR)
+    for r in range(unsigned(r0), unsigned(r1 + 1)):
         # Without a branch for each cell.
-        near = np.uint8(NEAR)
-        for mark in marks[r, c0 : c1 + 1]:
-            near &= mark
+        for c in range(unsigned(c0), unsigned(c1 + 1)):
+            near &= marks[r, c]
         if not near:
             return False
     return True
@@ -608,21 +627,20 @@ def _keep_away(
         if dy > 0.0:
             begin = ax + min(1.0, max(0.0, (y - radius - ay) / dy)) * dx
             end = ax + min(1.0, max(0.0, (y + radius - ay) / dy)) * dx
-        low, high = min(begin, end) - radius, max(begin, end) + radius
-        for k in range(
-            int(np.ceil(low / cell + OFFSET - 0.5)), int(np.floor(high / cell + OFFSET - 0.5)) + 1
-        ):
-            c = k - column
-            if marks[r - row, c] & NEAR:
+        left = int(np.ceil((min(begin, end) - radius) / cell + OFFSET - 0.5)) - column
+        right = int(np.floor((max(begin, end) + radius) / cell + OFFSET - 0.5)) - column
+        held, free = marks[r - row, left : right + 1], passable[r - row, left : right + 1]
+        for i in range(held.shape[0]):
+            if held[i] & NEAR:
                 continue
-            px, py = (k + 0.5) * cell - shift - ax, y - ay
+            px, py = (column + left + i + 0.5) * cell - shift - ax, y - ay
             t = min(1.0, max(0.0, (px * dx + py * dy) / length2)) if length2 > 0.0 else 0.0
             ex, ey = px - t * dx, py - t * dy
             if ex * ex + ey * ey < radius * radius:
-                marks[r - row, c] |= NEAR
-                if passable[r - row, c]:
-                    passable[r - row, c] = False
-                    _touch(changed, r - row, c)
+                held[i] |= NEAR
+                if free[i]:
+                    free[i] = False
+                    _touch(changed, r - row, left + i)
 
 
 @kernel

@@ -795,8 +795,9 @@ def _flood(
         marks[released[i, 0] - row, released[i, 1] - column] &= ~LABELLED
     for w in range(windows.shape[0]):
         for r in range(windows[w, 0], windows[w, 1]):
-            for c in range(windows[w, 2], windows[w, 3]):
-                most += (marks[r, c] & FRONTIER) != 0
+            # Slices: so there is no branch for each cell.
+            for mark in marks[r, windows[w, 2] : windows[w, 3]]:
+                most += (mark & FRONTIER) != 0
 
     members = np.empty(most, np.int64)
     ends = np.empty(most, np.int64)
@@ -809,6 +810,11 @@ def _flood(
             groups += 1
     for w in range(windows.shape[0]):
         for r in range(windows[w, 0], windows[w, 1]):
+            any_left = False
+            for mark in marks[r, windows[w, 2] : windows[w, 3]]:
+                any_left |= mark & (FRONTIER | LABELLED) == FRONTIER
+            if not any_left:
+                continue
             for c in range(windows[w, 2], windows[w, 3]):
                 if marks[r, c] & (FRONTIER | LABELLED) == FRONTIER:
                     count = _fill(r, c, next_label + groups, marks, labels, members, count)

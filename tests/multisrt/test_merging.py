@@ -127,7 +127,7 @@ def assert_same(known: ExplorationMap, expected: ExplorationMap) -> None:
 
 def told(random, entries):
     """All entries in any order, some of them more than once, in batches."""
-    stream = [*entries, *random.choices(entries, k=len(entries) // 2)]
+    stream = [*entries, *(random.choices(entries, k=len(entries) // 2) if entries else ())]
     random.shuffle(stream)
     while stream:
         size = random.randint(1, 6)

@@ -500,8 +500,6 @@ def _learn(
             r, c = holds[i, 0], holds[i, 1]
             in_one = r == holds[j, 0] and c == holds[j, 1]
             is_known = in_one and cells[unsigned(r), unsigned(c)] == OCCUPIED
-            if is_known and all_near:
-                continue
             is_near = all_near or _surfaces_are_near(
                 boundary, tags, i, i + 1, cell, radius, row, column, marks
             )

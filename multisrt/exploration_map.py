@@ -71,7 +71,8 @@ class ExplorationMap:
     Attributes
     ----------
     entries : Entries
-        All that is known, in the order of its makers, as robots tell each other of it.
+        All that is known, as robots tell each other of it; to be read: `add`, `close` and `merge`
+        take in more.
     """
 
     def __init__(

@@ -160,9 +160,8 @@ class Team(Listener):
         self._said += 1
         entries: tuple[Entry, ...] = ()
         if to is None:
-            nodes, closings = self._told
             known = self._entries
-            have = {**known.have(), self.number: (nodes, closings)}
+            have = {**known.have(), self.number: self._told}
             if known.more_than(have):
                 entries = known.lacks(have)
                 self._told = known.have().get(self.number, (0, 0))

@@ -199,8 +199,8 @@ class DistanceField:
         lengths: FloatArray = self._distance[at] * self.cell_m
         return lengths
 
-    def first(self, cells: ArrayLike, at_most_m: float = math.inf) -> int | None:
-        """Which of some cells is nearest: the first that the front comes to.
+    def first(self, cells: ArrayLike, at_most_m: float = math.inf) -> tuple[int, float] | None:
+        """Which of some cells is nearest: the first that the front comes to; and how far it is.
 
         Parameters
         ----------
@@ -211,9 +211,9 @@ class DistanceField:
 
         Returns
         -------
-        int or None
-            Its index, the smallest if the cell is there twice; None if no path leads to any, or
-            none that is so short.
+        (index, length) or None
+            Its index, the smallest if the cell is there twice, and metres; None if no path leads
+            to any, or none that is so short.
 
         Raises
         ------
@@ -224,7 +224,9 @@ class DistanceField:
         self._march_to(rows, columns, all_of_them=False, at_most_m=at_most_m)
         at = numbers_of(rows, columns, self._window, self._width)
         first = first_accepted(at, self._state, self._places)
-        return None if first < 0 else first
+        if first < 0:
+            return None
+        return first, float(self._distance[at[first]] * self.cell_m)
 
     def complete(self) -> None:
         """March until every cell that can be reached has its final value."""

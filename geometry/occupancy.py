@@ -213,9 +213,12 @@ class Occupancy:
         """
         if self._blocked:
             raise InvalidInputError("no region can be added while discs are blocked: leave first")
-        x0, y0, x1, y1 = bounds_of(region.boundary)
         margin = self.radius_m + self.cell_m
-        self._cover((x0 - margin, y0 - margin, x1 + margin, y1 + margin))
+        if not _fits(
+            region.boundary, margin, self.cell_m, self.row, self.column, *self.cells.shape
+        ):
+            x0, y0, x1, y1 = bounds_of(region.boundary)
+            self._cover((x0 - margin, y0 - margin, x1 + margin, y1 + margin))
         new, first_row, last_row, first_column, last_column = _learn(
             region.boundary,
             region.tags,
@@ -383,14 +386,16 @@ class Occupancy:
         circles = np.ascontiguousarray(discs, dtype=np.float64).reshape(-1, 3)
         if not np.isfinite(circles).all():
             raise InvalidInputError("blocked discs are finite x, y and radii in metres")
-        passable = self.passable
-        taken = _block(circles, self.cell_m, self.row, self.column, passable)
+        passable, taken = self.passable, None
+        if len(circles):
+            taken = _block(circles, self.cell_m, self.row, self.column, passable)
         self._blocked += 1
         try:
             yield
         finally:
             self._blocked -= 1
-            passable.reshape(-1)[taken] = True
+            if taken is not None:
+                passable.reshape(-1)[taken] = True
 
     def _cover(self, bounds: tuple[float, float, float, float]) -> None:
         held = Window(self.row, self.column, *self.cells.shape)
@@ -466,6 +471,26 @@ def _around(union: Corners | None, window: Corners) -> Corners:
         max(union[1], window[1]),
         min(union[2], window[2]),
         max(union[3], window[3]),
+    )
+
+
+@kernel
+def _fits(
+    boundary: FloatArray,
+    margin: float,
+    cell: float,
+    row: int,
+    column: int,
+    rows: int,
+    columns: int,
+) -> bool:
+    # Whether a window holds a region with a margin; as `window_over` asks it.
+    x0, y0, x1, y1 = bounds_of(boundary)
+    return (
+        int(np.floor((x0 - margin) / cell + OFFSET)) >= column
+        and int(np.floor((y0 - margin) / cell + OFFSET)) >= row
+        and int(np.floor((x1 + margin) / cell + OFFSET)) < column + columns
+        and int(np.floor((y1 + margin) / cell + OFFSET)) < row + rows
     )
 
 

@@ -153,20 +153,21 @@ class EntriesMessage(Message, frozen=True, kw_only=True):
 class Entries:
     """All nodes and closings that a robot knows, by their ids and by their makers."""
 
-    __slots__ = ("_counts", "_have", "_makers", "closings", "nodes")
+    __slots__ = ("_have", "_lines", "_makers", "closings", "nodes")
 
     def __init__(self) -> None:
         self.nodes: dict[NodeId, Node] = {}
         self.closings: dict[ClosingId, Closing] = {}
+        # By robot, in rising order: what of it is known, and a line of that for messages.
         self._makers: dict[int, tuple[_Numbers, _Numbers]] = {}
+        self._lines: dict[int, tuple[int, int, int]] = {}
         self._have: dict[int, tuple[int, int]] | None = None
-        self._counts: Counts | None = None
 
     def add_node(self, node: Node) -> bool:
         """Take in a node; tell whether it was new."""
         if node.id in self.nodes:
             return False
-        self._numbers(node.id.robot)[0].add(node.id.serial)
+        self._note(node.id.robot, 0, node.id.serial)
         self.nodes[node.id] = node
         return True
 
@@ -174,7 +175,7 @@ class Entries:
         """Take in a closing; tell whether it was new."""
         if closing.id in self.closings:
             return False
-        self._numbers(closing.id.robot)[1].add(closing.id.number)
+        self._note(closing.id.robot, 1, closing.id.number)
         self.closings[closing.id] = closing
         return True
 
@@ -188,26 +189,20 @@ class Entries:
         return self._have
 
     def counts(self) -> Counts:
-        """Give the same for a message.
-
-        It is said with every message: it is made anew only when something came in.
-        """
-        if self._counts is None:
-            self._counts = tuple(
-                [
-                    (robot, nodes.count, closings.count)
-                    for robot, (nodes, closings) in self._makers.items()
-                ]
-            )
-        return self._counts
+        """Give the same for a message."""
+        return (*self._lines.values(),)
 
     def lacks(self, theirs: Have) -> tuple[Entry, ...]:
         """Give what is known beyond such counts, by robot, nodes first, by number."""
         beyond: list[Entry] = []
         for robot, (nodes, closings) in self._makers.items():
             node_count, closing_count = theirs.get(robot, (0, 0))
-            beyond += [self.nodes[NodeId(robot, n)] for n in nodes.since(node_count)]
-            beyond += [self.closings[ClosingId(robot, n)] for n in closings.since(closing_count)]
+            # Of most others' nothing is beyond.
+            if nodes.end > node_count:
+                beyond += [self.nodes[NodeId(robot, n)] for n in nodes.since(node_count)]
+            if closings.end > closing_count:
+                known = closings.since(closing_count)
+                beyond += [self.closings[ClosingId(robot, n)] for n in known]
         return tuple(beyond)
 
     def more_than(self, theirs: Have) -> bool:
@@ -218,15 +213,16 @@ class Entries:
                 return True
         return False
 
-    def _numbers(self, robot: int) -> tuple[_Numbers, _Numbers]:
-        # To add to.
-        self._have = self._counts = None
+    def _note(self, robot: int, which: int, number: int) -> None:
+        # That a node of a robot is there, or a closing.
         numbers = self._makers.get(robot)
         if numbers is None:
             numbers = _Numbers(), _Numbers()
-            # In rising order.
             self._makers = dict(sorted([*self._makers.items(), (robot, numbers)]))
-        return numbers
+            self._lines = {maker: self._lines.get(maker, (maker, 0, 0)) for maker in self._makers}
+        numbers[which].add(number)
+        self._lines[robot] = robot, numbers[0].count, numbers[1].count
+        self._have = None
 
 
 class _Numbers:
@@ -242,8 +238,11 @@ class _Numbers:
     def add(self, number: int) -> None:
         if number < 0:
             raise InvalidInputError(f"nodes and closings are numbered from 0, not {number}")
-        self.beyond.add(number)
         self.end = max(self.end, number + 1)
+        if number != self.count:
+            self.beyond.add(number)
+            return
+        self.count += 1
         while self.count in self.beyond:
             self.beyond.remove(self.count)
             self.count += 1

@@ -56,6 +56,9 @@ then it is jammed."""
 MOST_FIELDS = 8
 """Distance fields that a robot keeps, so as not to begin them anew."""
 
+NOTHING_AROUND: FloatArray = np.empty((0, 3))
+"""Discs that a robot's ways lead around, where no bodies are in its way."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Goal:
@@ -165,7 +168,7 @@ class FrontierRobot:
         self.motion: Trajectory | None = None
         self.set_out_s = 0.0
         self.bodies: dict[int, BodyInTheWay] = {}
-        self._around: FloatArray = np.empty((0, 3))
+        self._around = NOTHING_AROUND
         self.told_complete = False
         self.chosen_s = -math.inf
         self.chosen_at = -1
@@ -260,11 +263,12 @@ class FrontierRobot:
 
     def merge(self, entries: tuple[Entry, ...]) -> tuple[NodeId, ...]:
         """Take in what others saw; give what was new."""
-        new = [entry for entry in entries if isinstance(entry, Node)]
-        new = [node for node in new if self.entries.add_node(node)]
-        for node in new:
-            self.raster.add(node.region)
-        return tuple(node.id for node in new)
+        new = []
+        for entry in entries:
+            if isinstance(entry, Node) and self.entries.add_node(entry):
+                self.raster.add(entry.region)
+                new.append(entry.id)
+        return tuple(new)
 
     def groups(self) -> list[FrontierGroup]:
         """Give the groups of frontier cells that are wide enough to be worth going to."""
@@ -533,12 +537,14 @@ class FrontierRobot:
         own = self.body.outer_radius_m
         standing = (body.sighting for body in self.bodies.values())
         bodies = {s.robot: s for s in (*standing, *sightings)}
-        discs = np.array(
-            [
-                (*s.configuration[:2], own + s.footprint.circumscribed_radius_m)
-                for s in bodies.values()
-            ]
-        ).reshape(-1, 3)
+        discs = NOTHING_AROUND
+        if bodies:
+            discs = np.array(
+                [
+                    (*s.configuration[:2], own + s.footprint.circumscribed_radius_m)
+                    for s in bodies.values()
+                ]
+            )
         before, self._around = self._around, discs
         try:
             with self.raster.blocked(discs + np.array([0.0, 0.0, self.options.guard_m])):

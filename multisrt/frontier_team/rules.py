@@ -162,10 +162,10 @@ class Bids:
         if field is None:
             return None
         with self.robot.around_bodies() if row == self.row else nullcontext():
-            found = first_of(field, self._indices[targets], at_most_m)
+            found = field.first(self._indices[targets], at_most_m)
         if found is None:
             return None
-        cost, place = found
+        place, cost = found
         target = int(targets[place])
         self.costs[row, target] = cost
         return cost, target
@@ -198,8 +198,8 @@ class Bids:
         assert wave is not None, "a cell to which a way leads is passable"
         cells = np.array([self._cells[row] for row in waiting])
         indices = np.column_stack(self.robot.raster.indices_of(cells))
-        while (found := first_of(wave, indices)) is not None:
-            cost, place = found
+        while (found := wave.first(indices)) is not None:
+            place, cost = found
             row = waiting.pop(place)
             if row == self.row:
                 return
@@ -242,16 +242,6 @@ class Bids:
         field = self._field_from(row)
         if field is not None:
             self.costs[row] = field.distance(self._indices)
-
-
-def first_of(
-    field: DistanceField, cells: IntArray, at_most_m: float = math.inf
-) -> tuple[float, int] | None:
-    """Give how far it is to the first of some cells that a wave comes to, and which that is."""
-    first = field.first(cells, at_most_m)
-    if first is None:
-        return None
-    return float(field.distance(cells[first])[0]), first
 
 
 def nearest_only(robot: FrontierRobot) -> Table:

@@ -177,7 +177,8 @@ class Team(Listener):
             case ReportMessage():
                 for report in message.reports:
                     self._take_report(report)
-                yield from self.learn(message.entries)
+                if message.entries:
+                    yield from self.learn(message.entries)
                 self.wanted |= message.wants_goal
                 if message.asks or self._has_to_offer(message.reports[0]):
                     yield from self.report(to=message.sender)

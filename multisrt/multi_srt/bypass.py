@@ -200,10 +200,11 @@ class _Grid:
 def _best_start(field: DistanceField, spots: IntArray, before_m: FloatArray) -> int | None:
     # Of the cells in which a way may leave the roadmap the one with the shortest way in all. The
     # front goes only so far as may be shorter than the way over the first that it comes to.
-    first = field.first(spots)
-    if first is None:
+    nearest = field.first(spots)
+    if nearest is None:
         return None
-    bound_m = float(field.distance(spots[first])[0] + before_m[first])
+    first, to_first_m = nearest
+    bound_m = float(to_first_m + before_m[first])
     centres = (spots[:, ::-1] + 0.5) * field.cell_m + (field.x0, field.y0)
     straight_m = cKDTree(field.sources).query(centres)[0] - field.cell_m
     promising = np.flatnonzero(before_m + straight_m <= bound_m)

@@ -161,10 +161,8 @@ class Team(Listener):
         entries: tuple[Entry, ...] = ()
         if to is None:
             known = self._entries
-            have = {**known.have(), self.number: self._told}
-            if known.more_than(have):
-                entries = known.lacks(have)
-                self._told = known.have().get(self.number, (0, 0))
+            entries = known.lacks({**known.have(), self.number: self._told})
+            self._told = known.have().get(self.number, (0, 0))
         states = self._vouched(to)
         yield Send(
             StateMessage(sender=self.number, states=states, ask=ask, asked=asked, entries=entries),

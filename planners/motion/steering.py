@@ -104,6 +104,9 @@ def steer(
                 at = turned.end
                 if body.passes(boundary, at, direction, distance):
                     return turned.then(kinematics.drive(at, x, y))
+                if body.is_disc:
+                    # It passes in no other heading either.
+                    return None
     return None
 
 

@@ -324,11 +324,12 @@ def test_the_first_of_some_cells_is_the_nearest(seed):
         if known:
             field.distance(asked[3:])
         lengths = whole[tuple(asked.T)]
-        first = field.first(asked)
-        if first is None:
+        found = field.first(asked)
+        if found is None:
             assert np.isinf(lengths).all()
         else:
-            assert lengths[first] == pytest.approx(lengths.min(), abs=1e-9)
+            first, length = found
+            assert length == lengths[first] == pytest.approx(lengths.min(), abs=1e-9)
             assert known or field.reached()[np.isfinite(field.reached())].max() <= lengths[first]
 
 
@@ -347,9 +348,9 @@ def test_the_first_of_some_cells_within_a_limit(seed):
             assert reached[np.isfinite(reached)].max(initial=0.0) <= limit
     # It goes on from there, to the same values.
     for limit in (nearest, np.inf):
-        first = field.first(asked, limit)
-        assert (first is None) == np.isinf(nearest)
-        assert first is None or whole[tuple(asked[first])] == nearest
+        found = field.first(asked, limit)
+        assert (found is None) == np.isinf(nearest)
+        assert found is None or whole[tuple(asked[found[0]])] == found[1] == nearest
     field.complete()
     np.testing.assert_array_equal(field.reached(), whole)
 

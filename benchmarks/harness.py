@@ -71,6 +71,14 @@ def in_turns(
     return {name: float(np.median(times)) * 1e6 for name, times in best.items()}
 
 
+def least_of_parts(runs: Sequence[Sequence[float]]) -> float:
+    """Sum up what each part of a run took least, over runs that all do the same.
+
+    What else a machine does comes and goes, and hardly ever hits a part of every run.
+    """
+    return float(np.min(np.array(runs), axis=0).sum())
+
+
 def installed(package: str) -> bool:
     """Whether a package that a comparison needs is here."""
     return importlib.util.find_spec(package) is not None

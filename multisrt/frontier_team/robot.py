@@ -280,7 +280,11 @@ class FrontierRobot:
 
         Groups are left out to which no way was found, until they change; see `look_closer`.
         """
-        places = [self._target(g) for g in self.groups() if id(g) not in self._out_of_reach]
+        groups = [g for g in self.groups() if id(g) not in self._out_of_reach]
+        if not self._instead and not self._given_up:
+            # Mostly they are where the raster has them: all at once.
+            return self.raster.centres_of([g.target for g in groups if g.target is not None])
+        places = [self._target(group) for group in groups]
         return np.array([place for place in places if place is not None]).reshape(-1, 2)
 
     def look_closer(self, field: DistanceField) -> bool:

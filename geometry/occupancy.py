@@ -209,7 +209,8 @@ class Occupancy:
         Raises
         ------
         InvalidInputError
-            If the raster would grow too large, or while discs are `blocked`.
+            If the raster would grow too large, or while discs are `blocked`, or for a region with
+            corners that are not finite.
         """
         if self._blocked:
             raise InvalidInputError("no region can be added while discs are blocked: leave first")
@@ -217,6 +218,8 @@ class Occupancy:
         if not _fits(
             region.boundary, margin, self.cell_m, self.row, self.column, *self.cells.shape
         ):
+            if not np.isfinite(region.boundary).all():
+                raise InvalidInputError("the corners of a region are finite numbers of metres")
             x0, y0, x1, y1 = bounds_of(region.boundary)
             self._cover((x0 - margin, y0 - margin, x1 + margin, y1 + margin))
         new, first_row, last_row, first_column, last_column = _learn(
@@ -484,7 +487,11 @@ def _fits(
     rows: int,
     columns: int,
 ) -> bool:
-    # Whether a window holds a region with a margin; as `window_over` asks it.
+    # Whether a window holds a region with a margin, as `window_over` asks it. What is not finite
+    # fits nowhere.
+    for i in range(boundary.shape[0]):
+        if not np.isfinite(boundary[i, 0] + boundary[i, 1]):
+            return False
     x0, y0, x1, y1 = bounds_of(boundary)
     return (
         int(np.floor((x0 - margin) / cell + OFFSET)) >= column

@@ -495,6 +495,20 @@ def test_refuses_what_cannot_be():
         pass
 
 
+@pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
+@pytest.mark.parametrize("corner", range(4))
+@pytest.mark.parametrize("axis", range(2))
+def test_refuses_regions_that_are_not_finite(bad, corner, axis):
+    corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]
+    occupancy = Occupancy(0.1, 0.25)
+    occupancy.add(hand_made(corners, [OBSTACLE] * 4))
+    before = knowledge(occupancy)
+    corners[corner][axis] = bad
+    with pytest.raises(InvalidInputError, match="finite numbers of metres"):
+        occupancy.add(hand_made(corners, [OBSTACLE] * 4))
+    assert knowledge(occupancy) == before
+
+
 def test_refuses_to_grow_without_end():
     occupancy = Occupancy(0.01, 0.2)
     occupancy.add(rectangle(0, 0, 1, 1))

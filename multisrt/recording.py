@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import hashlib
 import itertools
+import math
 import os
 import platform
 from collections.abc import Container, Iterable, Iterator, Sequence
@@ -46,12 +47,21 @@ from multisrt.events import (
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.kernel import FloatArray
-from multisrt.spec import RunSpec
+from multisrt.spec import RobotSpec, RunSpec
 
 FORMAT = "multisrt-recording"
 VERSION = 2
 LARGEST_BYTES = 2_000_000_000
 """A larger file is refused."""
+
+FARTHEST_M = 1e9
+"""No place in a recording lies farther from the origin, by x or by y."""
+
+MOST_TURN_RAD = 4.0 * math.pi
+"""No leg of a motion turns by more."""
+
+ROUNDING_M = 1e-3
+"""By so much a region may seem to reach farther than its robot sees."""
 
 RunOutcome = Literal["complete", "stalled", "out_of_time"]
 
@@ -224,7 +234,7 @@ class Recording:
             )
         nodes = {(event.robot, event.serial) for event in events if isinstance(event, NodeAdded)}
         for number, event in enumerate(events, 2):
-            if flaw := _flaw(event, len(header.starts), nodes):
+            if flaw := _flaw(event, header.spec.robots, nodes):
                 raise InvalidInputError(f"{path}, line {number}: {flaw}")
         if (digest := _digest(header, events)) != footer.digest:
             raise InvalidInputError(
@@ -234,11 +244,11 @@ class Recording:
         return cls(header=header, events=events, footer=footer)
 
 
-def _flaw(event: AnyEvent, robots: int, nodes: Container[NodeName]) -> str:
+def _flaw(event: AnyEvent, robots: Sequence[RobotSpec], nodes: Container[NodeName]) -> str:
     # What is wrong with an event although all of its fields are of the right kind.
     for robot in (event.robot, *_others(event)):
-        if not 0 <= robot < robots:
-            return f"robot {robot} is none of the {robots}, which count from 0"
+        if not 0 <= robot < len(robots):
+            return f"robot {robot} is none of the {len(robots)}, which count from 0"
     for name in _nodes_named(event):
         if name not in nodes:
             return f"node {name[1]} of robot {name[0]} is nowhere in the recording"
@@ -247,6 +257,11 @@ def _flaw(event: AnyEvent, robots: int, nodes: Container[NodeName]) -> str:
             return "a motion has at least one waypoint"
         if any(b[0] < a[0] for a, b in itertools.pairwise(event.waypoints)):
             return "the times of a motion's waypoints never fall"
+        if any(abs(b[3] - a[3]) > MOST_TURN_RAD for a, b in itertools.pairwise(event.waypoints)):
+            return f"a leg of a motion turns by more than {MOST_TURN_RAD:.4g} rad"
+        for _, x, y, _ in event.waypoints:
+            if flaw := _too_far(x, y):
+                return flaw
     if isinstance(event, NodeAdded):
         if len(event.boundary) < 3 or len(event.tags) != len(event.boundary):
             return (
@@ -255,7 +270,20 @@ def _flaw(event: AnyEvent, robots: int, nodes: Container[NodeName]) -> str:
             )
         if not set(event.tags) <= set("0123"):
             return f"tags are digits from 0 to 3, not {event.tags!r}"
+        x, y, _ = event.configuration
+        if flaw := _too_far(x, y):
+            return flaw
+        range_m = robots[event.robot].range_finder.range_m
+        farthest_m = max(math.dist((x, y), corner) for corner in event.boundary)
+        if farthest_m > range_m + ROUNDING_M:
+            return f"a region reaches {farthest_m:g} m, but robot {event.robot} sees {range_m:g} m"
     return ""
+
+
+def _too_far(x: float, y: float) -> str:
+    if max(abs(x), abs(y)) <= FARTHEST_M:
+        return ""
+    return f"a place at ({x:g}, {y:g}); none lies farther than {FARTHEST_M:g} m from the origin"
 
 
 def _others(event: AnyEvent) -> Iterable[int]:

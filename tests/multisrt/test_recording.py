@@ -176,6 +176,18 @@ NODE = '"time_s":0,"robot":0'
     ("event", "said"),
     [
         ('"motion",$,"waypoints":[[2,0,0,0],[1,1,0,0]]', "never fall"),
+        ('"motion",$,"waypoints":[[0,0,0,0],[1,0,-2e9,0]]', r"none lies farther than 1e\+09 m"),
+        ('"motion",$,"waypoints":[[0,0,0,0],[1,0,0,-13]]', "turns by more than"),
+        (
+            '"node",$,"serial":99,"parent":null,"configuration":[1e19,0,0],"stage":"draw",'
+            '"boundary":[[0,0],[1,0],[1,1]],"tags":"000"',
+            "none lies farther",
+        ),
+        (
+            '"node",$,"serial":99,"parent":null,"configuration":[0,0,0],"stage":"draw",'
+            '"boundary":[[0,0],[1,0],[1,1e19]],"tags":"000"',
+            r"reaches 1e\+19 m, but robot 0 sees",
+        ),
         ('"decision",$,"node":[0,99],"frontier_m":1,"choice":"end","target":null', "node 99"),
         ('"decision",$,"node":[1,0],"frontier_m":1,"choice":"end","target":null', "node 0 of"),
         ('"decision",$,"node":0,"frontier_m":1,"choice":"end","target":null', "node"),
@@ -214,7 +226,7 @@ NODE = '"time_s":0,"robot":0'
         ),
     ],
 )
-def test_events_that_name_what_is_not_there(tmp_path, lines, event, said):
+def test_events_of_what_cannot_be(tmp_path, lines, event, said):
     line = b'{"event":' + event.replace("$", NODE).encode() + b"}\n"
     with pytest.raises(InvalidInputError, match=rf"changed\.jsonl, line 3: .*{said}"):
         load(tmp_path, signed([*lines[:2], line, *lines[2:]]))

@@ -28,11 +28,13 @@ from multisrt.geometry.kernel import (
     unsigned,
 )
 from multisrt.geometry.raster import (
+    FARTHEST_CELL,
     OFFSET,
     Window,
     bounds_of,
     moved,
     refuse_cell_width,
+    refuse_corners,
     row_crossings,
     window_over,
 )
@@ -218,8 +220,7 @@ class Occupancy:
         if not _fits(
             region.boundary, margin, self.cell_m, self.row, self.column, *self.cells.shape
         ):
-            if not np.isfinite(region.boundary).all():
-                raise InvalidInputError("the corners of a region are finite numbers of metres")
+            refuse_corners(region.boundary, self.cell_m)
             x0, y0, x1, y1 = bounds_of(region.boundary)
             self._cover((x0 - margin, y0 - margin, x1 + margin, y1 + margin))
         new, first_row, last_row, first_column, last_column = _learn(
@@ -487,10 +488,11 @@ def _fits(
     rows: int,
     columns: int,
 ) -> bool:
-    # Whether a window holds a region with a margin, as `window_over` asks it. What is not finite
-    # fits nowhere.
+    # Whether a window holds a region with a margin, as `window_over` asks it. Corners in no cell
+    # that has a number fit nowhere.
+    farthest = FARTHEST_CELL * cell
     for i in range(boundary.shape[0]):
-        if not np.isfinite(boundary[i, 0] + boundary[i, 1]):
+        if not (abs(boundary[i, 0]) < farthest and abs(boundary[i, 1]) < farthest):
             return False
     x0, y0, x1, y1 = bounds_of(boundary)
     return (

@@ -14,6 +14,9 @@ from multisrt.geometry.kernel import BoolArray, FloatArray, IntArray, kernel
 MAX_CELLS = 400_000_000
 """A raster never grows beyond this many cells of one byte, or as many fewer as they are larger."""
 
+FARTHEST_CELL = 2.0**52
+"""Cells farther from the origin are not told apart."""
+
 OFFSET = 0.3819660112501051
 """Share of a cell by which the lattice is moved.
 
@@ -94,13 +97,15 @@ class Raster:
         Raises
         ------
         InvalidInputError
-            If the raster would grow beyond `MAX_CELLS`.
+            If the raster would grow beyond `MAX_CELLS`, or a corner is not finite.
         """
+        refuse_corners(boundary, self.cell_m)
         self._cover(bounds_of(boundary))
         return paint_polygon(boundary, self.x0, self.y0, self.cell_m, self.cells)
 
     def paint_inside(self, boundary: FloatArray) -> int:
         """Mark cells as `paint` does, but only those in the window, which stays as it is."""
+        refuse_corners(boundary, self.cell_m)
         return paint_polygon(boundary, self.x0, self.y0, self.cell_m, self.cells)
 
     def centres(self) -> tuple[FloatArray, FloatArray]:
@@ -127,6 +132,15 @@ def refuse_cell_width(cell_m: float) -> None:
     """Raise an `InvalidInputError` unless a cell's width is positive and finite."""
     if not 0.0 < cell_m < math.inf:
         raise InvalidInputError(f"a cell is a positive width in metres, not {cell_m}")
+
+
+def refuse_corners(boundary: FloatArray, cell_m: float) -> None:
+    """Raise an `InvalidInputError` for corners in no cell that has a number."""
+    if not np.abs(boundary).max() < FARTHEST_CELL * cell_m:
+        raise InvalidInputError(
+            f"the corners of a polygon are finite numbers of metres, with cells of {cell_m:g} m "
+            f"below {FARTHEST_CELL * cell_m:g}"
+        )
 
 
 def window_over(

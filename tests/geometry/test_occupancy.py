@@ -495,7 +495,7 @@ def test_refuses_what_cannot_be():
         pass
 
 
-@pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
+@pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf, 1e19, -1e300])
 @pytest.mark.parametrize("corner", range(4))
 @pytest.mark.parametrize("axis", range(2))
 def test_refuses_regions_that_are_not_finite(bad, corner, axis):

@@ -179,3 +179,18 @@ def test_erosion_keeps_what_is_far_enough_from_all_else(seed, radius):
     cells = rng.random(rng.integers(1, 30, 2)) < rng.choice([0.5, 0.9, 0.99, 1.0])
     off_border = distance_transform_edt(np.pad(cells, 1))[1:-1, 1:-1]
     np.testing.assert_array_equal(eroded(cells, radius), cells & (off_border >= radius))
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf, 1e19, -1e300])
+@pytest.mark.parametrize("corner", range(4))
+@pytest.mark.parametrize("axis", range(2))
+@pytest.mark.parametrize("paint", [Raster.paint, Raster.paint_inside])
+def test_refuses_corners_that_no_cell_can_have(bad, corner, axis, paint):
+    raster = Raster(0.1, (0.0, 0.0, 2.0, 2.0))
+    square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+    raster.paint(square)
+    before = raster.cells.copy()
+    square[corner, axis] = bad
+    with pytest.raises(InvalidInputError, match="finite numbers of metres"):
+        paint(raster, square)
+    np.testing.assert_array_equal(raster.cells, before)

@@ -2,9 +2,9 @@
 
 Queries are taken in blocks of twenty, which the sides run in turn: neither should pay for the
 caches that the other one has emptied. A side runs each query three times in a row, of which the
-least counts, and a claim compares the medians over the queries. Whole runs are made several
-times, and of each of their parts the least counts. Times depend on the machine, their ratios
-hardly.
+least counts, and a claim compares the medians over the queries. Where whole runs are compared
+with each other, the least of each of their parts counts. Times depend on the machine, their
+ratios hardly.
 """
 
 from __future__ import annotations

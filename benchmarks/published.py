@@ -1,0 +1,90 @@
+"""Whether published runs are those of this program: ``python -m benchmarks.published multi-srt``.
+
+Draws runs of a page of `docs/results/`, repeats them, and compares their recordings' digests with
+those that its CSV file holds. The exit code is 1 where one differs. Few draws miss what only few
+runs meet: ``--runs 0`` repeats all of them. Digests hold on machines of one architecture with the
+packages of `constraints.txt`.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import multiprocessing
+import random
+import sys
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+from multisrt.experiments.crossing import PlannedRun, runs
+from multisrt.experiments.description import ExperimentSpec
+from multisrt.presets import PRESETS
+from multisrt.simulation import simulate
+from multisrt.terminal import LiveLine
+
+ROOT = Path(__file__).resolve().parents[1]
+RESULTS = ROOT / "docs" / "results"
+ROBUSTNESS = "robustness"
+
+
+def main() -> None:
+    """Say which of the runs that were drawn differ; exit with 1 if any does."""
+    given = _arguments()
+    published = read_digests(RESULTS / f"{given.page}.csv")
+    planned = {run.key: run for run in runs(experiment(given.page), ROOT)}
+    unknown = published.keys() - planned.keys()
+    drawn = draw([run for key, run in planned.items() if key in published], given.runs, given.seed)
+    differ = []
+    with LiveLine(True, given.page, "runs repeated", counted=True) as line:
+        for done, (run, digest) in enumerate(repeated(drawn, given.workers), start=1):
+            line.update(completed=done, total=len(drawn))
+            if digest != published[run.key]:
+                differ.append(run)
+    for run in differ:
+        print(f"differs: [{run.condition}], repetition {run.repetition}")
+    if unknown:
+        print(f"rows of {given.page}.csv that are no runs of its experiment: {len(unknown)}")
+    print(f"{len(drawn) - len(differ)} of {len(drawn)} runs are as published in {given.page}.csv")
+    sys.exit(1 if differ or unknown else 0)
+
+
+def experiment(page: str) -> ExperimentSpec:
+    """Give the experiment that a page tells of."""
+    if page == ROBUSTNESS:
+        return ExperimentSpec.from_toml((ROOT / "examples" / "robustness.toml").read_text("utf-8"))
+    return PRESETS[page].experiment(False)
+
+
+def read_digests(file: Path) -> dict[str, str]:
+    """Give the digest of every published run that has a recording, by the run's key."""
+    with file.open(newline="", encoding="utf-8") as lines:
+        return {row["key"]: row["digest"] for row in csv.DictReader(lines) if row["digest"]}
+
+
+def draw(planned: Sequence[PlannedRun], count: int, seed: int) -> list[PlannedRun]:
+    """Draw so many runs, or all of them if `count` is 0 or more than there are."""
+    shuffled = random.Random(seed).sample(planned, len(planned))
+    return shuffled[:count] if count else shuffled
+
+
+def repeated(planned: Sequence[PlannedRun], workers: int) -> Iterator[tuple[PlannedRun, str]]:
+    """Make the runs anew, and give each with the digest of its recording."""
+    with multiprocessing.get_context("spawn").Pool(workers) as pool:
+        yield from zip(planned, pool.imap(_digest, planned), strict=True)
+
+
+def _digest(run: PlannedRun) -> str:
+    return simulate(run.spec).footer.digest
+
+
+def _arguments() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(description="whether published runs are this program's")
+    parser.add_argument("page", choices=(*PRESETS, ROBUSTNESS))
+    parser.add_argument("--runs", type=int, default=40, help="how many; 0 for all (default: 40)")
+    parser.add_argument("--seed", type=int, default=0, help="which are drawn (default: 0)")
+    parser.add_argument("--workers", type=int, default=2, help="processes (default: 2)")
+    return parser.parse_args()
+
+
+if __name__ == "__main__":
+    main()

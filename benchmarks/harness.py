@@ -2,9 +2,8 @@
 
 Queries are taken in blocks of twenty, which the sides run in turn: neither should pay for the
 caches that the other one has emptied. A side runs each query three times in a row, of which the
-least counts, and a claim compares the medians over the queries. Where whole runs are compared
-with each other, the least of each of their parts counts. Times depend on the machine, their
-ratios hardly.
+least counts, and a claim compares the medians over the queries. Times depend on the machine,
+their ratios hardly.
 """
 
 from __future__ import annotations
@@ -70,14 +69,6 @@ def in_turns(
                     run(query)
                     best[name][q] = min(best[name][q], time.perf_counter() - begin)
     return {name: float(np.median(times)) * 1e6 for name, times in best.items()}
-
-
-def least_of_parts(runs: Sequence[Sequence[float]]) -> float:
-    """Sum up what each part of a run took least, over runs that all do the same.
-
-    What else a machine does comes and goes, and hardly ever hits a part of every run.
-    """
-    return float(np.min(np.array(runs), axis=0).sum())
 
 
 def installed(package: str) -> bool:

@@ -10,10 +10,11 @@ from __future__ import annotations
 
 import argparse
 import csv
-import multiprocessing
 import random
 import sys
 from collections.abc import Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
 from pathlib import Path
 
 from multisrt.experiments.crossing import PlannedRun, runs
@@ -69,8 +70,8 @@ def draw(planned: Sequence[PlannedRun], count: int, seed: int) -> list[PlannedRu
 
 def repeated(planned: Sequence[PlannedRun], workers: int) -> Iterator[tuple[PlannedRun, str]]:
     """Make the runs anew, and give each with the digest of its recording."""
-    with multiprocessing.get_context("spawn").Pool(workers) as pool:
-        yield from zip(planned, pool.imap(_digest, planned), strict=True)
+    with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
+        yield from zip(planned, pool.map(_digest, planned), strict=True)
 
 
 def _digest(run: PlannedRun) -> str:
@@ -83,7 +84,10 @@ def _arguments() -> argparse.Namespace:
     parser.add_argument("--runs", type=int, default=40, help="how many; 0 for all (default: 40)")
     parser.add_argument("--seed", type=int, default=0, help="which are drawn (default: 0)")
     parser.add_argument("--workers", type=int, default=2, help="processes (default: 2)")
-    return parser.parse_args()
+    given = parser.parse_args()
+    if given.runs < 0 or given.workers < 1:
+        parser.error("--runs is 0 or more, --workers 1 or more")
+    return given
 
 
 if __name__ == "__main__":

@@ -68,3 +68,9 @@ def test_what_is_drawn_depends_on_the_seed_alone():
 def test_every_page_has_an_experiment_whose_runs_it_holds(page):
     keys = {run.key for run in runs(published.experiment(page), published.ROOT)}
     assert keys == published.read_digests(published.RESULTS / f"{page}.csv").keys()
+
+
+@pytest.mark.parametrize("options", [("--runs", "-1"), ("--workers", "0")])
+def test_counts_that_cannot_be_are_refused(digests, tmp_path, monkeypatch, capsys, options):
+    assert check(digests, tmp_path, monkeypatch, *options) == 2
+    assert "--runs is 0 or more, --workers 1 or more" in capsys.readouterr().err

@@ -24,7 +24,7 @@ from multisrt.geometry.frontier_arcs import (
     pieces_tagged,
     uncovered,
 )
-from multisrt.geometry.kernel import BoolArray, FloatArray, IntArray, kernel
+from multisrt.geometry.kernel import BoolArray, FloatArray, IntArray, borrowing_kernel, kernel
 from multisrt.geometry.rings import RingArrays
 
 ONE_BORDER_M: Final = 0.5 * OUTWARD_M
@@ -62,9 +62,29 @@ def apart_from(
     source : (r,) array
         Which segment each rest is of.
     """
-    capacity = max(16, 2 * segments.shape[0])
-    rest, source = np.empty((capacity, 4)), np.empty(capacity, np.int64)
     low, high = np.empty(lines.shape[0]), np.empty(lines.shape[0])
+    room = max(16, 2 * segments.shape[0])
+    while True:
+        rest, source = np.empty((room, 4)), np.empty(room, np.int64)
+        count = _apart_from(segments, concerned, lines, tolerance_m, low, high, rest, source)
+        if count <= room:
+            return rest[:count].copy(), source[:count].copy()
+        room = count
+
+
+@borrowing_kernel
+def _apart_from(
+    segments: FloatArray,
+    concerned: BoolArray,
+    lines: FloatArray,
+    tolerance_m: float,
+    low: FloatArray,
+    high: FloatArray,
+    rest: FloatArray,
+    source: IntArray,
+) -> int:
+    # Writes what is left of segments, as far as there is room. Tells how much is left. Low and
+    # high are room to work in.
     kept = 0
     for i in range(segments.shape[0]):
         x0, y0, x1, y1 = segments[i, 0], segments[i, 1], segments[i, 2], segments[i, 3]
@@ -107,23 +127,22 @@ def apart_from(
         for z in range(count + 1):
             end = low[z] if z < count else length
             if end - begin > SHORTEST_CUT_M or end - begin == length:
-                if kept == capacity:
-                    capacity *= 2
-                    more, more_source = np.empty((capacity, 4)), np.empty(capacity, np.int64)
-                    more[:kept], more_source[:kept] = rest, source
-                    rest, source = more, more_source
-                rest[kept] = segments[i]
-                if begin > 0.0:
-                    share = begin / length
-                    rest[kept, 0], rest[kept, 1] = x0 + share * (x1 - x0), y0 + share * (y1 - y0)
-                if end < length:
-                    share = end / length
-                    rest[kept, 2], rest[kept, 3] = x0 + share * (x1 - x0), y0 + share * (y1 - y0)
-                source[kept] = i
+                if kept < rest.shape[0]:
+                    rest[kept, 0], rest[kept, 1] = x0, y0
+                    rest[kept, 2], rest[kept, 3] = x1, y1
+                    if begin > 0.0:
+                        share = begin / length
+                        rest[kept, 0] = x0 + share * (x1 - x0)
+                        rest[kept, 1] = y0 + share * (y1 - y0)
+                    if end < length:
+                        share = end / length
+                        rest[kept, 2] = x0 + share * (x1 - x0)
+                        rest[kept, 3] = y0 + share * (y1 - y0)
+                    source[kept] = i
                 kept += 1
             if z < count:
                 begin = max(begin, high[z])
-    return rest[:kept].copy(), source[:kept].copy()
+    return kept
 
 
 @kernel
@@ -148,8 +167,21 @@ def common_pieces(
     origin : (r,) array
         The piece that each is of.
     """
-    capacity = pieces.shape[0] + rest.shape[0]
-    common, origin = np.empty((capacity, 4)), np.empty(capacity, np.int64)
+    most = rest.shape[0]
+    common, origin = np.empty((most, 4)), np.empty(most, np.int64)
+    count = _common_pieces(pieces, wholes, rest, source, common, origin)
+    return common[:count], origin[:count]
+
+
+@borrowing_kernel
+def _common_pieces(
+    pieces: FloatArray,
+    wholes: FloatArray,
+    rest: FloatArray,
+    source: IntArray,
+    common: FloatArray,
+    origin: IntArray,
+) -> int:
     kept, r = 0, 0
     for i in range(pieces.shape[0]):
         x, y = wholes[i, 0], wholes[i, 1]
@@ -164,7 +196,8 @@ def common_pieces(
             end = ux * (rest[r, 2] - x) + uy * (rest[r, 3] - y)
             as_before = begin <= first and end >= last
             if as_before or min(end, last) - max(begin, first) > SHORTEST_CUT_M:
-                common[kept] = pieces[i]
+                for c in range(4):
+                    common[kept, c] = pieces[i, c]
                 if begin > first:
                     common[kept, 0], common[kept, 1] = rest[r, 0], rest[r, 1]
                 if end < last:
@@ -172,20 +205,28 @@ def common_pieces(
                 origin[kept] = i
                 kept += 1
             r += 1
-    return common[:kept].copy(), origin[:kept].copy()
+    return kept
 
 
 @kernel
 def in_long_arcs(segments: FloatArray, shortest_m: float) -> BoolArray:
     """Tell which segments belong to arcs that are at least this long."""
     labels, count = arc_labels(segments)
-    lengths = np.zeros(count)
+    long = np.empty(segments.shape[0], np.bool_)
+    _note_long(segments, labels, np.zeros(count), shortest_m, long)
+    return long
+
+
+@borrowing_kernel
+def _note_long(
+    segments: FloatArray, labels: IntArray, lengths: FloatArray, shortest_m: float, long: BoolArray
+) -> None:
     for i in range(segments.shape[0]):
         lengths[labels[i]] += np.hypot(
             segments[i, 2] - segments[i, 0], segments[i, 3] - segments[i, 1]
         )
-    long: BoolArray = lengths[labels] >= shortest_m
-    return long
+    for i in range(segments.shape[0]):
+        long[i] = lengths[labels[i]] >= shortest_m
 
 
 class ArcPieces:
@@ -415,22 +456,22 @@ def changed_pieces(
     """
     candidates = pieces_tagged(boundary, tags, include_gaps)
     own, source = uncovered(candidates, starts, corners, boxes, stretches, neighbours)
-    own_wholes = candidates[source]
+    own_wholes = _rows(candidates, source)
     near, earlier = _with_pieces_near(index, neighbours, ids, boxes, spans, wholes)
     theirs, their_wholes, owners = _gathered(near, spans, pieces, wholes)
-    lines = their_wholes[earlier[owners]]
+    lines = _rows_where(their_wholes, earlier[owners])
     if lines.shape[0] > 0:
         everywhere = np.ones(own.shape[0], np.bool_)
         rest, source = apart_from(own_wholes, everywhere, lines, ONE_BORDER_M)
         own, source = common_pieces(own, own_wholes, rest, source)
-        own_wholes = own_wholes[source]
+        own_wholes = _rows(own_wholes, source)
     long = in_long_arcs(own, SHORTEST_ARC_M)
-    own, own_wholes = own[long], own_wholes[long]
+    own, own_wholes = _rows_where(own, long), _rows_where(own_wholes, long)
 
     rest, source = uncovered(their_wholes, starts, corners, boxes, stretches, np.array([index]))
     left, origin = common_pieces(theirs, their_wholes, rest, source)
     if not earlier.all():
-        left_wholes = their_wholes[origin]
+        left_wholes = _rows(their_wholes, origin)
         concerned = ~earlier[owners[origin]]
         rest, source = apart_from(left_wholes, concerned, own_wholes, ONE_BORDER_M)
         left, source = common_pieces(left, left_wholes, rest, source)
@@ -439,23 +480,51 @@ def changed_pieces(
 
     changed = np.concatenate((np.array([index]), near[cut]))
     begins = np.zeros(changed.shape[0] + 1, np.int64)
-    all_left = np.empty((own.shape[0] + left.shape[0], 4))
-    all_wholes = np.empty_like(all_left)
-    count = own.shape[0]
-    all_left[:count], all_wholes[:count] = own, own_wholes
-    begins[1] = count
+    begins[1] = own.shape[0]
+    kept = np.empty(own.shape[0] + left.shape[0], np.int64)
     owner = 1
+    count = 0
     for k in np.flatnonzero(cut):
-        part = left[parts[k] : parts[k + 1]]
-        long = in_long_arcs(part, SHORTEST_ARC_M)
-        for i in range(part.shape[0]):
-            if long[i]:
-                all_left[count] = part[i]
-                all_wholes[count] = their_wholes[origin[parts[k] + i]]
-                count += 1
+        count = _add_long(left, parts[k], parts[k + 1], kept, count)
         owner += 1
-        begins[owner] = count
-    return changed, begins, all_left[:count], all_wholes[:count]
+        begins[owner] = own.shape[0] + count
+    kept = kept[:count]
+    return (
+        changed,
+        begins,
+        np.concatenate((own, _rows(left, kept))),
+        np.concatenate((own_wholes, _rows(their_wholes, origin[kept]))),
+    )
+
+
+@kernel
+def _add_long(left: FloatArray, first: int, end: int, kept: IntArray, count: int) -> int:
+    # Notes which of an owner's pieces are in arcs that are no rounding. Tells how many are noted.
+    long = in_long_arcs(left[first:end], SHORTEST_ARC_M)
+    for i in range(long.shape[0]):
+        if long[i]:
+            kept[count] = first + i
+            count += 1
+    return count
+
+
+@kernel
+def _rows(values: FloatArray, indices: IntArray) -> FloatArray:
+    rows = np.empty((indices.shape[0], 4))
+    _copy_rows(values, indices, rows)
+    return rows
+
+
+@kernel
+def _rows_where(values: FloatArray, wanted: BoolArray) -> FloatArray:
+    return _rows(values, np.flatnonzero(wanted))
+
+
+@borrowing_kernel
+def _copy_rows(values: FloatArray, indices: IntArray, rows: FloatArray) -> None:
+    for i in range(indices.shape[0]):
+        for c in range(4):
+            rows[i, c] = values[indices[i], c]
 
 
 @kernel
@@ -470,6 +539,21 @@ def _with_pieces_near(
     # The neighbours with arcs that are not apart from a region, and whose ids are lower.
     near = np.empty_like(neighbours)
     earlier = np.empty(neighbours.shape[0], np.bool_)
+    count = _note_near(index, neighbours, ids, boxes, spans, wholes, near, earlier)
+    return near[:count], earlier[:count]
+
+
+@borrowing_kernel
+def _note_near(
+    index: int,
+    neighbours: IntArray,
+    ids: IntArray,
+    boxes: FloatArray,
+    spans: IntArray,
+    wholes: FloatArray,
+    near: IntArray,
+    earlier: BoolArray,
+) -> int:
     count = 0
     left, bottom = boxes[index, 0] - APART_M, boxes[index, 1] - APART_M
     right, top = boxes[index, 2] + APART_M, boxes[index, 3] + APART_M
@@ -488,7 +572,7 @@ def _with_pieces_near(
                 )
                 count += 1
                 break
-    return near[:count], earlier[:count]
+    return count
 
 
 @kernel
@@ -499,16 +583,18 @@ def _gathered(
     total = 0
     for k in indices:
         total += spans[k, 1] - spans[k, 0]
-    some, some_wholes = np.empty((total, 4)), np.empty((total, 4))
-    owners = np.empty(total, np.int64)
+    rows, owners = np.empty(total, np.int64), np.empty(total, np.int64)
+    _note_rows(indices, spans, rows, owners)
+    return _rows(pieces, rows), _rows(wholes, rows), owners
+
+
+@borrowing_kernel
+def _note_rows(indices: IntArray, spans: IntArray, rows: IntArray, owners: IntArray) -> None:
     count = 0
     for k in range(indices.shape[0]):
-        first, end = spans[indices[k], 0], spans[indices[k], 1]
-        after = count + end - first
-        some[count:after], some_wholes[count:after] = pieces[first:end], wholes[first:end]
-        owners[count:after] = k
-        count = after
-    return some, some_wholes, owners
+        for row in range(spans[indices[k], 0], spans[indices[k], 1]):
+            rows[count], owners[count] = row, k
+            count += 1
 
 
 @kernel

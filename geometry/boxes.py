@@ -4,7 +4,18 @@ from __future__ import annotations
 
 import numpy as np
 
-from multisrt.geometry.kernel import FloatArray, IntArray, kernel
+from multisrt.geometry.kernel import FloatArray, IntArray, borrowing_kernel, kernel
+
+
+@borrowing_kernel
+def bounds_of(boundary: FloatArray) -> tuple[float, float, float, float]:
+    """Give the least x, least y, greatest x and greatest y of some points."""
+    x0 = x1 = boundary[0, 0]
+    y0 = y1 = boundary[0, 1]
+    for i in range(1, boundary.shape[0]):
+        x0, x1 = min(x0, boundary[i, 0]), max(x1, boundary[i, 0])
+        y0, y1 = min(y0, boundary[i, 1]), max(y1, boundary[i, 1])
+    return x0, y0, x1, y1
 
 
 @kernel

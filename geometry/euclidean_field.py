@@ -11,7 +11,14 @@ from numpy.typing import ArrayLike, NDArray
 from multisrt.geometry.distance_field import asked_cells, cells_of
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.fast_march import drop_first, in_sight, push
-from multisrt.geometry.kernel import BoolArray, FloatArray, IntArray, inlined_kernel, kernel
+from multisrt.geometry.kernel import (
+    BoolArray,
+    FloatArray,
+    IntArray,
+    borrowing_kernel,
+    inlined_kernel,
+    kernel,
+)
 
 UNSEEN: Final = 0
 OPEN: Final = 1
@@ -187,7 +194,7 @@ class EuclideanField:
                 )
 
 
-@kernel
+@borrowing_kernel
 def _march(
     passable: BoolArray,
     x: float,
@@ -256,7 +263,7 @@ def _leads(passable: BoolArray, r: int, c: int, to_r: int, to_c: int) -> bool:
     return bool(passable[to_r, to_c] and passable[r, to_c] and passable[to_r, c])
 
 
-@kernel
+@borrowing_kernel
 def _relax(
     passable: BoolArray,
     x: float,

@@ -21,6 +21,7 @@ from multisrt.geometry.kernel import (
     BoolArray,
     FloatArray,
     IntArray,
+    borrowing_kernel,
     inlined_kernel,
     kernel,
     unsigned,
@@ -47,7 +48,7 @@ ASKED: Final = 1
 RIM: Final = 2
 
 
-@kernel
+@borrowing_kernel
 def seed(
     free: BoolArray,
     starts: FloatArray,
@@ -75,7 +76,7 @@ def seed(
     return held
 
 
-@kernel
+@borrowing_kernel
 def march(
     state: NDArray[np.uint8],
     marks: NDArray[np.uint8],
@@ -152,7 +153,7 @@ def numbers_of(
     return numbers
 
 
-@kernel
+@borrowing_kernel
 def ask(at: IntArray, state: NDArray[np.uint8], marks: NDArray[np.uint8]) -> tuple[int, int]:
     """Mark cells as asked for; tell how many of them are not accepted yet, and how many are.
 
@@ -170,7 +171,7 @@ def ask(at: IntArray, state: NDArray[np.uint8], marks: NDArray[np.uint8]) -> tup
     return missing, final
 
 
-@kernel
+@borrowing_kernel
 def first_accepted(at: IntArray, state: NDArray[np.uint8], places: NDArray[np.int32]) -> int:
     """Give the index of the cell that was accepted first; -1 if none was."""
     first = -1
@@ -180,7 +181,7 @@ def first_accepted(at: IntArray, state: NDArray[np.uint8], places: NDArray[np.in
     return first
 
 
-@kernel
+@borrowing_kernel
 def forget(at: IntArray, marks: NDArray[np.uint8]) -> None:
     """Have cells no longer asked for."""
     for u in at:
@@ -339,7 +340,7 @@ def take_back(
     return held, kept
 
 
-@kernel
+@borrowing_kernel
 def _relive(
     v: int,
     distance: FloatArray,
@@ -374,7 +375,7 @@ def _relive(
         done = rank
 
 
-@kernel
+@borrowing_kernel
 def in_sight(free: BoolArray, x: float, y: float, column: int, row: int) -> bool:
     """Whether a cell's centre is seen from a point, given in cells, through free cells alone.
 
@@ -402,7 +403,7 @@ def in_sight(free: BoolArray, x: float, y: float, column: int, row: int) -> bool
     return True
 
 
-@kernel
+@borrowing_kernel
 def push(
     heap: NDArray[np.int32],
     keys: FloatArray,
@@ -434,7 +435,7 @@ def push(
     return held
 
 
-@kernel
+@borrowing_kernel
 def drop_first(
     heap: NDArray[np.int32], keys: FloatArray, places: NDArray[np.int32], held: int
 ) -> int:

@@ -12,7 +12,14 @@ from typing import Final
 import numpy as np
 
 from multisrt.geometry.boundary import GAP, OBSTACLE, TagArray
-from multisrt.geometry.kernel import BoolArray, FloatArray, IntArray, kernel, unsigned
+from multisrt.geometry.kernel import (
+    BoolArray,
+    FloatArray,
+    IntArray,
+    borrowing_kernel,
+    kernel,
+    unsigned,
+)
 from multisrt.geometry.rings import STRETCH, first_stretch
 
 OUTWARD_M: Final = 1e-6
@@ -67,8 +74,13 @@ def frontier_candidates(
 @kernel
 def pieces_tagged(boundary: FloatArray, tags: TagArray, include_gaps: bool) -> FloatArray:
     """Do what `frontier_candidates` does, for kernels that call it."""
+    pieces = np.empty((boundary.shape[0], 4))
+    return pieces[: _tagged(boundary, tags, include_gaps, pieces)]
+
+
+@borrowing_kernel
+def _tagged(boundary: FloatArray, tags: TagArray, include_gaps: bool, pieces: FloatArray) -> int:
     n = boundary.shape[0]
-    pieces = np.empty((n, 4))
     kept = 0
     for i in range(n):
         if tags[i] == OBSTACLE or (tags[i] == GAP and not include_gaps):
@@ -77,7 +89,7 @@ def pieces_tagged(boundary: FloatArray, tags: TagArray, include_gaps: bool) -> F
         pieces[kept, 0], pieces[kept, 1] = boundary[i, 0], boundary[i, 1]
         pieces[kept, 2], pieces[kept, 3] = boundary[j, 0], boundary[j, 1]
         kept += 1
-    return pieces[:kept].copy()
+    return kept
 
 
 @kernel
@@ -115,8 +127,33 @@ def uncovered(
         total += size
     crossings = np.empty(longest + 1)
     low, high = np.empty(total + 1), np.empty(total + 1)
-    capacity = max(16, 2 * segments.shape[0])
-    rest, source = np.empty((capacity, 4)), np.empty(capacity, np.int64)
+    room = max(16, 2 * segments.shape[0])
+    while True:
+        rest, source = np.empty((room, 4)), np.empty(room, np.int64)
+        count = _uncovered(
+            segments, starts, corners, boxes, stretches, ids, crossings, low, high, rest, source
+        )
+        if count <= room:
+            return rest[:count].copy(), source[:count].copy()
+        room = count
+
+
+@borrowing_kernel
+def _uncovered(
+    segments: FloatArray,
+    starts: IntArray,
+    corners: FloatArray,
+    boxes: FloatArray,
+    stretches: FloatArray,
+    ids: IntArray,
+    crossings: FloatArray,
+    low: FloatArray,
+    high: FloatArray,
+    rest: FloatArray,
+    source: IntArray,
+) -> int:
+    # Writes what is left of segments, as far as there is room. Tells how much is left. The
+    # polygons change their order; crossings, low and high are room to work in.
     kept = 0
     for i in range(segments.shape[0]):
         x0, y0, x1, y1 = segments[i, 0], segments[i, 1], segments[i, 2], segments[i, 3]
@@ -192,22 +229,18 @@ def uncovered(
         for z in range(covered + 1):
             end = low[z] if z < covered else length
             if end - begin > SHORTEST_CUT_M or end - begin == length:
-                if kept == capacity:
-                    capacity *= 2
-                    more, more_source = np.empty((capacity, 4)), np.empty(capacity, np.int64)
-                    more[:kept], more_source[:kept] = rest, source
-                    rest, source = more, more_source
-                rest[kept, 0], rest[kept, 1] = x0 + ux * begin, y0 + uy * begin
-                rest[kept, 2], rest[kept, 3] = x0 + ux * end, y0 + uy * end
-                if begin == 0.0:
-                    rest[kept, 0], rest[kept, 1] = x0, y0
-                if end == length:
-                    rest[kept, 2], rest[kept, 3] = x1, y1
-                source[kept] = i
+                if kept < rest.shape[0]:
+                    rest[kept, 0], rest[kept, 1] = x0 + ux * begin, y0 + uy * begin
+                    rest[kept, 2], rest[kept, 3] = x0 + ux * end, y0 + uy * end
+                    if begin == 0.0:
+                        rest[kept, 0], rest[kept, 1] = x0, y0
+                    if end == length:
+                        rest[kept, 2], rest[kept, 3] = x1, y1
+                    source[kept] = i
                 kept += 1
             if z < covered:
                 begin = max(begin, high[z])
-    return rest[:kept].copy(), source[:kept].copy()
+    return kept
 
 
 @kernel
@@ -226,10 +259,16 @@ def arc_labels(segments: FloatArray) -> tuple[IntArray, int]:
     count : int
         How many arcs there are.
     """
+    labels = np.zeros(segments.shape[0], np.int64)
+    return labels, _label_arcs(segments, labels)
+
+
+@borrowing_kernel
+def _label_arcs(segments: FloatArray, labels: IntArray) -> int:
+    # Writes the labels over zeros. Tells how many there are.
     n = segments.shape[0]
-    labels = np.zeros(n, np.int64)
     if n == 0:
-        return labels, 0
+        return 0
     count = 0
     for i in range(1, n):
         gap = abs(segments[i, 0] - segments[i - 1, 2]) + abs(segments[i, 1] - segments[i - 1, 3])
@@ -243,7 +282,7 @@ def arc_labels(segments: FloatArray) -> tuple[IntArray, int]:
                 break
             labels[i] = 0
         count -= 1
-    return labels, count + 1
+    return count + 1
 
 
 @kernel
@@ -254,7 +293,14 @@ def arc_ends(segments: FloatArray) -> FloatArray:
     """
     labels, count = arc_labels(segments)
     ends = np.zeros((count, 5))
-    begun = np.zeros(count, np.bool_)
+    _note_ends(segments, labels, count, np.zeros(count, np.bool_), ends)
+    return ends
+
+
+@borrowing_kernel
+def _note_ends(
+    segments: FloatArray, labels: IntArray, count: int, begun: BoolArray, ends: FloatArray
+) -> None:
     n = segments.shape[0]
     # An arc over the boundary's closing begins in its last run; that run is visited first.
     first = 0
@@ -269,7 +315,6 @@ def arc_ends(segments: FloatArray) -> FloatArray:
             ends[k, 0], ends[k, 1] = segments[i, 0], segments[i, 1]
         ends[k, 2], ends[k, 3] = segments[i, 2], segments[i, 3]
         ends[k, 4] += np.hypot(segments[i, 2] - segments[i, 0], segments[i, 3] - segments[i, 1])
-    return ends
 
 
 @kernel
@@ -335,6 +380,19 @@ def pieces_by_owner(
     """
     begins = np.zeros(count + 1, np.int64)
     cut = np.zeros(count, np.bool_)
+    _sort_by_owner(segments, owners, rest, source, begins, cut)
+    return begins, cut
+
+
+@borrowing_kernel
+def _sort_by_owner(
+    segments: FloatArray,
+    owners: IntArray,
+    rest: FloatArray,
+    source: IntArray,
+    begins: IntArray,
+    cut: BoolArray,
+) -> None:
     r = 0
     for i in range(segments.shape[0]):
         k = owners[i]
@@ -349,9 +407,8 @@ def pieces_by_owner(
         if pieces != 1 or not whole:
             cut[k] = True
         begins[k + 1] = r
-    for k in range(count):
+    for k in range(cut.shape[0]):
         begins[k + 1] = max(begins[k], begins[k + 1])
-    return begins, cut
 
 
 def total_length(segments: FloatArray) -> float:

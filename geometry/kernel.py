@@ -12,7 +12,15 @@ import numpy as np
 
 from multisrt.geometry.arrays import BoolArray, FloatArray, IntArray
 
-__all__ = ["BoolArray", "FloatArray", "IntArray", "inlined_kernel", "kernel", "unsigned"]
+__all__ = [
+    "BoolArray",
+    "FloatArray",
+    "IntArray",
+    "borrowing_kernel",
+    "inlined_kernel",
+    "kernel",
+    "unsigned",
+]
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -28,6 +36,19 @@ added to an unsigned one has to be unsigned, too, or the sum is no integer.
 def kernel(function: Callable[P, R]) -> Callable[P, R]:
     """Compile a function on first use, keeping its types for readers and checkers."""
     compiled: Callable[P, R] = numba.njit(cache=True, nogil=True, fastmath=False)(function)
+    return compiled
+
+
+def borrowing_kernel(function: Callable[P, R]) -> Callable[P, R]:
+    """Compile a kernel that neither makes arrays nor gives any.
+
+    Other kernels count who holds each array, by instructions that lock memory: a few for every
+    array of every call, which in a small kernel take longer than its work. One that makes an
+    array in spite of it is refused as it is compiled.
+    """
+    compiled: Callable[P, R] = numba.njit(cache=True, nogil=True, fastmath=False, _nrt=False)(
+        function
+    )
     return compiled
 
 

@@ -18,11 +18,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from multisrt.geometry.boundary import OBSTACLE, TagArray
+from multisrt.geometry.boxes import bounds_of
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.kernel import (
     BoolArray,
     FloatArray,
     IntArray,
+    borrowing_kernel,
     inlined_kernel,
     kernel,
     unsigned,
@@ -31,7 +33,6 @@ from multisrt.geometry.raster import (
     FARTHEST_CELL,
     OFFSET,
     Window,
-    bounds_of,
     moved,
     refuse_cell_width,
     refuse_corners,
@@ -478,7 +479,7 @@ def _around(union: Corners | None, window: Corners) -> Corners:
     )
 
 
-@kernel
+@borrowing_kernel
 def _fits(
     boundary: FloatArray,
     margin: float,
@@ -556,7 +557,7 @@ def _touch(changed: IntArray, r: int, c: int) -> None:
     changed[2], changed[3] = min(changed[2], c), max(changed[3], c)
 
 
-@kernel
+@borrowing_kernel
 def _occupy(
     ax: float,
     ay: float,
@@ -592,7 +593,7 @@ def _occupy(
     return new
 
 
-@kernel
+@borrowing_kernel
 def _surfaces_are_near(
     boundary: FloatArray,
     tags: TagArray,
@@ -631,7 +632,7 @@ def _surfaces_are_near(
     return True
 
 
-@kernel
+@borrowing_kernel
 def _keep_away(
     ax: float,
     ay: float,
@@ -886,7 +887,7 @@ def _flood(
     return named, ends[:groups].copy(), targets, lengths
 
 
-@kernel
+@borrowing_kernel
 def _fill(
     r: int,
     c: int,
@@ -915,7 +916,7 @@ def _fill(
     return count
 
 
-@kernel
+@borrowing_kernel
 def _passable_near(
     x: float, y: float, within: int, cell: float, row: int, column: int, passable: BoolArray
 ) -> int:
@@ -932,7 +933,7 @@ def _passable_near(
     return found
 
 
-@kernel
+@borrowing_kernel
 def _has_frontier_near(
     x: float,
     y: float,

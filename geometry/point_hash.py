@@ -8,10 +8,14 @@ from typing import Final
 import numpy as np
 
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.geometry.kernel import FloatArray, IntArray, kernel
+from multisrt.geometry.kernel import FloatArray, IntArray, borrowing_kernel, kernel
 
 EMPTY: Final = -1
 """No point in a slot, or none after this one in its cell."""
+
+
+FEW: Final = 64
+"""So many numbers are sorted fastest by inserting each among those before it."""
 
 
 class PointHash:
@@ -82,17 +86,17 @@ class PointHash:
         )
 
 
-@kernel
+@borrowing_kernel
 def _slot(table: IntArray, i: int, j: int) -> int:
-    # Where a cell is in the table, or where it would be put.
-    slots = table.shape[0]
-    k = int(((i * 73856093) ^ (j * 19349663)) % slots)
+    # Where a cell is in the table, or where it would be put; the slots are a power of two.
+    last = table.shape[0] - 1
+    k = ((i * 73856093) ^ (j * 19349663)) & last
     while table[k, 2] != EMPTY and (table[k, 0] != i or table[k, 1] != j):
-        k = (k + 1) % slots
+        k = (k + 1) & last
     return k
 
 
-@kernel
+@borrowing_kernel
 def _insert(
     table: IntArray, before: IntArray, points: FloatArray, number: int, cell: float
 ) -> None:
@@ -113,6 +117,41 @@ def _within(
     cell: float,
 ) -> IntArray:
     found = np.empty(64, np.int64)
+    count = _find(table, before, points, x, y, radius, cell, found)
+    if count > found.shape[0]:
+        found = np.empty(count, np.int64)
+        _find(table, before, points, x, y, radius, cell, found)
+    found = found[:count]
+    if count <= FEW:
+        _sort_few(found)
+    else:
+        found.sort()
+    return found
+
+
+@borrowing_kernel
+def _sort_few(numbers: IntArray) -> None:
+    for i in range(1, numbers.shape[0]):
+        number, k = numbers[i], i
+        while k > 0 and numbers[k - 1] > number:
+            numbers[k] = numbers[k - 1]
+            k -= 1
+        numbers[k] = number
+
+
+@borrowing_kernel
+def _find(
+    table: IntArray,
+    before: IntArray,
+    points: FloatArray,
+    x: float,
+    y: float,
+    radius: float,
+    cell: float,
+    found: IntArray,
+) -> int:
+    # Writes the numbers of the points within a radius, as far as there is room. Tells how many
+    # there are.
     count = 0
     for i in range(int(np.floor((x - radius) / cell)), int(np.floor((x + radius) / cell)) + 1):
         for j in range(int(np.floor((y - radius) / cell)), int(np.floor((y + radius) / cell)) + 1):
@@ -120,16 +159,11 @@ def _within(
             while number != EMPTY:
                 dx, dy = points[number, 0] - x, points[number, 1] - y
                 if dx * dx + dy * dy <= radius * radius:
-                    if count == found.shape[0]:
-                        more = np.empty(2 * count, np.int64)
-                        more[:count] = found
-                        found = more
-                    found[count] = number
+                    if count < found.shape[0]:
+                        found[count] = number
                     count += 1
                 number = before[number]
-    result = found[:count].copy()
-    result.sort()
-    return result
+    return count
 
 
 @kernel

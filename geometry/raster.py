@@ -8,6 +8,7 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from multisrt.geometry.boxes import bounds_of
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.kernel import BoolArray, FloatArray, IntArray, kernel
 
@@ -203,17 +204,6 @@ def moved(layer: NDArray[Number], held: Window, window: Window) -> NDArray[Numbe
     below, left = held.row - window.row, held.column - window.column
     larger[below : below + held.rows, left : left + held.columns] = layer
     return larger
-
-
-@kernel
-def bounds_of(boundary: FloatArray) -> tuple[float, float, float, float]:
-    """Give the least x, least y, greatest x and greatest y of some points."""
-    x0 = x1 = boundary[0, 0]
-    y0 = y1 = boundary[0, 1]
-    for i in range(1, boundary.shape[0]):
-        x0, x1 = min(x0, boundary[i, 0]), max(x1, boundary[i, 0])
-        y0, y1 = min(y0, boundary[i, 1]), max(y1, boundary[i, 1])
-    return x0, y0, x1, y1
 
 
 @kernel

@@ -32,9 +32,10 @@ from multisrt.geometry.boundary import (
     arc_divisions,
     arc_tolerance,
 )
+from multisrt.geometry.boxes import bounds_of
 from multisrt.geometry.distances import inside
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.geometry.kernel import FloatArray, kernel
+from multisrt.geometry.kernel import FloatArray, borrowing_kernel, kernel
 from multisrt.geometry.scan import LaserScan, Scan, beam_spacing_rad
 
 Shape = Literal["ball", "star", "radial"]
@@ -162,11 +163,10 @@ def _directions(beams: int, spacing_rad: float) -> FloatArray:
     return directions
 
 
-@kernel
+@borrowing_kernel
 def _have_common_points(a: FloatArray, b: FloatArray) -> bool:
     # Two borders cross or touch, or one polygon lies in the other.
-    left, right = b[:, 0].min(), b[:, 0].max()
-    low, high = b[:, 1].min(), b[:, 1].max()
+    left, low, right, high = bounds_of(b)
     px, py = a[-1]
     for i in range(a.shape[0]):
         qx, qy = a[i]

@@ -11,8 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from multisrt.events import Died, Learned, NodeAdded, NodeName
-from multisrt.geometry.kernel import FloatArray, IntArray, kernel
-from multisrt.geometry.raster import Raster, bounds_of, runs_inside
+from multisrt.geometry.boxes import bounds_of
+from multisrt.geometry.kernel import FloatArray, IntArray, borrowing_kernel, kernel
+from multisrt.geometry.raster import Raster, runs_inside
 from multisrt.recording import Recording
 
 CELL_M = 0.1
@@ -156,7 +157,7 @@ def _runs(boundary: FloatArray, x0: float, y0: float, cell: float) -> NDArray[np
     return runs
 
 
-@kernel
+@borrowing_kernel
 def _share(runs: NDArray[np.int32], owner: int, owners: NDArray[np.int32], alone: IntArray) -> None:
     # One robot gets to know cells, or several do.
     for k in range(runs.shape[0]):

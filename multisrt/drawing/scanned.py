@@ -18,11 +18,11 @@ from multisrt.drawing.traces import Trace
 from multisrt.environments.environment import Environment
 from multisrt.events import GoalChosen, NodeAdded, Point
 from multisrt.frontier_team.options import FrontierOptions
+from multisrt.geometry.boxes import bounds_of
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.footprint import Footprint
 from multisrt.geometry.kernel import BoolArray, FloatArray, IntArray
 from multisrt.geometry.occupancy import UNKNOWN, Occupancy
-from multisrt.geometry.raster import bounds_of
 from multisrt.geometry.safe_region import LocalSafeRegion
 from multisrt.isolation import Spell, isolation
 from multisrt.planners.motion.body import PlanningBody

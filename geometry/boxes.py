@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import numpy as np
-
-from multisrt.geometry.kernel import FloatArray, IntArray, borrowing_kernel, kernel
+from multisrt.geometry.kernel import FloatArray, IntArray, borrowing_kernel
 
 
 @borrowing_kernel
@@ -18,10 +16,13 @@ def bounds_of(boundary: FloatArray) -> tuple[float, float, float, float]:
     return x0, y0, x1, y1
 
 
-@kernel
+@borrowing_kernel
 def boxes_meeting(
-    boxes: FloatArray, slacks: FloatArray, box: tuple[float, float, float, float]
-) -> IntArray:
+    boxes: FloatArray,
+    slacks: FloatArray,
+    box: tuple[float, float, float, float],
+    found: IntArray,
+) -> int:
     """Find the boxes that have something in common with one, borders included.
 
     Parameters
@@ -32,14 +33,15 @@ def boxes_meeting(
         By how much each is widened on all sides.
     box : (x0, y0, x1, y1)
         The one.
+    found : (n,) array of int
+        Where their indices are written, rising.
 
     Returns
     -------
-    (m,) array of int
-        Their indices, rising.
+    int
+        How many they are.
     """
     x0, y0, x1, y1 = box
-    found = np.empty(boxes.shape[0], np.int64)
     count = 0
     for k in range(boxes.shape[0]):
         slack = slacks[k]
@@ -51,4 +53,4 @@ def boxes_meeting(
         ):
             found[count] = k
             count += 1
-    return found[:count]
+    return count

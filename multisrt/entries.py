@@ -153,7 +153,7 @@ class EntriesMessage(Message, frozen=True, kw_only=True):
 class Entries:
     """All nodes and closings that a robot knows, by their ids and by their makers."""
 
-    __slots__ = ("_have", "_lines", "_makers", "closings", "nodes")
+    __slots__ = ("_counts", "_have", "_lines", "_makers", "closings", "nodes")
 
     def __init__(self) -> None:
         self.nodes: dict[NodeId, Node] = {}
@@ -162,6 +162,7 @@ class Entries:
         self._makers: dict[int, tuple[_Numbers, _Numbers]] = {}
         self._lines: dict[int, tuple[int, int, int]] = {}
         self._have: dict[int, tuple[int, int]] | None = None
+        self._counts: Counts | None = None
 
     def add_node(self, node: Node) -> bool:
         """Take in a node; tell whether it was new."""
@@ -190,7 +191,9 @@ class Entries:
 
     def counts(self) -> Counts:
         """Give the same for a message."""
-        return (*self._lines.values(),)
+        if self._counts is None:
+            self._counts = (*self._lines.values(),)
+        return self._counts
 
     def lacks(self, theirs: Have) -> tuple[Entry, ...]:
         """Give what is known beyond such counts, by robot, nodes first, by number."""
@@ -222,7 +225,7 @@ class Entries:
             self._lines = {maker: self._lines.get(maker, (maker, 0, 0)) for maker in self._makers}
         numbers[which].add(number)
         self._lines[robot] = robot, numbers[0].count, numbers[1].count
-        self._have = None
+        self._have = self._counts = None
 
 
 class _Numbers:

@@ -348,7 +348,9 @@ class ExplorationMap:
         # A square around a place, and whose regions reach into it, in the order of their ids.
         window = (x - half_width_m, y - half_width_m, x + half_width_m, y + half_width_m)
         near = self._places.within(x, y, math.sqrt(2.0) * half_width_m + self._reach)
-        near = near[boxes_meeting(self._rings.arrays.boxes[near], np.zeros(len(near)), window)]
+        found = np.empty_like(near)
+        boxes = self._rings.arrays.boxes[near]
+        near = near[found[: boxes_meeting(boxes, np.zeros(len(near)), window, found)]]
         return window, np.array(sorted(near.tolist(), key=self._ids.__getitem__), np.int64)
 
     def region_union(self) -> BaseGeometry:

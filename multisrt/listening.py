@@ -140,8 +140,6 @@ class Listener(ABC):
             yield Send(EntriesMessage(sender=self.number, entries=entries), message.sender)
 
     def _ask_for_what_lacks(self, other: int, theirs: Counts) -> Talk:
-        if theirs == self._entries.counts():
-            return
         mine = self._entries.have()
         for robot, nodes, closings in theirs:
             known = mine.get(robot, (0, 0))

@@ -338,7 +338,11 @@ class _Simulation:
             match action:
                 # What is asked for most comes first.
                 case Receive():
-                    outcome = yield from self._wait(robot, action.timeout_s)
+                    # What has come already need not be waited for.
+                    if robot.mailbox and robot.move is None and robot.doom is None:
+                        outcome = self._received(robot)
+                    else:
+                        outcome = yield from self._wait(robot, action.timeout_s)
                 case Send():
                     self._send(robot, action.message, action.to)
                 case Note():
@@ -728,10 +732,10 @@ def _said(end: Ended) -> tuple[object, ...]:
 
 
 def _require_start(trajectory: Trajectory, configuration: Configuration, number: int) -> None:
-    gap = trajectory.start.distance(configuration)
-    turn = abs(math.remainder(trajectory.start.heading - configuration.heading, 2.0 * math.pi))
-    if gap > 1e-9 or turn > 1e-9:
+    start = trajectory.start
+    turn = abs(math.remainder(start.heading - configuration.heading, 2.0 * math.pi))
+    if start.distance(configuration) > 1e-9 or turn > 1e-9:
         raise InvalidInputError(
-            f"the explorer of robot {number} yielded a trajectory from {trajectory.start}, "
+            f"the explorer of robot {number} yielded a trajectory from {start}, "
             f"but the robot is at {configuration}"
         )

@@ -12,6 +12,7 @@ from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from operator import itemgetter
 from typing import Literal
 
 import numpy as np
@@ -97,6 +98,7 @@ class Traffic:
         # What the last change of a robot's motion may have an effect on, and since when.
         self._boxes = np.array([course.rest(0.0) for course in self._courses])
         self._changes = [(course.rest(0.0), 0.0) for course in self._courses]
+        self._found = np.empty(len(self._bodies), np.int64)
 
     def begin(
         self, robot: int, time_s: float, trajectory: Trajectory, guard_m: float | None
@@ -250,7 +252,7 @@ class Traffic:
         found, waiting = {robot}, [robot]
         while waiting:
             box = self._boxes[waiting.pop()]
-            near = set(boxes_meeting(self._boxes, slacks, tuple(box.tolist())).tolist()) - found
+            near = set(self._meeting(tuple(box.tolist()), slacks)) - found
             found |= near
             waiting += sorted(near) if relayed else []
         return sorted(found)
@@ -268,8 +270,12 @@ class Traffic:
         # The others whose courses come into a box that is widened by the slack of each.
         if len(self._courses) == 1:
             return []
-        near: list[int] = boxes_meeting(self._boxes, slack, box).tolist()
-        return [other for other in near if other != robot]
+        return [other for other in self._meeting(box, slack) if other != robot]
+
+    def _meeting(self, box: _Box, slack: FloatArray) -> list[int]:
+        count = boxes_meeting(self._boxes, slack, box, self._found)
+        found: list[int] = self._found[:count].tolist()
+        return found
 
     def _distance(self, robot: int, other: int, time_s: float) -> float:
         return body_distance(
@@ -387,6 +393,7 @@ class _Course:
 
 
 _Pose = tuple[float, float, float]
+_time = itemgetter(0)
 
 
 class _Span:
@@ -493,10 +500,6 @@ def _standing(configuration: Configuration, time_s: float) -> _Course:
     return _Course(standing_at(configuration), time_s, None)
 
 
-def _time(waypoint: Waypoint) -> float:
-    return waypoint.time_s
-
-
 def _shape(body: Body, at: Configuration) -> shapely.Point | shapely.Polygon:
     # A disc's nearest point lies on the way from its centre, which is free.
     return shapely.Point(at.x, at.y) if body.footprint.is_disc else body.footprint.placed(at)
@@ -506,14 +509,13 @@ def _boxes_of_rests(points: Sequence[Waypoint], bulges: Sequence[float]) -> list
     # For every leg a box around it and all that follow.
     boxes: list[_Box] = []
     x0, y0, x1, y1 = _NOWHERE
-    following = points[-1]
+    _, next_x, next_y, _ = points[-1]
     for point, bulge in zip(reversed(points), reversed(bulges), strict=True):
-        x0 = min(x0, min(point.x, following.x) - bulge)
-        y0 = min(y0, min(point.y, following.y) - bulge)
-        x1 = max(x1, max(point.x, following.x) + bulge)
-        y1 = max(y1, max(point.y, following.y) + bulge)
+        _, x, y, _ = point
+        x0, x1 = min(x0, x - bulge, next_x - bulge), max(x1, x + bulge, next_x + bulge)
+        y0, y1 = min(y0, y - bulge, next_y - bulge), max(y1, y + bulge, next_y + bulge)
         boxes.append((x0, y0, x1, y1))
-        following = point
+        next_x, next_y = x, y
     return boxes[::-1]
 
 

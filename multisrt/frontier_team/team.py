@@ -183,7 +183,8 @@ class Team(Listener):
                 if message.asks or self._has_to_offer(message.reports[0]):
                     yield from self.report(to=message.sender)
                 own = message.reports[0]
-                yield from self._ask_for_what_lacks(own.robot, own.have)
+                if own.have != self._entries.counts():
+                    yield from self._ask_for_what_lacks(own.robot, own.have)
             case WantMessage():
                 yield from self._answer_want(message)
             case EntriesMessage():

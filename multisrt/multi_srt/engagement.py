@@ -58,7 +58,10 @@ def are_coupled(a: RobotState, b: RobotState) -> bool:
 
 
 def _passes_near(path: Path, place: tuple[float, float], range_m: float) -> bool:
-    return any(math.dist((x, y), place) < range_m for _, x, y, _ in path)
+    for _, x, y, _ in path:
+        if math.dist((x, y), place) < range_m:
+            return True
+    return False
 
 
 def group_of(

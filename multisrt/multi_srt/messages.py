@@ -94,8 +94,7 @@ class RobotState(msgspec.Struct, frozen=True, kw_only=True):
     @property
     def target(self) -> tuple[float, float]:
         """Where it goes: its own place, unless it moves."""
-        x, y = self.path[-1 if self.phase == "moving" else 0][1:3]
-        return x, y
+        return self.path[-1 if self.phase == "moving" else 0][1:3]
 
 
 class StateMessage(Message, frozen=True, kw_only=True):

@@ -65,6 +65,7 @@ class Team(Listener):
         self.troubles = 0.0
         self._said = 0
         self._told: tuple[int, int] = (0, 0)
+        self._footprint = str(robot.me.footprint)
         self.rounds = 0
         self.ignored_until_s: dict[int, float] = {}
         self._spoke_s: dict[int, float] = {}
@@ -138,7 +139,7 @@ class Team(Listener):
             frontier_m=self.frontier_m,
             waited=self.waited,
             tree=robot.tree,
-            footprint=str(robot.me.footprint),
+            footprint=self._footprint,
             kinematics=robot.me.kinematics,
             range_m=robot.me.range_m,
             have=self._entries.counts(),
@@ -233,7 +234,8 @@ class Team(Listener):
                 own = message.states[0]
                 if self.number in message.asked or (message.ask and self._concerns_me(own)):
                     yield from self._answer(own)
-                yield from self._ask_for_what_lacks(own.robot, own.have)
+                if own.have != self._entries.counts():
+                    yield from self._ask_for_what_lacks(own.robot, own.have)
             case WantMessage():
                 yield from self._answer_want(message)
             case EntriesMessage():

@@ -7,6 +7,7 @@ from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from operator import itemgetter
 from typing import NamedTuple
 
 import numpy as np
@@ -82,11 +83,11 @@ class Trajectory:
 
     def at(self, time_s: float) -> Configuration:
         """Give the configuration at a time; before the start the first, after the end the last."""
-        following = bisect_right(self.waypoints, time_s, key=lambda waypoint: waypoint.time_s)
+        if time_s >= self.duration_s:
+            return self.end
+        following = bisect_right(self.waypoints, time_s, key=itemgetter(0))
         if following == 0:
             return self.start
-        if following == len(self.waypoints):
-            return self.end
         a, b = self.waypoints[following - 1], self.waypoints[following]
         x, y, heading = leg_pose(a, b, (time_s - a.time_s) / (b.time_s - a.time_s))
         return Configuration(x, y, wrap_angle(heading))

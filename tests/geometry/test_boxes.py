@@ -26,4 +26,5 @@ def test_boxes_meet_where_shapely_says_so(many, one):
             shapely.box(x0 - slack, y0 - slack, x1 + slack, y1 + slack), shapely.box(*one)
         )
     ]
-    assert boxes_meeting(given_boxes, slacks, one).tolist() == expected
+    found = np.empty(len(many), np.int64)
+    assert found[: boxes_meeting(given_boxes, slacks, one, found)].tolist() == expected

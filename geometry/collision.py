@@ -176,12 +176,12 @@ class CollisionWorld:
         require_constant_heading(footprint, first, last)
         if not self._within_frame(first):
             return False
-        step = np.array([last[0] - first[0], last[1] - first[1]])
-        if not step.any():
+        if first[:2] == last[:2]:
             return self._pose_is_free(body, first)
         if footprint.is_disc:
             # A disc sweeps whatever is nearer than its radius to the way of its centre.
             return self._keeps_off(first, last, footprint.radius_m)
+        step = np.array([last[0] - first[0], last[1] - first[1]])
         swept = (
             fcl.CollisionObject(convex_prism(sweep_convex(place(piece, *first), step)))
             for piece in footprint.convex_pieces

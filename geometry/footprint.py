@@ -275,7 +275,7 @@ def checked_configuration(configuration: Sequence[float]) -> Configuration:
         If it is not three finite numbers.
     """
     try:
-        x, y, heading = (float(value) for value in configuration)
+        x, y, heading = map(float, configuration)
     except (TypeError, ValueError):
         raise InvalidInputError(
             f"configuration {configuration!r} is not three numbers: give x, y in metres and "

@@ -30,7 +30,7 @@ class PointHash:
         Width of a cell; about the radius of the queries to come.
     """
 
-    __slots__ = ("_before", "_cell", "_count", "_points", "_table")
+    __slots__ = ("_before", "_cell", "_count", "_found", "_points", "_table")
 
     def __init__(self, cell_m: float) -> None:
         if not 0.0 < cell_m < math.inf:
@@ -39,6 +39,7 @@ class PointHash:
         self._count = 0
         self._points: FloatArray = np.empty((64, 2))
         self._before: IntArray = np.empty(64, np.int64)
+        self._found: IntArray = np.empty(64, np.int64)
         self._table: IntArray = np.full((256, 3), EMPTY, np.int64)
 
     def __len__(self) -> int:
@@ -67,10 +68,23 @@ class PointHash:
 
     def within(self, x: float, y: float, radius_m: float) -> IntArray:
         """Give the numbers of all points within a radius, the borders included, rising."""
-        return _within(self._table, self._before, self._points, x, y, radius_m, self._cell)
+        while True:
+            count = _find(
+                self._table, self._before, self._points, x, y, radius_m, self._cell, self._found
+            )
+            if count <= len(self._found):
+                break
+            self._found = np.empty(2 * count, np.int64)
+        found = self._found[:count].copy()
+        if count > FEW:
+            found.sort()
+        return found
 
     def around(self, numbers: IntArray, radius_m: float) -> IntArray:
         """Give the numbers of all points within a radius of any of some points, rising."""
+        if len(numbers) == 1:
+            x, y = self._points[numbers[0]].tolist()
+            return self.within(x, y, radius_m)
         return _around(self._table, self._before, self._points, numbers, radius_m, self._cell)
 
     def pairs(self, first: int, radius_m: float) -> IntArray:
@@ -90,7 +104,7 @@ class PointHash:
 def _slot(table: IntArray, i: int, j: int) -> int:
     # Where a cell is in the table, or where it would be put; the slots are a power of two.
     last = table.shape[0] - 1
-    k = ((i * 73856093) ^ (j * 19349663)) & last
+    k: int = ((i * 73856093) ^ (j * 19349663)) & last
     while table[k, 2] != EMPTY and (table[k, 0] != i or table[k, 1] != j):
         k = (k + 1) & last
     return k
@@ -122,16 +136,14 @@ def _within(
         found = np.empty(count, np.int64)
         _find(table, before, points, x, y, radius, cell, found)
     found = found[:count]
-    if count <= FEW:
-        _sort_few(found)
-    else:
+    if count > FEW:
         found.sort()
     return found
 
 
 @borrowing_kernel
-def _sort_few(numbers: IntArray) -> None:
-    for i in range(1, numbers.shape[0]):
+def _sort(numbers: IntArray, count: int) -> None:
+    for i in range(1, count):
         number, k = numbers[i], i
         while k > 0 and numbers[k - 1] > number:
             numbers[k] = numbers[k - 1]
@@ -150,8 +162,8 @@ def _find(
     cell: float,
     found: IntArray,
 ) -> int:
-    # Writes the numbers of the points within a radius, as far as there is room. Tells how many
-    # there are.
+    # Writes the numbers of the points within a radius, as far as there is room; few of them
+    # rising. Tells how many there are.
     count = 0
     for i in range(int(np.floor((x - radius) / cell)), int(np.floor((x + radius) / cell)) + 1):
         for j in range(int(np.floor((y - radius) / cell)), int(np.floor((y + radius) / cell)) + 1):
@@ -163,6 +175,8 @@ def _find(
                         found[count] = number
                     count += 1
                 number = before[number]
+    if count <= min(FEW, found.shape[0]):
+        _sort(found, count)
     return count
 
 
@@ -175,9 +189,6 @@ def _around(
     radius: float,
     cell: float,
 ) -> IntArray:
-    if numbers.shape[0] == 1:
-        x, y = points[numbers[0], 0], points[numbers[0], 1]
-        return _within(table, before, points, x, y, radius, cell)
     found = np.empty(64, np.int64)
     count = 0
     for number in numbers:

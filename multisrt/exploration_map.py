@@ -32,6 +32,9 @@ ON_ARC_M: Final = 1e-6
 ROUNDING_M: Final = 1e-9
 """Widths and lengths that differ by less are equal."""
 
+NO_FRONTIER: Final[FloatArray] = np.empty((0, 4))
+NO_FRONTIER.setflags(write=False)
+
 Box = tuple[float, float, float, float]
 
 
@@ -227,7 +230,7 @@ class ExplorationMap:
         """Give a node's local frontier as ``(m, 4)`` segments, the region on their left."""
         index = self._index[node_id]
         if not self._arcs.is_open(index):
-            return np.empty((0, 4))
+            return NO_FRONTIER
         known = self._frontiers.get(index)
         if known is not None and known.asked == self._revision:
             return known.segments
@@ -254,7 +257,12 @@ class ExplorationMap:
     def has_frontier(self, node_id: NodeId) -> bool:
         """Whether a node has a local frontier."""
         index = self._index.get(node_id)
-        return index is not None and (self._is_wide(index) or len(self.frontier(node_id)) > 0)
+        if index is None:
+            return False
+        longest_m = self._arcs.lengths_m[index, 1]
+        if longest_m < 0.0 or longest_m >= self._least_m:
+            return bool(longest_m >= 0.0)
+        return len(self.frontier(node_id)) > 0
 
     def is_complete(self) -> bool:
         """Whether no node has a local frontier."""

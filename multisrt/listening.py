@@ -99,13 +99,15 @@ class Listener(ABC):
 
     def take(self, outcome: Outcome) -> Heard:
         """Take in what came, and answer."""
-        if isinstance(outcome, Moved):
-            return outcome
-        assert isinstance(outcome, Received | TimedOut)
-        self._clock.time_s = outcome.time_s
         if isinstance(outcome, Received):
+            self._clock.time_s = outcome.time_s
             for message in outcome.messages:
                 yield from self._take_message(message)
+            return None
+        if isinstance(outcome, Moved):
+            return outcome
+        assert isinstance(outcome, TimedOut)
+        self._clock.time_s = outcome.time_s
         return None
 
     def pause(self, seconds: float) -> Talk:

@@ -131,11 +131,14 @@ class Radio:
         positions, working
             As for `reached`.
         """
+        receivers = self.reached(sender, positions, working)
+        if to is not None:
+            receivers = [to] if to in receivers else []
+        if self._spec.loss == 0.0 and self._spec.jitter_s == 0.0:
+            return [(receiver, self._spec.latency_s) for receiver in receivers], []
         delivered: list[tuple[int, float]] = []
         lost: list[int] = []
-        for receiver in self.reached(sender, positions, working):
-            if to is not None and receiver != to:
-                continue
+        for receiver in receivers:
             if self._spec.loss > 0.0 and self._rng.random() < self._spec.loss:
                 lost.append(receiver)
                 continue

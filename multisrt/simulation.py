@@ -399,9 +399,10 @@ class _Simulation:
     def _ask(
         self, robot: _Robot, actions: Generator[Action, Outcome, None], outcome: Outcome
     ) -> Action:
-        self.last_s = max(self.last_s, self.now)
         if robot.acted_s < self.now:
             robot.acted_s, robot.actions = self.now, 0
+        if self.last_s < self.now:
+            self.last_s = self.now
         robot.actions += 1
         if robot.actions > MOST_ACTIONS:
             raise InvalidInputError(
@@ -444,8 +445,9 @@ class _Simulation:
                     raise _Dead
                 if (moved := self._motion_ended(robot)) is not None:
                     return moved
-                awake = robot.move is None or any(m.wakes for m in robot.mailbox)
-                if hears and robot.mailbox and awake:
+                if (hears and robot.mailbox) and (
+                    robot.move is None or any(m.wakes for m in robot.mailbox)
+                ):
                     return self._received(robot)
                 if times_out is not None and times_out.processed:
                     return self._received(robot) if hears and robot.mailbox else TimedOut(self.now)

@@ -103,7 +103,10 @@ class Team(Listener):
 
     def gpr(self) -> tuple[int, ...]:
         """Give the group of pre-engaged robots, this one among them."""
-        present = {n: s for n, s in self.states.items() if not self.is_out(n)}
+        present = self.states.copy()
+        for number in (*self.lost, *self.ignored_until_s):
+            if self.is_out(number):
+                present.pop(number, None)
         present[self.number] = self.state()
         return group_of(self.number, present, are_coupled)
 
@@ -161,9 +164,9 @@ class Team(Listener):
         self._said += 1
         entries: tuple[Entry, ...] = ()
         if to is None:
-            known = self._entries
-            entries = known.lacks({**known.have(), self.number: self._told})
-            self._told = known.have().get(self.number, (0, 0))
+            known = self._entries.have()
+            entries = self._entries.lacks({**known, self.number: self._told})
+            self._told = known.get(self.number, (0, 0))
         states = self._vouched(to)
         yield Send(
             StateMessage(sender=self.number, states=states, ask=ask, asked=asked, entries=entries),

@@ -45,15 +45,8 @@ class Regions:
 
     def add_to(self, arcs: ArcPieces, index: int) -> np.ndarray:
         """Take in region `index` after those before it; give whose pieces changed."""
-        region = self.regions[index]
         return arcs.take_in(
-            index,
-            region.boundary,
-            region.tags,
-            True,
-            np.arange(index),
-            self.ids,
-            self.rings.arrays,
+            index, self.regions[index], True, np.arange(index), self.ids, self.rings.arrays
         )
 
 

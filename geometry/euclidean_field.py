@@ -17,7 +17,6 @@ from multisrt.geometry.kernel import (
     IntArray,
     borrowing_kernel,
     inlined_kernel,
-    kernel,
 )
 
 UNSEEN: Final = 0
@@ -224,7 +223,7 @@ def _march(
     return held
 
 
-@kernel
+@borrowing_kernel
 def _sweep(
     passable: BoolArray,
     x: float,

@@ -322,7 +322,7 @@ def _motions(legs: FloatArray) -> FloatArray:
     return track[lasting] if lasting.any() else track[-1:]
 
 
-@kernel
+@borrowing_kernel
 def _place(leg: FloatArray, time: float) -> tuple[float, float]:
     after = time - leg[START]
     if leg[TURN] == 0.0:

@@ -13,7 +13,7 @@ from multisrt.geometry.kernel import borrowing_kernel
 PACKAGE = Path(__file__).parents[2] / "multisrt"
 
 SCALAR = {
-    "abs", "float", "int", "len", "max", "min", "range", "unsigned",
+    "abs", "bool", "float", "int", "len", "max", "min", "range", "unsigned",
     "np.ceil", "np.cos", "np.floor", "np.hypot", "np.iinfo", "np.sin", "np.uint8",
 }  # fmt: skip
 

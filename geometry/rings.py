@@ -49,7 +49,7 @@ class Rings:
         All of them. Rings that are added change none of those that are there.
     """
 
-    __slots__ = ("_count", "arrays")
+    __slots__ = ("_count", "_end", "arrays")
 
     def __init__(self, rings: Iterable[FloatArray] = ()) -> None:
         self.arrays = RingArrays(
@@ -58,7 +58,7 @@ class Rings:
             boxes=np.empty((0, 4)),
             stretches=np.empty((0, 4)),
         )
-        self._count = 0
+        self._count = self._end = 0
         for ring in rings:
             self.add(ring)
 
@@ -67,15 +67,11 @@ class Rings:
 
     def add(self, ring: FloatArray) -> int:
         """Add a ring and give its index."""
-        index, first = self._count, int(self.arrays.starts[self._count])
-        last = first + len(ring)
+        index, last = self._count, self._end + len(ring)
         if index == len(self.arrays.boxes) or last > len(self.arrays.corners):
             self._make_room(last)
-        starts, corners, boxes, stretches = self.arrays
-        starts[index + 1] = last
-        corners[first:last] = ring
-        boxes[index] = _note_stretches(index, starts, corners, stretches)
-        self._count += 1
+        _add(index, ring, *self.arrays)
+        self._count, self._end = index + 1, last
         return index
 
     def ring(self, index: int) -> FloatArray:
@@ -114,12 +110,21 @@ def first_stretch(index: int, start: int) -> int:
 
 
 @borrowing_kernel
-def _note_stretches(
-    index: int, starts: IntArray, corners: FloatArray, stretches: FloatArray
-) -> tuple[float, float, float, float]:
-    # Writes the boxes of a ring's stretches, and gives that of the ring. The edges of a stretch
-    # are those that end at its corners: the first of them begins at the corner before.
-    start, stop = starts[index], starts[index + 1]
+def _add(
+    index: int,
+    ring: FloatArray,
+    starts: IntArray,
+    corners: FloatArray,
+    boxes: FloatArray,
+    stretches: FloatArray,
+) -> None:
+    # Writes a ring's corners, its box and those of its stretches. The edges of a stretch are
+    # those that end at its corners: the first of them begins at the corner before.
+    start = starts[index]
+    stop = start + ring.shape[0]
+    starts[index + 1] = stop
+    for c in range(ring.shape[0]):
+        corners[start + c, 0], corners[start + c, 1] = ring[c, 0], ring[c, 1]
     row = first_stretch(index, start)
     low_x, low_y, high_x, high_y = np.inf, np.inf, -np.inf, -np.inf
     before = stop - 1
@@ -135,4 +140,5 @@ def _note_stretches(
         row += 1
         low_x, high_x = min(low_x, x0), max(high_x, x1)
         low_y, high_y = min(low_y, y0), max(high_y, y1)
-    return low_x, low_y, high_x, high_y
+    boxes[index, 0], boxes[index, 1] = low_x, low_y
+    boxes[index, 2], boxes[index, 3] = high_x, high_y

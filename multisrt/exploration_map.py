@@ -173,7 +173,7 @@ class ExplorationMap:
             self._id_rows,
             self._rings.arrays,
         )
-        self._note_changed(changed.tolist())
+        self._note_changed(changed)
         self._join_tree(node)
         if self._raster is not None:
             self._raster.paint(node.region.boundary)
@@ -197,7 +197,7 @@ class ExplorationMap:
         if self._applies(closing):
             self._closed_arcs.setdefault(closing.node, []).append(closing.arc)
             if closing.node in self._index:
-                self._note_changed([self._index[closing.node]])
+                self._note_changed(np.array([self._index[closing.node]]))
         return True
 
     def merge(self, entries: Iterable[Entry]) -> tuple[NodeId, ...]:
@@ -399,11 +399,11 @@ class ExplorationMap:
         rings = shapely.linearrings(np.concatenate(corners), indices=owners)
         return np.asarray(shapely.polygons(rings), np.object_)
 
-    def _note_changed(self, indices: list[int]) -> None:
+    def _note_changed(self, indices: IntArray) -> None:
         # What other regions leave of these nodes' frontiers is new, or something was given up.
         self._revision += 1
         self._changed[indices] = self._revision
-        for index in indices:
+        for index in indices.tolist():
             self._unlisted[index] = None
             closed = self._closed_arcs.get(self._ids[index])
             if closed:

@@ -17,6 +17,15 @@ def bounds_of(boundary: FloatArray) -> tuple[float, float, float, float]:
 
 
 @borrowing_kernel
+def all_below(points: FloatArray, limit: float) -> bool:
+    """Tell whether all coordinates of some points are numbers between minus and plus a limit."""
+    for i in range(points.shape[0]):
+        if not (abs(points[i, 0]) < limit and abs(points[i, 1]) < limit):
+            return False
+    return True
+
+
+@borrowing_kernel
 def boxes_meeting(
     boxes: FloatArray,
     slacks: FloatArray,

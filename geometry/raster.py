@@ -8,7 +8,7 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from multisrt.geometry.boxes import bounds_of
+from multisrt.geometry.boxes import all_below, bounds_of
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.kernel import BoolArray, FloatArray, IntArray, kernel
 
@@ -137,7 +137,7 @@ def refuse_cell_width(cell_m: float) -> None:
 
 def refuse_corners(boundary: FloatArray, cell_m: float) -> None:
     """Raise an `InvalidInputError` for corners in no cell that has a number."""
-    if not np.abs(boundary).max() < FARTHEST_CELL * cell_m:
+    if not all_below(boundary, FARTHEST_CELL * cell_m):
         raise InvalidInputError(
             f"the corners of a polygon are finite numbers of metres, with cells of {cell_m:g} m "
             f"below {FARTHEST_CELL * cell_m:g}"

@@ -44,6 +44,7 @@ class _Frontier(NamedTuple):
     asked: int
     newest: int
     segments: FloatArray
+    length_m: float
 
 
 class ExplorationMap:
@@ -232,11 +233,13 @@ class ExplorationMap:
     def frontier(self, node_id: NodeId) -> FloatArray:
         """Give a node's local frontier as ``(m, 4)`` segments, the region on their left."""
         index = self._index[node_id]
-        if not self._arcs.is_open(index):
-            return NO_FRONTIER
+        return self._frontier(index).segments if self._arcs.is_open(index) else NO_FRONTIER
+
+    def _frontier(self, index: int) -> _Frontier:
+        # Of a node of which something is open.
         known = self._frontiers.get(index)
         if known is not None and known.asked == self._revision:
-            return known.segments
+            return known
         if self._arcs.lengths_m[index, 0] >= self._least_m:
             near = np.array([index])
         else:
@@ -246,10 +249,11 @@ class ExplorationMap:
         if known is None or known.newest != newest:
             segments = self._arcs.wide_enough(index, near, self._least_m)
             segments.setflags(write=False)
+            known = _Frontier(self._revision, newest, segments, total_length(segments))
         else:
-            segments = known.segments
-        self._frontiers[index] = _Frontier(self._revision, newest, segments)
-        return segments
+            known = known._replace(asked=self._revision)
+        self._frontiers[index] = known
+        return known
 
     def frontier_arcs(self, node_id: NodeId) -> list[FloatArray]:
         """Give a node's local frontier arc by arc, each as ``(k, 4)`` joined segments."""
@@ -456,7 +460,7 @@ class ExplorationMap:
         for index, is_open in zip(near.tolist(), opened.tolist(), strict=True):
             if is_open or index in self._unlisted:
                 node_id = self._ids[index]
-                length = total_length(self.frontier(node_id)) if is_open else 0.0
+                length = self._frontier(index).length_m if is_open else 0.0
                 self._set_open(self._root_of[node_id], node_id, length)
         self._unlisted.clear()
 

@@ -6,6 +6,7 @@ import itertools
 from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import dataclass
+from operator import attrgetter
 
 import numpy as np
 from numpy.typing import NDArray
@@ -81,8 +82,9 @@ def _moments_of_knowledge(
 ) -> Iterator[tuple[float, dict[NodeName, list[int]], list[int]]]:
     # What was learned by whom, and who died, moment by moment.
     events = [*recording.of(NodeAdded), *recording.of(Learned), *recording.of(Died)]
-    events.sort(key=lambda event: event.time_s)
-    for time, moment in itertools.groupby(events, key=lambda event: event.time_s):
+    by_time = attrgetter("time_s")
+    events.sort(key=by_time)
+    for time, moment in itertools.groupby(events, key=by_time):
         learned: dict[NodeName, list[int]] = defaultdict(list)
         dead = []
         for event in moment:

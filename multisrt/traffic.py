@@ -94,6 +94,7 @@ class Traffic:
         self._courses = [_standing(start, 0.0) for start in starts]
         self._moving = np.zeros(len(self._bodies), np.bool_)
         self._reaches = np.array([body.footprint.circumscribed_radius_m for body in bodies])
+        self._pair_reaches = [self._reaches + reach for reach in self._reaches]
         self._guards = np.zeros(len(self._bodies))
         # What the last change of a robot's motion may have an effect on, and since when.
         self._boxes = np.array([course.rest(0.0) for course in self._courses])
@@ -133,7 +134,7 @@ class Traffic:
         self._set(robot, course, (course.rest(time_s), time_s))
         if guard_m is not None:
             here = trajectory.start
-            slack = self._reaches + self._reaches[robot] + guard_m + STOP_SLACK_M
+            slack = self._pair_reaches[robot] + guard_m + STOP_SLACK_M
             for other in self._near(robot, (*here[:2], *here[:2]), slack):
                 distance = self._distance(robot, other, time_s)
                 if distance <= guard_m + STOP_SLACK_M:
@@ -200,7 +201,7 @@ class Traffic:
         box, since_s = self._changes[robot]
         if box is _NOWHERE:
             return []
-        slack = self._reaches + self._reaches[robot] + self._guards
+        slack = self._pair_reaches[robot] + self._guards
         return [
             other
             for other in self._near(robot, box, slack)

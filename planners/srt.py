@@ -246,7 +246,7 @@ class SrtPlanner:
         if biased and not len(frontier):
             return None, draws
         lengths = np.hypot(frontier[:, 2] - frontier[:, 0], frontier[:, 3] - frontier[:, 1])
-        along, pieces = np.cumsum(lengths).tolist(), frontier.tolist()
+        along, pieces = lengths.cumsum().tolist(), frontier.tolist()
         for _ in range(self.options.max_draws):
             draws.drawn += 1
             if biased:

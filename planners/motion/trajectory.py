@@ -19,6 +19,9 @@ from multisrt.geometry.errors import InvalidInputError
 NO_TURN_RAD = 1e-8
 """A leg that turns by less is straight; collision checks draw the line there, too."""
 
+HALF_CIRCLE_RAD = math.pi + NO_TURN_RAD
+"""A leg that translates turns by no more."""
+
 CHORD_RAD = math.radians(3.0)
 """Arcs are drawn as chords of this angle: of a circle of 1 m they are off by 0.3 mm."""
 
@@ -55,7 +58,7 @@ class Trajectory:
 
     def __post_init__(self) -> None:
         for a, b in pairwise(self.waypoints):
-            if abs(b.heading - a.heading) > math.pi + NO_TURN_RAD and (a.x, a.y) != (b.x, b.y):
+            if abs(b[3] - a[3]) > HALF_CIRCLE_RAD and (a.x, a.y) != (b.x, b.y):
                 raise InvalidInputError(
                     f"the leg from ({a.x:g}, {a.y:g}) to ({b.x:g}, {b.y:g}) turns by "
                     f"{b.heading - a.heading:g} rad; split an arc of more than half a circle"

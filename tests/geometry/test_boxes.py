@@ -5,7 +5,7 @@ import shapely
 from hypothesis import given
 from hypothesis import strategies as st
 
-from multisrt.geometry.boxes import boxes_meeting
+from multisrt.geometry.boxes import all_below, bounds_of, boxes_meeting
 
 # On quarters, so that borders touch often and nothing is rounded.
 numbers = st.integers(-20, 20).map(lambda n: n / 4.0)
@@ -28,3 +28,17 @@ def test_boxes_meet_where_shapely_says_so(many, one):
     ]
     found = np.empty(len(many), np.int64)
     assert found[: boxes_meeting(given_boxes, slacks, one, found)].tolist() == expected
+
+
+coordinates = st.floats(-20.0, 20.0) | st.sampled_from([np.nan, np.inf, -np.inf, 10.0, -10.0])
+points = st.lists(st.tuples(coordinates, coordinates), min_size=1, max_size=6).map(np.array)
+
+
+@given(points)
+def test_points_below_a_limit_are_those_that_numpy_finds(some):
+    assert all_below(some, 10.0) == bool(np.all(np.abs(some) < 10.0))
+
+
+@given(points.filter(lambda some: np.isfinite(some).all()))
+def test_bounds_hold_all_points_and_touch_some(some):
+    assert bounds_of(some) == (*some.min(axis=0), *some.max(axis=0))

@@ -44,7 +44,8 @@ def borrowing_kernel(function: Callable[P, R]) -> Callable[P, R]:
 
     Other kernels count who holds each array, by instructions that lock memory: a few for every
     array of every call, which in a small kernel take longer than its work. One that makes an
-    array in spite of it is refused as it is compiled.
+    array in spite of it is refused as it is compiled, but not by every numba function on arrays:
+    such a kernel calls functions of numbers and other borrowing kernels alone.
     """
     compiled: Callable[P, R] = numba.njit(cache=True, nogil=True, fastmath=False, _nrt=False)(
         function

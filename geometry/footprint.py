@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Sequence
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 import shapely
@@ -21,6 +21,9 @@ MIN_INSCRIBED_RADIUS_M = 1e-6
 
 MAX_SIZE_M = 1e6
 """No part of a body is farther than this from its reference point."""
+
+BODIES_KEPT = 256
+"""So many bodies that were read are kept for those who read them again."""
 
 FORMS = (
     "write disc:RADIUS, box:LENGTHxWIDTH or polygon:X,Y X,Y X,Y ... in metres, "
@@ -113,20 +116,7 @@ class Footprint:
         InvalidInputError
             If the text has none of these forms or the body is not usable.
         """
-        form, colon, numbers = text.strip().partition(":")
-        readers: dict[str, Callable[[str], Footprint]] = {
-            "disc": lambda words: cls.disc(float(words)),
-            "box": lambda words: cls.box(*_pair(words, "x")),
-            "polygon": lambda words: cls.polygon([_pair(word, ",") for word in words.split()]),
-        }
-        if not colon or form.strip() not in readers:
-            raise InvalidInputError(f"footprint {text!r} is not known; {FORMS}")
-        try:
-            return readers[form.strip()](numbers)
-        except InvalidInputError as problem:
-            raise InvalidInputError(f"footprint {text!r}: {problem}") from None
-        except ValueError:
-            raise InvalidInputError(f"footprint {text!r} cannot be read; {FORMS}") from None
+        return _parsed(text)
 
     @property
     def is_disc(self) -> bool:
@@ -264,6 +254,25 @@ class Footprint:
 
     def __reduce__(self) -> tuple[Callable[[str], "Footprint"], tuple[str]]:
         return Footprint.parse, (self._text,)
+
+
+@lru_cache(maxsize=BODIES_KEPT)
+def _parsed(text: str) -> Footprint:
+    # Bodies do not change, and robots mostly have the same.
+    form, colon, numbers = text.strip().partition(":")
+    readers: dict[str, Callable[[str], Footprint]] = {
+        "disc": lambda words: Footprint.disc(float(words)),
+        "box": lambda words: Footprint.box(*_pair(words, "x")),
+        "polygon": lambda words: Footprint.polygon([_pair(word, ",") for word in words.split()]),
+    }
+    if not colon or form.strip() not in readers:
+        raise InvalidInputError(f"footprint {text!r} is not known; {FORMS}")
+    try:
+        return readers[form.strip()](numbers)
+    except InvalidInputError as problem:
+        raise InvalidInputError(f"footprint {text!r}: {problem}") from None
+    except ValueError:
+        raise InvalidInputError(f"footprint {text!r} cannot be read; {FORMS}") from None
 
 
 def checked_configuration(configuration: Sequence[float]) -> Configuration:

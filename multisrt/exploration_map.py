@@ -240,12 +240,11 @@ class ExplorationMap:
         known = self._frontiers.get(index)
         if known is not None and known.asked == self._revision:
             return known
-        if self._arcs.lengths_m[index, 0] >= self._least_m:
-            near = np.array([index])
-        else:
+        near, newest = np.array([index]), int(self._changed[index])
+        if self._arcs.lengths_m[index, 0] < self._least_m:
             # Arcs of others that join its own count, too: it is as new as the newest change near.
-            near = self._places.around(np.array([index]), 2.0 * self._reach)
-        newest = int(self._changed[near].max())
+            near = self._places.around(near, 2.0 * self._reach)
+            newest = int(self._changed[near].max())
         if known is None or known.newest != newest:
             segments = self._arcs.wide_enough(index, near, self._least_m)
             segments.setflags(write=False)

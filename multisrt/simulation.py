@@ -266,12 +266,21 @@ class _Simulation:
             if robot.number not in joins:
                 # All are switched on before the first of them says anything.
                 self._switch_on(robot)
-        for robot, explorer in zip(self.robots, explorers, strict=True):
-            self.clock.process(self._live(robot, explorer, joins.get(robot.number)))
+        lives = [
+            self._live(robot, explorer, joins.get(robot.number))
+            for robot, explorer in zip(self.robots, explorers, strict=True)
+        ]
+        for life in lives:
+            self.clock.process(life)
         max_time = self.spec.stop.max_time_s
-        while not self._is_over() and (next_s := self.clock.peek()) <= max_time:
-            self.now = float(next_s)
-            self.clock.step()
+        try:
+            while not self._is_over() and (next_s := self.clock.peek()) <= max_time:
+                self.now = float(next_s)
+                self.clock.step()
+        finally:
+            # Whoever waits still would hold all that it knows until garbage is looked for.
+            for life in lives:
+                life.close()
         if not self._is_over() and max_time < self.clock.peek() < math.inf:
             return self._run_out_of_time(max_time)
         outcome, reason = self._outcome()

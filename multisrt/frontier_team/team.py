@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import weakref
 from typing import TYPE_CHECKING
 
 from multisrt.entries import EntriesMessage, Entry, Node, NodeId, WantMessage
@@ -60,8 +61,9 @@ class Team(Listener):
     ends_pauses_on_time = True
 
     def __init__(self, robot: FrontierRobot) -> None:
-        super().__init__(robot, robot.me, robot.entries, robot.options.ask_period_s)
-        self.robot = robot
+        # The robot holds its team: were it held in turn, both would outlive their run.
+        self.robot: FrontierRobot = weakref.proxy(robot)
+        super().__init__(self.robot, robot.me, robot.entries, robot.options.ask_period_s)
         self.reports: dict[int, RobotReport] = {}
         self.heard_s: dict[int, float] = {}
         self.asked_way: GiveWayMessage | None = None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import weakref
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
@@ -47,8 +48,9 @@ class Team(Listener):
     ends_pauses_on_time = False
 
     def __init__(self, robot: SrtRobot) -> None:
-        super().__init__(robot, robot.me, robot.map.entries, robot.options.ask_period_s)
-        self.robot = robot
+        # The robot holds its team: were it held in turn, both would outlive their run.
+        self.robot: SrtRobot = weakref.proxy(robot)
+        super().__init__(self.robot, robot.me, robot.map.entries, robot.options.ask_period_s)
         self.states: dict[int, RobotState] = {}
         self.heard_s: dict[int, float] = {}
         self.lost: dict[int, None] = {}

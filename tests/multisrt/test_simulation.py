@@ -1,5 +1,6 @@
 import gc
 import math
+import weakref
 from itertools import pairwise
 from typing import ClassVar
 
@@ -23,11 +24,13 @@ from multisrt.explorer import (
     Stop,
     TimedOut,
 )
+from multisrt.frontier_team.robot import FrontierRobot
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import ClearanceError, InvalidInputError
 from multisrt.geometry.scan import ExactScan, LaserScan
 from multisrt.messages import Message
 from multisrt.metrics import measure
+from multisrt.multi_srt.robot import SrtRobot
 from multisrt.planners.motion.trajectory import Trajectory, Waypoint
 from multisrt.registry import Strategy
 from multisrt.simulation import simulate
@@ -1106,3 +1109,30 @@ def test_a_run_leaves_the_garbage_collector_as_it_was():
         assert met[0][0] == 0
     finally:
         gc.set_threshold(*before)
+
+
+@pytest.mark.parametrize(
+    ("strategy", "kind"), [("srt-radial", SrtRobot), ("minpos", FrontierRobot)]
+)
+@pytest.mark.parametrize("max_time_s", [20.0, 600.0])
+def test_what_robots_know_is_gone_with_their_run(monkeypatch, strategy, kind, max_time_s):
+    # Experiments make thousands of runs: none is to wait for a search through all there is.
+    made, init = [], kind.__init__
+
+    def noted(robot, *arguments):
+        init(robot, *arguments)
+        made.append(weakref.ref(robot))
+
+    monkeypatch.setattr(kind, "__init__", noted)
+    spec = RunSpec(
+        environment=CatalogEnvironment(name="apartment"),
+        strategy=strategy,
+        robots=(RobotSpec(),) * 2,
+        stop=StopRule(max_time_s=max_time_s),
+    )
+    gc.disable()
+    try:
+        simulate(spec)
+        assert [robot() for robot in made] == [None, None]
+    finally:
+        gc.enable()

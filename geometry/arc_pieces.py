@@ -27,7 +27,7 @@ from multisrt.geometry.frontier_arcs import (
     pieces_tagged,
     uncovered,
 )
-from multisrt.geometry.kernel import BoolArray, FloatArray, IntArray, borrowing_kernel, kernel
+from multisrt.geometry.kernel import BoolArray, FloatArray, IntArray, kernel
 from multisrt.geometry.rings import RingArrays
 from multisrt.geometry.safe_region import LocalSafeRegion
 
@@ -76,7 +76,7 @@ def apart_from(
         room = count
 
 
-@borrowing_kernel
+@kernel
 def _apart_from(
     segments: FloatArray,
     concerned: BoolArray,
@@ -177,7 +177,7 @@ def common_pieces(
     return common[:count], origin[:count]
 
 
-@borrowing_kernel
+@kernel
 def _common_pieces(
     pieces: FloatArray,
     wholes: FloatArray,
@@ -221,7 +221,7 @@ def in_long_arcs(segments: FloatArray, shortest_m: float) -> BoolArray:
     return long
 
 
-@borrowing_kernel
+@kernel
 def _note_long(
     segments: FloatArray, labels: IntArray, lengths: FloatArray, shortest_m: float, long: BoolArray
 ) -> None:
@@ -588,7 +588,7 @@ def _rows_where(values: FloatArray, wanted: BoolArray) -> FloatArray:
     return _rows(values, np.flatnonzero(wanted))
 
 
-@borrowing_kernel
+@kernel
 def _copy_rows(values: FloatArray, indices: IntArray, rows: FloatArray) -> None:
     for i in range(indices.shape[0]):
         for c in range(4):
@@ -611,7 +611,7 @@ def _with_pieces_near(
     return near[:count], earlier[:count]
 
 
-@borrowing_kernel
+@kernel
 def _note_near(
     index: int,
     neighbours: IntArray,
@@ -656,7 +656,7 @@ def _gathered(
     return _rows(pieces, rows), _rows(wholes, rows), owners
 
 
-@borrowing_kernel
+@kernel
 def _note_rows(indices: IntArray, spans: IntArray, rows: IntArray, owners: IntArray) -> None:
     count = 0
     for k in range(indices.shape[0]):

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from multisrt.geometry.kernel import FloatArray, IntArray, borrowing_kernel
+from multisrt.geometry.kernel import FloatArray, IntArray, kernel
 
 
-@borrowing_kernel
+@kernel
 def bounds_of(boundary: FloatArray) -> tuple[float, float, float, float]:
     """Give the least x, least y, greatest x and greatest y of some points."""
     x0 = x1 = boundary[0, 0]
@@ -16,7 +16,7 @@ def bounds_of(boundary: FloatArray) -> tuple[float, float, float, float]:
     return x0, y0, x1, y1
 
 
-@borrowing_kernel
+@kernel
 def all_below(points: FloatArray, limit: float) -> bool:
     """Tell whether all coordinates of some points are numbers between minus and plus a limit."""
     for i in range(points.shape[0]):
@@ -25,7 +25,7 @@ def all_below(points: FloatArray, limit: float) -> bool:
     return True
 
 
-@borrowing_kernel
+@kernel
 def boxes_meeting(
     boxes: FloatArray,
     slacks: FloatArray,

@@ -20,7 +20,7 @@ import numpy as np
 import shapely
 from shapely.geometry.base import BaseGeometry
 
-from multisrt.geometry.kernel import BoolArray, FloatArray, IntArray, borrowing_kernel, kernel
+from multisrt.geometry.kernel import BoolArray, FloatArray, IntArray, kernel
 
 TOLERANCE_M = 1e-9
 """Overlaps up to this depth count as touching."""
@@ -46,7 +46,7 @@ def rings_of(region: BaseGeometry) -> FloatArray:
     return np.ascontiguousarray(np.vstack(rows))
 
 
-@borrowing_kernel
+@kernel
 def disc_clearance(boundary: FloatArray, x: float, y: float) -> float:
     """Distance from a point to the boundary ring, inside or outside."""
     nearest = np.inf
@@ -58,7 +58,7 @@ def disc_clearance(boundary: FloatArray, x: float, y: float) -> float:
     return math.sqrt(nearest)
 
 
-@borrowing_kernel
+@kernel
 def path_clearance(
     boundary: FloatArray, x: float, y: float, dx: float, dy: float, turn: float
 ) -> float:
@@ -107,7 +107,7 @@ def path_clearance(
     return nearest
 
 
-@borrowing_kernel
+@kernel
 def free_travel_disc(
     boundary: FloatArray,
     x: float,
@@ -497,7 +497,7 @@ def _is_on_arc(x: float, y: float, px: float, py: float, turn: float) -> bool:
     return angle <= abs(turn)
 
 
-@borrowing_kernel
+@kernel
 def _reach(body: FloatArray) -> float:
     """Give the distance from the reference point within which the body may touch something."""
     squared = 0.0

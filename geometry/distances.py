@@ -6,10 +6,10 @@ import math
 
 import numpy as np
 
-from multisrt.geometry.kernel import FloatArray, borrowing_kernel, kernel
+from multisrt.geometry.kernel import FloatArray, kernel
 
 
-@borrowing_kernel
+@kernel
 def distance_to_boundary(boundary: FloatArray, x: float, y: float, ux: float, uy: float) -> float:
     """Distance from a point to the first crossing of a boundary in a direction."""
     n = boundary.shape[0]
@@ -28,7 +28,7 @@ def distance_to_boundary(boundary: FloatArray, x: float, y: float, ux: float, uy
     return nearest
 
 
-@borrowing_kernel
+@kernel
 def inside(boundary: FloatArray, x: float, y: float) -> bool:
     """Whether a point lies inside a polygon, by the even-odd rule."""
     n = boundary.shape[0]
@@ -43,7 +43,7 @@ def inside(boundary: FloatArray, x: float, y: float) -> bool:
     return odd
 
 
-@borrowing_kernel
+@kernel
 def nearest_point(points: FloatArray, x: float, y: float) -> float:
     """Distance from a place to the nearest of some points; ``inf`` if there are none."""
     nearest = np.inf

@@ -6,7 +6,7 @@ import numpy as np
 
 from multisrt.geometry.clearance import cross_each_other, squared_distance
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.geometry.kernel import FloatArray, IntArray, borrowing_kernel, kernel, unsigned
+from multisrt.geometry.kernel import FloatArray, IntArray, kernel, unsigned
 
 MAX_CELLS = 4_000_000
 """A grid never has more cells than this; its cells are made larger instead."""
@@ -131,7 +131,7 @@ def _bin_edges(
     return bins
 
 
-@borrowing_kernel
+@kernel
 def edges_within(
     x: float,
     y: float,
@@ -164,7 +164,7 @@ def edges_within(
     return count
 
 
-@borrowing_kernel
+@kernel
 def no_edge_within(
     ax: float,
     ay: float,
@@ -197,7 +197,7 @@ def no_edge_within(
     return True
 
 
-@borrowing_kernel
+@kernel
 def winding_number(
     x: float,
     y: float,

@@ -15,8 +15,8 @@ from multisrt.geometry.kernel import (
     BoolArray,
     FloatArray,
     IntArray,
-    borrowing_kernel,
     inlined_kernel,
+    kernel,
 )
 
 UNSEEN: Final = 0
@@ -193,7 +193,7 @@ class EuclideanField:
                 )
 
 
-@borrowing_kernel
+@kernel
 def _march(
     passable: BoolArray,
     x: float,
@@ -223,7 +223,7 @@ def _march(
     return held
 
 
-@borrowing_kernel
+@kernel
 def _sweep(
     passable: BoolArray,
     x: float,
@@ -262,7 +262,7 @@ def _leads(passable: BoolArray, r: int, c: int, to_r: int, to_c: int) -> bool:
     return bool(passable[to_r, to_c] and passable[r, to_c] and passable[to_r, c])
 
 
-@borrowing_kernel
+@kernel
 def _relax(
     passable: BoolArray,
     x: float,

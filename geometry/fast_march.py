@@ -21,7 +21,6 @@ from multisrt.geometry.kernel import (
     BoolArray,
     FloatArray,
     IntArray,
-    borrowing_kernel,
     inlined_kernel,
     kernel,
     unsigned,
@@ -48,7 +47,7 @@ ASKED: Final = 1
 RIM: Final = 2
 
 
-@borrowing_kernel
+@kernel
 def seed(
     free: BoolArray,
     starts: FloatArray,
@@ -76,7 +75,7 @@ def seed(
     return held
 
 
-@borrowing_kernel
+@kernel
 def march(
     state: NDArray[np.uint8],
     marks: NDArray[np.uint8],
@@ -153,7 +152,7 @@ def numbers_of(
     return numbers
 
 
-@borrowing_kernel
+@kernel
 def ask(at: IntArray, state: NDArray[np.uint8], marks: NDArray[np.uint8]) -> tuple[int, int]:
     """Mark cells as asked for; tell how many of them are not accepted yet, and how many are.
 
@@ -171,7 +170,7 @@ def ask(at: IntArray, state: NDArray[np.uint8], marks: NDArray[np.uint8]) -> tup
     return missing, final
 
 
-@borrowing_kernel
+@kernel
 def first_accepted(at: IntArray, state: NDArray[np.uint8], places: NDArray[np.int32]) -> int:
     """Give the index of the cell that was accepted first; -1 if none was."""
     first = -1
@@ -181,7 +180,7 @@ def first_accepted(at: IntArray, state: NDArray[np.uint8], places: NDArray[np.in
     return first
 
 
-@borrowing_kernel
+@kernel
 def forget(at: IntArray, marks: NDArray[np.uint8]) -> None:
     """Have cells no longer asked for."""
     for u in at:
@@ -340,7 +339,7 @@ def take_back(
     return held, kept
 
 
-@borrowing_kernel
+@kernel
 def _relive(
     v: int,
     distance: FloatArray,
@@ -375,7 +374,7 @@ def _relive(
         done = rank
 
 
-@borrowing_kernel
+@kernel
 def in_sight(free: BoolArray, x: float, y: float, column: int, row: int) -> bool:
     """Whether a cell's centre is seen from a point, given in cells, through free cells alone.
 
@@ -403,7 +402,7 @@ def in_sight(free: BoolArray, x: float, y: float, column: int, row: int) -> bool
     return True
 
 
-@borrowing_kernel
+@kernel
 def push(
     heap: NDArray[np.int32],
     keys: FloatArray,
@@ -435,7 +434,7 @@ def push(
     return held
 
 
-@borrowing_kernel
+@kernel
 def drop_first(
     heap: NDArray[np.int32], keys: FloatArray, places: NDArray[np.int32], held: int
 ) -> int:

@@ -16,7 +16,6 @@ from multisrt.geometry.kernel import (
     BoolArray,
     FloatArray,
     IntArray,
-    borrowing_kernel,
     kernel,
     unsigned,
 )
@@ -78,7 +77,7 @@ def pieces_tagged(boundary: FloatArray, tags: TagArray, include_gaps: bool) -> F
     return pieces[: _tagged(boundary, tags, include_gaps, pieces)]
 
 
-@borrowing_kernel
+@kernel
 def _tagged(boundary: FloatArray, tags: TagArray, include_gaps: bool, pieces: FloatArray) -> int:
     n = boundary.shape[0]
     kept = 0
@@ -138,7 +137,7 @@ def uncovered(
         room = count
 
 
-@borrowing_kernel
+@kernel
 def _uncovered(
     segments: FloatArray,
     starts: IntArray,
@@ -263,7 +262,7 @@ def arc_labels(segments: FloatArray) -> tuple[IntArray, int]:
     return labels, _label_arcs(segments, labels)
 
 
-@borrowing_kernel
+@kernel
 def _label_arcs(segments: FloatArray, labels: IntArray) -> int:
     # Writes the labels over zeros. Tells how many there are.
     n = segments.shape[0]
@@ -297,7 +296,7 @@ def arc_ends(segments: FloatArray) -> FloatArray:
     return ends
 
 
-@borrowing_kernel
+@kernel
 def _note_ends(
     segments: FloatArray, labels: IntArray, count: int, begun: BoolArray, ends: FloatArray
 ) -> None:
@@ -384,7 +383,7 @@ def pieces_by_owner(
     return begins, cut
 
 
-@borrowing_kernel
+@kernel
 def _sort_by_owner(
     segments: FloatArray,
     owners: IntArray,

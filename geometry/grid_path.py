@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from multisrt.geometry.distance_field import DistanceField
 from multisrt.geometry.fast_march import in_sight
-from multisrt.geometry.kernel import BoolArray, FloatArray, IntArray, borrowing_kernel, kernel
+from multisrt.geometry.kernel import BoolArray, FloatArray, IntArray, kernel
 
 
 def shortest_path(field: DistanceField, cell: ArrayLike) -> FloatArray:
@@ -73,7 +73,7 @@ def _length(line: FloatArray) -> float:
     return float(np.hypot(*np.diff(line, axis=0).T).sum())
 
 
-@borrowing_kernel
+@kernel
 def _source_of(passable: BoolArray, centre: FloatArray, starts: FloatArray) -> int:
     # The nearest source that sees the cell at which the way ends.
     nearest, source = np.inf, 0

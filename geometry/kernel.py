@@ -11,12 +11,12 @@ import numba
 import numpy as np
 
 from multisrt.geometry.arrays import BoolArray, FloatArray, IntArray
+from multisrt.geometry.kernel_cache import cache_for
 
 __all__ = [
     "BoolArray",
     "FloatArray",
     "IntArray",
-    "borrowing_kernel",
     "inlined_kernel",
     "kernel",
     "unsigned",
@@ -35,27 +35,17 @@ added to an unsigned one has to be unsigned, too, or the sum is no integer.
 
 def kernel(function: Callable[P, R]) -> Callable[P, R]:
     """Compile a function on first use, keeping its types for readers and checkers."""
-    compiled: Callable[P, R] = numba.njit(cache=True, nogil=True, fastmath=False)(function)
-    return compiled
-
-
-def borrowing_kernel(function: Callable[P, R]) -> Callable[P, R]:
-    """Compile a kernel that neither makes arrays nor gives any.
-
-    Other kernels count who holds each array, by instructions that lock memory: a few for every
-    array of every call, which in a small kernel take longer than its work. One that makes an
-    array in spite of it is refused as it is compiled, but not by every numba function on arrays:
-    such a kernel calls functions of numbers and other borrowing kernels alone.
-    """
-    compiled: Callable[P, R] = numba.njit(cache=True, nogil=True, fastmath=False, _nrt=False)(
-        function
-    )
-    return compiled
+    return _compiled(function)
 
 
 def inlined_kernel(function: Callable[P, R]) -> Callable[P, R]:
     """Compile a small kernel into each kernel that calls it, where a call would dominate."""
-    compiled: Callable[P, R] = numba.njit(cache=True, nogil=True, fastmath=False, inline="always")(
-        function
-    )
+    return _compiled(function, inline="always")
+
+
+def _compiled(function: Callable[P, R], **options: str) -> Callable[P, R]:
+    with cache_for(function.__module__) as cached:
+        compiled: Callable[P, R] = numba.njit(cache=cached, nogil=True, fastmath=False, **options)(
+            function
+        )
     return compiled

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from multisrt.geometry.edge_index import EdgeIndex
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.geometry.kernel import FloatArray, borrowing_kernel, kernel
+from multisrt.geometry.kernel import FloatArray, kernel
 
 
 def line_of_sight(index: EdgeIndex, ax: float, ay: float, bx: float, by: float) -> bool:
@@ -82,7 +82,7 @@ def _line_of_sight(
     return _inside_on_both_sides(ax, ay, ux, uy, edges, found[:met]) <= 1e-9
 
 
-@borrowing_kernel
+@kernel
 def edges_across(
     ax: float,
     ay: float,

@@ -24,7 +24,6 @@ from multisrt.geometry.kernel import (
     BoolArray,
     FloatArray,
     IntArray,
-    borrowing_kernel,
     inlined_kernel,
     kernel,
     unsigned,
@@ -479,7 +478,7 @@ def _around(union: Corners | None, window: Corners) -> Corners:
     )
 
 
-@borrowing_kernel
+@kernel
 def _fits(
     boundary: FloatArray,
     margin: float,
@@ -557,7 +556,7 @@ def _touch(changed: IntArray, r: int, c: int) -> None:
     changed[2], changed[3] = min(changed[2], c), max(changed[3], c)
 
 
-@borrowing_kernel
+@kernel
 def _occupy(
     ax: float,
     ay: float,
@@ -593,7 +592,7 @@ def _occupy(
     return new
 
 
-@borrowing_kernel
+@kernel
 def _surfaces_are_near(
     boundary: FloatArray,
     tags: TagArray,
@@ -632,7 +631,7 @@ def _surfaces_are_near(
     return True
 
 
-@borrowing_kernel
+@kernel
 def _keep_away(
     ax: float,
     ay: float,
@@ -887,7 +886,7 @@ def _flood(
     return named, ends[:groups].copy(), targets, lengths
 
 
-@borrowing_kernel
+@kernel
 def _fill(
     r: int,
     c: int,
@@ -916,7 +915,7 @@ def _fill(
     return count
 
 
-@borrowing_kernel
+@kernel
 def _passable_near(
     x: float, y: float, within: int, cell: float, row: int, column: int, passable: BoolArray
 ) -> int:
@@ -933,7 +932,7 @@ def _passable_near(
     return found
 
 
-@borrowing_kernel
+@kernel
 def _has_frontier_near(
     x: float,
     y: float,

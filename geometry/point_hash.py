@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.geometry.kernel import FloatArray, IntArray, borrowing_kernel, kernel
+from multisrt.geometry.kernel import FloatArray, IntArray, kernel
 
 EMPTY: Final = -1
 """No point in a slot, or none after this one in its cell."""
@@ -100,7 +100,7 @@ class PointHash:
         )
 
 
-@borrowing_kernel
+@kernel
 def _slot(table: IntArray, i: int, j: int) -> int:
     # Where a cell is in the table, or where it would be put; the slots are a power of two.
     last = table.shape[0] - 1
@@ -110,7 +110,7 @@ def _slot(table: IntArray, i: int, j: int) -> int:
     return k
 
 
-@borrowing_kernel
+@kernel
 def _insert(
     table: IntArray, before: IntArray, points: FloatArray, number: int, cell: float
 ) -> None:
@@ -141,7 +141,7 @@ def _within(
     return found
 
 
-@borrowing_kernel
+@kernel
 def _sort(numbers: IntArray, count: int) -> None:
     for i in range(1, count):
         number, k = numbers[i], i
@@ -151,7 +151,7 @@ def _sort(numbers: IntArray, count: int) -> None:
         numbers[k] = number
 
 
-@borrowing_kernel
+@kernel
 def _find(
     table: IntArray,
     before: IntArray,

@@ -8,7 +8,7 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from multisrt.geometry.arrays import grown
-from multisrt.geometry.kernel import FloatArray, IntArray, borrowing_kernel, kernel
+from multisrt.geometry.kernel import FloatArray, IntArray, kernel
 
 STRETCH: Final = 32
 """So many edges on end have a box around them: what lies off the box is off all of them."""
@@ -109,7 +109,7 @@ def first_stretch(index: int, start: int) -> int:
     return start // STRETCH + index
 
 
-@borrowing_kernel
+@kernel
 def _add(
     index: int,
     ring: FloatArray,

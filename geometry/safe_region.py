@@ -35,7 +35,7 @@ from multisrt.geometry.boundary import (
 from multisrt.geometry.boxes import bounds_of
 from multisrt.geometry.distances import inside
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.geometry.kernel import FloatArray, borrowing_kernel, kernel
+from multisrt.geometry.kernel import FloatArray, kernel
 from multisrt.geometry.scan import LaserScan, Scan, beam_spacing_rad
 
 Shape = Literal["ball", "star", "radial"]
@@ -163,7 +163,7 @@ def _directions(beams: int, spacing_rad: float) -> FloatArray:
     return directions
 
 
-@borrowing_kernel
+@kernel
 def _have_common_points(a: FloatArray, b: FloatArray) -> bool:
     # Two borders cross or touch, or one polygon lies in the other.
     left, low, right, high = bounds_of(b)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from multisrt.geometry.edge_index import winding_number
 from multisrt.geometry.errors import ClearanceError, InvalidInputError
-from multisrt.geometry.kernel import FloatArray, borrowing_kernel, unsigned
+from multisrt.geometry.kernel import FloatArray, kernel, unsigned
 
 MIN_CLEARANCE_M: Final = 1e-9
 """A viewpoint nearer to an edge than this would leak through it."""
@@ -35,7 +35,7 @@ def refuse_clearance(x: float, y: float, clearance: float) -> NoReturn:
     )
 
 
-@borrowing_kernel
+@kernel
 def signed_clearance(
     x: float,
     y: float,

@@ -19,7 +19,7 @@ from multisrt.geometry.boundary import (
 )
 from multisrt.geometry.edge_index import EdgeIndex, edges_within
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.geometry.kernel import FloatArray, borrowing_kernel, kernel, unsigned
+from multisrt.geometry.kernel import FloatArray, kernel, unsigned
 from multisrt.geometry.viewpoint import (
     MAX_RANGE_M,
     MIN_CLEARANCE_M,
@@ -296,7 +296,7 @@ def _sweep(
     return boundary[:corners].copy(), tags[:corners].copy(), clearance
 
 
-@borrowing_kernel
+@kernel
 def _end_point(
     segments: FloatArray,
     angles: FloatArray,

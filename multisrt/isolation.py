@@ -21,7 +21,7 @@ from multisrt import closeness
 from multisrt.environments.environment import Environment
 from multisrt.events import CameBack, Died, FellSilent, Joined
 from multisrt.geometry.edge_index import EdgeIndex
-from multisrt.geometry.kernel import BoolArray, FloatArray, IntArray, borrowing_kernel, kernel
+from multisrt.geometry.kernel import BoolArray, FloatArray, IntArray, kernel
 from multisrt.radio import links_hold, weakened_range
 from multisrt.recording import Recording
 from multisrt.spec import LateStart, RadioSpec
@@ -322,7 +322,7 @@ def _motions(legs: FloatArray) -> FloatArray:
     return track[lasting] if lasting.any() else track[-1:]
 
 
-@borrowing_kernel
+@kernel
 def _place(leg: FloatArray, time: float) -> tuple[float, float]:
     after = time - leg[START]
     if leg[TURN] == 0.0:
@@ -335,13 +335,13 @@ def _place(leg: FloatArray, time: float) -> tuple[float, float]:
     )
 
 
-@borrowing_kernel
+@kernel
 def _velocity(leg: FloatArray, time: float) -> tuple[float, float]:
     cos, sin = np.cos(leg[TURN] * (time - leg[START])), np.sin(leg[TURN] * (time - leg[START]))
     return cos * leg[VX] - sin * leg[VY], sin * leg[VX] + cos * leg[VY]
 
 
-@borrowing_kernel
+@kernel
 def _leg_at(track: FloatArray, time: float) -> int:
     first, last = 0, track.shape[0] - 1
     while first < last:
@@ -458,7 +458,7 @@ def _moments_in(
             _curved_moments(one, two, begin, end, True, x, y, times)
 
 
-@borrowing_kernel
+@kernel
 def _value(
     one: FloatArray, two: FloatArray, time: float, corner: bool, p: float, q: float
 ) -> tuple[float, float, float]:

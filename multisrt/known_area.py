@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from multisrt.events import Died, Learned, NodeAdded, NodeName
 from multisrt.geometry.boxes import bounds_of
-from multisrt.geometry.kernel import FloatArray, IntArray, borrowing_kernel, kernel
+from multisrt.geometry.kernel import FloatArray, IntArray, kernel
 from multisrt.geometry.raster import Raster, runs_inside
 from multisrt.recording import Recording
 
@@ -159,7 +159,7 @@ def _runs(boundary: FloatArray, x0: float, y0: float, cell: float) -> NDArray[np
     return runs
 
 
-@borrowing_kernel
+@kernel
 def _share(runs: NDArray[np.int32], owner: int, owners: NDArray[np.int32], alone: IntArray) -> None:
     # One robot gets to know cells, or several do.
     for k in range(runs.shape[0]):

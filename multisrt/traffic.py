@@ -23,7 +23,7 @@ from multisrt.geometry.collision import RESOLUTION_M, Body, body_distance, first
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.edge_index import EdgeIndex
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.geometry.kernel import FloatArray, borrowing_kernel
+from multisrt.geometry.kernel import FloatArray, kernel
 from multisrt.geometry.line_of_sight import line_of_sight
 from multisrt.planners.motion.trajectory import (
     Trajectory,
@@ -529,7 +529,7 @@ def _overlap(box: _Box, other: _Box, slack: float) -> bool:
     )
 
 
-@borrowing_kernel
+@kernel
 def _next_near(
     a: FloatArray, b: FloatArray, begin: float, end: float, reach: float
 ) -> tuple[float, float]:
@@ -577,7 +577,7 @@ def _next_near(
     return np.inf, np.inf
 
 
-@borrowing_kernel
+@kernel
 def _place(way: FloatArray, leg: int, time: float) -> tuple[float, float]:
     if leg + 1 >= way.shape[0]:
         return way[leg, 1], way[leg, 2]

@@ -12,7 +12,7 @@ import math
 
 import numpy as np
 
-from multisrt.geometry.kernel import BoolArray, IntArray, borrowing_kernel, kernel
+from multisrt.geometry.kernel import BoolArray, IntArray, kernel
 
 DIAGONAL = math.sqrt(2.0)
 
@@ -77,7 +77,7 @@ def a_star(
     return np.empty((0, 2), np.int64)
 
 
-@borrowing_kernel
+@kernel
 def _turns(free: BoolArray, width: int, cell: int, down: int, right: int, turns: IntArray) -> int:
     # Write down in which directions a shortest way may go on that came to a cell in one of them,
     # where no other way is as short that has turned before; give how many these are.
@@ -103,7 +103,7 @@ def _turns(free: BoolArray, width: int, cell: int, down: int, right: int, turns:
     return n
 
 
-@borrowing_kernel
+@kernel
 def _jump(free: BoolArray, width: int, cell: int, dr: int, dc: int, goal: int) -> int:
     # Go on in one direction to the next cell at which a shortest way may have to turn, or to the
     # goal; -1 where there is none.
@@ -123,7 +123,7 @@ def _jump(free: BoolArray, width: int, cell: int, dr: int, dc: int, goal: int) -
     return -1
 
 
-@borrowing_kernel
+@kernel
 def _jump_straight(free: BoolArray, cell: int, step: int, aside: int, goal: int) -> int:
     # Where an obstacle beside the way ends it may have to turn.
     beside, other_side = free[cell + aside], free[cell - aside]

@@ -20,7 +20,7 @@ from multisrt.frontier_team.rules import Choice, Table, finite, own_bids, settle
 from multisrt.geometry.distance_field import DistanceField
 from multisrt.geometry.distances import nearest_point, nearest_points
 from multisrt.geometry.grid_path import straightened
-from multisrt.geometry.kernel import FloatArray, IntArray, borrowing_kernel, kernel
+from multisrt.geometry.kernel import FloatArray, IntArray, kernel
 from multisrt.planners.assignment.self_bidding import self_bidding
 
 ROUNDING_M = 1e-6
@@ -145,7 +145,7 @@ def least_radii(
     return np.sqrt(radii)
 
 
-@borrowing_kernel
+@kernel
 def farthest_along(path: FloatArray, step_m: float, places: FloatArray) -> float:
     """Give the largest distance of a path's points from the nearest of some places.
 

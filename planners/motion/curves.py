@@ -16,7 +16,7 @@ import numpy as np
 
 from multisrt.geometry.arrays import BoolArray, FloatArray
 from multisrt.geometry.configuration import Configuration
-from multisrt.geometry.kernel import borrowing_kernel, kernel
+from multisrt.geometry.kernel import kernel
 from multisrt.planners.motion.kinematics import Car
 from multisrt.planners.motion.trajectory import Trajectory, Waypoint, leg_pose
 
@@ -225,7 +225,7 @@ def _taken_apart(points: FloatArray, radius: float) -> tuple[FloatArray, BoolArr
     return pieces[:count], unclear
 
 
-@borrowing_kernel
+@kernel
 def _piece_between(p: FloatArray, q: FloatArray, radius: float) -> tuple[float, float]:
     """Tell what piece two points lie on.
 
@@ -254,7 +254,7 @@ def _piece_between(p: FloatArray, q: FloatArray, radius: float) -> tuple[float, 
     return turning, driving
 
 
-@borrowing_kernel
+@kernel
 def _switch(
     p: FloatArray,
     q: FloatArray,

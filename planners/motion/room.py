@@ -17,7 +17,7 @@ from multisrt.geometry.clearance import (
 )
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.distances import inside
-from multisrt.geometry.kernel import FloatArray, borrowing_kernel
+from multisrt.geometry.kernel import FloatArray, kernel
 from multisrt.planners.motion.trajectory import NO_TURN_RAD
 
 ROUNDING_M = 1e-9
@@ -98,7 +98,7 @@ class Room:
         return bool(rotation_is_free(self.boundary, outline, cx, cy, heading, turn))
 
 
-@borrowing_kernel
+@kernel
 def _covers_any(
     outline: FloatArray, x: float, y: float, heading: float, points: FloatArray
 ) -> bool:

@@ -31,7 +31,7 @@ from multisrt.geometry.clearance import disc_clearance
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.distances import inside
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.geometry.kernel import FloatArray, IntArray, borrowing_kernel, inlined_kernel, kernel
+from multisrt.geometry.kernel import FloatArray, IntArray, inlined_kernel, kernel
 from multisrt.geometry.safe_region import LocalSafeRegion
 from multisrt.planners.motion.kinematics import Differential, Holonomic, Kinematics
 from multisrt.planners.motion.trajectory import Trajectory, Waypoint
@@ -394,7 +394,7 @@ def _steer(
     return kind, desired, _wrapped(desired + delta), d_min, gap_rad, valley_rad
 
 
-@borrowing_kernel
+@kernel
 def _goal_is_clear(
     ranges: FloatArray,
     directions: FloatArray,
@@ -475,7 +475,7 @@ def _best_gap(
         refused[best] = True
 
 
-@borrowing_kernel
+@kernel
 def _leaves_a_way(
     ranges: FloatArray, directions: FloatArray, gap: int, radius: float, range_m: float
 ) -> bool:
@@ -494,7 +494,7 @@ def _leaves_a_way(
     return True
 
 
-@borrowing_kernel
+@kernel
 def _push(
     ranges: FloatArray, radius: float, avoid: float, d_min: float, desired: float, step: float
 ) -> float:

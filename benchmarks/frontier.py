@@ -16,35 +16,29 @@ import shapely
 
 from benchmarks import worlds
 from benchmarks.harness import Claim, in_turns, show
-from multisrt import registry
-from multisrt.coverage import CoverageMeter
-from multisrt.entries import Node, NodeId
+from multisrt.analysis.coverage import CoverageMeter
 from multisrt.environments import read_environment
 from multisrt.environments.catalog import environment
 from multisrt.environments.environment import Environment
 from multisrt.events import AnyEvent, GoalChosen, Motion, NodeAdded
-from multisrt.explorer import Action, Explorer, Note, Outcome, RobotSelf
-from multisrt.frontier_team.options import FrontierOptions
-from multisrt.frontier_team.robot import FrontierRobot
-from multisrt.frontier_team.rules import choose_closest
+from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.geometry.configuration import Configuration
-from multisrt.geometry.distance_field import DistanceField
-from multisrt.geometry.edge_index import EdgeIndex
-from multisrt.geometry.footprint import Footprint
-from multisrt.geometry.occupancy import Occupancy
-from multisrt.geometry.safe_region import LocalSafeRegion, local_safe_region
-from multisrt.geometry.scan import take_scan
+from multisrt.geometry.grids.distance_field import DistanceField
+from multisrt.geometry.grids.occupancy import Occupancy
+from multisrt.geometry.regions.edge_index import EdgeIndex
+from multisrt.geometry.regions.safe_region import LocalSafeRegion, local_safe_region
+from multisrt.geometry.regions.scan import take_scan
 from multisrt.planners.motion.kinematics import Differential
 from multisrt.recording import Recording
-from multisrt.simulation import simulate
-from multisrt.spec import (
-    CatalogEnvironment,
-    RangeFinderSpec,
-    RobotSpec,
-    RunSpec,
-    StopRule,
-    inline,
-)
+from multisrt.robots import registry
+from multisrt.robots.explorer import Action, Explorer, Note, Outcome, RobotSelf
+from multisrt.robots.frontier.options import FrontierOptions
+from multisrt.robots.frontier.robot import FrontierRobot
+from multisrt.robots.frontier.rules import choose_closest
+from multisrt.robots.knowledge import Node, NodeId
+from multisrt.simulation.simulate import simulate
+from multisrt.simulation.worlds import inline
+from multisrt.spec import CatalogEnvironment, RangeFinderSpec, RobotSpec, RunSpec, StopRule
 
 MAPS = Path(__file__).resolve().parents[1].parent / "shared" / "maps"
 """Public maps; what needs them is skipped where they are not."""

@@ -16,19 +16,19 @@ from shapely.geometry.base import BaseGeometry
 from benchmarks import worlds
 from benchmarks.harness import Claim, in_turns, installed, show, skipped
 from benchmarks.whole_run import whole_run
-from multisrt.exploration_map import ExplorationMap, Node, NodeId
-from multisrt.geometry.arrays import FloatArray
-from multisrt.geometry.boundary import TagArray
 from multisrt.geometry.configuration import Configuration
-from multisrt.geometry.distance_field import distance_field
-from multisrt.geometry.edge_index import EdgeIndex
-from multisrt.geometry.frontier_arcs import frontier_candidates, uncovered
-from multisrt.geometry.laser import laser_ranges
-from multisrt.geometry.raster import Raster
-from multisrt.geometry.rings import Rings
-from multisrt.geometry.safe_region import LocalSafeRegion, local_safe_region
-from multisrt.geometry.scan import take_scan
-from multisrt.geometry.visibility import visibility_polygon
+from multisrt.geometry.grids.distance_field import distance_field
+from multisrt.geometry.grids.raster import Raster
+from multisrt.geometry.numerics.arrays import FloatArray
+from multisrt.geometry.numerics.rings import Rings
+from multisrt.geometry.regions.boundary import TagArray
+from multisrt.geometry.regions.edge_index import EdgeIndex
+from multisrt.geometry.regions.frontier_arcs import frontier_candidates, uncovered
+from multisrt.geometry.regions.laser import laser_ranges
+from multisrt.geometry.regions.safe_region import LocalSafeRegion, local_safe_region
+from multisrt.geometry.regions.scan import take_scan
+from multisrt.geometry.regions.visibility import visibility_polygon
+from multisrt.robots.exploration_map import ExplorationMap, Node, NodeId
 
 R = 4.0
 """Range of the sensor in metres."""

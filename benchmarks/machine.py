@@ -13,7 +13,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from multisrt.geometry.kernel import IntArray, kernel
+from multisrt.geometry.numerics.kernel import IntArray, kernel
 
 CALLS = 1_000_000
 FAR_MB = 16

@@ -20,7 +20,7 @@ from pathlib import Path
 from multisrt.experiments.crossing import PlannedRun, runs
 from multisrt.experiments.description import ExperimentSpec
 from multisrt.presets import PRESETS
-from multisrt.simulation import simulate
+from multisrt.simulation.simulate import simulate
 from multisrt.terminal import LiveLine
 
 ROOT = Path(__file__).resolve().parents[1]

@@ -26,10 +26,11 @@ from benchmarks.kernels import R, map_of
 from multisrt.environments.catalog import environment
 from multisrt.environments.environment import Environment
 from multisrt.events import AnyEvent, Decision, Motion, NodeAdded, Sent
-from multisrt.geometry.edge_index import EdgeIndex
+from multisrt.geometry.regions.edge_index import EdgeIndex
 from multisrt.recording import Recording
-from multisrt.simulation import simulate
-from multisrt.spec import RadioSpec, RobotSpec, RunSpec, StopRule, inline
+from multisrt.simulation.simulate import simulate
+from multisrt.simulation.worlds import inline
+from multisrt.spec import RadioSpec, RobotSpec, RunSpec, StopRule
 
 TEAMS = (4, 16, 64)
 TILE_M = 50.0

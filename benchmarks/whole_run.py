@@ -18,10 +18,10 @@ import numpy as np
 from benchmarks.harness import Claim
 from multisrt.environments.catalog import environment
 from multisrt.events import NodeAdded
-from multisrt.geometry import arc_pieces, known_space, scan, visibility
-from multisrt.geometry.raster import Raster
+from multisrt.geometry.grids.raster import Raster
+from multisrt.geometry.regions import arc_pieces, known_space, scan, visibility
 from multisrt.recording import Recording
-from multisrt.simulation import simulate
+from multisrt.simulation.simulate import simulate
 from multisrt.spec import CatalogEnvironment, RunSpec
 
 WORLD, SEED, ROUNDS, CELL_M = "hospital", 2, 5, 0.1

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from shapely import GeometryType, MultiPolygon, Point, Polygon
 from shapely.geometry.base import BaseGeometry
 
-from multisrt.geometry.arrays import FloatArray
 from multisrt.geometry.errors import ClearanceError, InvalidInputError
+from multisrt.geometry.numerics.arrays import FloatArray
 
 GeometryArray = NDArray[np.object_]
 

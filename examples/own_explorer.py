@@ -10,11 +10,11 @@ import numpy as np
 from scipy.spatial.distance import cdist
 
 import multisrt as ms
-from multisrt.exploration_map import ExplorationMap, Node, NodeId
-from multisrt.explorer import Done, Move, Note, Receive, Sense
-from multisrt.geometry.safe_region import local_safe_region
+from multisrt.geometry.regions.safe_region import local_safe_region
 from multisrt.planners.motion.body import PlanningBody
 from multisrt.planners.motion.steering import turn_and_drive
+from multisrt.robots.exploration_map import ExplorationMap, Node, NodeId
+from multisrt.robots.explorer import Done, Move, Note, Receive, Sense
 from multisrt.testing import check_explorer
 
 

@@ -16,6 +16,9 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from multisrt.analysis.isolation import isolation
+    from multisrt.analysis.known_area import area_known_to_one
+    from multisrt.analysis.metrics import Metrics, measure
     from multisrt.comparison import Comparison, compare
     from multisrt.environments.catalog import catalog, environment
     from multisrt.environments.environment import Environment
@@ -23,15 +26,12 @@ if TYPE_CHECKING:
     from multisrt.experiments.description import ExperimentSpec
     from multisrt.experiments.frames import load_results
     from multisrt.experiments.results import Result, Results
+    from multisrt.geometry.bodies.footprint import Footprint
     from multisrt.geometry.errors import InvalidInputError, MultiSrtError
-    from multisrt.geometry.footprint import Footprint
-    from multisrt.isolation import isolation
-    from multisrt.known_area import area_known_to_one
-    from multisrt.metrics import Metrics, measure
     from multisrt.recording import Recording
-    from multisrt.registry import Strategy, register, strategies
+    from multisrt.robots.registry import Strategy, register, strategies
     from multisrt.run import Run, explore
-    from multisrt.simulation import simulate
+    from multisrt.simulation.simulate import simulate
     from multisrt.spec import (
         CatalogEnvironment,
         Death,
@@ -55,11 +55,11 @@ _HOMES = {
     "Environment": "environments.environment",
     "ExperimentSpec": "experiments.description",
     "FileEnvironment": "spec",
-    "Footprint": "geometry.footprint",
+    "Footprint": "geometry.bodies.footprint",
     "InlineEnvironment": "spec",
     "InvalidInputError": "geometry.errors",
     "LateStart": "spec",
-    "Metrics": "metrics",
+    "Metrics": "analysis.metrics",
     "MultiSrtError": "geometry.errors",
     "RadioSpec": "spec",
     "RangeFinderSpec": "spec",
@@ -71,19 +71,19 @@ _HOMES = {
     "RunSpec": "spec",
     "Silence": "spec",
     "StopRule": "spec",
-    "Strategy": "registry",
-    "area_known_to_one": "known_area",
+    "Strategy": "robots.registry",
+    "area_known_to_one": "analysis.known_area",
     "catalog": "environments.catalog",
     "compare": "comparison",
     "environment": "environments.catalog",
     "explore": "run",
-    "isolation": "isolation",
+    "isolation": "analysis.isolation",
     "load_results": "experiments.frames",
-    "measure": "metrics",
+    "measure": "analysis.metrics",
     "read_environment": "environments.formats",
-    "register": "registry",
-    "simulate": "simulation",
-    "strategies": "registry",
+    "register": "robots.registry",
+    "simulate": "simulation.simulate",
+    "strategies": "robots.registry",
 }
 
 __all__ = [

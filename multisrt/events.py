@@ -12,7 +12,7 @@ from typing import Literal
 import msgspec
 import numpy as np
 
-from multisrt.geometry.kernel import FloatArray
+from multisrt.geometry.numerics.kernel import FloatArray
 
 Point = tuple[float, float]
 Segment = tuple[float, float, float, float]

@@ -46,7 +46,7 @@ from multisrt.events import (
 )
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.geometry.kernel import FloatArray
+from multisrt.geometry.numerics.kernel import FloatArray
 from multisrt.spec import RobotSpec, RunSpec
 
 FORMAT = "multisrt-recording"

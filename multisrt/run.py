@@ -9,11 +9,12 @@ from typing import Literal
 
 import msgspec
 
+from multisrt.analysis.metrics import Metrics, measure
 from multisrt.environments.environment import Environment
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.metrics import Metrics, measure
 from multisrt.recording import Recording, RunOutcome, written_whole
-from multisrt.simulation import Watcher, simulate
+from multisrt.simulation.simulate import Watcher, simulate
+from multisrt.simulation.worlds import build_environment, environment_spec, inline
 from multisrt.spec import (
     DriveSpec,
     EnvironmentSpec,
@@ -24,9 +25,6 @@ from multisrt.spec import (
     RunSpec,
     Scalar,
     StopRule,
-    build_environment,
-    environment_spec,
-    inline,
 )
 
 RECORDING_NAME = "recording.jsonl"
@@ -93,7 +91,7 @@ class Run:
         InvalidInputError
             If there is no such robot, or it had not decided anything by then.
         """
-        from multisrt.why import explain
+        from multisrt.explain.srt import explain
 
         return explain(self.recording, robot, time_s)
 

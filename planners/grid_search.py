@@ -12,7 +12,7 @@ import math
 
 import numpy as np
 
-from multisrt.geometry.kernel import BoolArray, IntArray, kernel
+from multisrt.geometry.numerics.kernel import BoolArray, IntArray, kernel
 
 DIAGONAL = math.sqrt(2.0)
 

@@ -18,19 +18,19 @@ import msgspec
 import numpy as np
 from numpy.random import Generator
 
-from multisrt.geometry.clearance import keep_off
+from multisrt.geometry.bodies.clearance import keep_off
 from multisrt.geometry.configuration import Configuration
-from multisrt.geometry.distances import (
+from multisrt.geometry.errors import InvalidInputError
+from multisrt.geometry.numerics.distances import (
     distance_to_boundary,
     distance_to_segments,
     inside,
     nearest_point,
     nearest_points,
 )
-from multisrt.geometry.errors import InvalidInputError
-from multisrt.geometry.kernel import FloatArray, kernel
-from multisrt.geometry.known_space import KnownSpace
-from multisrt.geometry.safe_region import CONTACT_TOLERANCE_M, LocalSafeRegion
+from multisrt.geometry.numerics.kernel import FloatArray, kernel
+from multisrt.geometry.regions.known_space import KnownSpace
+from multisrt.geometry.regions.safe_region import CONTACT_TOLERANCE_M, LocalSafeRegion
 from multisrt.planners.motion.body import HAIR_M, PlanningBody
 from multisrt.planners.motion.kinematics import Car, Kinematics
 from multisrt.planners.motion.steering import reach, reach_fan, steer

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from multisrt import registry
 from multisrt.experiments.crossing import runs
 from multisrt.experiments.description import ExperimentSpec
+from multisrt.robots import registry
 
 EXAMPLES = Path(__file__).parent.parent / "examples"
 

@@ -17,7 +17,7 @@ from shapely import MultiPolygon
 
 from multisrt.environments.formats.straighten import straighten_rings
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.geometry.kernel import BoolArray, FloatArray, IntArray, kernel
+from multisrt.geometry.numerics.kernel import BoolArray, FloatArray, IntArray, kernel
 
 MAX_CORNERS = 5_000_000
 """A grid whose boundary turns more often than this is noise or a photograph, not a map."""

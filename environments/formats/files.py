@@ -10,7 +10,7 @@ from shapely.geometry.base import BaseGeometry
 from multisrt.environments.environment import SLIVER_WIDTH_M, Environment
 from multisrt.environments.formats.bitmap import polygons_from_grid
 from multisrt.geometry.errors import InvalidInputError, MapFormatError
-from multisrt.geometry.kernel import BoolArray
+from multisrt.geometry.numerics.kernel import BoolArray
 
 MAX_TEXT_BYTES = 64 * 2**20
 """Largest text file that is read: 64 MiB."""

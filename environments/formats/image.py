@@ -19,7 +19,7 @@ from multisrt.environments.formats.files import (
     require_resolution,
 )
 from multisrt.geometry.errors import MapFormatError
-from multisrt.geometry.kernel import BoolArray
+from multisrt.geometry.numerics.kernel import BoolArray
 
 if TYPE_CHECKING:
     from PIL.Image import Image

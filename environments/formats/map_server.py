@@ -18,7 +18,7 @@ from multisrt.environments.formats.files import (
 )
 from multisrt.environments.formats.image import Pixels, read_pixels
 from multisrt.geometry.errors import MapFormatError
-from multisrt.geometry.kernel import BoolArray, FloatArray
+from multisrt.geometry.numerics.kernel import BoolArray, FloatArray
 
 MAX_YAML_BYTES = 2**20
 """Largest YAML file that is read: 1 MiB."""

@@ -18,7 +18,7 @@ at turns and middles only; signed area in place of the standard deviation, which
 
 import numpy as np
 
-from multisrt.geometry.kernel import BoolArray, FloatArray, IntArray, kernel
+from multisrt.geometry.numerics.kernel import BoolArray, FloatArray, IntArray, kernel
 
 PINCH_CUT = 0.25
 """Where two free cells touch at a corner, each loses a triangle with legs this long, in cells."""

@@ -6,7 +6,7 @@ import numpy as np
 from shapely import affinity, box
 from shapely.geometry.base import BaseGeometry
 
-from multisrt.geometry.kernel import FloatArray
+from multisrt.geometry.numerics.kernel import FloatArray
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

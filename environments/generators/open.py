@@ -9,7 +9,7 @@ from shapely import Point
 from multisrt.environments.environment import Environment
 from multisrt.environments.generators.parameters import call_text, number, seed_number, whole
 from multisrt.environments.generators.passable import passable, starts_near
-from multisrt.geometry.kernel import FloatArray
+from multisrt.geometry.numerics.kernel import FloatArray
 
 COLUMN_RADIUS_M = 0.35
 

@@ -10,7 +10,7 @@ from multisrt.environments.generators.grid_walls import Cell, open_walls
 from multisrt.environments.generators.parameters import call_text, number, seed_number, whole
 from multisrt.environments.generators.passable import passable, starts_near
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.geometry.kernel import FloatArray
+from multisrt.geometry.numerics.kernel import FloatArray
 
 WALL_M = 0.2
 JAMB_M = 0.5

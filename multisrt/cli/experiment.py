@@ -146,7 +146,7 @@ def _impossible_starts(planned: Sequence[PlannedRun]) -> dict[Condition, str]:
 
     from multisrt.experiments.mission import world_of
     from multisrt.geometry.errors import InvalidInputError
-    from multisrt.starts import starts_of
+    from multisrt.simulation.starts import starts_of
 
     found: dict[Condition, str] = {}
     tried: dict[Condition, str] = {}

@@ -185,11 +185,11 @@ def _folders(specs: list[RunSpec], out: Path | None, name: str) -> list[Path]:
 
 
 def _run_all(specs: list[RunSpec], folders: list[Path], quiet: bool) -> list[Run]:
-    from multisrt.output_folder import output_folder
-    from multisrt.registry import strategy
+    from multisrt.cli.output_folder import output_folder
+    from multisrt.robots.registry import strategy
     from multisrt.run import RECORDING_NAME, RUN_NAME, SPEC_NAME, TREE_NAME, Run
-    from multisrt.simulation import simulate
-    from multisrt.spec import build_environment
+    from multisrt.simulation.simulate import simulate
+    from multisrt.simulation.worlds import build_environment
 
     # What is wrong with the last one is told before the first one runs.
     for spec in specs:

@@ -64,7 +64,8 @@ def described(
 
 def spec_of_words(environment: str, strategy: str, given: dict[str, Any]) -> RunSpec:
     """Build a spec from what was given on the command line."""
-    from multisrt.spec import RadioSpec, RunSpec, StopRule, environment_spec
+    from multisrt.simulation.worlds import environment_spec
+    from multisrt.spec import RadioSpec, RunSpec, StopRule
 
     max_time = given["max_time"]
     return RunSpec(

@@ -47,7 +47,7 @@ def show(
     """Draw a world of the catalogue or of a map file as SVG."""
     from multisrt.drawing import save_environment_svg
     from multisrt.environments.catalog import catalog
-    from multisrt.spec import build_environment, environment_spec
+    from multisrt.simulation.worlds import build_environment, environment_spec
 
     where = environment_spec(environment, resolution_m=resolution, threshold=threshold)
     world = build_environment(where)
@@ -78,8 +78,8 @@ def strategies(name: str | None) -> None:
     """
     import msgspec
 
-    from multisrt.registry import broken_strategies, strategy
-    from multisrt.registry import strategies as all_strategies
+    from multisrt.robots.registry import broken_strategies, strategy
+    from multisrt.robots.registry import strategies as all_strategies
 
     if name is None:
         listed = table("strategy", "what it does")

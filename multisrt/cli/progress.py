@@ -9,7 +9,7 @@ from multisrt.terminal import LiveLine
 if TYPE_CHECKING:
     from multisrt.environments.environment import Environment
     from multisrt.events import AnyEvent
-    from multisrt.simulation import Watcher
+    from multisrt.simulation.simulate import Watcher
     from multisrt.spec import RunSpec
 
 
@@ -27,9 +27,9 @@ class Progress(LiveLine):
         """Give what watches a run, where anybody does."""
         if not self.shown:
             return None
-        from multisrt.coverage import CoverageMeter
+        from multisrt.analysis.coverage import CoverageMeter
         from multisrt.events import NodeAdded
-        from multisrt.starts import starts_of
+        from multisrt.simulation.starts import starts_of
 
         self.say(f"{spec.strategy}: preparing (the first run compiles, up to a minute)")
         meter = CoverageMeter(spec, world, starts_of(spec, world))

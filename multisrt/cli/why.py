@@ -22,8 +22,8 @@ def why(recording: Path, robot: int, time_s: float | None, everything: bool) -> 
       multisrt why out/recording.jsonl --robot 2 --time 31.5
       multisrt why out/recording.jsonl --robot 2 --all
     """
+    from multisrt.explain.srt import explain, explain_all
     from multisrt.recording import Recording
-    from multisrt.why import explain, explain_all
 
     if everything and time_s is not None:
         raise click.UsageError("--all tells all decisions: leave out --time")

@@ -10,7 +10,7 @@ import numpy.typing as npt
 import shapely
 from shapely.geometry.base import BaseGeometry
 
-from multisrt.geometry.kernel import FloatArray
+from multisrt.geometry.numerics.kernel import FloatArray
 
 Shapes = npt.NDArray[np.object_]
 

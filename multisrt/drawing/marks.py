@@ -27,7 +27,7 @@ from multisrt.drawing.sheet import TEXT_MM, Sheet
 from multisrt.drawing.svg import child
 from multisrt.drawing.traces import Trace
 from multisrt.events import Died
-from multisrt.geometry.kernel import FloatArray
+from multisrt.geometry.numerics.kernel import FloatArray
 
 BADGE_SHARE: Final = 0.45
 """Radius of a start's mark as a share of the distance to the next start, within that range."""

@@ -14,20 +14,20 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from multisrt.analysis.isolation import Spell, isolation
 from multisrt.drawing.traces import Trace
 from multisrt.environments.environment import Environment
 from multisrt.events import GoalChosen, NodeAdded, Point
-from multisrt.frontier_team.options import FrontierOptions
-from multisrt.geometry.boxes import bounds_of
+from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.geometry.footprint import Footprint
-from multisrt.geometry.kernel import BoolArray, FloatArray, IntArray
-from multisrt.geometry.occupancy import UNKNOWN, Occupancy
-from multisrt.geometry.safe_region import LocalSafeRegion
-from multisrt.isolation import Spell, isolation
+from multisrt.geometry.grids.occupancy import UNKNOWN, Occupancy
+from multisrt.geometry.numerics.boxes import bounds_of
+from multisrt.geometry.numerics.kernel import BoolArray, FloatArray, IntArray
+from multisrt.geometry.regions.safe_region import LocalSafeRegion
 from multisrt.planners.motion.body import PlanningBody
 from multisrt.planners.motion.trajectory import leg_points, leg_pose
 from multisrt.recording import Recording
+from multisrt.robots.frontier.options import FrontierOptions
 
 Waypoint = tuple[float, float, float, float]
 

@@ -13,7 +13,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from multisrt.geometry.kernel import FloatArray
+from multisrt.geometry.numerics.kernel import FloatArray
 
 Bounds = tuple[float, float, float, float]
 Marker = Literal[

@@ -9,6 +9,7 @@ from typing import Final
 
 import numpy as np
 
+from multisrt.analysis.remaining_frontier import remaining_frontier
 from multisrt.events import (
     ArcClosed,
     Blocked,
@@ -24,10 +25,9 @@ from multisrt.events import (
 )
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.geometry.kernel import FloatArray
+from multisrt.geometry.numerics.kernel import FloatArray
 from multisrt.planners.motion.trajectory import leg_length, leg_points
 from multisrt.recording import Recording
-from multisrt.remaining_frontier import remaining_frontier
 from multisrt.spec import LateStart
 
 JOINED_M = 1e-6

@@ -25,7 +25,7 @@ from multisrt.drawing.traces import Trace, joined, median_edge_m, traces_of
 from multisrt.drawing.ways_svg import draw_ways
 from multisrt.environments.environment import Environment
 from multisrt.events import NodeAdded
-from multisrt.geometry.kernel import FloatArray
+from multisrt.geometry.numerics.kernel import FloatArray
 from multisrt.recording import Recording, written_whole
 
 NODE_SHARE: Final = 0.2

@@ -18,7 +18,7 @@ from multisrt.drawing.svg import child
 from multisrt.drawing.traces import Trace
 from multisrt.environments.environment import Environment
 from multisrt.events import Point
-from multisrt.geometry.occupancy import UNKNOWN
+from multisrt.geometry.grids.occupancy import UNKNOWN
 from multisrt.recording import Recording
 
 

@@ -31,9 +31,11 @@ from multisrt.experiments.description import (
     StrategyChoice,
     TeamChoice,
 )
+from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.geometry.errors import InvalidInputError, did_you_mean
-from multisrt.geometry.footprint import Footprint
-from multisrt.registry import Strategy, strategy
+from multisrt.robots.registry import Strategy, strategy
+from multisrt.simulation.starts import drawn_start
+from multisrt.simulation.worlds import build_environment, environment_spec, inline
 from multisrt.spec import (
     CatalogEnvironment,
     Death,
@@ -46,11 +48,7 @@ from multisrt.spec import (
     RobotSpec,
     RunSpec,
     Silence,
-    build_environment,
-    environment_spec,
-    inline,
 )
-from multisrt.starts import drawn_start
 
 MOST_RUNS = 1_000_000
 """An experiment of more is taken for a mistake."""

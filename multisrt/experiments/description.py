@@ -13,9 +13,9 @@ import msgspec
 from msgspec import Meta
 
 from multisrt.experiments.schema import for_editors
-from multisrt.explained import explained
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.spec import DriveSpec, Fault, RadioSpec, RangeFinderSpec, Scalar, StopRule
+from multisrt.validation_errors import explained
 
 LONGEST_FILE = 16_000_000
 """Characters of an experiment file: a longer one is none."""

@@ -19,7 +19,7 @@ import numpy as np
 from multisrt.experiments.crossing import Condition, PlannedRun
 from multisrt.experiments.description import ExperimentSpec, Limits
 from multisrt.experiments.results import ENDED, Result
-from multisrt.geometry.arrays import FloatArray
+from multisrt.geometry.numerics.arrays import FloatArray
 
 MOST_PROBES = 16
 

@@ -13,11 +13,11 @@ from typing import TYPE_CHECKING, Any
 
 import msgspec
 
+from multisrt.analysis.metrics import Metrics
 from multisrt.experiments.crossing import Condition
 from multisrt.experiments.measures import MEASURES
 from multisrt.experiments.results import Result, Results
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.metrics import Metrics
 
 if TYPE_CHECKING:
     import pandas

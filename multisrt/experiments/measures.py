@@ -6,9 +6,9 @@ import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
+from multisrt.analysis.metrics import Metrics
 from multisrt.experiments.results import Result
 from multisrt.geometry.errors import InvalidInputError, did_you_mean
-from multisrt.metrics import Metrics
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import msgspec
 
+from multisrt.analysis.metrics import Metrics, measure_with_curve
 from multisrt.environments.environment import Environment
 from multisrt.experiments.crossing import PlannedRun
 from multisrt.experiments.description import Limits
@@ -16,10 +17,10 @@ from multisrt.experiments.limits import OverTimeError, within
 from multisrt.experiments.memory import forget_most_memory, most_memory_mb
 from multisrt.experiments.results import Result, Status
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.metrics import Metrics, measure_with_curve
 from multisrt.recording import Recording
-from multisrt.simulation import simulate
-from multisrt.spec import EnvironmentSpec, build_environment
+from multisrt.simulation.simulate import simulate
+from multisrt.simulation.worlds import build_environment
+from multisrt.spec import EnvironmentSpec
 
 WORLDS_KEPT = 32
 

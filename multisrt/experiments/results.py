@@ -2,20 +2,15 @@
 
 from __future__ import annotations
 
-import hashlib
-import platform
-import sys
 from collections.abc import Iterable, Iterator
-from functools import cache
-from importlib.metadata import version
-from pathlib import Path
 from typing import Literal
 
 import msgspec
 
+from multisrt.analysis.metrics import Metrics
 from multisrt.experiments.crossing import Condition
 from multisrt.experiments.description import ExperimentSpec
-from multisrt.metrics import Metrics
+from multisrt.experiments.provenance import Provenance
 
 Status = Literal[
     "complete", "stalled", "out_of_time", "over_time", "over_memory", "crashed", "refused", "error"
@@ -75,25 +70,6 @@ class Result(msgspec.Struct, frozen=True, kw_only=True):
         )
 
 
-class Provenance(msgspec.Struct, frozen=True, kw_only=True):
-    """What made results.
-
-    Attributes
-    ----------
-    versions : dict
-        Of the packages that matter.
-    program : str
-        Digest of the source: results that share it were made by one program.
-    machine, system : str
-        Processor architecture, and operating system.
-    """
-
-    versions: dict[str, str]
-    program: str
-    machine: str
-    system: str
-
-
 class Results:
     """The results of an experiment, as far as they are there.
 
@@ -137,51 +113,3 @@ class Results:
         """Give the results of a condition, by repetition."""
         found = [result for result in self.results if result.condition == condition]
         return sorted(found, key=lambda result: result.repetition)
-
-
-@cache
-def provenance() -> Provenance:
-    """Tell what makes results here."""
-    packages = ("multisrt", "numpy", "scipy", "shapely", "numba", "ompl", "python-fcl", "simpy")
-    return Provenance(
-        versions={"python": platform.python_version()} | {p: version(p) for p in packages},
-        program=program_digest(),
-        machine=platform.machine(),
-        system=f"{platform.system()} ({sys.platform})",
-    )
-
-
-@cache
-def program_digest() -> str:
-    """Digest of the source of what decides a run's outcome."""
-    import multisrt
-    import multisrt.environments
-    import multisrt.geometry
-    import multisrt.planners
-
-    digest = hashlib.sha256()
-    for package in (multisrt, multisrt.geometry, multisrt.planners, multisrt.environments):
-        folder = Path(package.__path__[0]).resolve()
-        for path in sorted(folder.rglob("*.py")):
-            name = path.relative_to(folder)
-            if package is multisrt and name.parts[0] in _BESIDE_RUNS:
-                continue
-            digest.update(f"{package.__name__}/{name.as_posix()}\n".encode())
-            digest.update(path.read_bytes())
-    return digest.hexdigest()[:16]
-
-
-_BESIDE_RUNS = frozenset(
-    (
-        "cli",
-        "drawing",
-        "experiments",
-        "presets",
-        "reporting",
-        "statistics",
-        "geometry",
-        "planners",
-        "environments",
-    )
-)
-"""Parts of the package that do not decide what a run does, or that are gone through themselves."""

@@ -24,12 +24,13 @@ from typing import IO, Any
 
 import msgspec
 
+from multisrt.analysis.metrics import Metrics
 from multisrt.experiments.crossing import Condition, PlannedRun, runs
 from multisrt.experiments.description import ExperimentSpec
-from multisrt.experiments.results import Provenance, Result, Results, Status, provenance
+from multisrt.experiments.provenance import Provenance, provenance
+from multisrt.experiments.results import Result, Results, Status
 from multisrt.experiments.worker import differences
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.metrics import Metrics
 
 APPLICATION = 0x4D535254
 """What SQLite's header says of whose file it is: "MSRT"."""

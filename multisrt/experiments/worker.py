@@ -33,7 +33,8 @@ from multisrt.experiments.crossing import Condition, PlannedRun
 from multisrt.experiments.description import Limits
 from multisrt.experiments.limits import GRACE_S
 from multisrt.experiments.memory import Thrift
-from multisrt.experiments.results import Provenance, Result, Status, provenance
+from multisrt.experiments.provenance import Provenance, provenance
+from multisrt.experiments.results import Result, Status
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.spec import RunSpec
 
@@ -364,7 +365,7 @@ def main(modules: Sequence[str]) -> None:
         _answer(answers, _Unable(str(error)))
         return
     import multisrt.experiments.mission
-    from multisrt.simulation import GARBAGE_AFTER
+    from multisrt.simulation.simulate import GARBAGE_AFTER
 
     make_run = multisrt.experiments.mission.make_run
     # What has been made by importing stays, and so does most of what a run makes until it ends:

@@ -21,7 +21,7 @@ from multisrt.experiments.description import (
 )
 from multisrt.experiments.measures import measure_named
 from multisrt.experiments.results import Results
-from multisrt.geometry.arrays import FloatArray
+from multisrt.geometry.numerics.arrays import FloatArray
 from multisrt.presets.judging import Cells, Comparison, Judged, judge
 from multisrt.presets.preset import Preset
 from multisrt.reporting.claims import Claim, PrintedTable, Verdict

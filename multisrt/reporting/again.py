@@ -130,8 +130,8 @@ def gallery(
         What could not be drawn, and why.
     """
     from multisrt.drawing import tree_svg
-    from multisrt.simulation import simulate
-    from multisrt.spec import build_environment
+    from multisrt.simulation.simulate import simulate
+    from multisrt.simulation.worlds import build_environment
 
     trees, notes = [], []
     for setting in gallery_settings(study):

@@ -13,7 +13,7 @@ from matplotlib.ticker import FixedLocator, NullLocator, PercentFormatter
 from multisrt.drawing.colours import INK
 from multisrt.experiments.crossing import Condition
 from multisrt.experiments.measures import Measure, measure_named
-from multisrt.geometry.arrays import FloatArray
+from multisrt.geometry.numerics.arrays import FloatArray
 from multisrt.reporting.layout import number, slug
 from multisrt.reporting.study import SEED, Study, team_name
 from multisrt.reporting.style import (

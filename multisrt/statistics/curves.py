@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from multisrt.geometry.arrays import FloatArray
 from multisrt.geometry.errors import InvalidInputError
+from multisrt.geometry.numerics.arrays import FloatArray
 from multisrt.statistics.samples import ascending, finite_sample_of
 from multisrt.statistics.summaries import median, quantile
 

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy import stats
 
-from multisrt.geometry.arrays import FloatArray
 from multisrt.geometry.errors import InvalidInputError
+from multisrt.geometry.numerics.arrays import FloatArray
 from multisrt.statistics.samples import checked_level, checked_resamples, strata_of
 from multisrt.statistics.summaries import Statistic, quantile
 

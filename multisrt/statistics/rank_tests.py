@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy import stats
 
-from multisrt.geometry.arrays import FloatArray, IntArray
 from multisrt.geometry.errors import InvalidInputError
+from multisrt.geometry.numerics.arrays import FloatArray, IntArray
 from multisrt.statistics.samples import finite_sample_of, sample_of
 from multisrt.statistics.wins import share_of_wins
 

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from multisrt.geometry.arrays import FloatArray
 from multisrt.geometry.errors import InvalidInputError
+from multisrt.geometry.numerics.arrays import FloatArray
 
 
 def sample_of(values: ArrayLike, name: str = "values") -> FloatArray:

@@ -11,8 +11,8 @@ from collections.abc import Callable
 import numpy as np
 from scipy import stats
 
-from multisrt.geometry.arrays import FloatArray
 from multisrt.geometry.errors import InvalidInputError
+from multisrt.geometry.numerics.arrays import FloatArray
 from multisrt.statistics.samples import refuse_infinite, refuse_unordered
 
 Statistic = Callable[[FloatArray], FloatArray]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from multisrt.geometry.arrays import FloatArray
+from multisrt.geometry.numerics.arrays import FloatArray
 
 
 def win_table(a: FloatArray, b: FloatArray) -> FloatArray:

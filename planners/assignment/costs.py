@@ -7,8 +7,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from multisrt.geometry.arrays import FloatArray
 from multisrt.geometry.errors import InvalidInputError
+from multisrt.geometry.numerics.arrays import FloatArray
 
 NOBODY: Final = -1
 """In an assignment: the robot has no frontier."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from multisrt.geometry.arrays import FloatArray, IntArray
+from multisrt.geometry.numerics.arrays import FloatArray, IntArray
 from multisrt.planners.assignment.costs import check_robot, cost_table
 
 

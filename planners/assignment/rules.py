@@ -13,8 +13,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from multisrt.geometry.arrays import BoolArray, FloatArray
 from multisrt.geometry.errors import InvalidInputError
+from multisrt.geometry.numerics.arrays import BoolArray, FloatArray
 from multisrt.planners.assignment.costs import check_robot, cost_table
 
 SECTOR_RAD: Final = math.radians(15.0)

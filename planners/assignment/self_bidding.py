@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import linear_sum_assignment
 
-from multisrt.geometry.arrays import BoolArray, FloatArray, IntArray
 from multisrt.geometry.errors import InvalidInputError
+from multisrt.geometry.numerics.arrays import BoolArray, FloatArray, IntArray
 from multisrt.planners.assignment.closest import closest
 from multisrt.planners.assignment.costs import NOBODY, check_robot, cost_table, longest
 

@@ -7,7 +7,7 @@ import math
 import numpy as np
 from shapely import Polygon
 
-from multisrt.geometry.clearance import (
+from multisrt.geometry.bodies.clearance import (
     disc_bridges,
     disc_clearance,
     free_travel_disc,
@@ -15,10 +15,10 @@ from multisrt.geometry.clearance import (
     free_travel_polygon,
     rotation_is_free,
 )
+from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.geometry.configuration import Configuration
-from multisrt.geometry.footprint import Footprint
-from multisrt.geometry.kernel import BoolArray, FloatArray, IntArray
-from multisrt.geometry.rings import Rings
+from multisrt.geometry.numerics.kernel import BoolArray, FloatArray, IntArray
+from multisrt.geometry.numerics.rings import Rings
 from multisrt.planners.motion.room import ROUNDING_M, Room
 
 TOUCH_M = 1e-7

@@ -14,9 +14,9 @@ from typing import Any
 
 from shapely.geometry.base import BaseGeometry
 
-from multisrt.geometry.clearance import rings_of
+from multisrt.geometry.bodies.clearance import rings_of
 from multisrt.geometry.configuration import Configuration, wrap_angle
-from multisrt.geometry.kernel import FloatArray
+from multisrt.geometry.numerics.kernel import FloatArray
 from multisrt.planners.motion.body import PlanningBody
 from multisrt.planners.motion.curves import curve, curve_length, set_state, state_space
 from multisrt.planners.motion.kinematics import Car

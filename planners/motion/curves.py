@@ -14,9 +14,9 @@ from typing import Any
 
 import numpy as np
 
-from multisrt.geometry.arrays import BoolArray, FloatArray
 from multisrt.geometry.configuration import Configuration
-from multisrt.geometry.kernel import kernel
+from multisrt.geometry.numerics.arrays import BoolArray, FloatArray
+from multisrt.geometry.numerics.kernel import kernel
 from multisrt.planners.motion.kinematics import Car
 from multisrt.planners.motion.trajectory import Trajectory, Waypoint, leg_pose
 

@@ -8,7 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from multisrt.geometry.clearance import (
+from multisrt.geometry.bodies.clearance import (
     disc_clearance,
     free_travel_polygon,
     path_clearance,
@@ -16,8 +16,8 @@ from multisrt.geometry.clearance import (
     rotation_is_free,
 )
 from multisrt.geometry.configuration import Configuration
-from multisrt.geometry.distances import inside
-from multisrt.geometry.kernel import FloatArray, kernel
+from multisrt.geometry.numerics.distances import inside
+from multisrt.geometry.numerics.kernel import FloatArray, kernel
 from multisrt.planners.motion.trajectory import NO_TURN_RAD
 
 ROUNDING_M = 1e-9

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from multisrt.geometry.configuration import Configuration, wrap_angle
-from multisrt.geometry.kernel import FloatArray
+from multisrt.geometry.numerics.kernel import FloatArray
 from multisrt.planners.motion.body import PlanningBody
 from multisrt.planners.motion.kinematics import (
     Car,

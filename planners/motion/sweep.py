@@ -9,8 +9,8 @@ import numpy as np
 import shapely
 from shapely.geometry.base import BaseGeometry
 
-from multisrt.geometry.arrays import FloatArray
-from multisrt.geometry.footprint import Footprint, place
+from multisrt.geometry.bodies.footprint import Footprint, place
+from multisrt.geometry.numerics.arrays import FloatArray
 from multisrt.planners.motion.trajectory import NO_TURN_RAD, Trajectory, Waypoint, leg_pose
 
 NO_WAY_M = 1e-9

@@ -12,9 +12,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from multisrt.geometry.arrays import FloatArray
 from multisrt.geometry.configuration import Configuration, wrap_angle
 from multisrt.geometry.errors import InvalidInputError
+from multisrt.geometry.numerics.arrays import FloatArray
 
 NO_TURN_RAD = 1e-8
 """A leg that turns by less is straight; collision checks draw the line there, too."""

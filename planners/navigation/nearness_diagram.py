@@ -26,13 +26,13 @@ from typing import Final, Literal, NamedTuple
 
 import numpy as np
 
-from multisrt.geometry.boundary import OBSTACLE, TagArray
-from multisrt.geometry.clearance import disc_clearance
+from multisrt.geometry.bodies.clearance import disc_clearance
 from multisrt.geometry.configuration import Configuration
-from multisrt.geometry.distances import inside
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.geometry.kernel import FloatArray, IntArray, inlined_kernel, kernel
-from multisrt.geometry.safe_region import LocalSafeRegion
+from multisrt.geometry.numerics.distances import inside
+from multisrt.geometry.numerics.kernel import FloatArray, IntArray, inlined_kernel, kernel
+from multisrt.geometry.regions.boundary import OBSTACLE, TagArray
+from multisrt.geometry.regions.safe_region import LocalSafeRegion
 from multisrt.planners.motion.kinematics import Differential, Holonomic, Kinematics
 from multisrt.planners.motion.trajectory import Trajectory, Waypoint
 

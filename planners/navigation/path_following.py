@@ -13,7 +13,7 @@ import numpy as np
 
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.geometry.kernel import FloatArray, kernel
+from multisrt.geometry.numerics.kernel import FloatArray, kernel
 from multisrt.planners.motion.body import PlanningBody
 from multisrt.planners.motion.kinematics import Car, Kinematics
 from multisrt.planners.motion.steering import reach, steer

@@ -23,9 +23,9 @@ from typing import Final, Literal, NamedTuple
 import numpy as np
 
 from multisrt.geometry.configuration import Configuration, wrap_angle
-from multisrt.geometry.distances import distance_to_segments
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.geometry.kernel import FloatArray
+from multisrt.geometry.numerics.distances import distance_to_segments
+from multisrt.geometry.numerics.kernel import FloatArray
 
 SECTOR_RAD: Final = math.radians(15.0)
 """How far to either side of its heading a robot looks for mates."""

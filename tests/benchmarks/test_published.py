@@ -6,7 +6,7 @@ import pytest
 from benchmarks import published
 from multisrt.experiments.crossing import runs
 from multisrt.experiments.description import ExperimentSpec
-from multisrt.simulation import simulate
+from multisrt.simulation.simulate import simulate
 
 EXPERIMENT = ExperimentSpec(
     name="small",

@@ -9,7 +9,7 @@ import shapely
 from numpy.typing import NDArray
 from shapely import MultiPolygon, Polygon, affinity, box
 
-from multisrt.geometry.edge_index import EdgeIndex
+from multisrt.geometry.regions.edge_index import EdgeIndex
 
 Array = NDArray[np.float64]
 

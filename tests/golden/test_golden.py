@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from multisrt.registry import strategies
+from multisrt.robots.registry import strategies
 
 
 def load():

@@ -8,13 +8,14 @@ import msgspec
 import pytest
 import shapely
 
+from multisrt.analysis.metrics import measure
 from multisrt.environments.environment import Environment
 from multisrt.events import Died, Ended, Motion, NodeAdded
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.metrics import measure
 from multisrt.recording import FORMAT, VERSION, Header, Recording, written_whole
-from multisrt.simulation import simulate
-from multisrt.spec import RunSpec, inline
+from multisrt.simulation.simulate import simulate
+from multisrt.simulation.worlds import inline
+from multisrt.spec import RunSpec
 
 WORLD = Environment(
     "two rooms",

@@ -5,15 +5,8 @@ import multisrt
 from multisrt.environments.environment import Environment
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.run import Run, explore
-from multisrt.spec import (
-    Death,
-    DriveSpec,
-    RadioSpec,
-    RangeFinderSpec,
-    RobotSpec,
-    RunSpec,
-    inline,
-)
+from multisrt.simulation.worlds import inline
+from multisrt.spec import Death, DriveSpec, RadioSpec, RangeFinderSpec, RobotSpec, RunSpec
 
 ROOM = Environment("room", shapely.box(0, 0, 6, 5), starts=[(1.0, 1.0)])
 

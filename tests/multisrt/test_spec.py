@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from multisrt.environments.environment import Environment
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.planners.motion.kinematics import Differential, Holonomic
+from multisrt.simulation.worlds import build_environment, environment_spec, inline
 from multisrt.spec import (
     CatalogEnvironment,
     Death,
@@ -21,9 +22,6 @@ from multisrt.spec import (
     RunSpec,
     Silence,
     StopRule,
-    build_environment,
-    environment_spec,
-    inline,
     random_stream,
 )
 

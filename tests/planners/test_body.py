@@ -6,9 +6,9 @@ import shapely
 from hypothesis import given
 from hypothesis import strategies as st
 
+from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.geometry.configuration import Configuration
-from multisrt.geometry.footprint import Footprint
-from multisrt.geometry.rings import Rings
+from multisrt.geometry.numerics.rings import Rings
 from multisrt.planners.motion.body import HAIR_M, TOUCH_M, PlanningBody
 
 

@@ -8,9 +8,9 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from multisrt.geometry.collision import CollisionWorld
+from multisrt.geometry.bodies.collision import CollisionWorld
+from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.geometry.configuration import Configuration
-from multisrt.geometry.footprint import Footprint
 from multisrt.planners.motion.body import PlanningBody
 from multisrt.planners.motion.car import car_way, car_ways
 from multisrt.planners.motion.curves import curve_length
@@ -171,7 +171,7 @@ def test_no_way_leaves_the_region(obstacles, body, car, start, goal, seed):
 SCRIPT = """
 import shapely
 from multisrt.geometry.configuration import Configuration
-from multisrt.geometry.footprint import Footprint
+from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.planners.motion.body import PlanningBody
 from multisrt.planners.motion.car import car_way
 from multisrt.planners.motion.kinematics import Car

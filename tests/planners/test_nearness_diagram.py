@@ -7,13 +7,13 @@ import shapely
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from multisrt.geometry.boundary import OBSTACLE
-from multisrt.geometry.clearance import disc_clearance, rings_of
+from multisrt.geometry.bodies.clearance import disc_clearance, rings_of
 from multisrt.geometry.configuration import Configuration, wrap_angle
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.geometry.laser import laser_ranges
-from multisrt.geometry.safe_region import local_safe_region
-from multisrt.geometry.scan import take_scan
+from multisrt.geometry.regions.boundary import OBSTACLE
+from multisrt.geometry.regions.laser import laser_ranges
+from multisrt.geometry.regions.safe_region import local_safe_region
+from multisrt.geometry.regions.scan import take_scan
 from multisrt.planners.motion.kinematics import Car, Differential, Holonomic
 from multisrt.planners.navigation.nearness_diagram import (
     BEAMS,

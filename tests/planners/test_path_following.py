@@ -10,12 +10,12 @@ from hypothesis import strategies as st
 from shapely.ops import substring
 
 from multisrt.environments.catalog import environment
+from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.geometry.configuration import Configuration
-from multisrt.geometry.edge_index import EdgeIndex
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.geometry.footprint import Footprint
-from multisrt.geometry.safe_region import local_safe_region
-from multisrt.geometry.scan import take_scan
+from multisrt.geometry.regions.edge_index import EdgeIndex
+from multisrt.geometry.regions.safe_region import local_safe_region
+from multisrt.geometry.regions.scan import take_scan
 from multisrt.planners.motion.body import PlanningBody
 from multisrt.planners.motion.kinematics import Car, Differential, Holonomic
 from multisrt.planners.motion.sweep import Sweep

@@ -6,15 +6,15 @@ import shapely
 from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
-from multisrt.geometry.clearance import (
+from multisrt.geometry.bodies.clearance import (
     disc_clearance,
     free_travel_polygon,
     path_clearance,
     pose_is_inside,
     rings_of,
 )
+from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.geometry.configuration import Configuration
-from multisrt.geometry.footprint import Footprint
 from multisrt.planners.motion.body import PlanningBody
 from multisrt.planners.motion.room import Room
 from multisrt.planners.motion.trajectory import Trajectory, Waypoint, leg_points

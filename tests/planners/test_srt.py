@@ -8,23 +8,23 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy import stats
 
-from multisrt.geometry.boundary import OBSTACLE
+from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.geometry.configuration import Configuration
-from multisrt.geometry.distances import (
+from multisrt.geometry.errors import InvalidInputError
+from multisrt.geometry.numerics.distances import (
     distance_to_boundary,
     distance_to_segments,
     inside,
     nearest_point,
     nearest_points,
 )
-from multisrt.geometry.edge_index import EdgeIndex
-from multisrt.geometry.errors import InvalidInputError
-from multisrt.geometry.footprint import Footprint
-from multisrt.geometry.frontier_arcs import arc_labels, frontier_candidates
-from multisrt.geometry.known_space import KnownSpace
-from multisrt.geometry.rings import Rings
-from multisrt.geometry.safe_region import LocalSafeRegion, local_safe_region
-from multisrt.geometry.scan import take_scan
+from multisrt.geometry.numerics.rings import Rings
+from multisrt.geometry.regions.boundary import OBSTACLE
+from multisrt.geometry.regions.edge_index import EdgeIndex
+from multisrt.geometry.regions.frontier_arcs import arc_labels, frontier_candidates
+from multisrt.geometry.regions.known_space import KnownSpace
+from multisrt.geometry.regions.safe_region import LocalSafeRegion, local_safe_region
+from multisrt.geometry.regions.scan import take_scan
 from multisrt.planners.motion.body import PlanningBody
 from multisrt.planners.motion.kinematics import Car, Differential, Holonomic
 from multisrt.planners.srt import Draws, SrtOptions, SrtPlanner, Way, arc_points

@@ -7,8 +7,8 @@ import shapely
 from hypothesis import given
 from hypothesis import strategies as st
 
+from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.geometry.configuration import Configuration
-from multisrt.geometry.footprint import Footprint
 from multisrt.planners.motion.body import PlanningBody
 from multisrt.planners.motion.kinematics import Differential, Holonomic
 from multisrt.planners.motion.steering import reach, steer, turn_and_drive

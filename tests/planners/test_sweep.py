@@ -6,7 +6,7 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from multisrt.geometry.footprint import Footprint
+from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.planners.motion.sweep import Sweep
 from multisrt.planners.motion.trajectory import Trajectory, Waypoint
 

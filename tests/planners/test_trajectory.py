@@ -7,10 +7,10 @@ import shapely
 from hypothesis import given
 from hypothesis import strategies as st
 
-from multisrt.geometry.collision import CollisionWorld, _motion
+from multisrt.geometry.bodies.collision import CollisionWorld, _motion
+from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.geometry.footprint import Footprint
 from multisrt.planners.motion.trajectory import (
     Trajectory,
     Waypoint,

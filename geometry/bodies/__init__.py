@@ -1,0 +1,1 @@
+"""Bodies: their outlines, and how far they are from obstacles."""

@@ -1,0 +1,1 @@
+"""Rasters and the distances in them."""

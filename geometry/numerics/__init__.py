@@ -1,0 +1,1 @@
+"""Numbers, arrays of points and the way kernels are compiled."""

@@ -1,0 +1,1 @@
+"""What a range finder sees, and the regions that follow from it."""

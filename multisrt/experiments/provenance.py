@@ -1,0 +1,98 @@
+"""What made results: versions, machine, and a digest of the program."""
+
+from __future__ import annotations
+
+import ast
+import hashlib
+import platform
+import sys
+from functools import cache
+from importlib.metadata import version
+from pathlib import Path
+
+import msgspec
+
+
+class Provenance(msgspec.Struct, frozen=True, kw_only=True):
+    """What made results.
+
+    Attributes
+    ----------
+    versions : dict
+        Of the packages that matter.
+    program : str
+        Digest of the source: results that share it were made by one program.
+    machine, system : str
+        Processor architecture, and operating system.
+    """
+
+    versions: dict[str, str]
+    program: str
+    machine: str
+    system: str
+
+
+@cache
+def provenance() -> Provenance:
+    """Return what makes results here."""
+    packages = ("multisrt", "numpy", "scipy", "shapely", "numba", "ompl", "python-fcl", "simpy")
+    return Provenance(
+        versions={"python": platform.python_version()} | {p: version(p) for p in packages},
+        program=program_digest(),
+        machine=platform.machine(),
+        system=f"{platform.system()} ({sys.platform})",
+    )
+
+
+@cache
+def program_digest() -> str:
+    """Return a digest of the code that decides a run's outcome.
+
+    That is the code of `multisrt.simulation` and of every part of this package that it imports,
+    directly or not. Docstrings, blank lines and lines of comment do not count.
+    """
+    digest = hashlib.sha256()
+    for name, code in sorted(_program().items()):
+        digest.update(f"{name}\n{code}\n".encode())
+    return digest.hexdigest()[:16]
+
+
+def parts_of_the_program() -> list[str]:
+    """Return the folders and modules, directly in this package, that decide a run's outcome."""
+    return sorted({name.split("/")[0] for name in _program()})
+
+
+@cache
+def _program() -> dict[str, str]:
+    # A file that is imported brings its whole folder: some are loaded by a name in a table.
+    top = Path(__file__).parents[1]
+    code: dict[str, str] = {}
+    parts, waiting = {"simulation"}, ["simulation"]
+    while waiting:
+        part = waiting.pop()
+        # A link has to be resolved, or nothing would be found below it.
+        folder = (top / part).resolve()
+        for path in folder.rglob("*.py") if folder.is_dir() else [top / f"{part}.py"]:
+            inner = path.relative_to(folder).as_posix() if folder.is_dir() else ""
+            code[f"{part}/{inner}"], imported = _read(path)
+            waiting.extend(imported - parts)
+            parts |= imported
+    return code
+
+
+def _read(path: Path) -> tuple[str, set[str]]:
+    # A file's code without what only people read, and the parts of this package it imports.
+    text = path.read_text(encoding="utf-8")
+    lines = text.splitlines()
+    imported: set[str] = set()
+    for node in ast.walk(ast.parse(text)):
+        match node:
+            case ast.Import():
+                imported.update(alias.name for alias in node.names)
+            case ast.ImportFrom():
+                imported.update(f"{node.module}.{alias.name}" for alias in node.names)
+            case ast.Expr(value=ast.Constant(value=str()), lineno=first, end_lineno=last):
+                lines[first - 1 : last] = [""] * (last - first + 1 if last else 1)
+    code = "\n".join(line for line in lines if line.strip() and not line.lstrip().startswith("#"))
+    ours = (name.split(".") for name in imported)
+    return code, {name[1] for name in ours if name[0] == "multisrt" and len(name) > 1}

@@ -1,0 +1,1 @@
+"""Why robots decided as they did, in words, from recordings."""

@@ -1,0 +1,335 @@
+"""Why a robot did what it did: its decisions in plain words, from a recording."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+
+from multisrt.events import (
+    AnyEvent,
+    Coordinated,
+    Decision,
+    Ended,
+    GoalChosen,
+    Learned,
+    MapComplete,
+    Motion,
+    NodeAdded,
+    NodeName,
+    Organized,
+    Point,
+    Supports,
+)
+from multisrt.explain.frontier import bid_lines, choice_lines
+from multisrt.explain.words import SAME_MOMENT_S, by_robot, listed, many, place, titled, troubles
+from multisrt.geometry.errors import InvalidInputError
+from multisrt.recording import Recording
+
+CHOICES = {
+    "draw": "a new place, drawn at random towards its local frontier",
+    "approach": "a new place, the one nearest to its local frontier, as no draw was accepted",
+    "complete": "a place from which it can see a frontier arc that it had left behind",
+    "parent": "back to the parent node, as nothing is left to do here",
+    "nearest_open": "the nearest node that has a frontier left",
+    "home": "back to its root, as no frontier is left that it can open",
+    "bypass": "a place on the way round a robot that stands and does not answer",
+    "stay": "to stay where it is",
+    "end": "to end here",
+}
+
+ORDERS = {
+    "keep": "to keep its target",
+    "wait": "to wait where it stands",
+    "new target": "to go to another target",
+    "give way": "to give way",
+}
+
+PURPOSES = {
+    "explore": "to explore",
+    "support": "to support another tree",
+    "home": "to go home",
+    "give way": "to give way",
+}
+
+
+def explain(recording: Recording, robot: int, time_s: float | None = None) -> str:
+    """Tell what a robot knew and decided at its last decision by a time.
+
+    Parameters
+    ----------
+    recording : Recording
+        The run.
+    robot : int
+        Which robot, from 0.
+    time_s : float, optional
+        When; the end of the run by default.
+
+    Returns
+    -------
+    str
+        Where it stood, what it knew, which candidates it refused and why, what it chose; its
+        groups, whether paths conflicted, and what the master made of it; whom it chose to
+        support, whom it took as lost, where it was stopped, and what went wrong with it. Of one
+        that bids for frontiers: who reckoned with whom, the tables it decided by, and what it
+        did until it chose again.
+
+    Raises
+    ------
+    InvalidInputError
+        If there is no such robot, the time is not within the run, or the robot had not decided
+        anything by then.
+    """
+    _require_robot(recording, robot)
+    end = recording.footer.time_s
+    asked = end if time_s is None else time_s
+    if not 0.0 <= asked <= end + SAME_MOMENT_S:
+        raise InvalidInputError(
+            f"{asked:g} s is not within the run, which lasts from 0 to {end:.2f} s"
+        )
+    index, choice = _last_choice(recording.events, robot, asked)
+    if isinstance(choice, GoalChosen):
+        lines = choice_lines(recording, index, choice, asked)
+    else:
+        lines = _Story(recording, index, choice, asked).lines()
+    return "\n".join(lines) + "\n"
+
+
+def explain_all(recording: Recording, robot: int) -> str:
+    """Tell a robot's decisions, one line each.
+
+    Raises
+    ------
+    InvalidInputError
+        If there is no such robot.
+    """
+    _require_robot(recording, robot)
+    if lines := list(bid_lines(recording, robot)):
+        return "\n".join(lines) + "\n"
+    lines = [f"{'time (s)':>9}  {'node':>8}  {'frontier':>8}  decision"]
+    for index, event in enumerate(recording.events):
+        if isinstance(event, Decision) and event.robot == robot:
+            told = _coordinated(recording.events, index)
+            lines.append(
+                f"{event.time_s:9.2f}  {_short_node(event.node, robot):>8}  "
+                f"{event.frontier_m:6.2f} m  {event.choice}"
+                + ("" if event.target is None else f" to {place(event.target)}")
+                + (f", GER {listed(event.ger)}" if len(event.ger) > 1 else "")
+                + ("" if told is None else f"; {told.order} {place(told.new_target)}")
+            )
+    return "\n".join(lines) + "\n"
+
+
+class _Story:
+    """What there is to tell of one robot's last decision by a time."""
+
+    def __init__(
+        self, recording: Recording, index: int, decision: Decision, asked_s: float
+    ) -> None:
+        self.index, self.decision = index, decision
+        self.robot = robot = decision.robot
+        self.asked_s = asked_s
+        self.events = recording.events
+        self.has_others = len(recording.spec.robots) > 1
+        # Motions are recorded when they end; all else when it happens.
+        self.past = [
+            event
+            for event in self.events
+            if event.robot == robot and event.time_s <= asked_s + SAME_MOMENT_S
+        ]
+        self.nodes: dict[NodeName, NodeAdded] = {
+            (event.robot, event.serial): event
+            for event in self.events
+            if isinstance(event, NodeAdded)
+        }
+
+    def lines(self) -> Iterator[str]:
+        yield (
+            f"Robot {self.robot} at {self.asked_s:.2f} s: its last decision was at "
+            f"{self.decision.time_s:.2f} s."
+        )
+        for title, lines in (
+            ("Where it stood", self.standing()),
+            ("What it knew", self.knowledge()),
+            ("What it decided", self.choice()),
+            ("Its group", self.group()),
+            ("Whom it supports", self.support()),
+            ("What went otherwise than planned", troubles(self.past)),
+            ("What it did then", self.afterwards()),
+        ):
+            yield from titled(title, lines)
+
+    def standing(self) -> Iterator[str]:
+        node = self.nodes[self.decision.node]
+        x, y, heading = node.configuration
+        yield (
+            f"at {self._node(self.decision.node)}, {place((x, y))}, which was added at "
+            f"{node.time_s:.2f} s, heading {math.degrees(heading):.0f} degrees"
+        )
+        if node.parent is None:
+            yield f"the root of the tree of robot {node.robot}"
+        else:
+            yield f"its parent is {self._node(node.parent)}; the place was found by: {node.stage}"
+
+    def knowledge(self) -> Iterator[str]:
+        yield f"its local frontier there was {self.decision.frontier_m:.2f} m long"
+        until = self.decision.time_s + SAME_MOMENT_S
+        own = sum(isinstance(e, NodeAdded) and e.time_s <= until for e in self.past)
+        yield f"its map had {many(own, 'node')} of its own"
+        learned = [e for e in self.past if isinstance(e, Learned) and e.time_s <= until]
+        names = [name for event in learned for name in event.nodes]
+        if names:
+            yield (
+                f"it had learned {many(len(names), 'node')} of others: {by_robot(names)}; "
+                f"last at {learned[-1].time_s:.2f} s"
+            )
+        complete = [e for e in self.past if isinstance(e, MapComplete) and e.time_s <= until]
+        if complete:
+            yield f"it knew since {complete[0].time_s:.2f} s that its map was complete"
+
+    def choice(self) -> Iterator[str]:
+        chosen = self.decision
+        if chosen.draws:
+            why = ", ".join(f"{count} {reason}" for reason, count in chosen.refused.items())
+            yield f"{many(chosen.draws, 'candidate')} drawn; refused: {why or 'none'}"
+            for x, y, reason in chosen.candidates:
+                yield f"  {place((x, y))}: {reason}"
+        yield f"it chose {chosen.choice}: {CHOICES[chosen.choice]}"
+        if chosen.target is not None:
+            here = self.nodes[chosen.node].configuration
+            yield f"target {place(chosen.target)}, {math.dist(here[:2], chosen.target):.2f} m away"
+
+    def group(self) -> Iterator[str]:
+        gpr, ger = self.decision.gpr, self.decision.ger
+        if not self.has_others:
+            return
+        if gpr:
+            yield f"pre-engaged (GPR): {listed(gpr)}"
+        if ger:
+            yield f"engaged (GER): {listed(ger)}"
+        told = _coordinated(self.events, self.index, self.asked_s)
+        if told is None:
+            if len(ger) > 1:
+                yield "no paths of the group conflicted, so nobody coordinated it"
+            return
+        master = "itself" if told.master == self.robot else f"robot {told.master}"
+        yield f"paths of the group {listed(told.ger)} conflicted; the master was {master}"
+        yield f"feasible: {listed(told.feasible)}; unfeasible: {listed(told.unfeasible)}"
+        organized = _organized(self.events, told)
+        if organized is not None:
+            if organized.conflicts:
+                pairs = ", ".join(f"{i} with {j}" for i, j in organized.conflicts)
+                yield f"in conflict: {pairs}"
+            if organized.deadlock:
+                yield "a deadlock: nobody could be let go"
+            yield from _table(organized)
+        yield (
+            f"at {told.time_s:.2f} s it was told {ORDERS[told.order]}: "
+            f"{place(told.target)} became {place(told.new_target)}"
+        )
+
+    def support(self) -> Iterator[str]:
+        chosen = [event for event in self.past if isinstance(event, Supports)]
+        if not chosen:
+            return
+        last = chosen[-1]
+        what = "no tree needs support" if last.tree is None else f"the tree of robot {last.tree}"
+        yield f"its last choice, at {last.time_s:.2f} s: {what}"
+        yield f"{'tree':>4}  {'open frontier':>13}  {'active robots':>13}"
+        for tree, length in sorted(last.open_frontier_m.items()):
+            mark = "  may need support" if tree in last.candidates else ""
+            active = last.active_robots.get(tree, 0)
+            yield f"{tree:>4}  {length:>11.2f} m  {active:>13}{mark}"
+
+    def afterwards(self) -> Iterator[str]:
+        for event in self.past:
+            if event.time_s < self.decision.time_s - SAME_MOMENT_S:
+                continue
+            if isinstance(event, Motion):
+                arrival_s, x, y, _ = event.waypoints[-1]
+                has_come = arrival_s <= self.asked_s + SAME_MOMENT_S
+                yield (
+                    f"{event.time_s:.2f} s: it set out {PURPOSES[event.purpose]}, "
+                    f"and {'came' if has_come else 'is on its way'} to {place((x, y))}"
+                )
+            elif isinstance(event, Ended):
+                yield f"{event.time_s:.2f} s: it ended: {event.reason}"
+
+    def _node(self, name: NodeName) -> str:
+        return f"node {name[1]}" + ("" if name[0] == self.robot else f" of robot {name[0]}")
+
+
+def _last_choice(
+    events: Sequence[AnyEvent], robot: int, asked_s: float
+) -> tuple[int, Decision | GoalChosen]:
+    found = None
+    for index, event in enumerate(events):
+        if isinstance(event, Decision | GoalChosen) and event.robot == robot:
+            if event.time_s <= asked_s + SAME_MOMENT_S:
+                found = index, event
+            elif found is None:
+                raise InvalidInputError(
+                    f"robot {robot} had not decided anything by {asked_s:g} s; "
+                    f"its first decision is at {event.time_s:.2f} s"
+                )
+    if found is None:
+        raise InvalidInputError(f"robot {robot} did not decide anything in this run")
+    return found
+
+
+def _coordinated(
+    events: Sequence[AnyEvent], index: int, asked_s: float = -math.inf
+) -> Coordinated | None:
+    # What became of a decision before the robot moved; or of a later step by the time asked for,
+    # since not all steps on the way to another tree are decisions.
+    robot, has_moved, found = events[index].robot, False, None
+    for event in events[index + 1 :]:
+        if event.robot != robot:
+            continue
+        if isinstance(event, Decision):
+            break
+        if isinstance(event, Motion):
+            has_moved = True
+        elif isinstance(event, Coordinated) and (
+            event.time_s <= asked_s + SAME_MOMENT_S or (found is None and not has_moved)
+        ):
+            found = event
+    return found
+
+
+def _organized(events: Iterable[AnyEvent], told: Coordinated) -> Organized | None:
+    # What the master did: its last arrangement of this group until the robot was told.
+    found = None
+    for event in events:
+        if (
+            isinstance(event, Organized)
+            and event.robot == told.master
+            and event.time_s <= told.time_s + SAME_MOMENT_S
+            and set(event.before) == set(told.ger)
+        ):
+            found = event
+    return found
+
+
+def _table(organized: Organized) -> Iterator[str]:
+    yield f"{'robot':>5}  {'planned':>18}  {'organised':>18}  order"
+    for robot in sorted(organized.before):
+        yield (
+            f"{robot:>5}  {place(organized.before[robot]):>18}  "
+            f"{_place_of(organized.after, robot):>18}  {organized.orders.get(robot, '')}"
+        )
+
+
+def _place_of(places: Mapping[int, Point], robot: int) -> str:
+    return place(places[robot]) if robot in places else ""
+
+
+def _short_node(name: NodeName, robot: int) -> str:
+    return str(name[1]) if name[0] == robot else f"{name[0]}:{name[1]}"
+
+
+def _require_robot(recording: Recording, robot: int) -> None:
+    team = len(recording.spec.robots)
+    if not 0 <= robot < team:
+        raise InvalidInputError(
+            f"there is no robot {robot}: the run has {team}, which count from 0"
+        )

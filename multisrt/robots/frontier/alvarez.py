@@ -1,0 +1,366 @@
+"""RULES: robots score unexplored cells, give way to one another, and swap goals.
+
+Source: J. A. Álvarez Jáuregui, Algoritmo descentralizado para la exploración multi-robot de
+escenarios 2D (Universidad de Guanajuato, 2018), section 3.2. A goal is a cell that nobody has
+seen, here called the robot's *aim*; its `Goal` is the place where the way there leaves what is
+known, and the way to that place is the shortest one, not one from cell to cell. Differs in:
+
+- Where no unexplored cell is reachable and frontiers are left, which are smaller than a cell of
+  the search, the nearest frontier is the goal. So a run is complete as with all strategies.
+- Only mates in sight make a robot wait, and not for longer than it asks others to give way
+  (`patience`); then the protective stop and `giving_way` decide.
+- Goals are compared whenever one is new, and swapped only if the two ways together do not get
+  longer, but for a cell's width. As a swap shortens the shorter of the two ways, robots do not
+  swap for ever.
+- Robots tell each other also where they came to the edge of what is known in vain.
+- A robot that was stuck goes to a random place (the thesis's own next step).
+"""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Generator
+
+import numpy as np
+
+from multisrt.events import GoalChosen
+from multisrt.geometry.configuration import Configuration
+from multisrt.geometry.numerics.kernel import FloatArray
+from multisrt.planners.assignment.closest import closest
+from multisrt.planners.assignment.rules import GoalChoice, exchange
+from multisrt.planners.navigation.path_following import ahead
+from multisrt.planners.navigation.right_of_way import Party, right_of_way
+from multisrt.robots.explorer import Action, Note, Outcome, RobotSelf, Send, Sighting
+from multisrt.robots.frontier.alvarez_goals import (
+    Place,
+    Survey,
+    Way,
+    is_open,
+    robot_options,
+    search,
+    survey,
+    way_cost,
+    way_to,
+)
+from multisrt.robots.frontier.driving import REACHED_M, Reason, drive, drive_leg
+from multisrt.robots.frontier.explore import FrontierExplorer
+from multisrt.robots.frontier.messages import InaccessibleMessage, SwapMessage
+from multisrt.robots.frontier.options import RulesOptions
+from multisrt.robots.frontier.robot import FrontierRobot, Goal, length_of
+from multisrt.robots.frontier.rules import Choice, nearest_only, settle_on
+
+SCORES_KEPT = 10
+"""So many of the best cells are put on record with a choice."""
+
+ANEW = ("start", "news", "called on", "blocked")
+"""Why a robot chooses another cell though its own is unexplored still."""
+
+MOST_FAILURES = 2
+"""A place to which so often no way led is not tried again."""
+
+Scores = tuple[tuple[float, float, float, float, float, float], ...]
+
+
+def explorer_by_rules(me: RobotSelf, options: RulesOptions) -> FrontierExplorer:
+    """Build the explorer of one robot."""
+    rules = Rules()
+    return FrontierExplorer(me, options, rules.choose, rules.drive)
+
+
+class Rules:
+    """What one robot decides by the rules, and remembers for it.
+
+    Attributes
+    ----------
+    place : (x, y) or None
+        The goal that it chose last.
+    failures : counter of (x, y)
+        How often no way led to a goal.
+    stuck_at : (x, y) or None
+        Where it stood when no way led to its goal.
+    vain : int
+        How many goals in a row it could not drive to.
+    wanders : bool
+        Whether its goal is a random place.
+    waits : int
+        How often in a row it has waited for others.
+    compared : tuple
+        The goals of the team that it has compared last.
+    """
+
+    def __init__(self) -> None:
+        self.place: Place | None = None
+        self.failures: Counter[Place] = Counter()
+        self.stuck_at: Place | None = None
+        self.vain = 0
+        self.wanders = False
+        self.waits = 0
+        self.compared: tuple[object, ...] = ()
+
+    # Choosing -----------------------------------------------------------------------------
+
+    def choose(self, robot: FrontierRobot, because: str) -> Choice:
+        """Keep the aim until it is explored, then choose the best cell; say how to get there."""
+        tried = self.remember(robot, because)
+        team = robot.team
+        with robot.around_bodies():
+            drawn = survey(robot, team.tried, agreed(robot))
+            aim = None if because in ANEW else team.aim
+            way = None if aim is None else way_to(robot, drawn, aim)
+            unreached: list[Place] = []
+            scores: Scores = ()
+            if way is None:
+                aim, scores, unreached = best_cell(robot, drawn)
+                way = None if aim is None else way_to(robot, drawn, aim)
+            goal = None if way is None else goal_of(robot, way)
+        team.aim = None if goal is None else aim
+        yield from tell_inaccessible(robot, [] if robot.bodies else unreached, tried)
+        if self.vain >= robot_options(robot).random_goal_after and goal is not None:
+            return (yield from self.wander(robot, because))
+        if goal is None or way is None:
+            table = nearest_only(robot)
+            nearest = closest(table.costs[0])
+            goal = yield from settle_on(robot, table, nearest, "closest", because)
+            self.place = None if goal is None else goal.place
+            return goal
+        self.place = goal.place
+        yield Note(chosen(robot, "rules", because, aim, way.cost_m, scores))
+        return goal
+
+    def remember(self, robot: FrontierRobot, because: str) -> tuple[Place, ...]:
+        """Take note of what came of the last goal; give its place if it was so for others, too."""
+        place, self.place, self.wanders = self.place, None, False
+        self.vain = self.vain + 1 if because in ("no way", "blocked") else 0
+        if place is None:
+            return ()
+        is_left = robot.is_frontier(*place) or is_open(robot.raster, place)
+        in_vain = because == "reached" and is_left
+        if because == "no way":
+            self.failures[place] += 1
+            in_vain = self.failures[place] >= MOST_FAILURES or self.stuck_at == robot.at[:2]
+            self.stuck_at = robot.at[:2]
+        if not in_vain:
+            return ()
+        robot.team.tried[place] = None
+        robot.give_up(place)
+        # Where a car finds no way others may.
+        return () if because == "no way" and robot.car is not None else (place,)
+
+    def wander(self, robot: FrontierRobot, because: str) -> Choice:
+        """RANDOM GOAL: go to any place that is known, to try from there."""
+        robot.team.aim = None
+        self.vain, goal = 0, None
+        with robot.around_bodies():
+            field = robot.own_field()
+            if field is not None:
+                places = robot.raster.passable_centres(*robot.at[:2], robot.raster.diagonal_m)
+                places = places[np.isfinite(field.distance(robot.indices_of(places)))]
+                x, y = places[robot.me.rng.integers(len(places))].tolist()
+                goal = robot.goal_at(field, x, y)
+        self.wanders = goal is not None
+        cost_m, place = (0.0, None) if goal is None else (goal.cost_m, goal.place)
+        yield Note(chosen(robot, "random", because, place, cost_m, ()))
+        return goal
+
+    # Driving ------------------------------------------------------------------------------
+
+    def drive(
+        self, robot: FrontierRobot, goal: Goal
+    ) -> Generator[Action, Outcome, Reason | Sighting]:
+        """MOTION: drive until the aim is explored or the way to it changes, leg by leg."""
+        aim = robot.team.aim
+        if aim is None and not self.wanders:
+            return (yield from drive(robot, goal))
+        path = goal.path
+        while True:
+            reason = self.reason_to_end(robot, goal, aim)
+            if reason is not None:
+                return reason
+            path = ahead(path, robot.at)
+            if not robot.team.is_alone:
+                if (yield from self.waits_for_others(robot, path)):
+                    continue
+                if (yield from self.swaps(robot)):
+                    return "interrupted"
+            ended = yield from drive_leg(robot, path, "explore")
+            if ended is not None:
+                return ended
+
+    def reason_to_end(self, robot: FrontierRobot, goal: Goal, aim: Place | None) -> Reason | None:
+        """Whether there is a reason not to drive on."""
+        team, raster = robot.team, robot.raster
+        if team.is_interrupted or team.aim != aim:
+            return "interrupted"
+        if aim is not None and (raster.is_known(*aim) or not is_open(raster, goal.place)):
+            return "nothing left"
+        if math.dist(robot.at[:2], goal.place) <= REACHED_M:
+            return "reached"
+        return "news" if aim is not None and robot.may_choose_anew() else None
+
+    def waits_for_others(
+        self, robot: FrontierRobot, path: FloatArray
+    ) -> Generator[Action, Outcome, bool]:
+        """CONFLICTS: wait while a mate is ahead, unless this robot leads; tell whether it did."""
+        team, options = robot.team, robot_options(robot)
+        if options.conflict_radius_m == 0.0:
+            return False
+        seen = yield from robot.look()
+        me = Party(
+            robot=robot.me.robot,
+            configuration=facing(robot.at, path),
+            path=path,
+            radius_m=robot.body.outer_radius_m,
+            leader=team.leader,
+        )
+        ruling = right_of_way(
+            me,
+            [as_party(robot, sighting) for sighting in seen],
+            options.conflict_radius_m,
+            margin_m=options.guard_m,
+        )
+        if ruling.leader != team.leader:
+            team.leader = ruling.leader
+            yield from team.report()
+        if ruling.action != "wait":
+            self.waits = 0
+            return False
+        self.waits += 1
+        if self.waits > options.patience:
+            return False
+        yield from team.pause(team.period_s)
+        return True
+
+    def swaps(self, robot: FrontierRobot) -> Generator[Action, Outcome, bool]:
+        """EXCHANGE: take another's aim and give it the own one; tell whether it did."""
+        team = robot.team
+        mates = [report for report in team.present() if report.aim is not None]
+        now = (team.aim, *((mate.robot, mate.aim) for mate in mates))
+        if team.aim is None or not robot_options(robot).exchange or now == self.compared:
+            return False
+        self.compared = now
+        with robot.around_bodies():
+            drawn = survey(robot, team.tried, agreed(robot))
+            here = robot.at[:2]
+            own = way_cost(robot, drawn, here, team.aim)
+            owners, asked = [own], [math.inf]
+            for mate in mates:
+                assert mate.aim is not None
+                is_near = math.dist(here, mate.aim) < own
+                owners.append(
+                    way_cost(robot, drawn, mate.place[:2], mate.aim) if is_near else math.inf
+                )
+                asked.append(way_cost(robot, drawn, here, mate.aim) if is_near else math.inf)
+            partner = exchange(0, asked, owners)
+            if partner is None:
+                return False
+            mate = mates[partner - 1]
+            swapped = asked[partner] + way_cost(robot, drawn, mate.place[:2], team.aim)
+        if mate.aim is None or swapped > own + owners[partner] + robot.options.cell_m:
+            return False
+        given, team.aim = team.aim, mate.aim
+        yield Send(SwapMessage(sender=robot.me.robot, taken=mate.aim, given=given), mate.robot)
+        return True
+
+
+def best_cell(robot: FrontierRobot, drawn: Survey) -> tuple[Place | None, Scores, list[Place]]:
+    """Find the best cell that can be reached; give the scores, and the cells that cannot be."""
+    goals = [r.goal if r.aim is None else r.aim for r in robot.team.present()]
+    places = np.array([goal for goal in goals if goal is not None]).reshape(-1, 2)
+    unreached: dict[Place, None] = {}
+    for everywhere in (False, True):
+        cells, given = search(robot, drawn, places, everywhere)
+        order = np.lexsort((given.distance, -given.scores)).tolist()
+        for i in order:
+            x, y = cells[i].tolist()
+            if drawn.can_reach(robot.raster, (x, y)):
+                return (x, y), best_scores(cells, given, order), list(unreached)
+            unreached[x, y] = None
+    return None, (), list(unreached)
+
+
+def best_scores(cells: FloatArray, given: GoalChoice, order: list[int]) -> Scores:
+    """Give the best cells with their scores and the terms of these."""
+    best = order[:SCORES_KEPT]
+    terms = (given.scores, given.distance, given.turn, given.others)
+    return tuple(zip(*cells[best].T.tolist(), *(t[best].tolist() for t in terms), strict=True))
+
+
+def goal_of(robot: FrontierRobot, way: Way) -> Goal | None:
+    """Make the place where a way leaves what is known the goal."""
+    field = robot.own_field()
+    return None if field is None else robot.goal_at(field, *way.edge)
+
+
+def chosen(
+    robot: FrontierRobot,
+    rule: str,
+    because: str,
+    goal: Place | None,
+    cost_m: float,
+    scores: Scores,
+) -> GoalChosen:
+    """Put on record what was chosen."""
+    mates = [report.robot for report in robot.team.present()]
+    return GoalChosen(
+        time_s=robot.time_s,
+        robot=robot.me.robot,
+        rule=rule,
+        because=because,
+        goal=goal,
+        cost_m=cost_m,
+        frontiers=tuple(map(tuple, robot.targets().tolist())),
+        robots=tuple(sorted([robot.me.robot, *mates])),
+        scores=scores,
+    )
+
+
+def agreed(robot: FrontierRobot) -> list[Place]:
+    """Give the cells that this robot and all that are reckoned with found inaccessible."""
+    everybody = {robot.me.robot, *(report.robot for report in robot.team.present())}
+    said = robot.team.inaccessible.items()
+    return [cell for cell, by in said if everybody <= by.keys()]
+
+
+def tell_inaccessible(
+    robot: FrontierRobot, cells: list[Place], tried: tuple[Place, ...]
+) -> Generator[Action, Outcome, None]:
+    """INACCESSIBLE CELLS: say to which no way leads, if not said yet, and what was in vain."""
+    team, me = robot.team, robot.me.robot
+    new = [cell for cell in cells if me not in team.inaccessible.get(cell, {})]
+    for cell in new:
+        team.inaccessible.setdefault(cell, {})[me] = None
+    if (new or tried) and not team.is_alone:
+        yield Send(
+            InaccessibleMessage(
+                sender=me, cells=tuple(new), tried=tried, radius_m=robot.body.outer_radius_m
+            )
+        )
+
+
+def as_party(robot: FrontierRobot, mate: Sighting) -> Party:
+    """Give a mate in sight as it matters for the right of way: its place as seen, the rest as told.
+
+    Who is not reckoned with, or has nothing to do, is inactive.
+    """
+    at = mate.configuration
+    told = {report.robot: report for report in robot.team.present()}.get(mate.robot)
+    path = np.array([at[:2]])
+    if told is not None and told.phase == "driving" and told.path:
+        path = ahead(np.array(told.path), at)
+    return Party(
+        robot=mate.robot,
+        configuration=facing(at, path),
+        path=path,
+        radius_m=mate.footprint.circumscribed_radius_m,
+        leader=told is not None and told.leader,
+        inactive=told is None,
+    )
+
+
+def facing(at: Configuration, path: FloatArray) -> Configuration:
+    """Turn a configuration to where its path leads."""
+    if length_of(path) <= REACHED_M:
+        return at
+    x, y = next(corner for corner in path.tolist() if math.dist(corner, at[:2]) > 0.0)
+    return Configuration(at.x, at.y, math.atan2(y - at.y, x - at.x))

@@ -1,0 +1,301 @@
+"""RULES: the map as cells, which of them is the best goal, and the way there.
+
+Source: J. A. Álvarez Jáuregui, Algoritmo descentralizado para la exploración multi-robot de
+escenarios 2D, sections 3.2.3 to 3.2.5. Differs in:
+
+- The size of the map is not known: what is searched is the rectangle around all that has been
+  seen, and one cell more on every side.
+- A* runs over the raster that the body moves on, not over the larger cells of the search: those
+  would close a door that is not much wider than the body. It keeps the body's radius from what
+  was seen, and enters what was not seen only where a frontier is wide enough for the body.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from itertools import product
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from multisrt.geometry.grids.fast_march import in_sight
+from multisrt.geometry.grids.occupancy import UNKNOWN, Occupancy
+from multisrt.geometry.numerics.kernel import BoolArray, FloatArray, IntArray
+from multisrt.planners.assignment.rules import GoalChoice, cells_ahead, choose_cell
+from multisrt.planners.grid_search import DIAGONAL, a_star, reachable, ring_search
+from multisrt.robots.frontier.options import RulesOptions
+from multisrt.robots.frontier.robot import NEAR_BY_CELLS, FrontierRobot
+
+Place = tuple[float, float]
+Cell = tuple[int, int]
+
+SAMPLES = 4
+"""So many places are looked at on a line as it passes through a cell."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Survey:
+    """The map of one robot as the rules see it.
+
+    Attributes
+    ----------
+    row, column : int
+        Where the first row and column of the raster's cells lie in the lattice.
+    unknown, ways : (rows, columns) array of bool
+        Which cells of the raster nobody has seen, and over which A* may lead.
+    reachable : (rows, columns) array of bool
+        Which of them a way leads to from where the robot stands.
+    start : (row, column) or None
+        The cell at which its ways begin; None: it stands nowhere passable.
+    centres : (n, m, 2) array
+        Centres of the cells of the search in metres.
+    unexplored, obstacle : (n, m) array of bool
+        What these cells are, by the raster's cell at their centre.
+    diagonal_m : float
+        Of the map.
+    """
+
+    row: int
+    column: int
+    unknown: BoolArray
+    ways: BoolArray
+    reachable: BoolArray
+    start: Cell | None
+    centres: FloatArray
+    unexplored: BoolArray
+    obstacle: BoolArray
+    diagonal_m: float
+
+    def index_of(self, raster: Occupancy, place: Place) -> Cell | None:
+        """Give where the raster's cell of a place is in the arrays; None: it is outside."""
+        row, column = raster.cell_of(*place)
+        row, column = row - self.row, column - self.column
+        rows, columns = self.unknown.shape
+        return (row, column) if 0 <= row < rows and 0 <= column < columns else None
+
+    def can_reach(self, raster: Occupancy, place: Place) -> bool:
+        """Whether a way leads from the robot to a place."""
+        index = self.index_of(raster, place)
+        return index is not None and bool(self.reachable[index])
+
+
+class Way(NamedTuple):
+    """A way to an unexplored cell.
+
+    Attributes
+    ----------
+    edge : (x, y)
+        The last place on it that is known, where the body can stand.
+    cost_m : float
+        Its length.
+    """
+
+    edge: Place
+    cost_m: float
+
+
+def survey(robot: FrontierRobot, tried: Iterable[Place], inaccessible: Iterable[Place]) -> Survey:
+    """Draw up the map for one choice.
+
+    Parameters
+    ----------
+    robot : FrontierRobot
+        Whose map; call within `around_bodies`, then bodies are obstacles too.
+    tried : iterable of (x, y)
+        Where the robot entered, or tried to, what nobody has seen, in vain.
+    inaccessible : iterable of (x, y)
+        Cells of the search that all robots found inaccessible: obstacles from then on.
+    """
+    raster, width = robot.raster, robot_options(robot).search_cell_m
+    seen = raster.cells != UNKNOWN
+    rows, columns = np.flatnonzero(seen.any(axis=1)), np.flatnonzero(seen.any(axis=0))
+    pad = math.ceil(width / raster.cell_m) + 2
+    shape = (int(np.ptp(rows)) + 1 + 2 * pad, int(np.ptp(columns)) + 1 + 2 * pad)
+    row, column = raster.row + int(rows[0]) - pad, raster.column + int(columns[0]) - pad
+    inner = slice(pad, shape[0] - pad), slice(pad, shape[1] - pad)
+    held = slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1)
+    unknown, ways = np.ones(shape, np.bool_), np.zeros(shape, np.bool_)
+    unknown[inner] = ~seen[held]
+    ways[inner] = raster.passable[held]
+    ways |= unknown & ~_closed(robot, tried, (row, column), shape)
+
+    start = robot.first_cell()
+    reached = np.zeros(shape, np.bool_)
+    if start is not None:
+        start = start[0] - row, start[1] - column
+        reached = reachable(ways, *start)
+
+    x0, y0 = raster.centre_of(row + pad, column + pad)
+    x1, y1 = raster.centre_of(row + shape[0] - pad - 1, column + shape[1] - pad - 1)
+    xs, ys = _middles(x0 - width, x1 + width, width), _middles(y0 - width, y1 + width, width)
+    at = np.ix_(
+        [raster.cell_of(0.0, y)[0] - row for y in ys.tolist()],
+        [raster.cell_of(x, 0.0)[1] - column for x in xs.tolist()],
+    )
+    unexplored = unknown[at]
+    obstacle = ~unexplored & ~ways[at]
+    for x, y in inaccessible:
+        r, c = round((y - ys[0]) / width), round((x - xs[0]) / width)
+        if 0 <= r < len(ys) and 0 <= c < len(xs) and unexplored[r, c]:
+            unexplored[r, c], obstacle[r, c] = False, True
+    return Survey(
+        row=row,
+        column=column,
+        unknown=unknown,
+        ways=ways,
+        reachable=reached,
+        start=start,
+        centres=np.stack(np.meshgrid(xs, ys), axis=-1),
+        unexplored=unexplored,
+        obstacle=obstacle,
+        diagonal_m=math.hypot(xs[-1] - xs[0] + width, ys[-1] - ys[0] + width),
+    )
+
+
+def robot_options(robot: FrontierRobot) -> RulesOptions:
+    """Give a robot's parameters, which are those of the rules."""
+    assert isinstance(robot.options, RulesOptions)
+    return robot.options
+
+
+def _middles(low: float, high: float, width: float) -> FloatArray:
+    # Cells of the search have their borders at multiples of their width: for all robots alike.
+    first, last = math.ceil(low / width - 0.5), math.floor(high / width - 0.5)
+    middles: FloatArray = (np.arange(first, last + 1, dtype=np.float64) + 0.5) * width
+    return middles
+
+
+def _closed(
+    robot: FrontierRobot, tried: Iterable[Place], corner: Cell, shape: tuple[int, int]
+) -> NDArray[np.bool_]:
+    # Unknown cells that touch a frontier too narrow for the body, or a place entered in vain.
+    raster = robot.raster
+    wide = {id(group) for group in robot.groups() if group.target is not None}
+    closed = np.zeros(shape, np.bool_)
+    for group in raster.frontier_groups(0.0):
+        if id(group) not in wide:
+            r, c = (group.cells - np.array(corner)).T
+            for across, along in product((-1, 0, 1), repeat=2):
+                closed[r + across, c + along] = True
+    reach = 0.5 * robot.me.footprint.width_m / raster.cell_m + 1.5
+    n = math.floor(reach)
+    for place in tried:
+        row, column = raster.cell_of(*place)
+        r0, c0 = row - corner[0], column - corner[1]
+        rows = np.arange(max(0, r0 - n), min(shape[0], r0 + n + 1))
+        columns = np.arange(max(0, c0 - n), min(shape[1], c0 + n + 1))
+        near = np.hypot(rows[:, None] - r0, columns[None] - c0) <= reach
+        closed[np.ix_(rows, columns)] |= near
+    return closed
+
+
+def search(
+    robot: FrontierRobot, drawn: Survey, goals: FloatArray, everywhere: bool = False
+) -> tuple[FloatArray, GoalChoice]:
+    """GOAL SEARCH: score the unexplored cells around a robot.
+
+    Parameters
+    ----------
+    robot, drawn
+        The robot and its map.
+    goals : (g, 2) array
+        The goals of the other robots that have one.
+    everywhere : bool
+        Whether to take all unexplored cells, not only as many as a ring finds.
+
+    Returns
+    -------
+    cells : (k, 2) array
+        Centres of the cells.
+    GoalChoice
+        Their scores.
+    """
+    options = robot_options(robot)
+    cells = drawn.centres[drawn.unexplored]
+    if not everywhere:
+        width = options.search_cell_m
+        x0, y0 = drawn.centres[0, 0].tolist()
+        found = ring_search(
+            ~drawn.obstacle,
+            drawn.unexplored,
+            round((robot.at.y - y0) / width),
+            round((robot.at.x - x0) / width),
+            math.ceil(options.enough_share * drawn.unexplored.size),
+        )
+        cells = drawn.centres[found[:, 0], found[:, 1]]
+    x, y, heading = robot.at
+    offsets = cells - (x, y)
+    to_goals = np.hypot(*(goals[:, None] - cells[None]).transpose(2, 0, 1))
+    return cells, choose_cell(
+        np.hypot(*offsets.T),
+        np.arctan2(offsets[:, 1], offsets[:, 0]) - heading,
+        to_goals,
+        robot.me.team,
+        drawn.diagonal_m,
+        distance_weight=options.distance_weight,
+        turn_weight=options.turn_weight,
+        others_weight=options.others_weight,
+    )
+
+
+def way_to(robot: FrontierRobot, drawn: Survey, aim: Place) -> Way | None:
+    """Find the way to an unexplored cell; None: there is none, or the cell has been seen.
+
+    LOOK AHEAD: where no obstacle lies ahead, the way is straight. PLAN: else it is that of A*.
+    """
+    raster, width = robot.raster, robot_options(robot).search_cell_m
+    goal = drawn.index_of(raster, aim)
+    if drawn.start is None or goal is None or not (drawn.unknown[goal] and drawn.reachable[goal]):
+        return None
+    (r, c), (goal_r, goal_c) = drawn.start, goal
+    obstacles = drawn.centres[drawn.obstacle]
+    if not cells_ahead(obstacles, robot.at[:2], aim, width).any() and in_sight(
+        drawn.ways, c + 0.5, r + 0.5, goal_c, goal_r
+    ):
+        n = SAMPLES * (abs(goal_r - r) + abs(goal_c - c)) + 1
+        line = np.linspace((r + 0.5, c + 0.5), (goal_r + 0.5, goal_c + 0.5), n)
+        way, cells = np.floor(line).astype(np.int64), math.hypot(goal_r - r, goal_c - c)
+    else:
+        way = a_star(drawn.ways, r, c, goal_r, goal_c)
+        cells = _length(way)
+    row, column = way[last_known(drawn.ways & ~drawn.unknown, way)].tolist()
+    edge = raster.centre_of(row + drawn.row, column + drawn.column)
+    return Way(edge, cells * raster.cell_m)
+
+
+def last_known(known: BoolArray, way: IntArray) -> int:
+    """Give up to where a way, ``(n, 2)``, to a cell that is not known leads over such that are.
+
+    A step across a corner counts if the way round it by one side is known.
+    """
+    rows, columns = way.T
+    beside = known[rows[:-1], columns[1:]] | known[rows[1:], columns[:-1]]
+    return int(np.argmin(known[rows[1:], columns[1:]] & beside))
+
+
+def way_cost(robot: FrontierRobot, drawn: Survey, place: Place, aim: Place) -> float:
+    """Give the length in metres of the way of A* from a place to a cell; inf: there is none."""
+    start = robot.raster.passable_near(*place, NEAR_BY_CELLS)
+    goal = drawn.index_of(robot.raster, aim)
+    if start is None or goal is None:
+        return math.inf
+    way = a_star(drawn.ways, start[0] - drawn.row, start[1] - drawn.column, *goal)
+    return _length(way) * robot.raster.cell_m if len(way) else math.inf
+
+
+def _length(way: IntArray) -> float:
+    steps = np.abs(np.diff(way, axis=0)).sum(axis=1)
+    return float((steps == 1).sum() + DIAGONAL * (steps == 2).sum())
+
+
+def is_open(raster: Occupancy, place: Place) -> bool:
+    """Whether one of the cells around that of a place is one that nobody has seen."""
+    row, column = raster.cell_of(*place)
+    return any(
+        not raster.is_known(*raster.centre_of(r, c))
+        for r in range(row - 1, row + 2)
+        for c in range(column - 1, column + 2)
+    )

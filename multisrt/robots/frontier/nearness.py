@@ -1,0 +1,139 @@
+"""Driving by Smooth Nearness Diagram, as in SBX-R; other robots are obstacles to it."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Generator
+from typing import cast
+
+import numpy as np
+
+from multisrt.geometry.numerics.kernel import FloatArray
+from multisrt.planners.motion.kinematics import Differential, Holonomic
+from multisrt.planners.navigation.nearness_diagram import (
+    command,
+    in_frame_of,
+    known_clearance,
+    motion,
+    nearer,
+    region_ranges,
+    safe_time,
+)
+from multisrt.planners.navigation.path_following import ahead
+from multisrt.robots.explorer import Action, Outcome, Sighting
+from multisrt.robots.frontier.driving import Reason, carry_out, drive, reason_to_end
+from multisrt.robots.frontier.options import BiddingOptions
+from multisrt.robots.frontier.robot import FrontierRobot, Goal, length_of
+
+STUCK_S = 5.0
+"""Without progress for so long the robot follows its path instead."""
+
+PROGRESS_M = 0.1
+"""Less is none."""
+
+SHORTEST_S = 0.02
+"""A command that may not be held for so long is none."""
+
+NEAR_GOAL_M = 0.5
+"""So near to its goal the robot follows its path: the diagram stops short of walls."""
+
+
+def drive_as_wanted(
+    robot: FrontierRobot, goal: Goal
+) -> Generator[Action, Outcome, Reason | Sighting]:
+    """Follow a goal's path, or let the diagram lead the body along it, as the options say.
+
+    Where the diagram gets nowhere, the path is followed.
+    """
+    options = cast(BiddingOptions, robot.options)
+    if options.drive == "path" or options.sense == "targets":
+        return (yield from drive(robot, goal))
+    path = goal.path
+    nearest_m, since_s = math.inf, robot.time_s
+    while True:
+        reason = reason_to_end(robot, goal, "explore")
+        if reason is not None:
+            return reason
+        path = ahead(path, robot.at)
+        left_m = length_of(path) + math.dist(robot.at[:2], path[0])
+        if left_m < nearest_m - PROGRESS_M:
+            nearest_m, since_s = left_m, robot.time_s
+        if left_m < NEAR_GOAL_M or robot.time_s > since_s + STUCK_S:
+            return (yield from drive(robot, goal))
+        held_s = yield from steer(robot, lead(robot, path, options.lookahead_m), options)
+        if held_s < SHORTEST_S:
+            return (yield from drive(robot, goal))
+
+
+def steer(
+    robot: FrontierRobot, towards: tuple[float, float], options: BiddingOptions
+) -> Generator[Action, Outcome, float]:
+    """Hold one command of the diagram, and look round; give for how long it was held.
+
+    That may be hardly any time, where another body stands so near that it is stopped at once.
+    """
+    kinematics = cast(Differential | Holonomic, robot.me.kinematics)
+    assert robot.region is not None
+    bodies = np.array(
+        [
+            (*s.configuration[:2], s.footprint.circumscribed_radius_m)
+            for s in (yield from robot.look())
+        ]
+    ).reshape(-1, 3)
+    around = bodies.copy()
+    for body in around:
+        body[:2] = in_frame_of(robot.at, body[0], body[1])
+    radius = robot.body.outer_radius_m
+    chosen = command(
+        nearer(region_ranges(robot.region, robot.at), around),
+        robot.body.ample_radius_m,
+        in_frame_of(robot.at, *towards),
+        kinematics.speed_m_s,
+        kinematics.turn_rate_rad_s if isinstance(kinematics, Differential) else math.pi,
+        range_m=robot.me.range_m,
+        any_direction=isinstance(kinematics, Holonomic),
+    )
+    if chosen.situation == "blocked" or (
+        chosen.speed_m_s == 0.0 and abs(chosen.turn_rate_rad_s) < 1e-6
+    ):
+        return 0.0
+    clearance = known_clearance(robot.region.boundary, robot.at, bodies)
+    held_s = min(
+        options.control_period_s, safe_time(chosen, clearance, radius, margin_m=LEAST_MARGIN_M)
+    )
+    if held_s < SHORTEST_S:
+        return held_s
+    began_s = robot.time_s
+    moved = yield from carry_out(robot, motion(chosen, kinematics, robot.at, held_s), "explore")
+    yield from robot.perceive()
+    return moved.time_s - began_s
+
+
+def lead(robot: FrontierRobot, path: FloatArray, lookahead_m: float) -> tuple[float, float]:
+    """Give the place on a path, at most so far ahead, to which the body could go straight."""
+    assert robot.region is not None
+    boundary, (x, y, _) = robot.region.boundary, robot.at
+    best = path[min(1, len(path) - 1)].tolist()
+    for place in points_along(path, lookahead_m):
+        if not robot.body.disc_travel(boundary, x, y, *place):
+            break
+        best = place
+    return best[0], best[1]
+
+
+def points_along(path: FloatArray, limit_m: float) -> list[list[float]]:
+    """Give the corners of a path up to a length, and where that length ends."""
+    points, left = [], limit_m
+    for a, b in itertools.pairwise(path):
+        step = float(math.dist(a, b))
+        if step >= left:
+            points.append((a + (b - a) * (left / step)).tolist())
+            break
+        points.append(b.tolist())
+        left -= step
+    return points
+
+
+LEAST_MARGIN_M = 0.004
+"""The diagram keeps this much free at least."""

@@ -1,0 +1,257 @@
+"""What robots tell each other of the world: nodes and closings, numbered by their makers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import ClassVar, Final, NamedTuple
+
+import numpy as np
+
+from multisrt.events import NodeAdded, Stage
+from multisrt.geometry.configuration import Configuration
+from multisrt.geometry.errors import InvalidInputError
+from multisrt.geometry.numerics.kernel import FloatArray
+from multisrt.geometry.regions.safe_region import LocalSafeRegion
+from multisrt.robots.messages import Message
+
+REASONS: Final = ("too narrow", "seen from near", "not reachable", "blocked by a robot")
+"""Why an arc may be given up, as recordings have it."""
+
+Have = Mapping[int, tuple[int, int]]
+"""By robot, of how many of its nodes and of its closings all are known, counted from its first."""
+
+Counts = tuple[tuple[int, int, int], ...]
+"""The same as messages have it: robot, nodes and closings, by robot."""
+
+
+class NodeId(NamedTuple):
+    """Who made a node, and its serial number among that robot's nodes."""
+
+    robot: int
+    serial: int
+
+
+class ClosingId(NamedTuple):
+    """Who gave an arc up, and the number among that robot's closings."""
+
+    robot: int
+    number: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Node:
+    """A place that was visited, with what was seen from there.
+
+    Attributes
+    ----------
+    id : NodeId
+        Unique in the team.
+    configuration : Configuration
+        Where the scan was taken.
+    region : LocalSafeRegion
+        What the robot took as surely free around it.
+    parent : NodeId or None
+        The node that the robot came from; None at a root.
+    time_s : float
+        When the scan was taken.
+    """
+
+    id: NodeId
+    configuration: Configuration
+    region: LocalSafeRegion
+    parent: NodeId | None
+    time_s: float
+
+    def added(self, stage: Stage) -> NodeAdded:
+        """Give the event that puts this node on record."""
+        return NodeAdded(
+            time_s=self.time_s,
+            robot=self.id.robot,
+            serial=self.id.serial,
+            parent=self.parent,
+            configuration=(*self.configuration,),
+            stage=stage,
+            boundary=tuple(zip(*self.region.boundary.T.tolist(), strict=True)),
+            tags=(self.region.tags + ord("0")).tobytes().decode(),
+        )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Closing:
+    """A frontier arc that a robot gave up.
+
+    Attributes
+    ----------
+    id : ClosingId
+        Unique in the team.
+    node : NodeId
+        Whose frontier the arc is of.
+    arc : (k, 4) array
+        The arc's segments x0, y0, x1, y1 in metres; read-only.
+    reason : str
+        One of `REASONS`; what they mean is said at `multisrt.events.ArcClosed`.
+    width_m : float
+        How wide the body was that gave it up.
+
+    Raises
+    ------
+    InvalidInputError
+        For an unknown reason, or an arc that is no array of segments.
+    """
+
+    id: ClosingId
+    node: NodeId
+    arc: FloatArray
+    reason: str
+    width_m: float
+
+    def __post_init__(self) -> None:
+        if self.reason not in REASONS:
+            raise InvalidInputError(
+                f"an arc is closed for one of {', '.join(REASONS)}, not {self.reason!r}"
+            )
+        arc = np.array(self.arc, np.float64)
+        if arc.ndim != 2 or arc.shape[1] != 4:
+            raise InvalidInputError(
+                f"a closed arc has segments x0, y0, x1, y1, not the shape {arc.shape}"
+            )
+        arc.setflags(write=False)
+        object.__setattr__(self, "arc", arc)
+
+
+Entry = Node | Closing
+
+
+class WantMessage(Message, frozen=True, kw_only=True):
+    """Asks a robot that knows more for what the sender lacks.
+
+    Attributes
+    ----------
+    have : tuple of (robot, nodes, closings)
+        What the sender knows.
+    """
+
+    kind: ClassVar[str] = "want"
+
+    have: Counts
+
+    @property
+    def wakes(self) -> bool:
+        """Questions reach also a robot that moves."""
+        return True
+
+
+class EntriesMessage(Message, frozen=True, kw_only=True):
+    """Nodes and closings that another robot lacks."""
+
+    kind: ClassVar[str] = "entries"
+
+    entries: tuple[Node | Closing, ...]
+
+
+class Entries:
+    """All nodes and closings that a robot knows, by their ids and by their makers."""
+
+    __slots__ = ("_counts", "_have", "_lines", "_makers", "closings", "nodes")
+
+    def __init__(self) -> None:
+        self.nodes: dict[NodeId, Node] = {}
+        self.closings: dict[ClosingId, Closing] = {}
+        # By robot, in rising order: what of it is known, and a line of that for messages.
+        self._makers: dict[int, tuple[_Numbers, _Numbers]] = {}
+        self._lines: dict[int, tuple[int, int, int]] = {}
+        self._have: dict[int, tuple[int, int]] | None = None
+        self._counts: Counts | None = None
+
+    def add_node(self, node: Node) -> bool:
+        """Take in a node; tell whether it was new."""
+        if node.id in self.nodes:
+            return False
+        self._note(node.id.robot, 0, node.id.serial)
+        self.nodes[node.id] = node
+        return True
+
+    def add_closing(self, closing: Closing) -> bool:
+        """Take in a closing; tell whether it was new."""
+        if closing.id in self.closings:
+            return False
+        self._note(closing.id.robot, 1, closing.id.number)
+        self.closings[closing.id] = closing
+        return True
+
+    def have(self) -> dict[int, tuple[int, int]]:
+        """Give, by robot, of how many nodes and closings there is no gap, in rising order.
+
+        What was given is never changed.
+        """
+        if self._have is None:
+            self._have = {robot: (nodes, closings) for robot, nodes, closings in self.counts()}
+        return self._have
+
+    def counts(self) -> Counts:
+        """Give the same for a message."""
+        if self._counts is None:
+            self._counts = (*self._lines.values(),)
+        return self._counts
+
+    def lacks(self, theirs: Have) -> tuple[Entry, ...]:
+        """Give what is known beyond such counts, by robot, nodes first, by number."""
+        beyond: list[Entry] = []
+        for robot, (nodes, closings) in self._makers.items():
+            node_count, closing_count = theirs.get(robot, (0, 0))
+            # Of most others' nothing is beyond.
+            if nodes.end > node_count:
+                beyond += [self.nodes[NodeId(robot, n)] for n in nodes.since(node_count)]
+            if closings.end > closing_count:
+                known = closings.since(closing_count)
+                beyond += [self.closings[ClosingId(robot, n)] for n in known]
+        return tuple(beyond)
+
+    def more_than(self, theirs: Have) -> bool:
+        """Whether anything is known beyond such counts."""
+        for robot, (nodes, closings) in self._makers.items():
+            node_count, closing_count = theirs.get(robot, (0, 0))
+            if nodes.end > node_count or closings.end > closing_count:
+                return True
+        return False
+
+    def _note(self, robot: int, which: int, number: int) -> None:
+        # That a node of a robot is there, or a closing.
+        numbers = self._makers.get(robot)
+        if numbers is None:
+            numbers = _Numbers(), _Numbers()
+            self._makers = dict(sorted([*self._makers.items(), (robot, numbers)]))
+            self._lines = {maker: self._lines.get(maker, (maker, 0, 0)) for maker in self._makers}
+        numbers[which].add(number)
+        self._lines[robot] = robot, numbers[0].count, numbers[1].count
+        self._have = self._counts = None
+
+
+class _Numbers:
+    # Numbers from 0 that came in any order: all below `count`, and some beyond the first gap.
+
+    __slots__ = ("beyond", "count", "end")
+
+    def __init__(self) -> None:
+        self.count = 0
+        self.end = 0
+        self.beyond: set[int] = set()
+
+    def add(self, number: int) -> None:
+        if number < 0:
+            raise InvalidInputError(f"nodes and closings are numbered from 0, not {number}")
+        self.end = max(self.end, number + 1)
+        if number != self.count:
+            self.beyond.add(number)
+            return
+        self.count += 1
+        while self.count in self.beyond:
+            self.beyond.remove(self.count)
+            self.count += 1
+
+    def since(self, first: int) -> list[int]:
+        known = [*range(first, self.count)]
+        if self.beyond:
+            known += sorted(n for n in self.beyond if n >= first)
+        return known

@@ -1,0 +1,86 @@
+"""BUILD_MULTI_SRT: what one robot of a team does from beginning to end (paper 003, Figure 1)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Generator
+
+from multisrt.geometry.numerics.kernel import FloatArray
+from multisrt.geometry.regions.frontier_arcs import total_length
+from multisrt.geometry.regions.safe_region import Shape
+from multisrt.robots.explorer import Action, Done, Outcome, RobotSelf
+from multisrt.robots.multi_srt.build_srt import as_far_as_it_gets, build_srt
+from multisrt.robots.multi_srt.options import MultiSrtOptions
+from multisrt.robots.multi_srt.robot import SrtRobot, segments_of
+from multisrt.robots.multi_srt.support import obey, support_others
+
+Steps = Generator[Action, Outcome, None]
+
+
+class SrtExplorer:
+    """Explores by Sensor-based Random Trees of balls, stars or radial regions, alone or in a team.
+
+    Parameters
+    ----------
+    me : RobotSelf
+        What the robot knows of itself.
+    shape : {"ball", "star", "radial"}
+        Shape of its local safe regions.
+    options : MultiSrtOptions
+        The parameters.
+    """
+
+    def __init__(self, me: RobotSelf, shape: Shape, options: MultiSrtOptions) -> None:
+        self.robot = SrtRobot(me, shape, options)
+
+    def run(self) -> Steps:
+        """BUILD_MULTI_SRT: the own tree, then those of others; and stand by at the end."""
+        robot = self.robot
+        yield from robot.team.begin_step()
+        yield from as_far_as_it_gets(robot, build_srt(robot))
+        yield from self.finish_tree()
+        while True:
+            if not robot.team.is_alone:
+                yield from support_others(robot)
+            outcome = yield self.done()
+            yield from robot.team.take(outcome)
+            yield from obey(robot)
+
+    def finish_tree(self) -> Steps:
+        """Tell that this robot does nothing more in any tree."""
+        self.robot.tree = None
+        yield from self.robot.team.rest()
+
+    def done(self) -> Done:
+        """Say how it ended: by what is known, all explored, or what was left and why."""
+        robot = self.robot
+        nodes = robot.map.open_nodes(robot.root)
+        frontier = [robot.map.frontier(node) for node in nodes]
+        if robot.is_boxed_in:
+            around = sorted(robot.obstacles)
+            reason = "boxed in" + (f" by robots {around}, which do not give way" if around else "")
+            if nodes:
+                reason += f", with {_length(frontier):.1f} m of frontier left open"
+        elif nodes:
+            reason = (
+                f"the planner has no target, with {_length(frontier):.1f} m of frontier left open "
+                f"at {len(nodes)} nodes"
+            )
+        else:
+            reason = "every frontier arc is explored or closed"
+            if not robot.map.is_complete():
+                others = sorted({node.robot for node in robot.map.open_nodes()})
+                reason = (
+                    "every frontier arc of its own tree is explored or closed; "
+                    f"those left in the trees of robots {others} are theirs or out of reach"
+                )
+        return Done(
+            complete=not nodes,
+            reason=reason,
+            frontier=tuple(segment for arcs in frontier for segment in segments_of(arcs)),
+            on_call=not robot.team.is_alone,
+        )
+
+
+def _length(frontier: list[FloatArray]) -> float:
+    return math.fsum(total_length(arcs) for arcs in frontier)

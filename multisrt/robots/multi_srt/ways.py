@@ -1,0 +1,223 @@
+"""The ways that one robot's body can go: between nodes, and from a node to a new place."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from shapely.geometry.base import BaseGeometry
+
+from multisrt.geometry.configuration import Configuration
+from multisrt.geometry.numerics.kernel import FloatArray
+from multisrt.planners.motion.body import PlanningBody
+from multisrt.planners.motion.car import MOST_SEED, car_way, car_ways
+from multisrt.planners.motion.kinematics import Car, Holonomic, turns_between
+from multisrt.planners.motion.roadmap import Roadmap
+from multisrt.planners.motion.steering import steer, turn_and_drive
+from multisrt.planners.motion.trajectory import Trajectory
+from multisrt.robots.exploration_map import ExplorationMap, Node, NodeId
+from multisrt.robots.explorer import RobotSelf
+
+Passable = Callable[[NodeId, NodeId], bool]
+
+
+class OutAndBack(NamedTuple):
+    """A way to a place without a node, and the way back; None: it comes back otherwise."""
+
+    out: Trajectory
+    back: Trajectory | None = None
+
+
+class Ways:
+    """One robot's roadmap, and how its body follows it.
+
+    Where there is room for any heading, a body turns and drives straight. In a narrow place a
+    body that is no disc retraces the way on which it first came. A car stands at every node as
+    it came there first, and keeps for every edge the ways in both directions: one that cannot
+    turn round goes back as it came, and one that cannot reverse goes only where it knows a way
+    back.
+
+    Parameters
+    ----------
+    me : RobotSelf
+        Whose.
+    body : PlanningBody
+        Its body.
+    known : ExplorationMap
+        Its knowledge.
+    """
+
+    def __init__(self, me: RobotSelf, body: PlanningBody, known: ExplorationMap) -> None:
+        self.me = me
+        self.body = body
+        self.map = known
+        self.roadmap: Roadmap[NodeId] = Roadmap()
+        self._seen = 0
+        self._roomy: set[tuple[NodeId, NodeId]] = set()
+        self._has_room: set[NodeId] = set()
+        self._turns: dict[NodeId, float] = {}
+        self._driven: dict[tuple[NodeId, NodeId], Trajectory] = {}
+        self._planned: dict[tuple[float, float], OutAndBack] = {}
+
+    @property
+    def can_reverse(self) -> bool:
+        """Whether the body can drive its way backwards."""
+        return not isinstance(self.me.kinematics, Car) or self.me.kinematics.reverse
+
+    # The roadmap -------------------------------------------------------------------------
+
+    def add(self, node: Node, way: OutAndBack | None, roomy: bool) -> None:
+        """Add a node that the robot made, and the way on which it came from the parent."""
+        self.roadmap.add(node.id)
+        self._planned.clear()
+        if self.body.has_room(node.region.boundary, node.configuration):
+            self._has_room.add(node.id)
+        if node.parent is None or way is None:
+            return
+        parent = self.map[node.parent]
+        self.roadmap.connect(parent.id, node.id, parent.configuration.distance(node.configuration))
+        first, last = way.out.waypoints[0], way.out.waypoints[-1]
+        self._turns[node.id] = last.heading - first.heading
+        if way.back is not None:
+            self._driven[parent.id, node.id] = way.out
+            self._driven[node.id, parent.id] = way.back
+        elif roomy:
+            self._join(parent.id, node.id)
+
+    def extend(self) -> None:
+        """Add bridges: straight ways from node to node that stay in their regions.
+
+        The body goes as far as it gets in the one's region, and from there in the other's. So
+        trees of other robots are joined, too: their edges are such ways. No hop is longer than
+        a robot sees: who may meet in a step is told by that.
+        """
+        if len(self.map) == self._seen:
+            return
+        nodes = self.map.nodes
+        for node in nodes[self._seen :]:
+            self.roadmap.add(node.id)
+        # Every pair is looked at once, when the later of the two is.
+        pairs = self.map.pairs_near(self._seen, self.me.range_m)
+        self._seen = len(nodes)
+        unknown = [not self._knows_way(nodes[a].id, nodes[b].id) for a, b in pairs.tolist()]
+        pairs = pairs[np.array(unknown, np.bool_)]
+        joined = self.body.bridges(self.map.places, self.map.rings, pairs)
+        for a, b in pairs[joined].tolist():
+            self._bridge(nodes[a], nodes[b])
+
+    def way(
+        self, start: NodeId, end: NodeId, passable: Passable | None = None
+    ) -> list[NodeId] | None:
+        """Find the shortest way between two nodes."""
+        return self.roadmap.way(start, end, passable)
+
+    def to_nearest(
+        self, start: NodeId, wanted: Callable[[NodeId], bool], passable: Passable | None = None
+    ) -> list[NodeId] | None:
+        """Find the way to the nearest of the wanted nodes."""
+        return self.roadmap.way_to_nearest(start, wanted, passable)
+
+    def _knows_way(self, a: NodeId, b: NodeId) -> bool:
+        return (a, b) in self._roomy or (a, b) in self._driven
+
+    def _bridge(self, a: Node, b: Node) -> None:
+        if isinstance(self.me.kinematics, Car):
+            there, back = self._curve(a, b), self._curve(b, a)
+            if there is None or back is None:
+                return
+            self._driven[a.id, b.id], self._driven[b.id, a.id] = there, back
+            self.roadmap.connect(a.id, b.id, a.configuration.distance(b.configuration))
+        else:
+            self.join(a.id, b.id)
+
+    def join(self, a: NodeId, b: NodeId) -> None:
+        """Add a straight way on which there is room for any heading."""
+        self._join(a, b)
+        length = self.map[a].configuration.distance(self.map[b].configuration)
+        self.roadmap.connect(a, b, length)
+
+    def _curve(self, a: Node, b: Node) -> Trajectory | None:
+        # A car's shortest curve between two nodes, in what is seen from them.
+        assert isinstance(self.me.kinematics, Car)
+        region = a.region.polygon().union(b.region.polygon())
+        start, goal = a.configuration, b.configuration
+        return car_way(self.body, self.me.kinematics, region, start, goal, 1, most_checks=0)
+
+    def _join(self, a: NodeId, b: NodeId) -> None:
+        self._roomy.update(((a, b), (b, a)))
+        self._has_room.update((a, b))
+
+    # Motions -----------------------------------------------------------------------------
+
+    def to_place(
+        self, at: Configuration, boundary: FloatArray, x: float, y: float, roomy: bool = False
+    ) -> OutAndBack | None:
+        """Give the way to a place that lies in a region; None where the body does not get there."""
+        drive = self.me.kinematics
+        if isinstance(drive, Car):
+            if (x, y) not in self._planned and not self._plans(at, boundary, x, y):
+                return None
+            return self._planned[x, y]
+        if roomy or self.body.is_disc:
+            return OutAndBack(turn_and_drive(drive, at, x, y))
+        motion = steer(self.body, drive, boundary, at, x, y)
+        return None if motion is None else OutAndBack(motion)
+
+    def leads(self, node: Node, known: BaseGeometry, x: float, y: float) -> bool:
+        """Whether a car gets from a node to a place and back, in a part of the known region."""
+        return self._plans(node.configuration, known, x, y)
+
+    def _plans(
+        self, at: Configuration, region: FloatArray | BaseGeometry, x: float, y: float
+    ) -> bool:
+        assert isinstance(self.me.kinematics, Car)
+        seed = int(self.me.rng.integers(1, MOST_SEED))
+        found = car_ways(self.body, self.me.kinematics, region, at, x, y, seed)
+        if found is None:
+            return False
+        self._planned[x, y] = OutAndBack(*found)
+        return True
+
+    def hop(self, at: Configuration, a: NodeId, b: NodeId) -> Trajectory:
+        """Give the way between two nodes that are joined, from how the body stands at the first."""
+        driven = self._driven.get((a, b))
+        if driven is not None:
+            return driven
+        start, end = self.map[a], self.map[b]
+        x, y, _ = end.configuration
+        drive = self.me.kinematics
+        assert not isinstance(drive, Car)
+        if (
+            self.body.is_disc
+            or isinstance(drive, Holonomic)
+            or (a, b) in self._roomy
+            or self._is_wide(start, end)
+        ):
+            return turn_and_drive(drive, at, x, y)
+        child = end if end.parent == a else start
+        along = child.configuration.heading
+        if a in self._has_room:
+            turned = drive.turn(at, turns_between(at.heading, along)[0])
+        elif child is end:
+            turned = drive.turn(at, self._turns[b])
+        else:
+            turned = drive.turn(at, 0.0)
+        motion = turned.then(drive.drive(turned.end, x, y))
+        if child is start and b not in self._has_room:
+            return motion.then(drive.turn(motion.end, -self._turns[a]))
+        return motion
+
+    def knows_hop(self, a: NodeId, b: NodeId) -> bool:
+        """Whether the body can go straight from one node to another."""
+        if isinstance(self.me.kinematics, Car):
+            return (a, b) in self._driven
+        return self.body.is_disc or b in self.roadmap.neighbours(a)
+
+    def _is_wide(self, a: Node, b: Node) -> bool:
+        # Whether the tree's way between two nodes has room for any heading.
+        if a.id not in self._has_room or b.id not in self._has_room:
+            return False
+        parent, child = (a, b) if b.parent == a.id else (b, a)
+        (px, py, _), (cx, cy, _) = parent.configuration, child.configuration
+        return self.body.disc_travel(parent.region.boundary, px, py, cx, cy)

@@ -1,0 +1,276 @@
+"""The registry of strategies: from a name to what builds a robot's explorer.
+
+Other packages add their own by an entry point in the group `multisrt.strategies` that gives a
+`Strategy`, or by `register`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cache
+from importlib.metadata import entry_points
+from typing import Any
+
+import msgspec
+
+from multisrt.geometry.errors import InvalidInputError, did_you_mean
+from multisrt.geometry.regions.safe_region import Shape
+from multisrt.planners.motion.kinematics import Car
+from multisrt.robots.explorer import Explorer, RobotSelf
+from multisrt.robots.frontier.alvarez import explorer_by_rules
+from multisrt.robots.frontier.explore import FrontierExplorer, Rule
+from multisrt.robots.frontier.nearness import drive_as_wanted
+from multisrt.robots.frontier.options import (
+    BiddingOptions,
+    RulesOptions,
+    SelfBiddingOptions,
+    UtilityOptions,
+)
+from multisrt.robots.frontier.robot import Watch
+from multisrt.robots.frontier.rules import choose_closest, choose_greedy, choose_minpos
+from multisrt.robots.frontier.self_bidding import choose_by_self_bidding, tell_who_may_stop
+from multisrt.robots.frontier.utility import choose_utility
+from multisrt.robots.multi_srt.build_multi_srt import SrtExplorer
+from multisrt.robots.multi_srt.options import MultiSrtOptions
+from multisrt.spec import RunSpec
+from multisrt.validation_errors import explained
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Strategy:
+    """A way to explore.
+
+    Attributes
+    ----------
+    name : str
+        What specs and the command line call it.
+    summary : str
+        One line for lists.
+    options : type
+        A frozen msgspec structure with the strategy's parameters and their defaults.
+    explorer : callable
+        Builds one robot's explorer from what the robot knows of itself, and the options.
+    fits : callable or None
+        Raises `InvalidInputError` if a spec is not for this strategy.
+    """
+
+    name: str
+    summary: str
+    options: type[msgspec.Struct]
+    explorer: Callable[[RobotSelf, Any], Explorer]
+    fits: Callable[[RunSpec], None] | None = None
+
+    def require_fit(self, spec: RunSpec) -> None:
+        """Check that a run is one for this strategy.
+
+        Raises
+        ------
+        InvalidInputError
+            If it is not; the message says why.
+        """
+        if self.fits is not None:
+            self.fits(spec)
+
+    def parse_options(self, options: Mapping[str, object]) -> msgspec.Struct:
+        """Check a strategy's parameters, which may be written as text, and fill in defaults.
+
+        Raises
+        ------
+        InvalidInputError
+            If a parameter is unknown or its value is not allowed; the message names it.
+        """
+        known = {field.name: field for field in msgspec.structs.fields(self.options)}
+        for key in options:
+            if key not in known:
+                raise InvalidInputError(
+                    f"{self.name} has no option {key!r}{did_you_mean(key, known)}; "
+                    f"it has: {', '.join(known)}"
+                )
+        for key, value in options.items():
+            try:
+                msgspec.convert(value, known[key].type, strict=False)
+            except msgspec.ValidationError as error:
+                wrong = explained(error, known[key].type)
+                raise InvalidInputError(f"option {key}={value!r} of {self.name}: {wrong}") from None
+        try:
+            return msgspec.convert(dict(options), self.options, strict=False)
+        except msgspec.ValidationError as error:
+            wrong = explained(error, self.options)
+            raise InvalidInputError(f"options of {self.name}: {wrong}") from None
+
+
+def register(strategy: Strategy) -> None:
+    """Add a strategy.
+
+    Raises
+    ------
+    InvalidInputError
+        If there is one of that name.
+    """
+    registered = _registry()
+    if strategy.name in registered:
+        raise InvalidInputError(f"there is a strategy {strategy.name!r} already")
+    registered[strategy.name] = strategy
+
+
+def strategies() -> tuple[Strategy, ...]:
+    """Give all strategies, our own first."""
+    return tuple(_registry().values())
+
+
+def strategy(name: str) -> Strategy:
+    """Find a strategy by its name.
+
+    Raises
+    ------
+    InvalidInputError
+        If there is none; the message lists them.
+    """
+    registered = _registry()
+    if name not in registered:
+        broken = broken_strategies()
+        if name in broken:
+            raise InvalidInputError(
+                f"the strategy {name!r} of another package could not be loaded "
+                f"({broken[name]}); mend or uninstall that package"
+            )
+        raise InvalidInputError(
+            f"there is no strategy {name!r}{did_you_mean(name, registered)}; "
+            f"there are: {', '.join(registered)}"
+        )
+    return registered[name]
+
+
+def broken_strategies() -> Mapping[str, str]:
+    """Give the entry points that could not be loaded, with the reason of each."""
+    return _from_entry_points()[1]
+
+
+@cache
+def _registry() -> dict[str, Strategy]:
+    found = {s.name: s for s in _OWN}
+    for entry, loaded in _from_entry_points()[0].items():
+        if loaded.name in found:
+            raise InvalidInputError(
+                f"entry point {entry!r} gives a second strategy {loaded.name!r}"
+            )
+        found[loaded.name] = loaded
+    return found
+
+
+def _from_entry_points() -> tuple[dict[str, Strategy], dict[str, str]]:
+    # One package that is broken does not take the strategies of all others away.
+    loaded: dict[str, Strategy] = {}
+    broken: dict[str, str] = {}
+    for entry in sorted(entry_points(group="multisrt.strategies"), key=lambda e: e.name):
+        try:
+            given = entry.load()
+        except Exception as error:  # whatever another package's code raises
+            broken[entry.name] = f"{type(error).__name__}: {error}"
+            continue
+        if isinstance(given, Strategy):
+            loaded[entry.name] = given
+        else:
+            broken[entry.name] = f"it gives a {type(given).__name__}, not a Strategy"
+    return loaded, broken
+
+
+def _srt(shape: Shape, summary: str) -> Strategy:
+    def explorer(me: RobotSelf, options: MultiSrtOptions) -> Explorer:
+        return SrtExplorer(me, shape, options)
+
+    return Strategy(
+        name=f"srt-{shape}",
+        summary=summary,
+        options=MultiSrtOptions,
+        explorer=explorer,
+        fits=_require_reach,
+    )
+
+
+def _require_reach(spec: RunSpec) -> None:
+    # Whoever may become engaged must be heard before: R_c >= 3 R_p (Multi-SRT, section 2).
+    reach, ranges = spec.radio.range_m, [robot.range_finder.range_m for robot in spec.robots]
+    least = 3.0 * max(ranges)
+    if len(spec.robots) == 1 or reach is None or math.isclose(reach, least):
+        return
+    if reach < least:
+        raise InvalidInputError(
+            f"{spec.strategy} needs a radio range of at least three times the sensor range: "
+            f"{least:g} m for a sensor range of {max(ranges):g} m, not {reach:g} m; "
+            "give a longer radio range, or none for an unlimited one"
+        )
+
+
+def _bids(
+    name: str,
+    summary: str,
+    options: type[BiddingOptions],
+    rule: Rule,
+    watch: Watch | None = None,
+    fits: Callable[[RunSpec], None] | None = None,
+) -> Strategy:
+    def explorer(me: RobotSelf, options: BiddingOptions) -> Explorer:
+        return FrontierExplorer(me, options, rule, drive_as_wanted, watch)
+
+    def require_fit(spec: RunSpec) -> None:
+        if spec.options.get("drive", options().drive) == "nearness-diagram":
+            _require_no_car(spec)
+        if fits is not None:
+            fits(spec)
+
+    return Strategy(
+        name=name, summary=summary, options=options, explorer=explorer, fits=require_fit
+    )
+
+
+def _require_no_car(spec: RunSpec) -> None:
+    for number, robot in enumerate(spec.robots):
+        if isinstance(robot.drive.kinematics(), Car):
+            raise InvalidInputError(
+                f"robot {number} is a car, which {spec.strategy} cannot drive by the nearness "
+                "diagram; choose drive=path, or give it a holonomic or differential drive"
+            )
+
+
+def _require_talk(spec: RunSpec) -> None:
+    # Who assigns, bids for others or swaps goals has to hear of them.
+    if len(spec.robots) > 1 and spec.radio.range_m == 0.0:
+        raise InvalidInputError(
+            f"{spec.strategy} needs robots that hear one another, and the radio range is 0; "
+            "give a longer radio range, or none for an unlimited one"
+        )
+
+
+_OWN = (
+    _srt("ball", "Sensor-based Random Tree; safe regions are discs of the smallest reading"),
+    _srt("star", "Sensor-based Random Tree; safe regions are stars of equal cones"),
+    _srt("radial", "Sensor-based Random Tree; safe regions keep every reading"),
+    _bids("closest", "Every robot to its nearest frontier", BiddingOptions, choose_closest),
+    _bids("greedy", "The shortest ways first, every frontier once", BiddingOptions, choose_greedy),
+    _bids("minpos", "To the frontier where fewest are nearer", BiddingOptions, choose_minpos),
+    _bids(
+        "utility",
+        "A leader weighs ways against views",
+        UtilityOptions,
+        choose_utility,
+        fits=_require_talk,
+    ),
+    _bids(
+        "self-bidding",
+        "SBX-R: bids for the whole team, which keeps within radio range",
+        SelfBiddingOptions,
+        choose_by_self_bidding,
+        tell_who_may_stop,
+        fits=_require_talk,
+    ),
+    Strategy(
+        name="rules",
+        summary="Álvarez: scores of unexplored cells, right of way, and swaps of goals",
+        options=RulesOptions,
+        explorer=explorer_by_rules,
+        fits=_require_talk,
+    ),
+)

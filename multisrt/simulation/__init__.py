@@ -1,0 +1,1 @@
+"""The truth at work: an interpreter of what explorers want done, over a discrete-event clock."""

@@ -1,0 +1,259 @@
+"""The radio: which robots a message reaches, and when.
+
+A link between two robots holds in both directions or in none. Nothing stands in its way but the
+distance, or walls block it, or walls weaken it. Every obstacle that the straight line between
+two robots passes through counts as one wall each time, however thick it is; touching a corner or
+running along a wall is no passage, as for a line of sight.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.random import Generator as RandomGenerator
+
+from multisrt.geometry.numerics.arrays import BoolArray, IntArray
+from multisrt.geometry.numerics.kernel import FloatArray, kernel
+from multisrt.geometry.regions.edge_index import EdgeIndex
+from multisrt.geometry.regions.line_of_sight import crossings, edges_across
+from multisrt.robots.explorer import RadioSelf
+from multisrt.spec import RadioSpec
+
+TOUCH_M = 1e-9
+"""What a line passes through for no longer than this is only touched."""
+
+
+class Radio:
+    """Carries messages between robots.
+
+    Parameters
+    ----------
+    spec : RadioSpec
+        How messages travel.
+    index : EdgeIndex
+        The edges of the world.
+    rng : numpy.random.Generator
+        What losses and jitter are drawn from.
+
+    Attributes
+    ----------
+    is_unlimited : bool
+        Whether it does not matter to whom a message comes where the robots are.
+    """
+
+    def __init__(self, spec: RadioSpec, index: EdgeIndex, rng: RandomGenerator) -> None:
+        self._spec = spec
+        self._index = index
+        self._rng = rng
+        self._range_m = math.inf if spec.range_m is None else spec.range_m
+        self.is_unlimited = self._range_m == math.inf and spec.walls == "pass"
+
+    def datasheet(self) -> RadioSelf:
+        """Give what a robot knows of its radio."""
+        return RadioSelf(
+            range_m=self._range_m,
+            latency_s=self._spec.latency_s + self._spec.jitter_s,
+            loss=self._spec.loss,
+            multi_hop=self._spec.multi_hop,
+            reaches_all=self.is_unlimited and self._spec.loss == 0.0,
+        )
+
+    def links(self, positions: Sequence[Sequence[float]], working: Sequence[bool]) -> BoolArray:
+        """Tell which robots reach each other without a relay, ``(n, n)``; none reaches itself.
+
+        Parameters
+        ----------
+        positions : (n, 2) array_like
+            Where the robots are, in metres.
+        working : sequence of bool
+            Whose radio works.
+        """
+        places = _places(positions)
+        robots = np.flatnonzero(working)
+        holds = np.zeros((len(places), len(places)), np.bool_)
+        for i, robot in enumerate(robots):
+            heard = self._heard(places, int(robot), robots[i + 1 :])
+            holds[robot, heard] = holds[heard, robot] = True
+        return holds
+
+    def reached(
+        self, sender: int, positions: Sequence[Sequence[float]], working: Sequence[bool]
+    ) -> list[int]:
+        """Give the robots that a message reaches, in increasing order.
+
+        They are those that the sender reaches directly and, where robots relay, all that are
+        connected to it through others. One whose radio does not work reaches nobody.
+
+        Parameters
+        ----------
+        sender : int
+            Who sends.
+        positions, working
+            As for `links`; positions do not matter if the radio is unlimited.
+        """
+        if not working[sender]:
+            return []
+        if self.is_unlimited:
+            return [robot for robot, hears in enumerate(working) if hears and robot != sender]
+        open_to = np.array(working, np.bool_)
+        open_to[sender] = False
+        places = _places(positions)
+        found: list[int] = []
+        relays = [sender]
+        while relays and len(waiting := np.flatnonzero(open_to)):
+            heard = self._heard(places, relays.pop(), waiting)
+            open_to[heard] = False
+            found += heard.tolist()
+            if self._spec.multi_hop:
+                relays += heard.tolist()
+        return sorted(found)
+
+    def deliveries(
+        self,
+        sender: int,
+        to: int | None,
+        positions: Sequence[Sequence[float]],
+        working: Sequence[bool],
+    ) -> tuple[list[tuple[int, float]], list[int]]:
+        """Give who gets a message and after how many seconds, and to whom it is lost on the way.
+
+        Receivers come in increasing order; in this order it is drawn whether the message is lost
+        and else how long it takes. Nothing is drawn for what is certain.
+
+        Parameters
+        ----------
+        sender : int
+            Who sends.
+        to : int or None
+            Whom the message is for; None: all.
+        positions, working
+            As for `reached`.
+        """
+        receivers = self.reached(sender, positions, working)
+        if to is not None:
+            receivers = [to] if to in receivers else []
+        if self._spec.loss == 0.0 and self._spec.jitter_s == 0.0:
+            return [(receiver, self._spec.latency_s) for receiver in receivers], []
+        delivered: list[tuple[int, float]] = []
+        lost: list[int] = []
+        for receiver in receivers:
+            if self._spec.loss > 0.0 and self._rng.random() < self._spec.loss:
+                lost.append(receiver)
+                continue
+            delay = self._spec.latency_s
+            if self._spec.jitter_s > 0.0:
+                delay += self._spec.jitter_s * self._rng.random()
+            delivered.append((receiver, delay))
+        return delivered, lost
+
+    def _heard(self, places: FloatArray, sender: int, others: IntArray) -> IntArray:
+        # Which of the others hear a sender directly.
+        distances = np.hypot(*(places[others] - places[sender]).T)
+        others = others[distances <= self._range_m]
+        if self._spec.walls == "pass" or not len(others):
+            return others
+        ends = places[np.minimum(others, sender)], places[np.maximum(others, sender)]
+        heard: IntArray = others[links_hold(self._spec, self._index, np.concatenate(ends, axis=1))]
+        return heard
+
+
+def links_hold(spec: RadioSpec, index: EdgeIndex | None, lines: FloatArray) -> BoolArray:
+    """Tell between which pairs of places a link holds, ``(n,)``.
+
+    Parameters
+    ----------
+    spec : RadioSpec
+        How messages travel.
+    index : EdgeIndex or None
+        The edges of the world; None will do where walls do not matter.
+    lines : (n, 4) array
+        x, y of the one place and of the other, in metres; of the robot with the lower number
+        first, so that both count walls alike.
+    """
+    distances = np.hypot(lines[:, 2] - lines[:, 0], lines[:, 3] - lines[:, 1])
+    range_m = math.inf if spec.range_m is None else spec.range_m
+    holds: BoolArray = distances <= range_m
+    if spec.walls == "pass" or not holds.any():
+        return holds
+    assert index is not None
+    walls = _walls_between(index, lines[holds])
+    if spec.walls == "block":
+        holds[holds] = walls == 0
+    else:
+        holds[holds] = distances[holds] <= weakened_range(spec, walls)
+    return holds
+
+
+def weakened_range(spec: RadioSpec, walls: IntArray) -> FloatArray:
+    """Give how far a radio reaches through some numbers of walls that weaken, in metres."""
+    assert spec.range_m is not None
+    # 10 n log10(distance / range) + wall loss <= 0, with n the exponent of the path loss.
+    loss_db = spec.wall_loss_db * walls.astype(np.float64)
+    decades = -loss_db / (10.0 * spec.path_loss_exponent)
+    reach: FloatArray = spec.range_m * 10.0**decades
+    return reach
+
+
+def _walls_between(index: EdgeIndex, lines: FloatArray) -> IntArray:
+    query = index.scratch.next_query()
+    for _ in lines[1:]:
+        index.scratch.next_query()
+    return _walls_on(lines, index.edges, index.grid, index.bins, index.scratch.memory, query)
+
+
+def _places(positions: Sequence[Sequence[float]]) -> FloatArray:
+    return np.array(positions, dtype=np.float64).reshape(-1, 2)
+
+
+@kernel
+def _walls_on(
+    lines: FloatArray,
+    edges: FloatArray,
+    grid: tuple[float, float, float, int, int],
+    bins: IntArray,
+    scratch: IntArray,
+    query: int,
+) -> IntArray:
+    # Line k takes query number `query + 2 k`.
+    walls = np.zeros(lines.shape[0], np.int64)
+    for k in range(lines.shape[0]):
+        ax, ay, bx, by = lines[k, 0], lines[k, 1], lines[k, 2], lines[k, 3]
+        count = edges_across(ax, ay, bx, by, edges, grid, bins, scratch, query + 2 * k)
+        if count > 0:
+            walls[k] = _passages(lines[k], edges, scratch[1, :count])
+    return walls
+
+
+@kernel
+def _passages(line: FloatArray, edges: FloatArray, across: IntArray) -> int:
+    # How many stretches of a line have obstacles on both of its sides. What only touches the
+    # line with a corner or a side is crossed by one of the two lines a hair beside it at most.
+    ax, ay = line[0], line[1]
+    length = np.hypot(line[2] - ax, line[3] - ay)
+    ux, uy = (line[2] - ax) / length, (line[3] - ay) / length
+    at, right, left = crossings(ax, ay, ux, uy, edges, across)
+    beyond = (at <= 0.0) | (at >= length)
+    right[beyond] = 0
+    left[beyond] = 0
+    passages = 0
+    depth_right = depth_left = 0
+    entered, left_behind = 0.0, -np.inf
+    inside = False
+    for k in np.argsort(at):
+        depth_right += right[k]
+        depth_left += left[k]
+        if depth_right > 0 and depth_left > 0:
+            if not inside:
+                # Walls that meet in the line are passed as one.
+                if at[k] - left_behind > TOUCH_M:
+                    entered = at[k]
+                inside = True
+        elif inside:
+            inside = False
+            if at[k] - entered > TOUCH_M:
+                if entered > left_behind:
+                    passages += 1
+                left_behind = at[k]
+    return passages

@@ -1,0 +1,433 @@
+"""Where the robots of a team start: as the spec says, scattered, or clustered."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from functools import lru_cache
+
+import numpy as np
+import shapely
+from numpy.random import Generator as RandomGenerator
+from shapely import Polygon
+from shapely.geometry.base import BaseGeometry
+
+from multisrt.environments.environment import Environment
+from multisrt.geometry.bodies.collision import Body, body_distance
+from multisrt.geometry.bodies.footprint import Footprint
+from multisrt.geometry.configuration import Configuration
+from multisrt.geometry.errors import ClearanceError, InvalidInputError
+from multisrt.geometry.numerics.kernel import BoolArray, FloatArray
+from multisrt.spec import RunSpec, random_stream
+
+GAP_M = 0.25
+"""What is left between the circles around two bodies, where neither is told where to start."""
+
+CANDIDATES = 30
+"""Among so many places each scattered robot takes the one farthest from all others."""
+
+SUBDIVISION = 3
+"""The lattice on which a cluster grows has its nodes so many times denser than its robots."""
+
+CIRCLE_PRECISION_M = 0.01
+"""How precisely the largest circle in free space is found."""
+
+
+def starts_of(spec: RunSpec, environment: Environment) -> tuple[Configuration, ...]:
+    """Give the configurations in which the robots of a run start.
+
+    Starts that the spec gives are taken. A robot alone that has none starts where the
+    environment suggests, or at a place drawn uniformly where it has room in any heading. In a
+    team they are either scattered, each at the one of `CANDIDATES` such places that is farthest
+    from the others, its heading drawn too; or clustered around the first, on a hexagonal lattice
+    and in its heading, those in its sight or on the shortest ways first.
+
+    Parameters
+    ----------
+    spec : RunSpec
+        The team, and how it starts.
+    environment : Environment
+        The world.
+
+    Returns
+    -------
+    tuple of Configuration
+        One for each robot, in one connected component of free space.
+
+    Raises
+    ------
+    ClearanceError
+        If a body does not fit at its start; the message says the clearance and what it needs.
+    InvalidInputError
+        If starts lie in different components, bodies overlap or touch, the team does not fit, or
+        a car has nowhere to turn.
+    """
+    footprints = [Footprint.parse(robot.footprint) for robot in spec.robots]
+    starts: dict[int, Configuration] = {}
+    for number, robot in enumerate(spec.robots):
+        if robot.start is not None:
+            starts[number] = Configuration(*robot.start)
+            _require_fit(environment, footprints[number], starts[number])
+    component = _common_component(environment, starts)
+    _require_apart(footprints, starts)
+    if len(starts) < len(footprints):
+        if len(footprints) == 1:
+            starts[0] = _alone(spec, environment, footprints[0])
+        elif spec.starts == "scattered":
+            _scatter(spec, environment, component, footprints, starts)
+        else:
+            _cluster(spec, environment, footprints, starts)
+    ordered = tuple(starts[number] for number in range(len(footprints)))
+    _require_turning_circles(spec, environment, footprints, ordered[0])
+    return ordered
+
+
+def drawn_start(
+    environment: Environment, footprint: Footprint, rng: RandomGenerator
+) -> Configuration:
+    """Draw a place, uniformly where a body has room in any heading, and a heading.
+
+    Raises
+    ------
+    InvalidInputError
+        If it fits nowhere.
+    """
+    place = _drawn_place(_largest_room(environment, environment.free, footprint), rng)
+    return Configuration(place.x, place.y, float(rng.uniform(-math.pi, math.pi)))
+
+
+# What is asked of starts --------------------------------------------------------------------
+
+
+def _require_fit(environment: Environment, footprint: Footprint, start: Configuration) -> None:
+    environment.component(start.x, start.y)
+    clearance = environment.clearance(start.x, start.y)
+    if footprint.is_disc:
+        fits = clearance > footprint.radius_m
+        needed = f"more than {footprint.radius_m:g} m"
+    else:
+        fits = bool(shapely.contains_properly(environment.free, footprint.placed(start)))
+        needed = (
+            f"{footprint.inscribed_radius_m:.3g} to {footprint.circumscribed_radius_m:.3g} m, "
+            "by its heading"
+        )
+    if not fits:
+        raise ClearanceError(
+            f"the body {footprint} does not fit at the start ({start.x:g}, {start.y:g}) of "
+            f"{environment.name!r}: the clearance there is {clearance:.6g} m, and it needs "
+            f"{needed}; choose another start or a smaller body",
+            clearance,
+        )
+
+
+def _common_component(environment: Environment, starts: dict[int, Configuration]) -> Polygon:
+    # The one of all starts, or else the largest.
+    if not starts:
+        return max(environment.free.geoms, key=lambda part: part.area)
+    first = min(starts)
+    component = environment.component(*starts[first][:2])
+    for number, (x, y, _) in starts.items():
+        if not shapely.contains_xy(component, x, y):
+            raise InvalidInputError(
+                f"robots {first} and {number} start at ({starts[first].x:g}, "
+                f"{starts[first].y:g}) and ({x:g}, {y:g}) of {environment.name!r}, which no way "
+                "through free space connects; let all start in one connected area"
+            )
+    return component
+
+
+def _require_apart(footprints: list[Footprint], starts: dict[int, Configuration]) -> None:
+    for a, at_a in starts.items():
+        for b, at_b in starts.items():
+            between = at_a.distance(at_b)
+            ample = footprints[a].circumscribed_radius_m + footprints[b].circumscribed_radius_m
+            if b <= a or between > ample:
+                continue
+            if body_distance(Body(footprints[a]), at_a, Body(footprints[b]), at_b) > 0.0:
+                continue
+            least = footprints[a].inscribed_radius_m + footprints[b].inscribed_radius_m
+            needed = f"{least:.3g} to {ample:.3g} m, by their headings"
+            if footprints[a].is_disc and footprints[b].is_disc:
+                needed = f"more than {ample:g} m"
+            raise InvalidInputError(
+                f"robots {a} and {b} touch or overlap at their starts: ({at_a.x:g}, {at_a.y:g}) "
+                f"and ({at_b.x:g}, {at_b.y:g}) are {between:.4g} m apart, and the bodies "
+                f"{footprints[a]} and {footprints[b]} need {needed}; move one of them"
+            )
+
+
+def _require_turning_circles(
+    spec: RunSpec, environment: Environment, footprints: list[Footprint], start: Configuration
+) -> None:
+    cars = [
+        (number, robot.drive.turning_radius_m)
+        for number, robot in enumerate(spec.robots)
+        if robot.drive.kind in ("reeds-shepp", "dubins")
+    ]
+    if not cars:
+        return
+    component = environment.component(start.x, start.y)
+    circle = shapely.maximum_inscribed_circle(component, tolerance=CIRCLE_PRECISION_M)
+    room = float(shapely.length(circle))
+    for number, radius in cars:
+        beside = footprints[number].inscribed_radius_m
+        if radius + beside > room + CIRCLE_PRECISION_M:
+            most = room - beside
+            remedy = f"about {most:.2f} m would fit" if most > 0.0 else "none would fit"
+            raise InvalidInputError(
+                f"robot {number} is a car with a turning radius of {radius:g} m, whose turning "
+                f"circle fits nowhere in the free space of {environment.name!r} around its "
+                f"start: {remedy}; choose a smaller turning radius or a wider world"
+            )
+
+
+# A robot alone ------------------------------------------------------------------------------
+
+
+def _alone(spec: RunSpec, environment: Environment, footprint: Footprint) -> Configuration:
+    if environment.starts:
+        start = Configuration(*environment.starts[0])
+    else:
+        area = _largest_room(environment, environment.free, footprint)
+        start = _drawn_place(area, random_stream(spec.seed, "starts", 0))
+    _require_fit(environment, footprint, start)
+    return start
+
+
+def _largest_room(environment: Environment, free: BaseGeometry, footprint: Footprint) -> Polygon:
+    # Where the reference point may be, with room in any heading.
+    radius = footprint.circumscribed_radius_m
+    parts = [part for part in shapely.get_parts(_roomy(free, radius)) if not part.is_empty]
+    if not parts:
+        raise InvalidInputError(
+            f"the body {footprint} fits nowhere in {environment.name!r}: it needs a clearance of "
+            f"{radius:.3g} m; choose a smaller body"
+        )
+    largest: Polygon = max(parts, key=lambda part: part.area)
+    return largest
+
+
+def _roomy(free: BaseGeometry, radius: float) -> BaseGeometry:
+    return free.buffer(-1.1 * radius)
+
+
+def _drawn_place(area: Polygon, rng: RandomGenerator) -> Configuration:
+    shapely.prepare(area)
+    x0, y0, x1, y1 = area.bounds
+    while True:
+        x, y = rng.uniform((x0, y0), (x1, y1))
+        if shapely.contains_xy(area, x, y):
+            return Configuration(float(x), float(y))
+
+
+# A scattered team ---------------------------------------------------------------------------
+
+
+def _scatter(
+    spec: RunSpec,
+    environment: Environment,
+    component: Polygon,
+    footprints: list[Footprint],
+    starts: dict[int, Configuration],
+) -> None:
+    for number, footprint in enumerate(footprints):
+        if number in starts:
+            continue
+        radius = footprint.circumscribed_radius_m
+        room = _room(environment, component, footprint)
+        others = np.array([starts[other][:2] for other in starts]).reshape(-1, 2)
+        needed = np.array(
+            [radius + GAP_M + footprints[other].circumscribed_radius_m for other in starts]
+        )
+        rng = random_stream(spec.seed, "starts", number)
+        place = _farthest(room.draw(rng), others, needed)
+        if place is None:
+            # It takes luck to hit what is left free, unless nothing else is drawn from.
+            taken = shapely.union_all(shapely.buffer(shapely.points(others), needed))
+            left = _Room(room.area.difference(taken))
+            place = _farthest(left.draw(rng), others, needed) if left.is_open else None
+        if place is None:
+            raise _does_not_fit(environment, len(starts), len(footprints))
+        starts[number] = Configuration(*place, float(rng.uniform(-math.pi, math.pi)))
+
+
+def _farthest(
+    places: FloatArray, others: FloatArray, needed: FloatArray
+) -> tuple[float, float] | None:
+    # The place farthest from all others, of those that are far enough from each.
+    if not len(others):
+        return float(places[0, 0]), float(places[0, 1])
+    apart = np.hypot(*(places[:, None] - others).transpose(2, 0, 1))
+    nearest = np.where((apart >= needed).all(axis=1), apart.min(axis=1), -math.inf)
+    best = int(np.argmax(nearest))
+    return (float(places[best, 0]), float(places[best, 1])) if nearest[best] > 0.0 else None
+
+
+class _Room:
+    """An area to draw places from, uniformly."""
+
+    def __init__(self, area: BaseGeometry) -> None:
+        self.area = area
+        triangles = shapely.get_parts(shapely.constrained_delaunay_triangles(area))
+        self._corners = shapely.get_coordinates(triangles).reshape(-1, 4, 2)[:, :3]
+        self._shares = np.cumsum(shapely.area(triangles))
+
+    @property
+    def is_open(self) -> bool:
+        """Whether there is anything to draw from."""
+        return len(self._shares) > 0 and self._shares[-1] > 0.0
+
+    def draw(self, rng: RandomGenerator) -> FloatArray:
+        """Give `CANDIDATES` places, ``(n, 2)``."""
+        which, u, v = rng.random((3, CANDIDATES))
+        chosen = np.searchsorted(self._shares, which * self._shares[-1], side="right")
+        a, b, c = self._corners[np.minimum(chosen, len(self._shares) - 1)].transpose(1, 0, 2)
+        # The half of a parallelogram that is beyond the triangle is folded back.
+        beyond = u + v > 1.0
+        u, v = np.where(beyond, 1.0 - u, u), np.where(beyond, 1.0 - v, v)
+        places: FloatArray = a + u[:, None] * (b - a) + v[:, None] * (c - a)
+        return places
+
+
+@lru_cache(maxsize=16)
+def _room(environment: Environment, component: Polygon, footprint: Footprint) -> _Room:
+    # Many runs in one world divide it once.
+    return _Room(_largest_room(environment, component, footprint))
+
+
+# A clustered team ---------------------------------------------------------------------------
+
+
+def _cluster(
+    spec: RunSpec,
+    environment: Environment,
+    footprints: list[Footprint],
+    starts: dict[int, Configuration],
+) -> None:
+    if not starts:
+        starts[0] = _alone(spec, environment, footprints[0])
+    anchor = starts[min(starts)]
+    waiting = [number for number in range(len(footprints)) if number not in starts]
+    radius = max(footprints[number].circumscribed_radius_m for number in waiting)
+    # One lattice for all: as wide as two of the largest need, also beside the first.
+    widest = max(radius, footprints[min(starts)].circumscribed_radius_m)
+    lattice = _Lattice(
+        environment.component(anchor.x, anchor.y),
+        anchor,
+        pitch=radius + widest + GAP_M,
+        radius=radius,
+        passage=min(footprint.inscribed_radius_m for footprint in footprints),
+    )
+    taken = np.array([start[:2] for start in starts.values()])
+    needed = np.array(
+        [radius + GAP_M + footprints[number].circumscribed_radius_m for number in starts]
+    )
+    places = lattice.nearest(len(waiting), taken, needed)
+    if len(places) < len(waiting):
+        raise _does_not_fit(environment, len(starts) + len(places), len(footprints))
+    for number, (x, y) in zip(waiting, places, strict=True):
+        starts[number] = Configuration(x, y, anchor.heading)
+
+
+_Node = tuple[int, int]
+_AROUND: tuple[_Node, ...] = ((1, 0), (0, 1), (-1, 1), (-1, 0), (0, -1), (1, -1))
+
+
+class _Lattice:
+    """A hexagonal lattice about a place, as far as free space connects its nodes.
+
+    Robots may stand at the nodes whose numbers are multiples of `SUBDIVISION`; the others are
+    there to find ways round corners and through doors.
+    """
+
+    def __init__(
+        self,
+        component: Polygon,
+        center: Configuration,
+        *,
+        pitch: float,
+        radius: float,
+        passage: float,
+    ) -> None:
+        self._component = component
+        # No way leads through a slit that is much narrower than any body.
+        self._passable = component.buffer(-0.5 * passage)
+        self._roomy = _roomy(component, radius)
+        for area in (self._component, self._passable, self._roomy):
+            shapely.prepare(area)
+        self._center = center
+        self._step = pitch / SUBDIVISION
+
+    def nearest(
+        self, count: int, taken: FloatArray, needed: FloatArray
+    ) -> list[tuple[float, float]]:
+        """Give up to so many places for robots, the nearest first.
+
+        Near is what is in sight and not far, or else what is few nodes away.
+
+        Parameters
+        ----------
+        count : int
+            How many.
+        taken : (n, 2) array
+            Where others stand.
+        needed : (n,) array
+            How far away from each of them a place has to be.
+        """
+        found: list[tuple[float, _Node]] = []
+        for hops, ring in enumerate(self._rings()):
+            # What is so many hops away is no nearer than across the rows of the lattice.
+            found.sort()
+            if len(found) >= count and found[count - 1][0] <= hops * self._step * math.sqrt(0.75):
+                break
+            nodes = [node for node in ring if node[0] % SUBDIVISION == node[1] % SUBDIVISION == 0]
+            if not nodes:
+                continue
+            places = self._places(nodes)
+            apart = np.hypot(*(places[:, None] - taken).transpose(2, 0, 1))
+            has_room = shapely.contains_xy(self._roomy, *places.T) & (apart >= needed).all(axis=1)
+            in_sight = self._connects(self._component, [(0, 0)] * len(nodes), nodes)
+            for node, fits, straight in zip(nodes, has_room, in_sight, strict=True):
+                if fits:
+                    q, r = node
+                    way = math.sqrt(q * q + q * r + r * r) if straight else hops
+                    found.append((way * self._step, node))
+        places = self._places([node for _, node in sorted(found)[:count]])
+        return [(float(x), float(y)) for x, y in places]
+
+    def _rings(self) -> Iterator[list[_Node]]:
+        # Breadth first: the nodes that are 0, 1, 2, ... hops away.
+        ring: list[_Node] = [(0, 0)]
+        seen = {(0, 0)}
+        while ring:
+            yield ring
+            pairs = [
+                (node, (node[0] + dq, node[1] + dr))
+                for node in ring
+                for dq, dr in _AROUND
+                if (node[0] + dq, node[1] + dr) not in seen
+            ]
+            ring = []
+            if not pairs:
+                return
+            free = self._connects(self._passable, *map(list, zip(*pairs, strict=True)))
+            for (_, node), is_free in zip(pairs, free, strict=True):
+                if is_free and node not in seen:
+                    seen.add(node)
+                    ring.append(node)
+
+    def _places(self, nodes: list[_Node]) -> FloatArray:
+        q, r = np.array(nodes, dtype=np.float64).reshape(-1, 2).T
+        x = self._center.x + self._step * (q + 0.5 * r)
+        return np.column_stack([x, self._center.y + self._step * math.sqrt(0.75) * r])
+
+    def _connects(self, area: BaseGeometry, here: list[_Node], there: list[_Node]) -> BoolArray:
+        lines = np.stack([self._places(here), self._places(there)], axis=1)
+        return np.asarray(shapely.covers(area, shapely.linestrings(lines)), dtype=np.bool_)
+
+
+def _does_not_fit(environment: Environment, fitting: int, team: int) -> InvalidInputError:
+    return InvalidInputError(
+        f"of the {team} robots, {fitting} fit at the start into {environment.name!r}, "
+        f"{GAP_M:g} m apart; take fewer or smaller robots, a larger world, or give their starts"
+    )

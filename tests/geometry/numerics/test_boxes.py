@@ -1,0 +1,44 @@
+"""Boxes that meet a box, against shapely."""
+
+import numpy as np
+import shapely
+from hypothesis import given
+from hypothesis import strategies as st
+
+from multisrt.geometry.numerics.boxes import all_below, bounds_of, boxes_meeting
+
+# On quarters, so that borders touch often and nothing is rounded.
+numbers = st.integers(-20, 20).map(lambda n: n / 4.0)
+sizes = st.integers(0, 12).map(lambda n: n / 4.0)
+boxes = st.tuples(numbers, numbers, sizes, sizes).map(
+    lambda b: (b[0], b[1], b[0] + b[2], b[1] + b[3])
+)
+
+
+@given(st.lists(st.tuples(boxes, sizes), max_size=12), boxes)
+def test_boxes_meet_where_shapely_says_so(many, one):
+    given_boxes = np.array([box for box, _ in many]).reshape(-1, 4)
+    slacks = np.array([slack for _, slack in many])
+    expected = [
+        k
+        for k, ((x0, y0, x1, y1), slack) in enumerate(many)
+        if shapely.intersects(
+            shapely.box(x0 - slack, y0 - slack, x1 + slack, y1 + slack), shapely.box(*one)
+        )
+    ]
+    found = np.empty(len(many), np.int64)
+    assert found[: boxes_meeting(given_boxes, slacks, one, found)].tolist() == expected
+
+
+coordinates = st.floats(-20.0, 20.0) | st.sampled_from([np.nan, np.inf, -np.inf, 10.0, -10.0])
+points = st.lists(st.tuples(coordinates, coordinates), min_size=1, max_size=6).map(np.array)
+
+
+@given(points)
+def test_points_below_a_limit_are_those_that_numpy_finds(some):
+    assert all_below(some, 10.0) == bool(np.all(np.abs(some) < 10.0))
+
+
+@given(points.filter(lambda some: np.isfinite(some).all()))
+def test_bounds_hold_all_points_and_touch_some(some):
+    assert bounds_of(some) == (*some.min(axis=0), *some.max(axis=0))

@@ -1,0 +1,238 @@
+"""Pieces of arcs: what is left after many takings, against takings one by one, and by hand."""
+
+import numpy as np
+import pytest
+import shapely
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.sparse.csgraph import connected_components
+
+from multisrt.geometry.configuration import Configuration
+from multisrt.geometry.numerics.rings import Rings
+from multisrt.geometry.regions.arc_pieces import (
+    ONE_BORDER_M,
+    ArcPieces,
+    apart_from,
+    common_pieces,
+    in_long_arcs,
+)
+from multisrt.geometry.regions.frontier_arcs import (
+    ENDS_MEET_M,
+    SHORTEST_ARC_M,
+    arc_ends,
+    arc_labels,
+    frontier_candidates,
+    uncovered,
+)
+from multisrt.geometry.regions.safe_region import local_safe_region
+from multisrt.geometry.regions.scan import take_scan
+
+
+class Regions:
+    """Regions as the kernels take them, and an id for each."""
+
+    def __init__(self, regions, ids):
+        self.regions = regions
+        self.rings = Rings([r.boundary for r in regions])
+        self.ids = np.asarray(ids)
+
+    def uncovered(self, segments, ids):
+        ids = np.asarray(ids, np.int64)
+        return uncovered(segments, *self.rings.arrays, ids)
+
+    def candidates(self, index):
+        return frontier_candidates(self.regions[index].boundary, self.regions[index].tags)
+
+    def add_to(self, arcs: ArcPieces, index: int) -> np.ndarray:
+        """Take in region `index` after those before it; give whose pieces changed."""
+        return arcs.take_in(
+            index, self.regions[index], True, np.arange(index), self.ids, self.rings.arrays
+        )
+
+
+def after(taking, pieces, wholes):
+    """What a taking, which is given wholes, leaves of pieces."""
+    left, origin = common_pieces(pieces, wholes, *taking(wholes))
+    return left, wholes[origin]
+
+
+def along(lines):
+    return lambda wholes: apart_from(wholes, np.ones(len(wholes), bool), lines, ONE_BORDER_M)
+
+
+def without_short_arcs(pieces, wholes):
+    long = in_long_arcs(pieces, SHORTEST_ARC_M)
+    return pieces[long], wholes[long]
+
+
+def one_by_one(regions: Regions, index: int, held: dict) -> None:
+    """Do what `ArcPieces.take_in` does, one owner and one taking after the other."""
+    candidates = regions.candidates(index)
+    own = candidates, candidates
+    for k in range(index):
+        own = after(lambda wholes, k=k: regions.uncovered(wholes, [k]), *own)
+    before = tuple(regions.ids[index])
+    for k in range(index):
+        if tuple(regions.ids[k]) < before:
+            own = after(along(held[k][1]), *own)
+    own = without_short_arcs(*own)
+    for k in range(index):
+        theirs = after(lambda wholes: regions.uncovered(wholes, [index]), *held[k])
+        if tuple(regions.ids[k]) > before:
+            theirs = after(along(own[1]), *theirs)
+        if not np.array_equal(theirs[0], held[k][0]):
+            held[k] = without_short_arcs(*theirs)
+    held[index] = own
+
+
+@pytest.mark.parametrize("name", ["rooms", "office", "clutter"])
+@pytest.mark.parametrize("shape", ["radial", "star"])
+def test_what_a_region_changes_is_what_takings_one_by_one_change(worlds, name, shape):
+    free = worlds.WORLDS[name]()
+    index = worlds.index(free, 4.0)
+    places = worlds.viewpoints(free, 24, seed=45).tolist()
+    # Some places twice: those regions share all their borders.
+    places = [*places, *places[::5]]
+    scans = [take_scan(index, Configuration(x, y), 0.0, 4.0) for x, y in places]
+    numbers = np.random.default_rng(7).permutation(len(places))
+    regions = Regions(
+        [local_safe_region(scan, shape) for scan in scans], np.c_[numbers % 3, numbers // 3]
+    )
+    arcs, held = ArcPieces(), {}
+    arcs.make_room(len(places))
+    cut = 0
+    for k in range(len(places)):
+        before = {i: pieces for i, (pieces, _) in held.items()}
+        one_by_one(regions, k, held)
+        changed = regions.add_to(arcs, k)
+        differ = [i for i in before if not np.array_equal(before[i], held[i][0])]
+        cut += len(differ)
+        assert changed.tolist() == [k, *differ]
+        for i, (pieces, wholes) in held.items():
+            left, left_wholes = arcs.left(i)
+            assert np.allclose(left, pieces, rtol=0.0, atol=1e-9)
+            assert np.array_equal(left_wholes, wholes)
+    assert cut > 10
+    assert any(len(pieces) for pieces, _ in held.values())
+
+
+def sides(count: int, serial: int) -> np.ndarray:
+    """So many upright segments of 1 m, far from each other and from those of another serial."""
+    x, y = 10.0 * np.arange(count), np.full(count, 10.0 * serial)
+    return np.column_stack([x, y, x, y + 1.0])
+
+
+def lengthened(segments: np.ndarray) -> np.ndarray:
+    return segments + np.array([0.0, -1.0, 0.0, 1.0])
+
+
+@given(
+    st.lists(
+        st.lists(st.tuples(st.integers(0, 9), st.integers(0, 60)), min_size=1, max_size=4),
+        max_size=40,
+    ),
+    st.integers(0, 9),
+)
+@settings(max_examples=30)
+def test_what_was_put_last_is_found_however_often_pieces_move(batches, giver):
+    # One of the owners gives up every other piece at once.
+    arcs = ArcPieces()
+    arcs.make_room(10)
+    held = dict.fromkeys(range(10), np.empty((0, 4)))
+    for serial, batch in enumerate(batches):
+        parts = {owner: sides(size, serial) for owner, size in batch}
+        begins = np.cumsum([0, *map(len, parts.values())])
+        pieces = np.concatenate([*parts.values()])
+        arcs.put(np.array([*parts]), begins, pieces, lengthened(pieces))
+        if giver in parts:
+            arcs.give_up(giver, parts[giver][::2], 1e-6)
+        held |= parts
+    for owner, pieces in held.items():
+        left, wholes = arcs.left(owner)
+        assert np.array_equal(left, pieces)
+        assert np.array_equal(wholes, lengthened(pieces))
+        still = pieces[1::2] if owner == giver else pieces
+        assert arcs.is_open(owner) == bool(len(still))
+        assert np.array_equal(arcs.wide_enough(owner, np.arange(10), 0.0), still)
+
+
+def test_what_is_given_up_is_still_left_but_not_open():
+    arcs = ArcPieces()
+    arcs.make_room(2)
+    sides = np.array([[0.0, 0, 2, 0], [5, 0, 8, 0]])
+    arcs.put(np.array([1, 0]), np.array([0, 2, 2]), sides, sides)
+    assert arcs.lengths_m.tolist() == [[-1.0, -1.0], [2.0, 3.0]]
+    arcs.give_up(1, np.array([[6.0, 0, 9, 0]]), 1e-6)
+    assert arcs.lengths_m.tolist() == [[-1.0, -1.0], [1.0, 2.0]]
+    assert arcs.left(1)[0].tolist() == sides.tolist()
+    assert arcs.wide_enough(1, np.array([0, 1]), 0.0).tolist() == [[0, 0, 2, 0], [5, 0, 6, 0]]
+    arcs.give_up(1, np.array([[8.0, 0, -1, 0]]), 1e-6)
+    assert not arcs.is_open(1)
+    assert not arcs.is_open(0)
+    arcs.put(np.array([1]), np.array([0, 1]), sides[:1], sides[:1])
+    assert arcs.is_open(1)
+    assert arcs.left(1)[0].tolist() == arcs.wide_enough(1, np.array([1]), 0.0).tolist()
+
+
+@given(st.integers(0, 2**32 - 1), st.floats(0.0, 6.0))
+def test_arcs_count_with_all_that_they_are_joined_to(seed, shortest):
+    # Runs of a walk on a coarse grid: arcs of several owners meet often.
+    random = np.random.default_rng(seed)
+    arcs, owners = ArcPieces(), 5
+    arcs.make_room(owners)
+    steps = random.integers(-1, 2, (40, 2)) * 0.5 + random.choice([0.0, 2e-3], (40, 2))
+    walk = np.cumsum(steps, axis=0)
+    segments = np.hstack([walk[:-1], walk[1:]])
+    segments = segments[np.hypot(*(segments[:, 2:] - segments[:, :2]).T) > 0.01]
+    whose = np.sort(random.integers(0, owners, len(segments)))
+    random.shuffle(whose[: len(whose) // 2])
+    parts = [segments[whose == k] for k in range(owners)]
+    arcs.put(np.arange(owners), np.cumsum([0, *map(len, parts)]), np.concatenate(parts), segments)
+    ends = np.concatenate([arc_ends(part) for part in parts])
+    meet = (np.abs(ends[:, None, 2:4] - ends[None, :, 0:2]) <= ENDS_MEET_M).all(axis=2)
+    _, group = connected_components(meet, directed=False)
+    joined = np.bincount(group, ends[:, 4])[group]
+    first = 0
+    for k, part in enumerate(parts):
+        labels, count = arc_labels(part)
+        lengths = joined[first : first + count]
+        first += count
+        if (np.abs(lengths - shortest) < 1e-9).any():
+            continue
+        expected = part[(lengths >= shortest)[labels]]
+        assert np.array_equal(arcs.wide_enough(k, np.arange(owners), shortest), expected)
+
+
+def test_only_what_lies_along_a_segment_takes_from_it():
+    segments = np.array([[0.0, 0, 4, 0], [0, 1, 4, 1]])
+    lines = np.array([[3.0, 0, 1, 0], [2, -1, 2, 2], [0, 0.5, 4, 0.5], [1, 1, 9, 1]])
+    rest, source = apart_from(segments, np.array([True, False]), lines, 1e-6)
+    assert rest.tolist() == [[0, 0, 1, 0], [3, 0, 4, 0], [0, 1, 4, 1]]
+    assert source.tolist() == [0, 0, 1]
+
+
+@given(st.lists(st.tuples(st.floats(0, 10), st.floats(0, 10)), max_size=6), st.randoms())
+def test_pieces_after_several_takings_are_the_difference_in_any_order(takings, random):
+    whole = np.array([[1.0, 2.0, 7.0, 10.0]])
+    at = whole[0, :2] + np.array([0.6, 0.8]) * np.array(takings).reshape(-1, 2, 1)
+    left = whole, whole
+    order = list(range(len(takings)))
+    random.shuffle(order)
+    for k in order:
+        left = after(along(at[k].reshape(1, 4)), *left)
+    expected = shapely.LineString([(0, 0), (10, 0)])
+    for a, b in takings:
+        if abs(a - b) > 1e-5:
+            expected = expected.difference(shapely.LineString([(a, 0), (b, 0)]))
+    lengths = np.hypot(*(left[0][:, 2:] - left[0][:, :2]).T)
+    assert lengths.sum() == pytest.approx(expected.length, abs=1e-4 * (len(takings) + 1))
+
+
+def test_only_segments_in_arcs_that_are_long_enough():
+    segments = np.array(
+        [[0.0, 0, 0.3, 0], [0.3, 0, 0.3, 0.3], [5, 5, 5.5, 5], [-0.1, 0, 0, 0], [7, 7, 7, 9]]
+    )
+    # The first two are 0.6 m together; the fourth begins elsewhere than the third ends.
+    assert in_long_arcs(segments, 0.55).tolist() == [True, True, False, False, True]
+    assert in_long_arcs(segments, 0.0).all()
+    assert in_long_arcs(np.empty((0, 4)), 1.0).tolist() == []

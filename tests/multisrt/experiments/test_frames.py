@@ -1,0 +1,201 @@
+"""Results as rows: what they hold, and files that are written wholly or not at all."""
+
+import csv
+import math
+import sys
+
+import msgspec
+import pandas
+import pyarrow.parquet
+import pytest
+
+import multisrt as ms
+from multisrt.analysis.metrics import Metrics
+from multisrt.experiments.crossing import runs
+from multisrt.experiments.description import ExperimentSpec, Limits
+from multisrt.experiments.frames import columns, export, frame_of, load_results, rows
+from multisrt.experiments.measures import MEASURES
+from multisrt.experiments.mission import make_run
+from multisrt.experiments.results import Result
+from multisrt.experiments.store import Store
+from multisrt.geometry.errors import InvalidInputError
+
+ROOM = "POLYGON ((0 0, 6 0, 6 5, 0 5, 0 0))"
+SPEC = ExperimentSpec.from_dict(
+    {
+        "name": "rooms",
+        "environments": [{"name": "room, with a comma", "wkt": ROOM}],
+        "strategies": ["srt-radial"],
+        "robots": [1, 2],
+        "repetitions": 2,
+        "first_seed": 40,
+    }
+)
+
+
+@pytest.fixture(scope="module")
+def made() -> Result:
+    """A run of two robots."""
+    return make_run(runs(SPEC)[1], Limits())
+
+
+@pytest.fixture
+def path(tmp_path, made):
+    """Three of four runs: one that was made, one without all its times, one that crashed."""
+    one, two, three, _ = runs(SPEC)
+    short = msgspec.structs.replace(made.metrics, exploration_time_s=None, beyond_range_m=None)
+    with Store.create_or_open(tmp_path / "results.sqlite", SPEC) as store:
+        store.add(
+            Result(
+                key=one.key,
+                condition=one.condition,
+                repetition=0,
+                status="crashed",
+                reason='ended by "signal" 9, twice',
+            )
+        )
+        store.add(made)
+        store.add(
+            Result(
+                key=three.key,
+                condition=three.condition,
+                repetition=1,
+                status="stalled",
+                reason="stands",
+                metrics=short,
+                computing_s=0.5,
+            )
+        )
+    assert two.key == made.key
+    return tmp_path / "results.sqlite"
+
+
+def test_a_frame_has_a_row_for_each_run(path, made):
+    frame = load_results(path)
+    assert list(frame.columns) == list(columns())
+    assert list(frame["status"]) == ["crashed", "complete", "stalled"]
+    assert list(frame["robots"]) == [1, 2, 1]
+    assert list(frame["repetition"]) == [0, 0, 1]
+    assert list(frame["seed"]) == [40, 40, 41]
+    assert list(frame["environment"].unique()) == ["room, with a comma"]
+    assert frame["coverage"].dtype == "float64"
+    assert frame["nodes"].dtype == frame["robots"].dtype == "Int64"
+    row = frame.iloc[1]
+    assert (row["key"], row["digest"], row["reason"]) == (made.key, made.digest, made.reason)
+    for measure in MEASURES:
+        value = measure.of(made)
+        told = float("nan") if pandas.isna(row[measure.name]) else float(row[measure.name])
+        assert told == value or (math.isnan(told) and value is None), measure.name
+    assert pandas.isna(frame.loc[0, "coverage"])
+    assert pandas.isna(frame.loc[0, "nodes"])
+    assert pandas.isna(frame.loc[2, "exploration_time_s"])
+    assert frame.loc[2, "coverage"] == made.metrics.coverage
+
+
+def test_every_single_number_of_the_metrics_is_there():
+    # Found by looking at a value, and not at the types.
+    (run, *_) = runs(SPEC)
+    metrics = make_run(run, Limits()).metrics
+    plain = {n: v for n, v in msgspec.to_builtins(metrics).items() if isinstance(v, (int, float))}
+    assert set(plain) <= set(columns())
+    parts = {
+        n for n, v in msgspec.to_builtins(metrics).items() if isinstance(v, (list, tuple, dict))
+    }
+    assert not parts & set(columns())
+    assert set(Metrics.__struct_fields__) - parts - set(columns()) == {"outcome"}
+
+
+def test_csv_reads_back(path, tmp_path):
+    assert export(path, tmp_path / "out.csv") == 3
+    with (tmp_path / "out.csv").open(newline="") as file:
+        read = list(csv.DictReader(file))
+    with Store.open(path) as store:
+        wanted = list(rows(store.results()))
+    assert [list(row) for row in read] == [list(columns())] * 3
+    for row, want in zip(read, wanted, strict=True):
+        for name, value in want.items():
+            if isinstance(value, float):
+                assert float(row[name]) == value
+            else:
+                assert row[name] == ("" if value is None else str(value))
+
+
+def test_parquet_reads_back(path, tmp_path):
+    assert export(path, tmp_path / "out.parquet") == 3
+    table = pyarrow.parquet.read_table(tmp_path / "out.parquet")
+    with Store.open(path) as store:
+        assert table.to_pylist() == list(rows(store.results()))
+    kinds = {int: "int64", float: "double", str: "string", bool: "bool"}
+    assert {field.name: str(field.type) for field in table.schema} == {
+        name: kinds[kind] for name, kind in columns().items()
+    }
+
+
+def test_an_export_of_nothing_has_the_same_columns(tmp_path):
+    Store.create_or_open(tmp_path / "r.sqlite", SPEC).close()
+    for name in ("a.csv", "a.parquet"):
+        assert export(tmp_path / "r.sqlite", tmp_path / name) == 0
+    assert (tmp_path / "a.csv").read_text().strip() == ",".join(columns())
+    assert pyarrow.parquet.read_table(tmp_path / "a.parquet").column_names == list(columns())
+    with Store.open(tmp_path / "r.sqlite") as store:
+        frame = frame_of(store.results())
+    assert (len(frame), frame["nodes"].dtype, frame["coverage"].dtype) == (0, "Int64", "float64")
+
+
+def test_the_package_gives_it(path):
+    assert len(ms.load_results(path)) == 3
+
+
+# What cannot be -----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["out.xlsx", "out", "csv"])
+def test_a_name_that_says_no_format_is_refused(name, path, tmp_path):
+    with pytest.raises(InvalidInputError, match=r"what is written is \.csv or \.parquet"):
+        export(path, tmp_path / name)
+    assert not (tmp_path / name).exists()
+
+
+def test_what_holds_no_results_is_refused(tmp_path):
+    (tmp_path / "x.sqlite").write_text("no results")
+    for read in (load_results, lambda path: export(path, tmp_path / "out.csv")):
+        with pytest.raises(InvalidInputError, match="not a file of results"):
+            read(tmp_path / "x.sqlite")
+    assert not (tmp_path / "out.csv").exists()
+
+
+@pytest.mark.parametrize("name", ["out.csv", "out.parquet"])
+def test_a_file_is_written_wholly_or_not_at_all(name, path, tmp_path, monkeypatch):
+    out = tmp_path / name
+    out.write_text("before")
+    there = sorted(tmp_path.iterdir())
+
+    def full(self, data):
+        raise OSError(28, "No space left on device")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(type(out), "write_bytes", full)
+        with pytest.raises(InvalidInputError, match=r"cannot write .*: No space left on device"):
+            export(path, out)
+    assert out.read_text() == "before"
+    assert sorted(tmp_path.iterdir()) == there
+    export(path, out)
+    assert out.read_bytes() != b"before"
+    assert sorted(tmp_path.iterdir()) == there
+    (tmp_path / "plain").touch()
+    assert out.stat().st_mode == (tmp_path / "plain").stat().st_mode
+
+
+def test_a_folder_that_is_not_there_is_told(path, tmp_path):
+    with pytest.raises(InvalidInputError, match=r"cannot write .*: No such file or directory"):
+        export(path, tmp_path / "no" / "out.csv")
+
+
+@pytest.mark.parametrize(("missing", "name"), [("pandas", None), ("pyarrow", "out.parquet")])
+def test_packages_that_are_missing_are_named(missing, name, path, tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, missing, None)
+    with pytest.raises(InvalidInputError, match=missing) as error:
+        load_results(path) if name is None else export(path, tmp_path / name)
+    assert "pip install multisrt[frames]" in str(error.value)
+    # CSV needs neither.
+    assert export(path, tmp_path / "out.csv") == 3

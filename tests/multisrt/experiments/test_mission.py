@@ -1,0 +1,262 @@
+import itertools
+import math
+import resource
+import signal
+import time
+from pathlib import Path
+
+import msgspec
+import pytest
+
+from multisrt.analysis.coverage import CoverageMeter
+from multisrt.analysis.metrics import measure, measure_with_curve
+from multisrt.environments.catalog import environment
+from multisrt.events import NodeAdded
+from multisrt.experiments import limits as limits_module
+from multisrt.experiments.crossing import PlannedRun, runs
+from multisrt.experiments.description import ExperimentSpec, Limits, StartsChoice
+from multisrt.experiments.mission import make_run, world_of
+from multisrt.recording import Recording
+from multisrt.robots.registry import Strategy, _registry
+from multisrt.simulation.simulate import simulate
+
+ENOUGH = Limits(computing_s=60.0, memory_mb=2000)
+
+
+class NoOptions(msgspec.Struct, frozen=True):
+    pass
+
+
+@pytest.fixture
+def register(monkeypatch):
+    """Registers a strategy that does something instead of exploring, for one test."""
+
+    def add(does):
+        strategy = Strategy(
+            name="probe", summary="", options=NoOptions, explorer=lambda me, options: does()
+        )
+        monkeypatch.setitem(_registry(), "probe", strategy)
+        return planned(strategies=("probe",))
+
+    return add
+
+
+def planned(**fields) -> PlannedRun:
+    given = {"name": "test", "environments": ("open",), "strategies": ("srt-radial",)} | fields
+    return runs(ExperimentSpec(**given))[0]
+
+
+# What comes out -----------------------------------------------------------------------------
+
+
+def test_a_run_is_simulated_and_measured_as_anywhere_else():
+    run = planned(robots=(2,), first_seed=3)
+    result = make_run(run, ENOUGH)
+    recording = simulate(run.spec)
+    assert (result.key, result.condition, result.repetition) == (run.key, run.condition, 0)
+    assert (result.status, result.reason) == ("complete", recording.footer.reason)
+    assert result.digest == recording.footer.digest
+    assert result.metrics == measure(recording)
+    assert result.computing_s > 0.0
+    assert result.wall_s > 0.0
+    assert result.memory_mb > 20.0
+
+
+def test_the_curve_says_when_each_percent_was_covered():
+    run = planned(environments=("rooms",), robots=(2,))
+    recording = simulate(run.spec)
+    metrics, curve = measure_with_curve(recording)
+    meter = CoverageMeter(run.spec, recording.environment(), recording.starts)
+    for event in recording.events:
+        if isinstance(event, NodeAdded):
+            meter.add(event.time_s, event.region())
+    assert len(curve) == 101
+    assert curve[0] == 0.0
+    assert curve[1:] == tuple(meter.time_to(percent / 100) for percent in range(1, 101))
+    assert (curve[90], curve[95], curve[99]) == (
+        metrics.time_to_90_s,
+        metrics.time_to_95_s,
+        metrics.time_to_99_s,
+    )
+    times = [time for time in curve if time is not None]
+    assert all(a <= b for a, b in itertools.pairwise(times))
+    assert curve[100] is None or metrics.coverage == 1.0
+
+
+def test_the_curve_of_a_run_that_was_cut_short_ends_early():
+    run = planned(
+        environments=("rooms",),
+        stop=msgspec.convert({"max_time_s": 60.0}, type(planned().spec.stop)),
+    )
+    result = make_run(run, ENOUGH)
+    assert result.status == "out_of_time"
+    assert 0.0 < result.metrics.coverage < 0.9
+    last = math.floor(result.metrics.coverage * 100)
+    assert result.covered_at_s[last] is not None
+    assert set(result.covered_at_s[last + 1 :]) == {None}
+
+
+def test_a_world_is_built_once():
+    run = planned(environments=("rooms",))
+    assert world_of(run.spec.environment) is world_of(
+        planned(environments=("rooms",)).spec.environment
+    )
+
+
+def test_a_run_holds_the_world_of_a_file(tmp_path):
+    path = tmp_path / "hall.wkt"
+    path.write_text("POLYGON ((0 0, 7.1 0, 7.1 5.3, 3 5.3, 3 4, 0 4, 0 0), (2 1, 3 1, 3 2, 2 1))")
+    run = planned(environments=(str(path),))
+    there = make_run(run, ENOUGH)
+    path.unlink()
+    assert make_run(run, ENOUGH).digest == there.digest != ""
+
+
+# What goes wrong ----------------------------------------------------------------------------
+
+
+def test_a_spec_that_cannot_be_run_is_refused():
+    result = make_run(planned(starts=(StartsChoice(places=((500.0, 500.0),)),)), ENOUGH)
+    assert result.status == "refused"
+    assert "(500, 500)" in result.reason
+    assert (result.metrics, result.digest, result.covered_at_s) == (None, "", ())
+
+
+def test_a_defect_is_told_with_its_place(register):
+    def fail():
+        raise RuntimeError("no such luck")
+
+    result = make_run(register(fail), ENOUGH)
+    assert result.status == "error"
+    line = fail.__code__.co_firstlineno + 1
+    assert result.reason == f"RuntimeError: no such luck (test_mission.py:{line})"
+
+
+def test_a_strategy_that_leaves_the_program_is_a_defect_too(register):
+    result = make_run(register(lambda: exec("raise SystemExit(4)")), ENOUGH)
+    assert result.status == "error"
+    assert result.reason.startswith("SystemExit: 4 (")
+
+
+def test_whatever_a_defect_says_is_told_in_a_line(register):
+    def fail():
+        raise RuntimeError("first\n\tsecond \udcff" + "x" * 5000)
+
+    reason = make_run(register(fail), ENOUGH).reason
+    assert reason.startswith("RuntimeError: first second ?xxx")
+    assert reason.endswith("xxx...")
+    assert len(reason) == 1000
+
+
+def test_what_cannot_be_written_down_is_a_defect(monkeypatch):
+    def measured(recording, environment):
+        metrics, curve = measure_with_curve(recording, environment)
+        return msgspec.structs.replace(metrics, smallest_clearance_m=math.inf), curve
+
+    monkeypatch.setattr("multisrt.experiments.mission.measure_with_curve", measured)
+    result = make_run(planned(), ENOUGH)
+    assert (result.status, result.metrics, result.covered_at_s) == ("error", None, ())
+    assert "smallest_clearance_m" in result.reason
+
+
+def test_an_interrupt_is_not_the_run_s(register):
+    run = register(lambda: signal.raise_signal(signal.SIGINT))
+    with pytest.raises(KeyboardInterrupt):
+        make_run(run, ENOUGH)
+
+
+def hang():
+    while True:
+        try:
+            while True:
+                math.sqrt(2.0)
+        except Exception:
+            pass
+
+
+def test_a_run_that_computes_too_long_is_given_up(register):
+    result = make_run(register(hang), Limits(computing_s=0.3))
+    assert (result.status, result.reason) == ("over_time", "not done after 0.3 s of computing")
+    assert 0.25 < result.computing_s < 5.0
+
+
+def test_a_run_that_swallows_the_word_once_is_told_again(register, monkeypatch):
+    monkeypatch.setattr(limits_module, "AGAIN_S", 0.1)
+    told = []
+
+    def stubborn():
+        try:
+            hang()
+        except BaseException as error:
+            told.append(error)
+        hang()
+
+    assert make_run(register(stubborn), Limits(computing_s=0.2)).status == "over_time"
+    assert len(told) == 1
+
+
+def test_a_run_that_sleeps_is_given_up(register, monkeypatch):
+    monkeypatch.setattr(limits_module, "SHORTEST_SPELL_S", 0.2)
+    result = make_run(register(lambda: time.sleep(1e6)), Limits(computing_s=0.2))
+    assert (result.status, result.reason) == ("over_time", "did nothing for 0.4 s")
+
+
+@pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="Linux only")
+@pytest.mark.parametrize("wrapped", [False, True])
+def test_a_run_that_takes_too_much_memory_is_given_up(register, wrapped):
+    def eat():
+        kept = []
+        try:
+            while True:
+                kept.append(bytearray(1_000_000))
+        except MemoryError as error:
+            if not wrapped:
+                raise
+            raise RuntimeError("something failed") from error
+
+    result = make_run(register(eat), Limits(memory_mb=100))
+    assert (result.status, result.reason) == ("over_memory", "wants more than 100 MB")
+
+
+def test_limits_end_with_the_run(register):
+    def held():
+        return (
+            [resource.getrlimit(what) for what in (resource.RLIMIT_CPU, resource.RLIMIT_DATA)],
+            [signal.getsignal(s) for s in (signal.SIGPROF, signal.SIGALRM, signal.SIGXCPU)],
+            [signal.getitimer(t)[0] for t in (signal.ITIMER_PROF, signal.ITIMER_REAL)],
+        )
+
+    before = held()
+    within = []
+    make_run(register(lambda: within.append(held())), ENOUGH)
+    make_run(register(hang), Limits(computing_s=0.1))
+    assert held() == before
+    assert all(a != b for a, b in zip(within[0], before, strict=True))
+
+
+# Recordings ---------------------------------------------------------------------------------
+
+
+def test_recordings_are_kept_on_wish(tmp_path):
+    run, path = planned(), tmp_path / "one.jsonl"
+    make_run(run, ENOUGH, path, only_failed=True)
+    assert not path.exists()
+    result = make_run(run, ENOUGH, path)
+    assert Recording.load(path).footer.digest == result.digest
+
+
+def test_recordings_of_failed_runs_are_kept(tmp_path):
+    stop = msgspec.structs.replace(planned().spec.stop, max_time_s=5.0)
+    path = tmp_path / "one.jsonl"
+    result = make_run(planned(stop=stop), ENOUGH, path, only_failed=True)
+    assert result.status == "out_of_time"
+    assert Recording.load(path).footer.digest == result.digest
+
+
+def test_a_recording_that_cannot_be_written_is_not_the_run_s_fault(tmp_path):
+    with pytest.raises(ValueError, match=r"cannot write .*no-such-folder"):
+        make_run(planned(), ENOUGH, tmp_path / "no-such-folder" / "one.jsonl")
+
+
+def test_worlds_of_catalogue_and_mission_agree():
+    assert world_of(planned().spec.environment) == environment("open")

@@ -1,0 +1,56 @@
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[3]
+DIGEST = "from multisrt.experiments.provenance import program_digest; print(program_digest())"
+
+
+@pytest.fixture
+def package(tmp_path):
+    """A copy of the package."""
+    ignored = shutil.ignore_patterns("__pycache__")
+    return Path(shutil.copytree(ROOT / "multisrt", tmp_path / "multisrt", ignore=ignored))
+
+
+def digest(package: Path) -> str:
+    command = [sys.executable, "-c", DIGEST]
+    done = subprocess.run(command, cwd=package.parent, capture_output=True, text=True, check=True)
+    return done.stdout
+
+
+def change(package: Path, file: str, old: str, new: str) -> None:
+    text = (package / file).read_text()
+    assert old in text
+    (package / file).write_text(text.replace(old, new, 1))
+
+
+def test_wording_does_not_make_another_program(package):
+    before = digest(package)
+    change(package, "spec.py", '"""One robot.', '"""A robot of the team.')
+    change(package, "simulation/radio.py", "from __future__", "# Why it is so.\n\nfrom __future__")
+    assert digest(package) == before
+
+
+@pytest.mark.parametrize(
+    ("file", "old", "new"),
+    [
+        ("spec.py", "range_m: float = 4.0", "range_m: float = 4.5"),
+        ("environments/generators/maze.py", "import", "import sys\nimport"),
+        ("geometry/numerics/segments.py", "-(ax * ex + ay * ey)", "-(ax * ex - ay * ey)"),
+    ],
+)
+def test_a_change_of_what_decides_makes_another_program(package, file, old, new):
+    before = digest(package)
+    change(package, file, old, new)
+    assert digest(package) != before
+
+
+@pytest.mark.parametrize("file", ["cli/tables.py", "drawing/svg.py", "analysis/metrics.py"])
+def test_what_only_looks_at_runs_is_not_the_program(package, file):
+    before = digest(package)
+    change(package, file, "import", "import sys\nimport")
+    assert digest(package) == before

@@ -1,0 +1,380 @@
+import ctypes
+import os
+import re
+import signal
+import sys
+import textwrap
+import threading
+from pathlib import Path
+
+import msgspec
+import pytest
+
+from multisrt.experiments.crossing import runs
+from multisrt.experiments.description import ExperimentSpec, Limits
+from multisrt.experiments.mission import make_run
+from multisrt.experiments.provenance import provenance
+from multisrt.experiments.results import Result
+from multisrt.experiments.runner import cores, job_of, run_experiment
+from multisrt.experiments.store import Store
+from multisrt.experiments.worker import StoppedError, Worker
+from multisrt.geometry.errors import InvalidInputError
+from multisrt.recording import Recording
+from multisrt.robots.registry import _registry
+
+SPEC = ExperimentSpec(
+    name="small", environments=("open",), strategies=("srt-radial",), robots=(1, 2), repetitions=3
+)
+
+MISCHIEF = """
+    import ctypes, os, re, signal, sys, time
+    from pathlib import Path
+    import msgspec
+    from multisrt.robots.registry import Strategy, register, strategy
+
+    class NoOptions(msgspec.Struct, frozen=True):
+        pass
+
+    kept = []
+
+    def as_usual(me):
+        return strategy("srt-radial").explorer(me, strategy("srt-radial").options())
+
+    def hang(me, options):
+        while True:
+            pass
+
+    def hang_in_c(me, options):
+        re.match("(a*)*b", "a" * 60)
+
+    def eat(me, options):
+        kept = []
+        while True:
+            kept.append(bytearray(1_000_000))
+
+    def crash(me, options):
+        ctypes.string_at(0)
+
+    def leave(me, options):
+        os._exit(3)
+
+    def die(me, options):
+        os.kill(os.getpid(), signal.SIGKILL)
+
+    def die_once(me, options):
+        if not Path("died").exists():
+            Path("died").touch()
+            os.kill(os.getpid(), signal.SIGTERM)
+        return as_usual(me)
+
+    def chat(me, options):
+        print("something", flush=True)
+        os.write(1, b"more\\n")
+        sys.__stdout__.write("and more")
+        os.write(2, b"x" * 300_000)
+        assert sys.stdin.read() == ""
+        return as_usual(me)
+
+    def litter(me, options):
+        garbage = [bytearray(120_000_000)]
+        garbage.append(garbage)
+        return as_usual(me)
+
+    def scatter(me, options):
+        blocks = [bytearray(60_000) for _ in range(11_000)]
+        kept.append(blocks[-1])
+        return as_usual(me)
+
+    def sleep(me, options):
+        Path("asleep").touch()
+        time.sleep(1e6)
+
+    for does in (hang, hang_in_c, eat, crash, leave, die, die_once, chat, litter, scatter, sleep):
+        register(Strategy(name=does.__name__, summary="", options=NoOptions, explorer=does))
+"""
+
+
+@pytest.fixture
+def mischief(tmp_path, monkeypatch):
+    """A module of strategies that do what none should."""
+    (tmp_path / "mischief.py").write_text(textwrap.dedent(MISCHIEF))
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.syspath_prepend(tmp_path)
+    before = set(_registry())
+    import mischief
+
+    yield mischief.__name__
+    del sys.modules["mischief"]
+    for name in set(_registry()) - before:
+        del _registry()[name]
+
+
+def job(strategy="srt-radial", **limits):
+    spec = msgspec.structs.replace(SPEC, strategies=(strategy,), limits=Limits(**limits))
+    return job_of(runs(spec)[0], spec)
+
+
+def but_for_the_computer(result: Result) -> Result:
+    return msgspec.structs.replace(result, computing_s=0.0, wall_s=0.0, memory_mb=0.0)
+
+
+# Running ------------------------------------------------------------------------------------
+
+
+def test_results_are_the_same_with_any_number_of_workers(path, undisturbed):
+    one, two = path.with_name("one.sqlite"), path.with_name("two.sqlite")
+    for file, workers in ((one, 1), (two, 2)):
+        with Store.create_or_open(file, SPEC) as store:
+            run_experiment(store, workers=workers)
+    with Store.open(one) as first, Store.open(two) as second:
+        by_one = [but_for_the_computer(result) for result in first.results()]
+        by_two = [but_for_the_computer(result) for result in second.results()]
+    assert by_one == by_two
+    assert {result.key: result.digest for result in by_one} == undisturbed
+
+
+def test_progress_is_told_and_what_is_there_is_not_made_again(path, undisturbed):
+    smaller = msgspec.structs.replace(SPEC, repetitions=2)
+    with Store.create_or_open(path, smaller) as store:
+        run_experiment(store, workers=1)
+    told = []
+    with Store.create_or_open(path, SPEC) as store:
+        run_experiment(store, workers=1, progress=told.append)
+        assert {result.key: result.digest for result in store.results()} == undisturbed
+    assert [(p.done, p.made, p.total, p.failed) for p in told] == [
+        (4, 0, 6, 0),
+        (5, 1, 6, 0),
+        (6, 2, 6, 0),
+    ]
+    assert (told[0].latest, told[0].per_hour, told[0].left_s) == (None, None, None)
+    assert told[1].latest.condition.robots == 1
+    assert told[1].left_s == pytest.approx(told[1].elapsed_s)
+    assert told[2].left_s == 0.0
+
+
+@pytest.mark.parametrize("recordings", ["all", "failed", "none"])
+def test_recordings_are_kept_as_the_experiment_says(path, recordings):
+    # With this stop rule two robots of repetition 0 are done in time, one is not.
+    stop = msgspec.structs.replace(SPEC.stop, max_time_s=300.0)
+    spec = msgspec.structs.replace(SPEC, recordings=recordings, stop=stop, repetitions=1)
+    with Store.create_or_open(path, spec) as store:
+        run_experiment(store, workers=1)
+        one, two = store.results()
+        assert (one.status, two.status) == ("out_of_time", "complete")
+        wanted = {"all": [one, two], "failed": [one], "none": []}[recordings]
+        files = [store.recording_path(result.key) for result in (one, two)]
+    assert [Recording.load(file).footer.digest for file in files if file.exists()] == [
+        result.digest for result in wanted
+    ]
+
+
+def test_workers_are_asked_for_in_sensible_numbers(path):
+    assert 1 <= cores() <= (os.cpu_count() or 1)
+    with Store.create_or_open(path, SPEC) as store:
+        with pytest.raises(InvalidInputError, match="at least one worker, not 0"):
+            run_experiment(store, workers=0)
+        with pytest.raises(InvalidInputError, match="workers or a cluster, not both"):
+            run_experiment(store, workers=1, cluster="tcp://localhost:1")
+
+
+def test_modules_that_cannot_be_imported_are_told(path):
+    with (
+        Store.create_or_open(path, SPEC) as store,
+        pytest.raises(InvalidInputError, match="cannot import 'no_such': ModuleNotFoundError"),
+    ):
+        run_experiment(store, workers=1, modules=["no_such"])
+
+
+def test_an_interrupt_stops_the_workers_and_keeps_what_is_there(path):
+    def interrupt(progress):
+        if progress.made == 2:
+            raise KeyboardInterrupt
+
+    threads = threading.active_count()
+    with Store.create_or_open(path, SPEC) as store:
+        with pytest.raises(KeyboardInterrupt):
+            run_experiment(store, workers=2, progress=interrupt)
+        assert store.done == 2
+    assert threading.active_count() == threads
+
+
+def test_worlds_from_files_go_with_their_jobs(tmp_path):
+    hall = tmp_path / "hall.wkt"
+    hall.write_text("POLYGON ((0 0, 7.1 0, 7.1 5.3, 3 5.3, 3 4, 0 4, 0 0), (2 1, 3 1, 3 2, 2 1))")
+    spec = msgspec.structs.replace(SPEC, environments=("hall.wkt",))
+    run = runs(spec, tmp_path)[0]
+    here = make_run(run, spec.limits)
+    given = job_of(run, spec)
+    hall.unlink()
+    worker = Worker()
+    try:
+        assert but_for_the_computer(worker.make(given)) == but_for_the_computer(here)
+    finally:
+        worker.stop()
+    assert here.status == "complete"
+
+
+# Runs that misbehave ------------------------------------------------------------------------
+
+
+def test_each_run_that_misbehaves_is_one_row_and_others_do_not_suffer(path, mischief):
+    spec = ExperimentSpec(
+        name="mischief",
+        environments=("open",),
+        strategies=("srt-radial", "hang", "eat", "crash", "leave", "srt-star"),
+        repetitions=1,
+        limits=Limits(computing_s=3.0, memory_mb=300),
+    )
+    with Store.create_or_open(path, spec) as store:
+        run_experiment(store, workers=2, modules=[mischief])
+        found = {result.condition.strategy: result for result in store.results()}
+    assert {name: result.status for name, result in found.items()} == {
+        "srt-radial": "complete",
+        "hang": "over_time",
+        "eat": "over_memory",
+        "crash": "crashed",
+        "leave": "crashed",
+        "srt-star": "complete",
+    }
+    assert found["hang"].reason == "not done after 3 s of computing"
+    assert found["eat"].reason == "wants more than 300 MB"
+    assert re.fullmatch(
+        r"its process was ended by SIGSEGV \(.*\) \(__init__.py:\d+\)", found["crash"].reason
+    )
+    assert found["leave"].reason == "its process ended by itself with exit code 3"
+
+
+@pytest.fixture
+def worker(mischief):
+    worker = Worker([mischief])
+    yield worker
+    worker.stop()
+
+
+def test_what_sits_in_compiled_code_is_ended_by_the_kernel(worker):
+    result = worker.make(job("hang_in_c", computing_s=1.0))
+    # The regular expressions of some versions of Python heed signals, those of others do not.
+    assert result.status == "over_time"
+    assert result.reason in ("not done after 1 s of computing", "not done after 6 s of computing")
+    assert worker.make(job()).status == "complete"
+
+
+def test_what_strategies_print_does_not_get_between(worker):
+    assert worker.make(job("chat")).status == "complete"
+    pid = worker.pid
+    assert worker.make(job("chat")).status == "complete"
+    assert worker.pid == pid
+
+
+def test_a_worker_gives_back_what_runs_have_left(worker):
+    took_mb = [worker.make(job("litter")).memory_mb for _ in range(20)]
+    assert took_mb[-1] - took_mb[0] < 2 * 120.0
+
+
+@pytest.mark.skipif(
+    not hasattr(ctypes.CDLL(None), "malloc_trim"), reason="the C library cannot be told to"
+)
+def test_a_worker_gives_back_what_is_free_between_what_it_keeps(worker):
+    much = worker.make(job("scatter")).memory_mb
+    # What a run took is its own: that of the run before is not counted again.
+    assert worker.make(job()).memory_mb < much - 500.0
+
+
+def test_a_worker_that_was_killed_from_outside_makes_its_run_once_more(worker):
+    first = worker.make(job("die_once"))
+    assert Path("died").exists()
+    assert first.status == "complete"
+    assert but_for_the_computer(worker.make(job("die_once"))) == but_for_the_computer(first)
+
+
+def test_a_run_whose_workers_are_always_killed_has_crashed(worker):
+    result = worker.make(job("die"))
+    assert result.status == "crashed"
+    assert re.fullmatch(
+        r"its process was ended by SIGKILL \(Killed.*\), and when it was made once more, "
+        r"was ended by SIGKILL \(Killed.*\)",
+        result.reason,
+    )
+
+
+def test_a_worker_that_is_killed_between_runs_is_replaced(worker):
+    first = worker.make(job())
+    os.kill(worker.pid, signal.SIGKILL)
+    assert but_for_the_computer(worker.make(job())) == but_for_the_computer(first)
+
+
+def test_a_worker_that_is_killed_while_it_begins_is_begun_again(worker, tmp_path):
+    (tmp_path / "mischief.py").write_text(
+        "import os, signal\nfrom pathlib import Path\n"
+        "with open('begun', 'a') as file:\n    file.write('x')\n"
+        "if Path('begun').stat().st_size < 2:\n    os.kill(os.getpid(), signal.SIGKILL)\n"
+    )
+    assert worker.make(job()).status == "complete"
+    assert (tmp_path / "begun").read_text() == "xx"
+
+
+def test_a_worker_that_always_ends_while_it_begins_is_told(worker, tmp_path):
+    (tmp_path / "mischief.py").write_text("import os, sys\nsys.exit('no way')\n")
+    with pytest.raises(InvalidInputError, match=r"before it could begin: .* exit code 1: no way"):
+        worker.make(job())
+
+
+def test_a_worker_can_be_stopped_in_the_middle_of_a_run(worker, tmp_path):
+    ended = []
+
+    def serve():
+        try:
+            worker.make(job("sleep"))
+        except StoppedError as error:
+            ended.append(error)
+
+    thread = threading.Thread(target=serve)
+    thread.start()
+    while not (tmp_path / "asleep").exists():
+        thread.join(0.02)
+        assert thread.is_alive()
+    worker.stop()
+    thread.join(20.0)
+    assert len(ended) == 1
+    with pytest.raises(StoppedError):
+        worker.make(job())
+
+
+# What workers are ---------------------------------------------------------------------------
+
+
+def test_a_worker_of_another_program_is_refused():
+    other = msgspec.structs.replace(provenance(), program="0123")
+    worker = Worker(expected=other)
+    with pytest.raises(InvalidInputError, match="another source of multisrt, 0123 and"):
+        worker.make(job())
+    assert worker.pid is None
+
+
+def test_a_worker_says_why_it_cannot_begin():
+    worker = Worker(["no_such_module"])
+    with pytest.raises(InvalidInputError, match="cannot import 'no_such_module'"):
+        worker.make(job())
+
+
+def test_files_of_the_working_directory_stand_in_for_no_library(tmp_path, monkeypatch):
+    (tmp_path / "queue.py").write_text("raise RuntimeError")
+    monkeypatch.chdir(tmp_path)
+    worker = Worker()
+    try:
+        assert worker.make(job()).status == "complete"
+    finally:
+        worker.stop()
+
+
+def test_a_recording_that_cannot_be_written_ends_the_experiment_and_no_row_is_lost(path):
+    spec = msgspec.structs.replace(SPEC, recordings="all")
+    with Store.create_or_open(path, spec) as store:
+        folder = Path(f"{path}.recordings")
+        folder.rmdir()
+        with pytest.raises(InvalidInputError, match=r"cannot write .*No such file"):
+            run_experiment(store, workers=1)
+        assert store.done == 0
+        folder.mkdir()
+        run_experiment(store, workers=1)
+        assert store.done == 6

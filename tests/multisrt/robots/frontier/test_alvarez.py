@@ -1,0 +1,404 @@
+"""RULES: which cells are goals, how robots get there, and what they tell one another."""
+
+import math
+
+import numpy as np
+import pytest
+import shapely
+from hypothesis import assume, given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+import multisrt as ms
+from multisrt.environments.environment import Environment
+from multisrt.events import GoalChosen, Sent
+from multisrt.geometry.bodies.footprint import Footprint
+from multisrt.geometry.configuration import Configuration
+from multisrt.geometry.errors import InvalidInputError
+from multisrt.geometry.regions.edge_index import EdgeIndex
+from multisrt.geometry.regions.safe_region import local_safe_region
+from multisrt.geometry.regions.scan import take_scan
+from multisrt.planners.grid_search import reachable
+from multisrt.planners.motion.kinematics import Differential
+from multisrt.robots.explorer import Note, RobotSelf, Send, Sighting
+from multisrt.robots.frontier.alvarez import Rules, agreed, as_party, facing
+from multisrt.robots.frontier.alvarez_goals import (
+    is_open,
+    last_known,
+    search,
+    survey,
+    way_cost,
+    way_to,
+)
+from multisrt.robots.frontier.messages import InaccessibleMessage, SwapMessage
+from multisrt.robots.frontier.options import RulesOptions
+from multisrt.robots.frontier.robot import FrontierRobot
+from multisrt.robots.registry import strategy
+from multisrt.simulation.worlds import inline
+from multisrt.spec import RadioSpec, RobotSpec, RunSpec
+
+WALL = shapely.union_all([shapely.box(6, 0, 6.2, 2.5), shapely.box(6, 3.5, 6.2, 6)])
+TWO_ROOMS = Environment("two rooms", shapely.box(0, 0, 12, 6).difference(WALL), starts=[(1, 1)])
+HALL = Environment("hall", shapely.box(0, 0, 30, 10), starts=[(3, 5)])
+
+
+def edges_of(world: Environment) -> EdgeIndex:
+    rings = shapely.get_rings(shapely.get_parts(world.free))
+    corners = [shapely.get_coordinates(ring) for ring in rings]
+    return EdgeIndex(np.vstack([np.hstack([c[:-1], c[1:]]) for c in corners]), 1.5)
+
+
+def robot_in(world, x, y, heading=0.0, *, number=0, team=1, seen_from=(), **options):
+    """A robot that has looked round from where it stands, and knows what was seen elsewhere."""
+    at = Configuration(x, y, heading)
+    me = RobotSelf(
+        robot=number,
+        start=at,
+        footprint=Footprint.parse("disc:0.25"),
+        kinematics=Differential(speed_m_s=0.5, turn_rate_rad_s=math.pi / 2),
+        range_m=4.0,
+        rng=np.random.default_rng(1),
+        team=team,
+    )
+    robot = FrontierRobot(me, RulesOptions(**options))
+    index = edges_of(world)
+    for place in (at, *(Configuration(*place, 0.0) for place in seen_from)):
+        robot.raster.add(local_safe_region(take_scan(index, place, 0.0, 4.0), "radial"))
+    return robot
+
+
+def report_of(robot, aim=None):
+    """What a robot says of itself."""
+    robot.team.aim = aim
+    robot.team.phase = "driving"
+    return robot.team.own_report()
+
+
+def tell(robot, *reports):
+    for report in reports:
+        robot.team._take_report(report)
+
+
+def acts_of(steps, outcome=None):
+    """Everything that was done, and what came out in the end."""
+    acts = []
+    try:
+        while True:
+            acts.append(steps.send(None))
+    except StopIteration as end:
+        return acts, end.value
+
+
+# The map as cells ------------------------------------------------------------------------------
+
+
+def test_cells_of_the_search_are_the_same_for_all_robots():
+    maps = [survey(robot_in(TWO_ROOMS, *at), (), ()) for at in ((1, 1), (10, 4.3))]
+    for drawn in maps:
+        assert drawn.centres / 0.5 % 1.0 == pytest.approx(np.full(drawn.centres.shape, 0.5))
+
+
+def test_cells_are_what_the_raster_is_at_their_centres():
+    robot = robot_in(TWO_ROOMS, 3, 3)
+    drawn = survey(robot, (), ())
+    known = np.array([[robot.raster.is_known(x, y) for x, y in row] for row in drawn.centres])
+    assert (drawn.unexplored == ~known).all()
+    x, y = drawn.centres.transpose(2, 0, 1)
+    room = shapely.box(0, 0, 6, 6)
+    inner, depth = (
+        shapely.contains_xy(room, x, y),
+        shapely.distance(shapely.points(x, y), room.exterior),
+    )
+    # So near to a wall the body cannot stand; the raster is right to a cell.
+    assert drawn.obstacle[known & inner & (depth < 0.2)].all()
+    assert not drawn.obstacle[known & inner & (depth > 0.4) & (x < 5.0)].any()
+
+
+def test_the_rectangle_ends_one_cell_beyond_what_was_seen():
+    drawn = survey(robot_in(HALL, 15, 5), (), ())
+    x, y = drawn.centres.transpose(2, 0, 1)
+    # Seen is a disc of 4 m around (15, 5).
+    assert (x.min(), x.max()) == (pytest.approx(10.75), pytest.approx(19.25))
+    assert (y.min(), y.max()) == (pytest.approx(0.75), pytest.approx(9.25))
+    assert drawn.diagonal_m == pytest.approx(math.hypot(9.0, 9.0))
+
+
+def test_inaccessible_cells_are_obstacles():
+    robot = robot_in(HALL, 15, 5)
+    before = survey(robot, (), ())
+    assert before.unexplored[0, 0]
+    after = survey(robot, (), [tuple(before.centres[0, 0])])
+    assert after.obstacle[0, 0]
+    assert after.unexplored.sum() == before.unexplored.sum() - 1
+
+
+def test_behind_a_wall_nothing_is_reached_but_through_the_door():
+    robot = robot_in(TWO_ROOMS, 3, 3, seen_from=[(3, 1.2), (3, 4.8), (5, 1.2), (5, 4.8)])
+    drawn = survey(robot, (), ())
+    assert drawn.can_reach(robot.raster, (6.75, 3.25))
+    way = way_to(robot, drawn, (6.75, 5.75))
+    x, y = way.edge
+    assert 5.5 < x < 9.0
+    assert 2.5 < y < 6.0
+    # By A* around the end of the wall; seen from there, not less than the shortest line.
+    assert way.cost_m >= math.dist((3, 3), (6.1, 3.5)) + math.dist((6.1, 3.5), (6.75, 5.75)) - 0.3
+    # Entered in vain all along the door, nothing is left.
+    tried = [(x, y) for x in np.arange(5.6, 10.1, 0.2) for y in np.arange(0.1, 6.0, 0.2)]
+    closed = survey(robot, tried, ())
+    assert way_to(robot, closed, (6.75, 5.75)) is None
+    assert not closed.can_reach(robot.raster, (-0.25, 3.25))
+
+
+def test_the_way_ends_at_the_edge_of_what_is_known():
+    robot = robot_in(HALL, 15, 5)
+    drawn = survey(robot, (), ())
+    way = way_to(robot, drawn, (19.25, 5.25))
+    assert math.dist(way.edge, (15, 5)) == pytest.approx(4.0, abs=0.2)
+    assert robot.raster.is_known(*way.edge)
+    assert is_open(robot.raster, way.edge)
+    assert not is_open(robot.raster, (15.0, 5.0))
+    assert way.cost_m == pytest.approx(math.dist((15, 5), (19.25, 5.25)), abs=0.15)
+    assert way_to(robot, drawn, (15.25, 5.25)) is None  # it has been seen
+
+
+@pytest.mark.parametrize(
+    ("known", "last"),
+    [("110 010", 1), ("100 010", 0), ("100 110", 1), ("110 000", 0)],
+    ids=["round one side", "round neither", "round the other", "unknown at once"],
+)
+def test_a_way_is_known_up_to_a_step_that_is_not(known, last):
+    cells = np.array([[c == "1" for c in row] for row in known.split()])
+    way = np.array([(0, 0), (1, 1), (1, 2)])
+    assert last_known(cells, way) == last
+
+
+@given(arrays(bool, (7, 7)), st.integers(0, 1000))
+def test_what_is_known_of_a_way_is_joined_without_cutting_corners(known, seed):
+    rng = np.random.default_rng(seed)
+    steps = rng.integers(-1, 2, (12, 2))
+    way = np.clip(np.cumsum([(3, 3), *steps.tolist()], axis=0), 0, 6)
+    assume(way[-1].tolist() != [3, 3])
+    known[3, 3], known[tuple(way[-1])] = True, False
+    last = last_known(known, way)
+    reached = reachable(known, 3, 3)
+    assert all(reached[tuple(cell)] for cell in way[: last + 1].tolist())
+    after = tuple(way[last + 1].tolist())
+    beside = [(way[last][0], after[1]), (after[0], way[last][1])]
+    assert not known[after] or not any(known[cell] for cell in beside)
+
+
+def test_the_cost_of_a_way_is_that_of_a_star():
+    robot = robot_in(HALL, 15, 5)
+    drawn = survey(robot, (), ())
+    assert way_cost(robot, drawn, (15, 5), (19.25, 5.25)) == pytest.approx(4.35, abs=0.15)
+    assert math.isinf(way_cost(robot, drawn, (15, 5), (90, 5)))
+
+
+# Choosing --------------------------------------------------------------------------------------
+
+
+def test_a_ring_finds_a_share_of_all_cells():
+    robot = robot_in(HALL, 15, 5)
+    drawn = survey(robot, (), ())
+    cells, _ = search(robot, drawn, np.empty((0, 2)))
+    every, _ = search(robot, drawn, np.empty((0, 2)), everywhere=True)
+    assert math.ceil(0.05 * drawn.unexplored.size) <= len(cells) < len(every)
+    assert len(every) == drawn.unexplored.sum()
+
+
+@pytest.mark.parametrize("heading", [0.0, math.pi / 2, math.pi, -math.pi / 2])
+def test_of_a_round_view_the_cell_ahead_is_the_best(heading):
+    robot = robot_in(HALL, 15, 5, heading, enough_share=1.0)
+    acts, goal = acts_of(Rules().choose(robot, "start"))
+    note = acts[-1].event
+    assert note.rule == "rules"
+    bearing = math.atan2(goal.y - 5, goal.x - 15)
+    assert abs(math.remainder(bearing - heading, math.tau)) < math.radians(20)
+    assert note.scores == tuple(sorted(note.scores, key=lambda row: -row[2]))
+    assert note.goal == robot.team.aim == note.scores[0][:2]
+    x, y, score, distance, turn, others = note.scores[0]
+    diagonal = survey(robot, (), ()).diagonal_m
+    assert distance == pytest.approx(45 * math.dist((15, 5), (x, y)) / diagonal)
+    assert others == 0.0
+    assert score == pytest.approx(70 - distance - turn)
+
+
+def test_a_cell_far_from_anothers_goal_is_better():
+    me = robot_in(HALL, 15, 5, turn_weight=0.0, team=2)
+    tell(me, report_of(robot_in(HALL, 15, 5, number=1, team=2), aim=(19.25, 5.25)))
+    _, goal = acts_of(Rules().choose(me, "start"))
+    assert goal.x < 13
+
+
+def test_a_robot_keeps_its_aim_until_it_is_explored():
+    robot = robot_in(HALL, 15, 5, 0.0)
+    robot.team.aim = (10.75, 5.25)
+    rules = Rules()
+    acts_of(rules.choose(robot, "nothing left"))
+    assert robot.team.aim == (10.75, 5.25)
+    acts_of(rules.choose(robot, "blocked"))
+    assert robot.team.aim[0] > 15
+
+
+def test_where_all_is_explored_there_is_no_goal():
+    small = Environment("small", shapely.box(0, 0, 3, 3))
+    robot = robot_in(small, 1.5, 1.5)
+    acts, goal = acts_of(Rules().choose(robot, "start"))
+    assert goal is None
+    assert robot.team.aim is None
+    assert isinstance(acts[-1], Note)
+    assert acts[-1].event.goal is None
+
+
+def test_after_some_failures_a_robot_goes_to_a_random_place():
+    robot = robot_in(HALL, 15, 5, random_goal_after=3)
+    rules = Rules()
+    picked = []
+    for because in ("start", "blocked", "no way", "blocked"):
+        acts, goal = acts_of(rules.choose(robot, because))
+        picked.append(acts[-1].event.rule)
+    assert picked == ["rules", "rules", "rules", "random"]
+    assert rules.wanders
+    assert robot.raster.is_known(*goal.place)
+    assert acts_of(rules.choose(robot, "reached"))[0][-1].event.rule == "rules"
+
+
+def test_a_place_reached_in_vain_is_told_and_not_tried_again():
+    robot = robot_in(HALL, 15, 5, team=2)
+    rules = Rules()
+    _, first = acts_of(rules.choose(robot, "start"))
+    acts, second = acts_of(rules.choose(robot, "reached"))
+    assert math.dist(first.place, second.place) > 0.25
+    told = [act.message for act in acts if isinstance(act, Send)]
+    assert [message.tried for message in told] == [(first.place,)]
+    mate = robot_in(HALL, 15, 5, number=1, team=2)
+    acts_of(mate.team._take_message(told[0]))
+    assert list(mate.team.tried) == [first.place]
+
+
+def test_a_cell_is_an_obstacle_once_all_said_that_no_way_leads_there():
+    robot = robot_in(HALL, 15, 5, team=3)
+    others = [robot_in(HALL, 14 + k, 4, number=k, team=3) for k in (1, 2)]
+    tell(robot, *(report_of(other) for other in others))
+    cell = (10.75, 0.75)
+    robot.team.inaccessible[cell] = {0: None}
+    for other in others:
+        assert agreed(robot) == []
+        said = InaccessibleMessage(
+            sender=other.me.robot, cells=(cell,), tried=(), radius_m=other.body.outer_radius_m
+        )
+        acts_of(robot.team._take_message(said))
+    assert agreed(robot) == [cell]
+
+
+# Swaps -----------------------------------------------------------------------------------------
+
+
+def crossed(exchange=True):
+    """Two robots in a hall, each bound for a cell beyond the other."""
+    left = robot_in(HALL, 10, 5, team=2, seen_from=[(14, 5)], exchange=exchange)
+    right = robot_in(HALL, 14, 5, number=1, team=2, seen_from=[(10, 5)])
+    near_left, near_right = (5.75, 5.25), (18.25, 5.25)
+    tell(left, report_of(right, aim=near_left))
+    left.team.aim = near_right
+    return left, right, near_left, near_right
+
+
+def test_robots_with_crossed_goals_swap_them():
+    left, right, near_left, near_right = crossed()
+    acts, done = acts_of(Rules().swaps(left))
+    assert done
+    assert left.team.aim == near_left
+    assert [act.message for act in acts] == [
+        SwapMessage(sender=0, taken=near_left, given=near_right)
+    ]
+    acts_of(right.team._take_message(acts[0].message))
+    assert right.team.aim == near_right
+    # Who has another goal by now keeps it.
+    acts_of(right.team._take_message(acts[0].message))
+    assert right.team.aim == near_right
+
+
+def test_a_swap_is_not_taken_back():
+    left, right, _, near_right = crossed()
+    rules = Rules()
+    acts_of(rules.swaps(left))
+    tell(left, report_of(right, aim=near_right))
+    assert acts_of(rules.swaps(left)) == ([], False)
+
+
+def test_without_exchange_goals_stay():
+    left, *_ = crossed(exchange=False)
+    assert acts_of(Rules().swaps(left)) == ([], False)
+
+
+# The right of way ------------------------------------------------------------------------------
+
+
+def test_a_path_says_where_a_robot_faces():
+    at = Configuration(1.0, 1.0, 0.3)
+    assert facing(at, np.array([[1.0, 1.0], [1.0, 4.0]])).heading == pytest.approx(math.pi / 2)
+    assert facing(at, np.array([[1.0, 1.0]])) == at
+
+
+def test_who_was_not_heard_of_is_inactive():
+    robot = robot_in(HALL, 15, 5, team=2)
+    mate = robot_in(HALL, 17, 5, number=1, team=2)
+    sighting = Sighting(robot=1, configuration=mate.at, footprint=mate.me.footprint)
+    assert as_party(robot, sighting).inactive
+    tell(robot, report_of(mate, aim=(20.25, 5.25)))
+    assert not as_party(robot, sighting).inactive
+
+
+# Whole runs ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("robots", [1, 3])
+def test_a_team_completes_two_rooms(robots):
+    run = ms.explore(TWO_ROOMS, strategy="rules", robots=robots, seed=2)
+    assert run.metrics.outcome == "complete"
+    assert run.metrics.coverage > 0.995
+    assert run.metrics.collisions == 0
+    chosen = [e for e in run.recording.events if isinstance(e, GoalChosen)]
+    assert {e.rule for e in chosen} <= {"rules", "closest", "random"}
+    assert any(len(e.scores) == 10 for e in chosen)
+    again = ms.explore(TWO_ROOMS, strategy="rules", robots=robots, seed=2)
+    assert again.recording.footer == run.recording.footer
+
+
+def test_other_strategies_say_nothing_of_aims():
+    run = ms.explore(TWO_ROOMS, strategy="minpos", robots=2, seed=1)
+    kinds = {e.kind for e in run.recording.events if isinstance(e, Sent)}
+    assert not kinds & {"swap", "inaccessible"}
+
+
+@pytest.mark.parametrize("name", ["rules", "utility", "self-bidding"])
+def test_a_team_that_hears_nothing_is_refused(name):
+    def spec(robots, reach):
+        return RunSpec(
+            environment=inline(TWO_ROOMS),
+            strategy=name,
+            robots=(RobotSpec(),) * robots,
+            radio=RadioSpec(range_m=reach),
+        )
+
+    with pytest.raises(InvalidInputError, match=r"hear one another, and the radio range is 0"):
+        strategy(name).require_fit(spec(2, 0.0))
+    strategy(name).require_fit(spec(1, 0.0))
+    strategy(name).require_fit(spec(2, 5.0))
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"search_cell_m": 0.05},
+        {"enough_share": 0.0},
+        {"enough_share": 1.1},
+        {"others_weight": -1.0},
+        {"conflict_radius_m": math.inf},
+        {"random_goal_after": 0},
+    ],
+)
+def test_parameters_that_make_no_sense_are_refused(wrong):
+    with pytest.raises(InvalidInputError, match=next(iter(wrong))):
+        RulesOptions(**wrong)

@@ -1,0 +1,369 @@
+"""What robots share: nothing but messages, which have a size and bring their maps together."""
+
+import dataclasses
+import gc
+import types
+from itertools import combinations
+from typing import ClassVar
+
+import msgspec
+import numpy as np
+import pytest
+import shapely
+
+from multisrt.analysis.metrics import measure
+from multisrt.environments.environment import Environment
+from multisrt.events import Learned, NodeAdded, Sent
+from multisrt.geometry.bodies.footprint import Footprint
+from multisrt.planners.motion.kinematics import Car, Differential, Holonomic
+from multisrt.robots import registry
+from multisrt.robots.exploration_map import Node, NodeId
+from multisrt.robots.explorer import Send
+from multisrt.robots.messages import Message
+from multisrt.robots.multi_srt.messages import (
+    EntriesMessage,
+    Order,
+    OrdersMessage,
+    RobotState,
+    StateMessage,
+    WantMessage,
+)
+from multisrt.robots.registry import strategies
+from multisrt.simulation.simulate import simulate
+from multisrt.simulation.worlds import inline
+from multisrt.spec import RadioSpec, RobotSpec, RunSpec, StopRule
+
+ROOMS = Environment(
+    "two rooms", shapely.box(0, 0, 12, 5).difference(shapely.box(6, 0, 6.2, 3.5)), starts=[(1, 1)]
+)
+CORRIDOR = Environment("corridor", shapely.box(0, 0, 30, 2))
+
+
+@pytest.fixture
+def explorers(monkeypatch):
+    """Every explorer of a run, in the order of the robots, and all that they sent."""
+    built, sent = [], []
+
+    class Listened:
+        def __init__(self, explorer):
+            self.explorer = explorer
+
+        def run(self):
+            acts, outcome = self.explorer.run(), None
+            while True:
+                action = acts.send(outcome)
+                if isinstance(action, Send):
+                    sent.append(action.message)
+                outcome = yield action
+
+    def keeping(strategy):
+        def explorer(me, options):
+            built.append(strategy.explorer(me, options))
+            return Listened(built[-1])
+
+        return dataclasses.replace(strategy, explorer=explorer)
+
+    known = {s.name: keeping(s) for s in strategies()}
+    monkeypatch.setattr(registry, "_registry", lambda: known)
+    return built, sent
+
+
+def run(world, count, *, seed=0, max_time_s=300.0, **more):
+    robots = more.pop("robots", (RobotSpec(),) * count)
+    spec = RunSpec(
+        environment=inline(world),
+        robots=robots,
+        stop=StopRule(max_time_s=max_time_s),
+        seed=seed,
+        **more,
+    )
+    return simulate(spec, world)
+
+
+# Nothing is shared ---------------------------------------------------------------------------
+
+PROGRAM = (types.ModuleType, type, types.BuiltinFunctionType, types.MethodDescriptorType)
+ATOMS = (str, bytes, int, float, complex, bool, type(None), np.generic, np.dtype, range)
+VALUES = (Footprint, shapely.Geometry)
+"""Immutable by their contract; what they keep of themselves is the same for whoever asks."""
+
+
+def is_frozen_struct(thing: object) -> bool:
+    return isinstance(thing, msgspec.Struct) and thing.__struct_config__.frozen
+
+
+def is_frozen_dataclass(thing: object) -> bool:
+    params = getattr(type(thing), "__dataclass_params__", None)
+    return params is not None and params.frozen
+
+
+def inside(root: object) -> dict[int, object]:
+    """Every object that belongs to a robot, by id; not the program, nor what cannot change."""
+    found: dict[int, object] = {}
+    waiting = [root]
+    while waiting:
+        thing = waiting.pop()
+        if id(thing) in found or isinstance(thing, PROGRAM + ATOMS + VALUES):
+            continue
+        if isinstance(thing, types.FunctionType):
+            waiting += [cell.cell_contents for cell in thing.__closure__ or ()]
+            continue
+        found[id(thing)] = thing
+        if isinstance(thing, np.ndarray) and isinstance(thing.base, np.ndarray):
+            waiting.append(thing.base)
+        waiting += gc.get_referents(thing)
+    return found
+
+
+def may_be_shared(thing: object) -> bool:
+    """Whether a thing itself cannot be changed; what it holds is looked at on its own."""
+    if isinstance(thing, np.ndarray):
+        whole = thing.base if isinstance(thing.base, np.ndarray) else thing
+        return not thing.flags.writeable and not whole.flags.writeable
+    return (
+        isinstance(thing, tuple | frozenset | types.MethodType | bytes)
+        or is_frozen_struct(thing)
+        or is_frozen_dataclass(thing)
+    )
+
+
+def shared(a: object, b: object) -> list[object]:
+    theirs = inside(b)
+    return [
+        thing
+        for number, thing in inside(a).items()
+        if number in theirs and not may_be_shared(thing)
+    ]
+
+
+@dataclasses.dataclass(frozen=True)
+class _Sealed:
+    content: object
+
+
+@pytest.mark.parametrize("wrap", [lambda x: [x], lambda x: {1: x}, lambda x: (x,), _Sealed])
+def test_the_walk_finds_what_two_share(wrap):
+    one = [1.0]
+    assert shared(wrap(one), {"b": one}) == [one]
+    array = np.zeros(3)
+    assert len(shared(wrap(array), [array])) == 1
+    view = array[1:]
+    view.setflags(write=False)
+    assert len(shared(wrap(view), [view])) == 2
+    array.setflags(write=False)
+    assert shared(wrap(array), [array]) == []
+    assert shared(wrap((1, "a")), [(1, "a")]) == []
+
+
+@pytest.mark.parametrize("strategy", ["srt-radial", "srt-star"])
+@pytest.mark.parametrize("max_time_s", [0.01, 40.0, 2000.0])
+def test_robots_share_nothing_that_can_change(explorers, strategy, max_time_s):
+    run(ROOMS, 3, strategy=strategy, max_time_s=max_time_s)
+    robots = [explorer.robot for explorer in explorers[0]]
+    assert len(robots) == 3
+    if max_time_s > 1.0:
+        assert all(len(robot.map.entries.have()) == 3 for robot in robots)
+    for a, b in combinations(robots, 2):
+        assert a.me.rng is not b.me.rng
+        assert shared(a, b) == []
+
+
+def test_what_was_sent_stays_as_it_was(explorers):
+    before: list[tuple[Message, bytes]] = []
+
+    def keep(event):
+        if isinstance(event, Sent):
+            message = explorers[1][-1]
+            before.append((message, encoded(message)))
+
+    spec = RunSpec(
+        environment=inline(ROOMS), robots=(RobotSpec(),) * 3, stop=StopRule(max_time_s=300.0)
+    )
+    simulate(spec, ROOMS, watch=keep)
+    assert len(before) > 30
+    assert any(message.entries for message, _ in before if isinstance(message, StateMessage))
+    assert all(encoded(message) == then for message, then in before)
+
+
+def plain(value: object) -> object:
+    return value.tobytes() if isinstance(value, np.ndarray) else repr(value)
+
+
+def encoded(message: Message) -> bytes:
+    return msgspec.msgpack.encode(message, enc_hook=plain)
+
+
+# Sizes ---------------------------------------------------------------------------------------
+
+
+def state(**more) -> RobotState:
+    given = {
+        "robot": 1,
+        "said": 3,
+        "step": 2,
+        "phase": "waiting",
+        "key": (),
+        "path": ((0.0, 1.0, 2.0, 0.5),),
+        "arrival_s": 0.0,
+        "node": NodeId(1, 4),
+        "frontier_m": 2.5,
+        "waited": 0,
+        "tree": NodeId(1, 0),
+        "footprint": "disc:0.25",
+        "kinematics": Differential(),
+        "range_m": 4.0,
+        "have": ((0, 1, 0), (1, 5, 0)),
+    }
+    return RobotState(**given | more)
+
+
+def a_node(explorers) -> Node:
+    run(ROOMS, 1, max_time_s=1.0)
+    return explorers[0][0].robot.map.nodes[0]
+
+
+def test_the_size_of_a_state_is_what_it_says():
+    message = StateMessage(sender=1, states=(state(),))
+    # 15 fields whose names and few numbers are written out: some hundreds of bytes.
+    assert 200 < message.size_bytes < 500
+    longer = StateMessage(sender=1, states=(state(path=((0.0, 1.0, 2.0, 0.5),) * 11),))
+    # Ten more waypoints of four doubles of 9 bytes, each in an array with a head of one.
+    assert longer.size_bytes == message.size_bytes + 10 * (4 * 9 + 1)
+    two = StateMessage(sender=1, states=(state(), state(robot=2)))
+    assert two.size_bytes > 1.8 * message.size_bytes
+
+
+@pytest.mark.parametrize("kinematics", [Differential(), Holonomic(), Car()])
+def test_every_drive_can_be_told(kinematics):
+    assert StateMessage(sender=0, states=(state(kinematics=kinematics),)).size_bytes > 100
+
+
+def test_a_node_weighs_what_its_boundary_does(explorers):
+    node = a_node(explorers)
+    bare = StateMessage(sender=1, states=(state(),))
+    with_node = StateMessage(sender=1, states=(state(),), entries=(node,))
+    corners = node.region.boundary.nbytes
+    assert corners > 50
+    assert corners < with_node.size_bytes - bare.size_bytes < 3 * corners + 1000
+    entries = EntriesMessage(sender=1, entries=(node, node))
+    assert entries.size_bytes > 2 * corners
+
+
+def test_questions_and_orders_wake_and_news_do_not():
+    said = (state(),)
+    assert not StateMessage(sender=0, states=said).wakes
+    assert StateMessage(sender=0, states=said, ask=True).wakes
+    assert StateMessage(sender=0, states=said, asked=(2,)).wakes
+    assert WantMessage(sender=0, have=()).wakes
+    assert not EntriesMessage(sender=0, entries=()).wakes
+    orders = OrdersMessage(
+        sender=0,
+        key=((0, 1), (1, 2)),
+        orders=((0, Order(order="keep")),),
+        feasible=(),
+        unfeasible=(0, 1),
+    )
+    assert orders.wakes
+    assert orders.size_bytes > 20
+
+
+def test_what_a_message_cannot_hold_is_refused():
+    class Odd(Message, frozen=True, kw_only=True):
+        kind: ClassVar[str] = "odd"
+        what: object = None
+
+    with pytest.raises(TypeError, match="object"):
+        _ = Odd(sender=0, what=object()).size_bytes
+
+
+def test_all_that_a_team_sends_is_weighed(explorers):
+    recording = run(ROOMS, 3)
+    sent = [event for event in recording.events if isinstance(event, Sent)]
+    assert [event.size_bytes for event in sent] == [m.size_bytes for m in explorers[1]]
+    assert [event.kind for event in sent] == [m.kind for m in explorers[1]]
+    assert [event.robot for event in sent] == [m.sender for m in explorers[1]]
+    assert measure(recording, ROOMS).bytes_sent == sum(event.size_bytes for event in sent)
+
+
+# Maps come together --------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("latency_s", [0.0, 1.0])
+@pytest.mark.parametrize("seed", [0, 1])
+def test_with_an_unlimited_radio_all_know_all_in_the_end(explorers, latency_s, seed):
+    radio = RadioSpec(latency_s=latency_s)
+    recording = run(ROOMS, 3, seed=seed, max_time_s=2000.0, radio=radio)
+    assert recording.footer.outcome == "complete"
+    have = [explorer.robot.map.entries.have() for explorer in explorers[0]]
+    assert have[0] == have[1] == have[2]
+    assert sum(nodes for nodes, _ in have[0].values()) == sum(
+        isinstance(event, NodeAdded) for event in recording.events
+    )
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("multi_hop", [True, False])
+def test_robots_that_come_into_range_learn_all_that_the_other_knows(explorers, seed, multi_hop):
+    # Their starts are 26 m apart, the radio reaches 12 m: each explores its half, and somewhere
+    # between they meet. From then on both know all that either knew at that time.
+    recording = run(
+        CORRIDOR,
+        2,
+        seed=seed,
+        max_time_s=2000.0,
+        robots=(RobotSpec(start=(2.0, 1.0)), RobotSpec(start=(28.0, 1.0))),
+        radio=RadioSpec(range_m=12.0, multi_hop=multi_hop),
+    )
+    made = {0: [], 1: []}
+    known = {0: set(), 1: set()}
+    for event in recording.events:
+        if isinstance(event, NodeAdded):
+            made[event.robot].append(event.time_s)
+            known[event.robot].add((event.robot, event.serial))
+        elif isinstance(event, Learned):
+            known[event.robot].update(tuple(node) for node in event.nodes)
+    met = [e.time_s for e in recording.events if isinstance(e, Sent) and e.reached]
+    assert met
+    assert met[0] > 0.0
+    early = {
+        (robot, serial)
+        for robot in (0, 1)
+        for serial, time_s in enumerate(made[robot])
+        if time_s <= met[0]
+    }
+    assert len(early) > 4
+    assert {robot for robot, _ in early} == {0, 1}
+    assert early <= known[0] & known[1]
+    # The last node was made while they were in range: so their version vectors are equal.
+    assert max(times[-1] for times in made.values()) <= max(met)
+    have = [explorer.robot.map.entries.have() for explorer in explorers[0]]
+    assert have[0] == have[1]
+
+
+def test_before_they_meet_they_know_nothing_of_one_another(explorers):
+    run(
+        CORRIDOR,
+        2,
+        max_time_s=5.0,
+        robots=(RobotSpec(start=(2.0, 1.0)), RobotSpec(start=(28.0, 1.0))),
+        radio=RadioSpec(range_m=12.0),
+    )
+    assert [list(explorer.robot.map.entries.have()) for explorer in explorers[0]] == [[0], [1]]
+    assert [explorer.robot.team.states for explorer in explorers[0]] == [{}, {}]
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_robot_in_between_passes_on_what_it_learned(explorers, seed):
+    # Robot 1 hears both, now and then; robots 0 and 2 never hear one another, and nobody relays.
+    recording = run(
+        CORRIDOR,
+        3,
+        seed=seed,
+        max_time_s=30.0,
+        robots=tuple(RobotSpec(start=(x, 1.0)) for x in (4.0, 15.0, 26.0)),
+        radio=RadioSpec(range_m=12.0, multi_hop=False),
+    )
+    sent = [event for event in recording.events if isinstance(event, Sent)]
+    assert not any({event.robot, *event.reached} >= {0, 2} for event in sent if event.robot != 1)
+    for explorer in explorers[0]:
+        assert set(explorer.robot.map.entries.have()) == {0, 1, 2}

@@ -1,0 +1,478 @@
+"""What goes wrong by the spec: deaths, silences and late starts, with robots driven by hand."""
+
+import math
+from typing import ClassVar
+
+import msgspec
+import pytest
+import shapely
+
+from multisrt.environments.environment import Environment
+from multisrt.events import (
+    Blocked,
+    CameBack,
+    Collision,
+    Died,
+    Ended,
+    FellSilent,
+    Joined,
+    Motion,
+    Organized,
+    Sent,
+)
+from multisrt.geometry.configuration import Configuration
+from multisrt.planners.motion.trajectory import Trajectory, Waypoint
+from multisrt.robots import registry
+from multisrt.robots.explorer import (
+    Done,
+    Look,
+    Move,
+    Moved,
+    Note,
+    Receive,
+    Received,
+    Send,
+    Sense,
+    TimedOut,
+)
+from multisrt.robots.messages import Message
+from multisrt.robots.registry import Strategy
+from multisrt.simulation.simulate import simulate
+from multisrt.simulation.worlds import inline
+from multisrt.spec import Death, LateStart, RadioSpec, RobotSpec, RunSpec, Silence
+
+HALL = Environment("hall", shapely.box(0, 0, 10, 6))
+STARTS = [(1.0, 1.0), (1.0, 3.0), (1.0, 5.0)]
+END = Done(complete=True, reason="enough")
+
+
+class NoOptions(msgspec.Struct, frozen=True, kw_only=True):
+    pass
+
+
+class Word(Message, frozen=True, kw_only=True):
+    kind: ClassVar[str] = "word"
+    text: str = ""
+
+
+class Actor:
+    """Does what a list of actions or a generator function says, and keeps what it is told."""
+
+    def __init__(self, script):
+        self.script = script
+        self.told = []
+
+    def run(self):
+        if not callable(self.script):
+            for action in self.script:
+                self.told.append((yield action))
+            return
+        acts, outcome = self.script(), None
+        while True:
+            outcome = yield acts.send(outcome)
+            self.told.append(outcome)
+
+
+@pytest.fixture
+def play(monkeypatch):
+    """Let robots act; give the recording and what everyone was told."""
+
+    def run(*scripts, starts=STARTS, faults=(), **spec):
+        actors = [Actor(script) for script in scripts]
+        strategy = Strategy(
+            name="play",
+            summary="",
+            options=NoOptions,
+            explorer=lambda me, options: actors[me.robot],
+        )
+        monkeypatch.setitem(registry._registry(), "play", strategy)
+        recording = simulate(
+            RunSpec(
+                environment=inline(HALL),
+                strategy="play",
+                robots=tuple(RobotSpec(start=start) for start in starts[: len(scripts)]),
+                faults=tuple(faults),
+                **spec,
+            ),
+            HALL,
+        )
+        return recording, [actor.told for actor in actors]
+
+    return run
+
+
+def straight(x0, y0, x1, y1, **more) -> Move:
+    time = 2.0 * math.hypot(x1 - x0, y1 - y0)
+    return Move(
+        trajectory=Trajectory((Waypoint(0.0, x0, y0, 0.0), Waypoint(time, x1, y1, 0.0))), **more
+    )
+
+
+def events(recording, kind, robot=None):
+    return [
+        event
+        for event in recording.events
+        if isinstance(event, kind) and robot in (None, event.robot)
+    ]
+
+
+# Deaths --------------------------------------------------------------------------------------
+
+
+def test_a_robot_that_dies_on_its_way_stays_there(play):
+    recording, told = play(
+        [straight(1, 1, 5, 1), Sense(), END], [END], faults=[Death(robot=0, time_s=3.0)]
+    )
+    here = (2.5, 1.0, 0.0)
+    assert events(recording, Died) == [
+        Died(time_s=3.0, robot=0, configuration=here, doing="moving")
+    ]
+    (motion,) = events(recording, Motion)
+    assert motion.waypoints == ((0.0, 1.0, 1.0, 0.0), (3.0, *here))
+    assert told[0] == []
+    # The run ends with the living.
+    assert recording.footer.outcome == "complete"
+    assert recording.footer.reason == "robot 1: enough"
+
+
+def test_the_living_go_on_after_a_death(play):
+    recording, told = play(
+        [straight(1, 1, 5, 1), END],
+        [straight(1, 3, 5, 3), straight(5, 3, 9, 3), END],
+        faults=[Death(robot=0, time_s=3.0)],
+    )
+    assert recording.footer.time_s == 16.0
+    assert [moved.time_s for moved in told[1]] == [8.0, 16.0]
+
+
+@pytest.mark.parametrize("guard_m", [0.5, None])
+def test_the_body_of_a_dead_robot_is_an_obstacle(play, guard_m):
+    # It dies at (1, 2), in the way of robot 1, whose guard leaves 1 m between centres.
+    def pass_by():
+        yield Receive(5.0)
+        yield straight(3, 2, 0.5, 2, guard_m=guard_m)
+        yield Look()
+        yield END
+
+    recording, told = play(
+        [straight(1, 1, 1, 4), END],
+        pass_by,
+        starts=[(1.0, 1.0), (3.0, 2.0)],
+        faults=[Death(robot=0, time_s=2.0)],
+    )
+    if guard_m is None:
+        assert isinstance(recording.events[-1], Collision)
+        assert "robot 0" in recording.footer.reason
+        assert "robot 1" in recording.footer.reason
+        return
+    moved = told[1][1]
+    assert moved.blocked_by.robot == 0
+    assert moved.blocked_by.configuration == Configuration(1.0, 2.0, 0.0)
+    assert moved.configuration.x == pytest.approx(2.0, abs=1e-3)
+    assert [event.by for event in events(recording, Blocked)] == [0]
+    assert [sighting.robot for sighting in told[1][2]] == [0]
+
+
+def test_a_death_frees_the_way_that_the_dead_would_have_crossed(play):
+    # Robot 0 would be in robot 1's way at 6 s, but dies at once.
+    recording, told = play(
+        [straight(1, 1, 1, 3), END],
+        [straight(5, 3, 1, 3, guard_m=0.5), END],
+        starts=[(1.0, 1.0), (5.0, 3.0)],
+        faults=[Death(robot=0, time_s=1.0)],
+    )
+    assert told[1][0].blocked_by is None
+    assert recording.footer.outcome == "complete"
+
+
+def test_a_robot_that_waits_dies_waiting(play):
+    recording, _ = play([Receive(), END], [END], faults=[Death(robot=0, time_s=3.0)])
+    (died,) = events(recording, Died)
+    assert (died.time_s, died.doing) == (3.0, "waiting")
+    assert recording.footer.outcome == "complete"
+    assert recording.footer.time_s == 3.0
+
+
+def test_death_comes_when_it_next_moves(play):
+    # At 1 s it waits; it sets out at 5 s for 4 s, and dies halfway.
+    recording, _ = play(
+        [Receive(5.0), straight(1, 1, 3, 1), END],
+        [END],
+        faults=[Death(robot=0, time_s=1.0, when="moving")],
+    )
+    (died,) = events(recording, Died)
+    assert (died.time_s, died.doing, died.configuration) == (7.0, "moving", (2.0, 1.0, 0.0))
+
+
+def test_death_comes_at_once_if_it_moves_already(play):
+    recording, _ = play(
+        [straight(1, 1, 3, 1), END], [END], faults=[Death(robot=0, time_s=1.0, when="moving")]
+    )
+    (died,) = events(recording, Died)
+    assert (died.time_s, died.configuration) == (1.0, (1.5, 1.0, 0.0))
+
+
+def test_death_comes_when_it_next_waits(play):
+    recording, told = play(
+        [straight(1, 1, 3, 1), Receive(5.0), END],
+        [END],
+        faults=[Death(robot=0, time_s=1.0, when="waiting")],
+    )
+    (died,) = events(recording, Died)
+    assert (died.time_s, died.doing, died.configuration) == (4.0, "waiting", (3.0, 1.0, 0.0))
+    assert len(told[0]) == 1
+
+
+def test_a_master_dies_as_it_has_organised(play):
+    note = Note(
+        Organized(
+            time_s=4.0,
+            robot=0,
+            feasible=(),
+            unfeasible=(0, 1),
+            before={},
+            after={},
+            orders={},
+            conflicts=((0, 1),),
+        )
+    )
+    recording, told = play(
+        [straight(1, 1, 3, 1), note, Send(Word(sender=0)), END],
+        [Receive(9.0), END],
+        faults=[Death(robot=0, time_s=1.0, when="master")],
+    )
+    (died,) = events(recording, Died)
+    assert (died.time_s, died.doing) == (4.0, "master")
+    # Its word does not go out any more.
+    assert events(recording, Sent) == []
+    assert told[1] == [TimedOut(9.0)]
+
+
+def test_a_robot_that_never_does_it_does_not_die(play):
+    recording, _ = play(
+        [straight(1, 1, 3, 1), END], [END], faults=[Death(robot=0, time_s=1.0, when="master")]
+    )
+    assert events(recording, Died) == []
+    assert recording.footer.outcome == "complete"
+
+
+def test_the_dead_get_no_messages_and_relay_none(play):
+    def call():
+        yield Receive(1.0)
+        yield Send(Word(sender=0))
+        yield Receive(2.0)
+        yield Send(Word(sender=0))
+        yield END
+
+    recording, told = play(
+        call,
+        [Receive(), Receive(), END],
+        [Receive(), Receive(5.0), END],
+        starts=[(1.0, 1.0), (5.0, 1.0), (9.0, 1.0)],
+        radio=RadioSpec(range_m=5.0),
+        faults=[Death(robot=1, time_s=2.0)],
+    )
+    assert [event.reached for event in events(recording, Sent)] == [(1, 2), ()]
+    assert len(told[1]) == 1
+    assert told[2] == [Received((Word(sender=0),), 1.0), TimedOut(6.0)]
+    assert recording.footer.outcome == "complete"
+
+
+def test_a_message_on_its_way_to_one_that_dies_holds_up_nothing(play):
+    recording, told = play(
+        [Receive(1.0), Send(Word(sender=0)), END],
+        [Receive(), END],
+        radio=RadioSpec(latency_s=3.0),
+        faults=[Death(robot=1, time_s=2.0)],
+    )
+    assert told[1] == []
+    assert recording.footer.outcome == "complete"
+
+
+def test_a_run_in_which_all_die_is_stalled(play):
+    recording, _ = play(
+        [straight(1, 1, 9, 1), END],
+        [Receive(), END],
+        faults=[Death(robot=0, time_s=3.0), Death(robot=1, time_s=2.0)],
+    )
+    assert recording.footer.outcome == "stalled"
+    assert recording.footer.reason == "all robots died"
+    assert recording.footer.time_s == 3.0
+    assert [event.robot for event in events(recording, Died)] == [1, 0]
+
+
+def test_an_end_of_one_that_died_afterwards_does_not_count(play):
+    on_call = Done(complete=True, reason="enough", on_call=True)
+    recording, _ = play(
+        [Done(complete=False, reason="tired", on_call=True)],
+        [straight(1, 3, 5, 3), on_call],
+        faults=[Death(robot=0, time_s=2.0)],
+    )
+    assert [event.robot for event in events(recording, Ended)] == [0, 1]
+    assert recording.footer.outcome == "complete"
+
+
+# Silences ------------------------------------------------------------------------------------
+
+
+def talk(robot, count):
+    """Drive, and say something every second, first after half a second."""
+    x, y = STARTS[1]
+    yield straight(x, y, x + 0.25, y)
+    x += 0.25
+    for k in range(count):
+        yield Send(Word(sender=robot, text=str(k)))
+        yield straight(x, y, x + 0.5, y)
+        x += 0.5
+    yield END
+
+
+def test_a_silent_robot_neither_sends_nor_hears_and_comes_back(play):
+    recording, told = play(
+        [Receive(10.0), Receive(10.0), END],
+        lambda: talk(1, 6),
+        faults=[Silence(robot=1, time_s=1.0, duration_s=3.0)],
+    )
+    sent = events(recording, Sent)
+    assert [(event.time_s, event.reached) for event in sent] == [
+        (0.5, (0,)),
+        (1.5, ()),
+        (2.5, ()),
+        (3.5, ()),
+        (4.5, (0,)),
+        (5.5, (0,)),
+    ]
+    assert events(recording, FellSilent) == [FellSilent(time_s=1.0, robot=1)]
+    assert events(recording, CameBack) == [CameBack(time_s=4.0, robot=1)]
+    assert [outcome.messages[0].text for outcome in told[0][:2]] == ["0", "4"]
+
+
+def test_what_is_said_to_a_silent_robot_is_gone(play):
+    recording, told = play(
+        [Receive(10.0), END],
+        lambda: talk(1, 6),
+        faults=[Silence(robot=0, time_s=0.0, duration_s=3.0)],
+    )
+    assert told[0][0] == Received((Word(sender=1, text="3"),), 3.5)
+    assert [event.reached for event in events(recording, Sent)] == [(), (), (), (0,), (0,), (0,)]
+    assert [event.time_s for event in events(recording, FellSilent)] == [0.0]
+    assert [event.time_s for event in events(recording, CameBack)] == [3.0]
+
+
+def test_a_message_that_arrives_in_a_silence_is_gone(play):
+    recording, told = play(
+        [Receive(10.0), END],
+        lambda: talk(1, 1),
+        radio=RadioSpec(latency_s=1.0),
+        faults=[Silence(robot=0, time_s=1.0, duration_s=2.0)],
+    )
+    assert events(recording, Sent)[0].reached == (0,)
+    assert told[0] == [TimedOut(10.0)]
+    assert recording.footer.outcome == "complete"
+
+
+def test_a_silent_robot_goes_on(play):
+    recording, told = play(
+        [straight(1, 1, 5, 1), Sense(), END],
+        [END],
+        faults=[Silence(robot=0, time_s=1.0, duration_s=100.0)],
+    )
+    assert told[0][0] == Moved(configuration=Configuration(5.0, 1.0, 0.0), time_s=8.0)
+    assert recording.footer.outcome == "complete"
+    assert recording.footer.time_s == 8.0
+
+
+def test_silences_that_overlap_are_one(play):
+    recording, _ = play(
+        [Receive(10.0), END],
+        lambda: talk(1, 8),
+        faults=[
+            Silence(robot=0, time_s=1.0, duration_s=2.0),
+            Silence(robot=0, time_s=2.0, duration_s=3.0),
+        ],
+    )
+    reached = [event.time_s for event in events(recording, Sent) if event.reached]
+    assert reached == [0.5, 5.5, 6.5, 7.5]
+    assert [event.time_s for event in events(recording, CameBack)] == [5.0]
+    assert len(events(recording, FellSilent)) == 1
+
+
+def test_a_silent_robot_does_not_relay(play):
+    recording, _ = play(
+        lambda: talk(0, 3),
+        [Receive(5.0), END],
+        [Receive(5.0), END],
+        starts=[(1.0, 3.0), (4.0, 1.0), (7.0, 3.0)],
+        radio=RadioSpec(range_m=3.8),
+        faults=[Silence(robot=1, time_s=1.0, duration_s=1.0)],
+    )
+    assert [event.reached for event in events(recording, Sent)] == [(1, 2), (), (1, 2)]
+
+
+# Late starts ---------------------------------------------------------------------------------
+
+
+def test_a_late_robot_stands_at_its_start_from_the_beginning(play):
+    recording, told = play(
+        [Look(), straight(1, 3, 9, 3, guard_m=0.5), Receive(10.0), END],
+        [Sense(), straight(5, 3, 5, 5), END],
+        starts=[(1.0, 3.0), (5.0, 3.0)],
+        faults=[LateStart(robot=1, time_s=10.0)],
+    )
+    assert [sighting.robot for sighting in told[0][0]] == [1]
+    assert told[0][1].blocked_by.robot == 1
+    assert told[0][1].configuration.x == pytest.approx(4.0, abs=1e-3)
+    assert events(recording, Joined) == [Joined(time_s=10.0, robot=1)]
+    assert told[1][0].time_s == 10.0
+    assert [motion.time_s for motion in events(recording, Motion, 1)] == [10.0]
+    assert recording.footer.outcome == "complete"
+
+
+def test_a_late_robot_hears_nothing_before(play):
+    recording, told = play(
+        [Receive(30.0), END],
+        lambda: talk(1, 6),
+        faults=[LateStart(robot=0, time_s=3.0)],
+    )
+    assert [event.reached for event in events(recording, Sent)] == [(), (), (), (0,), (0,), (0,)]
+    assert told[0][0] == Received((Word(sender=1, text="3"),), 3.5)
+
+
+def test_the_run_waits_for_a_late_robot(play):
+    recording, _ = play(
+        [END], [straight(1, 3, 2, 3), END], faults=[LateStart(robot=1, time_s=100.0)]
+    )
+    assert recording.footer.time_s == 102.0
+    assert recording.footer.outcome == "complete"
+
+
+def test_a_late_robot_that_dies_before_never_begins(play):
+    recording, told = play(
+        [END],
+        [straight(1, 3, 2, 3), END],
+        faults=[LateStart(robot=1, time_s=100.0), Death(robot=1, time_s=50.0)],
+    )
+    assert events(recording, Joined) == []
+    assert told[1] == []
+    assert recording.footer.outcome == "complete"
+    assert recording.footer.time_s == 50.0
+
+
+def test_one_that_joins_within_a_silence_is_silent_on_record(play):
+    recording, told = play(
+        [Receive(10.0), END],
+        lambda: talk(1, 6),
+        faults=[LateStart(robot=0, time_s=2.0), Silence(robot=0, time_s=1.0, duration_s=3.0)],
+    )
+    assert told[0][0] == Received((Word(sender=1, text="4"),), 4.5)
+    assert [event.time_s for event in events(recording, CameBack)] == [4.0]
+    assert [event.time_s for event in events(recording, FellSilent)] == [2.0]
+
+
+def test_one_that_is_silent_when_it_is_late_only_is_not_silent_on_record(play):
+    recording, _ = play(
+        [Receive(10.0), END],
+        lambda: talk(1, 6),
+        faults=[LateStart(robot=0, time_s=4.0), Silence(robot=0, time_s=1.0, duration_s=2.0)],
+    )
+    assert events(recording, FellSilent) == events(recording, CameBack) == []

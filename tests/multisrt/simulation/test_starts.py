@@ -1,0 +1,232 @@
+import math
+from itertools import combinations
+
+import numpy as np
+import pytest
+import shapely
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from multisrt.environments.catalog import environment
+from multisrt.environments.environment import Environment
+from multisrt.geometry.bodies.footprint import Footprint
+from multisrt.geometry.configuration import Configuration
+from multisrt.geometry.errors import ClearanceError, InvalidInputError
+from multisrt.simulation.starts import starts_of
+from multisrt.simulation.worlds import inline
+from multisrt.spec import DriveSpec, RobotSpec, RunSpec, random_stream
+
+HALL = Environment("hall", shapely.box(0, 0, 12, 8))
+BODIES = ["disc:0.25", "disc:0.4", "box:0.6x0.4", "polygon:-0.2,-0.2 0.6,-0.2 0.1,0.5 -0.2,0.5"]
+
+
+def starts(world, robots, **spec):
+    return starts_of(RunSpec(environment=inline(world), robots=tuple(robots), **spec), world)
+
+
+def team(count, **robot):
+    return [RobotSpec(**robot)] * count
+
+
+def rooms():
+    """Two rooms of 5 m by 5 m, a door of 0.9 m between them at the top, and a closed one."""
+    free = shapely.box(0, 0, 5, 5) | shapely.box(5.2, 0, 10.2, 5) | shapely.box(5, 4, 5.2, 4.9)
+    return Environment("rooms", free | shapely.box(20, 0, 25, 5))
+
+
+def shape(robot, start):
+    return Footprint.parse(robot.footprint).placed(start)
+
+
+# One robot ----------------------------------------------------------------------------------
+
+
+def test_a_given_start_is_taken():
+    assert starts(HALL, [RobotSpec(start=(3, 2))]) == (Configuration(3, 2, 0),)
+    assert starts(HALL, [RobotSpec(start=(3, 2, 1.5))]) == (Configuration(3, 2, 1.5),)
+
+
+def test_one_robot_starts_where_the_world_suggests():
+    world = Environment("hall", HALL.free, starts=[(2, 2), (6, 6)])
+    assert starts(world, team(1)) == (Configuration(2, 2, 0),)
+
+
+def test_one_robot_else_is_drawn_where_it_has_room():
+    (start,) = starts(HALL, team(1), seed=5)
+    room = shapely.box(0.275, 0.275, 11.725, 7.725)
+    # The first of the draws of its stream from the bounds of that room, all of which it fills.
+    x, y = random_stream(5, "starts", 0).uniform(room.bounds[:2], room.bounds[2:])
+    assert start == Configuration(pytest.approx(x), pytest.approx(y), 0)
+    assert starts(HALL, team(1), seed=6) != (start,)
+    assert starts(HALL, team(1), seed=5, starts="clustered") == (start,)
+
+
+def test_a_body_that_does_not_fit_at_its_start_is_refused():
+    with pytest.raises(ClearanceError, match=r"clearance there is 0\.2 m.* more than 0\.25 m"):
+        starts(HALL, [RobotSpec(start=(0.2, 4))])
+    with pytest.raises(ClearanceError, match=r"needs 0\.2 to 0\.361 m, by its heading"):
+        starts(HALL, [RobotSpec(start=(0.25, 4), footprint="box:0.6x0.4")])
+    upright = RobotSpec(start=(0.25, 4, math.pi / 2), footprint="box:0.6x0.4")
+    assert starts(HALL, [upright]) == (Configuration(0.25, 4, math.pi / 2),)
+    with pytest.raises(ClearanceError, match="not in the free space"):
+        starts(HALL, [RobotSpec(start=(-1, 4))])
+    with pytest.raises(InvalidInputError, match="fits nowhere"):
+        starts(HALL, team(1, footprint="disc:5"))
+
+
+# Given starts of a team ---------------------------------------------------------------------
+
+
+def test_starts_in_different_components_are_refused():
+    robots = [RobotSpec(start=(1, 1)), RobotSpec(start=(9, 1)), RobotSpec(start=(22, 2))]
+    assert len(starts(rooms(), robots[:2])) == 2
+    with pytest.raises(InvalidInputError, match=r"robots 0 and 2 start .* no way"):
+        starts(rooms(), robots)
+
+
+def test_bodies_that_touch_are_refused():
+    pair = [RobotSpec(start=(3, 3)), RobotSpec(start=(3.5, 3))]
+    with pytest.raises(InvalidInputError, match=r"robots 0 and 1 .* 0\.5 m apart.* more than 0\.5"):
+        starts(HALL, pair)
+    assert starts(HALL, [pair[0], RobotSpec(start=(3.501, 3))])[1].x == 3.501
+    # Two boxes of 0.6 m by 0.4 m, side by side and one behind the other.
+    box = {"footprint": "box:0.6x0.4"}
+    beside = [RobotSpec(start=(3, 3), **box), RobotSpec(start=(3, 3.45), **box)]
+    assert len(starts(HALL, beside)) == 2
+    behind = [RobotSpec(start=(1, 1)), beside[0], RobotSpec(start=(3.45, 3), **box)]
+    with pytest.raises(InvalidInputError, match=r"robots 1 and 2 .* need 0\.4 to 0\.721 m"):
+        starts(HALL, behind)
+
+
+# Teams without starts -----------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("how", ["scattered", "clustered"])
+def test_a_team_starts_around_given_robots_in_their_component(how):
+    robots = [RobotSpec(), RobotSpec(start=(22, 2.5, 0.5)), RobotSpec(), RobotSpec()]
+    found = starts(rooms(), robots, starts=how)
+    assert found[1] == Configuration(22, 2.5, 0.5)
+    assert all(20 < start.x < 25 for start in found)
+    if how == "clustered":
+        assert [start.heading for start in found] == [0.5] * 4
+        assert all(found[k].distance(found[1]) == pytest.approx(0.75) for k in (0, 2, 3))
+
+
+def test_a_cluster_is_packed_as_densely_as_told():
+    # In the open: the middle, six around it, and twelve around these.
+    world = Environment("hall", HALL.free, starts=[(6, 4)])
+    found = starts(world, team(19), starts="clustered")
+    away = np.sort([found[0].distance(start) for start in found])
+    expected = [0] + [0.75] * 6 + [0.75 * math.sqrt(3)] * 6 + [1.5] * 6
+    assert away == pytest.approx(expected, abs=1e-9)
+    for a, b in combinations(found, 2):
+        assert a.distance(b) > 0.75 - 1e-9
+    assert found[0] == Configuration(6, 4, 0)
+
+
+def test_a_cluster_goes_round_walls_not_through_them():
+    # Right behind the wall is nearer than the far end of the room, but not on any short way.
+    world = Environment("rooms", rooms().free, starts=[(4.4, 0.6)])
+    found = starts(world, team(30), starts="clustered")
+    assert all(start.x < 5 for start in found)
+    # What does not fit into the first room comes through the door into the second.
+    many = starts(world, team(50), starts="clustered")
+    behind = [start for start in many if start.x > 5]
+    assert many[:30] == found
+    assert len(behind) >= 5
+    assert all(start.y > 1.5 for start in behind)
+
+
+def test_scattered_robots_spread_out():
+    found = starts(HALL, team(4), seed=1)
+    nearest = min(a.distance(b) for a, b in combinations(found, 2))
+    assert nearest > 4.0  # in a hall of 12 m by 8 m
+    assert len({start.heading for start in found}) == 4
+
+
+@pytest.mark.parametrize(("how", "least"), [("scattered", 10), ("clustered", 14)])
+def test_a_team_that_does_not_fit_is_refused(how, least):
+    # Lattices of 0.75 m hold about 20 robots here.
+    tight = Environment("cell", shapely.box(0, 0, 3.4, 3.4))
+    with pytest.raises(InvalidInputError, match=r"of the 40 robots, \d+ fit .* fewer") as refused:
+        starts(tight, team(40), starts=how)
+    fitting = int(str(refused.value).split("robots, ")[1].split()[0])
+    assert least <= fitting <= 25
+    assert len(starts(tight, team(fitting), starts=how)) == fitting
+
+
+def test_scattered_robots_find_the_last_free_corner():
+    # The given robots fill a hall but for one place: chance alone seldom finds it.
+    tight = Environment("cell", shapely.box(0, 0, 12, 12))
+    given_robots = [
+        RobotSpec(start=(0.6 + 1.15 * i, 0.6 + 1.15 * j), footprint="disc:0.5")
+        for i in range(10)
+        for j in range(10)
+        if (i, j) != (7, 3)
+    ]
+    found = starts(tight, [*given_robots, RobotSpec(footprint="disc:0.25")])
+    assert found[-1].distance(Configuration(0.6 + 1.15 * 7, 0.6 + 1.15 * 3)) < 0.3
+
+
+@pytest.mark.parametrize("how", ["scattered", "clustered"])
+def test_the_same_seed_gives_the_same_starts(how):
+    world = environment("office")
+    found = starts(world, team(10), starts=how, seed=3)
+    assert starts(world, team(10), starts=how, seed=3) == found
+    if how == "scattered":
+        assert starts(world, team(10), starts=how, seed=4) != found
+        # Who comes later changes nothing for those before.
+        assert starts(world, team(12), starts=how, seed=3)[:10] == found
+
+
+@settings(max_examples=25)
+@given(
+    st.integers(0, 10**6),
+    st.lists(st.sampled_from(BODIES), min_size=2, max_size=7),
+    st.sampled_from(["office", "rooms", "cave"]),
+)
+def test_teams_fit_and_keep_apart(seed, bodies, name):
+    world = environment(name)
+    robots = [RobotSpec(footprint=body) for body in bodies]
+    spread = {}
+    for how in ("scattered", "clustered"):
+        found = starts(world, robots, starts=how, seed=seed)
+        shapes = [shape(robot, start) for robot, start in zip(robots, found, strict=True)]
+        assert all(shapely.contains_properly(world.free, body) for body in shapes)
+        component = world.component(*found[0][:2])
+        assert all(component.contains(shapely.Point(start[:2])) for start in found)
+        for a, b in combinations(range(len(robots)), 2):
+            assert shapes[a].distance(shapes[b]) > 0.24
+        spread[how] = min(a.distance(b) for a, b in combinations(found, 2))
+    assert spread["scattered"] > spread["clustered"]
+
+
+# Cars ---------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("kind", ["reeds-shepp", "dubins"])
+def test_a_car_needs_room_to_turn(kind):
+    # In a corridor of 3 m, of which a body of 0.4 m width takes 0.2 m at the side.
+    corridor = Environment("corridor", shapely.box(0, 0, 30, 3))
+    robot = {"start": (2, 1.5), "footprint": "box:0.6x0.4"}
+
+    def drive(radius):
+        return DriveSpec(kind=kind, turning_radius_m=radius)
+
+    assert len(starts(corridor, [RobotSpec(drive=drive(1.29), **robot)])) == 1
+    with pytest.raises(InvalidInputError, match=r"robot 1 .* radius of 1\.4 m.* about 1\.30 m"):
+        starts(
+            corridor,
+            [
+                RobotSpec(start=(8, 1.5), drive=DriveSpec(turning_radius_m=5.0)),
+                RobotSpec(drive=drive(1.4), **robot),
+            ],
+        )
+
+
+def test_only_the_component_of_a_car_counts():
+    world = Environment("two", shapely.box(0, 0, 3, 3) | shapely.box(10, 0, 30, 20))
+    car = DriveSpec(kind="dubins", turning_radius_m=2.0)
+    assert len(starts(world, [RobotSpec(start=(20, 10), drive=car)])) == 1
+    with pytest.raises(InvalidInputError, match="turning circle fits nowhere"):
+        starts(world, [RobotSpec(start=(1.5, 1.5), drive=car)])

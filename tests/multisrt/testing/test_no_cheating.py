@@ -1,0 +1,141 @@
+"""Robots cannot cheat: nothing that an explorer holds leads to the world."""
+
+import gc
+import types
+
+import numpy as np
+import pytest
+import shapely
+
+from multisrt.environments.environment import Environment
+from multisrt.geometry.bodies.collision import CollisionWorld
+from multisrt.geometry.regions.edge_index import EdgeIndex
+from multisrt.recording import Recorder
+from multisrt.robots import registry
+from multisrt.robots.explorer import Done, Sense
+from multisrt.robots.registry import strategies
+from multisrt.run import explore
+from multisrt.simulation import simulate
+
+WORLD = Environment(
+    "two rooms", shapely.box(0, 0, 12, 5).difference(shapely.box(6, 0, 6.2, 3.5)), starts=[(1, 1)]
+)
+
+TRUTH = (Environment, CollisionWorld, EdgeIndex, simulate._Simulation, Recorder)
+
+
+def reachable(*roots: object) -> list[object]:
+    """Every object that can be got at from some; not by way of modules, classes or functions.
+
+    Those are the program, not what a robot was given: its code may import what it likes, which
+    import rules forbid elsewhere. Closures and defaults of functions are followed.
+    """
+    seen: dict[int, object] = {}
+    waiting = list(roots)
+    while waiting:
+        thing = waiting.pop()
+        if id(thing) in seen or isinstance(thing, types.ModuleType | type):
+            continue
+        seen[id(thing)] = thing
+        if isinstance(thing, types.FunctionType):
+            waiting += [cell.cell_contents for cell in thing.__closure__ or ()]
+            waiting += [*(thing.__defaults__ or ()), *(thing.__kwdefaults__ or {}).values()]
+        else:
+            waiting += gc.get_referents(thing)
+            if isinstance(thing, np.ndarray):
+                waiting.append(thing.base)
+    return list(seen.values())
+
+
+def truths(*roots: object) -> list[object]:
+    return [thing for thing in reachable(*roots) if isinstance(thing, TRUTH)]
+
+
+@pytest.fixture
+def explorers(monkeypatch):
+    """Every explorer that is built, with what it was given."""
+    built = []
+
+    def keeping(strategy):
+        def explorer(me, options):
+            made = strategy.explorer(me, options)
+            built.append((made, me, options))
+            return made
+
+        return registry.Strategy(
+            name=strategy.name,
+            summary=strategy.summary,
+            options=strategy.options,
+            explorer=explorer,
+        )
+
+    known = {s.name: keeping(s) for s in strategies()}
+    monkeypatch.setattr(registry, "_registry", lambda: known)
+    return built
+
+
+@pytest.mark.parametrize("strategy", [s.name for s in strategies()])
+@pytest.mark.parametrize("beams", [None, 360])
+def test_nothing_that_an_explorer_holds_leads_to_the_truth(explorers, strategy, beams):
+    checks = []
+
+    def watch(event):
+        # While it runs, not only when all is over.
+        if len(checks) < 20:
+            checks.append(truths(*explorers[0]))
+
+    explore(WORLD, strategy=strategy, seed=1, range_m=3.0, beams=beams, watch=watch)
+    assert len(checks) == 20
+    assert not any(checks)
+    assert truths(*explorers[0]) == []
+
+
+def test_what_an_explorer_is_sent_does_not_lead_to_the_truth(monkeypatch):
+    told = []
+
+    class Curious:
+        def run(self):
+            told.append((yield Sense()))
+            yield Done(complete=True, reason="")
+
+    strategy = registry.Strategy(
+        name="curious",
+        summary="",
+        options=registry.strategy("srt-star").options,
+        explorer=lambda me, options: told.append(me) or Curious(),
+    )
+    monkeypatch.setitem(registry._registry(), "curious", strategy)
+    explore(WORLD, strategy="curious")
+    assert len(told) == 2
+    assert truths(*told) == []
+
+
+def test_a_scan_shares_no_memory_with_the_truth(monkeypatch):
+    scans = []
+    take_scan = simulate.take_scan
+
+    def taking(index, *rest):
+        scan = take_scan(index, *rest)
+        scans.append((index, scan))
+        return scan
+
+    monkeypatch.setattr(simulate, "take_scan", taking)
+    explore(WORLD, seed=1)
+    assert scans
+    for index, scan in scans:
+        theirs = [thing for thing in reachable(index) if isinstance(thing, np.ndarray)]
+        assert theirs
+        for mine in (scan.boundary, scan.tags):
+            assert not any(np.may_share_memory(mine, array) for array in theirs)
+
+
+def test_the_search_finds_what_is_hidden():
+    class Cheat:
+        def __init__(self, world):
+            def peek():
+                return world
+
+            self.deep = {"pocket": [peek]}
+
+    assert truths(Cheat(WORLD)) == [WORLD]
+    assert truths({"index": EdgeIndex(WORLD.edges, 1.0)})

@@ -6,12 +6,14 @@ READY := $(VENV)/.ready
 BENCH_READY := $(VENV)/.ready-bench
 OUT := out
 
-.PHONY: help demo test golden lint bench results docs clean
+.PHONY: help demo test check golden plan lint bench results docs clean
 
 help:
 	@echo "make demo     a team of four explores the museum with SRT-Radial and SRT-Star; pictures in $(OUT)/demo"
 	@echo "make test     run the tests"
+	@echo "make check    run the quick tests, in under a minute"
 	@echo "make golden   make the golden runs and write their digests, when their behaviour is meant to change"
+	@echo "make plan     draw docs/pictures/plan.svg from the imports"
 	@echo "make lint     check style, types and import rules"
 	@echo "make bench    print the benchmarks' ratios"
 	@echo "make results  repeat the experiments of the papers, over many seeds (many hours); goes on where it stopped"
@@ -35,8 +37,14 @@ demo: $(READY)
 test: $(READY)
 	$(BIN)/python -m pytest --numprocesses 2 --quiet
 
+check: $(READY)
+	$(BIN)/python -m pytest --numprocesses 2 --quiet -m "not slow"
+
 golden: $(READY)
 	$(BIN)/python tests/golden/golden_runs.py
+
+plan: $(READY)
+	$(BIN)/python docs/plan.py
 
 lint: $(READY)
 	$(BIN)/ruff check .

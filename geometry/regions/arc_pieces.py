@@ -7,10 +7,7 @@ not even in rounding.
 
 from __future__ import annotations
 
-import itertools
-from dataclasses import dataclass
 from typing import Final
-from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -233,36 +230,11 @@ def _note_long(
         long[i] = lengths[labels[i]] >= shortest_m
 
 
-@dataclass(slots=True, eq=False)
-class _TakenIn:
-    # What taking in a region came to, for others that take it in alike; and how many may yet.
-
-    number: int
-    owners: IntArray
-    begins: IntArray
-    pieces: FloatArray
-    wholes: FloatArray
-    awaited: int
-
-
-_numbers = itertools.count(1)
-_taken_in: WeakKeyDictionary[LocalSafeRegion, dict[object, _TakenIn]] = WeakKeyDictionary()
-
-
 class ArcPieces:
     """What is left of the arcs of many regions: of each its pieces, in one growing array.
 
     Pieces that are replaced stay where they are until the array is full; then those in use move
     together.
-
-    Robots of a team that hear each other come to know the same regions one after the other. What
-    a region does to those before it is worked out for the first of them; the others take it over
-    where they have come to know the same in the same order.
-
-    Parameters
-    ----------
-    others : int
-        How many others take in the same regions.
 
     Attributes
     ----------
@@ -275,12 +247,9 @@ class ArcPieces:
         The shortest and the longest arc of what was not given up; -1 where there is none.
     """
 
-    __slots__ = ("_end", "_others", "_states", "lengths_m", "pieces", "spans", "wholes")
+    __slots__ = ("_end", "lengths_m", "pieces", "spans", "wholes")
 
-    def __init__(self, others: int = 0) -> None:
-        self._others = others
-        # Of every region the number of the taking in that changed its pieces last.
-        self._states: IntArray = np.zeros(0, np.int64)
+    def __init__(self) -> None:
         self.pieces: FloatArray = np.empty((1024, 4))
         self.wholes: FloatArray = np.empty((1024, 4))
         self.spans: IntArray = np.zeros((0, 4), np.int64)
@@ -291,7 +260,6 @@ class ArcPieces:
         """Have room for so many regions; the new ones have nothing."""
         more = count - len(self.spans)
         self.spans = grown(self.spans, count)
-        self._states = grown(self._states, count)
         self.lengths_m = np.concatenate([self.lengths_m, np.full((more, 2), -1.0)])
 
     def left(self, index: int) -> tuple[FloatArray, FloatArray]:
@@ -319,43 +287,6 @@ class ArcPieces:
         (c,) array
             Whose pieces changed, the new region first.
         """
-        if not self._others:
-            return self._take_in(index, region, include_gaps, neighbours, ids, rings)[0]
-        # The same neighbours, after the same takings, have the same pieces.
-        key = (
-            include_gaps,
-            index,
-            ids[index].tobytes(),
-            neighbours.tobytes(),
-            self._states[neighbours].tobytes(),
-        )
-        taken_in = _taken_in.setdefault(region, {})
-        known = taken_in.get(key)
-        if known is None:
-            owners, begins = self._take_in(index, region, include_gaps, neighbours, ids, rings)
-            begin = self._end - int(begins[-1])
-            pieces, wholes = self.pieces[begin : self._end], self.wholes[begin : self._end]
-            known = taken_in[key] = _TakenIn(
-                next(_numbers), owners, begins, pieces.copy(), wholes.copy(), self._others
-            )
-        else:
-            self.put(known.owners, known.begins, known.pieces, known.wholes)
-            known.awaited -= 1
-            if not known.awaited:
-                del taken_in[key]
-        self._states[known.owners] = known.number
-        return known.owners
-
-    def _take_in(
-        self,
-        index: int,
-        region: LocalSafeRegion,
-        include_gaps: bool,
-        neighbours: IntArray,
-        ids: IntArray,
-        rings: RingArrays,
-    ) -> tuple[IntArray, IntArray]:
-        # Whose pieces changed, and where each one's begin among those that were added.
         while True:
             owners, begins = _take_in(
                 index,
@@ -374,7 +305,7 @@ class ArcPieces:
             end = self._end + int(begins[-1])
             if end <= len(self.pieces):
                 self._end = end
-                return owners, begins
+                return owners
             self._move_together(end - self._end)
 
     def put(

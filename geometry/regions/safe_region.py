@@ -50,7 +50,7 @@ GRAZING_ANGLE_RAD: Final = math.radians(10.0)
 """Neighbouring beams hit one surface unless it would be met at a flatter angle than this."""
 
 
-@dataclass(frozen=True, slots=True, weakref_slot=True, kw_only=True, eq=False)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class LocalSafeRegion:
     """A star-shaped polygon of surely free space around the place of a scan.
 

@@ -71,9 +71,6 @@ class ExplorationMap:
     robot : int or None
         Whose map this is: what others could not reach, or found blocked by a robot, stays open
         for it. None: nobody's, and all such arcs are closed.
-    others : int
-        How many other maps of the team take in the same nodes: what the first of them works out
-        serves those that come to know the same in the same order.
 
     Attributes
     ----------
@@ -90,7 +87,6 @@ class ExplorationMap:
         gaps_count: bool = True,
         width_m: float | None = None,
         robot: int | None = None,
-        others: int = 0,
     ) -> None:
         self._reach = reach_m
         self._least_m = shortest_arc_m - ROUNDING_M
@@ -107,7 +103,7 @@ class ExplorationMap:
         self._members: dict[NodeId, list[NodeId]] = {}
         self._ids: list[NodeId] = []
         self._index: dict[NodeId, int] = {}
-        self._arcs = ArcPieces(others)
+        self._arcs = ArcPieces()
         self._frontiers: dict[int, _Frontier] = {}
         self._changed: IntArray = np.zeros(0, np.int64)
         self._revision = 0

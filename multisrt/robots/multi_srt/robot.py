@@ -179,7 +179,6 @@ class SrtRobot:
             shortest_arc_m=width,
             gaps_count=options.gaps_count,
             robot=me.robot,
-            others=me.team - 1,
         )
         self.ways = Ways(me, self.body, self.map)
         self.root = NodeId(me.robot, 0)

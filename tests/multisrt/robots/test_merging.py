@@ -11,7 +11,6 @@ from hypothesis import strategies as st
 from multisrt.environments.catalog import environment
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.geometry.regions.arc_pieces import ArcPieces
 from multisrt.geometry.regions.boundary import OBSTACLE, RANGE
 from multisrt.geometry.regions.frontier_arcs import frontier_candidates, total_length
 from multisrt.geometry.regions.safe_region import LocalSafeRegion, local_safe_region
@@ -28,13 +27,9 @@ WORLDS = ("apartment", "cave", "office")
 SHAPES = ("radial", "star", "ball")
 
 
-def new_map(
-    robot: int | None = None, shortest_arc_m: float = 0.3, others: int = 0
-) -> ExplorationMap:
+def new_map(robot: int | None = None, shortest_arc_m: float = 0.3) -> ExplorationMap:
     width = min(WIDTHS) if robot is None else WIDTHS[robot]
-    return ExplorationMap(
-        reach_m=REACH, shortest_arc_m=shortest_arc_m, width_m=width, robot=robot, others=others
-    )
+    return ExplorationMap(reach_m=REACH, shortest_arc_m=shortest_arc_m, width_m=width, robot=robot)
 
 
 def map_of(entries, robot: int | None = None, shortest_arc_m: float = 0.3) -> ExplorationMap:
@@ -155,58 +150,6 @@ def test_order_repetition_and_batches_make_no_difference(teams, team, robot, ran
                 known.open_frontier_m(root)
     assert sorted(new) == sorted(e.id for e in entries if isinstance(e, Node))
     assert_same(known, map_of(entries, robot))
-
-
-@pytest.fixture
-def taken_in(monkeypatch):
-    """The regions that were worked out, each time."""
-    worked_out, take_in = [], ArcPieces._take_in
-
-    def counted(arcs, index, region, *rest):
-        worked_out.append(region)
-        return take_in(arcs, index, region, *rest)
-
-    monkeypatch.setattr(ArcPieces, "_take_in", counted)
-    return worked_out
-
-
-def test_maps_that_learn_alike_work_a_node_out_once(teams, taken_in):
-    entries = teams["apartment", "radial"]
-    team = [new_map(robot, others=2) for robot in range(3)]
-    for entry in entries:
-        for known in team:
-            known.merge([entry])
-    nodes = [entry for entry in entries if isinstance(entry, Node)]
-    assert taken_in == [node.region for node in nodes]
-    # All have taken it over: nothing is kept for anybody.
-    fourth = new_map(others=2)
-    fourth.merge(nodes)
-    assert taken_in == 2 * [node.region for node in nodes]
-
-
-@given(TEAMS, st.integers(0, 6), st.randoms(use_true_random=False))
-@settings(max_examples=30)
-def test_what_others_worked_out_is_what_a_map_works_out_itself(teams, team, swaps, random):
-    # The robots hear nearly the same order, and give up what is closed for themselves.
-    entries = teams[team]
-    orders = [list(entries) for _ in range(3)]
-    for order in orders:
-        for _ in range(swaps):
-            k = random.randrange(len(order) - 1)
-            order[k], order[k + 1] = order[k + 1], order[k]
-    together = [new_map(robot, others=2) for robot in range(3)]
-    alone = [new_map(robot) for robot in range(3)]
-    for step in range(len(entries)):
-        robots = [0, 1, 2]
-        random.shuffle(robots)
-        for robot in robots:
-            entry = orders[robot][step]
-            assert together[robot].merge([entry]) == alone[robot].merge([entry])
-        for mine, expected in zip(together, alone, strict=True):
-            for node in expected.nodes:
-                assert np.array_equal(mine.frontier(node.id), expected.frontier(node.id))
-    for mine, expected in zip(together, alone, strict=True):
-        assert mine.open_frontier_m() == expected.open_frontier_m()
 
 
 @given(TEAMS, st.data(), st.randoms(use_true_random=False))

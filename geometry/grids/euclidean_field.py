@@ -1,30 +1,32 @@
-"""Straight-line distances on a grid: shortest paths as chains of turning points."""
+"""Any-angle distances on a grid: paths as chains of turning points."""
 
 from __future__ import annotations
 
 import math
-from typing import Final, Literal
+from typing import Final, Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.geometry.grids.distance_field import asked_cells, cells_of
-from multisrt.geometry.grids.fast_march import drop_first, in_sight, push
-from multisrt.geometry.numerics.kernel import (
+from multisrt.geometry.grids.cell_heap import CellHeap, drop_first, push
+from multisrt.geometry.grids.field_inputs import checked_cells, checked_sources
+from multisrt.geometry.grids.sight import in_sight
+from multisrt.geometry.numerics.arrays import (
     BoolArray,
+    ByteArray,
     FloatArray,
+    Int32Array,
     IntArray,
-    inlined_kernel,
-    kernel,
 )
+from multisrt.geometry.numerics.kernel import kernel
 
 UNSEEN: Final = 0
 OPEN: Final = 1
 FINAL: Final = 2
 
 NEIGHBOURS: Final = ((0, -1), (-1, -1), (-1, 0), (-1, 1), (0, 1), (1, 1), (1, 0), (1, -1))
-"""Steps in rows and columns; the first four come before a cell in a raster scan."""
+"""Steps in rows and columns; the first four lead to cells that precede in a raster scan."""
 
 
 class EuclideanField:
@@ -37,18 +39,25 @@ class EuclideanField:
     Parameters
     ----------
     passable : (rows, columns) array of bool
-        Where a path may run; row 0 is the lowest y. It is held, not copied: when it changes,
-        make a new field.
+        Where a path may run; row 0 is the lowest y. It is not copied: make a new field after a
+        change.
     cell_m : float
         Width of a cell in metres.
-    source : (2,) array
+    source : (2,) array_like
         A point x, y in metres in a passable cell.
     x0, y0 : float
         Lower left corner of the grid in metres.
     order : {"queue", "sweeps"}
         ``"sweeps"`` runs over the grid forward and backward until nothing changes.
-        ``"queue"`` gives each cell its value in the order of distance and stops at the cells
-        asked for; its cost is that of the cells reached.
+        ``"queue"`` finalizes cells in the order of distance and stops at the cells asked for;
+        its cost is that of the cells reached.
+
+    Attributes
+    ----------
+    passable, cell_m, x0, y0
+        As given.
+    source : (2,) array
+        As given.
 
     Raises
     ------
@@ -59,13 +68,13 @@ class EuclideanField:
     Notes
     -----
     Parents are taken from neighbours alone, and turning points are centres of cells, so paths
-    may be longer than need be. Against the shortest paths between the same points around the
-    blocked cells themselves, by a visibility graph: 0.8 % in the mean and 4.7 % at most in rooms
-    of 40 cells with doors and desks, 2.2 % and 8.7 % in rooms of 15 cells; 11 % in grids with 5
-    to 40 % of the cells blocked at random. Most of that is the way from a corner to the centre
-    of the cell beside it: against the shortest lines over centres it is 0.3 % in rooms of 15
-    cells and 3.2 % in random grids. The two orders differ in either direction in one cell in
-    five of a random grid, and by less than 0.01 % in the mean.
+    are longer than the shortest ones around the blocked cells, which a visibility graph has: by
+    0.8 % on average and 4.7 % at most in rooms of 40 cells with doors and desks, 2.2 % and 8.7 %
+    in rooms of 15 cells, and 11 % in grids with 5 to 40 % of the cells blocked at random. Most
+    of that is the distance from a corner to the centre of the cell beside it: compared with the
+    shortest lines over centres it is 0.3 % in rooms of 15 cells and 3.2 % in random grids. The
+    two orders differ, in either direction, in one cell in five of a random grid, by less than
+    0.01 % on average. Queries go on with the transform: a field is not shared between threads.
 
     Source: J. C. Elizondo-Leal, E. F. Parra-González and J. G. Ramírez-Torres, The Exact
     Euclidean Distance Transform: A New Algorithm for Universal Path Planning, Int. J. Adv.
@@ -97,38 +106,42 @@ class EuclideanField:
         if order not in ("queue", "sweeps"):
             raise InvalidInputError(f"an order is 'queue' or 'sweeps', not {order!r}")
         point = np.array(source, np.float64)
-        start = cells_of(point[None], passable, cell_m, x0, y0)[0]
+        x, y = checked_sources(point[None], passable, cell_m, x0, y0)[0].tolist()
         self.passable = passable
         self.cell_m = cell_m
         self.x0, self.y0 = x0, y0
         self.source: FloatArray = point
-        self._x, self._y = float(start[0]), float(start[1])
-        # Zero means untouched everywhere: pages of the grid that are not reached cost nothing.
+        # Zero means untouched everywhere: memory of the grid that is not reached costs nothing.
         size = passable.size
-        self._state = np.zeros(size, np.uint8)
-        self._distance = np.zeros(size)
-        self._parent = np.zeros(size, np.int32)
-        self._places = np.zeros(size, np.int32)
-        self._heap, self._keys = np.empty(size + 1, np.int32), np.empty(size + 1)
-        first = int(self._y) * passable.shape[1] + int(self._x)
-        self._distance[first] = math.hypot(
-            int(self._x) + 0.5 - self._x, int(self._y) + 0.5 - self._y
+        self._transform = _Transform(
+            passable=passable,
+            x=x,
+            y=y,
+            state=np.zeros(size, np.uint8),
+            distance=np.zeros(size),
+            parent=np.zeros(size, np.int32),
+            heap=CellHeap(
+                cells=np.empty(size + 1, np.int32),
+                keys=np.empty(size + 1),
+                places=np.zeros(size, np.int32),
+            ),
         )
-        self._state[first] = OPEN
+        first = int(y) * passable.shape[1] + int(x)
+        start = math.hypot(int(x) + 0.5 - x, int(y) + 0.5 - y)
+        self._transform.distance[first] = start
+        self._transform.state[first] = OPEN
         self._held = 0
         if order == "sweeps":
-            _sweep(self.passable, self._x, self._y, self._state, self._distance, self._parent)
+            _sweep(self._transform)
         else:
-            self._held = push(
-                self._heap, self._keys, self._places, 0, float(self._distance[first]), first
-            )
+            self._held = push(self._transform.heap, 0, start, first)
 
     def distance(self, cells: ArrayLike) -> FloatArray:
-        """Length of the path to the centre of each of some cells.
+        """Return the length of the path to the centre of each of some cells.
 
         Parameters
         ----------
-        cells : (k, 2) array of int
+        cells : (k, 2) array_like of int
             Rows and columns.
 
         Returns
@@ -141,23 +154,24 @@ class EuclideanField:
         InvalidInputError
             If a cell is not in the grid.
         """
-        rows, columns = asked_cells(cells, self.passable)
+        rows, columns = checked_cells(cells, self.passable)
         at = rows * self.passable.shape[1] + columns
         self._march_to(at[self.passable[rows, columns]])
-        return np.where(self._state[at] == FINAL, self._distance[at] * self.cell_m, np.inf)
+        is_final = self._transform.state[at] == FINAL
+        return np.where(is_final, self._transform.distance[at] * self.cell_m, np.inf)
 
     def path(self, cell: ArrayLike) -> FloatArray:
-        """Give the path from the source to the centre of a cell: its turning points.
+        """Return the path from the source to the centre of a cell.
 
         Parameters
         ----------
-        cell : (2,) array of int
+        cell : (2,) array_like of int
             Row and column.
 
         Returns
         -------
         (n, 2) array
-            Points in metres, from the source to the cell's centre.
+            The source, the turning points and the cell's centre, in metres.
 
         Raises
         ------
@@ -166,10 +180,13 @@ class EuclideanField:
         """
         row, column = (int(index) for index in np.asarray(cell, np.int64))
         if not np.isfinite(self.distance([(row, column)])[0]):
-            raise InvalidInputError(f"no path leads to cell ({row}, {column}): its distance tells")
+            raise InvalidInputError(
+                f"no path leads to cell ({row}, {column}): its distance is infinite"
+            )
+        parent = self._transform.parent
         turns = [row * self.passable.shape[1] + column]
-        while self._parent[turns[-1]]:
-            turns.append(int(self._parent[turns[-1]]) - 1)
+        while parent[turns[-1]]:
+            turns.append(int(parent[turns[-1]]) - 1)
         rows, columns = np.divmod(np.array(turns[::-1]), self.passable.shape[1])
         centres = np.column_stack([columns + 0.5, rows + 0.5]) * self.cell_m + (self.x0, self.y0)
         points: FloatArray = np.vstack([self.source, centres])
@@ -177,61 +194,50 @@ class EuclideanField:
 
     def _march_to(self, asked: IntArray) -> None:
         for u in asked.tolist():
-            if self._state[u] != FINAL:
-                self._held = _march(
-                    self.passable,
-                    self._x,
-                    self._y,
-                    self._state,
-                    self._distance,
-                    self._parent,
-                    self._places,
-                    self._heap,
-                    self._keys,
-                    self._held,
-                    u,
-                )
+            if self._transform.state[u] != FINAL:
+                self._held = _march(self._transform, self._held, u)
+
+
+class _Transform(NamedTuple):
+    """The grid, the source in widths of a cell, and the arrays of a transform.
+
+    Cells are numbered row by row. A parent is the number of a cell plus one; 0 is the source,
+    which need not be the centre of its cell.
+    """
+
+    passable: BoolArray
+    x: float
+    y: float
+    state: ByteArray
+    distance: FloatArray
+    parent: Int32Array
+    heap: CellHeap
 
 
 @kernel
-def _march(
-    passable: BoolArray,
-    x: float,
-    y: float,
-    state: NDArray[np.uint8],
-    distance: FloatArray,
-    parent: NDArray[np.int32],
-    places: NDArray[np.int32],
-    heap: NDArray[np.int32],
-    keys: FloatArray,
-    held: int,
-    asked: int,
-) -> int:
-    # In the order of distance, until the asked cell is final.
+def _march(transform: _Transform, held: int, asked: int) -> int:
+    # Finalize cells in the order of distance until one that is asked for is final. Return the
+    # number of cells in the heap.
+    passable, state, heap = transform.passable, transform.state, transform.heap
     columns = passable.shape[1]
     while held > 0 and state[asked] != FINAL:
-        u = heap[1]
-        held = drop_first(heap, keys, places, held)
-        places[u] = 0
+        u = int(heap.cells[1])
+        held = drop_first(heap, held)
+        heap.places[u] = 0
         state[u] = FINAL
         for k in range(8):
             r, c = u // columns + NEIGHBOURS[k][0], u % columns + NEIGHBOURS[k][1]
             if _leads(passable, u // columns, u % columns, r, c):
                 v = r * columns + c
-                if state[v] != FINAL and _relax(passable, x, y, state, distance, parent, u, r, c):
-                    held = push(heap, keys, places, held, distance[v], v)
+                if state[v] != FINAL and _relax(transform, u, r, c):
+                    held = push(heap, held, transform.distance[v], v)
     return held
 
 
 @kernel
-def _sweep(
-    passable: BoolArray,
-    x: float,
-    y: float,
-    state: NDArray[np.uint8],
-    distance: FloatArray,
-    parent: NDArray[np.int32],
-) -> None:
+def _sweep(transform: _Transform) -> None:
+    # Relax all cells in raster scans forward and backward until nothing changes.
+    passable, state = transform.passable, transform.state
     rows, columns = passable.shape
     changed = True
     while changed:
@@ -246,16 +252,16 @@ def _sweep(
                     q, p = r + NEIGHBOURS[k][0], c + NEIGHBOURS[k][1]
                     if _leads(passable, r, c, q, p) and state[q * columns + p] != UNSEEN:
                         u = q * columns + p
-                        if _relax(passable, x, y, state, distance, parent, u, r, c):
+                        if _relax(transform, u, r, c):
                             changed = True
     for v in range(rows * columns):
         if state[v] == OPEN:
             state[v] = FINAL
 
 
-@inlined_kernel
+@kernel
 def _leads(passable: BoolArray, r: int, c: int, to_r: int, to_c: int) -> bool:
-    # Whether one step leads from a cell to a neighbour, which may be out of the grid.
+    # Whether a step leads from a cell to a neighbour, which may lie outside of the grid.
     rows, columns = passable.shape
     if not (0 <= to_r < rows and 0 <= to_c < columns):
         return False
@@ -263,32 +269,22 @@ def _leads(passable: BoolArray, r: int, c: int, to_r: int, to_c: int) -> bool:
 
 
 @kernel
-def _relax(
-    passable: BoolArray,
-    x: float,
-    y: float,
-    state: NDArray[np.uint8],
-    distance: FloatArray,
-    parent: NDArray[np.int32],
-    u: int,
-    r: int,
-    c: int,
-) -> bool:
-    # Offer cell (r, c) the way over its neighbour u. A parent is a cell's number plus one; 0 is
-    # the source, which need not be the centre of its cell.
-    columns = passable.shape[1]
+def _relax(transform: _Transform, u: int, r: int, c: int) -> bool:
+    # Offer cell (r, c) the path over its neighbour u. Return whether it is shorter.
+    state, distance, parent = transform.state, transform.distance, transform.parent
+    columns = transform.passable.shape[1]
     v = r * columns + c
-    turn = parent[u]
+    turn = int(parent[u])
     if turn == 0:
-        from_x, from_y, so_far = x, y, 0.0
+        from_x, from_y, so_far = transform.x, transform.y, 0.0
     else:
         from_x, from_y = (turn - 1) % columns + 0.5, (turn - 1) // columns + 0.5
         so_far = distance[turn - 1]
     value = so_far + math.hypot(c + 0.5 - from_x, r + 0.5 - from_y)
-    # The way with a turn at u is not shorter, so that sight need not be looked for in vain.
+    # A path that turns at u is not shorter, so the line of sight need not be tested.
     if state[v] != UNSEEN and value >= distance[v]:
         return False
-    if not in_sight(passable, from_x, from_y, c, r):
+    if not in_sight(transform.passable, from_x, from_y, c, r):
         turn = u + 1
         value = distance[u] + math.hypot(c - u % columns, r - u // columns)
         if state[v] != UNSEEN and value >= distance[v]:

@@ -1,39 +1,38 @@
-"""The fast march on a grid: its kernels, its heap, and sight from cell to cell.
+"""Kernels of the fast marching method on a grid.
 
-Grids are flat here. They have a border of two blocked cells, so that no neighbour is out of
-bounds; a cell's upper neighbour is `width` further on. `distance` has the values that are final,
-and ``inf`` everywhere else; the values of the front are the heap's keys, of which number 0, for
-all cells not in it, is ``inf``.
+Grids are flat here, with a border of two blocked cells, so that no neighbour is out of bounds; a
+cell's upper neighbour is one `width` further on.
 
 Source: J. A. Sethian, Fast marching methods, SIAM Review 41 (1999), sections 3 and 5; differs
-in: exact values around a source, and what has been accepted can be taken back.
+in: exact values around a source, and accepted cells can be taken back.
 """
 
 from __future__ import annotations
 
 import math
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from multisrt.geometry.numerics.kernel import (
+from multisrt.geometry.grids.cell_heap import CellHeap, drop_first, push
+from multisrt.geometry.grids.sight import in_sight
+from multisrt.geometry.numerics.arrays import (
     BoolArray,
+    ByteArray,
     FloatArray,
+    Int32Array,
     IntArray,
-    inlined_kernel,
-    kernel,
-    unsigned,
 )
+from multisrt.geometry.numerics.kernel import kernel
 
 EXACT_CELLS: Final = 10
-"""Cells in sight of a source and no further from it than this start with their exact distance.
+"""Cells in sight of a source and within this many rows and columns start with exact distances.
 
 A front that starts from a point has a corner there, and all later values inherit its error.
 """
 
 EXACT_SLACK_CELLS: Final = 0.5
-"""An exact start value gives way only to a source that is nearer by more than this.
+"""An exact start value is replaced only by one that is lower by more than this, in cells.
 
 Across the source, where distances have a kink, one step of the march is wrong by up to a third.
 """
@@ -44,22 +43,56 @@ EXACT: Final = 2
 ACCEPTED: Final = 3
 
 ASKED: Final = 1
+"""Mark of a cell that is to be accepted before the march stops."""
 RIM: Final = 2
+"""Mark of a cell behind which the grid goes on, but not the window."""
+
+
+class March(NamedTuple):
+    """The arrays of a march, with one value per cell unless stated otherwise.
+
+    Attributes
+    ----------
+    width : int
+        Columns of the grid, with its border.
+    state : (n,) array of uint8
+        `BLOCKED`, `FREE`, `EXACT` (free, with an exact start value) or `ACCEPTED`.
+    marks : (n,) array of uint8
+        Bits `ASKED` and `RIM`.
+    distance : (n,) array
+        Values of the accepted cells in widths of a cell, ``inf`` elsewhere.
+    order : (n,) array of int32
+        Numbers of the accepted cells in the order in which they were accepted.
+    heap : CellHeap
+        The front: cells with values that are not final, which are the keys; key 0 is ``inf``.
+        The place of an accepted cell is its index in `order`.
+    """
+
+    width: int
+    state: ByteArray
+    marks: ByteArray
+    distance: FloatArray
+    order: Int32Array
+    heap: CellHeap
 
 
 @kernel
-def seed(
-    free: BoolArray,
-    starts: FloatArray,
-    state: NDArray[np.uint8],
-    places: NDArray[np.int32],
-    heap: NDArray[np.int32],
-    keys: FloatArray,
-    width: int,
-) -> int:
-    """Give the cells around the sources their exact distances; tells how many the heap holds.
+def seed(free: BoolArray, starts: FloatArray, march: March) -> int:
+    """Put the cells around the sources on the front, with exact distances.
 
-    `free` is the grid without its border, and `starts` are the sources in widths of its cells.
+    Parameters
+    ----------
+    free : (rows, columns) array of bool
+        The grid without its border.
+    starts : (k, 2) array
+        The sources x, y in widths of a cell from the corner of `free`.
+    march : March
+        A march that has not begun, changed in place.
+
+    Returns
+    -------
+    int
+        Number of cells on the front.
     """
     rows, columns = free.shape
     held = 0
@@ -68,59 +101,61 @@ def seed(
         for r in range(max(0, int(y) - EXACT_CELLS), min(rows, int(y) + EXACT_CELLS + 1)):
             for c in range(max(0, int(x) - EXACT_CELLS), min(columns, int(x) + EXACT_CELLS + 1)):
                 straight = np.hypot(c + 0.5 - x, r + 0.5 - y)
-                u = (r + 2) * width + c + 2
-                if straight < keys[places[u]] and in_sight(free, x, y, c, r):
-                    state[u] = EXACT
-                    held = push(heap, keys, places, held, straight, u)
+                u = (r + 2) * march.width + c + 2
+                if straight < march.heap.keys[march.heap.places[u]] and in_sight(free, x, y, c, r):
+                    march.state[u] = EXACT
+                    held = push(march.heap, held, straight, u)
     return held
 
 
 @kernel
-def march(
-    state: NDArray[np.uint8],
-    marks: NDArray[np.uint8],
-    distance: FloatArray,
-    places: NDArray[np.int32],
-    order: NDArray[np.int32],
-    heap: NDArray[np.int32],
-    keys: FloatArray,
-    held: int,
-    count: int,
-    width: int,
-    remaining: int,
-    limit: float,
+def advance(
+    march: March, held: int, count: int, remaining: int, limit: float
 ) -> tuple[int, int, bool]:
     """Accept cells in the order of their values.
 
-    Until the front is empty or beyond the limit, as many asked cells as remain are accepted, or
-    the next one lies on the rim. An accepted cell's place is its rank.
+    It stops when the front is empty or beyond the limit, enough asked cells are accepted, or the
+    next cell lies on the rim.
+
+    Parameters
+    ----------
+    march : March
+        The march, changed in place.
+    held, count : int
+        Number of cells on the front, and of those accepted.
+    remaining : int
+        Number of cells marked `ASKED` to accept; negative for no end.
+    limit : float
+        Highest value to accept, in widths of a cell.
 
     Returns
     -------
     held, count : int
-        How many cells the heap holds, and how many are accepted.
+        Number of cells on the front now, and of those accepted.
     at_rim : bool
         Whether the next cell lies on the rim.
     """
-    one, across = unsigned(1), unsigned(width)
+    state, marks, distance, order = march.state, march.marks, march.distance, march.order
+    cells, keys, places = march.heap
+    width = march.width
     while held > 0 and remaining != 0:
-        u, value = unsigned(heap[1]), keys[1]
+        u, value = int(cells[1]), keys[1]
         if value > limit:
             return held, count, False
         if marks[u] != 0:
             if marks[u] & RIM:
                 return held, count, True
             remaining -= 1
-        held = drop_first(heap, keys, places, held)
+        held = drop_first(march.heap, held)
         state[u], distance[u] = ACCEPTED, value
         places[u], order[count] = count, u
         count += 1
-        for v in (u + one, u - one, u + across, u - across):
+        for v in (u + 1, u - 1, u + width, u - width):
             if state[v] == FREE or state[v] == EXACT:
-                value = _upwind(distance, v, across)
-                if _is_lower(value, keys[unsigned(places[v])], state[v]):
+                value = _upwind(distance, v, width)
+                if _is_lower(value, keys[places[v]], state[v]):
                     state[v] = FREE
-                    held = push(heap, keys, places, held, value, v)
+                    held = push(march.heap, held, value, v)
     return held, count, False
 
 
@@ -128,21 +163,21 @@ def march(
 def numbers_of(
     rows: IntArray, columns: IntArray, window: tuple[int, int, int, int], width: int
 ) -> IntArray:
-    """Give the numbers that cells have in a window of the grid, with its border.
+    """Return the numbers of cells in a window of the grid with its border.
 
     Parameters
     ----------
     rows, columns : (n,) arrays
-        Where they are in the grid.
+        Their rows and columns in the grid.
     window : (r0, r1, c0, c1)
-        The window's rows are r0 to r1 - 1, its columns c0 to c1 - 1.
+        The window has rows r0 to r1 - 1 and columns c0 to c1 - 1.
     width : int
         Columns of the window with its border.
 
     Returns
     -------
     (n,) array
-        0, which is a cell of the border, for those that do not lie in the window.
+        0, which is a cell of the border, for those outside of the window.
     """
     r0, r1, c0, c1 = window
     numbers = np.zeros(rows.shape[0], np.int64)
@@ -153,10 +188,21 @@ def numbers_of(
 
 
 @kernel
-def ask(at: IntArray, state: NDArray[np.uint8], marks: NDArray[np.uint8]) -> tuple[int, int]:
-    """Mark cells as asked for; tell how many of them are not accepted yet, and how many are.
+def ask(at: IntArray, state: ByteArray, marks: ByteArray) -> tuple[int, int]:
+    """Mark cells as asked for, in place.
 
-    Those that do not lie in the window are not accepted.
+    Parameters
+    ----------
+    at : (k,) array
+        Numbers of the cells, 0 for those outside of the window, which count as not accepted.
+    state, marks : (n,) arrays of uint8
+        As in `March`.
+
+    Returns
+    -------
+    missing, final : int
+        Number of them that are not accepted yet, and that are; a missing cell of the window
+        counts once however often it is asked for.
     """
     missing = final = 0
     for u in at:
@@ -171,8 +217,15 @@ def ask(at: IntArray, state: NDArray[np.uint8], marks: NDArray[np.uint8]) -> tup
 
 
 @kernel
-def first_accepted(at: IntArray, state: NDArray[np.uint8], places: NDArray[np.int32]) -> int:
-    """Give the index of the cell that was accepted first; -1 if none was."""
+def forget(at: IntArray, marks: ByteArray) -> None:
+    """Remove the mark `ASKED` from cells, in place."""
+    for u in at:
+        marks[u] &= RIM
+
+
+@kernel
+def first_accepted(at: IntArray, state: ByteArray, places: Int32Array) -> int:
+    """Return the index of the cell in `at` that was accepted first, -1 if none is."""
     first = -1
     for i in range(at.shape[0]):
         if state[at[i]] == ACCEPTED and (first < 0 or places[at[i]] < places[at[first]]):
@@ -181,26 +234,21 @@ def first_accepted(at: IntArray, state: NDArray[np.uint8], places: NDArray[np.in
 
 
 @kernel
-def forget(at: IntArray, marks: NDArray[np.uint8]) -> None:
-    """Have cells no longer asked for."""
-    for u in at:
-        marks[u] &= RIM
-
-
-@kernel
-def moved_cells(
-    cells: NDArray[np.int32], across: int, width: int, below: int, left: int
-) -> NDArray[np.int32]:
-    """Give the numbers of cells in a grid that has more rows below and more columns to the left.
+def moved_cells(cells: Int32Array, across: int, width: int, below: int, left: int) -> Int32Array:
+    """Return the numbers that cells have in a larger grid.
 
     Parameters
     ----------
-    cells : (n,) array
-        Their numbers in a grid that is `across` wide.
+    cells : (n,) array of int32
+        Their numbers in a grid with `across` columns.
     across, width : int
-        Widths of the two grids, borders included.
+        Columns of the smaller and the larger grid, borders included.
     below, left : int
-        How many more rows and columns.
+        Number of rows that the larger grid has more below, and of columns to the left.
+
+    Returns
+    -------
+    (n,) array of int32
     """
     numbers = np.empty_like(cells)
     for i in range(len(cells)):
@@ -209,52 +257,25 @@ def moved_cells(
     return numbers
 
 
-@inlined_kernel
-def _is_lower(value: float, own: float, state: int) -> bool:
-    # Whether a cell takes a value that it is offered instead of its own.
-    return value < own - (EXACT_SLACK_CELLS if state == EXACT else 0.0)
-
-
-@inlined_kernel
-def _upwind(distance: FloatArray, v: int, width: int) -> float:
-    # Solve sum over the axes of weight * (value - base)^2 = 1 with the accepted cells upwind.
-    base_x, weight_x = _one_sided(distance, v, unsigned(1))
-    base_y, weight_y = _one_sided(distance, v, width)
-    if base_x < np.inf and base_y < np.inf:
-        a = weight_x + weight_y
-        b = weight_x * base_x + weight_y * base_y
-        c = weight_x * base_x * base_x + weight_y * base_y * base_y - 1.0
-        discriminant = b * b - a * c
-        if discriminant >= 0.0:
-            value = (b + math.sqrt(discriminant)) / a
-            if value >= max(base_x, base_y):
-                return value
-    # The front comes along one axis only.
-    return min(base_x + 1.0 / math.sqrt(weight_x), base_y + 1.0 / math.sqrt(weight_y))
-
-
-@inlined_kernel
-def _one_sided(distance: FloatArray, v: int, step: int) -> tuple[float, float]:
-    # The difference along one axis as sqrt(weight) * (value - base); base inf if none is known.
-    # Choices instead of branches: which neighbours are known nobody can predict.
-    before, after = distance[v - step], distance[v + step]
-    beyond = v + step + step if after < before else v - step - step
-    nearest, second = min(before, after), distance[beyond]
-    of_second_order = second <= nearest and second < np.inf
-    base = (4.0 * nearest - second) / 3.0 if of_second_order else nearest
-    return base, 2.25 if of_second_order else 1.0
-
-
 @kernel
 def descend(
-    at: IntArray, state: NDArray[np.uint8], distance: FloatArray, width: int
+    at: IntArray, state: ByteArray, distance: FloatArray, width: int
 ) -> tuple[IntArray, IntArray]:
-    """Follow the distances down to a source, each time to the steepest of 8 neighbours.
+    """Follow the distances from cells down to a source, each step to the steepest of 8 neighbours.
+
+    Parameters
+    ----------
+    at : (k,) array
+        Numbers of accepted cells.
+    state, distance : (n,) arrays
+        As in `March`.
+    width : int
+        Columns of the grid with its border.
 
     Returns
     -------
-    ways : (n,) array
-        The ways from all cells that are asked for, one after the other.
+    ways : (m,) array
+        The cells on the ways from all of them, one way after the other.
     begins : (k + 1,) array
         Way k is ``ways[begins[k]:begins[k + 1]]``.
     """
@@ -290,25 +311,37 @@ def descend(
 @kernel
 def take_back(
     changed: IntArray,
-    state: NDArray[np.uint8],
-    distance: FloatArray,
-    places: NDArray[np.int32],
-    order: NDArray[np.int32],
-    heap: NDArray[np.int32],
-    keys: FloatArray,
+    march: March,
     held: int,
     count: int,
-    width: int,
-    seeds: NDArray[np.int32],
+    seeds: Int32Array,
     seed_values: FloatArray,
 ) -> tuple[int, int]:
-    """Block cells that were free and free those that were blocked, and take back what follows.
+    """Toggle cells between free and blocked, and take back what they may have had a share in.
 
-    Returns how many cells the heap holds, and how many remain accepted.
+    Parameters
+    ----------
+    changed : (k,) array
+        Numbers of the cells that were free and are blocked now, or the reverse.
+    march : March
+        The march, changed in place.
+    held, count : int
+        Number of cells on the front, and of those accepted.
+    seeds : (s,) array of int32
+        Numbers of the cells on the front when the march began.
+    seed_values : (s,) array
+        Their values.
+
+    Returns
+    -------
+    held, count : int
+        Number of cells on the front now, and of those that remain accepted. The march goes on as
+        one from nothing would at that moment.
     """
-    # A cell that is blocked now has had no share in anything accepted before it, one that is
-    # passable now can have none in what was accepted before its first neighbour: so far a new
-    # march would go the same way.
+    # A cell that is blocked now had no share in anything accepted before it, and one that is
+    # free now can have none in anything accepted before its first neighbour.
+    state, distance, order = march.state, march.distance, march.order
+    places, width = march.heap.places, march.width
     kept = count
     for w in changed:
         if state[w] == ACCEPTED:
@@ -317,8 +350,9 @@ def take_back(
             for step in (1, -1, width, -width):
                 if state[w + step] == ACCEPTED:
                     kept = min(kept, places[w + step] + 1)
-    # Forget the rest, and the front.
-    loose = np.concatenate((heap[1 : held + 1], order[kept:count], changed.astype(np.int32)))
+    # The rest is forgotten, and so is the front.
+    front = march.heap.cells[1 : held + 1]
+    loose = np.concatenate((front, order[kept:count], changed.astype(np.int32)))
     for u in loose:
         if state[u] != BLOCKED:
             state[u] = FREE
@@ -330,30 +364,22 @@ def take_back(
         u = seeds[k]
         if state[u] != ACCEPTED:
             state[u] = EXACT
-            held = push(heap, keys, places, held, seed_values[k], u)
+            held = push(march.heap, held, seed_values[k], u)
     # The front of that moment.
     around = np.full(25, np.inf)
     for u in loose:
         if state[u] != BLOCKED:
-            held = _relive(u, distance, state, places, heap, keys, held, width, around)
+            held = _restore(u, march, held, around)
     return held, kept
 
 
 @kernel
-def _relive(
-    v: int,
-    distance: FloatArray,
-    state: NDArray[np.uint8],
-    places: NDArray[np.int32],
-    heap: NDArray[np.int32],
-    keys: FloatArray,
-    held: int,
-    width: int,
-    around: FloatArray,
-) -> int:
-    # The value of a cell of the front is the least that it was offered as its neighbours were
-    # accepted. Offer them again in that order, each with what was accepted by then, which is
-    # laid out in 5 x 5 cells around it.
+def _restore(v: int, march: March, held: int, around: FloatArray) -> int:
+    # The value of a cell on the front is the lowest that it was offered as its neighbours were
+    # accepted. They are offered again in that order, each from what was accepted by then, which
+    # is laid out in the 5 x 5 cells of `around`.
+    state, distance, width = march.state, march.distance, march.width
+    keys, places = march.heap.keys, march.heap.places
     done = -1
     while True:
         rank = np.iinfo(np.int32).max
@@ -367,100 +393,44 @@ def _relive(
                 w = v + away * step
                 by_then = state[w] == ACCEPTED and places[w] <= rank
                 around[12 + away * here] = distance[w] if by_then else np.inf
-        value = _upwind(around, unsigned(12), unsigned(5))
+        value = _upwind(around, 12, 5)
         if _is_lower(value, keys[places[v]], state[v]):
             state[v] = FREE
-            held = push(heap, keys, places, held, value, v)
+            held = push(march.heap, held, value, v)
         done = rank
 
 
 @kernel
-def in_sight(free: BoolArray, x: float, y: float, column: int, row: int) -> bool:
-    """Whether a cell's centre is seen from a point, given in cells, through free cells alone.
-
-    Between two cells that meet in a corner both cells beside it have to be free.
-    """
-    c, r = int(x), int(y)
-    dx, dy = column + 0.5 - x, row + 0.5 - y
-    step_c, step_r = (1 if dx > 0.0 else -1), (1 if dy > 0.0 else -1)
-    next_x = np.inf if dx == 0.0 else (c + (step_c > 0) - x) / dx
-    next_y = np.inf if dy == 0.0 else (r + (step_r > 0) - y) / dy
-    if not free[r, c]:
-        return False
-    while c != column or r != row:
-        if c != column and r != row and abs(next_x - next_y) < 1e-9:
-            if not (free[r, c + step_c] and free[r + step_r, c]):
-                return False
-            c, r = c + step_c, r + step_r
-            next_x, next_y = next_x + abs(1.0 / dx), next_y + abs(1.0 / dy)
-        elif r == row or (c != column and next_x < next_y):
-            c, next_x = c + step_c, next_x + abs(1.0 / dx)
-        else:
-            r, next_y = r + step_r, next_y + abs(1.0 / dy)
-        if not free[r, c]:
-            return False
-    return True
+def _is_lower(value: float, own: float, state: int) -> bool:
+    # Whether a cell takes a value that it is offered instead of its own.
+    return value < own - (EXACT_SLACK_CELLS if state == EXACT else 0.0)
 
 
 @kernel
-def push(
-    heap: NDArray[np.int32],
-    keys: FloatArray,
-    places: NDArray[np.int32],
-    held: int,
-    key: float,
-    cell: int,
-) -> int:
-    """Put a cell into a binary heap, or move it to where its lower key belongs.
-
-    The heap begins at index 1. It knows where each cell lies in it, so that a lower value moves
-    the cell instead of adding it again; place 0 is that of cells not in it. Equal keys go by
-    the cells' numbers, so that the order in which cells leave does not depend on how they came.
-    Returns how many cells it holds.
-    """
-    one, new = unsigned(1), unsigned(cell)
-    i = unsigned(places[new])
-    if i == 0:
-        held += 1
-        i = unsigned(held)
-    while i > 1:
-        parent = i >> one
-        above = unsigned(heap[parent])
-        if keys[parent] <= key and (keys[parent] < key or above < new):
-            break
-        heap[i], keys[i], places[above] = above, keys[parent], i
-        i = parent
-    heap[i], keys[i], places[new] = new, key, i
-    return held
+def _upwind(distance: FloatArray, v: int, width: int) -> float:
+    # Solve sum over the axes of weight * (value - base)^2 = 1 with the accepted cells upwind.
+    base_x, weight_x = _one_sided(distance, v, 1)
+    base_y, weight_y = _one_sided(distance, v, width)
+    if base_x < np.inf and base_y < np.inf:
+        a = weight_x + weight_y
+        b = weight_x * base_x + weight_y * base_y
+        c = weight_x * base_x * base_x + weight_y * base_y * base_y - 1.0
+        discriminant = b * b - a * c
+        if discriminant >= 0.0:
+            value = (b + math.sqrt(discriminant)) / a
+            if value >= max(base_x, base_y):
+                return value
+    # The front arrives along one axis only.
+    return min(base_x + 1.0 / math.sqrt(weight_x), base_y + 1.0 / math.sqrt(weight_y))
 
 
 @kernel
-def drop_first(
-    heap: NDArray[np.int32], keys: FloatArray, places: NDArray[np.int32], held: int
-) -> int:
-    """Take the cell of the lowest key out of a heap; returns how many cells it holds then.
-
-    Its place is left for the caller to overwrite.
-    """
-    # The hole at the top goes down to the bottom along the smaller children, without a branch
-    # to mispredict; there the last cell, which has one of the largest values, is near its place.
-    one, last, key = unsigned(1), unsigned(heap[held]), keys[held]
-    held -= 1
-    i, child, bottom = unsigned(1), unsigned(2), unsigned(held)
-    while child < bottom:
-        left, right = keys[child], keys[child + one]
-        if left == right:
-            child += one if heap[child + one] < heap[child] else unsigned(0)
-        else:
-            child += one if right < left else unsigned(0)
-        below = unsigned(heap[child])
-        heap[i], keys[i], places[below] = below, keys[child], i
-        i, child = child, child + child
-    if child == bottom:
-        below = unsigned(heap[child])
-        heap[i], keys[i], places[below] = below, keys[child], i
-        i = child
-    if held > 0:
-        places[last] = i
-        push(heap, keys, places, held, key, last)
-    return held
+def _one_sided(distance: FloatArray, v: int, step: int) -> tuple[float, float]:
+    # The difference along one axis as sqrt(weight) * (value - base); base is inf if no value is
+    # known. Selections instead of branches: which neighbours are known is hard to predict.
+    before, after = distance[v - step], distance[v + step]
+    beyond = v + step + step if after < before else v - step - step
+    nearest, second = min(before, after), distance[beyond]
+    of_second_order = second <= nearest and second < np.inf
+    base = (4.0 * nearest - second) / 3.0 if of_second_order else nearest
+    return base, 2.25 if of_second_order else 1.0

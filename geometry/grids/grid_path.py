@@ -1,4 +1,4 @@
-"""The shortest path on a grid, read from a distance field."""
+"""Shortest paths on a grid, traced in a distance field."""
 
 from __future__ import annotations
 
@@ -8,24 +8,25 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from multisrt.geometry.grids.distance_field import DistanceField
-from multisrt.geometry.grids.fast_march import in_sight
-from multisrt.geometry.numerics.kernel import BoolArray, FloatArray, IntArray, kernel
+from multisrt.geometry.grids.sight import in_sight
+from multisrt.geometry.numerics.arrays import BoolArray, FloatArray, IntArray
+from multisrt.geometry.numerics.kernel import kernel
 
 
 def shortest_path(field: DistanceField, cell: ArrayLike) -> FloatArray:
-    """Read the path from the nearest source to a cell from a distance field.
+    """Trace the path from the nearest source to a cell in a distance field.
 
     Parameters
     ----------
     field : DistanceField
-        Distances from the sources; marches on to the cell if it has not come so far.
-    cell : (2,) array of int
+        Distances from the sources. It marches on to the cell if it has not reached it yet.
+    cell : (2,) array_like of int
         Row and column.
 
     Returns
     -------
     (n, 2) array
-        Points in metres from the source to the cell's centre. The lines between them run
+        Points x, y in metres from the source to the cell's centre. The lines between them run
         through passable cells, and between two cells that meet in a corner only where both
         cells beside it are passable.
 
@@ -36,14 +37,14 @@ def shortest_path(field: DistanceField, cell: ArrayLike) -> FloatArray:
 
     Notes
     -----
-    From the cell down the field, each step to the steepest of eight neighbours; then the line
-    is pulled straight: from each point to the farthest one of the way that it sees, once from
-    the source on and once from the cell back; the shorter line is taken. Its turning points are
-    centres of cells, half a cell's diagonal from the corner that they go around. Against the
-    shortest paths between the same points around the blocked cells themselves, by a visibility
-    graph: too long by 0.8 % in the mean and 4.7 % at most in rooms of 40 cells with doors and
-    desks, 2.3 % and 9.0 % in rooms of 15 cells, where the shortest line over centres already is
-    1.9 % and 8.7 % longer; 8.7 % in the mean in grids with 5 to 40 % of the cells blocked at
+    The path descends the field from the cell, each step to the steepest of eight neighbours,
+    and is then pulled straight: from each point to the farthest later one that it sees, once
+    from the source onwards and once from the cell backwards, of which the shorter line is taken.
+    Its turning points are centres of cells, half a cell's diagonal from the corners that it goes
+    around. Compared with the shortest paths around the blocked cells, which a visibility graph
+    has, it is too long by 0.8 % on average and 4.7 % at most in rooms of 40 cells with doors and
+    desks; by 2.3 % and 9.0 % in rooms of 15 cells, where the shortest line over centres is 1.9 %
+    and 8.7 % too long; and by 8.7 % on average in grids with 5 to 40 % of the cells blocked at
     random, where each step is a turn.
 
     Examples
@@ -59,7 +60,20 @@ def shortest_path(field: DistanceField, cell: ArrayLike) -> FloatArray:
 
 
 def straightened(field: DistanceField, descent: IntArray) -> FloatArray:
-    """Pull the way straight that a field's descent from a cell gave; see `shortest_path`."""
+    """Return a descent of a field as a straightened path; see `shortest_path`.
+
+    Parameters
+    ----------
+    field : DistanceField
+        The field.
+    descent : (n, 2) array of int
+        What `DistanceField.descent` has returned for a cell.
+
+    Returns
+    -------
+    (m, 2) array
+        Points x, y in metres from the source to the cell's centre.
+    """
     centres = descent[::-1, ::-1] + 0.5
     source = _source_of(field.passable, centres[0], field.starts)
     line = np.vstack([field.starts[source], centres])
@@ -75,7 +89,7 @@ def _length(line: FloatArray) -> float:
 
 @kernel
 def _source_of(passable: BoolArray, centre: FloatArray, starts: FloatArray) -> int:
-    # The nearest source that sees the cell at which the way ends.
+    # The nearest source that sees the cell where the descent ends.
     nearest, source = np.inf, 0
     for k in range(len(starts)):
         x, y = starts[k]
@@ -87,8 +101,8 @@ def _source_of(passable: BoolArray, centre: FloatArray, starts: FloatArray) -> i
 
 @kernel
 def _pull(passable: BoolArray, line: FloatArray, onward: bool) -> IntArray:
-    # From each turning point to the farthest point of the line that it sees, from the source on
-    # or from the cell back. All points but the source are centres.
+    # From each turning point to the farthest point of the line that it sees, from the source
+    # onwards or from the cell backwards. All points but the source are centres of cells.
     end, step = (len(line) - 1, 1) if onward else (0, -1)
     here = len(line) - 1 - end
     turns = [here]

@@ -9,27 +9,39 @@ import numpy as np
 from numpy.typing import NDArray
 
 from multisrt.geometry.errors import InvalidInputError
+from multisrt.geometry.numerics.arrays import BoolArray, FloatArray, Int32Array, IntArray
 from multisrt.geometry.numerics.boxes import all_below, bounds_of
-from multisrt.geometry.numerics.kernel import BoolArray, FloatArray, IntArray, kernel
+from multisrt.geometry.numerics.kernel import kernel
 
 MAX_CELLS = 400_000_000
-"""A raster never grows beyond this many cells of one byte, or as many fewer as they are larger."""
+"""Largest size of a raster in bytes, which for one byte per cell is its number of cells."""
 
 FARTHEST_CELL = 2.0**52
-"""Cells farther from the origin are not told apart."""
+"""Largest distance from the origin, in cells, at which floats tell neighbouring cells apart."""
 
 OFFSET = 0.3819660112501051
-"""Share of a cell by which the lattice is moved.
+"""Shift of the lattice in cells.
 
-Walls like to lie on round coordinates; moved by an irrational share of a cell, no cell centre
-lies exactly on one, so that no cell depends on how a tie is broken.
+Walls tend to lie on round coordinates. Shifted by an irrational fraction of a cell, no cell
+centre lies exactly on one, so that no cell depends on how a tie is broken.
 """
+
+Corners = tuple[int, int, int, int]
+"""A rectangle of cells ``(r0, r1, c0, c1)``: rows r0 to r1 - 1 and columns c0 to c1 - 1."""
 
 Number = TypeVar("Number", bound=np.generic)
 
 
 class Window(NamedTuple):
-    """The part of the lattice that a raster holds: its first cell, and how many there are."""
+    """The part of the lattice that a raster stores.
+
+    Attributes
+    ----------
+    row, column : int
+        Lattice row and column of its first cell.
+    rows, columns : int
+        Number of its rows and columns.
+    """
 
     row: int
     column: int
@@ -38,26 +50,42 @@ class Window(NamedTuple):
 
 
 class Raster:
-    """Cells of free space that have been covered by at least one painted polygon.
+    """Cells whose centres lie in at least one of the polygons painted so far.
 
-    The lattice is fixed by the cell width alone, so that rasters of equal cell width fit
-    together whatever window they hold.
+    The cell width alone determines the lattice, so that rasters of equal cell width have the
+    same cells whatever window they store.
 
     Parameters
     ----------
     cell_m : float
         Width of a cell in metres.
     bounds : (x0, y0, x1, y1), optional
-        The window to begin with; polygons outside make it grow.
+        The first window in metres; it grows to hold polygons outside.
 
     Attributes
     ----------
     cell_m : float
-        Width of a cell.
+        Width of a cell in metres.
     column, row : int
         Lattice indices of the first column and row of the window.
     cells : (rows, columns) array of bool
-        Whether a cell's centre has been painted; row 0 is the lowest y.
+        Whether each cell is painted; row 0 is the lowest y.
+
+    Raises
+    ------
+    InvalidInputError
+        If the width is not positive and finite, or there would be more than `MAX_CELLS` cells.
+
+    Examples
+    --------
+    >>> raster = Raster(0.5)
+    >>> square = np.array([(0.0, 0.0), (2.0, 0.0), (2.0, 2.0), (0.0, 2.0)])
+    >>> raster.paint(square)
+    16
+    >>> raster.area_m2()
+    4.0
+    >>> raster.paint(square + 1.0)
+    12
     """
 
     __slots__ = ("cell_m", "cells", "column", "row")
@@ -74,43 +102,76 @@ class Raster:
 
     @property
     def x0(self) -> float:
-        """Left border of the window."""
+        """Left border of the window in metres."""
         return (self.column - OFFSET) * self.cell_m
 
     @property
     def y0(self) -> float:
-        """Lower border of the window."""
+        """Lower border of the window in metres."""
         return (self.row - OFFSET) * self.cell_m
 
     def paint(self, boundary: FloatArray) -> int:
-        """Mark the cells whose centre lies in a polygon.
+        """Paint the cells whose centres lie in a polygon, by the even-odd rule.
+
+        The window grows to hold the polygon.
 
         Parameters
         ----------
         boundary : (n, 2) array
-            Corners of a polygon; it closes by itself.
+            Corners of the polygon in metres; the last is joined to the first.
 
         Returns
         -------
         int
-            How many of them were not marked before.
+            Number of cells that were not painted before.
 
         Raises
         ------
         InvalidInputError
-            If the raster would grow beyond `MAX_CELLS`, or a corner is not finite.
+            If the raster would grow beyond `MAX_CELLS`, or a corner is not finite. Nothing has
+            changed then.
         """
         refuse_corners(boundary, self.cell_m)
         self._cover(bounds_of(boundary))
         return paint_polygon(boundary, self.x0, self.y0, self.cell_m, self.cells)
 
     def paint_inside(self, boundary: FloatArray) -> int:
-        """Mark cells as `paint` does, but only those in the window, which stays as it is."""
+        """Paint cells as `paint` does, but only those of the window, which does not grow.
+
+        Parameters
+        ----------
+        boundary : (n, 2) array
+            Corners of the polygon in metres; the last is joined to the first.
+
+        Returns
+        -------
+        int
+            Number of cells that were not painted before.
+
+        Raises
+        ------
+        InvalidInputError
+            If a corner is not finite.
+        """
         refuse_corners(boundary, self.cell_m)
         return paint_polygon(boundary, self.x0, self.y0, self.cell_m, self.cells)
 
     def centres(self) -> tuple[FloatArray, FloatArray]:
-        """Give the x of every column's and the y of every row's cell centres."""
+        """Return the coordinates of the cells' centres in metres.
+
+        Returns
+        -------
+        x : (columns,) array
+            Of the centres in each column.
+        y : (rows,) array
+            Of the centres in each row.
+
+        Examples
+        --------
+        >>> x, y = Raster(1.0, (0.0, 0.0, 2.0, 1.0)).centres()
+        >>> x.round(2).tolist(), y.round(2).tolist()
+        ([0.12, 1.12, 2.12], [0.12, 1.12])
+        """
         rows, columns = self.cells.shape
         return (
             self.x0 + (np.arange(columns, dtype=np.float64) + 0.5) * self.cell_m,
@@ -118,7 +179,7 @@ class Raster:
         )
 
     def area_m2(self) -> float:
-        """Area of all painted cells."""
+        """Return the area of all painted cells in square metres."""
         return float(np.count_nonzero(self.cells)) * self.cell_m**2
 
     def _cover(self, bounds: tuple[float, float, float, float]) -> None:
@@ -130,13 +191,13 @@ class Raster:
 
 
 def refuse_cell_width(cell_m: float) -> None:
-    """Raise an `InvalidInputError` unless a cell's width is positive and finite."""
+    """Raise an `InvalidInputError` unless the width of a cell is positive and finite."""
     if not 0.0 < cell_m < math.inf:
         raise InvalidInputError(f"a cell is a positive width in metres, not {cell_m}")
 
 
 def refuse_corners(boundary: FloatArray, cell_m: float) -> None:
-    """Raise an `InvalidInputError` for corners in no cell that has a number."""
+    """Raise an `InvalidInputError` for corners not finite or beyond `FARTHEST_CELL`."""
     if not all_below(boundary, FARTHEST_CELL * cell_m):
         raise InvalidInputError(
             f"the corners of a polygon are finite numbers of metres, with cells of {cell_m:g} m "
@@ -147,25 +208,37 @@ def refuse_corners(boundary: FloatArray, cell_m: float) -> None:
 def window_over(
     bounds: tuple[float, float, float, float], cell_m: float, held: Window, cell_bytes: int = 1
 ) -> Window:
-    """Give the window that holds some bounds and all that is held already.
+    """Return the window that holds some bounds and the present window.
 
-    It grows by a half at least, so that growing costs little over a whole run.
+    It grows by at least half its size, so that growing costs little over a whole run.
 
     Parameters
     ----------
     bounds : (x0, y0, x1, y1)
-        What to hold, in metres.
+        Bounds to hold, in metres.
     cell_m : float
-        Width of a cell.
+        Width of a cell in metres.
     held : Window
-        What is held, with no rows at the very beginning.
+        The present window, without rows if there is none yet.
     cell_bytes : int
-        How much memory a cell takes.
+        Memory per cell in bytes.
+
+    Returns
+    -------
+    Window
+        The present one if it already holds the bounds.
 
     Raises
     ------
     InvalidInputError
-        If it would have more than `MAX_CELLS` / `cell_bytes` cells.
+        If it would take more than `MAX_CELLS` bytes.
+
+    Examples
+    --------
+    >>> window_over((0.0, 0.0, 4.0, 2.0), 1.0, Window(0, 0, 0, 0))
+    Window(row=0, column=0, rows=3, columns=5)
+    >>> window_over((-1.0, 0.0, 1.0, 1.0), 1.0, Window(0, 0, 3, 5))
+    Window(row=0, column=-3, rows=3, columns=8)
     """
     first_column = math.floor(bounds[0] / cell_m + OFFSET)
     first_row = math.floor(bounds[1] / cell_m + OFFSET)
@@ -199,7 +272,19 @@ def window_over(
 
 
 def moved(layer: NDArray[Number], held: Window, window: Window) -> NDArray[Number]:
-    """Copy one value per cell of a held window into a larger one, which is zero elsewhere."""
+    """Return a layer of a window as one of a larger window, with zeros in the new cells.
+
+    Parameters
+    ----------
+    layer : (held.rows, held.columns) array
+        One value per cell.
+    held, window : Window
+        The window of the layer, and one that contains it.
+
+    Returns
+    -------
+    (window.rows, window.columns) array
+    """
     larger = np.zeros((window.rows, window.columns), layer.dtype)
     below, left = held.row - window.row, held.column - window.column
     larger[below : below + held.rows, left : left + held.columns] = layer
@@ -207,28 +292,37 @@ def moved(layer: NDArray[Number], held: Window, window: Window) -> NDArray[Numbe
 
 
 @kernel
-def paint_polygon(
-    boundary: FloatArray, x0: float, y0: float, cell: float, cells: NDArray[np.bool_]
-) -> int:
-    """Mark the cells whose centre lies inside a polygon, by the even-odd rule, row by row.
+def paint_polygon(boundary: FloatArray, x0: float, y0: float, cell: float, cells: BoolArray) -> int:
+    """Paint the cells whose centres lie in a polygon, by the even-odd rule.
 
     Parameters
     ----------
     boundary : (n, 2) array
-        Corners of the polygon.
-    x0, y0, cell : float
-        Lower left corner of the grid and width of its cells.
+        Corners of the polygon in metres.
+    x0, y0 : float
+        Lower left corner of the grid in metres.
+    cell : float
+        Width of a cell in metres.
     cells : (rows, columns) array of bool
         The grid, painted in place.
 
     Returns
     -------
     int
-        How many cells were not marked before.
+        Number of cells that were not painted before.
+
+    Examples
+    --------
+    >>> cells = np.zeros((3, 4), np.bool_)
+    >>> triangle = np.array([(0.0, 0.0), (3.2, 0.0), (0.0, 3.2)])
+    >>> paint_polygon(triangle, 0.0, 0.0, 1.0, cells)
+    6
+    >>> cells.astype(int).tolist()
+    [[1, 1, 1, 0], [1, 1, 0, 0], [1, 0, 0, 0]]
     """
     new = 0
     for row, begin, end in runs_inside(boundary, x0, y0, cell, *cells.shape):
-        # A slice: so there is no branch for each cell.
+        # A slice instead of indices, so that the loop is vectorized.
         run = cells[row, begin:end]
         for i in range(run.shape[0]):
             new += not run[i]
@@ -239,20 +333,24 @@ def paint_polygon(
 @kernel
 def runs_inside(
     boundary: FloatArray, x0: float, y0: float, cell: float, rows: int, columns: int
-) -> NDArray[np.int32]:
-    """Find the cells that `paint_polygon` marks.
+) -> Int32Array:
+    """Return the cells that `paint_polygon` paints, as runs along rows.
 
     Parameters
     ----------
-    boundary, x0, y0, cell
-        As it takes them.
+    boundary : (n, 2) array
+        Corners of the polygon in metres.
+    x0, y0 : float
+        Lower left corner of the grid in metres.
+    cell : float
+        Width of a cell in metres.
     rows, columns : int
-        How many the grid has.
+        Size of the grid.
 
     Returns
     -------
-    (k, 3) array
-        Runs of cells: row, first column, column after the last.
+    (k, 3) array of int32
+        Row, first column and column after the last of each run.
     """
     first_row, starts, crossings = row_crossings(boundary, y0, cell, 0, rows - 1)
     runs = np.empty((crossings.shape[0] // 2, 3), np.int32)
@@ -276,20 +374,23 @@ def row_crossings(
     Parameters
     ----------
     boundary : (n, 2) array
-        Corners of the polygon.
-    y0, cell : float
-        Lower border of row 0 and height of a row.
+        Corners of the polygon in metres.
+    y0 : float
+        Lower border of row 0 in metres.
+    cell : float
+        Height of a row in metres.
     lowest_row, highest_row : int
-        The rows that matter.
+        First and last of the rows to look at.
 
     Returns
     -------
     first_row : int
-        The first of the rows that matter and may cross.
-    starts : (k + 1,) array
-        For k rows from there on, where its crossings begin and those of the one before end.
-    crossings : array
-        Their x, in ascending order in each row, an even number of them.
+        The first of these rows that the polygon reaches.
+    starts : (k + 1,) array of int
+        For k rows from there on: the crossings of row ``first_row + i`` are
+        ``crossings[starts[i]:starts[i + 1]]``.
+    crossings : (m,) array
+        Their x in metres, ascending within each row, an even number per row.
     """
     n = boundary.shape[0]
     bottom = top = boundary[0, 1]
@@ -298,7 +399,7 @@ def row_crossings(
     first_row = max(lowest_row, int(np.ceil((bottom - y0) / cell - 0.5)))
     last_row = min(highest_row, int(np.floor((top - y0) / cell - 0.5)))
     height = max(0, last_row - first_row + 1)
-    # Count, then write in compressed rows.
+    # Count the crossings, then write them in compressed rows.
     spans = np.empty((n, 2), np.int64)
     starts = np.zeros(height + 1, np.int64)
     for i in range(n):
@@ -348,18 +449,24 @@ def eroded(cells: BoolArray, radius: float) -> BoolArray:
     Parameters
     ----------
     cells : (rows, columns) array of bool
-        The set; outside the array lies none of it.
+        The set; cells outside of the array are not in it.
     radius : float
-        Of the disc, in widths of a cell, below 255.
+        Radius of the disc in widths of a cell, below 255.
 
     Returns
     -------
     (rows, columns) array of bool
-        The cells whose centres lie at least so far from that of every cell not in the set.
+        The cells whose centres are at least the radius away from those of all cells that are not
+        in the set.
+
+    Examples
+    --------
+    >>> eroded(np.ones((3, 5), np.bool_), 2.0).astype(int).tolist()
+    [[0, 0, 0, 0, 0], [0, 1, 1, 1, 0], [0, 0, 0, 0, 0]]
     """
     rows, columns = cells.shape
     reach = math.ceil(radius)
-    # Of each cell the distance within its row to the nearest cell that is not in the set.
+    # Distance of each cell, within its row, to the nearest cell that is not in the set.
     across = np.empty((rows, columns), np.uint8)
     for r in range(rows):
         distance = 0
@@ -370,16 +477,16 @@ def eroded(cells: BoolArray, radius: float) -> BoolArray:
         for c in range(columns - 1, -1, -1):
             distance = min(distance + 1, reach) if cells[r, c] else 0
             across[r, c] = min(across[r, c], distance)
-    left = cells.copy()
+    kept = cells.copy()
     for apart in range(-reach, reach + 1):
-        # In a row so far apart the nearest cell that is not in the set is at least this far.
-        least = 0
-        while math.sqrt(apart * apart + least * least) < radius:
-            least += 1
+        # Smallest distance along a row that many rows away which is outside of the disc.
+        required = 0
+        while math.sqrt(apart * apart + required * required) < radius:
+            required += 1
         for r in range(rows):
             if 0 <= r + apart < rows:
                 for c in range(columns):
-                    left[r, c] &= across[r + apart, c] >= least
-            elif least > 0:
-                left[r] = False
-    return left
+                    kept[r, c] &= across[r + apart, c] >= required
+            elif required > 0:
+                kept[r] = False
+    return kept

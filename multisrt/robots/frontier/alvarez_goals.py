@@ -21,8 +21,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from multisrt.geometry.grids.fast_march import in_sight
 from multisrt.geometry.grids.occupancy import UNKNOWN, Occupancy
+from multisrt.geometry.grids.sight import in_sight
 from multisrt.geometry.numerics.kernel import BoolArray, FloatArray, IntArray
 from multisrt.planners.assignment.rules import GoalChoice, cells_ahead, choose_cell
 from multisrt.planners.grid_search import DIAGONAL, a_star, reachable, ring_search

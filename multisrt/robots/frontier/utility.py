@@ -11,8 +11,8 @@ from typing import cast
 
 import numpy as np
 
-from multisrt.geometry.grids.fast_march import in_sight
 from multisrt.geometry.grids.occupancy import OCCUPIED
+from multisrt.geometry.grids.sight import in_sight
 from multisrt.geometry.numerics.kernel import BoolArray, FloatArray
 from multisrt.planners.assignment.closest import closest
 from multisrt.planners.assignment.utility import utility

@@ -11,7 +11,8 @@ from shapely import affinity, box
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.grids import raster as raster_module
-from multisrt.geometry.grids.occupancy import CHANGES_KEPT, FREE, OCCUPIED, UNKNOWN, Occupancy
+from multisrt.geometry.grids.occupancy import FREE, OCCUPIED, UNKNOWN, Occupancy
+from multisrt.geometry.grids.occupancy.change_log import MAX_CHANGES
 from multisrt.geometry.regions.boundary import GAP, OBSTACLE, RANGE
 from multisrt.geometry.regions.safe_region import LocalSafeRegion, local_safe_region
 from multisrt.geometry.regions.scan import take_scan
@@ -311,7 +312,7 @@ def test_occupied_wins_in_either_order_and_is_never_passable():
 
 
 def test_changes_are_reported_where_they_are(worlds):
-    regions = regions_of(worlds, "office", CHANGES_KEPT + 30, seed=63)
+    regions = regions_of(worlds, "office", MAX_CHANGES + 30, seed=63)
     occupancy = Occupancy(0.1, 0.2, (-3.0, -3.0, 25.0, 25.0))
     assert occupancy.changed_since(0) is None
     states = {0: (occupancy.cells.copy(), occupancy.passable.copy())}
@@ -352,11 +353,11 @@ def test_the_oldest_changes_are_not_forgotten():
     occupancy = Occupancy(0.5, 0.5)
     occupancy.add(rectangle(-40, -40, -38, -38))
     first = occupancy.changed_since(0)
-    for k in range(CHANGES_KEPT + 9):
+    for k in range(MAX_CHANGES + 9):
         occupancy.add(rectangle(k, 0, k + 2, 2))
-    assert occupancy.revision == CHANGES_KEPT + 10
+    assert occupancy.revision == MAX_CHANGES + 10
     assert occupancy.changed_since(0)[::2] == first[::2]
-    assert occupancy.changed_since(occupancy.revision - CHANGES_KEPT)[0] > first[1]
+    assert occupancy.changed_since(occupancy.revision - MAX_CHANGES)[0] > first[1]
 
 
 def test_blocked_discs_are_restored_exactly(worlds):

@@ -1,0 +1,89 @@
+"""Checks of what a field on a grid is made from and asked for."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from multisrt.geometry.errors import InvalidInputError
+from multisrt.geometry.numerics.arrays import BoolArray, FloatArray, IntArray
+
+
+def checked_sources(
+    sources: ArrayLike, free: BoolArray, cell_m: float, x0: float, y0: float
+) -> FloatArray:
+    """Check the sources of a field and convert them to widths of a cell.
+
+    Parameters
+    ----------
+    sources : (k, 2) array_like
+        Points x, y in metres.
+    free : (rows, columns) array of bool
+        The grid.
+    cell_m : float
+        Width of a cell in metres.
+    x0, y0 : float
+        Lower left corner of the grid in metres.
+
+    Returns
+    -------
+    (k, 2) array
+        The sources x, y from the grid's corner: cell (r, c) is ``[c, c + 1) x [r, r + 1)``.
+
+    Raises
+    ------
+    InvalidInputError
+        If the grid is not two-dimensional or not of bool, the cell not positive, there is no
+        source, or one is not in a free cell.
+    """
+    if free.ndim != 2:
+        raise InvalidInputError(f"a grid of free cells has two dimensions, not {free.ndim}")
+    if free.dtype != np.bool_:
+        raise InvalidInputError(f"a grid of free cells is of bool, not {free.dtype}")
+    if not 0.0 < cell_m < math.inf:
+        raise InvalidInputError(f"a cell is a positive width in metres, not {cell_m}")
+    points = np.asarray(sources, np.float64)
+    if points.ndim != 2 or points.shape[1:] != (2,) or not len(points):
+        raise InvalidInputError(f"sources are a (k, 2) array with k > 0, not {points.shape}")
+    rows, columns = free.shape
+    cells: FloatArray = (points - (x0, y0)) / cell_m
+    for k, (column, row) in enumerate(cells.tolist()):
+        inside = 0.0 <= column < columns and 0.0 <= row < rows
+        if not (inside and free[int(row), int(column)]):
+            raise InvalidInputError(
+                f"source {k} at ({points[k, 0]:g}, {points[k, 1]:g}) is not in a free cell: "
+                "move it to one"
+            )
+    return cells
+
+
+def checked_cells(cells: ArrayLike, free: BoolArray) -> tuple[IntArray, IntArray]:
+    """Check the cells that a field is asked for.
+
+    Parameters
+    ----------
+    cells : (k, 2) array_like of int
+        Rows and columns.
+    free : (rows, columns) array of bool
+        The grid.
+
+    Returns
+    -------
+    rows, columns : (k,) arrays of int
+
+    Raises
+    ------
+    InvalidInputError
+        If a cell is not in the grid.
+    """
+    asked = np.asarray(cells, np.int64).reshape(-1, 2)
+    outside = (asked < 0) | (asked >= free.shape)
+    if outside.any():
+        row, column = asked[int(np.flatnonzero(outside.any(axis=1))[0])]
+        raise InvalidInputError(
+            f"the asked cell ({row}, {column}) is not in the grid of "
+            f"{free.shape[0]} rows and {free.shape[1]} columns"
+        )
+    return asked[:, 0], asked[:, 1]

@@ -1,8 +1,11 @@
-"""Searches over grids of cells: A*, what it can reach, and rings that widen until enough is found.
+"""Searches over grids of cells: A*, reachable cells, and widening rings.
+
+Grids are indexed ``[row, column]``. Paths do not cut corners: a diagonal step needs both cells
+beside it to be passable.
 
 Source: J. A. Álvarez Jáuregui, Algoritmo descentralizado para la exploración multi-robot de
-escenarios 2D, sections 3.2.3 (goal search) and 3.2.5 (path planning). Both pass through cells
-that nobody has seen. A* there may cut corners or not, the thesis does not say; ours does not.
+escenarios 2D, sections 3.2.3 (goal search) and 3.2.5 (path planning), where both pass through
+unknown cells. Differs in: the thesis does not say whether its A* cuts corners.
 """
 
 from __future__ import annotations
@@ -15,30 +18,39 @@ import numpy as np
 from multisrt.geometry.numerics.kernel import BoolArray, IntArray, kernel
 
 DIAGONAL = math.sqrt(2.0)
+"""Length of a diagonal step in cells."""
 
 
 @kernel
 def a_star(
     passable: BoolArray, start_row: int, start_column: int, goal_row: int, goal_column: int
 ) -> IntArray:
-    """Find a shortest way over the 8 neighbours of cells, not cutting corners.
-
-    Of the many equally short ways through the open it follows one, from one cell at which a way
-    may have to turn to the next: D. Harabor and A. Grastien, Online Graph Pruning for Pathfinding
-    on Grid Maps (2011), in the form for ways that do not cut corners.
+    """Return a shortest path over the 8 neighbours of cells.
 
     Parameters
     ----------
     passable : (rows, columns) array of bool
-        Where the way may lead; where it begins need not be passable.
+        Cells that the path may pass; the start need not be one.
     start_row, start_column, goal_row, goal_column : int
-        Its ends.
+        Ends of the path.
 
     Returns
     -------
-    (n, 2) array
-        Rows and columns from start to goal; of no rows where there is no way. Of equally short
-        ways it is always the same one.
+    (n, 2) array of int
+        Rows and columns from start to goal; empty if there is no path. Of equally short paths
+        always the same.
+
+    Notes
+    -----
+    Source: D. Harabor and A. Grastien, Online Graph Pruning for Pathfinding on Grid Maps (2011),
+    in the variant without corner cutting: of equally short paths only one is followed, from one
+    possible turning point to the next.
+
+    Examples
+    --------
+    >>> passable = np.array([[True, False, True], [True, False, True], [True, True, True]])
+    >>> a_star(passable, 0, 0, 0, 2).tolist()
+    [[0, 0], [1, 0], [2, 0], [2, 1], [2, 2], [1, 2], [0, 2]]
     """
     framed = _framed(passable)
     width, free = framed.shape[1], framed.reshape(-1)
@@ -59,7 +71,7 @@ def a_star(
         if cell == goal:
             return _cells_between(came, start, goal, width)
         row, column = cell // width, cell % width
-        # In which direction the way came; at its start in none: 0, 0.
+        # Direction in which the path came; (0, 0) at its start.
         down, right = np.sign(row - came[cell] // width), np.sign(column - came[cell] % width)
         for k in range(_turns(free, width, cell, down, right, turns)):
             dr, dc = turns[k]
@@ -79,18 +91,20 @@ def a_star(
 
 @kernel
 def _turns(free: BoolArray, width: int, cell: int, down: int, right: int, turns: IntArray) -> int:
-    # Write down in which directions a shortest way may go on that came to a cell in one of them,
-    # where no other way is as short that has turned before; give how many these are.
+    """Write the directions in which a path has to be continued to `turns`; return their number.
+
+    Directions in which another path is as short that turned before are left out.
+    """
     n = 0
     for dr in range(-1, 2):
         for dc in range(-1, 2):
             if dr == 0 and dc == 0:
                 continue
             if down != 0 and right != 0:
-                # Straight on, or along one of the two sides.
+                # A diagonal continues straight or along one of its two components.
                 may = dr * down >= 0 and dc * right >= 0
             elif down != 0 or right != 0:
-                # Straight on; or to a side, past the end of an obstacle there.
+                # A straight path continues straight, or to a side behind an obstacle there.
                 along, across = dr * down + dc * right, dr * right - dc * down
                 aside = dr * width if down == 0 else dc
                 before = cell - down * width - right
@@ -105,8 +119,7 @@ def _turns(free: BoolArray, width: int, cell: int, down: int, right: int, turns:
 
 @kernel
 def _jump(free: BoolArray, width: int, cell: int, dr: int, dc: int, goal: int) -> int:
-    # Go on in one direction to the next cell at which a shortest way may have to turn, or to the
-    # goal; -1 where there is none.
+    """Return the next possible turning point in a direction, or the goal; -1 without one."""
     if dr == 0:
         return _jump_straight(free, cell, dc, width, goal)
     down = dr * width
@@ -125,7 +138,7 @@ def _jump(free: BoolArray, width: int, cell: int, dr: int, dc: int, goal: int) -
 
 @kernel
 def _jump_straight(free: BoolArray, cell: int, step: int, aside: int, goal: int) -> int:
-    # Where an obstacle beside the way ends it may have to turn.
+    """Return the first cell beside which an obstacle ends, or the goal; -1 without one."""
     beside, other_side = free[cell + aside], free[cell - aside]
     while free[cell + step]:
         cell += step
@@ -140,7 +153,7 @@ def _jump_straight(free: BoolArray, cell: int, step: int, aside: int, goal: int)
 
 @kernel
 def _cells_between(came: IntArray, start: int, goal: int, width: int) -> IntArray:
-    # All cells of a way of which those are known at which it turns.
+    """Return all cells of a path from its turning points."""
     n, cell = 1, goal
     while cell != start:
         before = came[cell]
@@ -159,26 +172,33 @@ def _cells_between(came: IntArray, start: int, goal: int, width: int) -> IntArra
 
 @kernel
 def reachable(passable: BoolArray, row: int, column: int) -> BoolArray:
-    """Tell to which cells ways lead from one that is passable.
-
-    Over 4 neighbours: a way that does not cut corners comes no farther over 8.
+    """Return the cells that paths from a cell can reach.
 
     Parameters
     ----------
     passable : (rows, columns) array of bool
-        Where ways may lead.
+        Cells that paths may pass.
     row, column : int
-        Where they begin.
+        The cell where they begin.
 
     Returns
     -------
     (rows, columns) array of bool
-        Where they come to.
+        All False if the first cell is not passable.
+
+    Notes
+    -----
+    A scanline fill over 4 neighbours; without corner cutting, 8 neighbours reach no more.
+
+    Examples
+    --------
+    >>> reachable(np.array([[True, False, True], [True, False, False]]), 0, 0).tolist()
+    [[True, False, False], [True, False, False]]
     """
     framed = _framed(passable)
     width, free = framed.shape[1], framed.reshape(-1)
     seen = np.zeros(free.size, np.bool_)
-    # Run by run; of a run beside one that was seen the first cell waits.
+    # Row by row; of each run of cells in the row above or below, the first is queued.
     waiting = [(row + 1) * width + column + 1]
     while len(waiting) > 0:
         cell = waiting.pop()
@@ -201,7 +221,7 @@ def reachable(passable: BoolArray, row: int, column: int) -> BoolArray:
 
 @kernel
 def _framed(passable: BoolArray) -> BoolArray:
-    # With a border all around that is not passable, so that none need be asked for.
+    """Return a grid with a border of impassable cells, which replaces checks of bounds."""
     rows, columns = passable.shape
     framed = np.zeros((rows + 2, columns + 2), np.bool_)
     for r in range(rows):
@@ -214,23 +234,30 @@ def _framed(passable: BoolArray) -> BoolArray:
 def ring_search(
     passable: BoolArray, wanted: BoolArray, row: int, column: int, enough: int
 ) -> IntArray:
-    """Widen a ring around a cell, not through what is not passable, until enough is found.
+    """Return the wanted cells found by a widening ring, once there are enough of them.
 
     Parameters
     ----------
     passable : (rows, columns) array of bool
-        Through which cells the ring spreads, to 8 neighbours at a time.
+        Cells through which the ring spreads, to 8 neighbours at a time.
     wanted : (rows, columns) array of bool
-        The cells that are looked for.
+        Cells to look for.
     row, column : int
-        Where the ring begins.
+        The cell where the ring begins.
     enough : int
-        The ring that brings the found cells to this number is the last.
+        The search ends with the ring that brings the count to this number.
 
     Returns
     -------
-    (k, 2) array
-        Rows and columns of what was found, ring by ring.
+    (k, 2) array of int
+        Rows and columns, ring by ring; may exceed `enough`, or fall short if cells run out.
+
+    Examples
+    --------
+    >>> passable = np.ones((1, 5), np.bool_)
+    >>> wanted = np.array([[False, False, False, True, True]])
+    >>> ring_search(passable, wanted, 0, 0, 1).tolist()
+    [[0, 3]]
     """
     rows, columns = passable.shape
     seen = np.zeros((rows, columns), np.bool_)

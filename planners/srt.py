@@ -1,8 +1,11 @@
 """The planner of Sensor-based Random Trees: where a robot looks next.
 
-Source: Multi-SRT, paper section 2 (PLANNER) and Oriolo et al. 2004. Three stages: *draw* is the
-papers'; *approach* and *complete* are ours, and without them an exploration does not finish
-(a door that is seen edge-on has no direction in which a candidate could be drawn).
+Three stages: *draw* a candidate towards the local frontier, *approach* the nearest frontier arc,
+and *complete* the exploration from places that see a remaining arc.
+
+Source: Multi-SRT, paper section 2 (PLANNER), and Oriolo et al. 2004. Differs in: only *draw* is the
+papers'. Without the other two stages an exploration does not finish; a door that is seen edge-on,
+for instance, has no direction in which a candidate could be drawn.
 """
 
 from __future__ import annotations
@@ -11,8 +14,7 @@ import math
 from bisect import bisect_right
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from functools import lru_cache
-from typing import Literal, NamedTuple, Protocol
+from typing import Final, Literal
 
 import msgspec
 import numpy as np
@@ -21,6 +23,7 @@ from numpy.random import Generator
 from multisrt.geometry.bodies.clearance import keep_off
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import InvalidInputError
+from multisrt.geometry.numerics.arrays import FloatArray
 from multisrt.geometry.numerics.distances import (
     distance_to_boundary,
     distance_to_segments,
@@ -28,72 +31,68 @@ from multisrt.geometry.numerics.distances import (
     nearest_point,
     nearest_points,
 )
-from multisrt.geometry.numerics.kernel import FloatArray, kernel
+from multisrt.geometry.numerics.kernel import kernel
 from multisrt.geometry.regions.known_space import KnownSpace
 from multisrt.geometry.regions.safe_region import CONTACT_TOLERANCE_M, LocalSafeRegion
 from multisrt.planners.motion.body import HAIR_M, PlanningBody
-from multisrt.planners.motion.kinematics import Car, Kinematics
-from multisrt.planners.motion.steering import reach, reach_fan, steer
+from multisrt.planners.motion.kinematics import Kinematics
+from multisrt.planners.motion.steering import reach, reach_fan
+from multisrt.planners.viewing import (
+    REFUSALS,
+    Refusal,
+    Viewpoint,
+    Way,
+    WayFinder,
+    arc_points,
+    lattice,
+)
 
-Refusal = Literal["too narrow", "not reachable", "seen from near"]
-"""Why no place opens a frontier arc: the body fits nowhere from where it could be seen; it
-would fit, but no known way leads there; it has been looked at from every such place."""
+FAN: Final = 72
+"""Number of directions in which the approach looks for a place, besides those to the frontier."""
 
-REFUSALS: tuple[Refusal, ...] = ("too narrow", "not reachable", "seen from near")
-
-NEAREST_NODES = 12
-"""From so many nodes a way to a place is looked for."""
-
-FEW_PLACES, MANY_WAYS = 4, 64 * NEAREST_NODES
-"""For so few places a way is looked for at first, and so many ways are looked at at once then."""
-
-MOST_ASKED = 24
-"""So many times at each point of an arc it is asked whether a way leads to a place."""
-
-FAN = 72
-"""Directions in which the approach looks for a place, besides those to the frontier itself."""
-
-CLOSE_BY = 6.0
-"""Viewing places are first looked for within this many radii of the body."""
-
-INWARD_M = 1e-4
-"""How far inside the known region a frontier arc is looked at from."""
+INWARD_M: Final = 1e-4
+"""Distance inside the known region from which a frontier arc is looked at, in metres."""
 
 
 class SrtOptions(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Parameters of an SRT explorer; the paper's own where it names them.
+    """Parameters of an SRT explorer, with the paper's names where it has any.
 
     Attributes
     ----------
     alpha : float
-        A candidate lies at this share of the distance to the region's boundary (paper: alpha).
+        Distance of a candidate as a share of the distance to the region's boundary (paper: alpha).
     max_draws : int
-        How many candidates are drawn at a node before it is given up (paper: I_max).
+        Maximum number of candidates drawn at a node (paper: I_max).
     d_min_m : float or None
-        Least distance of a candidate from every node; None: the body's width.
+        Minimum distance of a candidate from every node in metres; None for the body's width.
     frontier_bias : bool
-        Draw towards the local frontier (Multi-SRT); False: uniform directions, candidates in
-        no other region (single-robot SRT).
+        Draw towards the local frontier (Multi-SRT). Otherwise directions are uniform, and
+        candidates lie in no other region (single-robot SRT).
     gaps_count : bool
-        Whether radial pieces behind corners are frontier.
+        Whether radial pieces of the boundary behind corners are frontier.
     approach : bool
-        Use the second stage: the reachable place nearest to a frontier arc.
+        Use the second stage.
     complete : bool
-        Use the third stage: look at every arc left from wherever it can be seen.
+        Use the third stage.
     backtrack : {"parent", "nearest_open"}
-        With nothing to do at a node, go step by step to the parent, as the paper does, or over
-        the roadmap to the nearest node that has a frontier.
+        Where to go from a node with nothing to do: step by step to the parent, as in the paper,
+        or over the roadmap to the nearest node with a frontier.
     cones : int
-        How many cones a star has.
+        Number of cones of a star.
     contact_tolerance_m : float
-        A star's or ball's arc is at an obstacle where a reading ends this close behind it.
+        Maximum distance in metres between the arc of a star or ball and a reading behind it at
+        which the arc is an obstacle.
     margin_m : float
-        How far the body stays away from the border of what it knows, where it has the room.
+        Distance of the body from the border of known space in metres, where there is room for it.
     completion_spacing : float
-        In the third stage, least distance from all nodes as a share of `d_min_m`.
+        In the third stage, minimum distance from all nodes as a share of `d_min_m`.
     max_views : int
-        In the third stage, how many times arcs in one spot, as wide as `d_min_m`, are looked at
-        before they are given up.
+        In the third stage, maximum number of views of arcs in one spot of width `d_min_m`.
+
+    Raises
+    ------
+    InvalidInputError
+        If a value is outside its range.
     """
 
     alpha: float = 0.8
@@ -126,21 +125,21 @@ class SrtOptions(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
 
 
 Accept = Callable[[float, float], str | None]
-"""Says why a place is refused that is a candidate otherwise; None: it is accepted."""
+"""Returns why a candidate at x, y is refused; None to accept it."""
 
 
 @dataclass(slots=True)
 class Draws:
-    """How many candidates were drawn at a node, and why they were refused.
+    """The candidates drawn at a node, and why they were refused.
 
     Attributes
     ----------
     drawn : int
-        How many there were.
-    refused : dict
-        Why they were refused, with how often.
+        Number of candidates.
+    refused : dict of str to int
+        Number of refused candidates by reason.
     candidates : list of (x, y, reason)
-        Those that were refused, in their order.
+        The refused candidates in order.
     """
 
     drawn: int = 0
@@ -148,53 +147,45 @@ class Draws:
     candidates: list[tuple[float, float, str]] = field(default_factory=list)
 
     def refuse(self, x: float, y: float, reason: str) -> None:
-        """Count a candidate that was refused."""
+        """Record a refused candidate."""
         self.refused[reason] = self.refused.get(reason, 0) + 1
         self.candidates.append((x, y, reason))
 
 
-class Viewpoint(Protocol):
-    """What the planner needs to know of a node."""
-
-    @property
-    def configuration(self) -> Configuration:
-        """Where the scan was taken."""
-
-    @property
-    def region(self) -> LocalSafeRegion:
-        """What is surely free around it."""
-
-
-class Way(NamedTuple):
-    """A place without a node, and how to get there.
-
-    Attributes
-    ----------
-    x, y : float
-        The place.
-    node : int
-        Number of the node from which the way is straight.
-    roomy : bool
-        Whether there is room for any heading all along the way.
-    """
-
-    x: float
-    y: float
-    node: int
-    roomy: bool
-
-
 class SrtPlanner:
-    """Chooses the next place of one robot from its current region and frontier.
+    """Chooses the next place of one robot from its region and frontier.
 
     Parameters
     ----------
     body, kinematics
-        What moves, and how.
+        The body that moves, and how.
     options : SrtOptions
         The parameters.
     d_min_m : float
-        Least distance of a candidate from every node.
+        Minimum distance of a candidate from every node in metres.
+
+    Examples
+    --------
+    A robot in the middle of a square of 8 m, all of whose right side is frontier:
+
+    >>> from multisrt.geometry.bodies.footprint import Footprint
+    >>> from multisrt.planners.motion.kinematics import Holonomic
+    >>> body = PlanningBody(Footprint.disc(0.25), margin_m=0.02)
+    >>> planner = SrtPlanner(body, Holonomic(), SrtOptions(), d_min_m=0.5)
+    >>> square = np.array([[-4.0, -4.0], [4.0, -4.0], [4.0, 4.0], [-4.0, 4.0]])
+    >>> region = LocalSafeRegion(
+    ...     x=0.0, y=0.0, range_m=6.0, boundary=square, tags=np.zeros(4, np.int8)
+    ... )
+    >>> place, draws = planner.draw(
+    ...     Configuration(0.0, 0.0, 0.0),
+    ...     region,
+    ...     frontier=np.array([[4.0, -4.0, 4.0, 4.0]]),
+    ...     others=np.zeros((1, 2)),
+    ...     other_regions=[],
+    ...     rng=np.random.default_rng(1),
+    ... )
+    >>> draws.drawn, round(place[0], 3)  # at alpha = 0.8 of the distance
+    (1, 3.2)
     """
 
     def __init__(
@@ -204,6 +195,7 @@ class SrtPlanner:
         self.kinematics = kinematics
         self.options = options
         self.d_min_m = d_min_m
+        self._ways = WayFinder(body, kinematics, options.completion_spacing * d_min_m)
 
     def draw(
         self,
@@ -220,26 +212,26 @@ class SrtPlanner:
         Parameters
         ----------
         at : Configuration
-            Where the robot stands.
+            Configuration of the robot.
         region : LocalSafeRegion
-            What it sees from there.
+            Its local safe region there.
         frontier : (m, 4) array
-            The local frontier.
+            Segments of the local frontier in metres.
         others : (n, 2) array
-            The places of all nodes near by.
+            Positions of all nodes near by.
         other_regions : list of LocalSafeRegion
-            Their regions, where candidates must lie in none of them (`frontier_bias=False`).
+            Their regions, which exclude candidates with ``frontier_bias=False``.
         rng : numpy.random.Generator
-            The robot's own stream.
+            The robot's own random stream.
         accept : callable, optional
-            Asked last about a candidate: why it is refused, or None.
+            Asked last about a candidate.
 
         Returns
         -------
         place : (x, y) or None
-            The candidate accepted.
+            The accepted candidate.
         draws : Draws
-            What was drawn and refused.
+            The candidates drawn and refused.
         """
         draws = Draws()
         biased = self.options.frontier_bias
@@ -250,8 +242,8 @@ class SrtPlanner:
         for _ in range(self.options.max_draws):
             draws.drawn += 1
             if biased:
-                # A point of the frontier, uniform over its length: an arc with probability
-                # proportional to its length, and a point on it uniformly.
+                # A point uniform over the frontier's length: an arc with probability
+                # proportional to its length, and a uniform point on it.
                 position = rng.random() * along[-1]
                 k = min(bisect_right(along, position), len(along) - 1)
                 t = 1.0 - (along[k] - position) / float(lengths[k])
@@ -270,7 +262,7 @@ class SrtPlanner:
             x, y = at.x + distance * ux, at.y + distance * uy
             reason: str | None = None
             if distance < self.d_min_m:
-                # The body does not get anywhere: the candidate is where it was drawn.
+                # The body has no room to move; the candidate is recorded where it was drawn.
                 x, y, reason = at.x + wanted * ux, at.y + wanted * uy, "no room"
             elif nearest_point(others, x, y) < self.d_min_m:
                 reason = "near a node"
@@ -292,22 +284,26 @@ class SrtPlanner:
         accept: Accept | None = None,
         draws: Draws | None = None,
     ) -> tuple[float, float] | None:
-        """Stage 2: the place straight from here that lies nearest to a frontier arc.
+        """Stage 2: return the place nearest to a frontier arc that the robot can reach straight.
 
-        It is taken if it lies clearly nearer to its arc than the robot does, by half of
-        `d_min_m`, and `d_min_m` from every node.
+        The place is nearer to its arc than the robot by at least half of `d_min_m`, and at least
+        `d_min_m` from every node.
 
         Parameters
         ----------
         at, region, others
             As in `draw`.
         arcs : list of (k, 4) array
-            The local frontier.
+            The arcs of the local frontier.
         accept : callable, optional
-            Asked last about a place: why it is refused, or None. The next nearest is taken
-            then, not close to one that was refused, of at most `max_draws`.
+            Asked last about a place. If it is refused, the next nearest is tried that is not close
+            to a refused one, up to `max_draws` places.
         draws : Draws, optional
-            Where refusals are counted.
+            Collects the refused places.
+
+        Returns
+        -------
+        (x, y) or None
         """
         if not arcs:
             return None
@@ -326,7 +322,7 @@ class SrtPlanner:
         if not len(candidates):
             return None
         here = np.array([[at.x, at.y]])
-        # Of every place the arc that lies nearest to it, and how near.
+        # For every place the nearest arc and its distance.
         nearest = np.full(len(candidates), math.inf)
         number = np.zeros(len(candidates), np.int64)
         for k, arc in enumerate(arcs):
@@ -341,7 +337,7 @@ class SrtPlanner:
     def _first_accepted(
         self, places: FloatArray, accept: Accept | None, draws: Draws
     ) -> tuple[float, float] | None:
-        # Neighbours of a place that is refused mostly are for the same reason: they are skipped.
+        # Neighbours of a refused place are usually refused for the same reason.
         for _ in range(self.options.max_draws):
             if not len(places):
                 return None
@@ -365,41 +361,39 @@ class SrtPlanner:
         *,
         past_bodies: bool = False,
     ) -> Way | Refusal:
-        """Stage 3: a place in the known region from which the body can see a frontier arc.
+        """Stage 3: return a place in the known region from which a frontier arc is seen.
 
         Parameters
         ----------
         arc : (k, 4) array
-            The arc's segments.
+            Segments of the arc.
         known : KnownSpace
-            What is known in a window around the arc.
+            The known space in a window around the arc.
         within_m : float
-            How far from the arc's middle to look for places.
+            Maximum distance of the place from a point of the arc in metres.
         nodes : sequence of Viewpoint
             All nodes near by.
         leads : callable, optional
-            Whether a way leads from a node, given by its number, to a place and back, for a
-            body that does not drive straight; asked at most `MOST_ASKED` times.
+            For a body that does not drive straight: whether a way leads from a node, given by its
+            index, to a place x, y and back.
         bodies : (m, 3) array, optional
-            Of bodies that stand for good x, y and how far off the body has to be.
+            x, y and required distance of bodies that stand in the way for good.
         past_bodies : bool
             Whether the way to the place may lead past them all the same.
 
         Returns
         -------
-        Way
-            The place, and how to get there; or
-        str
-            Why there is none; see `Refusal`.
+        Way or str
+            The place and the way there, or why there is none; see `Refusal`.
         """
         reasons: list[Refusal] = []
         for x, y, left_x, left_y in arc_points(arc, self.d_min_m):
             x_inside, y_inside = x + left_x * INWARD_M, y + left_y * INWARD_M
             if not known.holds(np.array([[x_inside, y_inside]]))[0]:
                 continue
-            places = np.array([x, y]) + _lattice(within_m, self.d_min_m / 4.0)
+            places = np.array([x, y]) + lattice(within_m, self.d_min_m / 4.0)
             places = places[known.sees(x_inside, y_inside, places)]
-            # Where there is room for the whole margin, that is better.
+            # Places with room for the whole margin come first.
             room = known.clearances(places, self.body.ample_radius_m)
             ample = room >= self.body.ample_radius_m
             narrower = (room >= self.body.roomy_radius_m) & ~ample
@@ -407,7 +401,7 @@ class SrtPlanner:
             if bodies is not None:
                 places = places[keep_off(np.hstack([places, places]), bodies)]
             in_the_way = None if past_bodies else bodies
-            found = self._place_with_a_way(places, known, nodes, leads, in_the_way)
+            found = self._ways.first_place(places, known, nodes, leads, in_the_way)
             if not isinstance(found, str):
                 return found
             reasons.append(found)
@@ -416,137 +410,29 @@ class SrtPlanner:
     def may_find_way(
         self, x: float, y: float, half_width_m: float, nodes: Sequence[Viewpoint]
     ) -> bool:
-        """Whether `viewing_place` could find a way in a square window; cheap to ask before.
-
-        A way begins at a node with room for any heading inside the window, or at a narrow node.
+        """Whether `viewing_place` could find a way in a square window; cheap to compute.
 
         Parameters
         ----------
         x, y, half_width_m : float
-            The window's middle and half of its width.
+            Centre of the window and half of its width in metres.
         nodes : sequence of Viewpoint
             All nodes near by.
+
+        Returns
+        -------
+        bool
+            False only if no way begins in the window: at a node with room for any heading inside
+            it, or at a narrow node.
         """
-        inner = half_width_m - self.body.roomy_radius_m
-        return isinstance(self.kinematics, Car) or any(
-            max(abs(node.configuration.x - x), abs(node.configuration.y - y)) < inner
-            or self._is_narrow(node)
-            for node in nodes
-        )
-
-    def _place_with_a_way(
-        self,
-        places: FloatArray,
-        known: KnownSpace,
-        nodes: Sequence[Viewpoint],
-        leads: Callable[[int, float, float], bool] | None,
-        bodies: FloatArray | None,
-    ) -> Way | Refusal:
-        # The first place that is not close to a node and has a straight way from one: with room
-        # for any heading or, from a narrow node, inside what it sees.
-        if not len(places):
-            return "too narrow"
-        spots = np.array([node.configuration[:2] for node in nodes]).reshape(-1, 2)
-        spaced = nearest_points(spots, places) >= self.options.completion_spacing * self.d_min_m
-        places = places[spaced]
-        if not len(places):
-            return "seen from near"
-        if leads is not None:
-            return self._place_asked_for(places, spots, leads)
-        least = self.body.roomy_radius_m
-        roomy = known.holds(spots) & (known.clearances(spots, least) >= least)
-        # A way begins where there is room for any heading, or in a narrow place that is seen.
-        begins = np.flatnonzero(
-            [r or self._is_narrow(n) for r, n in zip(roomy, nodes, strict=True)]
-        )
-        if not len(begins):
-            return "not reachable"
-        done, many = 0, FEW_PLACES
-        while done < len(places):
-            # Mostly one of the first will do; if not, many are asked about at once.
-            some = places[done : done + many]
-            apart = np.hypot(*(spots[begins] - some[:, None]).transpose(2, 0, 1))
-            nearest = begins[np.argsort(apart, axis=1, kind="stable")[:, :NEAREST_NODES]]
-            ways = np.dstack([spots[nearest], np.repeat(some[:, None], nearest.shape[1], 1)])
-            clear = known.passes(ways.reshape(-1, 4), least)
-            if bodies is not None:
-                clear &= keep_off(ways.reshape(-1, 4), bodies)
-            clear = clear.reshape(nearest.shape) & roomy[nearest]
-            for i in np.flatnonzero(clear.any(axis=1) | ~roomy[nearest].all(axis=1)).tolist():
-                x, y = some[i].tolist()
-                for k, is_clear in zip(nearest[i].tolist(), clear[i].tolist(), strict=True):
-                    if is_clear:
-                        return Way(x, y, k, roomy=True)
-                    if not roomy[k] and self._leaves_a_narrow_node(nodes[k], x, y):
-                        return Way(x, y, k, roomy=False)
-            done, many = done + many, MANY_WAYS // nearest.shape[1]
-        return "not reachable"
-
-    def _place_asked_for(
-        self,
-        places: FloatArray,
-        spots: FloatArray,
-        leads: Callable[[int, float, float], bool],
-    ) -> Way | Refusal:
-        asked = 0
-        for x, y in places.tolist():
-            distances = np.hypot(spots[:, 0] - x, spots[:, 1] - y)
-            for k in np.argsort(distances, kind="stable")[:NEAREST_NODES].tolist():
-                if asked == MOST_ASKED:
-                    return "not reachable"
-                asked += 1
-                if leads(k, x, y):
-                    return Way(x, y, k, roomy=False)
-        return "not reachable"
-
-    def _is_narrow(self, node: Viewpoint) -> bool:
-        return not self.body.has_room(node.region.boundary, node.configuration)
-
-    def _leaves_a_narrow_node(self, node: Viewpoint, x: float, y: float) -> bool:
-        assert not isinstance(self.kinematics, Car)
-        boundary, at = node.region.boundary, node.configuration
-        return steer(self.body, self.kinematics, boundary, at, x, y) is not None
-
-
-def arc_points(arc: FloatArray, spacing: float) -> list[tuple[float, float, float, float]]:
-    """Give points along an arc, its middle first, each with the unit vector into its region.
-
-    They are `spacing` apart, but not more than seven.
-    """
-    lengths = np.hypot(arc[:, 2] - arc[:, 0], arc[:, 3] - arc[:, 1])
-    along = np.cumsum(lengths)
-    whole = float(along[-1])
-    pairs = min(3, int(0.5 * whole / spacing))
-    step = max(spacing, whole / 7.0)
-    points = []
-    for k in range(-pairs, pairs + 1):
-        position = 0.5 * whole + k * step
-        i = min(int(np.searchsorted(along, position)), len(arc) - 1)
-        t = 1.0 - (along[i] - position) / lengths[i]
-        dx, dy = (arc[i, 2:] - arc[i, :2]).tolist()
-        x, y = (arc[i, :2] + t * (arc[i, 2:] - arc[i, :2])).tolist()
-        points.append((x, y, -dy / float(lengths[i]), dx / float(lengths[i])))
-    return sorted(points, key=lambda point: abs(points.index(point) - pairs))
-
-
-@lru_cache(maxsize=16)
-def _lattice(radius: float, step: float) -> FloatArray:
-    # Points around the origin, the nearest first; the same few lattices serve every arc.
-    n = math.ceil(radius / step)
-    offsets = np.arange(-n, n + 1) * step
-    points = np.stack(np.meshgrid(offsets, offsets), axis=-1).reshape(-1, 2)
-    distances = np.hypot(points[:, 0], points[:, 1])
-    order = np.argsort(distances, kind="stable")
-    result: FloatArray = points[order[distances[order] <= radius]]
-    result.setflags(write=False)
-    return result
+        return self._ways.may_begin(x, y, half_width_m, nodes)
 
 
 @kernel
 def _along_rays(
     x: float, y: float, directions: FloatArray, limits: FloatArray, first: float, step: float
 ) -> FloatArray:
-    # Places on rays from a point: from `first` on at equal steps, and at the rays' ends.
+    """Return places on rays from a point: from `first` on at equal steps, and the rays' ends."""
     counts = np.zeros(directions.shape[0], np.int64)
     for k in range(directions.shape[0]):
         if limits[k] >= first:

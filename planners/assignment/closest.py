@@ -3,43 +3,45 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from multisrt.planners.assignment.costs import cost_table
+from multisrt.planners.assignment.costs import CostOracle, check_robot
 
 
-def closest(costs: ArrayLike) -> int | None:
+def closest(costs: CostOracle, robot: int) -> int | None:
     """Choose the frontier that is nearest to one robot.
 
     Parameters
     ----------
-    costs : (m,) array
-        The robot's distance to each frontier in metres; ``inf`` where there is no way.
+    costs : CostOracle
+        Costs of robots to frontiers.
+    robot : int
+        Number of the robot that chooses.
 
     Returns
     -------
-    Index of the frontier, or None if the robot can reach none.
+    int or None
+        Number of the frontier; None if the robot can reach none.
 
     Raises
     ------
     InvalidInputError
-        If `costs` is not one row of distances.
+        If there is no such robot.
 
     Notes
     -----
     Cost: O(m). Source: B. Yamauchi (1997, 1998), as given by A. Bautin, O. Simonin and
     F. Charpillet, Towards a communication free coordination for multi-robot exploration,
-    Algorithm 1; differs in: of frontiers equally near the first, where the paper draws one.
+    Algorithm 1; differs in: of equally near frontiers the first, where the paper draws one.
 
     Examples
     --------
-    >>> closest([4.0, 2.5, 2.5])
+    >>> from multisrt.planners.assignment.costs import DenseCosts
+    >>> closest(DenseCosts([[4.0, 2.5, 2.5]]), 0)
     1
-    >>> closest([float("inf")]) is None
+    >>> closest(DenseCosts([[float("inf")]]), 0) is None
     True
     """
-    row = cost_table(costs, dimensions=1)
-    if not len(row):
-        return None
-    nearest = int(np.argmin(row))
-    return nearest if np.isfinite(row[nearest]) else None
+    robots, frontiers = costs.shape
+    check_robot(robot, robots)
+    found = costs.nearest(robot, np.arange(frontiers))
+    return None if found is None else found[1]

@@ -1,43 +1,58 @@
-"""GREEDY: the shortest way of all first, every frontier once before any is taken twice."""
+"""GREEDY: repeatedly assign the robot and frontier with the lowest cost."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from multisrt.geometry.numerics.arrays import BoolArray, FloatArray, IntArray
-from multisrt.planners.assignment.costs import NOBODY, cost_table, longest
+from multisrt.geometry.numerics.arrays import FloatArray, IntArray
+from multisrt.planners.assignment.costs import UNASSIGNED, CostOracle, check_robot
+
+
+class Pair(NamedTuple):
+    """A robot, the frontier that it is assigned, and what the frontier costs it.
+
+    Attributes
+    ----------
+    robot, frontier : int
+        Their numbers.
+    cost_m : float
+        Cost in metres.
+    """
+
+    robot: int
+    frontier: int
+    cost_m: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class GreedyAssignment:
-    """Who goes where, and in which order it was settled.
+    """Frontiers assigned to robots, and the order in which they were.
 
     Attributes
     ----------
-    costs : (n, m) array
-        The table decided on, in metres.
     assignment : (n,) array of int
-        Each robot's frontier; -1: it can reach none.
-    rounds : tuple of (robot, frontier, utility, share)
-        In this order the robots got their frontiers. The utility is 1 throughout: to this rule
-        all frontiers are worth the same. The share is the distance over the longest finite one.
+        Each robot's frontier; -1 for a robot that can reach none, or whose turn did not come.
+    rounds : tuple of Pair
+        The assigned pairs in order.
     """
 
-    costs: FloatArray
     assignment: IntArray
-    rounds: tuple[tuple[int, int, float, float], ...]
+    rounds: tuple[Pair, ...]
 
 
-def greedy(costs: ArrayLike) -> GreedyAssignment:
-    """Assign frontiers to all robots, always the closest pair of those that are left.
+def greedy(costs: CostOracle, until: int | None = None) -> GreedyAssignment:
+    """Assign frontiers to robots, always the cheapest of the remaining pairs.
 
     Parameters
     ----------
-    costs : (n, m) array
-        Distance of each robot to each frontier in metres; ``inf`` where there is no way.
+    costs : CostOracle
+        Costs of robots to frontiers.
+    until : int, optional
+        Number of a robot: stop when it has its frontier. By default all robots get one.
 
     Returns
     -------
@@ -46,38 +61,92 @@ def greedy(costs: ArrayLike) -> GreedyAssignment:
     Raises
     ------
     InvalidInputError
-        If `costs` is not a table of distances.
+        If there is no robot `until`.
 
     Notes
     -----
-    Cost: O(n^2 m). Source: A. Bautin, O. Simonin and F. Charpillet, Towards a communication
-    free coordination for multi-robot exploration, Algorithm 2. Differs in: the paper's
-    frontiers start again when they are used up; ours do so too when no robot that is left can
-    reach a frontier that is left, since no robot is to stand idle that has somewhere to go.
+    Of equal pairs the lower robot comes first. Cost: O(n^2 m) on a table. On a lazy oracle a
+    robot's search extends no farther than the cheapest pair found so far, and starts only if its
+    lower bounds allow for a cheaper one.
+
+    Source: A. Bautin, O. Simonin and F. Charpillet, Towards a communication free coordination for
+    multi-robot exploration, Algorithm 2. Differs in: the paper's frontiers become available again
+    when all are assigned; here also when no remaining robot can reach a remaining frontier, so
+    that no robot that can reach a frontier is idle.
 
     Examples
     --------
-    >>> greedy([[1.0, 5.0], [2.0, 9.0]]).assignment.tolist()
+    >>> from multisrt.planners.assignment.costs import DenseCosts
+    >>> costs = DenseCosts([[1.0, 5.0], [2.0, 9.0]])
+    >>> greedy(costs).assignment.tolist()
     [0, 1]
+    >>> greedy(costs, until=0).rounds
+    (Pair(robot=0, frontier=0, cost_m=1.0),)
     """
-    table = cost_table(costs)
-    robots, frontiers = table.shape
-    assignment = np.full(robots, NOBODY, np.int64)
-    scale = longest(table) or 1.0
-    rounds: list[tuple[int, int, float, float]] = []
-
-    # R and F: the robots and frontiers that are left; whoever reaches nothing is not in R.
-    waiting: BoolArray = np.count_nonzero(np.isfinite(table), axis=1) > 0
-    unused = np.ones(frontiers, np.bool_)
-    while waiting.any():
-        open_pairs = np.where(waiting[:, None] & unused, table, np.inf)
-        # The first of equals in reading order: lowest robot, then lowest frontier.
-        robot, frontier = divmod(int(np.argmin(open_pairs)), frontiers)
-        if np.isinf(open_pairs[robot, frontier]):
-            unused[:] = True
+    n, _ = costs.shape
+    if until is not None:
+        check_robot(until, n)
+    assignment = np.full(n, UNASSIGNED, np.int64)
+    rounds: list[Pair] = []
+    R = dict.fromkeys(range(n))
+    F = _Remaining(costs)
+    while R if until is None else until in R:
+        pair = F.cheapest_pair(R)
+        if pair is None:
+            if F.is_initial:
+                break
+            F = _Remaining(costs)
             continue
-        assignment[robot] = frontier
-        rounds.append((robot, frontier, 1.0, float(table[robot, frontier]) / scale))
-        waiting[robot] = False
-        unused[frontier] = False
-    return GreedyAssignment(costs=table, assignment=assignment, rounds=tuple(rounds))
+        assignment[pair.robot] = pair.frontier
+        rounds.append(pair)
+        del R[pair.robot]
+        F.remove(pair.frontier)
+    return GreedyAssignment(assignment=assignment, rounds=tuple(rounds))
+
+
+class _Remaining:
+    """The frontiers not yet assigned (F), and each robot's cheapest of them as far as known."""
+
+    def __init__(self, costs: CostOracle) -> None:
+        self._costs = costs
+        n, m = costs.shape
+        self._bounds: FloatArray = costs.lower_bounds()
+        self._frontiers: IntArray = np.arange(m)
+        self._cheapest: dict[int, Pair] = {}
+        # No frontier costs a robot less than this; inf: it can reach none.
+        self._searched_m = np.zeros(n)
+
+    @property
+    def is_initial(self) -> bool:
+        """Whether no frontier has been removed."""
+        return len(self._frontiers) == self._costs.shape[1]
+
+    def remove(self, frontier: int) -> None:
+        """Remove a frontier; robots whose cheapest it was have to be searched for again."""
+        self._frontiers = self._frontiers[self._frontiers != frontier]
+        self._cheapest = {i: p for i, p in self._cheapest.items() if p.frontier != frontier}
+
+    def cheapest_pair(self, robots: dict[int, None]) -> Pair | None:
+        """Return the pair of lowest cost, of equal ones the lowest robot's; None if there is none.
+
+        Robots are asked in the order of their lower bounds, until no bound is below the best pair.
+        """
+        if not len(self._frontiers):
+            return None
+        bounds = np.maximum(self._bounds[:, self._frontiers].min(axis=1), self._searched_m)
+        best: Pair | None = None
+        for i in sorted(robots, key=bounds.__getitem__):
+            limit_m = math.inf if best is None else best.cost_m
+            if math.isinf(bounds[i]) or bounds[i] > limit_m:
+                break
+            if i not in self._cheapest:
+                found = self._costs.nearest(i, self._frontiers, limit_m)
+                if found is None:
+                    self._searched_m[i] = limit_m
+                    continue
+                cost, frontier = found
+                self._cheapest[i] = Pair(i, frontier, cost)
+            pair = self._cheapest[i]
+            if best is None or (pair.cost_m, i) < (best.cost_m, best.robot):
+                best = pair
+        return best

@@ -1,44 +1,47 @@
-"""MINPOS: a robot goes to the frontier for which the fewest robots are nearer than itself."""
+"""MINPOS: a robot goes to the frontier towards which it is in the best position."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import islice
+from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from multisrt.geometry.numerics.arrays import FloatArray, IntArray
-from multisrt.planners.assignment.costs import check_robot, cost_table
+from multisrt.geometry.numerics.arrays import IntArray
+from multisrt.planners.assignment.costs import CostOracle, check_robot
+
+UNCOUNTED: Final = -1
+"""Entry of a table of positions that the decision does not depend on."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class MinPosChoice:
-    """One robot's choice, and the table of positions that it rests on.
+    """One robot's choice, and the positions that it is based on.
 
     Attributes
     ----------
-    costs : (n, m) array
-        The table decided on, in metres.
-    ranks : tuple of rows
-        Each robot's position towards each frontier: how many robots come before it.
     choice : int or None
-        The frontier; None: the robot can reach none.
+        Number of the frontier; None if the robot can reach none.
+    positions : (n, m) array of int
+        Number of robots that come before robot i at frontier j (P_ij), as far as counted; -1
+        where it was not. The choosing robot's own are counted up to the lowest before.
     """
 
-    costs: FloatArray
-    ranks: tuple[tuple[int, ...], ...]
     choice: int | None
+    positions: IntArray
 
 
-def minpos(costs: ArrayLike, robot: int) -> MinPosChoice:
+def minpos(costs: CostOracle, robot: int) -> MinPosChoice:
     """Choose the frontier towards which one robot is in the best position.
 
     Parameters
     ----------
-    costs : (n, m) array
-        Distance of each robot to each frontier in metres; ``inf`` where there is no way.
+    costs : CostOracle
+        Costs of robots to frontiers.
     robot : int
-        The row of the robot that chooses.
+        Number of the robot that chooses (i).
 
     Returns
     -------
@@ -47,85 +50,47 @@ def minpos(costs: ArrayLike, robot: int) -> MinPosChoice:
     Raises
     ------
     InvalidInputError
-        If `costs` is not a table of distances, or `robot` no row of it.
+        If there is no such robot.
 
     Notes
     -----
-    The lowest rank wins, among equal ranks the nearest frontier, then the lowest index. Ranks
-    are those of `positions`. Cost: O(n m log n) for the ranks of all robots.
+    The position P_ij is the number of robots nearer to frontier j. The lowest wins, among equal
+    ones the nearest frontier, then the lowest number. Frontiers are visited in the order of their
+    cost, so that one replaces another only by a lower position: no position is counted beyond the
+    lowest so far, and the search ends at a frontier to which this robot is nearest.
 
-    Source: A. Bautin, O. Simonin and F. Charpillet, Towards a communication free coordination
-    for multi-robot exploration, Algorithm 3; differs in: ties, see `positions`.
+    Cost: O(n m) comparisons. Source: A. Bautin, O. Simonin and F. Charpillet, Towards a
+    communication free coordination for multi-robot exploration, Algorithm 3; differs in: ties of
+    robots, see `positions`.
 
     Examples
     --------
-    A robot between a companion and two frontiers leaves the nearer one to the companion:
+    A robot leaves the nearer frontier to a companion that is nearer still:
 
-    >>> minpos([[3.0, 4.0], [1.0, 6.0]], 0).choice
-    1
+    >>> from multisrt.planners.assignment.costs import DenseCosts
+    >>> chosen = minpos(DenseCosts([[3.0, 4.0], [1.0, 6.0]]), 0)
+    >>> chosen.choice, chosen.positions.tolist()
+    (1, [[1, 0], [0, -1]])
     """
-    table = cost_table(costs)
-    check_robot(robot, len(table))
-    ranks = positions(table)
-    reachable = np.flatnonzero(np.isfinite(table[robot]))
-    choice = None
-    if len(reachable):
-        row, distances = ranks[robot, reachable], table[robot, reachable]
-        choice = int(reachable[np.lexsort((distances, row))[0]])
-    return MinPosChoice(costs=table, ranks=tuple(map(tuple, ranks.tolist())), choice=choice)
+    n, m = costs.shape
+    check_robot(robot, n)
+    P = np.full((n, m), UNCOUNTED, np.int64)
+    choice, lowest = None, n
+    for j in _by_cost(costs, robot):
+        P[robot, j] = 0
+        for position, k in enumerate(islice(costs.robots_ahead(robot, j), lowest)):
+            P[k, j], P[robot, j] = position, position + 1
+        if P[robot, j] < lowest:
+            choice, lowest = j, int(P[robot, j])
+        if lowest == 0:
+            break
+    return MinPosChoice(choice=choice, positions=P)
 
 
-def positions(costs: FloatArray) -> IntArray:
-    """Count for every robot and frontier the robots that come before it there.
-
-    Parameters
-    ----------
-    costs : (n, m) array
-        As `cost_table` gives it.
-
-    Returns
-    -------
-    (n, m) array of int; each column holds 0 to n - 1 once each
-
-    Notes
-    -----
-    P_ij of the paper, the number of robots k with C_kj < C_ij, with its ties broken; where no
-    distances are equal it is the paper's. Of robots equally far from a frontier the lower id
-    comes first.
-
-    That alone would not part robots that are at one place, which the paper's strict comparison
-    sends all to the same frontier: whoever is behind is behind everywhere, and so chooses by
-    distance as the one in front does. Robots whose distances are all equal therefore take turns:
-    at their nearest frontier the first by id is in front, at the next nearest the second, and
-    so on, over and over when there are more robots than frontiers. On their own they then
-    spread evenly, the first to the nearest frontier, and a frontier has at most one robot more
-    than another (the paper's criterion 1, and what its Figure 6 shows for robots close together).
-    """
-    robots, frontiers = costs.shape
-    if not frontiers:
-        return np.zeros((robots, 0), np.int64)
-    first_there: dict[bytes, int] = {}
-    at_place: dict[int, int] = {}
-    place = np.empty(robots, np.int64)
-    number = np.empty(robots, np.int64)
-    for i, row in enumerate(costs):
-        place[i] = first_there.setdefault(row.tobytes(), i)
-        number[i] = at_place[int(place[i])] = at_place.get(int(place[i]), -1) + 1
-
-    # Robot r of a place is in front at the place's frontiers r, r + m, ... in order of distance.
-    order = np.argsort(costs, axis=1, kind="stable")
-    nearness = np.argsort(order, axis=1, kind="stable")
-    within_reach = np.maximum(np.isfinite(costs).sum(axis=1), 1)
-    turn = (number[:, None] - nearness) % within_reach[:, None]
-
-    shape = costs.shape
-    keys = (
-        np.broadcast_to(number[:, None], shape),
-        turn,
-        np.broadcast_to(place[:, None], shape),
-        costs,
-    )
-    in_order = np.lexsort(keys, axis=0)
-    ranks = np.empty(shape, np.int64)
-    np.put_along_axis(ranks, in_order, np.arange(robots)[:, None], axis=0)
-    return ranks
+def _by_cost(costs: CostOracle, robot: int) -> Iterator[int]:
+    """Iterate over the frontiers that a robot can reach, the nearest first."""
+    remaining = np.arange(costs.shape[1])
+    while (found := costs.nearest(robot, remaining)) is not None:
+        _, frontier = found
+        yield frontier
+        remaining = remaining[remaining != frontier]

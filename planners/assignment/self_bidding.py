@@ -1,4 +1,4 @@
-"""SELF-BIDDING: a robot bids for itself and for its team, and keeps within reach of the others.
+"""SELF-BIDDING: a robot bids for itself and for its team, and stays within reach of the others.
 
 Source: J. C. Elizondo, G. Ramírez, E. Rodriguez and J. R. Martínez, Multi-robot Exploration Using
 Self-Biddings under Constraints on Communication Range (SBX-R), sections III.A and III.B.
@@ -17,25 +17,72 @@ from scipy.optimize import linear_sum_assignment
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.numerics.arrays import BoolArray, FloatArray, IntArray
 from multisrt.planners.assignment.closest import closest
-from multisrt.planners.assignment.costs import NOBODY, check_robot, cost_table, longest
+from multisrt.planners.assignment.costs import (
+    UNASSIGNED,
+    DenseCosts,
+    check_robot,
+    cost_table,
+    largest_finite,
+)
 
 TIE_M: Final = 1e-6
-"""Matchings whose total bids differ by no more than this are equally good."""
+"""Matchings are equally good if their total bids differ by at most this, in metres."""
 
-MOST_STEPS: Final = 10_000
-"""A communication range that would need more steps to cross the map is refused."""
+MAX_STEPS: Final = 10_000
+"""Bounds the number of radii tried; a communication range that could need more is rejected."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CohesionRadii:
+    """The radii of cohesion (phi) to try: ``range_m * (first + k * step)``, k = 0, 1, 2...
+
+    Attributes
+    ----------
+    range_m : float
+        Communication range (beta) in metres; ``inf`` if unlimited.
+    diagonal_m : float
+        Diagonal of the map in metres; the first radius above it is the last.
+    first, step : float
+        First factor (the paper's j) and its increment.
+
+    Raises
+    ------
+    InvalidInputError
+        If a number is not positive, the diagonal is infinite, or crossing it takes more than
+        `MAX_STEPS` radii.
+    """
+
+    range_m: float
+    diagonal_m: float
+    first: float = 0.9
+    step: float = 0.5
+
+    def __post_init__(self) -> None:
+        for name in ("range_m", "first", "step"):
+            if not getattr(self, name) > 0.0:
+                raise InvalidInputError(f"{name} is {getattr(self, name)}; it must be positive")
+        if not 0.0 < self.diagonal_m < math.inf:
+            raise InvalidInputError(f"diagonal_m is {self.diagonal_m}; it must be positive")
+        if self.diagonal_m > MAX_STEPS * self.step * self.range_m:
+            raise InvalidInputError(
+                f"range_m is {self.range_m}; it is too small for a map of {self.diagonal_m:g} m"
+            )
+
+    def radius_m(self, k: int) -> float:
+        """Return radius k in metres."""
+        return self.range_m * (self.first + self.step * k)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class BidStep:
-    """One turn of the loop that widens the radius of cohesion.
+    """One iteration of the loop that increases the radius of cohesion.
 
     Attributes
     ----------
     phi_m : float
-        The radius that was tried.
+        The radius tried, in metres.
     bids : (n, m) array
-        All robots' bids under it; ``inf`` where the bridge to the others would break.
+        All robots' bids under it in metres; ``inf`` where the bridge to the others would break.
     """
 
     phi_m: float
@@ -44,20 +91,20 @@ class BidStep:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class SelfBid:
-    """What one robot chose, and the tables of bids that led to it.
+    """One robot's choice, and the tables of bids that it is based on.
 
     Attributes
     ----------
     ways : (n, m) array
-        How far each robot has to each frontier by way of its present goal (rho + a), in metres.
+        Path length of each robot to each frontier by way of its present goal (rho + a), in metres.
     steps : tuple of BidStep
-        The radii tried, with their tables; the last one was matched.
+        The radii tried with their tables; the last was matched.
     matching : (n,) array of int
-        The frontier matched to each robot; -1: a virtual one.
+        The frontier matched to each robot; -1 for a virtual one.
     choice : int or None
-        The robot's own frontier; None: it can reach none.
+        The robot's own frontier; None if it can reach none.
     is_virtual : bool
-        Whether it was matched to no real frontier and so chose the nearest.
+        Whether it was matched to a virtual frontier, and so chose the nearest.
     """
 
     ways: FloatArray
@@ -68,12 +115,12 @@ class SelfBid:
 
     @property
     def phi_m(self) -> float:
-        """The radius of cohesion that was used."""
+        """The radius of cohesion that was used, in metres."""
         return self.steps[-1].phi_m
 
     @property
     def bids(self) -> FloatArray:
-        """The table of bids that was matched."""
+        """The table of bids that was matched, ``(n, m)``."""
         return self.steps[-1].bids
 
 
@@ -83,33 +130,25 @@ def self_bidding(
     a: ArrayLike,
     path_gap: ArrayLike,
     frontier_gap: ArrayLike,
-    *,
-    radio_range_m: float,
-    diagonal_m: float,
-    j0: float = 0.9,
-    dj: float = 0.5,
+    radii: CohesionRadii,
 ) -> SelfBid:
-    """Choose one robot's frontier by the bids that it reckons all robots would make.
+    """Choose one robot's frontier by the bids that it computes for all robots.
 
     Parameters
     ----------
     robot : int
-        The row of the robot that chooses (k).
+        Number of the robot that chooses (k).
     rho : (n,) array
-        What is left of each robot's way to its goal, in metres; 0 for a robot that is there.
+        Remaining path length of each robot to its goal in metres; 0 for a robot at its goal.
     a : (n, m) array
-        Geodesic distance from each robot's goal to each frontier; ``inf``: no way.
+        Path length from each robot's goal to each frontier in metres; ``inf`` where none leads.
     path_gap : (n, m) array
-        Along the path of that robot to that frontier, the largest straight distance of any of
-        its points from the nearest goal of *another* robot. Not looked at for a robot alone.
+        Largest Euclidean distance in metres from a point on the path of that robot to that
+        frontier to the nearest goal of *another* robot. Ignored for a single robot.
     frontier_gap : (n, m) array
-        Straight distance of the frontier from the nearest *other* robot. Likewise.
-    radio_range_m : float
-        Communication range (beta); ``inf``: unlimited.
-    diagonal_m : float
-        The map's diagonal.
-    j0, dj : float
-        The radius phi is ``beta * j``, where j begins with `j0` and grows by `dj`.
+        Euclidean distance in metres from the frontier to the nearest *other* robot. Likewise.
+    radii : CohesionRadii
+        The radii of cohesion to try.
 
     Returns
     -------
@@ -118,33 +157,29 @@ def self_bidding(
     Raises
     ------
     InvalidInputError
-        If an array has the wrong shape or holds what is no distance, `robot` is no row, a
-        number is not positive, or the range is too small for the map.
+        If shapes do not match, an entry is negative or NaN, or there is no such robot.
 
     Notes
     -----
     Algorithm 2 of the paper. Equation 1: ``b_k^i = (rho_k + a_k^i) - mean over j != k of
     (rho_j + a_j^i)`` if every point of the path lies within phi of another robot's goal, else
-    infinite; frontiers take part that are nearer than phi to another robot. A robot alone pays
-    no such penalty and has no others to compare itself with: it goes to its nearest frontier.
-    phi grows until `robot` has a finite bid or phi exceeds the diagonal. Then the table, padded
-    by virtual frontiers at a large cost, is matched at minimum cost; a robot that gets no real
-    frontier takes its nearest, whoever else goes there: that holds the bridge.
+    infinite. Only frontiers nearer than phi to another robot take part. phi grows until `robot`
+    has a finite bid or phi exceeds the diagonal. Then the table, padded by virtual frontiers at a
+    large cost, is matched at minimum cost. A robot matched to a virtual frontier goes to its
+    nearest frontier, whichever other robot goes there too: that holds the bridge. A robot alone
+    has no penalty and goes to its nearest frontier.
 
-    The paper's gaps, settled: phi bounds the path as Equation 1 has it, where the text above it
-    has 0.9 phi; a robot that could only be matched at an infinite bid counts as matched to a
-    virtual frontier; a companion that has no way to a frontier
-    counts there with the diagonal, or the longest finite way if that is more. Equally good
-    matchings are frequent (two robots that both must pass the first of two frontiers to get to
-    the second): robots in the order of their ids get the nearest frontier that a best matching
-    leaves them.
+    Differs in, where the paper leaves it open: phi bounds the path as in Equation 1, where the
+    text above it has 0.9 phi; a robot left with infinite bids only counts as matched to a virtual
+    frontier; another robot without a path to a frontier counts there with the diagonal, or the
+    longest finite path if that is longer; among equally good matchings the lower robot gets the
+    nearer frontier (see `minimum_matching`).
 
     Examples
     --------
     >>> near = [[1.0, 1.0], [1.0, 1.0]]
-    >>> bid = self_bidding(
-    ...     0, [0, 0], [[2, 5], [3, 9]], near, near, radio_range_m=10, diagonal_m=30
-    ... )
+    >>> radii = CohesionRadii(range_m=10.0, diagonal_m=30.0)
+    >>> bid = self_bidding(0, [0, 0], [[2, 5], [3, 9]], near, near, radii)
     >>> bid.bids.tolist(), bid.matching.tolist(), bid.choice
     ([[-1.0, -4.0], [1.0, 4.0]], [1, 0], 1)
     """
@@ -158,27 +193,18 @@ def self_bidding(
     for name, gap in zip(("path_gap", "frontier_gap"), gaps, strict=True):
         if gap.shape != onward.shape:
             raise InvalidInputError(f"{name} has the shape {gap.shape}; a has {onward.shape}")
-    for name, value in (("radio_range_m", radio_range_m), ("j0", j0), ("dj", dj)):
-        if not value > 0.0:
-            raise InvalidInputError(f"{name} is {value}; it must be positive")
-    if not 0.0 < diagonal_m < math.inf:
-        raise InvalidInputError(f"diagonal_m is {diagonal_m}; it must be positive")
-    if diagonal_m > MOST_STEPS * dj * radio_range_m:
-        raise InvalidInputError(
-            f"radio_range_m is {radio_range_m}; it is too small for a map of {diagonal_m:g} m"
-        )
 
     ways = goals_left[:, None] + onward
-    offers = _offers(ways, diagonal_m)
-    # All that phi has to exceed; alone, there is nobody to lose.
+    offers = _offers(ways, radii.diagonal_m)
+    # A bid is finite once phi exceeds this; a robot alone has no bridge to keep.
     bridge = np.maximum(*gaps) if robots > 1 else np.zeros_like(ways)
     bridge[~np.isfinite(ways)] = np.inf
     steps: list[BidStep] = []
     while True:
-        phi_m = radio_range_m * (j0 + dj * len(steps))
+        phi_m = radii.radius_m(len(steps))
         bids = np.where(bridge < phi_m, offers, np.inf)
         steps.append(BidStep(phi_m=phi_m, bids=bids))
-        if np.isfinite(bids[robot]).any() or phi_m > diagonal_m:
+        if np.isfinite(bids[robot]).any() or phi_m > radii.diagonal_m:
             break
 
     matching = minimum_matching(bids, ways)
@@ -187,54 +213,63 @@ def self_bidding(
         ways=ways,
         steps=tuple(steps),
         matching=matching,
-        choice=closest(ways[robot]) if matched == NOBODY else matched,
-        is_virtual=matched == NOBODY,
+        choice=closest(DenseCosts(ways), robot) if matched == UNASSIGNED else matched,
+        is_virtual=matched == UNASSIGNED,
     )
 
 
 def _offers(ways: FloatArray, diagonal_m: float) -> FloatArray:
-    # Equation 1 without its penalty: exploitation minus exploration.
+    """Return Equation 1 without its penalty: exploitation minus exploration, ``(n, m)``."""
     robots = len(ways)
     if robots == 1:
         return ways.copy()
-    counted = np.where(np.isfinite(ways), ways, max(diagonal_m, longest(ways)))
+    counted = np.where(np.isfinite(ways), ways, max(diagonal_m, largest_finite(ways)))
     others = np.array([np.delete(counted, k, axis=0).mean(axis=0) for k in range(robots)])
     offers: FloatArray = counted - others
     return offers
 
 
 def minimum_matching(bids: ArrayLike, ways: ArrayLike) -> IntArray:
-    """Match robots to frontiers so that the sum of their bids is least.
+    """Match robots to frontiers at the minimum sum of bids.
 
     Parameters
     ----------
     bids : (n, m) array
-        In metres, negative ones too; ``inf``: not to be had.
+        Bids in metres, possibly negative; ``inf`` for pairs that must not be matched.
     ways : (n, m) array
-        Distances in metres, by which ties are broken.
+        Path lengths in metres, which break ties.
 
     Returns
     -------
     (n,) array of int
-        Each robot's frontier, -1 for none. As many robots as can have a finite bid get one.
+        Each robot's frontier; -1 for none. The number of matched robots is the largest possible.
 
     Notes
     -----
-    The Hungarian method of the paper, by `scipy.optimize.linear_sum_assignment`. Among the
-    matchings within `TIE_M` of the best, the one in which robot 0 has its nearest frontier, then
-    robot 1 its nearest that is left, and so on. Differs in: the paper pads the table to a square;
-    a virtual frontier for every robot has the same best matchings. Cost: one matching, and one
-    for every frontier that is nearer to a robot than what it has.
+    Among the matchings within `TIE_M` of the best, robot 0 gets its nearest frontier, then robot
+    1 the nearest of the remaining ones, and so on. Equally good matchings are frequent, for
+    instance where two robots both have to pass the first of two frontiers to get to the second.
+
+    Source: the Hungarian method of the paper, by `scipy.optimize.linear_sum_assignment`; differs
+    in: the paper pads the table to a square; a virtual frontier for every robot has the same best
+    matchings. Cost: one matching, and one more for each frontier nearer to a robot than its own.
+
+    Examples
+    --------
+    >>> minimum_matching([[-1.0, 0.0], [1.0, 0.0]], [[4.0, 5.0], [5.0, 5.0]]).tolist()
+    [0, 1]
+    >>> minimum_matching([[float("inf")], [2.0]], [[1.0], [1.0]]).tolist()
+    [-1, 0]
     """
     offered = np.asarray(bids, np.float64)
     distances = np.asarray(ways, np.float64)
     robots, frontiers = offered.shape
     finite: BoolArray = np.isfinite(offered)
     if not finite.any():
-        return np.full(robots, NOBODY, np.int64)
+        return np.full(robots, UNASSIGNED, np.int64)
 
-    # So large that one finite bid more outweighs whatever it does to the others. Each robot has
-    # a virtual frontier, before which it takes no real one that is not to be had.
+    # One more finite bid outweighs all effects on the other bids. Each robot has a virtual
+    # frontier, which is cheaper than an infinite bid.
     spread = float(offered[finite].max() - offered[finite].min())
     large = float(np.abs(offered[finite]).max()) + (spread + 1.0) * robots
     padded = np.full((robots, frontiers + robots), large)
@@ -253,11 +288,11 @@ def minimum_matching(bids: ArrayLike, ways: ArrayLike) -> IntArray:
             if float(padded[everyone, tried].sum()) <= least + TIE_M:
                 columns = tried
                 break
-    return np.where(columns < frontiers, columns, NOBODY).astype(np.int64)
+    return np.where(columns < frontiers, columns, UNASSIGNED).astype(np.int64)
 
 
 def _matched_from(padded: FloatArray, columns: IntArray, robot: int, column: int) -> IntArray:
-    # The best matching that keeps the rows before `robot` and gives it this column.
+    """Return the best matching that keeps the rows before `robot` and gives it this column."""
     tried = columns.copy()
     tried[robot] = column
     free = np.setdiff1d(np.arange(padded.shape[1]), tried[: robot + 1])

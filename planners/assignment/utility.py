@@ -1,4 +1,4 @@
-"""UTILITY: a leader weighs the way to each target against what others will see from theirs."""
+"""UTILITY: costs are weighed against what other robots will see from their targets."""
 
 from __future__ import annotations
 
@@ -10,24 +10,24 @@ from numpy.typing import ArrayLike
 
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.numerics.arrays import BoolArray, FloatArray, IntArray
-from multisrt.planners.assignment.costs import NOBODY, cost_table, longest
+from multisrt.planners.assignment.costs import UNASSIGNED, cost_table, largest_finite
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class UtilityAssignment:
-    """Who goes where, and what each target was worth when it was given away.
+    """Targets assigned to robots, and the utility of each when it was assigned.
 
     Attributes
     ----------
     costs : (n, m) array
-        The table decided on, in metres.
+        The costs in metres, a read-only copy.
     assignment : (n,) array of int
-        Each robot's target; -1: it can reach none.
+        Each robot's target; -1 for a robot that can reach none.
     rounds : tuple of (robot, target, utility, share)
-        In this order targets were given away: the target's utility U_t then, and the robot's
-        distance as a share of the longest finite one (V_it).
+        The assigned pairs in order, with the target's utility U_t before, and the cost as a share
+        of the largest finite one (V_it).
     utilities : (rounds + 1, m) array
-        The utilities of all targets before each round, and after the last.
+        Utilities of all targets before each round and after the last.
     """
 
     costs: FloatArray
@@ -43,20 +43,20 @@ def utility(
     sensor_range_m: float,
     beta: float = 1.0,
 ) -> UtilityAssignment:
-    """Assign targets to all robots, lowering the worth of what lies near a target given away.
+    """Assign targets to all robots, reducing the utility of targets near an assigned one.
 
     Parameters
     ----------
     costs : (n, m) array
-        Distance of each robot to each target in metres; ``inf`` where there is no way.
+        Cost of each robot to each target in metres; ``inf`` where no path leads.
     between : (m, m) array
-        Straight distances between targets in metres.
+        Euclidean distances between targets in metres.
     visible : (m, m) array of bool
-        Whether two targets see each other; a target always sees itself.
+        Whether two targets see each other; the diagonal is taken as True.
     sensor_range_m : float
-        Range R_p of the robots' range finders.
+        Range R_p of the robots' range finders in metres.
     beta : float
-        Weight of the way against the utility.
+        Weight of the cost against the utility.
 
     Returns
     -------
@@ -65,20 +65,29 @@ def utility(
     Raises
     ------
     InvalidInputError
-        If a table has the wrong shape or holds what is no distance, if the range is not
-        positive, or if `beta` is negative or not finite.
+        If a table has the wrong shape, a negative entry or NaN, if the range is not positive, or
+        if `beta` is negative or not finite.
 
     Notes
     -----
-    ``U_t = 1``; until every robot that reaches a target has one: ``(i, t) = argmax(U_t - beta
+    ``U_t = 1``; until every robot that can reach a target has one: ``(i, t) = argmax(U_t - beta
     V_it)``, then ``U_t' -= P(dist(t, t'))`` for every t', where ``P(d) = 1 - d / R`` for
-    ``d < R = 2 R_p``, else 0, and 0 where the two do not see each other. A target that was
-    given away stays to be had at a lower utility, so that there may be more robots than
-    targets. Cost: O(n^2 m + n m).
+    ``d < R = 2 R_p``, else 0, and 0 where the two do not see each other. An assigned target
+    remains available at a reduced utility, so that there may be more robots than targets. The rule
+    needs every cost: V is relative to the largest. Cost: O(n^2 m + n m).
 
     Source: W. Burgard, M. Moors, C. Stachniss and F. Schneider, Coordinated Multi-robot
-    Exploration, IEEE Transactions on Robotics 21 (2005). Differs in: V is the distance as a
-    share of the longest, and of equal values the nearer target is taken first.
+    Exploration, IEEE Transactions on Robotics 21 (2005). Differs in: V is the cost as a share of
+    the largest finite one, and of equal values the nearer target is taken first.
+
+    Examples
+    --------
+    Targets 0 and 1 are 2 m apart and see each other, so robot 1 goes to target 2:
+
+    >>> costs = [[2.0, 3.0, 9.0], [3.0, 4.0, 10.0]]
+    >>> between = [[0.0, 2.0, 30.0], [2.0, 0.0, 30.0], [30.0, 30.0, 0.0]]
+    >>> utility(costs, between, np.ones((3, 3)), 4.0).assignment.tolist()
+    [0, 2]
     """
     table = cost_table(costs)
     robots, targets = table.shape
@@ -94,16 +103,16 @@ def utility(
     if not 0.0 <= beta < math.inf:
         raise InvalidInputError(f"beta is {beta}; it must be 0 or more")
 
-    share = table / (longest(table) or 1.0)
-    seen_from_there = np.maximum(1.0 - apart / (2.0 * sensor_range_m), 0.0)  # P
-    seen_from_there[~(sees | np.eye(targets, dtype=np.bool_))] = 0.0
+    share = table / (largest_finite(table) or 1.0)
+    overlap = np.maximum(1.0 - apart / (2.0 * sensor_range_m), 0.0)  # P
+    overlap[~(sees | np.eye(targets, dtype=np.bool_))] = 0.0
     worth = np.ones(targets)  # U
     history = [worth]
-    assignment = np.full(robots, NOBODY, np.int64)
+    assignment = np.full(robots, UNASSIGNED, np.int64)
     rounds: list[tuple[int, int, float, float]] = []
     waiting: BoolArray = np.count_nonzero(np.isfinite(table), axis=1) > 0
     while waiting.any():
-        # Masked first, since inf * 0 would be NaN for beta = 0.
+        # inf * 0 would be NaN for beta = 0.
         offered = waiting[:, None] & np.isfinite(table)
         value = np.full(table.shape, -np.inf)
         np.subtract(worth, beta * np.where(offered, share, 0.0), out=value, where=offered)
@@ -112,7 +121,7 @@ def utility(
         assignment[robot] = target
         rounds.append((robot, target, float(worth[target]), float(share[robot, target])))
         waiting[robot] = False
-        worth = worth - seen_from_there[target]
+        worth = worth - overlap[target]
         history.append(worth)
     return UtilityAssignment(
         costs=table,

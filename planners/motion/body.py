@@ -1,4 +1,4 @@
-"""A body as its own planner sees it: what fits into a region of known free space."""
+"""A body with its safety margin, and where it fits into known free space."""
 
 from __future__ import annotations
 
@@ -22,27 +22,45 @@ from multisrt.geometry.numerics.rings import Rings
 from multisrt.planners.motion.room import ROUNDING_M, Room
 
 TOUCH_M = 1e-7
-"""How near a body may come to what it stands next to already."""
+"""Distance in metres by which a disc stays off what it already stands next to."""
 
 HAIR_M = 5e-4
-"""The least margin: touching counts as a collision."""
+"""Minimum margin in metres, as contact counts as a collision."""
 
 NO_TURN_RAD = 1e-9
-"""Smaller turns are rounding."""
+"""A turn smaller than this is rounding, in radians."""
 
 
 class PlanningBody:
-    """A footprint with a safety margin around it.
+    """A footprint with a safety margin.
 
-    The margin is kept where the body has that much room; where it stands nearer to something,
-    it may go on as near as it stands, but no nearer than its true outline.
+    The margin is kept where there is room for it. A body that stands nearer to an obstacle may
+    move on as near as it stands, but not nearer than its true outline.
 
     Parameters
     ----------
     footprint : Footprint
         The body.
     margin_m : float
-        How far the planner stays away from the border of what it knows to be free.
+        Distance in metres to keep from the border of known free space; at least `HAIR_M`.
+
+    Attributes
+    ----------
+    outer_radius_m : float
+        Circumscribed radius of the footprint.
+    roomy_radius_m : float
+        Radius of the disc that needs to be free for the body to take any heading.
+    ample_radius_m : float
+        Circumscribed radius with the whole margin.
+
+    Examples
+    --------
+    >>> body = PlanningBody(Footprint.disc(0.25), margin_m=0.05)
+    >>> square = np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]])
+    >>> round(body.travel(square, Configuration(1.0, 2.0, 0.0), 0.0, limit=9.0), 3)
+    2.7
+    >>> body.disc_travel(square, 1.0, 1.0, 3.0, 3.0)
+    True
     """
 
     def __init__(self, footprint: Footprint, margin_m: float) -> None:
@@ -51,17 +69,17 @@ class PlanningBody:
         self.margin_m = margin_m
         self.is_disc = footprint.is_disc
         self.outer_radius_m = footprint.circumscribed_radius_m
-        # What every place that is chosen has at least, and what is asked for less than that of
-        # a place that was: so a place once chosen can be left again.
-        self._least_margin = margin_m / 5.0
+        # Places are chosen with at least this margin and left with less, so that a place once
+        # chosen can be left again.
+        self._min_margin = margin_m / 5.0
         self.roomy_radius_m = self.outer_radius_m + margin_m / 10.0
         self.ample_radius_m = self.outer_radius_m + margin_m
         if not self.is_disc:
             outline = np.ascontiguousarray(footprint.planning_vertices)
-            # With the whole margin, less of it, and hardly any, to be tried in this order.
+            # Tried in this order: the whole margin, less, and hardly any.
             self._grown = [
                 _offset(outline, margin)
-                for margin in (margin_m, margin_m / 2.0, self._least_margin, HAIR_M)
+                for margin in (margin_m, margin_m / 2.0, self._min_margin, HAIR_M)
             ]
 
     def travel(
@@ -71,18 +89,23 @@ class PlanningBody:
         direction: float,
         limit: float,
     ) -> float:
-        """How far the body can move in a direction, keeping its heading, inside a region.
+        """Return how far the body can move in a direction with a fixed heading inside a region.
 
         Parameters
         ----------
         boundary : (n, 2) array
-            The region, which holds the body.
+            The region in metres; it contains the body.
         at : Configuration
-            Where the body is.
+            Configuration of the body.
         direction : float
             Direction of the motion in radians.
         limit : float
-            How far is asked for, in metres.
+            Maximum distance of interest in metres.
+
+        Returns
+        -------
+        float
+            Metres, at most `limit`.
         """
         x, y, heading = at
         cosine, sine = math.cos(direction), math.sin(direction)
@@ -94,15 +117,16 @@ class PlanningBody:
             if room > 0.0:
                 break
         if room < limit and outline is self._grown[-1]:
-            room = max(0.0, room - self._least_margin)
+            room = max(0.0, room - self._min_margin)
         return room
 
     def passes(
         self, boundary: FloatArray, at: Configuration, direction: float, distance: float
     ) -> bool:
-        """Whether a way is free that `travel` found, also if it is turned by rounding.
+        """Whether a motion that `travel` found is free, also if rounding has rotated it.
 
-        It is asked with the least margin: how much of it `travel` kept is not known any more.
+        Parameters are those of `travel`, with the distance of the motion. Polygons are tested with
+        the minimum margin, as the margin that `travel` kept is not known here.
         """
         x, y, heading = at
         cosine, sine = math.cos(direction), math.sin(direction)
@@ -117,17 +141,17 @@ class PlanningBody:
     def disc_fan(
         self, boundary: FloatArray, at: Configuration, directions: FloatArray, limit: float
     ) -> FloatArray:
-        """Give `travel` of a disc for many directions at once."""
+        """Return `travel` of a disc for an array of directions, ``(k,)`` metres."""
         x, y, _ = at
         radius = self._kept(boundary, x, y)
         return free_travel_disc_fan(boundary, x, y, directions, radius, limit)
 
     def disc_travel(self, boundary: FloatArray, x: float, y: float, tx: float, ty: float) -> bool:
-        """Whether the body gets straight to a place in whatever heading: as a disc around it."""
+        """Whether the body can move straight from x, y to tx, ty in any heading."""
         return self.disc_reach(boundary, x, y, tx, ty) >= math.hypot(tx - x, ty - y)
 
     def disc_reach(self, boundary: FloatArray, x: float, y: float, tx: float, ty: float) -> float:
-        """How far the body gets straight towards a place in whatever heading."""
+        """Return how far the body can move straight from x, y towards tx, ty in any heading."""
         distance = math.hypot(tx - x, ty - y)
         if distance == 0.0:
             return 0.0
@@ -137,18 +161,19 @@ class PlanningBody:
         )
 
     def bridges(self, places: FloatArray, rings: Rings, pairs: IntArray) -> BoolArray:
-        """Whether the body gets straight from place to place, in whatever heading.
+        """Return whether the body can move straight between pairs of places in any heading.
 
-        It goes as far as it gets in the region around the one, and from there in the other's.
+        It moves as far as possible in the region around the first place, and from there in that
+        around the second.
 
         Parameters
         ----------
         places : (n, 2) array
-            Where it is, and where it is to get.
+            Places in metres.
         rings : Rings
-            The regions around the places.
+            The region around each place.
         pairs : (m, 2) array of int
-            From which place to which.
+            Indices of the places.
 
         Returns
         -------
@@ -158,30 +183,30 @@ class PlanningBody:
         return disc_bridges(places, corners, starts, pairs, self.roomy_radius_m)
 
     def has_room(self, boundary: FloatArray, at: Configuration) -> bool:
-        """Whether a region holds the body in any heading."""
+        """Whether the body at a position fits into a region in any heading."""
         return self.is_disc or disc_clearance(boundary, at.x, at.y) >= self.roomy_radius_m
 
     def _kept(self, boundary: FloatArray, x: float, y: float) -> float:
-        # The radius that a disc keeps free around it on a way from here.
+        """Return the radius that a disc keeps free on a motion from here."""
         radius = self.outer_radius_m
         room = disc_clearance(boundary, x, y) - TOUCH_M
-        least = min(radius + self._least_margin, max(radius, room))
-        return max(least, min(radius + self.margin_m, room))
+        smallest = min(radius + self._min_margin, max(radius, room))
+        return max(smallest, min(radius + self.margin_m, room))
 
     def room(self, boundary: FloatArray, *places: Configuration) -> Room | None:
-        """Give the room in a region, with as much of the margin as there is at some places.
+        """Return the room of the body in a region, with as much margin as some places allow.
 
         Parameters
         ----------
         boundary : (n, 2) array
-            The region's ring, or its rings as `rings_of` gives them.
+            The region's ring in metres, or its rings as `rings_of` returns them.
         *places : Configuration
-            Where the body stands, or is to stand.
+            Configurations at which the body has to fit.
 
         Returns
         -------
         Room or None
-            None where the body does not fit at one of the places.
+            None if the body does not fit at one of them.
         """
         if self.is_disc:
             radius = min(self._kept(boundary, x, y) for x, y, _ in places)
@@ -194,7 +219,7 @@ class PlanningBody:
         return None
 
     def can_turn(self, boundary: FloatArray, at: Configuration, turn: float) -> bool:
-        """Whether the body can turn in place by a signed angle inside a region."""
+        """Whether the body can turn in place by a signed angle in radians inside a region."""
         if self.is_disc or abs(turn) < NO_TURN_RAD or self.has_room(boundary, at):
             return True
         x, y, heading = at

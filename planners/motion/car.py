@@ -1,8 +1,8 @@
-"""Ways of a car inside a region that it knows to be free (MOVE_TO of Multi-SRT).
+"""Motions of a car inside a region that is known to be free (MOVE_TO of Multi-SRT).
 
-First the shortest curve. Where it leaves the region, a plan by sampling in the car's own state
-space: by RRT-Connect, or by RRT for a car that cannot reverse, which can only be planned for
-forwards from its start. It ends on a count and not on a clock, and so repeats.
+The shortest curve is tried first. Where it leaves the region, a sampling-based planner searches
+the car's state space: RRT-Connect, or RRT for a car that cannot reverse and so can only be planned
+for from its start. Planning is bounded by a count and not by time, and is thus deterministic.
 """
 
 from __future__ import annotations
@@ -23,20 +23,20 @@ from multisrt.planners.motion.kinematics import Car
 from multisrt.planners.motion.room import Room
 from multisrt.planners.motion.trajectory import Trajectory
 
-MOST_CHECKS = 1000
-"""After so many motions that were looked at, a plan by sampling is given up."""
+MAX_CHECKS = 1000
+"""Default bound of the motions that a sampling-based plan checks."""
 
 STRIDE = 4.0
-"""The longest motion of a plan by sampling, in turning radii."""
+"""Maximum length of a motion of a sampling-based plan, in turning radii."""
 
 FAN = tuple(k * math.pi / 4.0 for k in (0, 1, -1, 2, -2, 3, -3, 4))
-"""Headings at a place, from the direction in which it lies; the first is tried first."""
+"""Headings to arrive with at a place, relative to its direction; the first is preferred."""
 
-MOST_PLANS = 2
-"""For so many headings at a place a way is planned by sampling."""
+MAX_PLANS = 2
+"""Bounds the headings at a place for which a sampling-based plan is made."""
 
 MOST_SEED = 2**31 - 1
-"""Seeds of OMPL lie between 1 and this."""
+"""Maximum seed of OMPL; the minimum is 1."""
 
 
 def car_way(
@@ -47,27 +47,37 @@ def car_way(
     goal: Configuration,
     seed: int,
     *,
-    most_checks: int = MOST_CHECKS,
+    most_checks: int = MAX_CHECKS,
 ) -> Trajectory | None:
-    """Plan a way from one configuration to another inside a region.
+    """Return a motion from one configuration to another inside a region.
 
     Parameters
     ----------
     body, car
-        What moves, and how.
+        The body that moves, and its kinematics.
     region : (n, 2) array or shapely geometry
-        What is known to be free: a ring without holes, or a polygon, or several.
+        Space known to be free in metres: a ring without holes, or one or more polygons.
     start, goal : Configuration
-        Where from and to.
+        Ends of the motion.
     seed : int
-        Of the plan by sampling.
+        Seed of the sampling-based planner, 0 or more.
     most_checks : int
-        How many motions a plan by sampling may look at; 0: the shortest curve or nothing.
+        Maximum number of motions that the planner checks; 0 to try the shortest curve only.
 
     Returns
     -------
     Trajectory or None
-        Arcs and straight pieces that end exactly at the goal; None if no way was found.
+        Arcs and straight lines that end exactly at the goal; None if no motion was found.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from multisrt.geometry.bodies.footprint import Footprint
+    >>> body = PlanningBody(Footprint.parse("box:0.6x0.4"), margin_m=0.05)
+    >>> hall = np.array([[0.0, 0.0], [6.0, 0.0], [6.0, 4.0], [0.0, 4.0]])
+    >>> start, goal = Configuration(1.0, 2.0, 0.0), Configuration(5.0, 2.0, 0.0)
+    >>> round(car_way(body, Car(), hall, start, goal, seed=1).length_m, 6)
+    4.0
     """
     room = body.room(_rings(region), start, goal)
     if room is None:
@@ -86,33 +96,33 @@ def car_ways(
     y: float,
     seed: int,
     *,
-    most_checks: int = MOST_CHECKS,
+    most_checks: int = MAX_CHECKS,
 ) -> tuple[Trajectory, Trajectory] | None:
-    """Plan a way to a place, and one back from there, both inside a region.
+    """Return a motion to a place and one back, both inside a region.
 
-    The car gets there in the direction in which the place lies, if it can, or else in another
-    one, the shortest way first. It never enters a place that it could not leave.
+    The car arrives with the heading of the place's direction if it can, else with another, the
+    shortest motion first. It never enters a place that it could not leave.
 
     Parameters
     ----------
     body, car
-        What moves, and how.
+        The body that moves, and its kinematics.
     region : (n, 2) array or shapely geometry
-        What is known to be free: a ring without holes, or a polygon, or several.
+        Space known to be free in metres: a ring without holes, or one or more polygons.
     start : Configuration
-        Where the car is.
+        Configuration of the car.
     x, y : float
-        The place.
+        The place in metres.
     seed : int
-        Of the plans by sampling.
+        Seed of the sampling-based planner, 0 or more.
     most_checks : int
-        How many motions all plans by sampling together may look at; 0: shortest curves only.
+        Maximum number of motions that all plans together check; 0 to try shortest curves only.
 
     Returns
     -------
     (out, back) or None
-        `back` begins where `out` ends, and ends at the start with its heading. A car that can
-        reverse comes back on the way on which it went.
+        `back` begins at the end of `out` and ends at the start with its heading. A car that can
+        reverse returns on the path it came.
     """
     room = body.room(_rings(region), start)
     if room is None:
@@ -126,10 +136,10 @@ def car_ways(
         if out is not None and back is not None:
             return out, back
         found.append((goal, out, back))
-    # Those first of which half is known.
+    # Headings for which one direction is known already come first.
     found.sort(key=lambda ways: ways[1] is None and ways[2] is None)
     budget = _Budget(most_checks)
-    for goal, out, back in found[:MOST_PLANS]:
+    for goal, out, back in found[:MAX_PLANS]:
         out = out or _planned(car, room, start, goal, seed, budget)
         if car.reverse:
             back = _back(out)
@@ -145,7 +155,7 @@ def _rings(region: FloatArray | BaseGeometry) -> FloatArray:
 
 
 def _goals(car: Car, start: Configuration, x: float, y: float) -> list[Configuration]:
-    # At a place: straight on first, then other headings, the shortest way first.
+    """Return the configurations to arrive in: straight on first, then by length of the curve."""
     along = math.atan2(y - start.y, x - start.x)
     ahead, *others = (Configuration(x, y, wrap_angle(along + turn)) for turn in FAN)
     return [ahead, *sorted(others, key=lambda goal: curve_length(car, start, goal))]
@@ -158,19 +168,19 @@ def _back(out: Trajectory | None) -> Trajectory | None:
 def shortest_way(
     car: Car, room: Room, start: Configuration, goal: Configuration
 ) -> Trajectory | None:
-    """Give the motion along a car's shortest curve, if there is room for it."""
+    """Return the motion along a car's shortest curve; None if there is no room for it."""
     way = curve(car, start, goal)
     return way if room.lets_pass(way.waypoints) else None
 
 
 class _Budget:
-    """How many motions plans by sampling may still look at."""
+    """The number of motions that sampling-based plans may still check."""
 
     def __init__(self, checks: int) -> None:
         self.left = checks
 
     def is_used_up(self) -> bool:
-        # An iteration counts as well: there may be some that look at no motion.
+        # An iteration counts as well, as it may check no motion.
         self.left -= 1
         return self.left < 0
 
@@ -183,7 +193,7 @@ def _planned(
     seed: int,
     budget: _Budget,
 ) -> Trajectory | None:
-    """Plan by sampling in the car's state space, and cut short what can be of the plan."""
+    """Return a sampling-based plan in the car's state space, shortened where possible."""
     if budget.is_used_up():
         return None
     from ompl import base, geometric, util
@@ -226,11 +236,11 @@ def _planned(
 
 @lru_cache(maxsize=1)
 def _motion_validator() -> Any:
-    # A class of OMPL's can only be derived from where OMPL is imported.
+    # Made when needed, as OMPL is slow to import.
     from ompl import base
 
     class MotionValidator(base.MotionValidator):  # type: ignore[misc]
-        """Asks a function about whole motions, where OMPL's own would look at points of them."""
+        """Checks whole motions by a function, where OMPL's own checks points of them."""
 
         def __init__(self, information: Any, lets_pass: Callable[[Any, Any], bool]) -> None:
             super().__init__(information)
@@ -244,10 +254,9 @@ def _motion_validator() -> Any:
 
 
 def _joined(car: Car, room: Room, stops: list[Configuration]) -> Trajectory | None:
-    """Go from stop to stop, leaving out all those that a shortest curve can pass by.
+    """Return the motion along stops, without those that a shortest curve can skip.
 
-    OMPL moves from stop to stop by its own copies of the curves, which differ from ours by
-    rounding: None where that matters.
+    OMPL's curves between stops differ from ours by rounding; None where that matters.
     """
     way: Trajectory | None = None
     here = 0

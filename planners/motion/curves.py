@@ -1,7 +1,7 @@
-"""A car's shortest curves in the open, by OMPL: Reeds and Shepp's, or Dubins's.
+"""Shortest curves of a car without obstacles: Reeds-Shepp and Dubins curves, by OMPL.
 
-OMPL gives points of a curve, not what it is made of. Here a curve is taken apart into its arcs
-and straight pieces, from which every other point of it follows.
+OMPL returns points of a curve but not its pieces. Here the arcs and straight lines are recovered
+from such points, so that the curve becomes an exact trajectory.
 
 Source: Reeds and Shepp 1990, Dubins 1957, as in OMPL's state spaces of these names.
 """
@@ -21,27 +21,27 @@ from multisrt.planners.motion.kinematics import Car
 from multisrt.planners.motion.trajectory import Trajectory, Waypoint, leg_pose
 
 CLOSE = 1e-7
-"""How well a piece must fit OMPL's points, in metres and radians; OMPL rounds by 1e-6 itself."""
+"""Tolerance of a piece against OMPL's points, in metres and radians; OMPL rounds by 1e-6."""
 
-SHORTEST_M = 1e-6
-"""A piece of a curve that is shorter than this is left out."""
+MIN_PIECE_M = 1e-6
+"""Pieces of a curve shorter than this are left out, in metres."""
 
-LONGEST_ARC_RAD = 0.5 * math.pi
+MAX_ARC_RAD = 0.5 * math.pi
 """Longer arcs become several legs of a trajectory."""
 
 COARSE_RAD = 1.0
-"""First a curve is looked at at points that are no farther apart than this angle of an arc."""
+"""Maximum spacing of the first points taken of a curve, as an angle of its arcs in radians."""
 
 
 class Curves:
-    """The shortest curves of cars of one kind.
+    """The shortest curves of one kind of car.
 
     Parameters
     ----------
     reverse : bool
-        Whether they drive backwards, too.
+        Whether the car can drive backwards.
     radius_m : float
-        Radius of their tightest curve.
+        Minimum turning radius in metres.
     """
 
     def __init__(self, reverse: bool, radius_m: float) -> None:
@@ -50,13 +50,13 @@ class Curves:
         self._from, self._to, self._on = (self._space.allocState() for _ in range(3))
 
     def length(self, start: Configuration, goal: Configuration) -> float:
-        """Give the length of the shortest curve in metres."""
+        """Return the length of the shortest curve in metres."""
         set_state(self._from, start)
         set_state(self._to, goal)
         return float(self._space.distance(self._from, self._to))
 
     def curve(self, start: Configuration, goal: Configuration, speed_m_s: float) -> Trajectory:
-        """Give the motion along the shortest curve; its last waypoint is exactly the goal."""
+        """Return the motion along the shortest curve; its last waypoint is exactly the goal."""
         waypoints = [Waypoint(0.0, *start)]
         if start == goal:
             return Trajectory(tuple(waypoints))
@@ -70,16 +70,16 @@ class Curves:
 
     def _pieces(self, start: Configuration, goal: Configuration) -> FloatArray:
         length = self.length(start, goal)
-        if length < SHORTEST_M:
+        if length < MIN_PIECE_M:
             return np.array([(goal.x, goal.y, 0.0, length)])
         count = max(6, math.ceil(length / (COARSE_RAD * self.radius_m)))
         shares = [k / count for k in range(count + 1)]
         points = [self._at(share, length) for share in shares]
         while True:
-            pieces, unclear = _taken_apart(np.array(points), self.radius_m)
+            pieces, unclear = _pieces_of(np.array(points), self.radius_m)
             if not unclear.any():
                 return pieces
-            # More points in the stretches of which it is not clear what is in them.
+            # Bisect the intervals that may hold more than one piece.
             for k in np.flatnonzero(unclear)[::-1].tolist():
                 middle = 0.5 * (points[k][0] + points[k + 1][0]) / length
                 points.insert(k + 1, self._at(middle, length))
@@ -91,24 +91,25 @@ class Curves:
 
 @lru_cache(maxsize=16)
 def curves_of(reverse: bool, radius_m: float) -> Curves:
-    """Give the curves of cars of one kind, made at the first call."""
+    """Return the curves of one kind of car, made at the first call."""
     return Curves(reverse, radius_m)
 
 
 def curve(car: Car, start: Configuration, goal: Configuration) -> Trajectory:
-    """Give the motion along a car's shortest curve in the open.
+    """Return the motion along a car's shortest curve without obstacles.
 
     Parameters
     ----------
     car : Car
-        What moves.
+        The car.
     start, goal : Configuration
-        Where from and to.
+        Ends of the curve.
 
     Returns
     -------
     Trajectory
-        Arcs of the turning radius and straight pieces. It ends exactly at the goal.
+        Arcs of the minimum turning radius and straight lines, driven at maximum speed. The last
+        waypoint is exactly the goal.
 
     Examples
     --------
@@ -120,28 +121,46 @@ def curve(car: Car, start: Configuration, goal: Configuration) -> Trajectory:
 
 
 def curve_length(car: Car, start: Configuration, goal: Configuration) -> float:
-    """Give the length of a car's shortest curve in the open, in metres."""
+    """Return the length in metres of a car's shortest curve without obstacles.
+
+    Parameters
+    ----------
+    car : Car
+        The car.
+    start, goal : Configuration
+        Ends of the curve.
+
+    Returns
+    -------
+    float
+
+    Examples
+    --------
+    >>> start, goal = Configuration(0.0, 0.0, 0.0), Configuration(0.0, 1.2, math.pi)
+    >>> round(curve_length(Car(turning_radius_m=0.6), start, goal), 3)  # half a circle
+    1.885
+    """
     return curves_of(car.reverse, car.turning_radius_m).length(start, goal)
 
 
 def state_space(reverse: bool, radius_m: float) -> Any:
-    """Give OMPL's state space of a car."""
+    """Return OMPL's state space of a car."""
     from ompl import base
 
     return base.ReedsSheppStateSpace(radius_m) if reverse else base.DubinsStateSpace(radius_m)
 
 
 def set_state(state: Any, configuration: Configuration) -> None:
-    """Have a state of OMPL hold a configuration."""
+    """Assign a configuration to a state of OMPL."""
     state.setX(configuration.x)
     state.setY(configuration.y)
     state.setYaw(configuration.heading)
 
 
 def _legs(a: Waypoint, x: float, y: float, turn: float, duration_s: float) -> list[Waypoint]:
-    # An arc or a straight piece from a waypoint on, in legs that turn by no more than they may.
+    """Return an arc or straight line from a waypoint on as legs of at most `MAX_ARC_RAD`."""
     b = Waypoint(a.time_s + duration_s, x, y, a.heading + turn)
-    count = max(1, math.ceil(abs(turn) / LONGEST_ARC_RAD - CLOSE))
+    count = max(1, math.ceil(abs(turn) / MAX_ARC_RAD - CLOSE))
     inner = [
         Waypoint(a.time_s + k / count * duration_s, *leg_pose(a, b, k / count))
         for k in range(1, count)
@@ -150,22 +169,22 @@ def _legs(a: Waypoint, x: float, y: float, turn: float, duration_s: float) -> li
 
 
 @kernel
-def _taken_apart(points: FloatArray, radius: float) -> tuple[FloatArray, BoolArray]:
-    """Take a curve apart.
+def _pieces_of(points: FloatArray, radius: float) -> tuple[FloatArray, BoolArray]:
+    """Split a curve into its pieces.
 
     Parameters
     ----------
     points : (n, 4) array
-        Distance along the curve, x, y and heading of points on it, both ends among them.
+        Distance along the curve, x, y and heading of points on it, including both ends.
     radius : float
-        Radius of its arcs.
+        Radius of its arcs in metres.
 
     Returns
     -------
     pieces : (m, 4) array
-        x and y of the end, the signed turn, and the length of every piece.
+        x and y of the end, signed turn and length of every piece.
     unclear : (n - 1,) array of bool
-        Between which points others are needed; if there are any, the pieces are of no use.
+        Intervals between points that need more points; if there are any, the pieces are invalid.
     """
     n = points.shape[0] - 1
     turning, driving = np.empty(n), np.empty(n)
@@ -176,12 +195,12 @@ def _taken_apart(points: FloatArray, radius: float) -> tuple[FloatArray, BoolArr
     count = 0
     begun = 0.0
     i = 0
-    while i < n and driving[i] == 0.0 and points[i + 1, 0] < SHORTEST_M:
+    while i < n and driving[i] == 0.0 and points[i + 1, 0] < MIN_PIECE_M:
         i += 1
     if driving[min(i, n - 1)] == 0.0:
         unclear[: i + 1] = True
     while i < n and driving[i] != 0.0:
-        # One piece: as many stretches as go on alike, and the next that is all of one kind.
+        # One piece: intervals of the same kind up to k, then unclear ones up to `following`.
         k = i + 1
         while k < n and driving[k] == driving[i] and turning[k] == turning[i]:
             k += 1
@@ -189,7 +208,7 @@ def _taken_apart(points: FloatArray, radius: float) -> tuple[FloatArray, BoolArr
         while following < n and driving[following] == 0.0:
             following += 1
         x, y, end = points[k, 1], points[k, 2], points[k, 0]
-        if following > k and points[following, 0] - points[k, 0] >= SHORTEST_M:
+        if following > k and points[following, 0] - points[k, 0] >= MIN_PIECE_M:
             switch = -1.0
             if following < n:
                 switch = _switch(
@@ -227,14 +246,14 @@ def _taken_apart(points: FloatArray, radius: float) -> tuple[FloatArray, BoolArr
 
 @kernel
 def _piece_between(p: FloatArray, q: FloatArray, radius: float) -> tuple[float, float]:
-    """Tell what piece two points lie on.
+    """Return the kind of piece that two points lie on.
 
     Returns
     -------
     turning : float
-        1 on an arc to the left, -1 to the right, as the steering wheel stands; 0 if straight.
+        Steering: 1 to the left, -1 to the right, 0 straight.
     driving : float
-        1 forwards, -1 backwards; 0 where they lie on different pieces.
+        1 forwards, -1 backwards; 0 if the points lie on different pieces.
     """
     length = q[0] - p[0]
     turn = _wrapped(q[3] - p[3])
@@ -264,7 +283,7 @@ def _switch(
     turning_b: float,
     driving_b: float,
 ) -> float:
-    """Find how far from p one piece goes over into another, on which q lies; -1: nowhere."""
+    """Return the distance from p at which its piece joins that of q; -1 if they do not join."""
     length = q[0] - p[0]
     turn = _wrapped(q[3] - p[3]) * radius
     switch: float
@@ -272,7 +291,7 @@ def _switch(
     if rate_a != rate_b:
         switch = (turn - rate_b * length) / (rate_a - rate_b)
     elif turning_a != 0.0:
-        # To and fro, turning on all the time: where the two circles touch.
+        # A cusp with the same turn rate on both sides: where the two circles touch.
         ax = p[1] - turning_a * radius * math.sin(p[3])
         ay = p[2] + turning_a * radius * math.cos(p[3])
         bx = q[1] - turning_b * radius * math.sin(q[3])
@@ -295,7 +314,7 @@ def _switch(
 def _moved(
     x: float, y: float, heading: float, turning: float, distance: float, radius: float
 ) -> tuple[float, float, float]:
-    """Give x, y and heading after a signed distance on an arc or a straight line."""
+    """Return x, y and heading after a signed distance on an arc or straight line."""
     turn = turning * distance / radius
     chord = distance
     if turn != 0.0:

@@ -1,4 +1,4 @@
-"""How bodies can move: holonomic and differential drives and cars, with their limits."""
+"""Kinematics of bodies: holonomic and differential drives and cars, with their limits."""
 
 from __future__ import annotations
 
@@ -17,7 +17,17 @@ class Holonomic:
     Attributes
     ----------
     speed_m_s : float
-        Its greatest speed.
+        Maximum speed in m/s.
+
+    Raises
+    ------
+    InvalidInputError
+        If the speed is not positive and finite.
+
+    Examples
+    --------
+    >>> Holonomic(speed_m_s=0.5).drive(Configuration(0.0, 0.0, 1.0), 3.0, 4.0).duration_s
+    10.0
     """
 
     speed_m_s: float = 0.5
@@ -26,7 +36,19 @@ class Holonomic:
         _require_positive("speed_m_s", self.speed_m_s)
 
     def drive(self, start: Configuration, x: float, y: float) -> Trajectory:
-        """Drive straight to a place."""
+        """Return the straight motion to a place at maximum speed.
+
+        Parameters
+        ----------
+        start : Configuration
+            Where the motion begins.
+        x, y : float
+            The place in metres.
+
+        Returns
+        -------
+        Trajectory
+        """
         return _straight(start, x, y, start.heading, self.speed_m_s)
 
 
@@ -37,9 +59,20 @@ class Differential:
     Attributes
     ----------
     speed_m_s : float
-        Its greatest speed.
+        Maximum speed in m/s.
     turn_rate_rad_s : float
-        Its greatest rate of turning.
+        Maximum turn rate in rad/s.
+
+    Raises
+    ------
+    InvalidInputError
+        If a limit is not positive and finite.
+
+    Examples
+    --------
+    >>> drive = Differential(speed_m_s=0.5, turn_rate_rad_s=1.0)
+    >>> drive.turn(Configuration(0.0, 0.0, 0.0), -0.5).duration_s
+    0.5
     """
 
     speed_m_s: float = 0.5
@@ -50,7 +83,20 @@ class Differential:
         _require_positive("turn_rate_rad_s", self.turn_rate_rad_s)
 
     def turn(self, start: Configuration, turn_rad: float) -> Trajectory:
-        """Turn in place by a signed angle."""
+        """Return the turn in place by a signed angle, at the maximum rate.
+
+        Parameters
+        ----------
+        start : Configuration
+            Where the body stands.
+        turn_rad : float
+            Angle in radians, counter-clockwise positive; may exceed a full turn.
+
+        Returns
+        -------
+        Trajectory
+            A single waypoint for an angle of 0.
+        """
         x, y, heading = start
         begin = Waypoint(0.0, x, y, heading)
         if turn_rad == 0.0:
@@ -59,23 +105,40 @@ class Differential:
         return Trajectory((begin, Waypoint(duration, x, y, heading + turn_rad)))
 
     def drive(self, start: Configuration, x: float, y: float) -> Trajectory:
-        """Drive straight to a place that lies along the heading or right behind."""
+        """Return the straight motion to a place at maximum speed.
+
+        Parameters
+        ----------
+        start : Configuration
+            Where the motion begins; the place must lie straight ahead or behind.
+        x, y : float
+            The place in metres.
+
+        Returns
+        -------
+        Trajectory
+        """
         return _straight(start, x, y, start.heading, self.speed_m_s)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Car:
-    """A body that steers as a car does: along its heading, in curves that are not too tight.
+    """A body that drives along its heading in curves of limited curvature.
 
     Attributes
     ----------
     speed_m_s : float
-        Its greatest speed, forwards and backwards.
+        Maximum speed in m/s, forwards and backwards.
     turning_radius_m : float
-        Radius of its tightest curve.
+        Minimum turning radius in metres.
     reverse : bool
-        Whether it can drive backwards: its shortest ways are Reeds-Shepp's curves, or else
-        Dubins's.
+        Whether it can drive backwards. Its shortest paths are Reeds-Shepp curves if so, else
+        Dubins curves.
+
+    Raises
+    ------
+    InvalidInputError
+        If the speed or radius is not positive and finite.
     """
 
     speed_m_s: float = 0.5
@@ -91,7 +154,24 @@ Kinematics = Holonomic | Differential | Car
 
 
 def turns_between(heading: float, wanted: float) -> tuple[float, float]:
-    """Give the two signed turns from one heading to another, the shorter one first."""
+    """Return the two signed turns from one heading to another, the shorter first.
+
+    Parameters
+    ----------
+    heading, wanted : float
+        Headings in radians.
+
+    Returns
+    -------
+    short, long : float
+        Radians; they differ by a full turn.
+
+    Examples
+    --------
+    >>> short, long = turns_between(0.0, 1.0)
+    >>> short, round(long, 3)
+    (1.0, -5.283)
+    """
     short = wrap_angle(wanted - heading)
     long = short - math.copysign(2.0 * math.pi, short)
     return short, long

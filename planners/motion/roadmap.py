@@ -1,4 +1,4 @@
-"""A graph of places and the ways between them, searched outwards from where a robot is."""
+"""A graph of places and the ways between them."""
 
 from __future__ import annotations
 
@@ -11,22 +11,35 @@ Place = TypeVar("Place", bound=Hashable)
 
 
 class Roadmap(Generic[Place]):
-    """Places joined by ways of known length; ways lead in both directions."""
+    """An undirected graph of places, whose edges are ways of known length.
+
+    Places are any hashable objects.
+
+    Examples
+    --------
+    >>> roadmap = Roadmap()
+    >>> roadmap.connect("door", "hall", 3.0)
+    >>> roadmap.connect("hall", "desk", 2.0)
+    >>> roadmap.way("door", "desk")
+    ['door', 'hall', 'desk']
+    >>> roadmap.lengths(["door"])
+    {'door': 0.0, 'hall': 3.0, 'desk': 5.0}
+    """
 
     def __init__(self) -> None:
         self._ways: dict[Place, dict[Place, float]] = {}
 
     def add(self, place: Place) -> None:
-        """Add a place without ways; one that is known already stays as it is."""
+        """Add a place without ways; a known place is left as it is."""
         self._ways.setdefault(place, {})
 
     def connect(self, a: Place, b: Place, length_m: float) -> None:
-        """Join two places."""
+        """Connect two places by a way of `length_m` metres, in both directions; adds new places."""
         self._ways.setdefault(a, {})[b] = length_m
         self._ways.setdefault(b, {})[a] = length_m
 
     def neighbours(self, place: Place) -> tuple[Place, ...]:
-        """Give the places that are joined to one, in the order in which they were joined."""
+        """Return the neighbours of a place in the order of their connection; none if unknown."""
         return tuple(self._ways.get(place, ()))
 
     def way_to_nearest(
@@ -35,23 +48,26 @@ class Roadmap(Generic[Place]):
         wanted: Callable[[Place], bool],
         passable: Callable[[Place, Place], bool] | None = None,
     ) -> list[Place] | None:
-        """Find the shortest way to the nearest of the wanted places.
-
-        Dijkstra's search, ended at the first wanted place: its cost depends on how far that is,
-        not on the size of the roadmap. Ties go to the place that was joined first.
+        """Return the shortest way to the nearest of the wanted places.
 
         Parameters
         ----------
         start : Place
             Where the way begins.
         wanted : callable
-            Whether a place is one of those looked for.
+            Whether a place is a destination.
         passable : callable, optional
-            Whether the way from one place to a neighbour can be gone at present.
+            Whether the way from a place to a neighbour is free at present. Default: all are.
 
         Returns
         -------
-        list of places from `start` to the place found, or None if none can be reached.
+        list of Place or None
+            The places from `start` to the destination; None if none can be reached.
+
+        Notes
+        -----
+        Dijkstra's algorithm, stopped at the first destination: the cost depends on its distance,
+        not on the size of the roadmap. Of equally near places the one connected first wins.
         """
         came_from: dict[Place, Place] = {}
         distance = {start: 0.0}
@@ -87,25 +103,38 @@ class Roadmap(Generic[Place]):
         end: Place,
         passable: Callable[[Place, Place], bool] | None = None,
     ) -> list[Place] | None:
-        """Find the shortest way between two places."""
+        """Return the shortest way between two places.
+
+        Parameters
+        ----------
+        start, end : Place
+            The ends of the way.
+        passable : callable, optional
+            As in `way_to_nearest`.
+
+        Returns
+        -------
+        list of Place or None
+            The places from `start` to `end`; None if no way leads there.
+        """
         return self.way_to_nearest(start, lambda place: place == end, passable)
 
     def lengths(
         self, starts: Iterable[Place], passable: Callable[[Place, Place], bool] | None = None
     ) -> dict[Place, float]:
-        """Give the lengths of the shortest ways from the nearest start to all places that have one.
+        """Return the lengths of the shortest ways from the nearest start.
 
         Parameters
         ----------
-        starts : iterable of places
+        starts : iterable of Place
             Where ways begin.
         passable : callable, optional
-            Whether the way from one place to a neighbour can be gone at present.
+            As in `way_to_nearest`.
 
         Returns
         -------
-        dict
-            Lengths in metres by place, the nearest place first.
+        dict of Place to float
+            Lengths in metres, the nearest place first. Unreachable places are missing.
         """
         queue = [(0.0, order, start) for order, start in enumerate(starts)]
         order = len(queue)

@@ -1,4 +1,4 @@
-"""The room that a body has in a region: where it can be, and which ways it can go."""
+"""The configurations and motions of a body that stay inside a region."""
 
 from __future__ import annotations
 
@@ -21,36 +21,45 @@ from multisrt.geometry.numerics.kernel import FloatArray, kernel
 from multisrt.planners.motion.trajectory import NO_TURN_RAD
 
 ROUNDING_M = 1e-9
-"""A way that was found to be so long may come out shorter by this."""
+"""Tolerance for a travel distance that is computed twice, in metres."""
 
 
 class Room:
-    """A region as a body of one size sees it; all is exact, without steps.
+    """A region in which a body moves; all tests are exact along the whole motion.
 
     Parameters
     ----------
     boundary : (n, 2) array
-        The region's ring, or its rings as `rings_of` gives them.
+        The region's ring in metres, or its rings separated by NaN as `rings_of` returns them.
     outline : (k, 2) array or float
-        The body with what it keeps away from the boundary: its corners about the reference
-        point, counter-clockwise, or the radius of a disc.
+        The body including its margin: corners about the reference point in metres,
+        counter-clockwise, or the radius of a disc.
+
+    Examples
+    --------
+    >>> square = np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]])
+    >>> room = Room(square, 0.5)
+    >>> room.holds(Configuration(3.5, 2.0, 0.0)), room.holds(Configuration(3.6, 2.0, 0.0))
+    (True, False)
+    >>> room.lets_pass([(0.0, 1.0, 1.0, 0.0), (1.0, 3.0, 1.0, 0.0)])
+    True
     """
 
     def __init__(self, boundary: FloatArray, outline: FloatArray | float) -> None:
         self.boundary = boundary
         self.outline = outline
-        # A corner of each ring: of one that the body would hold as a whole, it would hold that.
+        # One corner of each ring: a body that covers a whole ring covers that corner.
         gaps = np.flatnonzero(np.isnan(boundary[:-1, 0]))
         self._corners = np.ascontiguousarray(boundary[gaps + 1])
 
     @property
     def bounds(self) -> tuple[float, float, float, float]:
-        """Give the least x and y of the region, and the greatest."""
+        """Bounds of the region: minimum x and y, maximum x and y in metres."""
         low, high = np.nanmin(self.boundary, axis=0), np.nanmax(self.boundary, axis=0)
         return float(low[0]), float(low[1]), float(high[0]), float(high[1])
 
     def holds(self, at: Configuration) -> bool:
-        """Whether the body can be at a configuration."""
+        """Whether the body at a configuration is inside the region."""
         if isinstance(self.outline, float):
             return (
                 bool(inside(self.boundary, at.x, at.y))
@@ -62,7 +71,17 @@ class Room:
         )
 
     def lets_pass(self, waypoints: Sequence[Sequence[float]]) -> bool:
-        """Whether the body can follow a motion, given by its waypoints (time, x, y, heading)."""
+        """Whether the body stays inside the region during a motion.
+
+        Parameters
+        ----------
+        waypoints : sequence of (time, x, y, heading)
+            Waypoints of the motion, as in `Trajectory`.
+
+        Returns
+        -------
+        bool
+        """
         if not self.holds(Configuration(*waypoints[0][1:])):
             return False
         if not self.holds(Configuration(*waypoints[-1][1:])):
@@ -87,7 +106,7 @@ class Room:
                 self.boundary, self.outline, x, y, heading, ux, uy, distance
             )
             return bool(travel >= distance - ROUNDING_M)
-        # On an arc the body turns as a whole about the arc's centre, which it does not hold.
+        # On an arc the body rotates about the arc's centre.
         outline, cx, cy = self.outline, x, y
         if distance > 0.0:
             away = 0.5 / math.tan(0.5 * turn)
@@ -102,7 +121,7 @@ class Room:
 def _covers_any(
     outline: FloatArray, x: float, y: float, heading: float, points: FloatArray
 ) -> bool:
-    """Whether a body at a configuration covers any of some points."""
+    """Whether a body at a configuration covers any of the points."""
     c, s = math.cos(heading), math.sin(heading)
     for k in range(points.shape[0]):
         px, py = points[k, 0] - x, points[k, 1] - y

@@ -1,4 +1,4 @@
-"""Straight ways of a body inside a region that it knows to be free (MOVE_TO of Multi-SRT)."""
+"""Straight motions of a body inside a region that is known to be free (MOVE_TO of Multi-SRT)."""
 
 from __future__ import annotations
 
@@ -27,14 +27,34 @@ def reach(
     direction: float,
     limit: float,
 ) -> float:
-    """How far a body gets straight in a direction, after turning to it where it must.
+    """Return how far a body can move straight in a direction, after turning to it if necessary.
 
-    A car is taken to look in the direction already: how it gets to do so is not asked here.
+    Parameters
+    ----------
+    body, kinematics
+        The body that moves, and how. A car is assumed to face the direction already.
+    boundary : (n, 2) array
+        The region in metres; it contains the body.
+    start : Configuration
+        Configuration of the body.
+    direction : float
+        Direction of the motion in radians.
+    limit : float
+        Maximum distance of interest in metres.
 
     Returns
     -------
     float
-        Metres, at most `limit`; 0 where it cannot turn or move at all.
+        Metres, at most `limit`; 0 if the body cannot turn or move.
+
+    Examples
+    --------
+    >>> from multisrt.geometry.bodies.footprint import Footprint
+    >>> body = PlanningBody(Footprint.disc(0.25), margin_m=0.05)
+    >>> square = np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]])
+    >>> distance = reach(body, Holonomic(), square, Configuration(1.0, 2.0, 0.0), 0.0, 9.0)
+    >>> round(distance, 3)  # up to the margin before the wall at x = 4
+    2.7
     """
     if body.is_disc or isinstance(kinematics, Holonomic):
         return body.travel(boundary, start, direction, limit)
@@ -57,7 +77,7 @@ def reach_fan(
     directions: FloatArray,
     limit: float,
 ) -> FloatArray:
-    """Give `reach` for many directions."""
+    """Return `reach` for an array of directions, ``(k,)``."""
     if body.is_disc:
         return body.disc_fan(boundary, start, directions, limit)
     return np.array(
@@ -73,24 +93,34 @@ def steer(
     x: float,
     y: float,
 ) -> Trajectory | None:
-    """Plan the straight way to a place inside a region.
+    """Return the straight motion to a place inside a region.
 
     Parameters
     ----------
     body, kinematics
-        What moves, and how.
+        The body that moves, and how.
     boundary : (n, 2) array
-        The region.
+        The region in metres; it contains the body.
     start : Configuration
-        Where the body is.
+        Configuration of the body.
     x, y : float
-        Where it shall be.
+        The place in metres.
 
     Returns
     -------
     Trajectory or None
-        None where no way of turning and driving stays in the region. A differential body
-        drives forwards if it can, and backwards where it has no room to turn round.
+        None if no turn and straight motion stays in the region. A differential body drives
+        forwards if it can, and backwards if it has no room to turn round.
+
+    Examples
+    --------
+    >>> from multisrt.geometry.bodies.footprint import Footprint
+    >>> body = PlanningBody(Footprint.disc(0.25), margin_m=0.05)
+    >>> square = np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]])
+    >>> steer(body, Holonomic(), square, Configuration(1.0, 2.0, 0.0), 3.0, 2.0).length_m
+    2.0
+    >>> steer(body, Holonomic(), square, Configuration(1.0, 2.0, 0.0), 3.9, 2.0) is None
+    True
     """
     distance = math.hypot(x - start.x, y - start.y)
     direction = math.atan2(y - start.y, x - start.x)
@@ -105,7 +135,7 @@ def steer(
                 if body.passes(boundary, at, direction, distance):
                     return turned.then(kinematics.drive(at, x, y))
                 if body.is_disc:
-                    # It passes in no other heading either.
+                    # A disc passes in no other heading either.
                     return None
     return None
 
@@ -113,7 +143,27 @@ def steer(
 def turn_and_drive(
     kinematics: Holonomic | Differential, start: Configuration, x: float, y: float
 ) -> Trajectory:
-    """Plan the straight way to a place where there is room for any heading."""
+    """Return the straight motion to a place, without looking for obstacles.
+
+    Parameters
+    ----------
+    kinematics : Holonomic or Differential
+        How the body moves. A differential drive turns first, the shorter way.
+    start : Configuration
+        Where the motion begins.
+    x, y : float
+        The place in metres.
+
+    Returns
+    -------
+    Trajectory
+
+    Examples
+    --------
+    >>> way = turn_and_drive(Differential(), Configuration(0.0, 0.0, 0.0), 0.0, 2.0)
+    >>> len(way.waypoints), way.length_m
+    (3, 2.0)
+    """
     if isinstance(kinematics, Holonomic):
         return kinematics.drive(start, x, y)
     if (x, y) == (start.x, start.y):

@@ -1,4 +1,4 @@
-"""The area that a body sweeps on a way: what two robots must not share."""
+"""Areas swept by bodies in motion, by which conflicts of paths are found."""
 
 from __future__ import annotations
 
@@ -14,33 +14,44 @@ from multisrt.geometry.numerics.arrays import FloatArray
 from multisrt.planners.motion.trajectory import NO_TURN_RAD, Trajectory, Waypoint, leg_pose
 
 NO_WAY_M = 1e-9
-"""A shorter way is none; lines of hardly any length have no distance that could be computed."""
+"""A leg shorter than this is left out, in metres: distances to such lines are not computable."""
 
 SAGITTA_M = 0.002
-"""What a chord may leave out of an arc; so much the pad is wider than it had to be."""
+"""Maximum distance between a chord and its arc in metres; the pad is larger by as much."""
 
-LONGEST_TURN_RAD = 0.5 * math.pi
-"""Longer turns are looked at in parts, each of which covers no place twice."""
+MAX_TURN_RAD = 0.5 * math.pi
+"""Longer turns are split into parts, each of which covers no point twice."""
 
 
 class Sweep:
-    """The area that a body covers while it follows a trajectory, or while it stands.
+    """The area that a body covers during a motion.
 
-    It lies within `shape` grown by `pad_m`, and fills that but for a few millimetres.
+    The area lies within `shape` dilated by `pad_m`, and fills that up to a few millimetres.
 
     Parameters
     ----------
     footprint : Footprint
         The body.
     trajectory : Trajectory
-        Its motion; a single waypoint is a body that stands.
+        Its motion; a single waypoint for a body at rest.
 
     Attributes
     ----------
     shape : shapely geometry
-        The way of a disc's centre, or what a polygon covers, with chords for arcs.
+        The path of a disc's centre, or the area of a polygon, with chords for arcs.
     pad_m : float
-        How far the area reaches beyond the shape.
+        Distance in metres by which the area extends beyond the shape.
+
+    Examples
+    --------
+    Two discs of radius 0.25 m that drive in parallel, 1 m apart:
+
+    >>> from multisrt.geometry.bodies.footprint import Footprint
+    >>> disc = Footprint.disc(0.25)
+    >>> low = Trajectory((Waypoint(0.0, 0.0, 0.0, 0.0), Waypoint(4.0, 2.0, 0.0, 0.0)))
+    >>> high = Trajectory((Waypoint(0.0, 0.0, 1.0, 0.0), Waypoint(4.0, 2.0, 1.0, 0.0)))
+    >>> Sweep(disc, low).distance_to(Sweep(disc, high))
+    0.5
     """
 
     __slots__ = ("pad_m", "shape")
@@ -53,23 +64,29 @@ class Sweep:
 
     @property
     def bounds(self) -> tuple[float, float, float, float]:
-        """Give the least x and y of the area, and the greatest."""
+        """Bounds of the area: minimum x and y, maximum x and y in metres."""
         x0, y0, x1, y1 = self.shape.bounds
         return x0 - self.pad_m, y0 - self.pad_m, x1 + self.pad_m, y1 + self.pad_m
 
     def distance_to(self, other: Sweep) -> float:
-        """Distance between two areas in metres, 0 where they meet; never too long.
+        """Return a lower bound of the distance between two areas.
 
-        It is too short by at most 4 mm for each body that turns.
+        Parameters
+        ----------
+        other : Sweep
+            The other area.
+
+        Returns
+        -------
+        float
+            Metres; 0 if the areas meet. Short of the true distance by at most 4 mm for each body
+            that turns.
         """
         gap = float(shapely.distance(self.shape, other.shape)) - (self.pad_m + other.pad_m)
         return max(0.0, gap)
 
     def comes_within(self, other: Sweep, gap_m: float) -> bool:
-        """Whether two areas come as near to each other as a gap, by `distance_to`.
-
-        Cheap where their bounds are apart.
-        """
+        """Whether `distance_to` another area is at most `gap_m`; cheap for distant bounds."""
         ax0, ay0, ax1, ay1 = self.bounds
         bx0, by0, bx1, by1 = other.bounds
         aside, above = max(ax0 - bx1, bx0 - ax1, 0.0), max(ay0 - by1, by0 - ay1, 0.0)
@@ -101,7 +118,7 @@ def _of_polygon(
             continue
         chords, sagitta = _chords(a, b, reach)
         left_out = max(left_out, sagitta)
-        parts = max(1, math.ceil(abs(b.heading - a.heading) / LONGEST_TURN_RAD))
+        parts = max(1, math.ceil(abs(b.heading - a.heading) / MAX_TURN_RAD))
         poses = [leg_pose(a, b, k / parts) for k in range(parts + 1)]
         for start, end in pairwise(poses):
             areas += _turned_over(footprint.vertices, start, end, math.ceil(chords / parts))
@@ -115,10 +132,10 @@ def _turned_over(
     end: tuple[float, float, float],
     chords: int,
 ) -> list[BaseGeometry]:
-    """Give what the sides of a body pass over as it turns about a centre.
+    """Return the areas that the sides of a body pass over as it turns about a centre.
 
-    A side is divided where it comes nearest to the centre, so that on each part of it the
-    distance from there only grows: the part then passes over a ring's sector, aslant.
+    A side is split at its point nearest to the centre, so that the distance from the centre is
+    monotonic along each part. The part then sweeps a skewed sector of a ring.
     """
     x, y, heading = start
     dx, dy, turn = end[0] - x, end[1] - y, end[2] - heading
@@ -142,12 +159,14 @@ def _turned_over(
 
 
 def _chords(a: Waypoint, b: Waypoint, reach: float) -> tuple[int, float]:
-    # How many chords stand for a leg, and what they leave out of the arcs of the body's points,
-    # which lie within some reach of the reference point.
+    """Return the number of chords for a leg, and their maximum distance from the true arcs.
+
+    The arcs are those of all points within `reach` of the reference point.
+    """
     turn = abs(b.heading - a.heading)
     if turn < NO_TURN_RAD:
         return 1, 0.0
     radius = reach + math.hypot(b.x - a.x, b.y - a.y) / (2.0 * math.sin(0.5 * turn))
-    most = 2.0 * math.acos(max(0.0, 1.0 - SAGITTA_M / radius))
-    count = math.ceil(turn / most)
+    chord_rad = 2.0 * math.acos(max(0.0, 1.0 - SAGITTA_M / radius))
+    count = math.ceil(turn / chord_rad)
     return count, radius * (1.0 - math.cos(0.5 * turn / count))

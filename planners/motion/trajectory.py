@@ -1,4 +1,4 @@
-"""Timed motions of a body."""
+"""Timed motions of bodies."""
 
 from __future__ import annotations
 
@@ -17,17 +17,27 @@ from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.numerics.arrays import FloatArray
 
 NO_TURN_RAD = 1e-8
-"""A leg that turns by less is straight; collision checks draw the line there, too."""
+"""A leg that turns by less is straight, in radians; also for collision checks."""
 
 HALF_CIRCLE_RAD = math.pi + NO_TURN_RAD
-"""A leg that translates turns by no more."""
+"""Maximum turn of a leg that translates, in radians."""
 
 CHORD_RAD = math.radians(3.0)
-"""Arcs are drawn as chords of this angle: of a circle of 1 m they are off by 0.3 mm."""
+"""Default angle of the chords that approximate an arc; 0.3 mm off for a radius of 1 m."""
 
 
 class Waypoint(NamedTuple):
-    """A configuration at a time; headings of a trajectory are not wrapped, so turns are signed."""
+    """A configuration at a time.
+
+    Attributes
+    ----------
+    time_s : float
+        Seconds since the start of the motion.
+    x, y : float
+        Position of the reference point in metres.
+    heading : float
+        Radians, not wrapped, so that turns between waypoints are signed.
+    """
 
     time_s: float
     x: float
@@ -37,21 +47,32 @@ class Waypoint(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Trajectory:
-    """A body's motion: between two waypoints it moves with a constant twist.
+    """A motion with a constant twist between any two waypoints.
 
-    So the body goes straight where the heading stays, turns in place where the position stays,
-    and otherwise follows a circular arc, along which it looks ahead in the same way all the
-    time. A leg that translates turns by at most half a circle.
+    The body moves straight if its heading stays, turns in place if its position stays, and
+    otherwise follows a circular arc with a constant angle between its heading and the tangent. A
+    leg that translates turns by at most half a circle.
 
     Attributes
     ----------
     waypoints : tuple of Waypoint
-        At least one; times from 0 and never falling.
+        At least one; times begin at 0 and do not decrease.
 
     Raises
     ------
     InvalidInputError
         If a leg translates and turns by more than half a circle.
+
+    Examples
+    --------
+    A quarter of a circle of radius 1 m to the left, in two seconds:
+
+    >>> quarter = Trajectory((Waypoint(0.0, 0.0, 0.0, 0.0), Waypoint(2.0, 1.0, 1.0, math.pi / 2)))
+    >>> round(quarter.length_m, 6)
+    1.570796
+    >>> x, y, heading = quarter.at(1.0)
+    >>> round(x, 3), round(y, 3), round(heading, 3)
+    (0.707, 0.293, 0.785)
     """
 
     waypoints: tuple[Waypoint, ...]
@@ -66,26 +87,26 @@ class Trajectory:
 
     @property
     def duration_s(self) -> float:
-        """How long the motion takes."""
+        """Duration of the motion in seconds."""
         return self.waypoints[-1].time_s
 
     @property
     def length_m(self) -> float:
-        """How far the reference point travels."""
+        """Length of the reference point's path in metres."""
         return math.fsum(leg_length(a, b) for a, b in pairwise(self.waypoints))
 
     @property
     def start(self) -> Configuration:
-        """Where the motion begins."""
+        """First configuration, its heading in (-pi, pi]."""
         return _configuration(self.waypoints[0])
 
     @property
     def end(self) -> Configuration:
-        """Where the motion ends."""
+        """Last configuration, its heading in (-pi, pi]."""
         return _configuration(self.waypoints[-1])
 
     def at(self, time_s: float) -> Configuration:
-        """Give the configuration at a time; before the start the first, after the end the last."""
+        """Return the configuration at a time in seconds; the last one after the end."""
         if time_s >= self.duration_s:
             return self.end
         following = bisect_right(self.waypoints, time_s, key=itemgetter(0))
@@ -96,7 +117,7 @@ class Trajectory:
         return Configuration(x, y, wrap_angle(heading))
 
     def until(self, time_s: float) -> Trajectory:
-        """Cut the motion off at a time."""
+        """Return the part of the motion up to a time in seconds; all of it after its end."""
         kept = tuple(w for w in self.waypoints if w.time_s < time_s)
         if not kept or len(kept) == len(self.waypoints):
             return Trajectory(self.waypoints[:1]) if not kept else self
@@ -105,7 +126,7 @@ class Trajectory:
         return Trajectory((*kept, Waypoint(time_s, *last)))
 
     def sections(self, duration_s: float) -> list[Trajectory]:
-        """Cut the motion into sections that last so long, but for the last."""
+        """Return consecutive parts of the motion, all but the last of them `duration_s` long."""
         found, rest = [], self
         while rest.duration_s > duration_s * (1.0 + 1e-9):
             found.append(rest.until(duration_s))
@@ -113,7 +134,7 @@ class Trajectory:
         return [*found, rest]
 
     def after(self, time_s: float) -> Trajectory:
-        """Give what is left of the motion from a time on."""
+        """Return the rest of the motion from a time in seconds on; its own times begin at 0."""
         first = self.until(time_s).waypoints[-1]
         left = (w for w in self.waypoints if w.time_s > time_s)
         return Trajectory(
@@ -124,7 +145,10 @@ class Trajectory:
         )
 
     def then(self, other: Trajectory) -> Trajectory:
-        """Join another motion that begins where this one ends."""
+        """Return this motion followed by another that begins where this one ends.
+
+        Headings of the other are shifted by full turns, so that they continue this motion's.
+        """
         last, first = self.waypoints[-1], other.waypoints[0]
         offset = last.heading - first.heading
         return Trajectory(
@@ -136,19 +160,24 @@ class Trajectory:
         )
 
     def reversed(self) -> Trajectory:
-        """Give the motion back along the same way, at the same speeds."""
+        """Return the motion back along the same path at the same speeds."""
         whole = self.duration_s
         return Trajectory(
             tuple(Waypoint(whole - w.time_s, *w[1:]) for w in reversed(self.waypoints))
         )
 
     def points(self, spacing_rad: float = CHORD_RAD) -> FloatArray:
-        """Give the way of the reference point as ``(n, 2)`` points, arcs as chords.
+        """Return the path of the reference point as a polyline.
 
         Parameters
         ----------
         spacing_rad : float
-            Largest angle of a chord.
+            Maximum angle of the chords that approximate arcs, in radians.
+
+        Returns
+        -------
+        (n, 2) array
+            Metres.
         """
         points = [self.waypoints[0][1:3]]
         for a, b in pairwise(self.waypoints):
@@ -157,20 +186,25 @@ class Trajectory:
 
 
 def leg_pose(a: Sequence[float], b: Sequence[float], fraction: float) -> tuple[float, float, float]:
-    """Give x, y and the heading, not wrapped, at a fraction of a motion with constant twist.
+    """Return the pose at a fraction of a leg.
 
     Parameters
     ----------
     a, b : (time, x, y, heading)
-        The waypoints at its ends.
+        The waypoints at the ends of the leg.
     fraction : float
-        How much of it has passed, from 0 to 1.
+        From 0 at `a` to 1 at `b`.
+
+    Returns
+    -------
+    x, y, heading : float
+        Metres and radians; the heading is not wrapped.
     """
     _, x, y, heading = a
     dx, dy, turn = b[1] - x, b[2] - y, b[3] - heading
     if abs(turn) < NO_TURN_RAD:
         return x + fraction * dx, y + fraction * dy, heading + fraction * turn
-    # The chord to here from where the leg begins: the whole one, shortened and turned back.
+    # The chord from the beginning of the leg is the whole chord, shortened and rotated back.
     share = math.sin(0.5 * fraction * turn) / math.sin(0.5 * turn)
     back = 0.5 * (fraction - 1.0) * turn
     c, s = share * math.cos(back), share * math.sin(back)
@@ -178,7 +212,7 @@ def leg_pose(a: Sequence[float], b: Sequence[float], fraction: float) -> tuple[f
 
 
 def leg_length(a: Sequence[float], b: Sequence[float]) -> float:
-    """Give how far the reference point travels between two waypoints (time, x, y, heading)."""
+    """Return the path length in metres between two waypoints (time, x, y, heading)."""
     chord = math.hypot(b[1] - a[1], b[2] - a[2])
     half = 0.5 * abs(b[3] - a[3])
     if chord == 0.0 or 2.0 * half < NO_TURN_RAD:
@@ -189,14 +223,19 @@ def leg_length(a: Sequence[float], b: Sequence[float]) -> float:
 def leg_points(
     a: Sequence[float], b: Sequence[float], spacing_rad: float = CHORD_RAD
 ) -> list[tuple[float, float]]:
-    """Give the way between two waypoints (time, x, y, heading) as points, both ends included.
+    """Return the path of a leg as points.
 
     Parameters
     ----------
     a, b : (time, x, y, heading)
-        The waypoints.
+        The waypoints at the ends of the leg.
     spacing_rad : float
-        Largest angle of a chord of an arc. A straight way has two points, as has a turn in place.
+        Maximum angle of the chords that approximate an arc, in radians.
+
+    Returns
+    -------
+    list of (x, y)
+        Metres, both ends included; two points for a straight leg and for a turn in place.
     """
     chords = 1
     if (a[1], a[2]) != (b[1], b[2]):
@@ -206,7 +245,7 @@ def leg_points(
 
 
 def standing_at(configuration: Configuration) -> Trajectory:
-    """Give the motion of a body that stands."""
+    """Return the motion of a body at rest: a single waypoint at time 0."""
     return Trajectory((Waypoint(0.0, *configuration),))
 
 

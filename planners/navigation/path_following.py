@@ -1,8 +1,7 @@
-"""Following of paths: as far as the newest region proves them free.
+"""Path following, as far as the region sensed last shows the path to be free.
 
-A path is a polyline planned on a map of cells. What is driven are its legs, each certified by
-the exact kernels of straight ways inside the region that was sensed last: turn and drive for a
-differential body, straight for a holonomic one.
+A path is a polyline planned on a grid. Its legs are driven straight, a differential drive turning
+in place between them, and each motion is verified exactly inside the region.
 """
 
 from __future__ import annotations
@@ -19,29 +18,39 @@ from multisrt.planners.motion.kinematics import Car, Kinematics
 from multisrt.planners.motion.steering import reach, steer
 from multisrt.planners.motion.trajectory import Trajectory
 
-LEAST_M = 0.01
-"""A shorter piece of a path is not worth a motion."""
+MIN_MOTION_M = 0.01
+"""Default minimum length of a motion along a path in metres."""
 
 SAME_PLACE_M = 1e-9
-"""Corners of a path that are nearer to each other are one."""
+"""Consecutive corners of a path closer than this are one, in metres."""
 
 
 def ahead(path: FloatArray, at: Configuration) -> FloatArray:
-    """Give what is left of a path from the point of it that is nearest to the robot.
-
-    Where several are equally near, the last of them counts.
+    """Return the rest of a path from its point nearest to the robot on.
 
     Parameters
     ----------
     path : (k, 2) array
-        The polyline's corners in metres, at least one.
+        Corners of the polyline in metres, at least one.
     at : Configuration
-        Where the robot is.
+        Configuration of the robot.
 
     Returns
     -------
     (m, 2) array
-        That point and the corners after it, no two in a row at one place.
+        The nearest point, the last of equally near ones, and the corners after it. Repeated
+        corners are left out.
+
+    Raises
+    ------
+    InvalidInputError
+        If the path has no corner, or one that is not finite.
+
+    Examples
+    --------
+    >>> path = np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 3.0]])
+    >>> ahead(path, Configuration(1.0, 0.5, 0.0)).tolist()
+    [[1.0, 0.0], [4.0, 0.0], [4.0, 3.0]]
     """
     return _rest(_polyline(path), at.x, at.y)
 
@@ -54,39 +63,48 @@ def follow(
     path: FloatArray,
     *,
     limit_m: float = math.inf,
-    least_m: float = LEAST_M,
+    min_length_m: float = MIN_MOTION_M,
 ) -> Trajectory | None:
-    """Plan the longest beginning of a path that stays in a region.
+    """Return the motion along the longest beginning of a path that stays in a region.
 
-    The robot drives leg by leg. The leg that does not fit as a whole is the last, shortened to
-    where the body still fits. A robot beside its path goes straight to the first corner after
-    the path's beginning where it can, and to the beginning where it cannot.
+    The first leg that does not fit is shortened to where the body still fits, and is the last. A
+    robot beside its path moves straight to the second corner if it can, else to the first.
 
     Parameters
     ----------
     body, kinematics
-        What moves, and how.
+        The body that moves, and how.
     boundary : (n, 2) array
-        The region, which holds the body.
+        The region in metres; it contains the body.
     at : Configuration
-        Where it is.
+        Configuration of the body.
     path : (k, 2) array
-        What is left of its path, see `ahead`.
+        The rest of its path in metres, see `ahead`.
     limit_m : float
-        How much of the path is wanted, in metres.
-    least_m : float
-        How much is worth a motion.
+        Maximum length of the motion in metres.
+    min_length_m : float
+        Minimum length in metres of a motion that does not reach the end of the path.
 
     Returns
     -------
     Trajectory or None
-        None where nothing is left of the path, or less than `least_m` of it is possible though
-        it does not end there.
+        None if the path ends here, or less than `min_length_m` of it is free.
 
     Raises
     ------
     InvalidInputError
-        For a path of no corner or one that is not finite, and for a car, whose ways are curves.
+        If the path has no corner, or one that is not finite, or the body is a car.
+
+    Examples
+    --------
+    >>> from multisrt.geometry.bodies.footprint import Footprint
+    >>> from multisrt.planners.motion.kinematics import Holonomic
+    >>> body = PlanningBody(Footprint.disc(0.25), margin_m=0.05)
+    >>> square = np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]])
+    >>> path = np.array([[1.0, 1.0], [3.0, 1.0], [3.0, 9.0]])
+    >>> way = follow(body, Holonomic(), square, Configuration(1.0, 1.0, 0.0), path)
+    >>> round(way.end.x, 3), round(way.end.y, 3)
+    (3.0, 3.7)
     """
     if isinstance(kinematics, Car):
         raise InvalidInputError(
@@ -95,7 +113,7 @@ def follow(
         )
     corners = _polyline(path)
     if len(corners) > 1 and (
-        math.dist(corners[0], at[:2]) < least_m
+        math.dist(corners[0], at[:2]) < min_length_m
         or steer(body, kinematics, boundary, at, *_within(at, corners[1], limit_m)) is not None
     ):
         corners = corners[1:]
@@ -119,12 +137,12 @@ def follow(
             driven += distance
             way = leg if way is None else way.then(leg)
         if not fits:
-            return way if driven >= least_m else None
+            return way if driven >= min_length_m else None
     return way
 
 
 def _within(here: Configuration, corner: FloatArray, distance: float) -> tuple[float, float]:
-    # The place of a straight way to a corner at which so much of it has been driven.
+    """Return the point at a distance on the straight line to a corner, at most the corner."""
     x, y = corner.tolist()
     whole = math.hypot(x - here.x, y - here.y)
     if whole <= distance:
@@ -144,7 +162,7 @@ def _polyline(path: FloatArray) -> FloatArray:
 
 @kernel
 def _distinct(corners: FloatArray) -> FloatArray:
-    # Corners at which the one before is repeated are left out.
+    """Return the corners without those that repeat the one before."""
     kept = np.ones(len(corners), np.bool_)
     for i in range(1, len(corners)):
         dx, dy = corners[i, 0] - corners[i - 1, 0], corners[i, 1] - corners[i - 1, 1]
@@ -154,7 +172,7 @@ def _distinct(corners: FloatArray) -> FloatArray:
 
 @kernel
 def _rest(corners: FloatArray, x: float, y: float) -> FloatArray:
-    # From the last of the points that are nearest to a place.
+    """Return the rest of a polyline from the last of its points nearest to a place on."""
     legs = len(corners) - 1
     if legs == 0:
         return corners

@@ -1,41 +1,57 @@
-"""Right of way: who goes on where robots meet.
+"""Right of way: which of several robots that meet goes on.
 
 Source: J. A. Álvarez Jáuregui, "Algoritmo descentralizado para la exploración multi-robot de
 escenarios 2D" (2018), section 3.2.7 and Algorithm 5. A robot looks into a sector about its
-heading; a mate in it makes it wait, unless that mate is inactive. Face to face the first to see
-the other becomes the leader and goes on, the others wait, and the leader's flag falls when its
-sector is clear. Differs in what the rules leave open:
+heading; another robot in it makes it wait, unless that robot is inactive. Face to face, the first
+to see the other becomes the leader and goes on, the others wait, and the leader's flag falls when
+its sector is clear. Differs in what the rules leave open:
 
-- *Face to face* is whoever waits for one another, also three in a ring; each such group has one
-  leader, of two that raise their flag at once the one with the lower number.
-- A mate that stands where the own path leads is seen also outside the sector.
-- A leader goes round those that stand in its way. Where it finds no way round, they leave its
-  path (`place_aside`); who has no place to go to becomes the leader itself.
+- *Face to face* are robots that wait for each other, also three in a ring. Each such group has one
+  leader (`leader_of`).
+- A robot that stands on the path is seen also outside the sector (`stands_in_the_way`).
+- A leader goes round the robots that stand in its way. If it finds no way round, they leave its
+  path (`place_aside`); a robot that finds no such place becomes the leader itself.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Final, Literal, NamedTuple
 
 import numpy as np
 
-from multisrt.geometry.configuration import Configuration, wrap_angle
+from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import InvalidInputError
+from multisrt.geometry.numerics.arrays import FloatArray
 from multisrt.geometry.numerics.distances import distance_to_segments
-from multisrt.geometry.numerics.kernel import FloatArray
-
-SECTOR_RAD: Final = math.radians(15.0)
-"""How far to either side of its heading a robot looks for mates."""
+from multisrt.planners.navigation.sector import SECTOR_RAD, is_in_sector
 
 NEARER_M: Final = 1e-6
-"""A way that leads to a mate by less does not."""
+"""A path approaches a robot only if it comes nearer than its beginning by more than this."""
 
 Action = Literal["go", "wait", "detour", "retreat"]
-"""Go on; stand until the others are gone; plan a way round those that stand in the way; leave
-the leader's path."""
+"""Go on; stand until the others are gone; plan a way round the robots in the way; leave the
+leader's path."""
+
+
+class Claim(NamedTuple):
+    """What decides which robot of a conflict leads.
+
+    Attributes
+    ----------
+    robot : int
+        Number of the robot.
+    leader : bool
+        Whether it has raised its flag.
+    cornered : bool
+        Whether it has found no place off the leader's path.
+    """
+
+    robot: int
+    leader: bool = False
+    cornered: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -47,19 +63,19 @@ class Party:
     robot : int
         Its number.
     configuration : Configuration
-        Where it is; its heading is where it goes or wants to go.
+        Where it is; its heading is the direction in which it goes or wants to go.
     path : (k, 2) array
-        What is left of its path, from where it is on; a single place if it has none.
+        The rest of its path in metres, from its position on; a single point if it has none.
     radius_m : float
-        Radius of its body.
+        Radius of its body in metres.
     leader : bool
         Whether it has raised its flag.
     inactive : bool
-        Whether it has finished or is lost: an obstacle, no more.
+        Whether it has finished or is lost, so that it is an obstacle only.
     stuck : bool
-        Whether it found no way round those that stand in its way.
+        Whether it has found no way round the robots that stand in its way.
     cornered : bool
-        Whether it found no place off the leader's path.
+        Whether it has found no place off the leader's path.
     """
 
     robot: int
@@ -71,18 +87,23 @@ class Party:
     stuck: bool = False
     cornered: bool = False
 
+    @property
+    def claim(self) -> Claim:
+        """Its claim to lead."""
+        return Claim(self.robot, self.leader, self.cornered)
+
 
 class Ruling(NamedTuple):
-    """What a robot is to do, and why.
+    """What a robot does next, and why.
 
     Attributes
     ----------
-    action : str
-        What.
+    action : {"go", "wait", "detour", "retreat"}
+        See `Action`.
     leader : bool
-        Whether its flag is up from now on.
+        Whether its flag is raised from now on.
     because_of : tuple of int
-        The robots that it waits for, goes round, or gives way to, in ascending order.
+        Numbers of the robots that it waits for, goes round or gives way to, ascending.
     """
 
     action: Action
@@ -103,95 +124,121 @@ def right_of_way(
     Parameters
     ----------
     me : Party
-        The robot that decides: the first to do so sees first.
+        The robot that decides. If no flag is raised in its conflict, it is the first to see.
     others : sequence of Party
-        The mates that it knows of, in any order.
+        The robots that it knows of, in any order.
     conflict_radius_m : float
-        How far ahead mates matter.
+        Radius of the sector, and length of the path ahead, in which robots matter, in metres.
     margin_m : float
-        What shall stay free between two bodies.
+        Distance to keep between two bodies in metres.
     sector_rad : float
-        Half of the opening of the sector.
+        Half of the sector's opening angle in radians.
+
+    Returns
+    -------
+    Ruling
 
     Raises
     ------
     InvalidInputError
         If two robots have the same number.
+
+    Examples
+    --------
+    Two robots in neighbouring lanes, face to face: the first to decide leads.
+
+    >>> lanes = np.array([[0.0, 0.0], [8.0, 0.0]]), np.array([[2.9, 0.7], [-6.0, 0.7]])
+    >>> east = Party(robot=1, configuration=Configuration(0.0, 0.0, 0.0), path=lanes[0],
+    ...              radius_m=0.25)
+    >>> west = Party(robot=2, configuration=Configuration(2.9, 0.7, np.pi), path=lanes[1],
+    ...              radius_m=0.25, leader=True)
+    >>> right_of_way(east, [west], 3.0)
+    Ruling(action='wait', leader=False, because_of=(2,))
+    >>> right_of_way(west, [east], 3.0)
+    Ruling(action='go', leader=True, because_of=())
     """
-    team = sorted((me, *others), key=lambda party: party.robot)
-    if len({party.robot for party in team}) < len(team):
-        raise InvalidInputError(
-            f"robots have numbers of their own, not {[party.robot for party in team]}"
-        )
-
-    def blocks(party: Party, mate: Party) -> bool:
-        near = party.radius_m + mate.radius_m + margin_m
-        return stands_in_the_way(party.path, mate.configuration, near, conflict_radius_m)
-
-    def sees(party: Party, mate: Party) -> bool:
-        return party is not mate and (
-            is_in_sector(party.configuration, mate.configuration, conflict_radius_m, sector_rad)
-            or blocks(party, mate)
-        )
-
-    # 1. An inactive mate is an obstacle: it matters where it stands in the way.
-    active = [party for party in team if not party.inactive]
-    seen = [mate for mate in active if sees(me, mate)]
-    parked = [mate for mate in team if mate.inactive and mate is not me and blocks(me, mate)]
+    meeting = _Meeting(me, others, conflict_radius_m, margin_m, sector_rad)
+    seen, parked = meeting.seen(), meeting.parked()
     if not seen:
         return Ruling("detour" if parked else "go", False, _numbers(parked))
-
-    # 2. Mates that do not wait for this one will go by themselves.
-    conflict = _conflict(me, active, sees)
-    beyond = [mate for mate in seen if mate not in conflict]
-    if beyond:
-        return Ruling("wait", me.leader and len(conflict) > 1, _numbers(beyond))
-
-    # 3. One leader for each conflict: whoever cannot give way, then who raised its flag, or else
-    #    the first to see, which is the one that asks.
-    cornered = [party for party in conflict if party.cornered]
-    claims = cornered or [party for party in conflict if party.leader] or [me]
-    leader = min(claims, key=lambda party: (not party.leader, party.robot))
+    conflict = meeting.conflict()
+    # Robots that do not wait for this one will go by themselves.
+    passing = [mate for mate in seen if mate not in conflict]
+    if passing:
+        return Ruling("wait", me.leader and len(conflict) > 1, _numbers(passing))
+    number = leader_of(party.claim for party in conflict)
+    leader = next((party for party in conflict if party.robot == number), me)
     if leader is not me:
-        gives_way = leader.stuck and blocks(leader, me) and not me.cornered
+        gives_way = leader.stuck and meeting.blocks(leader, me) and not me.cornered
         return Ruling("retreat" if gives_way else "wait", False, (leader.robot,))
-
-    # 4. The leader goes on, round those that stand in its way, or waits until they have left.
-    standing = [mate for mate in conflict if mate is not me and blocks(me, mate)] + parked
+    standing = [mate for mate in conflict if mate is not me and meeting.blocks(me, mate)] + parked
     if not standing:
         return Ruling("go", True, ())
     return Ruling("wait" if me.stuck else "detour", True, _numbers(standing))
 
 
-def is_in_sector(
-    at: Configuration, mate: Configuration, radius_m: float, half_opening_rad: float = SECTOR_RAD
-) -> bool:
-    """Whether a mate is in the sector that a robot looks into."""
-    distance = at.distance(mate)
-    if not 0.0 < distance <= radius_m:
-        return False
-    bearing = math.atan2(mate.y - at.y, mate.x - at.x)
-    return abs(wrap_angle(bearing - at.heading)) <= half_opening_rad
+def leader_of(claims: Iterable[Claim]) -> int | None:
+    """Return which robot of a conflict leads.
+
+    A robot that has found no place off the leader's path leads before one that has raised its
+    flag. Of several such robots one with its flag raised leads, then the one of the lowest number.
+
+    Parameters
+    ----------
+    claims : iterable of Claim
+        The claims of all robots in the conflict.
+
+    Returns
+    -------
+    int or None
+        Number of the leader; None if no robot is cornered or has raised its flag. The first to see
+        the others then becomes the leader.
+
+    Examples
+    --------
+    >>> leader_of([Claim(3, leader=True), Claim(5, leader=True), Claim(1)])
+    3
+    >>> leader_of([Claim(3, leader=True), Claim(5, cornered=True)])
+    5
+    >>> leader_of([Claim(3), Claim(5)]) is None
+    True
+    """
+    conflict = list(claims)
+    claimants = [c for c in conflict if c.cornered] or [c for c in conflict if c.leader]
+    leader = min(claimants, key=lambda claim: (not claim.leader, claim.robot), default=None)
+    return None if leader is None else leader.robot
 
 
 def stands_in_the_way(
     path: FloatArray, mate: Configuration, near_m: float, within_m: float = math.inf
 ) -> bool:
-    """Whether a path leads nearer to a mate than it may, and nearer than where it begins.
+    """Whether a path approaches another robot more closely than allowed.
 
-    So a robot that is close to a mate can leave it, and one that has passed another is no more
-    in its way.
+    A path that only leads away from the robot does not approach it, even if it begins too near. So
+    a robot can leave another that it stands close to, and is not held up by one it has passed.
 
     Parameters
     ----------
     path : (k, 2) array
-        The path, from where the robot is on.
+        The path in metres, from the robot's position on.
     mate : Configuration
-        Where the mate is.
+        Configuration of the other robot.
     near_m : float
-        How near the two reference points may come.
+        Least distance between the two reference points in metres.
     within_m : float
-        Only so much of the path counts.
+        Length of the path that counts, in metres.
+
+    Returns
+    -------
+    bool
+
+    Examples
+    --------
+    >>> path = np.array([[0.0, 0.0], [5.0, 0.0]])
+    >>> stands_in_the_way(path, Configuration(3.0, 0.4, 0.0), 0.6)
+    True
+    >>> stands_in_the_way(path, Configuration(-0.1, 0.4, 0.0), 0.6)
+    False
     """
     here = np.array([[mate.x, mate.y]])
     legs = _legs(path, within_m)
@@ -203,24 +250,31 @@ def stands_in_the_way(
 def place_aside(
     places: FloatArray, costs: FloatArray, leader_path: FloatArray, apart_m: float
 ) -> tuple[float, float] | None:
-    """Choose where to let the leader pass: the nearest place off its path.
+    """Return the place from which to let the leader pass: the nearest off its path.
 
     Parameters
     ----------
     places : (n, 2) array
-        Places that the robot can reach without passing the leader, such as centres of cells.
+        Places in metres that the robot can reach without passing the leader, such as the centres
+        of cells.
     costs : (n,) array
-        How long its way to each is; inf where there is none.
+        Path length to each in metres; ``inf`` where no path leads.
     leader_path : (k, 2) array
-        What is left of the leader's path, from where it is on.
+        The rest of the leader's path, from its position on.
     apart_m : float
-        How far the place is from that path at least: both radii, and what shall stay free
-        between the bodies.
+        Least distance of the place from that path in metres: both radii and the margin.
 
     Returns
     -------
     (x, y) or None
-        The place, of equally near ones the first; None where there is none.
+        The place, the first of equally near ones; None if there is none.
+
+    Examples
+    --------
+    >>> places = np.array([[3.0, 0.5], [4.0, 0.6], [5.0, 2.0]])
+    >>> way = np.array([[0.0, 0.0], [8.0, 0.0]])
+    >>> place_aside(places, np.array([0.5, 3.0, 1.5]), way, 0.6)
+    (5.0, 2.0)
     """
     places = np.ascontiguousarray(places, dtype=np.float64)
     clear = distance_to_segments(places, _legs(leader_path)) >= apart_m
@@ -231,31 +285,75 @@ def place_aside(
     return x, y
 
 
-def _conflict(me: Party, active: list[Party], sees: Callable[[Party, Party], bool]) -> list[Party]:
-    # Who waits for this robot and is waited for by it, itself included, also through others.
-    def reached(forwards: bool) -> list[Party]:
-        found = [me]
-        for party in found:
-            found += [
-                mate
-                for mate in active
-                if mate not in found and (sees(party, mate) if forwards else sees(mate, party))
-            ]
-        return found
+class _Meeting:
+    """Which robots see, block and wait for each other around one robot."""
 
-    waited_for = reached(forwards=True)
-    return [party for party in reached(forwards=False) if party in waited_for]
+    def __init__(
+        self,
+        me: Party,
+        others: Sequence[Party],
+        conflict_radius_m: float,
+        margin_m: float,
+        sector_rad: float,
+    ) -> None:
+        self._me = me
+        self._team = sorted((me, *others), key=lambda party: party.robot)
+        self._active = [party for party in self._team if not party.inactive]
+        self._radius_m, self._margin_m, self._sector_rad = conflict_radius_m, margin_m, sector_rad
+        numbers = [party.robot for party in self._team]
+        if len(set(numbers)) < len(numbers):
+            raise InvalidInputError(f"robots have numbers of their own, not {numbers}")
+
+    def blocks(self, party: Party, mate: Party) -> bool:
+        """Whether `mate` stands on the path of `party`."""
+        near_m = party.radius_m + mate.radius_m + self._margin_m
+        return stands_in_the_way(party.path, mate.configuration, near_m, self._radius_m)
+
+    def sees(self, party: Party, mate: Party) -> bool:
+        """Whether `party` waits for `mate`: it is in the sector or on the path."""
+        at, there = party.configuration, mate.configuration
+        return party is not mate and (
+            is_in_sector(at, there, self._radius_m, self._sector_rad) or self.blocks(party, mate)
+        )
+
+    def seen(self) -> list[Party]:
+        """Return the active robots that this one sees."""
+        return [mate for mate in self._active if self.sees(self._me, mate)]
+
+    def parked(self) -> list[Party]:
+        """Return the inactive robots on the path of this one."""
+        return [
+            mate
+            for mate in self._team
+            if mate.inactive and mate is not self._me and self.blocks(self._me, mate)
+        ]
+
+    def conflict(self) -> list[Party]:
+        """Return the robots that this one waits for and that wait for it, also through others."""
+        waited_for = self._reached(self.sees)
+        waiting = self._reached(lambda party, mate: self.sees(mate, party))
+        return [party for party in waiting if party in waited_for]
+
+    def _reached(self, leads_to: Callable[[Party, Party], bool]) -> list[Party]:
+        found = [self._me]
+        for party in found:
+            found += [mate for mate in self._active if mate not in found and leads_to(party, mate)]
+        return found
 
 
 def _legs(path: FloatArray, within_m: float = math.inf) -> FloatArray:
-    # The legs of a path, or of as much of it as counts; a single place is a leg of no length.
+    """Return the legs of a path up to a length; a single point is a leg of length 0."""
     legs = np.hstack([path[:-1], path[1:]]) if len(path) > 1 else np.hstack([path, path])
     lengths = np.hypot(legs[:, 2] - legs[:, 0], legs[:, 3] - legs[:, 1])
     begins = np.concatenate([[0.0], np.cumsum(lengths)[:-1]])
-    legs, lengths, begins = legs[begins < within_m], lengths, begins[begins < within_m]
-    left = within_m - begins[-1]
-    if left < lengths[len(legs) - 1]:
-        share = left / lengths[len(legs) - 1]
+    legs, lengths, begins = (
+        legs[begins < within_m],
+        lengths[begins < within_m],
+        begins[begins < within_m],
+    )
+    remaining = within_m - begins[-1]
+    if remaining < lengths[len(legs) - 1]:
+        share = remaining / lengths[len(legs) - 1]
         legs[-1, 2:] = legs[-1, :2] + share * (legs[-1, 2:] - legs[-1, :2])
     return np.ascontiguousarray(legs)
 

@@ -25,7 +25,7 @@ def grid_of(text):
 
 
 def may_step(passable, a, b):
-    """Whether one step leads from a cell to another."""
+    """Whether a single step leads from one cell to another."""
     (r, c), (s, d) = a, b
     near = max(abs(s - r), abs(d - c)) == 1
     return bool(
@@ -34,7 +34,7 @@ def may_step(passable, a, b):
 
 
 def costs_by_dijkstra(passable, start):
-    """The cost of every cell from one, by scipy, over the steps that are allowed."""
+    """Path lengths from a cell to all cells by scipy."""
     rows, columns = passable.shape
     every = [(r, c) for r in range(rows) for c in range(columns)]
     steps = [
@@ -49,7 +49,7 @@ def costs_by_dijkstra(passable, start):
 
 
 @given(GRIDS, st.data())
-def test_a_way_is_as_short_as_dijkstras(passable, data):
+def test_paths_are_as_short_as_those_of_dijkstra(passable, data):
     start, goal = data.draw(cells(passable.shape)), data.draw(cells(passable.shape))
     way = [tuple(cell) for cell in a_star(passable, *start, *goal).tolist()]
     cost = costs_by_dijkstra(passable, start)[goal] if passable[goal] else math.inf
@@ -61,31 +61,31 @@ def test_a_way_is_as_short_as_dijkstras(passable, data):
     assert sum(math.dist(a, b) for a, b in pairwise(way)) == pytest.approx(cost)
 
 
-def test_a_way_in_a_maze_that_has_one_only():
+def test_the_only_path_of_a_maze_is_found():
     maze = grid_of(".#... .#.#. .#.#. ...#.")
     down, up = [[r, 0] for r in range(4)], [[r, 2] for r in (3, 2, 1, 0)]
     on = [[3, 1], *up, [0, 3], *([r, 4] for r in range(4))]
     assert a_star(maze, 0, 0, 3, 4).tolist() == [*down, *on]
 
 
-def test_a_way_does_not_slip_between_two_cells_that_meet_in_a_corner():
+def test_paths_do_not_cut_corners():
     assert a_star(grid_of(".# #."), 0, 0, 1, 1).tolist() == []
     assert a_star(grid_of(".. #."), 0, 0, 1, 1).tolist() == [[0, 0], [0, 1], [1, 1]]
 
 
-def test_a_way_may_begin_but_not_end_in_a_cell_that_is_not_passable():
+def test_only_the_start_of_a_path_may_be_impassable():
     row = grid_of("#..")
     assert a_star(row, 0, 0, 0, 2).tolist() == [[0, 0], [0, 1], [0, 2]]
     assert a_star(row, 0, 2, 0, 0).tolist() == []
     assert a_star(row, 0, 0, 0, 0).tolist() == []
 
 
-def test_a_way_to_where_one_is():
+def test_the_path_to_the_start_is_one_cell():
     assert a_star(grid_of("..."), 0, 1, 0, 1).tolist() == [[0, 1]]
 
 
 @given(GRIDS, st.data())
-def test_what_is_reached_is_what_scipy_labels_alike(passable, data):
+def test_reachable_cells_agree_with_scipys_labels(passable, data):
     start = data.draw(cells(passable.shape))
     reached = reachable(passable, *start)
     labels, _ = label(passable)
@@ -93,14 +93,14 @@ def test_what_is_reached_is_what_scipy_labels_alike(passable, data):
 
 
 @given(GRIDS, st.data())
-def test_ways_lead_to_what_is_reached_and_nowhere_else(passable, data):
+def test_paths_lead_exactly_to_reachable_cells(passable, data):
     start, goal = data.draw(cells(passable.shape)), data.draw(cells(passable.shape))
     if passable[start]:
         assert reachable(passable, *start)[goal] == (len(a_star(passable, *start, *goal)) > 0)
 
 
 def rings(passable, start):
-    """What the ring has covered, one ring after another."""
+    """Cells covered by each successive ring."""
     covered = np.zeros_like(passable)
     covered[start] = True
     while True:
@@ -112,7 +112,7 @@ def rings(passable, start):
 
 
 @given(GRIDS, st.data(), st.integers(0, 30))
-def test_a_ring_ends_when_it_has_found_enough(passable, data, enough):
+def test_search_ends_with_the_ring_that_finds_enough(passable, data, enough):
     wanted = data.draw(arrays(bool, passable.shape))
     start = data.draw(cells(passable.shape))
     found = [tuple(cell) for cell in ring_search(passable, wanted, *start, enough).tolist()]
@@ -120,7 +120,7 @@ def test_a_ring_ends_when_it_has_found_enough(passable, data, enough):
     for covered in rings(passable, start):
         if len(expected) >= enough:
             break
-        # Within a ring cells come in the order in which it got to them: any.
+        # The order within a ring is arbitrary.
         new = {tuple(cell) for cell in np.argwhere(covered & ~before & wanted).tolist()}
         assert set(found[len(expected) : len(expected) + len(new)]) == new
         expected += new
@@ -128,13 +128,13 @@ def test_a_ring_ends_when_it_has_found_enough(passable, data, enough):
     assert len(found) == len(expected)
 
 
-def test_a_ring_does_not_pass_walls():
+def test_rings_do_not_pass_walls():
     passable = grid_of("..#.. ..#.. ..#..")
     wanted = np.ones_like(passable)
     assert sorted(ring_search(passable, wanted, 0, 0, 99)[:, 1].tolist()) == [0, 0, 0, 1, 1, 1]
 
 
-def test_rings_come_one_after_another():
+def test_cells_are_found_ring_by_ring():
     passable = np.ones((1, 7), bool)
     wanted = np.array([[True, False, True, False, True, True, False]])
     assert ring_search(passable, wanted, 0, 3, 1)[:, 1].tolist() == [2, 4]

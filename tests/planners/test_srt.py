@@ -1,33 +1,22 @@
 import math
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 import shapely
-from hypothesis import given
-from hypothesis import strategies as st
 from scipy import stats
 
 from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.geometry.numerics.distances import (
-    distance_to_boundary,
-    distance_to_segments,
-    inside,
-    nearest_point,
-    nearest_points,
-)
-from multisrt.geometry.numerics.rings import Rings
+from multisrt.geometry.numerics.distances import distance_to_boundary
 from multisrt.geometry.regions.boundary import OBSTACLE
 from multisrt.geometry.regions.edge_index import EdgeIndex
 from multisrt.geometry.regions.frontier_arcs import arc_labels, frontier_candidates
-from multisrt.geometry.regions.known_space import KnownSpace
 from multisrt.geometry.regions.safe_region import LocalSafeRegion, local_safe_region
 from multisrt.geometry.regions.scan import take_scan
 from multisrt.planners.motion.body import PlanningBody
 from multisrt.planners.motion.kinematics import Car, Differential, Holonomic
-from multisrt.planners.srt import Draws, SrtOptions, SrtPlanner, Way, arc_points
+from multisrt.planners.srt import Draws, SrtOptions, SrtPlanner
 
 NONE = np.empty((0, 2))
 D_MIN = 0.5
@@ -79,7 +68,7 @@ def test_without_bias_directions_are_drawn_uniformly():
     assert stats.kstest(directions, stats.uniform(-math.pi, 2.0 * math.pi).cdf).pvalue > 1e-3
 
 
-def test_a_candidate_lies_at_its_share_of_the_way_to_the_boundary():
+def test_a_candidate_is_at_alpha_of_the_way_to_the_boundary():
     for x, y in drawn(planner(alpha=0.6), RIGHT, 50, seed=4):
         ahead = distance_to_boundary(SQUARE.boundary, 2.0, 2.0, *_unit(x - 2.0, y - 2.0))
         assert math.hypot(x - 2.0, y - 2.0) == pytest.approx(0.6 * ahead)
@@ -103,7 +92,7 @@ def test_a_candidate_stops_where_the_body_no_longer_fits():
     assert (draws.drawn, draws.refused) == (1, {})
 
 
-def test_no_frontier_no_draws():
+def test_without_frontier_nothing_is_drawn():
     place, draws = planner().draw(
         MIDDLE, SQUARE, np.empty((0, 4)), NONE, [], np.random.default_rng(0)
     )
@@ -111,7 +100,7 @@ def test_no_frontier_no_draws():
     assert (draws.drawn, draws.refused) == (0, {})
 
 
-def test_refused_near_a_node():
+def test_candidates_near_a_node_are_refused():
     # With alpha = 0.8 every candidate to the left lies on x = 0.4, y from 1.6 to 2.4.
     nodes = np.array([(0.4, 2.0)])
     place, draws = planner(max_draws=7).draw(
@@ -129,7 +118,7 @@ def test_a_candidate_is_d_min_from_every_node(offset, accepted):
     assert (place is not None) is accepted
 
 
-def test_refused_for_want_of_room():
+def test_candidates_without_room_are_refused():
     # 0.6 m to the wall: at 0.8 of it the candidate is nearer than d_min.
     at = Configuration(3.4, 2.0, 0.0)
     point = np.array([(4.0, 1.99, 4.0, 2.01)])
@@ -140,7 +129,7 @@ def test_refused_for_want_of_room():
     assert draws.refused == {"no room": 10}
 
 
-def test_refused_by_whoever_asks_for_the_places():
+def test_accept_is_asked_last_and_may_refuse():
     asked = []
 
     def accept(x, y):
@@ -153,7 +142,7 @@ def test_refused_by_whoever_asks_for_the_places():
     assert place == asked[3]
     assert (draws.drawn, draws.refused) == (4, {"blocked by a robot": 3})
     assert draws.candidates == [(*xy, "blocked by a robot") for xy in asked[:3]]
-    # What is refused already is not asked about.
+    # Candidates refused for another reason are not asked about.
     nodes = np.array(asked)
     place, draws = planner(max_draws=4).draw(
         MIDDLE, SQUARE, BOTH, nodes, [], np.random.default_rng(0), accept=lambda x, y: 1 / 0
@@ -162,7 +151,7 @@ def test_refused_by_whoever_asks_for_the_places():
     assert draws.candidates == [(*xy, "near a node") for xy in asked]
 
 
-def test_candidates_without_room_are_put_down_where_they_were_drawn():
+def test_candidates_without_room_are_recorded_as_drawn():
     at = Configuration(3.4, 2.0, 0.0)
     point = np.array([(4.0, 1.99, 4.0, 2.01)])
     _, draws = planner(max_draws=1).draw(
@@ -173,8 +162,8 @@ def test_candidates_without_room_are_put_down_where_they_were_drawn():
     assert reason == "no room"
 
 
-def test_a_car_draws_where_it_fits_along_its_way():
-    # It cannot turn in place, but curves may lead there, which are asked for apart.
+def test_a_car_draws_where_it_fits_on_a_straight_way():
+    # It cannot turn in place, but curves may lead there; `accept` decides on those.
     corridor = region(shapely.box(0, 0, 4, 0.5), 2.0, 0.25)
     ends = np.array([(4.0, 0.2, 4.0, 0.3), (0.0, 0.3, 0.0, 0.2)])
     chosen = planner("box:0.6x0.4", Car())
@@ -184,7 +173,7 @@ def test_a_car_draws_where_it_fits_along_its_way():
     assert {place[0] > 2.0 for place in places} == {True, False}
 
 
-def test_refused_in_another_region_only_without_bias():
+def test_other_regions_exclude_candidates_without_bias():
     whole = region(shapely.box(-1, -1, 5, 5), 2.0, 2.0)
     rng = np.random.default_rng(0)
     place, draws = planner(frontier_bias=False).draw(
@@ -196,7 +185,7 @@ def test_refused_in_another_region_only_without_bias():
     assert place is not None
 
 
-def test_a_body_that_cannot_turn_draws_only_where_it_looks():
+def test_a_body_that_cannot_turn_draws_only_ahead():
     # A box of 0.6 x 0.4 m in a corridor 0.5 m wide, a frontier at both ends.
     corridor = region(shapely.box(0, 0, 4, 0.5), 2.0, 0.25)
     ends = np.array([(4.0, 0.2, 4.0, 0.3), (0.0, 0.3, 0.0, 0.2)])
@@ -207,7 +196,7 @@ def test_a_body_that_cannot_turn_draws_only_where_it_looks():
     assert all(place is not None and place[0] > 2.0 for place in places)
 
 
-def test_equal_streams_draw_alike():
+def test_equal_random_streams_give_equal_draws():
     assert np.array_equal(drawn(planner(), BOTH, 20, 5), drawn(planner(), BOTH, 20, 5))
     assert not np.array_equal(drawn(planner(), BOTH, 20, 5), drawn(planner(), BOTH, 20, 6))
 
@@ -229,7 +218,7 @@ def looking(x: float, y: float) -> tuple[LocalSafeRegion, list[np.ndarray]]:
 
 
 def test_a_door_seen_edge_on_is_approached():
-    # Close to the wall, the disc hits it right away on every line through the door.
+    # Close to the wall, the disc hits it at once on every line through the door.
     at = Configuration(5.74, 1.0)
     seen, arcs = looking(*at[:2])
     door = [arc for arc in arcs if (arc[:, 0] > 5.9).any() and (arc[:, 1] > 3.9).any()]
@@ -249,7 +238,7 @@ def test_a_door_seen_edge_on_is_approached():
     assert way.buffer(0.25).difference(seen.polygon()).area < 1e-6
 
 
-def test_the_next_place_where_an_approach_is_refused():
+def test_after_a_refusal_the_next_place_is_tried():
     draws = Draws()
     first = planner().approach(MIDDLE, SQUARE, [RIGHT], NONE)
     second = planner().approach(
@@ -267,7 +256,7 @@ def test_the_next_place_where_an_approach_is_refused():
     assert second[0] > 3.5
 
 
-def test_an_approach_is_given_up_after_so_many_refusals():
+def test_max_draws_bounds_the_refusals_of_an_approach():
     draws = Draws()
     chosen = planner(max_draws=3)
     assert chosen.approach(MIDDLE, SQUARE, [RIGHT], NONE, lambda x, y: "no way", draws) is None
@@ -301,156 +290,6 @@ def test_no_approach_without_room_to_move():
     assert planner().approach(Configuration(0.35, 0.35), closet, [arc], NONE) is None
 
 
-ARC = np.array([(6.0, 1.0, 6.0, 2.0), (6.0, 2.0, 6.0, 3.0)])
-
-
-def viewing_place(arc, free, range_m, nodes, *leads, window=(-1.0, -1.0, 9.0, 9.0)):
-    """Where the arc can be seen from, if what is known is pieces that meet along lines."""
-    pieces = shapely.get_parts(shapely.constrained_delaunay_triangles(free))
-    rings = [np.array(shapely.orient_polygons(piece).exterior.coords)[:-1] for piece in pieces]
-    known = KnownSpace(Rings(rings), np.arange(len(rings)), window)
-    return planner().viewing_place(arc, known, range_m, nodes, *leads)
-
-
-def standing_at(*places):
-    """Nodes with an open view of 4 m, where the body has room for any heading."""
-    return [
-        SimpleNamespace(
-            configuration=Configuration(x, y, 0.0),
-            region=SimpleNamespace(
-                boundary=np.array(shapely.Point(x, y).buffer(4).exterior.coords)[:-1]
-            ),
-        )
-        for x, y in places
-    ]
-
-
-def test_a_viewing_place():
-    # The lattice has steps of d_min / 4 = 0.125 m around (6, 2). At x = 5.75 the disc of 0.252 m
-    # does not fit; at x = 5.625 there is the whole margin.
-    found = viewing_place(ARC, shapely.box(0, 0, 6, 4), 3.0, standing_at((1.0, 2.0)))
-    assert found == Way(5.625, 2.0, 0, roomy=True)
-
-
-def test_a_viewing_place_keeps_off_nodes_and_names_the_nearest():
-    # Half of d_min, 0.25 m, from the node: two steps of the lattice to a side.
-    nodes = standing_at((1.0, 2.0), (5.625, 2.0))
-    x, y, k, _ = viewing_place(ARC, shapely.box(0, 0, 6, 4), 3.0, nodes)
-    assert math.hypot(x - 5.625, y - 2.0) >= 0.25
-    assert k == 1
-
-
-def test_a_viewing_place_sees_the_arc():
-    # A screen stands in front of the arc's middle: places right behind it do not see it.
-    free = shapely.box(0, 0, 6, 4).difference(shapely.box(5.2, 1.5, 5.3, 2.5))
-    x, y, *_ = viewing_place(ARC, free, 3.0, standing_at((1.0, 2.0)))
-    assert shapely.LineString([(x, y), (6.0 - 1e-3, 2.0)]).within(free)
-    assert free.boundary.distance(shapely.Point(x, y)) >= 0.252 - 1e-6
-
-
-def test_a_viewing_place_to_which_other_ways_lead_than_straight_ones():
-    nodes = standing_at((1.0, 2.0), (5.0, 1.0))
-    free = shapely.box(0, 0, 6, 4)
-    asked = []
-
-    def leads(node, x, y):
-        asked.append((node, x, y))
-        return node == 0 and len(asked) > 2
-
-    found = viewing_place(ARC, free, 3.0, nodes, leads)
-    assert found == Way(*asked[3][1:], 0, roomy=False)
-    # Nearest nodes first, place by place.
-    assert [node for node, *_ in asked] == [1, 0, 1, 0]
-    asked.clear()
-    assert viewing_place(ARC, free, 3.0, nodes, lambda *_: False) == "not reachable"
-
-
-@given(
-    places=st.lists(
-        st.tuples(st.floats(0.3, 5.7), st.floats(0.3, 3.7)), min_size=1, max_size=3, unique=True
-    ),
-    half_width=st.floats(0.5, 3.0),
-)
-def test_where_no_way_may_be_found_none_is(places, half_width):
-    nodes = standing_at(*places)
-    window = shapely.box(6 - half_width, 2 - half_width, 6 + half_width, 2 + half_width)
-    free = shapely.box(0, 0, 6, 4).intersection(window)
-    if not planner().may_find_way(6.0, 2.0, half_width, nodes):
-        assert isinstance(viewing_place(ARC, free, half_width, nodes), str)
-
-
-def test_a_way_may_begin_at_a_node_inside_the_window_or_at_a_narrow_one():
-    inside, outside = standing_at((5.0, 2.0), (2.0, 2.0))
-    slit = shapely.box(1.0, 1.8, 3.0, 2.2)
-    narrow = SimpleNamespace(
-        configuration=Configuration(2.0, 2.0),
-        region=SimpleNamespace(boundary=np.array(slit.exterior.coords)[:-1]),
-    )
-    box = planner("box:0.5x0.3")
-    assert box.may_find_way(6.0, 2.0, 1.5, [outside, inside])
-    assert not box.may_find_way(6.0, 2.0, 1.5, [outside])
-    assert box.may_find_way(6.0, 2.0, 1.5, [outside, narrow])
-    assert not box.may_find_way(6.0, 2.0, 1.5, [])
-
-
-def test_refused_too_narrow():
-    arc = np.array([(6.0, 0.0, 6.0, 0.4)])
-    nodes = standing_at((1.0, 0.2))
-    assert viewing_place(arc, shapely.box(0, 0, 6, 0.4), 3.0, nodes) == "too narrow"
-
-
-def test_refused_too_narrow_where_the_room_does_not_see_the_arc():
-    # Round the corner of a slit: the room beside it is wide, but sees none of the arc's middle.
-    free = shapely.union_all(
-        [shapely.box(0, 0, 2, 2), shapely.box(2, 0, 3, 0.2), shapely.box(2.8, 0, 3, 2)]
-    )
-    arc = np.array([(3.0, 2.0, 2.8, 2.0)])
-    assert viewing_place(arc, free, 3.0, standing_at((1.0, 1.0))) == "too narrow"
-
-
-def test_refused_not_reachable():
-    # The pocket before the arc has room for the body, but only a slit, round a corner, leads there.
-    rooms = shapely.box(0, 0, 4, 4), shapely.box(4.5, 1, 6, 3)
-    slit = shapely.box(4, 0, 5.2, 0.2), shapely.box(5, 0, 5.2, 1)
-    free = shapely.union_all([*rooms, *slit])
-    assert viewing_place(ARC, free, 3.0, standing_at((1.0, 2.0))) == "not reachable"
-    assert viewing_place(ARC, free, 3.0, []) == "not reachable"
-
-
-def test_refused_seen_from_near():
-    # A niche with room for places within 0.1 m of its middle, where there was a scan already.
-    free = shapely.box(5.3, 1.65, 6.0, 2.35)
-    arc = np.array([(6.0, 1.9, 6.0, 2.1)])
-    nodes = standing_at((5.65, 2.0))
-    assert viewing_place(arc, free, 3.0, nodes) == "seen from near"
-
-
-def test_points_of_an_arc_beyond_the_window_are_no_help():
-    # In the window all places are near a node; from the arc's ends others could be seen.
-    arc = np.array([(6.0, 0.2, 6.0, 3.8)])
-    nodes = standing_at((5.3, 2.0), (5.65, 2.0), (4.0, 0.7))
-    free = shapely.box(0, 0, 6, 4)
-    assert isinstance(viewing_place(arc, free, 1.0, nodes), Way)
-    window = (5.0, 1.6, 7.0, 2.4)
-    assert viewing_place(arc, free, 1.0, nodes, window=window) == "seen from near"
-
-
-def test_refused_where_the_arc_is_not_at_known_space():
-    away = ARC + 50.0
-    free = shapely.box(0, 0, 6, 4)
-    assert viewing_place(away, free, 3.0, standing_at((1.0, 2.0))) == "too narrow"
-
-
-def test_points_of_an_arc_its_middle_first():
-    # One metre up, then three to the left: its middle is one metre along the second piece.
-    arc = np.array([(4.0, 0.0, 4.0, 1.0), (4.0, 1.0, 1.0, 1.0)])
-    assert np.array(arc_points(arc, 9.0)) == pytest.approx(np.array([(3.0, 1.0, 0.0, -1.0)]))
-    assert np.array(arc_points(arc, 1.5)) == pytest.approx(
-        np.array([(3.0, 1.0, 0.0, -1.0), (4.0, 0.5, -1.0, 0.0), (1.5, 1.0, 0.0, -1.0)])
-    )
-    assert len(arc_points(arc, 0.01)) == 7
-
-
 @pytest.mark.parametrize(
     ("name", "value"),
     [
@@ -469,60 +308,6 @@ def test_points_of_an_arc_its_middle_first():
         ("completion_spacing", 0.0),
     ],
 )
-def test_options_out_of_bounds_are_refused_by_name(name, value):
+def test_invalid_options_are_rejected_by_name(name, value):
     with pytest.raises(InvalidInputError, match=name):
         SrtOptions(**{name: value})
-
-
-@st.composite
-def stars(draw):
-    radii = np.array(draw(st.lists(st.floats(0.5, 3.0), min_size=5, max_size=20)))
-    angles = np.arange(len(radii)) * (2.0 * math.pi / len(radii))
-    return radii[:, None] * np.column_stack([np.cos(angles), np.sin(angles)])
-
-
-coordinates = st.integers(-3500, 3500).map(lambda n: n / 1000)
-points = st.lists(st.tuples(coordinates, coordinates), max_size=6).map(
-    lambda p: np.array(p).reshape(-1, 2)
-)
-segments = st.lists(
-    st.tuples(coordinates, coordinates, coordinates, coordinates), min_size=1, max_size=6
-).map(np.array)
-
-
-@given(stars(), st.floats(-math.pi, math.pi))
-def test_distance_to_boundary(boundary, direction):
-    ux, uy = math.cos(direction), math.sin(direction)
-    ray = shapely.LineString([(0, 0), (10 * ux, 10 * uy)])
-    expected = ray.intersection(shapely.Polygon(boundary).exterior).distance(shapely.Point(0, 0))
-    assert distance_to_boundary(boundary, 0.0, 0.0, ux, uy) == pytest.approx(expected, abs=1e-9)
-
-
-def test_no_boundary_ahead():
-    assert distance_to_boundary(SQUARE.boundary, 9.0, 2.0, 1.0, 0.0) == math.inf
-    assert distance_to_boundary(SQUARE.boundary, 9.0, 2.0, -1.0, 0.0) == 5.0
-
-
-@given(stars(), coordinates, coordinates)
-def test_inside(boundary, x, y):
-    polygon = shapely.Polygon(boundary)
-    if polygon.exterior.distance(shapely.Point(x, y)) > 1e-9:
-        assert inside(boundary, x, y) == shapely.contains_xy(polygon, x, y)
-
-
-@given(points, points)
-def test_nearest_points(nodes, places):
-    expected = [
-        shapely.MultiPoint(nodes).distance(shapely.Point(place)) if len(nodes) else math.inf
-        for place in places
-    ]
-    assert nearest_points(nodes, places) == pytest.approx(expected)
-    for place, distance in zip(places, expected, strict=True):
-        assert nearest_point(nodes, *place) == pytest.approx(distance)
-
-
-@given(segments, points)
-def test_distance_to_segments(lines, places):
-    shape = shapely.MultiLineString(list(lines.reshape(-1, 2, 2)))
-    expected = [shape.distance(shapely.Point(place)) for place in places]
-    assert distance_to_segments(places, lines) == pytest.approx(expected, abs=1e-9)

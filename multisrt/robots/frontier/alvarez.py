@@ -27,8 +27,8 @@ import numpy as np
 from multisrt.events import GoalChosen
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.numerics.kernel import FloatArray
-from multisrt.planners.assignment.closest import closest
-from multisrt.planners.assignment.rules import GoalChoice, exchange
+from multisrt.planners.assignment.cell_choice import GoalChoice
+from multisrt.planners.assignment.exchange import exchange
 from multisrt.planners.navigation.path_following import ahead
 from multisrt.planners.navigation.right_of_way import Party, right_of_way
 from multisrt.robots.explorer import Action, Note, Outcome, RobotSelf, Send, Sighting
@@ -48,7 +48,7 @@ from multisrt.robots.frontier.explore import FrontierExplorer
 from multisrt.robots.frontier.messages import InaccessibleMessage, SwapMessage
 from multisrt.robots.frontier.options import RulesOptions
 from multisrt.robots.frontier.robot import FrontierRobot, Goal, length_of
-from multisrt.robots.frontier.rules import Choice, nearest_only, settle_on
+from multisrt.robots.frontier.rules import Choice, choose_closest
 
 SCORES_KEPT = 10
 """So many of the best cells are put on record with a choice."""
@@ -119,9 +119,7 @@ class Rules:
         if self.vain >= robot_options(robot).random_goal_after and goal is not None:
             return (yield from self.wander(robot, because))
         if goal is None or way is None:
-            table = nearest_only(robot)
-            nearest = closest(table.costs[0])
-            goal = yield from settle_on(robot, table, nearest, "closest", because)
+            goal = yield from choose_closest(robot, because)
             self.place = None if goal is None else goal.place
             return goal
         self.place = goal.place

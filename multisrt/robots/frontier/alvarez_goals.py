@@ -24,8 +24,9 @@ from numpy.typing import NDArray
 from multisrt.geometry.grids.occupancy import UNKNOWN, Occupancy
 from multisrt.geometry.grids.sight import in_sight
 from multisrt.geometry.numerics.kernel import BoolArray, FloatArray, IntArray
-from multisrt.planners.assignment.rules import GoalChoice, cells_ahead, choose_cell
+from multisrt.planners.assignment.cell_choice import GoalChoice, choose_cell
 from multisrt.planners.grid_search import DIAGONAL, a_star, reachable, ring_search
+from multisrt.planners.navigation.sector import cells_ahead
 from multisrt.robots.frontier.options import RulesOptions
 from multisrt.robots.frontier.robot import NEAR_BY_CELLS, FrontierRobot
 

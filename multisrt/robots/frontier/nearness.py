@@ -11,15 +11,9 @@ import numpy as np
 
 from multisrt.geometry.numerics.kernel import FloatArray
 from multisrt.planners.motion.kinematics import Differential, Holonomic
-from multisrt.planners.navigation.nearness_diagram import (
-    command,
-    in_frame_of,
-    known_clearance,
-    motion,
-    nearer,
-    region_ranges,
-    safe_time,
-)
+from multisrt.planners.navigation.beams import in_frame_of, nearer, region_ranges
+from multisrt.planners.navigation.held_command import known_clearance, motion, safe_time
+from multisrt.planners.navigation.nearness_diagram import command
 from multisrt.planners.navigation.path_following import ahead
 from multisrt.robots.explorer import Action, Outcome, Sighting
 from multisrt.robots.frontier.driving import Reason, carry_out, drive, reason_to_end

@@ -1,4 +1,4 @@
-"""SBX-R: robots bid for themselves and for each other, and keep within reach of one another.
+"""SBX-R: robots bid for themselves and for each other, and stay within reach of one another.
 
 Source: J. C. Elizondo, G. Ramírez, E. Rodriguez and J. R. Martínez, Multi-robot Exploration Using
 Self-Biddings under Constraints on Communication Range (SBX-R), section III.
@@ -8,76 +8,77 @@ from __future__ import annotations
 
 import math
 from collections.abc import Generator
-from typing import cast
+from dataclasses import dataclass
+from typing import Final, cast
 
 import numpy as np
 
 from multisrt.geometry.grids.distance_field import DistanceField
 from multisrt.geometry.grids.grid_path import straightened
+from multisrt.geometry.numerics.arrays import FloatArray, IntArray
 from multisrt.geometry.numerics.distances import nearest_point, nearest_points
-from multisrt.geometry.numerics.kernel import FloatArray, IntArray, kernel
-from multisrt.planners.assignment.self_bidding import self_bidding
+from multisrt.geometry.numerics.kernel import kernel
+from multisrt.planners.assignment.self_bidding import CohesionRadii, self_bidding
 from multisrt.robots.explorer import Action, Outcome, Send
 from multisrt.robots.frontier.messages import StopMessage
 from multisrt.robots.frontier.options import SelfBiddingOptions
 from multisrt.robots.frontier.robot import FrontierRobot
-from multisrt.robots.frontier.rules import Choice, Table, finite, own_bids, settle_on
+from multisrt.robots.frontier.rules import Choice, finite_or_none, settle_on
+from multisrt.robots.frontier.wavefront_costs import Table, own_costs
 
-ROUNDING_M = 1e-6
-"""A way that stays within a circle by so little is looked at more closely."""
+ROUNDING_M: Final = 1e-6
+"""A path whose upper bound is within this of the first radius is measured exactly."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Prospect:
+    """What one robot knows of all those that bid, itself included.
+
+    Attributes
+    ----------
+    robots : tuple of int
+        Their ids, ascending.
+    goals : (n, 2) array
+        Where each will be when it bids next, in metres.
+    rho : (n,) array
+        Remaining path length of each to its goal in metres.
+    places : (n, 2) array
+        Where each is now, in metres.
+    """
+
+    robots: tuple[int, ...]
+    goals: FloatArray
+    rho: FloatArray
+    places: FloatArray
 
 
 def choose_by_self_bidding(robot: FrontierRobot, because: str) -> Choice:
-    """CHOOSE TARGET: ask those in range where they go, and bid for all of them."""
+    """CHOOSE TARGET: ask the robots in range where they go, and bid for all of them."""
     team, options = robot.team, cast(SelfBiddingOptions, robot.options)
     robot.goal = None
     if not team.is_alone:
         yield from team.report(asks=True)
         yield from team.pause(team.round_trip_s)
-    own, targets, own_costs = own_bids(robot)
-    indices = robot.indices_of(targets)
-    # Where everybody will be when it bids next, how far it is to there, and where it is now.
-    goals, rho, places = {robot.me.robot: robot.at[:2]}, {robot.me.robot: 0.0}, {}
-    places[robot.me.robot] = robot.at[:2]
-    for report in team.present():
-        goals[report.robot] = report.place[:2] if report.goal is None else report.goal
-        rho[report.robot] = report.remaining_m
-        places[report.robot] = report.place[:2]
-    numbers = tuple(sorted(goals))
-    row = numbers.index(robot.me.robot)
-    a = np.full((len(numbers), len(targets)), np.inf)
-    path_gap, frontier_gap = np.full_like(a, np.inf), np.full_like(a, np.inf)
-    first_phi_m = options.phi_factor * robot.me.radio.range_m
-    for i, number in enumerate(numbers):
-        field = own if i == row else robot.field(*goals[number])
-        if field is None or not len(targets):
-            continue
-        a[i] = own_costs if i == row else field.distance(indices)
-        others = np.array([goals[n] for n in numbers if n != number]).reshape(-1, 2)
-        if len(others):
-            path_gap[i] = path_gaps(field, indices, others, options.cell_m, first_phi_m)
-            around = np.array([places[n] for n in numbers if n != number])
-            frontier_gap[i] = nearest_points(around, targets)
+    own = own_costs(robot)
+    known = _prospect(robot)
+    row = known.robots.index(robot.me.robot)
+    a, path_gap, frontier_gap = _bid_tables(robot, own, known)
     table = Table(
-        targets=targets,
-        robots=numbers,
-        costs=a + np.array([rho[number] for number in numbers])[:, None],
-        field=own,
+        targets=own.targets,
+        robots=known.robots,
+        costs=a + known.rho[:, None],
+        field=own.field,
         row=row,
     )
-    if not len(targets):
+    if not len(own.targets):
         return (yield from settle_on(robot, table, None, "self-bidding", because))
-    bid = self_bidding(
-        row,
-        [rho[number] for number in numbers],
-        a,
-        path_gap,
-        frontier_gap,
-        radio_range_m=robot.me.radio.range_m,
+    radii = CohesionRadii(
+        range_m=robot.me.radio.range_m,
         diagonal_m=robot.raster.diagonal_m,
-        j0=options.phi_factor,
-        dj=options.phi_step,
+        first=options.phi_factor,
+        step=options.phi_step,
     )
+    bid = self_bidding(row, known.rho, a, path_gap, frontier_gap, radii)
     return (
         yield from settle_on(
             robot,
@@ -85,10 +86,46 @@ def choose_by_self_bidding(robot: FrontierRobot, because: str) -> Choice:
             bid.choice,
             "self-bidding",
             because,
-            bids=finite(bid.bids),
+            bids=finite_or_none(bid.bids),
             phi_m=tuple(step.phi_m for step in bid.steps if math.isfinite(step.phi_m)),
         )
     )
+
+
+def _prospect(robot: FrontierRobot) -> _Prospect:
+    here = robot.at[:2]
+    known = {robot.me.robot: (here, 0.0, here)}
+    for report in robot.team.present():
+        place = report.place[:2]
+        goal = place if report.goal is None else report.goal
+        known[report.robot] = goal, report.remaining_m, place
+    robots = tuple(sorted(known))
+    goals, rho, places = zip(*(known[number] for number in robots), strict=True)
+    return _Prospect(
+        robots=robots, goals=np.array(goals), rho=np.array(rho), places=np.array(places)
+    )
+
+
+def _bid_tables(
+    robot: FrontierRobot, own: Table, known: _Prospect
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return the path lengths a, the path gaps and the frontier gaps of `self_bidding`."""
+    options = cast(SelfBiddingOptions, robot.options)
+    targets, indices = own.targets, robot.indices_of(own.targets)
+    a = np.full((len(known.robots), len(targets)), np.inf)
+    path_gap, frontier_gap = np.full_like(a, np.inf), np.full_like(a, np.inf)
+    first_phi_m = options.phi_factor * robot.me.radio.range_m
+    for i, number in enumerate(known.robots):
+        is_own = number == robot.me.robot
+        field = own.field if is_own else robot.field(*known.goals[i].tolist())
+        if field is None or not len(targets):
+            continue
+        a[i] = own.costs[0] if is_own else field.distance(indices)
+        others = np.delete(known.goals, i, axis=0)
+        if len(others):
+            path_gap[i] = path_gaps(field, indices, others, options.cell_m, first_phi_m)
+            frontier_gap[i] = nearest_points(np.delete(known.places, i, axis=0), targets)
+    return a, path_gap, frontier_gap
 
 
 def path_gaps(
@@ -96,38 +133,54 @@ def path_gaps(
     indices: IntArray,
     others: FloatArray,
     step_m: float,
-    least_m: float,
+    first_phi_m: float,
 ) -> FloatArray:
-    """Give how far the way to each target leads from the nearest of some places; inf: no way.
+    """Return how far the path to each target strays from the nearest of some places.
 
-    It is compared with radii that are no less than `least_m`. Where a way surely stays within
-    that, an upper bound is given instead: the way is pulled from cells that lead downhill, so it
-    lies in every circle that holds these.
+    Parameters
+    ----------
+    field : DistanceField
+        Distances from the robot.
+    indices : (m, 2) array of int
+        Rows and columns of the targets in the field.
+    others : (k, 2) array
+        The places in metres.
+    step_m : float
+        Largest spacing of the points compared along a path in metres.
+    first_phi_m : float
+        The smallest radius that the result will be compared with, in metres.
+
+    Returns
+    -------
+    (m,) array
+        Metres; ``inf`` where no path leads. Where a path is certain to stay within `first_phi_m`,
+        an upper bound: the straightened path lies in every circle that holds the cells of the
+        descent that it is pulled from.
     """
     costs = field.distance(indices)
     gaps = np.where(np.isfinite(costs), 0.0, np.inf)
-    if math.isinf(least_m):
+    if math.isinf(first_phi_m):
         return gaps
     reached = np.flatnonzero(np.isfinite(costs))
     ways, begins = field.descents(indices[reached])
     corner = np.array([field.x0, field.y0])
     cells: FloatArray = (ways[:, ::-1] + 0.5) * field.cell_m + corner
     starts: FloatArray = field.starts * field.cell_m + corner
-    radii = least_radii(cells, begins, starts, others)
+    radii = enclosing_radii(cells, begins, starts, others)
     gaps[reached] = radii
-    for k in np.flatnonzero(radii > least_m - ROUNDING_M).tolist():
+    for k in np.flatnonzero(radii > first_phi_m - ROUNDING_M).tolist():
         path = straightened(field, ways[begins[k] : begins[k + 1]])
         gaps[reached[k]] = farthest_along(path, step_m, others)
     return gaps
 
 
 @kernel
-def least_radii(
+def enclosing_radii(
     points: FloatArray, begins: IntArray, starts: FloatArray, places: FloatArray
 ) -> FloatArray:
-    """Give the radius of the smallest circle around one of some places that holds a way's points.
+    """Return the radius of the smallest circle about one of some places that holds each path.
 
-    Way k is ``points[begins[k]:begins[k + 1]]``, and the starts of all.
+    Path k consists of ``points[begins[k]:begins[k + 1]]`` and all of `starts`.
     """
     radii = np.full(begins.shape[0] - 1, np.inf)
     for j in range(places.shape[0]):
@@ -147,9 +200,9 @@ def least_radii(
 
 @kernel
 def farthest_along(path: FloatArray, step_m: float, places: FloatArray) -> float:
-    """Give the largest distance of a path's points from the nearest of some places.
+    """Return the largest distance of a path from the nearest of some places.
 
-    Its points are taken not more than a step apart.
+    Distances are taken at points at most `step_m` apart.
     """
     farthest = nearest_point(places, path[0, 0], path[0, 1])
     for k in range(1, path.shape[0]):
@@ -163,7 +216,7 @@ def farthest_along(path: FloatArray, step_m: float, places: FloatArray) -> float
 
 
 def tell_who_may_stop(robot: FrontierRobot) -> Generator[Action, Outcome, None]:
-    """STOP SIGNAL: tell those whose goal is seen to be a frontier no more."""
+    """STOP SIGNAL: tell other robots when their goals are no longer frontiers."""
     team = robot.team
     for report in team.present():
         goal = report.goal

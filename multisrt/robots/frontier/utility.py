@@ -1,39 +1,41 @@
-"""UTILITY: a leader gives everybody a frontier, the ways weighed against what others will see.
+"""UTILITY: a leader assigns frontiers to all robots in contact.
 
 Source: Burgard, Moors, Stachniss and Schneider, Coordinated Multi-robot Exploration (2005), as
-the SBX-R paper compares with it. The leader is the robot of the lowest number among those that
-are in contact; whoever hears nothing from it chooses the next one.
+the SBX-R paper compares with it. The leader is the robot of the lowest number among those in
+contact; a robot that hears nothing from its leader turns to the next.
 """
 
 from __future__ import annotations
 
-from typing import cast
+from typing import Final, cast
 
 import numpy as np
 
 from multisrt.geometry.grids.occupancy import OCCUPIED
 from multisrt.geometry.grids.sight import in_sight
-from multisrt.geometry.numerics.kernel import BoolArray, FloatArray
+from multisrt.geometry.numerics.arrays import BoolArray, FloatArray
 from multisrt.planners.assignment.closest import closest
+from multisrt.planners.assignment.costs import DenseCosts
 from multisrt.planners.assignment.utility import utility
 from multisrt.robots.explorer import Send
 from multisrt.robots.frontier.messages import AssignmentMessage
 from multisrt.robots.frontier.options import UtilityOptions
 from multisrt.robots.frontier.robot import FrontierRobot
-from multisrt.robots.frontier.rules import Choice, Table, bid_table, own_bids, settle_on
+from multisrt.robots.frontier.rules import Choice, settle_on
+from multisrt.robots.frontier.wavefront_costs import full_table, own_costs
 
-MOST_WAITS = 3
-"""A robot asks its leader so often; then it takes it as lost."""
+MAX_REQUESTS: Final = 3
+"""Bounds the requests of a robot to a leader that does not answer."""
 
 
 def choose_utility(robot: FrontierRobot, because: str) -> Choice:
-    """Follow the leader's word, or be the leader."""
+    """Go where the leader says, or assign targets as the leader."""
     team = robot.team
     while True:
         leader = min([robot.me.robot, *(r.robot for r in team.present() if not team.is_deaf(r))])
         if leader == robot.me.robot:
             return (yield from assign(robot, because))
-        for _ in range(MOST_WAITS):
+        for _ in range(MAX_REQUESTS):
             if team.assignment is not None:
                 break
             yield from team.report(wants_goal=True, to=leader)
@@ -45,10 +47,10 @@ def choose_utility(robot: FrontierRobot, because: str) -> Choice:
 
 
 def assign(robot: FrontierRobot, because: str) -> Choice:
-    """As the leader, give everybody a target, and take one's own."""
+    """As the leader, assign targets to all robots, and go to this robot's own."""
     options = cast(UtilityOptions, robot.options)
-    table = bid_table(robot)
-    # The word of one who led before counts no more.
+    table = full_table(robot)
+    # An assignment by an earlier leader is void.
     robot.team.wanted, robot.team.assignment = False, None
     given = utility(
         table.costs,
@@ -71,35 +73,34 @@ def assign(robot: FrontierRobot, because: str) -> Choice:
 
 
 def obey(robot: FrontierRobot, word: AssignmentMessage, because: str) -> Choice:
-    """Go where the leader said; where the own map has no such target, to the nearest."""
-    own, targets, costs = own_bids(robot)
-    table = Table(targets=targets, robots=(robot.me.robot,), costs=costs[None], field=own, row=0)
+    """Go where the leader says, or to the nearest frontier if the own map has none there."""
+    table = own_costs(robot)
     place = dict(word.goals)[robot.me.robot]
-    choice = closest(costs)
-    if place is not None and len(targets):
-        gaps = np.hypot(*(targets - place).T)
+    choice = closest(DenseCosts(table.costs), table.row)
+    if place is not None and len(table.targets):
+        gaps = np.hypot(*(table.targets - place).T)
         nearest = int(np.argmin(gaps))
-        if gaps[nearest] <= robot.me.range_m and np.isfinite(costs[nearest]):
+        if gaps[nearest] <= robot.me.range_m and np.isfinite(table.costs[table.row, nearest]):
             choice = nearest
     return (yield from settle_on(robot, table, choice, "utility", because))
 
 
 def apart(targets: FloatArray) -> FloatArray:
-    """Give the distances between targets, ``(m, m)``."""
+    """Return the Euclidean distances between targets, ``(m, m)`` metres."""
     gaps: FloatArray = np.hypot(*(targets[:, None] - targets[None]).transpose(2, 0, 1))
     return gaps
 
 
 def see_each_other(robot: FrontierRobot, targets: FloatArray) -> BoolArray:
-    """Tell which targets are in sight of each other, as far as walls are known, ``(m, m)``."""
+    """Return which targets are in sight of each other, ``(m, m)``; unknown cells hide nothing."""
     count = len(targets)
     seen = np.eye(count, dtype=np.bool_)
     if count < 2:
         return seen
     indices = robot.indices_of(targets)
-    least, most = indices.min(axis=0), indices.max(axis=0) + 1
-    open_cells = robot.raster.cells[least[0] : most[0], least[1] : most[1]] != OCCUPIED
-    rows, columns = (indices - least).T.tolist()
+    low, high = indices.min(axis=0), indices.max(axis=0) + 1
+    open_cells = robot.raster.cells[low[0] : high[0], low[1] : high[1]] != OCCUPIED
+    rows, columns = (indices - low).T.tolist()
     for i in range(count):
         for j in range(i):
             seen[i, j] = seen[j, i] = in_sight(

@@ -22,7 +22,8 @@ from multisrt.planners.motion.body import PlanningBody
 from multisrt.planners.motion.kinematics import Car
 from multisrt.planners.motion.sweep import Sweep
 from multisrt.planners.motion.trajectory import Trajectory, Waypoint, standing_at
-from multisrt.planners.srt import CLOSE_BY, Refusal, SrtPlanner, Way, arc_points
+from multisrt.planners.srt import SrtPlanner
+from multisrt.planners.viewing import CLOSE_BY, Refusal, Way, arc_points
 from multisrt.robots.exploration_map import Closing, ClosingId, ExplorationMap, Node, NodeId
 from multisrt.robots.explorer import Action, Note, Outcome, RobotSelf, Sighting
 from multisrt.robots.multi_srt.bypass import Track, first_leg

@@ -8,7 +8,7 @@ from hypothesis.extra.numpy import array_shapes, arrays
 from scipy.optimize import linear_sum_assignment
 
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.planners.assignment.self_bidding import minimum_matching, self_bidding
+from multisrt.planners.assignment.self_bidding import CohesionRadii, minimum_matching, self_bidding
 
 INF = np.inf
 TABLES = array_shapes(min_dims=2, max_dims=2, min_side=1, max_side=4)
@@ -23,7 +23,7 @@ def bid(robot, rho, a, path_gap=None, frontier_gap=None, **numbers):
         a,
         near if path_gap is None else path_gap,
         near if frontier_gap is None else frontier_gap,
-        **({"radio_range_m": 10.0, "diagonal_m": 50.0} | numbers),
+        CohesionRadii(**({"range_m": 10.0, "diagonal_m": 50.0} | numbers)),
     )
 
 
@@ -37,7 +37,7 @@ def all_matchings(bids):
 
 
 def best_by_brute_force(bids, ways):
-    # Most finite bids, least sum; then robot by robot the nearest frontier, none last.
+    # The most finite bids, then the minimum sum, then the nearest frontier robot by robot.
     def cost(chosen):
         real = [(i, j) for i, j in enumerate(chosen) if j >= 0]
         liked = [(j < 0, ways[i, j] if j >= 0 else 0.0, j) for i, j in enumerate(chosen)]
@@ -47,13 +47,13 @@ def best_by_brute_force(bids, ways):
 
 
 @given(BIDS, st.data())
-def test_matchings_are_the_best_and_ties_are_settled(bids, data):
+def test_matchings_are_optimal_and_ties_are_settled(bids, data):
     ways = data.draw(arrays(float, bids.shape, elements=st.sampled_from([0.0, 1.0, 2.0, 3.0])))
     assert minimum_matching(bids, ways).tolist() == best_by_brute_force(bids, ways)
 
 
 @given(arrays(float, array_shapes(min_dims=2, max_dims=2, max_side=9), elements=st.floats(-90, 90)))
-def test_matchings_cost_what_the_padded_square_costs(bids):
+def test_matching_costs_as_much_as_the_padded_square(bids):
     # The paper's own padding: a square of the larger size, a very large number elsewhere.
     size = max(bids.shape)
     square = np.full((size, size), 1e6)
@@ -68,7 +68,7 @@ def test_matchings_cost_what_the_padded_square_costs(bids):
 
 
 @given(BIDS, st.randoms(use_true_random=False))
-def test_matchings_do_not_depend_on_the_order_of_robots_and_frontiers(bids, random):
+def test_order_of_robots_and_frontiers_does_not_matter(bids, random):
     # No ties: every entry has a power of two of its own.
     bids = bids + 2.0 ** -np.arange(1, bids.size + 1).reshape(bids.shape)
     rows, columns = ([*range(size)] for size in bids.shape)
@@ -80,7 +80,7 @@ def test_matchings_do_not_depend_on_the_order_of_robots_and_frontiers(bids, rand
     assert [columns[j] if j >= 0 else -1 for j in shuffled] == straight[rows].tolist()
 
 
-def test_the_three_parameters_of_a_bid():
+def test_bids_of_figure_3():
     # Figure 3: robot r2 (row 1) at its goal bids for f5 (column 4). Exploitation
     # rho_2 + a_2^5 = 0 + 6, exploration rho_1 + a_1^5 = 3 + 11, so b = 6 - 14 = -8. f1 lies
     # outside the circle of phi = 0.9 * 10 around its companion and is left out.
@@ -95,7 +95,7 @@ def test_the_three_parameters_of_a_bid():
     assert decision.choice == 4
 
 
-def test_two_frontiers_close_together_go_to_two_robots():
+def test_adjacent_frontiers_go_to_two_robots():
     # Figure 1a: f1 and f2 are next to each other, so two robots go to explore what one could
     # (which is what the stop signal is for). Robot 0 bids 4 - 5 and 5 - 5, robot 1 1 and 0:
     # -1 + 0 is less than 0 + 1.
@@ -109,8 +109,8 @@ def test_three_robots_compare_with_the_mean_of_the_others():
     assert bid(0, [1.0, 2.0, 3.0], [[3.0], [4.0], [5.0]]).bids.tolist() == [[-3.0], [0.0], [3.0]]
 
 
-def test_a_robot_alone_takes_the_nearest():
-    # Neither gap says anything without others.
+def test_a_single_robot_takes_the_nearest():
+    # Gaps do not matter without other robots.
     far = np.full((1, 3), INF)
     decision = bid(0, [2.0], [[7.0, 4.0, 5.0]], far, far)
     assert decision.bids.tolist() == [[9.0, 6.0, 7.0]]
@@ -118,7 +118,7 @@ def test_a_robot_alone_takes_the_nearest():
     assert len(decision.steps) == 1
 
 
-def test_the_radius_grows_until_the_robot_has_a_bid():
+def test_radius_grows_until_the_robot_has_a_bid():
     # phi = 10 * (0.9, 1.4, 1.9): the path to f0 strays 16 m, to f1 25 m; f1 itself is near.
     path_gap = [[16.0, 25.0], [1.0, 1.0]]
     decision = bid(0, [0.0, 0.0], [[20.0, 5.0], [3.0, 4.0]], path_gap)
@@ -128,22 +128,22 @@ def test_the_radius_grows_until_the_robot_has_a_bid():
         [False, False],
         [True, False],
     ]
-    # Robot 1 bids all along. f0 to robot 0, f1 to robot 1: the most that can be had.
+    # Robot 1 bids all along. f0 to robot 0, f1 to robot 1 is the largest matching.
     assert decision.matching.tolist() == [0, 1]
 
 
-def test_steps_of_the_radius_are_options():
+def test_factors_of_the_radius_are_options():
     path_gap = [[16.0], [1.0]]
-    decision = bid(0, [0.0, 0.0], [[20.0], [3.0]], path_gap, j0=1.0, dj=1.0)
+    decision = bid(0, [0.0, 0.0], [[20.0], [3.0]], path_gap, first=1.0, step=1.0)
     assert [step.phi_m for step in decision.steps] == [10.0, 20.0]
 
 
-def test_the_path_and_the_frontier_itself_must_both_be_near():
+def test_path_and_frontier_must_both_be_near():
     decision = bid(0, [0, 0], [[1, 2, 3]] * 2, [[8, 9, 1]] * 2, [[1, 1, 9]] * 2)
     assert np.isfinite(decision.bids[0]).tolist() == [True, False, False]
 
 
-def test_a_virtual_frontier_means_the_nearest_and_may_be_shared():
+def test_a_virtual_frontier_means_the_nearest_one():
     # One frontier within the radius, and robot 0 bids less: 1 - 6 against 6 - 1. Robot 1 goes to
     # its nearest, the same one, which holds the bridge.
     gap = [[1.0, 99.0], [1.0, 99.0]]
@@ -153,7 +153,7 @@ def test_a_virtual_frontier_means_the_nearest_and_may_be_shared():
     assert decision.choice == 0
 
 
-def test_beyond_the_diagonal_the_search_ends():
+def test_search_ends_beyond_the_diagonal():
     # f0 is out of reach of robot 0: no phi helps. 9, 14, ..., 54 > 50.
     decision = bid(0, [0.0, 0.0], [[INF], [3.0]])
     assert decision.phi_m == 54.0
@@ -161,7 +161,7 @@ def test_beyond_the_diagonal_the_search_ends():
     assert decision.matching.tolist() == [-1, 0]
 
 
-def test_a_companion_that_has_no_way_counts_with_the_diagonal():
+def test_a_robot_without_a_path_counts_with_the_diagonal():
     assert bid(0, [0.0, 0.0], [[8.0], [INF]]).bids.tolist() == [[8.0 - 50.0], [INF]]
     # Unless a way in the table is longer still.
     longer = bid(0, [0.0, 0.0], [[8.0, 70.0], [INF, 1.0]])
@@ -169,11 +169,11 @@ def test_a_companion_that_has_no_way_counts_with_the_diagonal():
 
 
 def test_unlimited_range_breaks_no_bridge():
-    decision = bid(0, [0.0, 0.0], [[5.0], [1.0]], [[900.0]] * 2, radio_range_m=INF)
+    decision = bid(0, [0.0, 0.0], [[5.0], [1.0]], [[900.0]] * 2, range_m=INF)
     assert np.isfinite(decision.bids).all()
 
 
-def test_equally_good_matchings_are_settled_alike_whatever_the_rounding():
+def test_rounding_does_not_decide_equally_good_matchings():
     # In a corridor robots at 0 and 3 m and frontiers at 10 and 14 m: both matchings sum to 0.
     # Shifted by any offset they differ in the last digits only.
     for offset in np.linspace(0.0, 1.0, 37):
@@ -186,7 +186,7 @@ def test_equally_good_matchings_are_settled_alike_whatever_the_rounding():
     arrays(float, (3, 4), elements=st.integers(0, 30)),
     arrays(float, (3, 4), elements=st.integers(0, 40)),
 )
-def test_robots_under_the_same_radius_decide_alike(a, gap):
+def test_robots_with_the_same_radius_decide_alike(a, gap):
     decisions = [bid(robot, [0.0, 2.0, 5.0], a, gap) for robot in range(3)]
     for decision in decisions[1:]:
         if decision.phi_m == decisions[0].phi_m:
@@ -200,12 +200,12 @@ def test_robots_under_the_same_radius_decide_alike(a, gap):
         ({"robot": 1}, "robot is 1; the table has rows 0 to 0"),
         ({"a": [[1.0], [2.0]]}, "a has 2 rows; rho has 1 robots"),
         ({"path_gap": [[1.0, 2.0]]}, r"path_gap has the shape \(1, 2\); a has \(1, 1\)"),
-        ({"dj": 0.0}, "dj is 0.0; it must be positive"),
-        ({"radio_range_m": 1e-6}, "too small for a map of 50 m"),
+        ({"step": 0.0}, "step is 0.0; it must be positive"),
+        ({"range_m": 1e-6}, "too small for a map of 50 m"),
         ({"diagonal_m": INF}, "diagonal_m is inf; it must be positive"),
     ],
 )
-def test_bad_input_is_refused(change, message):
+def test_invalid_input_is_rejected(change, message):
     good = {"robot": 0, "rho": [0.0], "a": [[1.0]]}
     with pytest.raises(InvalidInputError, match=message):
         bid(**(good | change))

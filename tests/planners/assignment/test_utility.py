@@ -49,9 +49,9 @@ def situations(draw):
     return costs, between, visible | visible.T
 
 
-def test_a_target_in_sight_of_one_given_away_is_worth_less():
-    # R_p = 4, R = 8. Targets 0 and 1 are 2 m apart and in sight, target 2 is far off. The longest
-    # way is 10. Round 1: robot 0, target 0: 1 - 0.2 is most. Then U_0 = 1 - 1 = 0 and
+def test_a_target_in_sight_of_an_assigned_one_loses_utility():
+    # R_p = 4, R = 8. Targets 0 and 1 are 2 m apart and in sight, target 2 is far away. The largest
+    # cost is 10. Round 1: robot 0, target 0: 1 - 0.2 is the maximum. Then U_0 = 1 - 1 = 0 and
     # U_1 = 1 - (1 - 2 / 8) = 0.25. For robot 1: 0 - 0.3, 0.25 - 0.4 and 1 - 1.0: target 2.
     costs = [[2.0, 3.0, 9.0], [3.0, 4.0, 10.0]]
     between = [[0.0, 2.0, 30.0], [2.0, 0.0, 30.0], [30.0, 30.0, 0.0]]
@@ -61,7 +61,7 @@ def test_a_target_in_sight_of_one_given_away_is_worth_less():
     assert given_.utilities.tolist() == [[1, 1, 1], [0, 0.25, 1], [0, 0.25, 0]]
 
 
-def test_a_target_behind_a_wall_keeps_its_worth():
+def test_a_target_behind_a_wall_keeps_its_utility():
     # As above, but 0 and 1 do not see each other: robot 1 gets 1 - 0.4 for target 1.
     costs = [[2.0, 3.0, 9.0], [3.0, 4.0, 10.0]]
     between = [[0.0, 2.0, 30.0], [2.0, 0.0, 30.0], [30.0, 30.0, 0.0]]
@@ -80,29 +80,29 @@ def test_more_robots_than_targets():
     assert given_.utilities[-1].tolist() == [-1.0, -1.0]
 
 
-def test_of_equal_values_the_nearer_is_taken():
-    # beta = 0: all targets are worth 1 to everybody.
+def test_of_equal_values_the_nearer_target_is_taken():
+    # beta = 0: every target has value 1 for every robot.
     given_ = utility([[5.0, 3.0, INF]], np.zeros((3, 3)), np.ones((3, 3), bool), 4.0, beta=0.0)
     assert given_.assignment.tolist() == [1]
 
 
-def test_robots_that_reach_nothing_get_nothing():
+def test_robots_that_reach_no_target_get_none():
     given_ = utility([[INF], [2.0]], [[0.0]], [[True]], 4.0)
     assert given_.assignment.tolist() == [-1, 0]
     assert utility(np.empty((2, 0)), np.empty((0, 0)), np.empty((0, 0)), 4.0).rounds == ()
 
 
 @given(situations(), st.sampled_from([0.0, 0.5, 1.0, 3.0]))
-def test_it_is_the_equations(situation, beta):
+def test_assignment_follows_the_equations(situation, beta):
     given_ = utility(*situation, 4.0, beta)
     costs, between, visible = (table.tolist() for table in situation)
     assert given_.assignment.tolist() == naive(costs, between, visible, 4.0, beta)
 
 
 @given(situations(), st.randoms(use_true_random=False))
-def test_it_does_not_depend_on_the_order_of_robots_and_targets(situation, random):
+def test_order_of_robots_and_targets_does_not_matter(situation, random):
     costs, between, visible = situation
-    # No ties: no two ways are equally long, and no two differ by what a sight is worth.
+    # No ties: no two costs are equal, and no two differ by a reduction of utility.
     costs = costs + np.sqrt(np.arange(2, costs.size + 2)).reshape(costs.shape) / 100
     rows, columns = ([*range(size)] for size in costs.shape)
     random.shuffle(rows)
@@ -122,7 +122,7 @@ def test_it_does_not_depend_on_the_order_of_robots_and_targets(situation, random
         ({"beta": -1.0}, "beta is -1.0; it must be 0 or more"),
     ],
 )
-def test_bad_input_is_refused(change, message):
+def test_invalid_input_is_rejected(change, message):
     good = {"costs": [[1.0]], "between": [[0.0]], "visible": [[True]], "sensor_range_m": 4.0}
     with pytest.raises(InvalidInputError, match=message):
         utility(**(good | change))

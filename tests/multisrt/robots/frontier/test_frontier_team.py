@@ -20,6 +20,7 @@ from multisrt.geometry.grids.grid_path import shortest_path
 from multisrt.geometry.regions.edge_index import EdgeIndex
 from multisrt.geometry.regions.safe_region import local_safe_region
 from multisrt.geometry.regions.scan import take_scan
+from multisrt.planners.assignment.costs import DenseCosts
 from multisrt.planners.assignment.greedy import greedy
 from multisrt.planners.assignment.minpos import minpos
 from multisrt.planners.motion.kinematics import Differential
@@ -34,18 +35,13 @@ from multisrt.robots.frontier.messages import (
 )
 from multisrt.robots.frontier.options import FrontierOptions, SelfBiddingOptions
 from multisrt.robots.frontier.robot import MOST_JAMS, MOVED_M, BodyInTheWay, FrontierRobot
-from multisrt.robots.frontier.rules import (
-    Bids,
-    bid_table,
-    choose_closest,
-    choose_greedy,
-    choose_minpos,
-)
+from multisrt.robots.frontier.rules import choose_closest, choose_greedy, choose_minpos
 from multisrt.robots.frontier.self_bidding import (
     choose_by_self_bidding,
     path_gaps,
     tell_who_may_stop,
 )
+from multisrt.robots.frontier.wavefront_costs import WavefrontCosts, full_table
 from multisrt.robots.registry import strategy
 from multisrt.simulation.simulate import simulate
 from multisrt.simulation.worlds import inline
@@ -218,7 +214,7 @@ def worked_out(event):
 @pytest.mark.parametrize("seed", range(6))
 def test_closest_takes_the_nearest_of_all_targets(seed):
     make = situation(seed)
-    table = bid_table(make())
+    table = full_table(make())
     assert len(table.targets) > 1
     event, goal = only_choice(choose_closest, make())
     assert goal.place == tuple(table.targets[np.argmin(table.costs[table.row])])
@@ -229,8 +225,8 @@ def test_closest_takes_the_nearest_of_all_targets(seed):
 @pytest.mark.parametrize("seed", range(12))
 def test_greedy_decides_as_on_the_full_table(seed):
     make = situation(seed)
-    table = bid_table(make())
-    given = greedy(table.costs)
+    table = full_table(make())
+    given = greedy(DenseCosts(table.costs))
     event, goal = only_choice(choose_greedy, make())
     assert event.robots == table.robots == tuple(range(1 + seed % 4))
     assert goal.place == tuple(table.targets[given.assignment[table.row]])
@@ -246,12 +242,12 @@ def test_minpos_decides_as_on_the_full_table():
     compared, left_to_others = 0, 0
     for seed in range(60):
         make = situation(seed)
-        table = bid_table(make())
+        table = full_table(make())
         columns = np.sort(table.costs, axis=0)
         # A wave from a target and one to it differ by their rounding: near ties may go otherwise.
         if len(columns) > 1 and np.diff(columns, axis=0).min() < 0.2:
             continue
-        given = minpos(table.costs, table.row)
+        given = minpos(DenseCosts(table.costs), table.row)
         event, goal = only_choice(choose_minpos, make())
         assert event.robots == table.robots
         assert goal.place == tuple(table.targets[given.choice])
@@ -261,16 +257,16 @@ def test_minpos_decides_as_on_the_full_table():
     assert left_to_others >= 2
 
 
-def test_bids_find_the_nearest_of_those_that_are_left():
+def test_lazy_costs_find_the_nearest_of_the_remaining():
     make = situation(7)
-    table, bids = bid_table(make()), Bids(make())
+    table, lazy = full_table(make()), WavefrontCosts(make())
     for row in range(len(table.robots)):
-        left = bids.all_targets()
+        left = np.arange(len(table.targets))
         for target in np.argsort(table.costs[row], kind="stable"):
-            assert bids.nearest(row, left) == (table.costs[row, target], target)
+            assert lazy.nearest(row, left) == (table.costs[row, target], target)
             left = left[left != target]
-        assert bids.nearest(row, left) is None
-    assert bids.table().costs.tolist() == table.costs.tolist()
+        assert lazy.nearest(row, left) is None
+    assert lazy.table().costs.tolist() == table.costs.tolist()
 
 
 def team_at(places, members):
@@ -287,16 +283,18 @@ def team_at(places, members):
 
 
 @pytest.mark.parametrize("seed", range(6))
-def test_robots_that_know_the_same_agree_who_is_nearer_to_what(seed):
+def test_robots_that_know_the_same_agree_on_positions(seed):
     places = places_drawn(seed, 6)
     # The last one stands where the second does.
     members = [*places[: 2 + seed % 3], places[1]]
     ranks = []
     for robot in team_at(places, members):
-        bids = Bids(robot)
-        own = [(target, len(list(bids.nearer_robots(target)))) for target in bids.nearest_first()]
-        ranks.append([rank for _, rank in sorted(own)])
-        assert len(own) == len(bids.targets) > 1
+        lazy = WavefrontCosts(robot)
+        targets = range(len(lazy.targets))
+        for target in targets:
+            assert lazy.nearest(lazy.row, np.array([target])) is not None
+        ranks.append([len(list(lazy.robots_ahead(lazy.row, target))) for target in targets])
+        assert len(targets) > 1
     for column in zip(*ranks, strict=True):
         assert sorted(column) == [*range(len(members))]
 
@@ -309,7 +307,7 @@ def test_robots_at_one_place_spread_by_minpos():
     assert chosen[0].goal == chosen[2].goal != chosen[1].goal
 
 
-def test_minpos_has_on_record_who_is_known_to_be_nearer():
+def test_minpos_records_the_positions_that_it_counted():
     places = places_drawn(1, 5)
     events = [only_choice(choose_minpos, r)[0] for r in team_at(places, places[:3])]
     for number, event in enumerate(events):
@@ -320,19 +318,19 @@ def test_minpos_has_on_record_who_is_known_to_be_nearer():
         assert ranks[number, choice] == ranks[number, worked].min()
 
 
-def test_idle_and_long_silent_mates_are_not_reckoned_with():
+def test_idle_and_silent_robots_are_left_out():
     places = places_drawn(3, 4)
     robot = robot_at(places, places[1:3])
-    assert bid_table(robot).robots == (0, 1, 2)
+    assert full_table(robot).robots == (0, 1, 2)
     robot.time_s = robot.options.forget_after_s + 1.0
     robot.team.heard_s[2] = robot.time_s
-    assert bid_table(robot).robots == (0, 2)
+    assert full_table(robot).robots == (0, 2)
 
 
 # Stop signals ----------------------------------------------------------------------------------
 
 
-def test_those_are_told_to_stop_whose_goal_is_explored():
+def test_robots_whose_goal_is_explored_are_told_to_stop():
     robot = robot_at([(3, 7), (6, 7)], [(10, 10)])
     (edge, *_) = robot.targets().tolist()
     for goal, told in ((None, False), (tuple(edge), False), ((25.0, 1.0), False), ((4, 7), True)):
@@ -560,7 +558,7 @@ def test_all_that_bid_can_drive_by_the_diagram(name):
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_ways_lead_as_far_from_others_goals_as_dense_points_say(seed):
+def test_path_gaps_agree_with_dense_points(seed):
     places = places_drawn(seed, 6)
     robot = robot_at(places)
     field = robot.own_field()

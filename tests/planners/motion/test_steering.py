@@ -26,7 +26,7 @@ HALL = ring(shapely.box(0, 0, 10, 10))
 CORRIDOR = ring(shapely.box(0, 0, 10, 0.5))
 DISC = PlanningBody(Footprint.disc(0.25), 0.02)
 BOX = PlanningBody(Footprint.box(0.6, 0.4), 0.02)
-# Its nose is 0.8 m ahead of its reference point, its tail 0.2 m behind it.
+# Its nose is 0.8 m ahead of the reference point, its tail 0.2 m behind.
 NOSE = PlanningBody(Footprint.polygon([(-0.2, -0.15), (0.8, -0.15), (0.8, 0.15), (-0.2, 0.15)]), 0)
 DRIVE = Differential(speed_m_s=0.5, turn_rate_rad_s=1.0)
 
@@ -37,12 +37,12 @@ def test_a_holonomic_body_drives_sideways():
     assert turns(motion) == []
 
 
-def test_a_holonomic_body_stops_at_nothing_short_of_its_goal():
+def test_a_goal_without_room_has_no_way():
     # 0.2 m of body and 0.02 m of margin do not fit between y = 9.9 and the wall at 10.
     assert steer(BOX, Holonomic(), HALL, Configuration(5.0, 5.0, 0.0), 5.0, 9.9) is None
 
 
-def test_a_differential_body_turns_the_shorter_way_and_drives_forwards():
+def test_a_differential_body_turns_the_shorter_way():
     left = steer(DISC, DRIVE, HALL, Configuration(5.0, 5.0, 0.0), 5.0, 8.0)
     assert turns(left) == pytest.approx([math.pi / 2])
     assert left.end == pytest.approx((5.0, 8.0, math.pi / 2))
@@ -51,24 +51,24 @@ def test_a_differential_body_turns_the_shorter_way_and_drives_forwards():
     assert turns(right) == pytest.approx([-0.75 * math.pi])
 
 
-def test_no_turn_where_none_is_needed():
+def test_a_place_ahead_needs_no_turn():
     motion = steer(BOX, DRIVE, HALL, Configuration(5.0, 5.0, 0.0), 7.0, 5.0)
     assert len(motion.waypoints) == 2
 
 
-def test_backwards_where_there_is_no_room_to_turn_round():
+def test_a_body_without_room_to_turn_drives_backwards():
     start = Configuration(5.0, 0.25, 0.0)
     motion = steer(BOX, DRIVE, CORRIDOR, start, 2.0, 0.25)
     assert turns(motion) == []
     assert motion.end == pytest.approx((2.0, 0.25, 0.0))
-    # A disc has room to turn, and looks where it goes.
+    # A disc has room to turn, and drives forwards.
     assert turns(steer(DISC, DRIVE, ring(shapely.box(0, 0, 10, 0.6)), start, 2.0, 0.25)) == [
         math.pi
     ]
 
 
-def test_the_longer_turn_where_a_wall_blocks_the_shorter():
-    # Under the wall at y = 10, to a place on the left: its nose has to go round below.
+def test_the_longer_turn_is_taken_if_the_shorter_is_blocked():
+    # Below the wall at y = 10, to a place on the left: its nose turns through the open side.
     start = Configuration(5.0, 9.6, 0.0)
     motion = steer(NOSE, DRIVE, HALL, start, 4.0, 9.7)
     wanted = math.atan2(0.1, -1.0)
@@ -76,24 +76,24 @@ def test_the_longer_turn_where_a_wall_blocks_the_shorter():
     assert motion.end == pytest.approx((4.0, 9.7, wanted))
 
 
-def test_no_way_at_all():
+def test_places_that_cannot_be_reached_have_no_way():
     start = Configuration(5.0, 0.25, 0.0)
     assert steer(BOX, DRIVE, CORRIDOR, start, 5.0, 0.4) is None
     assert steer(BOX, DRIVE, CORRIDOR, start, 9.9, 0.25) is None
     assert steer(BOX, DRIVE, HALL, start, 15.0, 5.0) is None
 
 
-def test_reach():
+def test_reach_in_a_corridor():
     at = Configuration(5.0, 0.25, 0.0)
     assert reach(BOX, DRIVE, CORRIDOR, at, 0.0, 99.0) == pytest.approx(4.7, abs=0.021)
-    # It could drive there backwards, but a new place is gone to forwards.
+    # It could drive there backwards, but reach is for driving forwards.
     assert reach(BOX, DRIVE, CORRIDOR, at, math.pi, 99.0) == 0.0
     assert reach(BOX, Holonomic(), CORRIDOR, at, math.pi, 99.0) == pytest.approx(4.7, abs=0.021)
     assert reach(BOX, DRIVE, CORRIDOR, at, math.pi / 2, 99.0) == 0.0
     assert reach(DISC, DRIVE, HALL, Configuration(5.0, 5.0), 1e-9, 2.0) == 2.0
 
 
-def test_turn_and_drive():
+def test_turn_and_drive_turns_first():
     start = Configuration(1.0, 1.0, math.pi)
     motion = turn_and_drive(DRIVE, start, 1.0, 0.0)
     assert turns(motion) == pytest.approx([math.pi / 2])
@@ -113,7 +113,7 @@ places = st.tuples(st.floats(-2.5, 2.5), st.floats(-2.5, 2.5))
     places,
     st.sampled_from([DRIVE, Holonomic()]),
 )
-def test_every_motion_stays_in_the_region_and_arrives(radii, body, heading, goal, kinematics):
+def test_motions_arrive_and_stay_in_the_region(radii, body, heading, goal, kinematics):
     angles = np.arange(len(radii)) * (2.0 * math.pi / len(radii))
     boundary = np.asarray(radii)[:, None] * np.column_stack([np.cos(angles), np.sin(angles)])
     start = Configuration(0.0, 0.0, heading)

@@ -19,7 +19,7 @@ from multisrt.geometry.regions.scan import take_scan
 from multisrt.planners.motion.body import PlanningBody
 from multisrt.planners.motion.kinematics import Car, Differential, Holonomic
 from multisrt.planners.motion.sweep import Sweep
-from multisrt.planners.navigation.path_following import LEAST_M, ahead, follow
+from multisrt.planners.navigation.path_following import MIN_MOTION_M, ahead, follow
 
 DISC = PlanningBody(Footprint.disc(0.25), 0.02)
 BOX = PlanningBody(Footprint.box(0.6, 0.4), 0.02)
@@ -46,16 +46,16 @@ PATH = np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 3.0]])
         ((1.5, 0.2), [(1.5, 0), (4, 0), (4, 3)]),
         ((4.0, 0.0), [(4, 0), (4, 3)]),
         ((3.5, 1.0), [(4, 1), (4, 3)]),
-        # Equally near to both legs: the later one.
+        # Equally near to both legs: the later one counts.
         ((3.0, 1.0), [(4, 1), (4, 3)]),
         ((5.0, 9.0), [(4, 3)]),
     ],
 )
-def test_ahead(at, left):
+def test_rest_of_a_path_begins_beside_the_robot(at, left):
     assert ahead(PATH, Configuration(*at)).tolist() == [list(map(float, place)) for place in left]
 
 
-def test_ahead_drops_corners_at_one_place():
+def test_rest_of_a_path_has_no_repeated_corners():
     twice = np.repeat(PATH, 2, axis=0)
     assert ahead(twice, Configuration(1.0, 0.0)).tolist() == [[1, 0], [4, 0], [4, 3]]
     assert ahead(np.zeros((3, 2)), Configuration(1.0, 0.0)).tolist() == [[0, 0]]
@@ -65,7 +65,7 @@ places = st.tuples(*2 * (st.floats(-5, 5).map(lambda v: round(v, 6)),))
 
 
 @given(st.lists(places, min_size=2, max_size=8), places)
-def test_ahead_begins_at_the_nearest_point(path, at):
+def test_rest_of_a_path_begins_at_the_nearest_point(path, at):
     left = ahead(np.array(path), Configuration(*at))
     nearest = shapely.LineString(path).distance(shapely.Point(at))
     assert math.dist(left[0], at) == pytest.approx(nearest, abs=1e-8)
@@ -73,9 +73,9 @@ def test_ahead_begins_at_the_nearest_point(path, at):
     assert shapely.LineString(path).distance(shapely.Point(left[0])) < 1e-8
 
 
-def test_several_legs_and_the_last_one_shortened():
+def test_the_last_leg_is_shortened_to_fit():
     motion = follow(DISC, DRIVE, ELL, Configuration(0.5, 0.5, 0.0), ROUND_THE_CORNER)
-    # The wall is at y = 4; body and margin are 0.27 m.
+    # The wall is at y = 4; radius and margin are 0.27 m.
     assert motion.end == pytest.approx((3.5, 3.73, math.pi / 2))
     assert motion.length_m == pytest.approx(3.0 + 3.23)
     assert motion.duration_s == pytest.approx(6.23 / 0.5 + math.pi / 2)
@@ -89,12 +89,12 @@ def test_a_holonomic_body_keeps_its_heading():
 def test_a_path_that_fits_is_driven_to_its_end():
     motion = follow(DISC, DRIVE, ELL, Configuration(0.5, 0.5, 0.0), ROUND_THE_CORNER[:3])
     assert motion.end[:2] == (3.5, 0.5)
-    # Also if hardly anything is left of it.
+    # Also if hardly any of the path remains.
     motion = follow(DISC, DRIVE, ELL, Configuration(3.495, 0.5, 0.0), ROUND_THE_CORNER[2:3])
     assert motion.end[:2] == (3.5, 0.5)
 
 
-def test_no_more_of_it_than_is_wanted():
+def test_limit_bounds_the_length_of_the_motion():
     at = Configuration(0.5, 0.5, 0.0)
     motion = follow(DISC, DRIVE, ELL, at, ROUND_THE_CORNER, limit_m=3.6)
     assert motion.end == pytest.approx((3.5, 1.1, math.pi / 2))
@@ -102,33 +102,33 @@ def test_no_more_of_it_than_is_wanted():
     assert motion.end == pytest.approx((1.5, 0.5, 0.0))
 
 
-def test_beside_its_path_it_goes_straight_to_the_next_corner():
+def test_a_robot_beside_its_path_goes_to_the_next_corner():
     at = Configuration(0.5, 0.6, 0.0)
     motion = follow(DISC, Holonomic(), ELL, at, ROUND_THE_CORNER)
     assert motion.waypoints[1][1:3] == (2.0, 0.5)
-    # Not where that would cut the corner: up in the L's arm, with its path below.
+    # Not if that would cut the corner: here the robot is in the L's arm, its path below.
     motion = follow(DISC, Holonomic(), ELL, Configuration(3.5, 1.5, 0.0), ROUND_THE_CORNER[[2, 1]])
     assert motion.waypoints[1][1:3] == (3.5, 0.5)
     assert motion.end[:2] == (2.0, 0.5)
 
 
-def test_none_where_hardly_anything_is_possible():
+def test_motions_that_are_too_short_are_none():
     end = Configuration(3.5, 3.73, math.pi / 2)
     up = np.array([[3.5, 3.73], [3.5, 6.0]])
     assert follow(DISC, DRIVE, ELL, end, up) is None
     assert follow(DISC, DRIVE, ELL, Configuration(3.5, 3.725, 1.0), up) is None
     assert follow(DISC, DRIVE, ELL, Configuration(3.5, 3.7, 1.0), up) is not None
-    assert follow(DISC, DRIVE, ELL, Configuration(3.5, 3.7, 1.0), up, least_m=0.05) is None
+    assert follow(DISC, DRIVE, ELL, Configuration(3.5, 3.7, 1.0), up, min_length_m=0.05) is None
     assert follow(DISC, DRIVE, ELL, end, up[:1]) is None
 
 
-def test_a_car_is_refused():
+def test_cars_are_rejected():
     with pytest.raises(InvalidInputError, match="car_way"):
         follow(DISC, Car(), ELL, Configuration(0.5, 0.5), ROUND_THE_CORNER)
 
 
 @pytest.mark.parametrize("path", [np.empty((0, 2)), np.zeros(4), np.array([[0.0, math.nan]])])
-def test_what_is_no_path(path):
+def test_invalid_paths_are_rejected(path):
     with pytest.raises(InvalidInputError, match="path"):
         ahead(path, Configuration(0.0, 0.0))
 
@@ -139,7 +139,7 @@ RANGE_M = 4.0
 
 @cache
 def scenes(name: str) -> list[tuple[np.ndarray, tuple[float, float]]]:
-    """Regions in a world, with where they were sensed: there the body fits."""
+    """Regions in a world, and the places of their scans, at which the body fits."""
     world = environment(name, seed=1)
     index = EdgeIndex(world.edges, RANGE_M / 3.0)
     room = world.free.buffer(-0.4)
@@ -167,7 +167,7 @@ offsets = st.lists(st.tuples(st.floats(-1.5, 1.5), st.floats(-1.5, 1.5)), min_si
     offsets,
     st.one_of(st.just(math.inf), st.floats(0.2, 4.0)),
 )
-def test_what_is_driven_is_the_path_inside_the_region(
+def test_motions_follow_the_path_inside_the_region(
     name, number, body, kinematics, heading, steps, limit
 ):
     boundary, spot = scenes(name)[number]
@@ -180,21 +180,21 @@ def test_what_is_driven_is_the_path_inside_the_region(
     if motion is not None:
         length = motion.length_m
         assert motion.start == pytest.approx(at)
-        assert length >= LEAST_M or motion.end[:2] == pytest.approx(path[-1])
+        assert length >= MIN_MOTION_M or motion.end[:2] == pytest.approx(path[-1])
         assert length <= limit + 1e-9
         assert all(a.time_s <= b.time_s for a, b in pairwise(motion.waypoints))
-        # It drives the path's beginning; a first corner that is close by may be cut.
+        # The motion follows the path; a first corner close by may be cut.
         along = shapely.LineString(motion.points())
-        assert along.hausdorff_distance(substring(line, 0.0, length)) < 2 * LEAST_M
+        assert along.hausdorff_distance(substring(line, 0.0, length)) < 2 * MIN_MOTION_M
         sweep = Sweep(body.footprint, motion)
         assert sweep.shape.buffer(sweep.pad_m - 0.004).within(region)
         if body.is_disc:
             assert sweep.shape.distance(region.exterior) >= body.outer_radius_m
-    # Of a disc it is all that is possible: a little farther on there is no room.
-    if body.is_disc and line.length - length > LEAST_M and limit - length > LEAST_M:
-        beyond = line.interpolate(length + 2.5 * LEAST_M)
+    # For a disc the motion is the longest possible: there is no room a little farther on.
+    if body.is_disc and line.length - length > MIN_MOTION_M and limit - length > MIN_MOTION_M:
+        beyond = line.interpolate(length + 2.5 * MIN_MOTION_M)
         room = min(
-            line.interpolate(length + share * LEAST_M).distance(region.exterior)
+            line.interpolate(length + share * MIN_MOTION_M).distance(region.exterior)
             for share in (0.5, 1.0, 1.5, 2.0, 2.5)
         )
         assert room < body.ample_radius_m or not region.contains(beyond)

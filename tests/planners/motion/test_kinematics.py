@@ -10,7 +10,7 @@ from multisrt.planners.motion.kinematics import Car, Differential, Holonomic, tu
 from multisrt.spec import DriveSpec
 
 
-def test_a_holonomic_body_drives_anywhere_and_keeps_its_heading():
+def test_a_holonomic_body_keeps_its_heading():
     motion = Holonomic(speed_m_s=0.5).drive(Configuration(1.0, 1.0, 0.3), 4.0, 5.0)
     assert motion.duration_s == 10.0
     assert motion.end == (4.0, 5.0, 0.3)
@@ -32,7 +32,7 @@ def test_driving_backwards_takes_as_long_as_forwards():
     assert drive.drive(Configuration(0.0, 0.0, 0.0), -1.0, 0.0).end == (-1.0, 0.0, 0.0)
 
 
-def test_nothing_to_do_takes_no_time():
+def test_motions_of_no_length_take_no_time():
     here = Configuration(1.0, 2.0, 0.5)
     for motion in (
         Holonomic().drive(here, 1.0, 2.0),
@@ -69,7 +69,7 @@ def test_limits_are_positive_and_finite(drive, name, value):
         (0.5, 0.5, 0.0, -2.0 * math.pi),
     ],
 )
-def test_turns_between(heading, wanted, short, long):
+def test_turns_between_two_headings(heading, wanted, short, long):
     assert turns_between(heading, wanted) == pytest.approx((short, long))
 
 
@@ -83,7 +83,7 @@ angles = st.floats(-20.0, 20.0)
 
 
 @given(angles, angles)
-def test_both_turns_lead_there_and_the_shorter_one_is_first(heading, wanted):
+def test_both_turns_lead_there_the_shorter_first(heading, wanted):
     short, long = turns_between(heading, wanted)
     for turn in (short, long):
         assert math.cos(heading + turn - wanted) == pytest.approx(1.0)

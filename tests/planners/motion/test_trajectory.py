@@ -31,7 +31,7 @@ CORNER = Trajectory(
 )
 
 
-def test_duration_length_and_ends():
+def test_duration_length_and_ends_of_a_motion():
     assert CORNER.duration_s == 7.0
     assert CORNER.length_m == 3.0
     assert CORNER.start == Configuration(1.0, 1.0, 0.0)
@@ -39,7 +39,7 @@ def test_duration_length_and_ends():
 
 
 @given(st.floats(0.3, 9.0))
-def test_sections_are_the_motion_piece_by_piece(duration_s):
+def test_sections_add_up_to_the_motion(duration_s):
     sections = CORNER.sections(duration_s)
     assert math.fsum(section.duration_s for section in sections) == pytest.approx(7.0)
     assert all(s.duration_s == pytest.approx(duration_s) for s in sections[:-1])
@@ -67,11 +67,11 @@ def test_sections_are_the_motion_piece_by_piece(duration_s):
         (99.0, (3.0, 2.0, math.pi / 2)),
     ],
 )
-def test_at(time_s, expected):
+def test_configuration_at_a_time(time_s, expected):
     assert CORNER.at(time_s) == pytest.approx(expected)
 
 
-def test_headings_are_wrapped_when_asked_for_but_turns_stay_signed():
+def test_headings_are_wrapped_and_turns_are_signed():
     # From 3 rad by +1 rad: over pi, so to 4 - 2 pi.
     turn = Trajectory((Waypoint(0.0, 0.0, 0.0, 3.0), Waypoint(2.0, 0.0, 0.0, 4.0)))
     assert turn.end.heading == pytest.approx(4.0 - 2.0 * math.pi)
@@ -79,8 +79,8 @@ def test_headings_are_wrapped_when_asked_for_but_turns_stay_signed():
     assert turn.waypoints[-1].heading == 4.0
 
 
-def test_two_waypoints_at_one_time():
-    # A motion of no length takes no time; what comes after it counts.
+def test_two_waypoints_may_share_a_time():
+    # A leg of no duration is skipped.
     twice = Trajectory(
         (Waypoint(0.0, 0.0, 0.0, 0.0), Waypoint(0.0, 0.0, 0.0, 0.0), Waypoint(2.0, 1.0, 0.0, 0.0))
     )
@@ -89,7 +89,7 @@ def test_two_waypoints_at_one_time():
     assert twice.until(1.0).end == (0.5, 0.0, 0.0)
 
 
-def test_a_single_waypoint_is_a_motion_of_no_time():
+def test_a_single_waypoint_takes_no_time():
     still = Trajectory((Waypoint(0.0, 2.0, 3.0, 1.0),))
     assert (still.duration_s, still.length_m) == (0.0, 0.0)
     assert still.at(0.0) == still.at(5.0) == (2.0, 3.0, 1.0)
@@ -108,16 +108,16 @@ def test_a_single_waypoint_is_a_motion_of_no_time():
         (8.0, (3.0, 2.0, math.pi / 2), 4),
     ],
 )
-def test_until(time_s, end, count):
+def test_until_cuts_off_the_rest(time_s, end, count):
     cut = CORNER.until(time_s)
     assert cut.end == pytest.approx(end)
     assert len(cut.waypoints) == count
     assert cut.duration_s == max(0.0, min(time_s, 7.0))
 
 
-def test_then_adds_times_and_keeps_turns_signed():
+def test_then_adds_times_and_shifts_headings():
     first = Trajectory((Waypoint(0.0, 0.0, 0.0, 0.0), Waypoint(3.0, 0.0, 0.0, 4.0)))
-    # Where the first ends its heading is 4, which this one calls 4 - 2 pi.
+    # The heading at the joint is 4 in the first motion and 4 - 2 pi in the second.
     heading = 4.0 - 2.0 * math.pi
     second = Trajectory((Waypoint(0.0, 0.0, 0.0, heading), Waypoint(1.0, 0.0, 0.0, heading - 1.0)))
     joined = first.then(second)
@@ -138,20 +138,20 @@ def test_a_body_that_translates_and_turns_follows_an_arc():
     assert half.length_m == pytest.approx(math.pi / 4)
 
 
-def test_the_points_of_an_arc_lie_on_it():
+def test_points_of_an_arc_are_on_it():
     points = QUARTER.points(spacing_rad=0.1)
     assert points.shape == (17, 2)
     assert np.hypot(points[:, 0], points[:, 1] - 1.0) == pytest.approx(1.0)
     assert points[[0, -1]].tolist() == [[0.0, 0.0], [1.0, 1.0]]
 
 
-def test_the_points_of_straight_ways_and_turns_are_their_ends():
-    # The turn in place is there twice.
+def test_points_of_straight_legs_and_turns_are_their_ends():
+    # The turn in place counts with both ends.
     assert CORNER.points().tolist() == [[1.0, 1.0], [3.0, 1.0], [3.0, 1.0], [3.0, 2.0]]
     assert Trajectory(CORNER.waypoints[:1]).points().tolist() == [[1.0, 1.0]]
 
 
-def test_reversed():
+def test_reversed_runs_back_at_the_same_speeds():
     back = CORNER.reversed()
     assert back.start == CORNER.end
     assert back.end == CORNER.start
@@ -160,7 +160,7 @@ def test_reversed():
         assert back.at(time) == pytest.approx(CORNER.at(7.0 - time))
 
 
-def test_an_arc_of_more_than_half_a_circle_is_refused():
+def test_arcs_of_more_than_half_a_circle_are_rejected():
     first = Waypoint(0.0, 0.0, 0.0, 0.0)
     with pytest.raises(InvalidInputError, match="half a circle"):
         Trajectory((first, Waypoint(1.0, 0.1, 0.0, 3.2)))
@@ -176,7 +176,7 @@ steps = st.tuples(st.floats(0.0, 9.0), numbers, numbers, turns)
 
 
 @given(numbers, numbers, numbers, numbers, numbers, turns, st.floats(0.0, 1.0))
-def test_arcs_are_those_that_are_checked_for_collisions(x0, y0, heading, x1, y1, turn, fraction):
+def test_arcs_agree_with_collision_checks(x0, y0, heading, x1, y1, turn, fraction):
     a, b = (0.0, x0, y0, heading), (1.0, x1, y1, heading + turn)
     motion = _motion(SPOT, a[1:], b[1:], b[3] - a[3], arc=True)
     assert leg_pose(a, b, fraction) == pytest.approx(motion.pose(fraction), abs=1e-5)
@@ -186,8 +186,8 @@ def test_arcs_are_those_that_are_checked_for_collisions(x0, y0, heading, x1, y1,
 
 
 @given(numbers, numbers, turns)
-def test_the_twist_is_constant(x, y, turn):
-    # Seen from the body, its motion begins and ends, and is everywhere, in one direction.
+def test_twist_of_a_leg_is_constant(x, y, turn):
+    # In the body's frame the direction of motion is the same everywhere.
     a, b = (0.0, 0.0, 0.0, 0.3), (1.0, x, y, 0.3 + turn)
     step = 1e-4
     seen = []
@@ -212,7 +212,7 @@ def trajectories(draw):
 
 
 @given(trajectories(), st.floats(0.0, 1.0), st.floats(0.0, 1.0))
-def test_what_is_kept_of_a_motion_is_the_motion(trajectory, share, part):
+def test_parts_of_a_motion_agree_with_the_motion(trajectory, share, part):
     end = share * trajectory.duration_s
     cut = trajectory.until(end)
     assert cut.duration_s <= end
@@ -220,7 +220,7 @@ def test_what_is_kept_of_a_motion_is_the_motion(trajectory, share, part):
     assert cut.length_m <= trajectory.length_m + 1e-9
     time = part * cut.duration_s
     before, after = trajectory.at(time), cut.at(time)
-    # Where two waypoints share a time, the motion jumps there, and the cut ends before the jump.
+    # Where two waypoints share a time the motion jumps, and the cut ends before the jump.
     times = [w.time_s for w in trajectory.waypoints]
     if (
         len(set(times)) == len(times)
@@ -247,7 +247,7 @@ def test_joined_motions_add_up(first, second):
     assert joined.waypoints[-1].heading == pytest.approx(last.heading + turn, abs=1e-9)
 
 
-def test_nothing_but_its_waypoints_says_where_a_trajectory_ends():
+def test_ends_of_a_trajectory_follow_from_its_waypoints():
     motion = standing_at(Configuration(1.0, 2.0, 0.5))
     assert not hasattr(motion, "__dict__")
     for name in ("start", "end"):

@@ -33,7 +33,7 @@ def size(footprint: Footprint):
     return footprint.radius_m if footprint.is_disc else footprint.planning_vertices
 
 
-def test_rings_are_closed_and_apart():
+def test_rings_of_a_region_are_closed_and_separated():
     rings = rings_of(HALL)
     assert np.isnan(rings[[0, 6, 12]]).all()
     assert len(rings) == 13
@@ -43,7 +43,7 @@ def test_rings_are_closed_and_apart():
     assert len(rings_of(shapely.MultiPolygon([HALL, shapely.box(5, 5, 6, 6)]))) == 19
 
 
-def test_what_there_is_of_a_region_with_a_hole():
+def test_room_in_a_region_with_a_hole():
     rings = rings_of(HALL)
     corners = BOX.vertices
     assert disc_clearance(rings, 1.0, 2.0) == 0.5
@@ -51,7 +51,7 @@ def test_what_there_is_of_a_region_with_a_hole():
     assert not pose_is_inside(rings, corners, 1.3, 2.0, 0.0)
     assert not pose_is_inside(rings, corners, 2.0, 2.0, 0.0)
     assert not pose_is_inside(rings, corners, 5.0, 2.0, 0.0)
-    # A body that is larger than the pillar, and stands over it.
+    # A body that is larger than the pillar and covers it.
     assert not Room(rings, 2.0 * corners).holds(Configuration(2.0, 2.0, 0.0))
     assert not Room(rings, 4.0 * corners).holds(Configuration(2.0, 2.0, 0.0))
     assert Room(rings_of(HALL.envelope), 4.0 * corners).holds(Configuration(2.0, 2.0, 0.0))
@@ -65,17 +65,17 @@ turns = st.one_of(st.just(0.0), st.floats(0.01, 3.1), st.floats(-3.1, -0.01))
 
 
 @given(triangles, coordinate, coordinate, coordinate, coordinate, turns)
-def test_path_clearance(triangle, x, y, dx, dy, turn):
+def test_path_clearance_of_a_triangle(triangle, x, y, dx, dy, turn):
     assume(triangle.area > 1e-3 and math.hypot(dx, dy) > 1e-3)
     way = shapely.LineString(leg_points((0.0, x, y, 0.0), (0.0, x + dx, y + dy, turn), 2e-3))
     clearance = path_clearance(rings_of(triangle), x, y, dx, dy, turn)
     assert clearance == pytest.approx(way.distance(triangle.exterior), abs=1e-3)
-    # An open ring is the same ring.
+    # An open ring gives the same result.
     ring = np.asarray(triangle.exterior.coords)[:-1].copy()
     assert path_clearance(ring, x, y, dx, dy, turn) == pytest.approx(clearance, abs=1e-12)
 
 
-def test_a_body_passes_where_it_just_fits():
+def test_a_box_passes_a_corner_that_it_just_fits():
     # Round the pillar's corner (2.5, 2.5) on a quarter circle of 1 m about (2, 2): the inner side
     # of the box is 0.8 m from (2, 2), and the corner 0.707 m; its outer corners come to within
     # hypot(1.2, 0.3) = 1.237 m of it.
@@ -91,11 +91,11 @@ def test_a_body_passes_where_it_just_fits():
     assert not Room(rings_of(close), BOX.vertices).lets_pass(way.waypoints)
 
 
-def test_bounds():
+def test_bounds_of_a_room():
     assert Room(rings_of(HALL), 0.1).bounds == (0.0, 0.0, 4.0, 4.0)
 
 
-def test_a_body_keeps_as_much_of_its_margin_as_it_has():
+def test_room_keeps_as_much_margin_as_places_allow():
     corridor = rings_of(shapely.box(0, 0, 4, 0.41))
     body = PlanningBody(BOX, 0.02)
     wide = body.room(rings_of(HALL), Configuration(1.0, 1.0, 0.0))
@@ -103,7 +103,7 @@ def test_a_body_keeps_as_much_of_its_margin_as_it_has():
     assert np.ptp(wide.outline[:, 1]) == pytest.approx(0.44)
     assert np.ptp(narrow.outline[:, 1]) == pytest.approx(0.408)
     assert body.room(corridor, Configuration(1.0, 0.1, 0.0)) is None
-    # As much as there is at all of the places.
+    # The margin that all of the places have room for.
     both = body.room(corridor, Configuration(1.0, 0.205, 0.0), Configuration(3.0, 0.2045, 0.0))
     assert np.ptp(both.outline[:, 1]) == pytest.approx(0.408)
     assert body.room(corridor, Configuration(1.0, 0.205, 0.0), Configuration(3.9, 0.205)) is None
@@ -132,9 +132,7 @@ places = st.tuples(st.floats(-1.5, 1.5), st.floats(-1.5, 1.5))
     0.0,
 )
 @given(regions, st.sampled_from([BOX, DISC, ELL]), places, places, st.floats(-3.1, 3.1), turns)
-def test_what_passes_stays_in_the_region_and_what_does_not_leaves_it(
-    region, footprint, start, end, heading, turn
-):
+def test_lets_pass_agrees_with_placed_footprints(region, footprint, start, end, heading, turn):
     assume(math.dist(start, end) > 0.01)
     way = Trajectory((Waypoint(0.0, *start, heading), Waypoint(1.0, *end, heading + turn)))
     passes = Room(rings_of(region), size(footprint)).lets_pass(way.waypoints)
@@ -145,10 +143,10 @@ def test_what_passes_stays_in_the_region_and_what_does_not_leaves_it(
     else:
         shape = Footprint.polygon(footprint.planning_vertices)
         area = shapely.union_all([shape.placed(pose) for pose in poses])
-    # Between two of the poses it moves by a few centimetres: what it cuts off is less than 1e-3.
+    # Between two poses the body moves by a few centimetres, which cuts off less than 1e-3.
     deep = region.buffer(2e-3, join_style="mitre")
     if passes:
         assert deep.contains(area)
     elif region.buffer(-2e-3, join_style="mitre").contains(area):
-        # It does not touch at the poses looked at; it can only have grazed between them.
+        # Without contact at the sampled poses, it can only have grazed between them.
         assert not region.buffer(-0.02, join_style="mitre").contains(area)

@@ -21,21 +21,21 @@ def standing(x: float, y: float, heading: float = 0.0) -> Trajectory:
     return Trajectory((Waypoint(0.0, x, y, heading),))
 
 
-def test_standing_discs():
+def test_distance_of_discs_at_rest():
     a, b = Sweep(DISC, standing(0.0, 0.0)), Sweep(DISC, standing(3.0, 4.0))
     assert a.distance_to(b) == pytest.approx(4.5)
     assert a.bounds == (-0.25, -0.25, 0.25, 0.25)
     assert a.distance_to(a) == 0.0
 
 
-def test_a_standing_box():
+def test_bounds_of_a_box_at_rest():
     box = Sweep(BOX, standing(1.0, 2.0, math.pi / 2))
     assert box.pad_m == 0.0
     assert box.bounds == pytest.approx((0.8, 1.7, 1.2, 2.3))
 
 
 @pytest.mark.parametrize("footprint", [BOX, ELL])
-def test_a_straight_way_is_exact(footprint):
+def test_sweeps_of_straight_motions_are_exact(footprint):
     way = Trajectory((Waypoint(0.0, 0.0, 0.0, 0.3), Waypoint(1.0, 2.0, 1.0, 0.3)))
     sweep = Sweep(footprint, way)
     assert sweep.pad_m == 0.0
@@ -43,19 +43,19 @@ def test_a_straight_way_is_exact(footprint):
     assert sweep.shape.buffer(0).symmetric_difference(expected).area < 1e-12
 
 
-def test_a_disc_that_turns_in_place_stands():
+def test_a_disc_that_turns_in_place_sweeps_itself():
     turn = Trajectory((Waypoint(0.0, 1.0, 1.0, 0.0), Waypoint(1.0, 1.0, 1.0, 3.0)))
     assert Sweep(DISC, turn).bounds == (0.75, 0.75, 1.25, 1.25)
 
 
 @pytest.mark.parametrize("step", [5e-324, 1e-195, 1e-160, 1e-12])
-def test_a_disc_that_hardly_moves_stands(step):
+def test_a_disc_that_hardly_moves_sweeps_itself(step):
     way = Trajectory((Waypoint(0.0, 0.0, 0.0, 0.0), Waypoint(1.0, 0.0, step, 0.0)))
     assert Sweep(DISC, way).distance_to(Sweep(DISC, standing(3.0, 4.0))) == pytest.approx(4.5)
     assert Sweep(DISC, way).distance_to(Sweep(DISC, standing(0.0, 0.0))) == 0.0
 
 
-def test_a_box_that_turns_round_fills_its_circle():
+def test_a_box_that_turns_round_sweeps_its_circle():
     turn = Trajectory((Waypoint(0.0, 0.0, 0.0, 0.0), Waypoint(1.0, 0.0, 0.0, 2.0 * math.pi)))
     sweep = Sweep(BOX, turn)
     radius = math.hypot(0.3, 0.2)
@@ -63,7 +63,7 @@ def test_a_box_that_turns_round_fills_its_circle():
     assert sweep.distance_to(far) == pytest.approx(1.75 - radius, abs=0.005)
 
 
-def test_a_box_on_an_arc_reaches_as_far_as_its_outer_corners():
+def test_a_box_on_an_arc_sweeps_up_to_its_outer_corners():
     # A quarter circle of 1 m about the origin: they are hypot(1.2, 0.3) away from it.
     way = Trajectory((Waypoint(0, 1.0, 0.0, math.pi / 2), Waypoint(1, 0.0, 1.0, math.pi)))
     far = Sweep(DISC, standing(2.0, 2.0))
@@ -73,11 +73,11 @@ def test_a_box_on_an_arc_reaches_as_far_as_its_outer_corners():
     assert 0.695 <= Sweep(BOX, way).distance_to(inside) <= 0.7
 
 
-def test_comes_within():
+def test_comes_within_compares_the_true_distance():
     a, b = Sweep(DISC, standing(0.0, 0.0)), Sweep(DISC, standing(1.0, 0.0))
     assert not a.comes_within(b, 0.49)
     assert a.comes_within(b, 0.51)
-    # Their bounds are 0.5 m apart, the discs are farther.
+    # Their bounds are 0.5 m apart, the discs farther.
     c = Sweep(DISC, standing(1.0, 0.5))
     assert a.comes_within(c, 0.62)
     assert not a.comes_within(c, 0.61)
@@ -95,7 +95,6 @@ def ways(draw):
     waypoints = [Waypoint(0.0, x, y, heading)]
     for dx, dy, turn in draw(legs):
         last = waypoints[-1]
-        # A short way with a big turn, or one as it comes.
         waypoints.append(Waypoint(last.time_s + 1.0, x + dx, y + dy, last.heading + turn))
     return Trajectory(tuple(waypoints))
 
@@ -110,11 +109,11 @@ footprints = st.sampled_from([DISC, BOX, ELL])
 
 @settings(max_examples=60)
 @given(footprints, ways(), footprints, ways())
-def test_distances_are_no_longer_than_in_truth_and_hardly_shorter(fa, wa, fb, wb):
+def test_distances_are_tight_lower_bounds(fa, wa, fb, wb):
     a, b = Sweep(fa, wa), Sweep(fb, wb)
     distance = a.distance_to(b)
     truth = shapely.distance(covered(fa, wa), covered(fb, wb))
-    # The truth is looked at at moments at which a body is up to a few centimetres farther on.
+    # The truth is sampled in time, between which a body moves by up to a few centimetres.
     assert distance <= truth + 1e-3
     assert distance >= truth - 0.1
     assert b.distance_to(a) == pytest.approx(distance, abs=1e-12)
@@ -124,7 +123,7 @@ def test_distances_are_no_longer_than_in_truth_and_hardly_shorter(fa, wa, fb, wb
 
 
 @given(footprints, ways())
-def test_a_sweep_holds_the_body_all_the_way(footprint, way):
+def test_a_sweep_contains_the_body_at_all_times(footprint, way):
     sweep = Sweep(footprint, way)
     assert sweep.pad_m <= 0.0021 + (DISC.radius_m if footprint.is_disc else 0.0)
     area = sweep.shape.buffer(sweep.pad_m + 1e-4, quad_segs=64)

@@ -21,7 +21,7 @@ DISC = PlanningBody(Footprint.disc(0.25), margin_m=0.02)
 BOX = PlanningBody(Footprint.box(0.6, 0.4), margin_m=0.02)
 
 
-def test_radii():
+def test_radii_of_a_disc_and_a_box():
     assert DISC.outer_radius_m == 0.25
     assert DISC.roomy_radius_m == pytest.approx(0.252)
     assert DISC.ample_radius_m == pytest.approx(0.27)
@@ -31,26 +31,26 @@ def test_radii():
 
 
 def test_a_disc_with_room_keeps_the_margin():
-    # The wall ahead is 8 m off, the disc reaches 0.25 m, the margin is 0.02 m.
+    # The wall ahead is 8 m away; the radius is 0.25 m, the margin 0.02 m.
     assert DISC.travel(HALL, Configuration(2.0, 2.0), 0.0, 99.0) == pytest.approx(7.73)
     assert DISC.travel(HALL, Configuration(2.0, 2.0), math.pi, 99.0) == pytest.approx(1.73)
     assert DISC.travel(HALL, Configuration(2.0, 2.0), 0.0, 5.0) == 5.0
 
 
-def test_a_disc_near_a_wall_goes_on_as_near_as_it_stands():
-    # 0.26 m from the wall below: less than radius and margin, so it stays 0.26 m off the next.
+def test_a_disc_near_a_wall_keeps_its_distance():
+    # 0.26 m from the wall below, less than radius and margin: it keeps 0.26 m from the next.
     at = Configuration(2.0, 0.26)
     assert DISC.travel(HALL, at, 0.0, 99.0) == pytest.approx(10.0 - 2.0 - 0.26, abs=1e-6)
 
 
-def test_a_disc_that_touches_a_wall_may_slide_along_it_but_not_into_it():
+def test_a_disc_in_contact_may_slide_along_a_wall():
     at = Configuration(2.0, 0.25)
     assert DISC.travel(HALL, at, 0.0, 99.0) == pytest.approx(10.0 - 2.0 - 0.25, abs=1e-6)
     assert DISC.travel(HALL, at, -math.pi / 2, 99.0) == 0.0
 
 
-def test_a_way_that_was_found_passes():
-    # Also turned by rounding, and where the margin could not be kept.
+def test_motions_found_by_travel_pass():
+    # Also if rotated by rounding, and where the margin could not be kept.
     for body in (DISC, BOX):
         for at in (Configuration(2.0, 2.0, 0.0), Configuration(2.0, 0.27, 0.0)):
             distance = body.travel(HALL, at, 0.0, 99.0)
@@ -58,7 +58,7 @@ def test_a_way_that_was_found_passes():
             assert not body.passes(HALL, at, 0.0, distance + 0.03)
 
 
-def test_a_box_keeps_the_margin_where_it_has_it():
+def test_a_box_with_room_keeps_the_margin():
     assert BOX.travel(HALL, Configuration(2.0, 2.0, 0.0), 0.0, 99.0) == pytest.approx(7.68)
     # Across its heading it is 0.4 m wide: 2 m to the wall less 0.2 m and the margin.
     at = Configuration(2.0, 2.0, 0.0)
@@ -68,13 +68,13 @@ def test_a_box_keeps_the_margin_where_it_has_it():
 @pytest.mark.parametrize(
     ("gap", "kept"), [(0.021, 0.02), (0.015, 0.01), (0.006, 0.004), (0.002, 0.0005 + 0.004)]
 )
-def test_a_box_near_a_wall_keeps_what_it_can_of_the_margin(gap, kept):
-    # Half of the margin, or a fifth; if it stands nearer still, a fifth at least at the end.
+def test_a_box_near_a_wall_keeps_part_of_the_margin(gap, kept):
+    # Half of the margin, or a fifth; if it stands nearer still, a fifth at the end.
     at = Configuration(2.0, 0.2 + gap, 0.0)
     assert BOX.travel(HALL, at, 0.0, 99.0) == pytest.approx(7.7 - kept)
 
 
-def test_a_box_at_a_wall_does_not_touch_it():
+def test_a_box_in_contact_does_not_move():
     assert BOX.travel(HALL, Configuration(2.0, 0.2, 0.0), 0.0, 99.0) == 0.0
     assert BOX.travel(HALL, Configuration(9.7, 2.0, 0.0), math.pi, 99.0) == 0.0
 
@@ -86,7 +86,7 @@ def test_room_for_any_heading():
     assert DISC.has_room(HALL, Configuration(5.0, 0.1))
 
 
-def test_a_body_outside_of_the_region_does_not_move():
+def test_a_body_outside_the_region_does_not_move():
     for body in (DISC, BOX):
         assert body.travel(HALL, Configuration(2.0, 0.1), 0.0, 99.0) == 0.0
 
@@ -112,7 +112,7 @@ CRITICAL = math.asin(0.25 / math.hypot(0.3 + HAIR_M, 0.2 + HAIR_M)) - math.atan2
         (-math.pi, False),
     ],
 )
-def test_turning_in_a_corridor(turn, possible):
+def test_a_box_turns_in_a_corridor_up_to_an_angle(turn, possible):
     at = Configuration(5.0, 0.25, 0.0)
     assert BOX.can_turn(CORRIDOR, at, turn) is possible
     assert BOX.can_turn(HALL, Configuration(5.0, 2.0, 0.0), turn) is True
@@ -122,7 +122,7 @@ def test_a_disc_can_always_turn():
     assert DISC.can_turn(CORRIDOR, Configuration(5.0, 0.25), 6.0) is True
 
 
-def test_a_bridge_goes_on_in_the_region_of_its_end_from_where_that_of_its_beginning_ends():
+def test_bridges_pass_from_one_region_to_the_other():
     hall = shapely.box(0.0, 0.0, 6.0, 4.0).difference(shapely.box(2.5, 0.0, 3.5, 2.0))
     rng = np.random.default_rng(5)
     for body in (PlanningBody(Footprint.disc(0.25), 0.02), PlanningBody(Footprint.box(1, 0.4), 0)):
@@ -143,7 +143,7 @@ def test_a_bridge_goes_on_in_the_region_of_its_end_from_where_that_of_its_beginn
         assert joined[0]
 
 
-def test_travel_in_any_heading():
+def test_disc_travel_holds_for_any_heading():
     # The disc around the box, with a tenth of the margin, has a radius of 0.3626 m.
     corridor = ring(shapely.box(0, 0, 10, 0.73))
     assert BOX.disc_travel(corridor, 1.0, 0.365, 9.0, 0.365) is True
@@ -166,7 +166,7 @@ bodies = st.sampled_from(
 
 
 @given(stars, bodies, st.floats(-math.pi, math.pi), st.floats(-math.pi, math.pi))
-def test_what_a_body_sweeps_lies_in_the_region(radii, footprint, heading, direction):
+def test_swept_areas_lie_in_the_region(radii, footprint, heading, direction):
     angles = np.arange(len(radii)) * (2.0 * math.pi / len(radii))
     boundary = np.asarray(radii)[:, None] * np.column_stack([np.cos(angles), np.sin(angles)])
     region = shapely.Polygon(boundary)

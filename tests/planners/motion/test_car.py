@@ -36,7 +36,7 @@ def ring(polygon: shapely.Polygon) -> np.ndarray:
 
 
 def assert_drivable(way, car: Car, body: PlanningBody, region) -> None:
-    """No leg is tighter than the car can drive or sideways, and FCL finds nothing in its way."""
+    """Assert that the car can drive every leg, and that FCL finds no contact."""
     world = CollisionWorld(region)
     solid = world.body(body.footprint)
     for a, b in zip(way.waypoints, way.waypoints[1:], strict=False):
@@ -51,7 +51,7 @@ def assert_drivable(way, car: Car, body: PlanningBody, region) -> None:
 
 
 @pytest.mark.parametrize("car", [BACK, NO_BACK])
-def test_in_the_open_the_way_is_the_shortest_curve(car):
+def test_without_obstacles_the_way_is_the_shortest_curve(car):
     start, goal = Configuration(3.0, 3.0, 0.2), Configuration(5.0, 5.0, -2.0)
     way = car_way(BODY, car, ring(HALL), start, goal, 0, most_checks=0)
     assert way.length_m == pytest.approx(curve_length(car, start, goal))
@@ -62,7 +62,7 @@ def test_in_the_open_the_way_is_the_shortest_curve(car):
 
 @pytest.mark.parametrize("car", [BACK, NO_BACK])
 @pytest.mark.parametrize("body", [BODY, DISC])
-def test_where_the_shortest_curve_meets_a_wall_another_way_is_found(car, body):
+def test_another_way_is_found_if_a_wall_blocks_the_curve(car, body):
     start, goal = Configuration(2.0, 0.6, 0.0), Configuration(6.0, 0.6, 0.0)
     assert car_way(body, car, ring(ROOMS), start, goal, 1, most_checks=0) is None
     for region in (ring(ROOMS), ROOMS):
@@ -73,16 +73,16 @@ def test_where_the_shortest_curve_meets_a_wall_another_way_is_found(car, body):
         assert_drivable(way, car, body, ROOMS)
 
 
-def test_no_way_through_a_wall_or_out_of_the_region():
+def test_no_way_crosses_a_wall_or_leaves_the_region():
     walled = shapely.MultiPolygon([shapely.box(0, 0, 3.9, 4), shapely.box(4.1, 0, 8, 4)])
     start = Configuration(2.0, 2.0, 0.0)
     for goal in (Configuration(6.0, 2.0, 0.0), Configuration(9.0, 2.0, 0.0)):
         assert car_way(BODY, BACK, walled, start, goal, 0) is None
-    # Neither does it begin or end in contact.
+    # Nor does a way begin or end in contact.
     assert car_way(BODY, BACK, walled, Configuration(0.1, 2.0), start, 0) is None
 
 
-def test_round_a_pillar_in_the_region():
+def test_a_way_leads_round_a_pillar():
     region = HALL.difference(shapely.box(3, 3, 5, 5))
     start, goal = Configuration(1.0, 4.0, 0.0), Configuration(7.0, 4.0, 0.0)
     for car in (BACK, NO_BACK):
@@ -91,7 +91,7 @@ def test_round_a_pillar_in_the_region():
         assert_drivable(way, car, BODY, region)
 
 
-def test_it_gets_to_a_place_in_the_direction_in_which_that_lies():
+def test_a_car_arrives_with_the_heading_of_the_direction():
     start = Configuration(2.0, 4.0, 0.0)
     out, back = car_ways(BODY, BACK, ring(HALL), start, 5.0, 5.0, 0)
     assert out.end == pytest.approx((5.0, 5.0, math.atan2(1.0, 3.0)))
@@ -99,7 +99,7 @@ def test_it_gets_to_a_place_in_the_direction_in_which_that_lies():
     assert back.end == start
 
 
-def test_a_car_without_reverse_gear_comes_round_again():
+def test_a_car_without_reverse_returns_on_a_loop():
     start = Configuration(2.0, 4.0, 0.3)
     out, back = car_ways(BODY, NO_BACK, ring(HALL), start, 5.0, 5.0, 0)
     assert back.start == pytest.approx(out.end)
@@ -108,15 +108,15 @@ def test_a_car_without_reverse_gear_comes_round_again():
         assert_drivable(way, NO_BACK, BODY, HALL)
 
 
-def test_another_heading_where_the_direction_does_not_fit():
-    # Against the wall at the end of the room, across the way there.
+def test_a_car_arrives_with_another_heading_if_it_must():
+    # Beside the wall at the end of the room, the car fits only along the wall.
     region = shapely.box(0, 0, 4, 8)
     out, _ = car_ways(BODY, BACK, ring(region), Configuration(2.0, 4.0, 1.6), 3.75, 4.0, 0)
     assert abs(math.sin(out.end.heading)) == pytest.approx(1.0)
     assert_drivable(out, BACK, BODY, region)
 
 
-def test_a_dead_end_is_no_place_for_a_car_without_reverse_gear():
+def test_a_car_without_reverse_enters_no_dead_end():
     start = Configuration(2.0, 2.0, 0.0)
     place = (7.5, 2.0)
     assert car_ways(BODY, NO_BACK, ring(DEAD_END), start, *place, 0) is None
@@ -128,7 +128,7 @@ def test_a_dead_end_is_no_place_for_a_car_without_reverse_gear():
     assert_drivable(back, BACK, BODY, DEAD_END)
 
 
-def test_no_ways_where_the_car_does_not_stand_in_the_region():
+def test_no_ways_exist_from_or_to_outside_the_region():
     assert car_ways(BODY, BACK, ring(HALL), Configuration(9.0, 4.0), 5.0, 5.0, 0) is None
     assert car_ways(BODY, BACK, ring(HALL), Configuration(4.0, 4.0), 9.0, 5.0, 0) is None
 
@@ -148,7 +148,7 @@ places = st.tuples(st.floats(0.5, 7.5), st.floats(0.5, 7.5), st.floats(-3.1, 3.1
     places,
     st.integers(0, 2**63),
 )
-def test_no_way_leaves_the_region(obstacles, body, car, start, goal, seed):
+def test_ways_stay_in_the_region(obstacles, body, car, start, goal, seed):
     region = HALL.difference(shapely.union_all(obstacles))
     start, goal = Configuration(*start), Configuration(*goal)
     ways = car_ways(body, car, region, start, goal.x, goal.y, seed, most_checks=200) or ()
@@ -184,7 +184,7 @@ for reverse in (True, False):
 """
 
 
-def test_plans_by_sampling_repeat_in_any_process():
+def test_sampled_plans_repeat_in_any_process():
     start, goal = Configuration(2.0, 0.6, 0.0), Configuration(6.0, 0.6, 0.0)
     here = [repr(car_way(BODY, car, ROOMS, start, goal, 7)) for car in (BACK, NO_BACK)]
     assert here == [repr(car_way(BODY, car, ROOMS, start, goal, 7)) for car in (BACK, NO_BACK)]

@@ -28,21 +28,21 @@ def test_three_short_ways_beat_a_long_one():
     assert DETOUR.way("d", "a") == ["d", "c", "b", "a"]
 
 
-def test_here_is_no_way_at_all():
+def test_the_way_to_the_start_is_the_start():
     assert DETOUR.way("a", "a") == ["a"]
     assert DETOUR.way_to_nearest("a", lambda place: True) == ["a"]
 
 
-def test_no_way_to_another_part_or_to_nothing():
+def test_unreachable_places_have_no_way():
     assert DETOUR.way("a", "f") is None
     assert DETOUR.way_to_nearest("a", lambda place: False) is None
 
 
-def test_the_nearest_of_several():
+def test_the_nearest_of_several_places_is_found():
     assert DETOUR.way_to_nearest("a", lambda place: place in "cd") == ["a", "b", "c"]
 
 
-def test_a_place_alone():
+def test_a_place_without_ways():
     lonely: Roadmap[int] = Roadmap()
     lonely.add(7)
     lonely.add(7)
@@ -56,13 +56,13 @@ def test_adding_a_known_place_keeps_its_ways():
     assert again.way("a", "b") == ["a", "b"]
 
 
-def test_ties_go_to_what_was_joined_first():
+def test_ties_go_to_the_place_connected_first():
     assert roadmap({("s", "b"): 1.0, ("s", "a"): 1.0}).way_to_nearest(
         "s", lambda place: place != "s"
     ) == ["s", "b"]
 
 
-def test_the_search_ends_at_the_first_place_wanted():
+def test_search_ends_at_the_first_wanted_place():
     line: Roadmap[int] = Roadmap()
     for place in range(1000):
         line.connect(place, place + 1, 1.0)
@@ -88,7 +88,7 @@ graphs = st.integers(2, 7).flatmap(
 
 
 @given(graphs)
-def test_against_scipy_and_against_trying_every_way(graph):
+def test_ways_agree_with_scipy_and_exhaustive_search(graph):
     n, ways = graph
     matrix, ours = lil_array((n, n)), Roadmap()
     for place in range(n):

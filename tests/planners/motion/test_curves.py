@@ -20,17 +20,17 @@ def turned(motion) -> list[float]:
 
 
 @pytest.mark.parametrize("car", [REEDS_SHEPP, DUBINS])
-def test_straight_on(car):
+def test_a_place_ahead_is_reached_straight(car):
     motion = curve(car, ORIGIN, Configuration(3.0, 0.0, 0.0))
     assert turned(motion) == pytest.approx([0.0], abs=1e-9)
     assert motion.length_m == pytest.approx(3.0)
     assert motion.duration_s == pytest.approx(6.0)
 
 
-def test_straight_back():
+def test_a_place_behind_is_reached_in_reverse_or_around():
     motion = curve(REEDS_SHEPP, ORIGIN, Configuration(-2.0, 0.0, 0.0))
     assert motion.length_m == pytest.approx(2.0)
-    # Without reverse gear it goes round: a whole circle and two straight metres, more or less.
+    # Without reverse it goes round: a full circle and two straight metres.
     there = curve(DUBINS, ORIGIN, Configuration(-2.0, 0.0, 0.0))
     assert there.length_m == pytest.approx(2.0 * math.pi * 0.6 + 2.0)
 
@@ -42,13 +42,13 @@ def test_a_quarter_circle_is_one_leg(car):
     assert motion.length_m == pytest.approx(0.3 * math.pi)
 
 
-def test_longer_arcs_are_split():
-    # Round to the left by 270 degrees: three quarters.
+def test_arcs_over_90_degrees_are_split():
+    # 270 degrees to the left: three quarters.
     motion = curve(DUBINS, ORIGIN, Configuration(-0.6, 0.6, -math.pi / 2))
     assert turned(motion) == pytest.approx([math.pi / 2] * 3)
 
 
-def test_to_turn_round_a_car_drives_to_and_fro():
+def test_a_reeds_shepp_car_turns_round_in_three_moves():
     motion = curve(REEDS_SHEPP, ORIGIN, Configuration(0.0, 0.0, math.pi))
     assert motion.length_m == pytest.approx(0.6 * math.pi)
     ahead = [
@@ -61,7 +61,7 @@ def test_to_turn_round_a_car_drives_to_and_fro():
 
 
 @pytest.mark.parametrize("car", [REEDS_SHEPP, DUBINS])
-def test_no_way_to_go(car):
+def test_curves_of_no_length(car):
     motion = curve(car, Configuration(1.0, 2.0, 0.5), Configuration(1.0, 2.0, 0.5))
     assert motion.waypoints == ((0.0, 1.0, 2.0, 0.5),)
     near = Configuration(1.0 + 1e-8, 2.0, 0.5)
@@ -77,7 +77,7 @@ angle = st.floats(-3.14, 3.14)
 @example(REEDS_SHEPP, 1.0, 0.9, 1e-9, 0.0, 1e-7, 0.0)
 @example(DUBINS, 1.0, 0.9, 1e-5, 0.0, 0.0, 0.0)
 @example(DUBINS, 10.0, 0.9, -1e-7, 0.0, 1e-5, 0.0)
-def test_curves_are_those_of_ompl(car, scale, x, y, heading, wanted, off):
+def test_curves_agree_with_ompl(car, scale, x, y, heading, wanted, off):
     start = Configuration(5.0 * off, -5.0 * off, heading)
     goal = Configuration(start.x + scale * x, start.y + scale * y, wanted)
     motion = curve(car, start, goal)
@@ -91,7 +91,7 @@ def test_curves_are_those_of_ompl(car, scale, x, y, heading, wanted, off):
         turn = abs(b.heading - a.heading)
         assert turn <= math.pi / 2 + 1e-6
         assert turn * car.turning_radius_m <= leg_length(a, b) + 1e-5
-    # Everywhere on the way it is where OMPL has it.
+    # The curve agrees with OMPL's points everywhere.
     space = state_space(car.reverse, car.turning_radius_m)
     first, last, between = (space.allocState() for _ in range(3))
     set_state(first, start)

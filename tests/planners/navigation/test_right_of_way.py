@@ -10,18 +10,20 @@ from hypothesis import strategies as st
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.planners.navigation.right_of_way import (
+    Claim,
     Party,
-    is_in_sector,
+    leader_of,
     place_aside,
     right_of_way,
     stands_in_the_way,
 )
+from multisrt.planners.navigation.sector import is_in_sector
 
 CONFLICT_M = 3.0
 
 
 def party(robot: int, *corners: tuple[float, float], heading: float | None = None, **more) -> Party:
-    """Give a robot of radius 0.25 m at the first corner of its path, which looks along it."""
+    """Return a robot of radius 0.25 m at the first corner of its path, looking along it."""
     path = np.array(corners, dtype=float)
     if heading is None:
         (x0, y0), (x1, y1) = corners[:2]
@@ -45,24 +47,24 @@ def changed(robot: Party, **more) -> Party:
     return dataclasses.replace(robot, **more)
 
 
-def test_alone_and_far_from_others_it_goes():
+def test_a_robot_goes_on_if_no_other_is_near():
     assert ruling(EAST) == ("go", False, ())
     assert ruling(EAST, party(2, (3.7, 0), (-6, 0))) == ("go", False, ())
 
 
-def test_the_flag_falls_when_the_sector_is_clear():
+def test_flag_falls_when_the_sector_is_clear():
     assert ruling(changed(EAST, leader=True)) == ("go", False, ())
     passed = party(2, (-1, 0), (-6, 0))
     assert ruling(changed(EAST, leader=True), passed) == ("go", False, ())
 
 
-def test_who_drives_behind_another_waits_and_the_other_goes():
+def test_the_robot_behind_waits_for_the_one_before():
     behind, before = party(1, (0, 0), (8, 0)), party(2, (1, 0), (9, 0))
     assert ruling(behind, before) == ("wait", False, (2,))
     assert ruling(before, behind) == ("go", False, ())
 
 
-def test_an_inactive_mate_is_an_obstacle_where_it_stands_in_the_way():
+def test_an_inactive_robot_on_the_path_is_an_obstacle():
     assert ruling(EAST, changed(WEST, inactive=True)) == ("detour", False, (2,))
     # In the sector, but 0.7 m beside the way.
     beside = changed(WEST_BESIDE, inactive=True)
@@ -70,46 +72,46 @@ def test_an_inactive_mate_is_an_obstacle_where_it_stands_in_the_way():
     assert ruling(EAST, beside) == ("go", False, ())
 
 
-def test_face_to_face_the_first_to_see_leads_and_the_other_waits():
+def test_face_to_face_the_first_to_see_leads():
     assert ruling(EAST, WEST_BESIDE) == ("go", True, ())
     assert ruling(WEST_BESIDE, changed(EAST, leader=True)) == ("wait", False, (1,))
-    # It is the same with the other first.
+    # Likewise if the other decides first.
     assert ruling(WEST_BESIDE, EAST) == ("go", True, ())
     assert ruling(EAST, changed(WEST_BESIDE, leader=True)) == ("wait", False, (2,))
 
 
-def test_of_two_flags_in_one_conflict_the_lower_number_keeps_it():
+def test_of_two_flags_the_lower_number_keeps_its_own():
     east, west = changed(EAST, leader=True), changed(WEST_BESIDE, leader=True)
     assert ruling(east, west) == ("go", True, ())
     assert ruling(west, east) == ("wait", False, (1,))
 
 
-def test_a_leader_goes_round_who_stands_in_its_way():
+def test_a_leader_goes_round_a_robot_in_its_way():
     assert ruling(EAST, WEST) == ("detour", True, (2,))
     assert ruling(WEST, changed(EAST, leader=True)) == ("wait", False, (1,))
 
 
-def test_where_there_is_no_way_round_the_other_retreats():
+def test_without_a_way_round_the_other_retreats():
     stuck = changed(EAST, leader=True, stuck=True)
     assert ruling(stuck, WEST) == ("wait", True, (2,))
     assert ruling(WEST, stuck) == ("retreat", False, (1,))
-    # Who is not in its way need not.
+    # A robot that is not in its way need not.
     assert ruling(WEST_BESIDE, stuck) == ("wait", False, (1,))
 
 
-def test_who_cannot_retreat_becomes_the_leader():
+def test_a_robot_that_cannot_retreat_becomes_the_leader():
     stuck = changed(EAST, leader=True, stuck=True)
     cornered = changed(WEST, cornered=True)
     assert ruling(cornered, stuck) == ("detour", True, (1,))
     cornered = changed(cornered, leader=True, stuck=True)
     assert ruling(stuck, cornered) == ("retreat", False, (2,))
-    # Neither can: nobody moves.
+    # If neither can, neither moves.
     stuck = changed(stuck, cornered=True)
     assert ruling(stuck, cornered) == ("wait", True, (2,))
     assert ruling(cornered, stuck) == ("wait", False, (1,))
 
 
-def test_after_the_retreat_the_leader_passes_and_the_other_comes_back():
+def test_after_the_retreat_the_leader_passes():
     # The other stands in a side room at (1, 1) and wants to go on to the west.
     aside = party(2, (1, 1), (1, 0), (-6, 0))
     coming = changed(EAST, leader=True, stuck=True)
@@ -140,28 +142,32 @@ def test_two_conflicts_have_a_leader_each():
     assert ruling(west, first, WEST_BESIDE, east) == ("go", True, ())
 
 
-def test_a_leader_waits_for_who_does_not_wait_for_it():
-    # A third crosses between the two, and sees none of them.
+def test_a_leader_waits_for_a_robot_that_crosses():
+    # A third robot crosses between the two and sees neither.
     crossing = party(3, (1.5, 0), (1.5, 8))
     west = changed(WEST_BESIDE, leader=False)
     assert ruling(changed(EAST, leader=True), west, crossing) == ("wait", True, (3,))
 
 
-def test_numbers_are_robots_own():
+def test_equal_numbers_are_rejected():
     with pytest.raises(InvalidInputError, match=r"\[1, 1\]"):
         ruling(EAST, EAST)
 
 
-def test_sector():
-    at = Configuration(0.0, 0.0, math.pi)
-    assert is_in_sector(at, Configuration(-2.9, 0.7), 3.0)
-    assert is_in_sector(at, Configuration(-2.9, -0.7), 3.0)
-    assert not is_in_sector(at, Configuration(-2.9, 0.8), 3.0)
-    assert not is_in_sector(at, Configuration(-3.1, 0.0), 3.0)
-    assert not is_in_sector(at, Configuration(2.0, 0.0), 3.0)
+def test_cornered_robots_lead_before_raised_flags():
+    assert leader_of([Claim(1, leader=True), Claim(2, cornered=True)]) == 2
+    # Of cornered robots one with its flag raised, then the lowest number.
+    assert leader_of([Claim(1, cornered=True), Claim(2, leader=True, cornered=True)]) == 2
+    assert leader_of([Claim(2, cornered=True), Claim(1, cornered=True)]) == 1
 
 
-def test_a_path_that_leads_away_has_nobody_in_its_way():
+def test_of_raised_flags_the_lowest_number_leads():
+    assert leader_of([Claim(3, leader=True), Claim(1), Claim(2, leader=True)]) == 2
+    assert leader_of([Claim(3), Claim(1)]) is None
+    assert leader_of([]) is None
+
+
+def test_a_path_that_leads_away_is_free():
     mate = Configuration(0.0, 0.5)
     assert not stands_in_the_way(np.array([[0.0, 0.0], [5.0, 0.0]]), mate, 0.6)
     assert not stands_in_the_way(np.array([[0.0, 0.0]]), mate, 0.6)
@@ -170,7 +176,7 @@ def test_a_path_that_leads_away_has_nobody_in_its_way():
     assert stands_in_the_way(np.array([[-5.0, 0.0], [5.0, 0.0]]), mate, 0.6, within_m=4.7)
 
 
-def test_the_nearest_place_off_the_path():
+def test_place_aside_is_the_nearest_off_the_path():
     way = np.array([[0.0, 0.0], [8.0, 0.0], [8.0, 5.0]])
     places = np.array([[3.0, 0.5], [4.0, 0.6], [5.0, 2.0], [7.5, 4.0], [6.0, -0.6]])
     costs = np.array([0.5, 3.0, 1.5, 0.1, 1.5])
@@ -222,8 +228,8 @@ def teams(draw):
 
 
 @given(teams())
-def test_not_all_who_see_one_another_wait(team):
-    # Asked one after another, each told what those before it decided.
+def test_robots_that_see_each_other_do_not_all_wait(team):
+    # The robots decide in turn, each knowing the decisions before.
     active = [k for k, robot in enumerate(team) if not robot.inactive]
     rulings = {}
     for _ in range(3):
@@ -236,7 +242,7 @@ def test_not_all_who_see_one_another_wait(team):
         assert (action == "go") <= (not because_of)
         assert (action in ("wait", "retreat", "detour")) <= bool(because_of)
         assert leader <= (action != "retreat")
-    # Somebody goes, or tries to, or a stuck leader has somebody leave or nobody who could.
+    # A robot goes or tries to; or a stuck leader has another leave, or none that could.
     actions = {ruling.action for ruling in rulings.values()}
     if active and actions == {"wait"}:
         held = [team[k] for k, ruling in rulings.items() if ruling.leader]

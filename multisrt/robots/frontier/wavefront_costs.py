@@ -1,0 +1,235 @@
+"""Costs of robots to frontiers by wavefronts over one robot's map, computed when asked for.
+
+Costs of the other robots are those on the robot's own map, from where it last heard of them, so
+that robots with the same knowledge decide alike.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from contextlib import nullcontext
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import chain
+from typing import Final
+
+import numpy as np
+
+from multisrt.geometry.grids.distance_field import DistanceField
+from multisrt.geometry.numerics.arrays import FloatArray, IntArray
+from multisrt.planners.assignment.positions import positions
+from multisrt.robots.frontier.robot import NEAR_BY_CELLS, FrontierRobot
+
+BOUND_FACTOR: Final = 1.05
+BOUND_CELLS: Final = 3.0
+"""Allowance of the Euclidean lower bound, as a factor and in cells.
+
+Marching the same path from either end gives lengths that differ by up to 3 %, and a path begins
+and ends at the centre of a cell.
+"""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Table:
+    """The targets of a decision, and their costs as far as computed.
+
+    Attributes
+    ----------
+    targets : (m, 2) array
+        Targets of the frontiers in metres.
+    robots : tuple of int
+        Ids of the robots that are taken into account.
+    costs : (n, m) array
+        Path lengths in metres; ``inf`` where no path leads or none was computed.
+    field : DistanceField or None
+        Distances from the deciding robot; None if no passable cell is near it.
+    row : int
+        Row of the deciding robot.
+    """
+
+    targets: FloatArray
+    robots: tuple[int, ...]
+    costs: FloatArray
+    field: DistanceField | None
+    row: int
+
+
+class WavefrontCosts:
+    """A lazy `CostOracle`: a wave runs only as far as the question asked requires.
+
+    Parameters
+    ----------
+    robot : FrontierRobot
+        The robot that decides.
+    alone : bool
+        Leave the other robots out.
+    whole : bool
+        Compute the robot's own costs to all targets. It then looks for other cells of every
+        frontier whose target it cannot reach; otherwise only if it can reach no target.
+
+    Attributes
+    ----------
+    robots : tuple of int
+        Ids of the robots that are taken into account, ascending.
+    row : int
+        Row of the deciding robot.
+    field : DistanceField or None
+        Distances from the deciding robot; None if no passable cell is near it.
+    targets : (m, 2) array
+        Targets of the frontiers in metres.
+    costs : (n, m) array
+        Path lengths in metres; ``inf`` where no path leads or none was computed.
+    """
+
+    def __init__(self, robot: FrontierRobot, *, alone: bool = False, whole: bool = False) -> None:
+        self.robot = robot
+        places = {robot.me.robot: robot.at[:2]}
+        if not alone:
+            places.update({report.robot: report.place[:2] for report in robot.team.present()})
+        self.robots = tuple(sorted(places))
+        self.row = self.robots.index(robot.me.robot)
+        self._places = [places[number] for number in self.robots]
+        # Bodies that this robot knows to be in the way are in its own way only.
+        with robot.around_bodies():
+            self.field = robot.own_field()
+            self._fields: dict[int, DistanceField | None] = {self.row: self.field}
+            self._take_targets()
+            if self.field is not None and not self._are_in_reach(whole):
+                changed = robot.look_closer(self.field)
+                if changed or whole:
+                    self._take_targets()
+                    self._are_in_reach(whole)
+
+    def _take_targets(self) -> None:
+        self.targets = self.robot.targets()
+        self._indices = self.robot.indices_of(self.targets)
+        self.costs = np.full((len(self.robots), len(self.targets)), np.inf)
+
+    def _are_in_reach(self, whole: bool) -> bool:
+        """Whether the deciding robot can reach any of the targets, or with `whole` all of them."""
+        if not whole:
+            return self.nearest(self.row, np.arange(len(self.targets))) is not None
+        self._compute_row(self.row)
+        return len(self.targets) > 0 and bool(np.isfinite(self.costs[self.row]).all())
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Number of robots and number of targets."""
+        return len(self.robots), len(self.targets)
+
+    def table(self) -> Table:
+        """Return the targets and the costs computed so far."""
+        return Table(
+            targets=self.targets,
+            robots=self.robots,
+            costs=self.costs,
+            field=self.field,
+            row=self.row,
+        )
+
+    def lower_bounds(self) -> FloatArray:
+        """Return the Euclidean distances less an allowance for rounding, ``(n, m)`` metres."""
+        offsets = np.array(self._places)[:, None] - self.targets
+        euclidean = np.hypot(offsets[..., 0], offsets[..., 1])
+        spare_m = BOUND_CELLS * self.robot.raster.cell_m
+        bounds: FloatArray = np.maximum(0.0, euclidean - spare_m) / BOUND_FACTOR
+        return bounds
+
+    def nearest(
+        self, robot: int, frontiers: IntArray, limit_m: float = math.inf
+    ) -> tuple[float, int] | None:
+        """Return the nearest of some targets for one robot; see `CostOracle.nearest`.
+
+        The wave from the robot stops at the first of them, or at the limit.
+        """
+        field = self._field_from(robot)
+        if field is None:
+            return None
+        with self.robot.around_bodies() if robot == self.row else nullcontext():
+            found = field.first(self._indices[frontiers], limit_m)
+        if found is None:
+            return None
+        place, cost = found
+        target = int(frontiers[place])
+        self.costs[robot, target] = cost
+        return cost, target
+
+    def robots_ahead(self, robot: int, frontier: int) -> Iterator[int]:
+        """Iterate over the robots nearer to a target than one robot, the nearest first.
+
+        A wave from the target runs on while the next robot is asked for, if the Euclidean distance
+        of any other robot allows it to be nearer. The robot's own cost has to be known already.
+        Robots in one cell take turns, see `positions`.
+        """
+        return chain(self._ahead_of_cell(robot, frontier), self._ahead_in_cell(robot, frontier))
+
+    def compute_others(self) -> None:
+        """Compute the costs of all other robots to all targets."""
+        for row in range(len(self.robots)):
+            if row != self.row:
+                self._compute_row(row)
+
+    def _ahead_of_cell(self, robot: int, target: int) -> Iterator[int]:
+        waiting = [robot, *self._rivals(robot, target)]
+        if len(waiting) == 1:
+            return
+        wave = self.robot.field(*self.targets[target].tolist())
+        assert wave is not None, "a target that can be reached is in a passable cell"
+        cells = np.array([self._cells[row] for row in waiting])
+        indices = np.column_stack(self.robot.raster.indices_of(cells))
+        while (found := wave.first(indices)) is not None:
+            place, cost = found
+            row = waiting.pop(place)
+            if row == robot:
+                return
+            indices = np.delete(indices, place, axis=0)
+            self.costs[row, target] = cost
+            yield row
+
+    def _ahead_in_cell(self, robot: int, target: int) -> Iterator[int]:
+        here = [i for i, cell in enumerate(self._cells) if cell == self._cells[robot]]
+        if len(here) > 1 and (field := self.robot.field(*self._places[robot])) is not None:
+            costs = field.distance(self._indices)
+            ranks = positions(np.tile(costs, (len(here), 1)))[:, target]
+            own = ranks[here.index(robot)]
+            yield from (here[i] for i in np.argsort(ranks)[:own].tolist())
+
+    def _rivals(self, robot: int, target: int) -> list[int]:
+        """Return the robots in other cells whose Euclidean distance allows them to be nearer."""
+        near_m = BOUND_FACTOR * self.costs[robot, target]
+        near_m += BOUND_CELLS * self.robot.raster.cell_m
+        centre_of, place = self.robot.raster.centre_of, self.targets[target].tolist()
+        return [
+            row
+            for row, cell in enumerate(self._cells)
+            if cell not in (None, self._cells[robot])
+            and math.dist(centre_of(*cell), place) <= near_m
+        ]
+
+    @cached_property
+    def _cells(self) -> list[tuple[int, int] | None]:
+        near = self.robot.raster.passable_near
+        return [near(x, y, NEAR_BY_CELLS) for x, y in self._places]
+
+    def _field_from(self, row: int) -> DistanceField | None:
+        if row not in self._fields:
+            self._fields[row] = self.robot.field(*self._places[row])
+        return self._fields[row]
+
+    def _compute_row(self, row: int) -> None:
+        field = self._field_from(row)
+        if field is not None:
+            self.costs[row] = field.distance(self._indices)
+
+
+def own_costs(robot: FrontierRobot) -> Table:
+    """Return one robot's costs to all targets, as a table of one row."""
+    return WavefrontCosts(robot, alone=True, whole=True).table()
+
+
+def full_table(robot: FrontierRobot) -> Table:
+    """Return the costs of all robots that are taken into account to all targets."""
+    costs = WavefrontCosts(robot, whole=True)
+    costs.compute_others()
+    return costs.table()

@@ -157,7 +157,8 @@ def _told_when_lost(address: str) -> Iterator[None]:
 
 def _lost(address: str) -> InvalidInputError:
     return InvalidInputError(
-        f"lost the scheduler at {address!r}; what has ended is stored, and the same command goes on"
+        f"lost the scheduler at {address!r}; finished runs are stored, and the same command "
+        "continues"
     )
 
 

@@ -471,12 +471,13 @@ def _errors_of(path: Path) -> Iterator[None]:
         if name == "SQLITE_FULL":
             raise InvalidInputError(
                 f"{path}: the disk is full; what was stored before is sound: make room, and the "
-                "same command goes on"
+                "same command continues"
             ) from None
         if name.startswith("SQLITE_IOERR"):
             raise InvalidInputError(
                 f"{path}: cannot be read or written ({said}): the disk may be full or a limit of "
-                "file sizes reached; what was stored before is sound, and the same command goes on"
+                "file sizes reached; what was stored before is sound, and the same command "
+                "continues"
             ) from None
         if name in ("SQLITE_CORRUPT", "SQLITE_NOTADB"):
             raise InvalidInputError(

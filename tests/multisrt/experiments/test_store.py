@@ -329,7 +329,7 @@ def test_a_database_that_may_grow_no_more_is_told_and_stays_sound(filled):
         store._connection.execute(f"PRAGMA max_page_count = {pages}")
         results = [result_of(run, covered_at_s=(math.pi,) * 101) for run in store.missing()]
         with pytest.raises(
-            InvalidInputError, match=r"the disk is full; .*the same command goes on"
+            InvalidInputError, match=r"the disk is full; .*the same command continues"
         ):
             any(map(store.add, results))  # all, as it gives nothing
         done = store.done

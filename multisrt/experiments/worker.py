@@ -33,7 +33,7 @@ from multisrt.experiments.crossing import Condition, PlannedRun
 from multisrt.experiments.description import Limits
 from multisrt.experiments.limits import GRACE_S
 from multisrt.experiments.memory import Thrift
-from multisrt.experiments.provenance import Provenance, provenance
+from multisrt.experiments.provenance import Provenance, differences, provenance
 from multisrt.experiments.results import Result, Status
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.spec import RunSpec
@@ -305,26 +305,6 @@ class _Process:
         with errors:
             while piece := os.read(errors.fileno(), 65_536):
                 self._last_words = (self._last_words + piece)[-LAST_WORDS_BYTES:]
-
-
-def differences(one: Provenance, other: Provenance) -> str:
-    """Say in what two programs differ; empty if they are the same."""
-    told = [
-        f"{name} {one.versions.get(name, 'none')} and {other.versions.get(name, 'none')}"
-        for name in dict.fromkeys((*one.versions, *other.versions))
-        if one.versions.get(name) != other.versions.get(name)
-    ]
-    told += [
-        f"{what} {a} and {b}"
-        for what, a, b in (
-            ("processor", one.machine, other.machine),
-            ("system", one.system, other.system),
-        )
-        if a != b
-    ]
-    if not told and one.program != other.program:
-        told = [f"another source of multisrt, {one.program} and {other.program}"]
-    return ", ".join(told)
 
 
 def _how_it_ended(code: int) -> str:

@@ -131,7 +131,7 @@ if __name__ == "__main__":
             process.wait()
             assert process.returncode == 1
             errors = process.stderr.read()
-    assert f"lost the scheduler at '{address}'; what has ended is stored" in errors
+    assert f"lost the scheduler at '{address}'; finished runs are stored" in errors
     with Store.open(path) as store:
         assert store.done >= 2
 

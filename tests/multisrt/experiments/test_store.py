@@ -9,7 +9,8 @@ from multisrt.experiments.crossing import runs
 from multisrt.experiments.description import ExperimentSpec, Limits
 from multisrt.experiments.mission import make_run
 from multisrt.experiments.results import Result
-from multisrt.experiments.store import FORMAT, Store
+from multisrt.experiments.store import Store
+from multisrt.experiments.store_file import FORMAT
 from multisrt.geometry.errors import InvalidInputError
 
 SPEC = ExperimentSpec(

@@ -121,7 +121,7 @@ def run(
     """
     import msgspec
 
-    from multisrt.experiments.worker import import_modules
+    from multisrt.experiments.modules import import_modules
 
     import_modules(modules)
     spec = read_experiment(file)

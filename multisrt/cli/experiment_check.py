@@ -56,7 +56,7 @@ def check(file: Path, workers: int | None, seconds: float, modules: tuple[str, .
       multisrt experiment check star.toml --seconds 0
     """
     from multisrt.experiments.crossing import runs
-    from multisrt.experiments.worker import import_modules
+    from multisrt.experiments.modules import import_modules
 
     import_modules(modules)
     spec = read_experiment(file)

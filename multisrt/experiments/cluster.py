@@ -22,9 +22,10 @@ from typing import TYPE_CHECKING, Any
 
 import msgspec
 
+from multisrt.experiments.job import Job
 from multisrt.experiments.provenance import Provenance, provenance
 from multisrt.experiments.results import Result
-from multisrt.experiments.worker import Job, Worker
+from multisrt.experiments.worker import Worker
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.recording import written_whole
 

@@ -150,7 +150,7 @@ cluster.provenance = lambda: mine
     ):
         _, errors = process.communicate()
         assert process.returncode == 1
-    assert f"the cluster at '{scheduler}': a worker is another program" in errors
+    assert f"the cluster at '{scheduler}': a worker runs another program" in errors
     assert "another source of multisrt, 0123 and " in errors
     assert len(errors.splitlines()) == 1
 

@@ -1,11 +1,11 @@
-"""A comparison in a few lines of Python: the conditions, crossed, run and summed up."""
+"""Compare strategies from Python: `compare` and the `Comparison` that it returns."""
 
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import ExitStack
-from dataclasses import fields
+from dataclasses import fields as dataclass_fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -37,130 +37,163 @@ if TYPE_CHECKING:
     from multisrt.reporting.style import Picture
 
 FIRST_MEASURE = "exploration_time_s"
+"""The measure that tables and figures show by default."""
 
 World = str | Path | Environment | EnvironmentChoice
 
 
 def compare(
-    environments: World | Iterable[World],
-    strategies: str | StrategyChoice | Iterable[str | StrategyChoice],
-    robots: int | TeamChoice | Iterable[int | TeamChoice] = 1,
-    seeds: int | range = 20,
+    environments: World | Iterable[World] | ExperimentSpec,
+    strategies: str | StrategyChoice | Iterable[str | StrategyChoice] | None = None,
+    robots: int | TeamChoice | Iterable[int | TeamChoice] | None = None,
+    seeds: int | range | None = None,
     *,
-    starts: str | StartsChoice | Iterable[str | StartsChoice] = "scattered",
-    radios: str | float | RadioSpec | Iterable[str | float | RadioSpec] = "unlimited",
-    faults: str | FaultsChoice | Iterable[str | FaultsChoice] = "none",
+    starts: str | StartsChoice | Iterable[str | StartsChoice] | None = None,
+    radios: str | float | RadioSpec | Iterable[str | float | RadioSpec] | None = None,
+    faults: str | FaultsChoice | Iterable[str | FaultsChoice] | None = None,
+    name: str | None = None,
+    recordings: str | None = None,
     workers: int | None = None,
     cluster: str | None = None,
     store: str | Path | None = None,
     imports: Sequence[str] = (),
     progress: bool = True,
-    name: str = "comparison",
-    recordings: str = "none",
-    **said: Any,
+    **fields: Any,
 ) -> Comparison:
-    """Run strategies against one another, and sum up how they did.
+    """Run strategies against each other and summarise the results.
 
-    Every strategy meets the same worlds, starts, faults and draws of the radio in repetition k.
-    Workers are programs of their own: a script needs no ``if __name__ == "__main__"``.
+    Conditions are crossed: every strategy with every environment, team, radio and so on. The
+    design is paired: in repetition k all strategies meet the same worlds, starts, faults and
+    draws of the radio. Runs are made by worker processes; a script needs no
+    ``if __name__ == "__main__"`` for them.
+
+    The short form names the conditions; what is not given has the default of `ExperimentSpec`.
+    The long form takes an `ExperimentSpec` alone, which describes all of them; with it only
+    `workers`, `cluster`, `store`, `imports` and `progress` may be given.
 
     Parameters
     ----------
-    environments : str, Path, Environment or EnvironmentChoice, or several
-        Names of the catalogue, map files, or worlds.
+    environments : str, Path, Environment or EnvironmentChoice, or several; or ExperimentSpec
+        Names in the catalogue, map files or environments; or the whole experiment.
     strategies : str or StrategyChoice, or several
-        Names of the registry, or with options. Marks compare with the first.
-    robots : int or TeamChoice, or several
+        Names of registered strategies, with or without options. Marks in tables compare the
+        others with the first.
+    robots : int or TeamChoice, or several, optional
         Team sizes, or teams whose robots differ.
-    seeds : int or range
-        How many repetitions, or their seeds, one after the other.
-    starts, radios, faults
-        As in an experiment's file; a number is a radio's range (m).
+    seeds : int or range, optional
+        Number of repetitions, or their consecutive seeds.
+    starts, radios, faults : optional
+        One or several, as in the experiment's file; a number is a radio's range (m).
+    name : str, optional
+        Title of reports; "comparison" by default.
+    recordings : {"none", "failed", "all"}, optional
+        Which recordings are kept beside `store`; "none" by default.
     workers : int, optional
-        Processes on this machine; by default one for each core.
+        Number of processes on this machine; one for each core by default.
     cluster : str, optional
-        Address of a scheduler of `dask.distributed` instead.
-    store : path, optional
-        Where results are kept: called again, it goes on where it was, and `multisrt report` reads
-        it. By default they are kept nowhere but in what is returned.
+        Address of a `dask.distributed` scheduler to use instead of local processes.
+    store : str or Path, optional
+        File in which results are kept: called again, `compare` makes only the runs that are
+        missing, and ``multisrt report`` reads it. By default results are kept in memory alone.
     imports : sequence of str
-        Modules that workers import, for strategies that they register.
+        Modules that workers import because they register strategies.
     progress : bool
-        Whether to show how far it is, on a terminal.
-    name : str
-        What reports call it.
-    recordings : {"none", "failed", "all"}
-        Which recordings are kept beside `store`.
-    **said
-        Further fields of an `ExperimentSpec`, as its file writes them: ``bodies``, ``blocks``,
-        ``exclude``, ``drive``, ``range_finder``, ``stop``, ``limits``, ``about``.
+        Whether to show a progress bar, on a terminal only.
+    **fields
+        Further fields of `ExperimentSpec`: `bodies`, `blocks`, `exclude`, `drive`,
+        `range_finder`, `stop`, `limits`, `about`.
 
     Returns
     -------
     Comparison
-        The results, with tables, figures and a report of them.
+        The results, with tables, figures and a report.
 
     Raises
     ------
     InvalidInputError
-        If a run cannot be: the message says which condition, and why.
+        If a field is wrong, the two forms are mixed, or a run is impossible; the message names
+        the field or the condition.
 
     Examples
     --------
     >>> import multisrt as ms
-    >>> found = ms.compare(
-    ...     environments=["garden", "clutter"],
-    ...     strategies=["srt-star", "srt-radial"],
-    ...     robots=[1, 2, 4, 8],
-    ...     seeds=20,
-    ... )  # doctest: +SKIP
-    >>> print(found.table("exploration_time_s"))  # doctest: +SKIP
+    >>> found = ms.compare("open", ["srt-star", "srt-radial"], seeds=2, progress=False)
+    >>> len(found.results)
+    4
+    >>> print(found.table("makespan_s"))  # doctest: +ELLIPSIS
+    Time until all are home (s)...
+
+    The same from an experiment, as its file would describe it:
+
+    >>> spec = ms.ExperimentSpec(
+    ...     name="Star against Radial",
+    ...     environments=("garden", "clutter"),
+    ...     strategies=("srt-star", "srt-radial"),
+    ...     robots=(1, 2, 4, 8),
+    ... )
+    >>> found = ms.compare(spec, store="star.sqlite")  # doctest: +SKIP
     >>> found.report("report")  # doctest: +SKIP
     """
-    if recordings != "none" and store is None:
+    short = {
+        "strategies": strategies,
+        "robots": robots,
+        "seeds": seeds,
+        "starts": starts,
+        "radios": radios,
+        "faults": faults,
+        "name": name,
+        "recordings": recordings,
+    }
+    given = {key: value for key, value in (short | fields).items() if value is not None}
+    if isinstance(environments, ExperimentSpec):
+        if given:
+            raise InvalidInputError(
+                "an ExperimentSpec says everything: with it, give only workers, cluster, store, "
+                f"imports and progress, and leave out {', '.join(given)}"
+            )
+        spec = environments
+        if store is None and spec.recordings == "failed":
+            spec = msgspec.structs.replace(spec, recordings="none")
+    else:
+        if strategies is None:
+            raise InvalidInputError("name the strategies to compare, or give an ExperimentSpec")
+        spec = _experiment({"environments": environments} | given)
+    if spec.recordings != "none" and store is None:
         raise InvalidInputError(
             "recordings are kept beside the results: say where those go (store=...)"
         )
-    first, count = _repetitions(seeds)
-    spec = _experiment(
-        name=name,
-        environments=[_environment(one) for one in _several(environments)],
-        strategies=_several(strategies),
-        robots=_several(robots),
-        starts=_several(starts),
-        radios=[_radio(one) for one in _several(radios)],
-        faults=_several(faults),
-        repetitions=count,
-        first_seed=first,
-        recordings=recordings,
-        **said,
-    )
     with ExitStack() as stack:
-        path = Path(
-            stack.enter_context(tempfile.TemporaryDirectory(prefix="multisrt-"))
-            if store is None
-            else Path(store).parent
-        ) / ("results.sqlite" if store is None else Path(store).name)
-        opened = stack.enter_context(Store.create_or_open(path, spec, Path.cwd()))
+        if store is None:
+            scratch = stack.enter_context(tempfile.TemporaryDirectory(prefix="multisrt-"))
+            store = Path(scratch) / "results.sqlite"
+        opened = stack.enter_context(Store.create_or_open(store, spec, Path.cwd()))
         live = stack.enter_context(LiveProgress(progress))
         run_experiment(opened, workers=workers, cluster=cluster, modules=imports, progress=live)
         return Comparison(opened.results(), Path.cwd())
 
 
 class Comparison:
-    """What came out of a comparison.
+    """The results of a comparison, with tables, figures and a report.
 
     Parameters
     ----------
     results : Results
         The runs.
     folder : Path
-        What paths of its environments are relative to.
+        Folder that relative paths of environments refer to.
 
     Attributes
     ----------
     results : Results
-        The runs.
+        The runs, in the experiment's order.
+
+    Examples
+    --------
+    >>> import multisrt as ms
+    >>> found = ms.compare("open", ["srt-star", "srt-radial"], seeds=2, progress=False)
+    >>> sorted({result.status for result in found.results})
+    ['complete']
+    >>> found.plot("makespan_s").save("figures")  # doctest: +SKIP
     """
 
     def __init__(self, results: Results, folder: Path) -> None:
@@ -170,14 +203,19 @@ class Comparison:
     def table(
         self, measure: str | Measure = FIRST_MEASURE, *, baseline: str | None = None
     ) -> ShownTable:
-        """Sum up a measure: a row for each setting, a column for each strategy.
+        """Summarise a measure: one row for each setting, one column for each strategy.
 
         Parameters
         ----------
         measure : str or Measure
-            Of what.
+            The measure; see `multisrt.experiments.measures.MEASURES`.
         baseline : str, optional
-            Which strategy the marks compare with; by default the first.
+            Strategy that the marks compare with; the first one by default.
+
+        Returns
+        -------
+        ShownTable
+            The table, which prints itself on a terminal and in a notebook.
 
         Raises
         ------
@@ -187,12 +225,26 @@ class Comparison:
         from multisrt.reporting.tables import summary_table
 
         made = summary_table(self.results, measure, baseline=baseline)
-        return ShownTable(**{field.name: getattr(made, field.name) for field in fields(Table)})
+        return ShownTable(
+            **{field.name: getattr(made, field.name) for field in dataclass_fields(Table)}
+        )
 
     def plot(
         self, measure: str | Measure = FIRST_MEASURE, *, baseline: str | None = None
     ) -> Drawings:
-        """Draw a measure: against the team's size, or how runs are spread if there is one size.
+        """Draw a measure against the team size, or as box plots if there is one size only.
+
+        Parameters
+        ----------
+        measure : str or Measure
+            The measure; see `multisrt.experiments.measures.MEASURES`.
+        baseline : str, optional
+            Strategy that the others are compared with; the first one by default.
+
+        Returns
+        -------
+        Drawings
+            The figures, which show themselves in a notebook.
 
         Raises
         ------
@@ -208,37 +260,63 @@ class Comparison:
         return Drawings(against_team_size(study, chosen) or box_plots(study, chosen))
 
     def report(self, folder: str | Path, **options: Any) -> Path:
-        """Write a report: one page, figures and tables beside it; see `write_report`.
+        """Write a report: one page, with figures and tables beside it.
+
+        Parameters
+        ----------
+        folder : str or Path
+            Folder of the report; a report that is already there is replaced.
+        **options
+            Further arguments of `multisrt.reporting.page.write_report`.
 
         Returns
         -------
         Path
             The page.
+
+        Raises
+        ------
+        InvalidInputError
+            If the folder cannot be written, or holds anything but a report.
         """
         from multisrt.reporting.page import write_report
 
         return write_report(self.results, Path(folder), folder=self._folder, **options)
 
     def frame(self) -> pandas.DataFrame:
-        """Give the runs as a frame of pandas, a row for each.
+        """Return the runs as a pandas data frame, one row for each.
+
+        Returns
+        -------
+        pandas.DataFrame
+            The columns are those of `multisrt.experiments.frames.columns`.
 
         Raises
         ------
         InvalidInputError
             If pandas is not installed (``multisrt[frames]``).
+
+        Examples
+        --------
+        >>> import multisrt as ms
+        >>> found = ms.compare("open", "srt-radial", robots=[1, 2], seeds=1, progress=False)
+        >>> found.frame()[["strategy", "robots", "status"]]
+             strategy  robots    status
+        0  srt-radial       1  complete
+        1  srt-radial       2  complete
         """
         from multisrt.experiments.frames import frame_of
 
         return frame_of(self.results)
 
     def __repr__(self) -> str:
-        """Give the table that is asked for first."""
+        """Return the table of the first measure, and how many runs are complete."""
         complete = sum(result.status == "complete" for result in self.results)
         return f"{self.table()}\n{complete} of {self.results.asked} runs complete\n"
 
 
 class ShownTable(Table):
-    """A table that shows itself, on a terminal and in a notebook."""
+    """A table that prints itself on a terminal and in a notebook."""
 
     def __repr__(self) -> str:
         return self.text()
@@ -248,12 +326,22 @@ class ShownTable(Table):
 
 
 class Drawings(tuple["Picture", ...]):
-    """Figures of a comparison: they show themselves in a notebook, and are saved as files."""
+    """Figures that show themselves in a notebook and can be saved as files."""
 
     __slots__ = ()
 
     def save(self, folder: str | Path) -> list[Path]:
-        """Write each as SVG and as PDF, and tell the files.
+        """Write each figure as SVG and as PDF.
+
+        Parameters
+        ----------
+        folder : str or Path
+            Folder for the files; it is created if necessary.
+
+        Returns
+        -------
+        list of Path
+            The files written.
 
         Raises
         ------
@@ -281,7 +369,28 @@ class Drawings(tuple["Picture", ...]):
         return "\n".join(picture.svg.decode() for picture in self)
 
 
-# From what is said to an experiment ----------------------------------------------------------
+# From keywords to an experiment ---------------------------------------------------------------
+
+
+def _experiment(given: Mapping[str, Any]) -> ExperimentSpec:
+    """Build an experiment from the keywords of the short form."""
+    fields: dict[str, Any] = {"name": "comparison", "recordings": "none"} | dict(given)
+    for name in ("environments", "strategies", "robots", "starts", "radios", "faults"):
+        if name in fields:
+            fields[name] = _several(fields[name])
+    fields["environments"] = [_environment(one) for one in fields["environments"]]
+    if "radios" in fields:
+        fields["radios"] = [_radio(one) for one in fields["radios"]]
+    if "seeds" in fields:
+        fields |= _repetitions(fields.pop("seeds"))
+    try:
+        plain = msgspec.to_builtins(fields)
+    except (TypeError, NotImplementedError) as error:
+        raise InvalidInputError(
+            f"an experiment consists of text, numbers and the parts of an ExperimentSpec "
+            f"({', '.join(ExperimentSpec.__struct_fields__)}): {error}"
+        ) from None
+    return ExperimentSpec.from_dict(plain)
 
 
 def _several(given: object) -> list[Any]:
@@ -290,16 +399,16 @@ def _several(given: object) -> list[Any]:
     return [given]
 
 
-def _repetitions(seeds: int | range) -> tuple[int, int]:
+def _repetitions(seeds: object) -> dict[str, int]:
     if isinstance(seeds, range):
         if seeds.step != 1 or not seeds:
             raise InvalidInputError(
-                f"seeds are one after the other, as in range(100, 120), not {seeds}"
+                f"seeds are consecutive numbers, as in range(100, 120), not {seeds}"
             )
-        return seeds.start, len(seeds)
+        return {"first_seed": seeds.start, "repetitions": len(seeds)}
     if isinstance(seeds, bool) or not isinstance(seeds, int):
         raise InvalidInputError(f"seeds are a number of repetitions, or a range, not {seeds!r}")
-    return 0, seeds
+    return {"repetitions": seeds}
 
 
 def _environment(given: object) -> object:
@@ -318,15 +427,3 @@ def _radio(given: object) -> object:
     if isinstance(given, RadioSpec) and not isinstance(given, RadioChoice):
         return RadioChoice(**msgspec.structs.asdict(given))
     return given
-
-
-def _experiment(**said: Any) -> ExperimentSpec:
-    known = ExperimentSpec.__struct_fields__
-    try:
-        plain = msgspec.to_builtins(said)
-    except (TypeError, NotImplementedError) as error:
-        raise InvalidInputError(
-            f"a comparison of what cannot be written down: {error}; give text, numbers, and the "
-            f"parts of an ExperimentSpec ({', '.join(known)})"
-        ) from None
-    return ExperimentSpec.from_dict(plain)

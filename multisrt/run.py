@@ -1,11 +1,11 @@
-"""The Python door: explore a world, and look at what came out."""
+"""Explore an environment from Python: `explore` and the `Run` that it returns."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 import msgspec
 
@@ -17,7 +17,6 @@ from multisrt.simulation.simulate import Watcher, simulate
 from multisrt.simulation.worlds import build_environment, environment_spec, inline
 from multisrt.spec import (
     DriveSpec,
-    EnvironmentSpec,
     Fault,
     RadioSpec,
     RangeFinderSpec,
@@ -33,18 +32,37 @@ TREE_NAME = "tree.svg"
 SPEC_NAME = "spec.toml"
 
 Starts = Literal["scattered", "clustered"] | Sequence[Sequence[float]]
-"""Where a team starts: how its places are drawn, or the places."""
+"""Start configurations of a team: how to draw them, or one for each robot."""
 
 
 class Run:
-    """A run that has ended: its recording and the world it took place in.
+    """A finished run: its recording and the environment it took place in.
 
     Parameters
     ----------
     recording : Recording
-        What happened.
+        The recording of the run.
     environment : Environment, optional
-        The world, if it is at hand; else it is taken from the recording.
+        The environment of the run. By default it is built from the recording's spec.
+
+    Raises
+    ------
+    InvalidInputError
+        If `environment` is not given and cannot be built from the recording.
+
+    Examples
+    --------
+    >>> import multisrt as ms
+    >>> run = ms.explore("open", seed=1)
+    >>> run.outcome, run.reason
+    ('complete', 'back at its root, nothing left to explore')
+    >>> run.spec.seed
+    1
+    >>> run.save_svg("tree.svg")  # doctest: +SKIP
+
+    A saved recording can be measured and drawn again:
+
+    >>> again = ms.Run(ms.Recording.load("recording.jsonl"))  # doctest: +SKIP
     """
 
     def __init__(self, recording: Recording, environment: Environment | None = None) -> None:
@@ -53,65 +71,122 @@ class Run:
 
     @property
     def spec(self) -> RunSpec:
-        """What the run depended on."""
+        """The spec of the run."""
         return self.recording.spec
 
     @property
     def outcome(self) -> RunOutcome:
-        """How it ended: `complete`, `stalled` or `out_of_time`."""
+        """How the run ended: `complete`, `stalled` or `out_of_time`."""
         return self.recording.footer.outcome
 
     @property
     def reason(self) -> str:
-        """Why it ended, in words."""
+        """Why the run ended, in words."""
         return self.recording.footer.reason
 
     @property
     def digest(self) -> str:
-        """SHA-256 of spec, world and events: equal specs have equal digests."""
+        """SHA-256 of spec, environment and events; runs of equal specs have equal digests."""
         return self.recording.footer.digest
 
     @cached_property
     def metrics(self) -> Metrics:
-        """What is measured of the run."""
+        """The metrics of the run, computed on first use."""
         return measure(self.recording, self.environment)
 
     def why(self, robot: int, time_s: float | None = None) -> str:
-        """Tell in plain words what a robot knew and decided at its last decision by a time.
+        """Explain in words what a robot knew and decided.
 
         Parameters
         ----------
         robot : int
-            Which, from 0.
+            Index of the robot, from 0.
         time_s : float, optional
-            When; the end of the run by default.
+            Time (s); the last decision up to this time is explained. By default the end of the
+            run.
+
+        Returns
+        -------
+        str
+            The explanation, of several lines.
 
         Raises
         ------
         InvalidInputError
-            If there is no such robot, or it had not decided anything by then.
+            If there is no such robot, or it had made no decision by `time_s`.
+
+        Examples
+        --------
+        >>> import multisrt as ms
+        >>> run = ms.explore("open", seed=1)
+        >>> print(run.why(robot=0, time_s=30.0))  # doctest: +ELLIPSIS
+        Robot 0 at 30.00 s...
         """
         from multisrt.explain.srt import explain
 
         return explain(self.recording, robot, time_s)
 
     def save_svg(self, path: str | Path) -> None:
-        """Draw the tree, wholly or not at all."""
+        """Draw the exploration trees as SVG.
+
+        Parameters
+        ----------
+        path : str or Path
+            The file; it is written completely or not at all.
+
+        Raises
+        ------
+        InvalidInputError
+            If the file cannot be written.
+        """
         from multisrt.drawing import save_tree_svg
 
         save_tree_svg(self.recording, path)
 
     def save_recording(self, path: str | Path) -> None:
-        """Write the recording, wholly or not at all."""
+        """Write the recording, one JSON object a line.
+
+        Parameters
+        ----------
+        path : str or Path
+            The file; it is written completely or not at all.
+
+        Raises
+        ------
+        InvalidInputError
+            If the file cannot be written.
+        """
         self.recording.save(path)
 
     def save_spec(self, path: str | Path) -> None:
-        """Write the spec as TOML, wholly or not at all; it repeats the run."""
+        """Write the spec as TOML, from which the run can be repeated.
+
+        Parameters
+        ----------
+        path : str or Path
+            The file; it is written completely or not at all.
+
+        Raises
+        ------
+        InvalidInputError
+            If the file cannot be written.
+        """
         with written_whole(Path(path)) as file:
             file.write(self.spec.to_toml().encode())
 
     def save_summary(self, path: str | Path) -> None:
-        """Write spec, outcome, reason, digest and metrics as JSON, wholly or not at all."""
+        """Write spec, outcome, reason, digest and metrics as JSON.
+
+        Parameters
+        ----------
+        path : str or Path
+            The file; it is written completely or not at all.
+
+        Raises
+        ------
+        InvalidInputError
+            If the file cannot be written.
+        """
         summary = {
             "spec": self.spec,
             "outcome": self.outcome,
@@ -134,146 +209,212 @@ class Run:
 def explore(
     environment: Environment | str | Path | RunSpec,
     *,
-    strategy: str = "srt-radial",
-    seed: int = 0,
-    options: dict[str, Scalar] | None = None,
-    robots: int = 1,
+    strategy: str | None = None,
+    seed: int | None = None,
+    options: Mapping[str, Scalar] | None = None,
+    robots: int | Sequence[RobotSpec] | None = None,
     start: Sequence[float] | None = None,
-    starts: Starts = "scattered",
-    footprint: str = "disc:0.25",
-    range_m: float = 4.0,
+    starts: Starts | None = None,
+    footprint: str | None = None,
+    range_m: float | None = None,
     beams: int | None = None,
     drive: DriveSpec | None = None,
     radio_range_m: float | None = None,
     radio: RadioSpec | None = None,
-    faults: Sequence[Fault] = (),
+    faults: Sequence[Fault] | None = None,
     max_time_s: float | None = None,
     recording_path: str | Path | None = None,
     watch: Watcher | None = None,
 ) -> Run:
-    """Explore a world with one robot or a team of equal robots.
+    """Explore an environment with one robot or a team.
 
-    For a team of different robots build a `RunSpec` and explore that.
+    There are three forms. The short one describes a team of equal robots by keywords; the second
+    takes `robots` as a sequence of `RobotSpec`, which may differ; the third takes a `RunSpec`,
+    which describes the whole run. What is not given has the default of the spec that it belongs
+    to: `RunSpec`, `RobotSpec`, `RangeFinderSpec`, `RadioSpec` or `StopRule`.
 
     Parameters
     ----------
     environment : Environment, str, Path or RunSpec
-        A world; or the name of one in the catalogue, or a map file; or a spec, which says
-        everything, so that nothing else may be given but where to write and who watches.
-    strategy : str
-        A name of the registry.
-    seed : int
-        Seeds every random stream of the run.
-    options : dict, optional
-        The strategy's parameters.
-    robots : int
-        How many; where `starts` gives the places, as many as there are.
+        The environment, its name in the catalogue, or a map file; or the spec of the run, with
+        which only `recording_path` and `watch` may be given.
+    strategy : str, optional
+        Name of a registered strategy; see `strategies`.
+    seed : int, optional
+        Seed of all random streams of the run.
+    options : mapping, optional
+        Options of the strategy that differ from its defaults.
+    robots : int or sequence of RobotSpec, optional
+        Number of equal robots, or one spec for each robot. By default one robot, or as many as
+        `starts` has configurations.
     start : (x, y) or (x, y, heading), optional
-        Where a single robot starts; see `RobotSpec`.
-    starts : {"scattered", "clustered"} or sequence of starts
-        Where a team starts: far apart from one another, together, or at these places.
-    footprint : str
-        Their bodies, as `Footprint.parse` reads it.
-    range_m, beams
-        Their range finders; see `RangeFinderSpec`.
+        Start configuration (m, rad) of a single robot.
+    starts : {"scattered", "clustered"} or sequence of configurations, optional
+        How the start configurations of a team are drawn, far apart or close together; or one
+        configuration (m, rad) for each robot.
+    footprint : str, optional
+        Body of every robot, in the notation of `Footprint.parse`.
+    range_m : float, optional
+        Range of every range finder (m).
+    beams : int, optional
+        Number of beams of every range finder; by default it returns the exact visibility
+        polygon.
     drive : DriveSpec, optional
-        How they move; differential by default.
+        Kinematics and speed of every robot.
     radio_range_m : float, optional
-        How far their radios reach; everywhere by default.
+        Range of the radio (m), all else as in `RadioSpec`.
     radio : RadioSpec, optional
-        How messages travel, in full; not together with `radio_range_m`.
-    faults : sequence of Death, Silence or LateStart
-        What goes wrong.
+        The complete description of the radio, instead of `radio_range_m`.
+    faults : sequence of Death, Silence or LateStart, optional
+        Faults of robots during the run.
     max_time_s : float, optional
-        When the run ends although the robots would go on.
-    recording_path : path, optional
-        Where to write the recording as the run goes.
+        Simulated time (s) at which the run is stopped.
+    recording_path : str or Path, optional
+        File to which the recording is written while the run goes on.
     watch : callable, optional
-        Is given every event as it happens.
+        Called with every event as it happens.
 
     Returns
     -------
     Run
-        What came out. An exploration that stalls or runs out of time is a result, too.
+        The finished run. An exploration that stalls or runs out of time is a result, no error.
 
     Raises
     ------
     InvalidInputError
-        If what was given cannot be run; the message says why.
+        If the arguments contradict each other or describe a run that is impossible.
 
     Examples
     --------
     >>> import multisrt as ms
-    >>> run = ms.explore(ms.environment("open"), seed=1)
+    >>> run = ms.explore("open", strategy="srt-radial", seed=1)
     >>> run.outcome
     'complete'
+
+    A team of equal robots, and one of two kinds:
+
+    >>> team = ms.explore("open", robots=2, starts="clustered", radio_range_m=15.0)
+    >>> len(team.recording.starts)
+    2
+    >>> mixed = ms.explore(
+    ...     "open",
+    ...     robots=[ms.RobotSpec(), ms.RobotSpec(footprint="box:0.6x0.4")],
+    ... )
+    >>> [robot.footprint for robot in mixed.spec.robots]
+    ['disc:0.25', 'box:0.6x0.4']
+
+    A spec repeats the run exactly:
+
+    >>> ms.explore(run.spec).digest == run.digest
+    True
     """
+    robot = {"footprint": footprint, "range_m": range_m, "beams": beams, "drive": drive}
+    team = {"robots": robots, "start": start, "starts": starts}
+    rest = {
+        "strategy": strategy,
+        "seed": seed,
+        "options": options,
+        "radio_range_m": radio_range_m,
+        "radio": radio,
+        "faults": faults,
+        "max_time_s": max_time_s,
+    }
+    given = {name: value for name, value in (rest | team | robot).items() if value is not None}
     if isinstance(environment, RunSpec):
-        given = (strategy, seed, options, robots, start, starts, footprint, range_m, beams, drive)
-        if (*given, radio_range_m, radio, tuple(faults), max_time_s) != _NOTHING_GIVEN:
+        if given:
             raise InvalidInputError(
-                "a RunSpec says everything: with it, give only recording_path and watch"
+                "a RunSpec says everything: with it, give only recording_path and watch, and "
+                f"leave out {', '.join(given)}"
             )
-        world = build_environment(environment.environment)
-        return Run(simulate(environment, world, path=recording_path, watch=watch), world)
-    if radio is not None and radio_range_m is not None:
-        raise InvalidInputError("give the radio's range in radio, or as radio_range_m alone")
-    places, how = _placing(robots, start, starts)
-    where: EnvironmentSpec
-    if isinstance(environment, Environment):
-        world, where = environment, inline(environment)
+        spec, world = environment, build_environment(environment.environment)
+    elif isinstance(environment, Environment):
+        world = environment
+        spec = RunSpec(environment=inline(world), **_run_fields(given))
     else:
         where = environment_spec(str(environment))
         world = build_environment(where)
-    spec = RunSpec(
-        environment=where,
-        strategy=strategy,
-        options=options or {},
-        robots=tuple(
-            RobotSpec(
-                start=None if place is None else tuple(place),
-                footprint=footprint,
-                drive=DriveSpec() if drive is None else drive,
-                range_finder=RangeFinderSpec(range_m=range_m, beams=beams),
-            )
-            for place in places
-        ),
-        starts=how,
-        radio=RadioSpec(range_m=radio_range_m) if radio is None else radio,
-        faults=tuple(faults),
-        stop=StopRule() if max_time_s is None else StopRule(max_time_s=max_time_s),
-        seed=seed,
-    )
+        spec = RunSpec(environment=where, **_run_fields(given))
     return Run(simulate(spec, world, path=recording_path, watch=watch), world)
 
 
-_NOTHING_GIVEN = (
-    *("srt-radial", 0, None, 1, None, "scattered", "disc:0.25", 4.0, None, None),
-    *(None, None, (), None),
-)
-"""The defaults of `explore`."""
-
-
-def _placing(
-    robots: int, start: Sequence[float] | None, starts: Starts
-) -> tuple[list[Sequence[float] | None], Literal["scattered", "clustered"]]:
-    # Every robot's place, None where it is to be drawn, and how to draw it.
-    if robots < 1:
-        raise InvalidInputError(f"a team has at least one robot, not {robots}")
+def _run_fields(given: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the fields of a `RunSpec` that the keywords of `explore` set."""
+    fields = {name: given[name] for name in ("strategy", "seed", "radio") if name in given}
+    if "options" in given:
+        fields["options"] = dict(given["options"])
+    if "radio_range_m" in given:
+        if "radio" in given:
+            raise InvalidInputError("give the radio's range in radio, or as radio_range_m alone")
+        fields["radio"] = RadioSpec(range_m=given["radio_range_m"])
+    if "faults" in given:
+        fields["faults"] = tuple(given["faults"])
+    if "max_time_s" in given:
+        fields["stop"] = StopRule(max_time_s=given["max_time_s"])
+    starts = given.get("starts")
     if isinstance(starts, str):
         if starts not in ("scattered", "clustered"):
             raise InvalidInputError(
-                f'starts is "scattered", "clustered" or a sequence of places, not {starts!r}'
+                f'starts is "scattered", "clustered" or a sequence of configurations, not '
+                f"{starts!r}"
             )
-        if start is not None and robots > 1:
-            raise InvalidInputError(
-                f"start is where a single robot starts; for {robots} give starts"
-            )
-        return ([start] if start is not None else [None] * robots), starts
-    if start is not None:
-        raise InvalidInputError("give start for a single robot, or starts for a team, not both")
-    if len(starts) == 0 or robots not in (1, len(starts)):
+        fields["starts"] = starts
+    robots = given.get("robots")
+    if robots is None or isinstance(robots, int):
+        fields["robots"] = _equal_robots(given)
+    else:
+        fields["robots"] = _own_robots(robots, given)
+    return fields
+
+
+def _own_robots(robots: Sequence[object], given: Mapping[str, Any]) -> tuple[RobotSpec, ...]:
+    named = ["start", "footprint", "range_m", "beams", "drive"]
+    if not isinstance(given.get("starts"), str):
+        named.append("starts")
+    if twice := [name for name in named if name in given]:
         raise InvalidInputError(
-            f"{len(starts)} starts for {robots} robots: give as many as there are robots"
+            f"a RobotSpec says everything about its robot: leave out {', '.join(twice)}, or give "
+            "robots as a number"
         )
-    return list(starts), "scattered"
+    checked = []
+    for number, robot in enumerate(robots):
+        if not isinstance(robot, RobotSpec):
+            raise InvalidInputError(
+                f"robots is a number or a sequence of RobotSpec; robots[{number}] is {robot!r}"
+            )
+        checked.append(robot)
+    return tuple(checked)
+
+
+def _equal_robots(given: Mapping[str, Any]) -> tuple[RobotSpec, ...]:
+    fields = {name: given[name] for name in ("footprint", "drive") if name in given}
+    sensor = {name: given[name] for name in ("range_m", "beams") if name in given}
+    if sensor:
+        fields["range_finder"] = RangeFinderSpec(**sensor)
+    return tuple(
+        RobotSpec(**fields) if place is None else RobotSpec(start=tuple(place), **fields)
+        for place in _start_configurations(given)
+    )
+
+
+def _start_configurations(given: Mapping[str, Any]) -> list[Sequence[float] | None]:
+    # One for each robot; None where it is drawn.
+    starts, start = given.get("starts"), given.get("start")
+    places = None if starts is None or isinstance(starts, str) else list(starts)
+    if start is not None and places is not None:
+        raise InvalidInputError("give start for a single robot, or starts for a team, not both")
+    robots: int = given.get("robots", 1 if places is None else len(places))
+    if robots < 1:
+        raise InvalidInputError(f"a team has at least one robot, not {robots}")
+    if start is not None:
+        if robots > 1:
+            raise InvalidInputError(
+                f"start is where a single robot starts; for {robots} robots give starts"
+            )
+        return [start]
+    if places is None:
+        return [None] * robots
+    if len(places) != robots:
+        raise InvalidInputError(
+            f"{len(places)} starts for {robots} robots: give one for each of them"
+        )
+    return places

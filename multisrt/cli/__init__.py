@@ -1,34 +1,39 @@
-"""The command line. What a command needs is imported when it runs, so that help comes at once."""
+"""The command line.
+
+Each command imports what it needs when it runs, so that help pages appear at once.
+"""
 
 from __future__ import annotations
 
 import click
 
+from multisrt.cli.environments import environments
 from multisrt.cli.experiment import experiment
 from multisrt.cli.explore import explore
-from multisrt.cli.lists import environments, strategies
 from multisrt.cli.report import report
 from multisrt.cli.reproduce import reproduce
+from multisrt.cli.strategies import strategies
 from multisrt.cli.why import why
 
 COMPLETE, BAD_INPUT, INTERRUPTED = 0, 2, 130
-"""Exit codes, besides that of an exploration which is not complete."""
+"""Exit codes of all commands; some have another for runs that are not complete."""
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
 @click.version_option(package_name="multisrt")
 def cli() -> None:
-    """Explore unknown planar worlds with robots, and compare how they do it.
+    """Simulate and compare multi-robot exploration of unknown planar environments.
 
     \b
     Examples:
       multisrt explore office
       multisrt explore museum --robots 4 --strategy srt-radial --strategy srt-star
-      multisrt explore office --strategy minpos --robots 4 --radio-range 15
-      multisrt experiment new star.toml
       multisrt why runs/office-srt-radial-0/recording.jsonl --robot 0 --time 31.5
+      multisrt experiment new star.toml
       multisrt environments
       multisrt strategies
+
+    'multisrt COMMAND --help' describes a command.
     """
 
 
@@ -37,7 +42,7 @@ for command in (explore, experiment, report, why, environments, strategies, repr
 
 
 def main() -> None:
-    """Run the command line; errors become one line and an exit code."""
+    """Run the command line; print an error as one line and exit with its code."""
     from multisrt.geometry.errors import MultiSrtError
 
     try:

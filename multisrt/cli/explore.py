@@ -1,4 +1,4 @@
-"""`multisrt explore`: run an exploration, or several strategies side by side."""
+"""`multisrt explore`: run one exploration, or several strategies side by side."""
 
 from __future__ import annotations
 
@@ -8,8 +8,10 @@ from typing import TYPE_CHECKING, Any
 import click
 from click.core import ParameterSource
 
-from multisrt.cli.given import DRIVES, FAULTS, OVERRIDES, spec_of_file, spec_of_words
 from multisrt.cli.progress import Progress
+from multisrt.cli.run_options import DRIVES, FAULTS, OVERRIDES, spec_of_options
+from multisrt.cli.sections import SectionedCommand
+from multisrt.cli.spec_files import read_run_spec
 from multisrt.cli.summary import print_summary
 
 if TYPE_CHECKING:
@@ -17,118 +19,142 @@ if TYPE_CHECKING:
     from multisrt.spec import RunSpec
 
 NOT_COMPLETE = 3
-"""Exit code where an exploration stalled or ran out of time."""
+"""Exit code if an exploration stalled or ran out of time."""
+
+SECTIONS = {
+    "Run": ("--strategy", "--option", "--seed", "--max-time", "--spec"),
+    "Team": ("--robots", "--starts", "--start", "--robot", "--fault"),
+    "Robots": ("--range", "--beams", "--footprint", "--drive", "--speed", "--turning-radius"),
+    "Radio": ("--radio-range", "--no-multi-hop", "--latency", "--jitter", "--loss", "--walls"),
+    "Image maps": ("--resolution", "--threshold"),
+    "Output": ("--out", "--quiet"),
+}
+"""Headings of the help page, and the options below each."""
 
 EXAMPLES = """
 \b
 Examples:
   multisrt explore office
   multisrt explore museum --robots 4 --starts clustered --radio-range 15
-  multisrt explore museum --robots 4 --strategy srt-radial --strategy srt-star --out compared
-  multisrt explore office --strategy minpos --robots 4 --radio-range 15
+  multisrt explore museum --robots 4 --strategy srt-radial --strategy srt-star
+  multisrt explore office --robots 4 --strategy minpos --radio-range 15
   multisrt explore floor.yaml --start 2.5,4 --start 3.5,4 --range 6
-  multisrt explore plan.png --resolution 0.05 --footprint box:0.6x0.4 --drive reeds-shepp
-  multisrt explore office --robots 3 --fault death:2@30:moving --fault late:1@60 --loss 0.1
-  multisrt explore office --robot footprint=box:0.6x0.4,range=6 --robot speed=1
+  multisrt explore plan.png --resolution 0.05 --footprint box:0.6x0.4
+  multisrt explore office --robots 3 --fault death:2@30 --fault late:1@60
+  multisrt explore office --robot footprint=disc:0.3,range=6 --robot speed=1
   multisrt explore --spec runs/office-srt-radial-0/spec.toml --out again
 
 \b
-The output folder gets, with several strategies in a folder each:
-  tree.svg         the trees or ways, with one layer for each thing drawn
+Files written, with several strategies in one folder each:
+  tree.svg         the exploration trees or trajectories, in layers
   run.json         spec, outcome, digest and metrics
-  spec.toml        the spec, which repeats the run
-  recording.jsonl  all that happened, one event a line
+  spec.toml        the spec; 'multisrt explore --spec' repeats the run
+  recording.jsonl  every event of the run, one a line
 
-Exit code: 0 complete, 3 stalled or out of time, 2 bad input.
+\b
+Exit code:
+  0  every run is complete        2    bad input
+  3  a run stalled or timed out   130  interrupted
 """
 
 
-@click.command(epilog=EXAMPLES)
-@click.argument("environment", metavar="ENV", required=False)
+# Every default is that of the specs: an option that is not given is not passed on. The values in
+# brackets are for people; a test compares them with the specs, whose import would delay the help.
+@click.command(cls=SectionedCommand, sections=SECTIONS, epilog=EXAMPLES)
+@click.argument("environment", metavar="[ENV]", required=False)
 @click.option(
     "--strategy",
     "strategies",
     multiple=True,
-    default=["srt-radial"],
-    show_default=True,
     metavar="NAME",
-    help="How to explore; repeat to run several and compare them.",
+    help="Strategy; repeat it to run several and compare them.  [default: srt-radial]",
 )
-@click.option("--seed", default=0, show_default=True, help="Seeds every random stream.")
 @click.option(
-    "--out",
-    type=click.Path(path_type=Path),
-    metavar="DIR",
-    help="Where results go.  [default: runs/ENV-STRATEGY-SEED]",
+    "--option",
+    "options",
+    multiple=True,
+    metavar="KEY=VALUE",
+    help="Option of the strategy, as 'multisrt strategies NAME' lists them; repeatable.",
+)
+@click.option("--seed", type=int, help="Seed of all random streams.  [default: 0]")
+@click.option(
+    "--max-time", type=float, help="Simulated time at which a run is stopped (s).  [default: 86400]"
 )
 @click.option(
     "--spec",
     "spec_file",
     type=click.Path(path_type=Path),
     metavar="FILE",
-    help="Run a spec (TOML or JSON), which says all but --out and --quiet.",
+    help="Run this spec (TOML or JSON), instead of ENV and all options but --out and --quiet.",
 )
-@click.option("--robots", type=int, metavar="N", help="How many robots.  [default: 1]")
+@click.option("--robots", type=int, metavar="N", help="Number of robots.  [default: 1]")
 @click.option(
     "--starts",
     type=click.Choice(["scattered", "clustered"]),
-    default="scattered",
-    show_default=True,
-    help="How places are drawn for robots without --start.",
+    help="How starts are drawn that --start does not give.  [default: scattered]",
 )
 @click.option(
     "--start",
     multiple=True,
     metavar="X,Y[,HEADING]",
-    help="Where a robot starts (m, rad); repeat for a team.",
+    help="Start of a robot (m, rad); repeat it for a team.",
 )
-@click.option("--range", "range_m", default=4.0, show_default=True, help="Sensor range (m).")
-@click.option("--beams", type=int, help="Beams of a laser.  [default: exact sensor]")
-@click.option(
-    "--footprint",
-    default="disc:0.25",
-    show_default=True,
-    help="Body: disc:R, box:LxW or 'polygon:x,y x,y ...' (m).",
-)
-@click.option(
-    "--drive",
-    type=click.Choice(DRIVES),
-    default="differential",
-    show_default=True,
-    help="How the body moves; the last two are cars.",
-)
-@click.option("--speed", default=0.5, show_default=True, help="Greatest speed (m/s).")
-@click.option("--turning-radius", type=float, help="Tightest curve of a car (m).  [default: 0.6]")
 @click.option(
     "--robot",
     multiple=True,
     metavar="KEY=VALUE,...",
-    help=f"What is different with one robot; repeat, in order. Keys: {', '.join(OVERRIDES)}.",
+    help=f"What differs for one robot; repeat it in the robots' order. Keys: "
+    f"{', '.join(OVERRIDES)}.",
 )
-@click.option("--radio-range", type=float, help="Range of the radio (m).  [default: unlimited]")
+@click.option(
+    "--fault",
+    "faults",
+    multiple=True,
+    metavar="FAULT",
+    help=f"A fault, times in seconds; repeatable: {FAULTS}.",
+)
+@click.option("--range", "range_m", type=float, help="Range of the range finder (m).  [default: 4]")
+@click.option(
+    "--beams",
+    type=int,
+    help="Beams of the range finder.  [default: none, the exact visibility polygon]",
+)
+@click.option(
+    "--footprint",
+    help="Body (m): disc:R, box:LxW or 'polygon:x,y x,y ...'.  [default: disc:0.25]",
+)
+@click.option(
+    "--drive",
+    type=click.Choice(DRIVES),
+    help="Kinematics; the last two are cars.  [default: differential]",
+)
+@click.option("--speed", type=float, help="Speed (m/s).  [default: 0.5]")
+@click.option(
+    "--turning-radius", type=float, help="Smallest turning radius of a car (m).  [default: 0.6]"
+)
+@click.option(
+    "--radio-range", type=float, help="Range of the radio (m).  [default: none, unlimited]"
+)
 @click.option("--no-multi-hop", is_flag=True, help="Robots do not relay messages.")
-@click.option("--latency", default=0.0, show_default=True, help="Time that a message takes (s).")
-@click.option("--jitter", default=0.0, show_default=True, help="Up to so much more time (s).")
-@click.option("--loss", default=0.0, show_default=True, help="Share of messages lost, from 0 to 1.")
+@click.option("--latency", type=float, help="Delay of every message (s).  [default: 0]")
+@click.option("--jitter", type=float, help="Largest random additional delay (s).  [default: 0]")
+@click.option(
+    "--loss", type=float, help="Probability that a message is lost, below 1.  [default: 0]"
+)
 @click.option(
     "--walls",
     type=click.Choice(["pass", "block", "weaken"]),
-    default="pass",
-    show_default=True,
-    help="What walls do to the radio.",
+    help="What walls do to the radio's signal.  [default: pass]",
 )
-@click.option("--fault", "faults", multiple=True, metavar="FAULT", help=f"{FAULTS}; repeat.")
-@click.option("--resolution", type=float, help="Metres per pixel of an image without its own (m).")
+@click.option("--resolution", type=float, help="Metres per pixel of an image without its own.")
 @click.option("--threshold", type=float, help="Lightness from 0 to 1 above which a pixel is free.")
-@click.option("--max-time", type=float, help="End the run at this time (s).")
 @click.option(
-    "--option",
-    "options",
-    multiple=True,
-    metavar="KEY=VALUE",
-    help="A parameter of the strategy; see 'multisrt strategies'.",
+    "--out",
+    type=click.Path(path_type=Path),
+    metavar="DIR",
+    help="Folder for the results.  [default: runs/ENV-STRATEGY-SEED]",
 )
-@click.option("--quiet", is_flag=True, help="Print nothing but errors.")
+@click.option("--quiet", is_flag=True, help="Print errors only.")
 @click.pass_context
 def explore(
     context: click.Context,
@@ -140,21 +166,23 @@ def explore(
     quiet: bool,
     **given: Any,
 ) -> None:
-    """Explore a world and leave a picture, the metrics and the recording.
+    """Explore an environment with one robot or a team.
+
+    Writes a picture, the metrics and the recording of the run.
 
     ENV is a name that 'multisrt environments' lists, or a map file: a ROS map_server YAML, an
     image with --resolution (its origin is the lower left corner), GeoJSON or WKT.
     """
     if spec_file is not None:
         _require_nothing_else(context)
-        specs = [spec_of_file(spec_file)]
+        specs = [read_run_spec(spec_file)]
         name = spec_file.stem
     elif environment is None:
-        raise click.UsageError("name a world (ENV), or a spec (--spec FILE)")
+        raise click.UsageError("name an environment (ENV), or a spec (--spec FILE)")
     else:
         if len(set(strategies)) < len(strategies):
-            raise click.BadParameter("a strategy is named twice", param_hint="--strategy")
-        specs = [spec_of_words(environment, strategy, given) for strategy in strategies]
+            raise click.BadParameter("a strategy is given twice", param_hint="--strategy")
+        specs = [spec_of_options(environment, name, given) for name in strategies or (None,)]
         name = Path(environment).stem
     folders = _folders(specs, out, name)
     runs = _run_all(specs, folders, quiet)
@@ -170,11 +198,8 @@ def _require_nothing_else(context: click.Context) -> None:
         if name is None or name in ("spec_file", "out", "quiet"):
             continue
         if context.get_parameter_source(name) is ParameterSource.COMMANDLINE:
-            raise click.UsageError(
-                f"--spec says everything: leave out {parameter.make_metavar(context)}"
-                if isinstance(parameter, click.Argument)
-                else f"--spec says everything: leave out {parameter.opts[0]}"
-            )
+            given = "ENV" if isinstance(parameter, click.Argument) else parameter.opts[0]
+            raise click.UsageError(f"--spec says everything: leave out {given}")
 
 
 def _folders(specs: list[RunSpec], out: Path | None, name: str) -> list[Path]:
@@ -191,12 +216,12 @@ def _run_all(specs: list[RunSpec], folders: list[Path], quiet: bool) -> list[Run
     from multisrt.simulation.simulate import simulate
     from multisrt.simulation.worlds import build_environment
 
-    # What is wrong with the last one is told before the first one runs.
+    # Bad options of the last strategy are reported before the first one runs.
     for spec in specs:
         strategy(spec.strategy).parse_options(spec.options)
     runs = []
     with Progress(quiet) as progress:
-        progress.say("reading the world")
+        progress.say("reading the environment")
         world = build_environment(specs[0].environment)
         for spec, out in zip(specs, folders, strict=True):
             with output_folder(out) as folder:

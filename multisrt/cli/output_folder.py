@@ -1,4 +1,4 @@
-"""A folder that gets all of a run's files, or none."""
+"""A folder that receives all files of a run or none."""
 
 from __future__ import annotations
 
@@ -9,20 +9,30 @@ from pathlib import Path
 
 from multisrt.geometry.errors import InvalidInputError
 
-UNFINISHED = "unfinished"
-"""Name of the folder, inside the one asked for, in which files lie until all are written."""
+PARTIAL_NAME = "unfinished"
+"""Name of the folder, inside the target, that holds the files until all are written."""
 
 
 @contextmanager
 def output_folder(folder: Path) -> Iterator[Path]:
-    """Give a folder to write to, whose files move to the folder asked for at the end.
+    """Open a folder for writing, whose files move to their target at the end.
 
-    If anything fails before, they are removed, and so are the folders that were made.
+    On any error the files are removed, and so are the folders that were created.
+
+    Parameters
+    ----------
+    folder : Path
+        The target; it is created if necessary.
+
+    Yields
+    ------
+    Path
+        The folder to write to.
 
     Raises
     ------
     InvalidInputError
-        If the folder cannot be made or written to; the message says why.
+        If the target cannot be created or written to.
     """
     made: list[Path] = []
     try:
@@ -33,7 +43,7 @@ def output_folder(folder: Path) -> Iterator[Path]:
             for path in reversed(missing):
                 path.mkdir()
                 made.insert(0, path)
-            unfinished = folder / UNFINISHED
+            unfinished = folder / PARTIAL_NAME
             shutil.rmtree(unfinished, ignore_errors=True)
             unfinished.mkdir()
             made.insert(0, unfinished)
@@ -46,7 +56,7 @@ def output_folder(folder: Path) -> Iterator[Path]:
             path.replace(folder / path.name)
         unfinished.rmdir()
     except BaseException:
-        if made and made[0].name == UNFINISHED:
+        if made and made[0].name == PARTIAL_NAME:
             shutil.rmtree(made.pop(0), ignore_errors=True)
         for path in made:
             if any(path.iterdir()):

@@ -1,4 +1,4 @@
-"""What a person sees while a run goes on."""
+"""Progress of a run on the terminal."""
 
 from __future__ import annotations
 
@@ -14,17 +14,31 @@ if TYPE_CHECKING:
 
 
 class Progress(LiveLine):
-    """What a person sees while a run goes on: the share covered, on a terminal only."""
+    """Progress bar of a run: the share of the environment that is covered.
+
+    Parameters
+    ----------
+    quiet : bool
+        Whether to show nothing; without a terminal nothing is shown either.
+    """
 
     def __init__(self, quiet: bool) -> None:
         super().__init__(not quiet)
 
     def say(self, note: str) -> None:
-        """Tell what is being done, of which no share is known."""
+        """Show an activity without a share."""
         self.update(description=note, total=None, note="")
 
     def watcher(self, spec: RunSpec, world: Environment) -> Watcher | None:
-        """Give what watches a run, where anybody does."""
+        """Return a callback that moves the bar with the events of a run, or None if it is hidden.
+
+        Parameters
+        ----------
+        spec : RunSpec
+            The run.
+        world : Environment
+            Its environment.
+        """
         if not self.shown:
             return None
         from multisrt.analysis.coverage import CoverageMeter

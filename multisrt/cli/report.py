@@ -1,4 +1,4 @@
-"""`multisrt report`: a page, figures and tables from the results of an experiment."""
+"""`multisrt report`: a page, figures and tables of an experiment's results."""
 
 from __future__ import annotations
 
@@ -15,23 +15,23 @@ import click
     default=Path("report"),
     show_default=True,
     metavar="DIR",
-    help="Where the report goes; one that is there already is replaced.",
+    help="Folder for the report; a report that is already there is replaced.",
 )
-@click.option("--latex", is_flag=True, help="Write the tables as LaTeX, too.")
+@click.option("--latex", is_flag=True, help="Also write the tables as LaTeX.")
 @click.option(
     "--measure",
     "measures",
     multiple=True,
     metavar="NAME",
-    help="What to report on; repeat for several.  [default: time, distance and coverage]",
+    help="Measure to report; repeatable.  [default: time, distance and coverage]",
 )
 @click.option(
     "--baseline",
     metavar="STRATEGY",
-    help="Which strategy the others are compared with.  [default: the first]",
+    help="Strategy that the others are compared with.  [default: the first]",
 )
-@click.option("--no-gallery", is_flag=True, help="Draw no trees: nothing is simulated again.")
-@click.option("--quiet", is_flag=True, help="Print nothing but errors.")
+@click.option("--no-gallery", is_flag=True, help="Draw no trees, which repeats some runs.")
+@click.option("--quiet", is_flag=True, help="Print errors only.")
 def report(
     results: Path,
     out: Path,
@@ -42,14 +42,15 @@ def report(
     no_gallery: bool,
     quiet: bool,
 ) -> None:
-    """Write a report on an experiment: one page to read and send, figures and tables beside it.
+    """Write a report of an experiment's results.
 
-    RESULTS is the file that 'multisrt experiment run' fills. It may go on filling meanwhile.
+    The report is one self-contained HTML page, with figures and tables beside it. RESULTS is the
+    file written by 'multisrt experiment run', which may still be running.
 
     \b
     Examples:
-      multisrt report results.sqlite --out report
-      multisrt report results.sqlite --baseline srt-star --measure makespan_s --latex
+      multisrt report star.sqlite --out report
+      multisrt report star.sqlite --baseline srt-star --measure makespan_s
     """
     from multisrt.experiments.store import Store
     from multisrt.terminal import LiveLine

@@ -1,4 +1,4 @@
-"""`multisrt reproduce`: the experiments of the papers, beside their printed figures."""
+"""`multisrt reproduce`: the experiments of the papers, beside their published figures."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from multisrt.cli.running import make_runs, running_options
+from multisrt.cli.running import Running, make_runs, running_options
 
 if TYPE_CHECKING:
     from multisrt.experiments.results import Results
@@ -17,49 +17,46 @@ if TYPE_CHECKING:
 STORE_NAME, REPORT_NAME, SUMMARY_NAME = "results.sqlite", "report", "summary.md"
 
 RUNS_FAILED = 3
-"""Exit code where a run is not complete, or had a collision."""
+"""Exit code if a run is not complete or had a collision."""
 
 
 @click.command()
 @click.argument("name", metavar="PAPER")
-@click.option("--quick", is_flag=True, help="A few cells and repetitions: some minutes.")
+@click.option("--quick", is_flag=True, help="Fewer conditions and repetitions: some minutes.")
 @click.option(
     "--seeds",
     type=click.IntRange(1, 100_000),
     metavar="N",
-    help="Repetitions of every condition.  [default: see below]",
+    help="Repetitions of every condition.  [default: see above]",
 )
 @running_options
 @click.option(
     "--out",
     type=click.Path(path_type=Path),
     metavar="DIR",
-    help="Where everything goes.  [default: reproduced/PAPER, with -quick]",
+    help="Folder for all files.  [default: reproduced/PAPER, or PAPER-quick]",
 )
 @click.option(
     "--store",
     type=click.Path(path_type=Path),
     metavar="FILE",
-    help=f"Where results are stored.  [default: {STORE_NAME} in DIR]",
+    help=f"File for the results.  [default: {STORE_NAME} in DIR]",
 )
-@click.option("--no-gallery", is_flag=True, help="Draw no trees: nothing is simulated again.")
+@click.option("--no-gallery", is_flag=True, help="Draw no trees, which repeats some runs.")
 def reproduce(
     name: str,
     *,
     quick: bool,
     seeds: int | None,
-    workers: int | None,
-    cluster: str | None,
     out: Path | None,
     store: Path | None,
-    retry: bool,
     no_gallery: bool,
-    quiet: bool,
+    running: Running,
 ) -> None:
-    """Repeat a paper's experiment, and say which of its claims hold here.
+    """Repeat a paper's experiment and check its claims.
 
-    PAPER is one of multi-srt, sbx-r, minpos and alvarez. Interrupted, the same command goes on
-    with the runs that are missing; more repetitions can be asked for later.
+    PAPER is multi-srt, sbx-r, minpos or alvarez. After an interruption the same command makes the
+    runs that are missing; with a larger --seeds it adds repetitions.
 
     \b
     Examples:
@@ -68,21 +65,22 @@ def reproduce(
       multisrt reproduce minpos --cluster tcp://node1:8786
 
     \b
-    Repetitions, in full and quick, and those of the paper:
-      multi-srt    20   10    20
-      sbx-r        10    5    31
-      minpos       20    8    not told
-      alvarez      10    7    40
+    Repetitions:   full   --quick   in the paper
+      multi-srt      20        10             20
+      sbx-r          10         5             31
+      minpos         20         8     not stated
+      alvarez        10         7             40
 
     \b
-    The folder gets:
-      results.sqlite   every run; multisrt report and multisrt experiment read it
-      report           the page, its figures and tables
-      summary.md       claims and figures beside the paper's, as text
+    Files written to DIR:
+      results.sqlite   every run, for multisrt report and multisrt experiment
+      report           the report: page, figures and tables
+      summary.md       claims and figures beside those of the paper, as text
 
     \b
-    Exit code: 0 all runs complete, 3 some are not or had a collision (the claims are judged all
-    the same), 2 bad input, 130 interrupted.
+    Exit code:
+      0  all runs are complete and without a collision    2    bad input
+      3  some are not; the claims are judged all the same 130  interrupted
     """
     import msgspec
 
@@ -99,9 +97,7 @@ def reproduce(
     out = out or Path("reproduced") / (name + ("-quick" if quick else ""))
     path = store or out / STORE_NAME
     _make_folder(out)
-    results = make_runs(
-        path, experiment, workers=workers, cluster=cluster, retry=retry, quiet=quiet
-    )
+    results = make_runs(path, experiment, running=running)
     claims, tables = preset.claims(results), preset.tables(results)
     command = f"multisrt reproduce {name}{' --quick' * quick}"
     if seeds is not None:
@@ -109,7 +105,7 @@ def reproduce(
     text = summary(preset, results, command, claims=claims, tables=tables)
     with written_whole(out / SUMMARY_NAME) as file:
         file.write(text.encode())
-    with LiveLine(not quiet, "report") as live:
+    with LiveLine(not running.quiet, "report") as live:
         page = write_report(
             results,
             out / REPORT_NAME,
@@ -118,8 +114,8 @@ def reproduce(
             gallery=not no_gallery,
             progress=live.say,
         )
-    if not quiet:
-        _tell(preset, results, claims)
+    if not running.quiet:
+        _print_verdicts(preset, results, claims)
         click.echo(f"{page}\n{out / SUMMARY_NAME}")
     if any(result.failed for result in results):
         raise SystemExit(RUNS_FAILED)
@@ -132,11 +128,11 @@ def _make_folder(folder: Path) -> None:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise InvalidInputError(
-            f"cannot make the folder {folder}: {error.strerror or error}; name another with --out"
+            f"cannot make the folder {folder}: {error.strerror or error}; choose another with --out"
         ) from None
 
 
-def _tell(preset: Preset, results: Results, claims: list[Claim]) -> None:
+def _print_verdicts(preset: Preset, results: Results, claims: list[Claim]) -> None:
     from multisrt.cli.tables import show, table
 
     complete = sum(result.status == "complete" for result in results)

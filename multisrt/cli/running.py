@@ -1,10 +1,12 @@
-"""Making the runs of an experiment, as `experiment run` and `reproduce` both do."""
+"""Making the runs of an experiment, for `experiment run` and `reproduce`."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import wraps
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -12,41 +14,65 @@ if TYPE_CHECKING:
     from multisrt.experiments.description import ExperimentSpec
     from multisrt.experiments.results import Results
 
-Command = TypeVar("Command", bound=Callable[..., Any])
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Running:
+    """How the runs of an experiment are made, as the command line says.
+
+    Attributes
+    ----------
+    workers : int or None
+        Number of processes on this machine; None: one for each core.
+    cluster : str or None
+        Address of a `dask.distributed` scheduler instead.
+    retry : bool
+        Whether runs that failed without a result are made again.
+    quiet : bool
+        Whether only errors are printed.
+    """
+
+    workers: int | None
+    cluster: str | None
+    retry: bool
+    quiet: bool
 
 
-def _one_of_them(context: click.Context, option: click.Parameter, value: Any) -> Any:
-    others = {"workers", "cluster"} - {option.name}
-    if value is not None and any(context.params.get(other) is not None for other in others):
-        raise click.UsageError("give --workers or --cluster, not both: a cluster has its own")
-    return value
+def running_options(command: Callable[..., None]) -> Callable[..., None]:
+    """Add --workers, --cluster, --retry and --quiet, passed on as one `running`."""
 
+    @wraps(command)
+    def with_running(
+        *args: Any,
+        workers: int | None,
+        cluster: str | None,
+        retry: bool,
+        quiet: bool,
+        **others: Any,
+    ) -> None:
+        if workers is not None and cluster is not None:
+            raise click.UsageError("give --workers or --cluster, not both: a cluster has its own")
+        running = Running(workers=workers, cluster=cluster, retry=retry, quiet=quiet)
+        command(*args, running=running, **others)
 
-def running_options(command: Command) -> Command:
-    """Let a command be told who makes its runs, and which: workers, cluster, retry, quiet."""
-    for option in reversed(
-        (
-            click.option(
-                "--workers",
-                type=click.IntRange(1),
-                callback=_one_of_them,
-                metavar="N",
-                help="Processes on this machine.  [default: one for each core]",
-            ),
-            click.option(
-                "--cluster",
-                callback=_one_of_them,
-                metavar="ADDRESS",
-                help="A scheduler of dask.distributed instead: tcp://HOST:8786.",
-            ),
-            click.option(
-                "--retry", is_flag=True, help="Make runs again that did not come to an end."
-            ),
-            click.option("--quiet", is_flag=True, help="Print nothing but errors."),
-        )
-    ):
-        command = option(command)
-    return command
+    options = (
+        click.option(
+            "--workers",
+            type=click.IntRange(1),
+            metavar="N",
+            help="Number of processes on this machine.  [default: one for each core]",
+        ),
+        click.option(
+            "--cluster",
+            metavar="ADDRESS",
+            help="Address of a dask.distributed scheduler to use instead: tcp://HOST:8786.",
+        ),
+        click.option("--retry", is_flag=True, help="Repeat runs that failed without a result."),
+        click.option("--quiet", is_flag=True, help="Print errors only."),
+    )
+    decorated: Callable[..., None] = with_running
+    for option in reversed(options):
+        decorated = option(decorated)
+    return decorated
 
 
 def make_runs(
@@ -54,33 +80,36 @@ def make_runs(
     spec: ExperimentSpec,
     folder: Path | None = None,
     *,
-    workers: int | None,
-    cluster: str | None,
-    retry: bool,
-    quiet: bool,
+    running: Running,
     modules: Sequence[str] = (),
 ) -> Results:
-    """Make the runs of an experiment that its store has no result of, and give all results.
+    """Make the runs of an experiment that have no result yet.
 
     Parameters
     ----------
     path : Path
-        The store; it is made if there is none.
+        The store; it is created if necessary.
     spec : ExperimentSpec
         The experiment.
     folder : Path, optional
-        What paths of its environments are relative to.
-    workers, cluster, retry, quiet
-        As the options say.
+        Folder that relative paths of environments refer to; by default the working directory.
+    running : Running
+        How the runs are made.
     modules : sequence of str
-        What workers import.
+        Modules that workers import.
+
+    Returns
+    -------
+    Results
+        All results, those of earlier calls included.
 
     Raises
     ------
     InvalidInputError
-        As `Store.create_or_open` and `run_experiment` do.
+        As `Store.create_or_open` and `run_experiment` raise it. A store that was created here is
+        removed if no run could be made.
     click.Abort
-        If it was interrupted; what is there by then has been told.
+        If interrupted, after a message that says how many runs are stored.
     """
     from multisrt.experiments.live import LiveProgress
     from multisrt.experiments.runner import run_experiment
@@ -90,23 +119,26 @@ def make_runs(
     was_there, has_begun = path.exists(), True
     try:
         with Store.create_or_open(path, spec, folder) as opened:
-            if retry:
+            if running.retry:
                 opened.forget()
             try:
-                with LiveProgress(not quiet) as live:
+                with LiveProgress(not running.quiet) as live:
                     run_experiment(
-                        opened, workers=workers, cluster=cluster, modules=modules, progress=live
+                        opened,
+                        workers=running.workers,
+                        cluster=running.cluster,
+                        modules=modules,
+                        progress=live,
                     )
             except KeyboardInterrupt:
-                told = f"{opened.done} of {opened.asked} runs are stored in {path}"
-                click.echo(f"{told}; the same command goes on", err=True)
+                stored = f"{opened.done} of {opened.asked} runs are stored in {path}"
+                click.echo(f"{stored}; the same command continues", err=True)
                 raise click.Abort from None
             except InvalidInputError:
                 has_begun = opened.done > 0
                 raise
             return opened.results()
     except InvalidInputError:
-        # A store is not left behind by what could not even begin.
         if not (was_there or has_begun):
             path.unlink()
         raise

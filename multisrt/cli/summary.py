@@ -1,4 +1,4 @@
-"""What a person is told of runs that have ended: one table, a column for each."""
+"""Summary of finished runs on the terminal: one table, with a column for each run."""
 
 from __future__ import annotations
 
@@ -12,17 +12,25 @@ from multisrt.cli.tables import show, table
 if TYPE_CHECKING:
     from multisrt.run import Run
 
-MOSTLY = 0.9
-"""Where less of the free space than this can be explored, a person is told so."""
+MIN_EXPLORABLE = 0.9
+"""Share of the free space; if less is explorable, the summary says so."""
 
-MOST_ROBOTS = 16
-"""A team larger than this is told of in totals only."""
+MAX_ROBOTS = 16
+"""Largest team whose robots are listed one by one."""
 
 Rows = dict[str, str]
 
 
 def print_summary(runs: list[Run], folders: list[Path]) -> None:
-    """Print how runs of one world ended, their measures side by side, and where their files are."""
+    """Print how runs in one environment ended, their metrics side by side, and their files.
+
+    Parameters
+    ----------
+    runs : list of Run
+        Runs in the same environment, at least one.
+    folders : list of Path
+        Folders with the files of each run.
+    """
     from multisrt.run import RECORDING_NAME, RUN_NAME, SPEC_NAME, TREE_NAME
 
     for run in runs:
@@ -38,7 +46,7 @@ def print_summary(runs: list[Run], folders: list[Path]) -> None:
     for name in dict.fromkeys(name for row in rows for name in row):
         measures.add_row(name, *(row.get(name, "") for row in rows))
     show(measures)
-    if 1 < len(runs[0].spec.robots) <= MOST_ROBOTS:
+    if 1 < len(runs[0].spec.robots) <= MAX_ROBOTS:
         _print_robots(runs)
     for folder in folders:
         for name in (TREE_NAME, RUN_NAME, SPEC_NAME, RECORDING_NAME):
@@ -47,7 +55,7 @@ def print_summary(runs: list[Run], folders: list[Path]) -> None:
 
 def _print_reach(run: Run) -> None:
     m = run.metrics
-    if m.explorable_area_m2 < MOSTLY * m.free_area_m2:
+    if m.explorable_area_m2 < MIN_EXPLORABLE * m.free_area_m2:
         bodies = ", ".join(dict.fromkeys(robot.footprint for robot in run.spec.robots))
         click.echo(
             f"  the body {bodies} gets only to where {m.explorable_area_m2:.1f} "
@@ -116,13 +124,13 @@ def _cut_off(run: Run) -> Rows:
 
 
 def _end(run: Run) -> str:
-    # Who bids for frontiers stays where it is when it is done.
+    # Robots that bid for frontiers stay where they are at the end.
     at = "done at" if _scans(run) else "home at"
     return f"all {at}" if len(run.spec.robots) > 1 else at
 
 
 def _scans(run: Run) -> bool:
-    # Whether the nodes of a run are scans taken on the way, and no places that were chosen.
+    """Whether the nodes of a run are scans taken on the way, not chosen configurations."""
     return "scan" in run.metrics.nodes_by_stage
 
 

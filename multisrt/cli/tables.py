@@ -6,11 +6,21 @@ import sys
 from typing import Any
 
 WIDTH = 100
-"""Columns, where no terminal says how many it has."""
+"""Columns of output that does not go to a terminal."""
 
 
 def table(*columns: str) -> Any:
-    """Begin a table; a column that begins with > is set to the right."""
+    """Return an empty table.
+
+    Parameters
+    ----------
+    *columns : str
+        Headings; a column whose heading starts with ``>`` is aligned to the right.
+
+    Returns
+    -------
+    rich.table.Table
+    """
     from rich import box
     from rich.table import Table
 
@@ -22,7 +32,7 @@ def table(*columns: str) -> Any:
 
 
 def show(made: Any) -> None:
-    """Print a table."""
+    """Print a table, as wide as the terminal."""
     from rich.console import Console
 
     width = None if sys.stdout.isatty() else WIDTH

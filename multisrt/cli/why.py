@@ -1,4 +1,4 @@
-"""`multisrt why`: what a robot knew and decided."""
+"""`multisrt why`: explain a robot's decisions."""
 
 from __future__ import annotations
 
@@ -8,17 +8,23 @@ import click
 
 
 @click.command()
-@click.argument("recording", type=click.Path(path_type=Path))
-@click.option("--robot", default=0, show_default=True, help="Which robot, from 0.")
+@click.argument("recording", metavar="RECORDING", type=click.Path(path_type=Path))
+@click.option("--robot", default=0, show_default=True, help="Index of the robot, from 0.")
 @click.option(
-    "--time", "time_s", type=float, help="When (s): its last decision by then.  [default: the end]"
+    "--time",
+    "time_s",
+    type=float,
+    help="Time (s); its last decision up to then is explained.  [default: end of the run]",
 )
-@click.option("--all", "everything", is_flag=True, help="All of its decisions, one line each.")
+@click.option("--all", "everything", is_flag=True, help="List all of its decisions, one a line.")
 def why(recording: Path, robot: int, time_s: float | None, everything: bool) -> None:
-    """Tell what a robot knew and decided, in plain words, from a RECORDING.
+    """Explain what a robot knew and decided.
+
+    RECORDING is the file recording.jsonl that 'multisrt explore' writes.
 
     \b
     Examples:
+      multisrt why runs/office-srt-radial-0/recording.jsonl
       multisrt why out/recording.jsonl --robot 2 --time 31.5
       multisrt why out/recording.jsonl --robot 2 --all
     """
@@ -26,7 +32,7 @@ def why(recording: Path, robot: int, time_s: float | None, everything: bool) -> 
     from multisrt.recording import Recording
 
     if everything and time_s is not None:
-        raise click.UsageError("--all tells all decisions: leave out --time")
+        raise click.UsageError("--all lists all decisions: leave out --time")
     loaded = Recording.load(recording)
     text = explain_all(loaded, robot) if everything else explain(loaded, robot, time_s)
     click.echo(text, nl=False)

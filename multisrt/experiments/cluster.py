@@ -22,9 +22,10 @@ from typing import TYPE_CHECKING, Any
 
 import msgspec
 
+from multisrt.experiments.job import Job
 from multisrt.experiments.provenance import Provenance, provenance
 from multisrt.experiments.results import Result
-from multisrt.experiments.worker import Job, Worker
+from multisrt.experiments.worker import Worker
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.recording import written_whole
 
@@ -157,7 +158,8 @@ def _told_when_lost(address: str) -> Iterator[None]:
 
 def _lost(address: str) -> InvalidInputError:
     return InvalidInputError(
-        f"lost the scheduler at {address!r}; what has ended is stored, and the same command goes on"
+        f"lost the scheduler at {address!r}; finished runs are stored, and the same command "
+        "continues"
     )
 
 

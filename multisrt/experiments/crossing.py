@@ -1,59 +1,47 @@
-"""From an experiment's description to its runs: every condition, crossed, with every repetition."""
+"""From an experiment to its conditions, and from these to its runs.
+
+Choices of all kinds are crossed, in each block of the experiment; what is left after exclusions
+are its conditions, told apart by their labels. Every condition is repeated with every seed.
+"""
 
 from __future__ import annotations
 
 import hashlib
 import itertools
 import math
-import os
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields, replace
-from functools import lru_cache
 from pathlib import Path
-from typing import Any, Literal, TypeVar
+from typing import Any, TypeVar
 
 import msgspec
-import numpy as np
 
-from multisrt.environments.catalog import names
-from multisrt.environments.environment import Environment
 from multisrt.experiments.description import (
     Block,
     BodyChoice,
     EnvironmentChoice,
     ExperimentSpec,
     FaultsChoice,
-    MemberChoice,
     Only,
     RadioChoice,
     StartsChoice,
     StrategyChoice,
     TeamChoice,
 )
-from multisrt.geometry.bodies.footprint import Footprint
-from multisrt.geometry.errors import InvalidInputError, did_you_mean
-from multisrt.robots.registry import Strategy, strategy
-from multisrt.simulation.starts import drawn_start
-from multisrt.simulation.worlds import build_environment, environment_spec, inline
-from multisrt.spec import (
-    CatalogEnvironment,
-    Death,
-    EnvironmentSpec,
-    Fault,
-    FileEnvironment,
-    InlineEnvironment,
-    LateStart,
-    RadioSpec,
-    RobotSpec,
-    RunSpec,
-    Silence,
+from multisrt.experiments.run_specs import (
+    Choices,
+    forget_worlds,
+    is_file,
+    run_spec,
+    starts_label,
+    written_out,
 )
+from multisrt.geometry.errors import InvalidInputError, did_you_mean
+from multisrt.spec import FileEnvironment, RobotSpec, RunSpec
 
-MOST_RUNS = 1_000_000
-"""An experiment of more is taken for a mistake."""
-
-WORLDS_KEPT = 512
+MAX_RUNS = 1_000_000
+"""Most runs of an experiment; more are taken for a mistake."""
 
 OWN_BODIES = "its own"
 """Label of the bodies of a team whose robots differ."""
@@ -62,18 +50,23 @@ Choice = TypeVar("Choice")
 
 
 class Condition(msgspec.Struct, frozen=True, kw_only=True, order=True):
-    """What a run is one repetition of, by the labels that tables use.
+    """A condition of an experiment, by the labels of its choices.
 
     Attributes
     ----------
     environment, strategy : str
         Labels.
     robots : int
-        How many.
+        Number of robots.
     team : str
-        Label of a team whose robots differ; empty for others.
+        Label of a team whose robots differ; empty for a team of equal robots.
     starts, radio, body, faults : str
         Labels.
+
+    Examples
+    --------
+    >>> print(Condition(environment="office", strategy="srt-star", robots=2))
+    office, srt-star, 2 robots, scattered, unlimited, disc:0.25
     """
 
     environment: str
@@ -82,11 +75,11 @@ class Condition(msgspec.Struct, frozen=True, kw_only=True, order=True):
     team: str = ""
     starts: str = "scattered"
     radio: str = "unlimited"
-    body: str = "disc:0.25"
+    body: str = RobotSpec().footprint
     faults: str = "none"
 
     def __str__(self) -> str:
-        """Say it in a line."""
+        """Return the labels, separated by commas."""
         size = self.team or f"{self.robots} robot{'s' * (self.robots != 1)}"
         what = (self.environment, self.strategy, size, self.starts, self.radio, self.body)
         return ", ".join((*what, *((f"faults: {self.faults}",) * (self.faults != "none"))))
@@ -94,18 +87,18 @@ class Condition(msgspec.Struct, frozen=True, kw_only=True, order=True):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PlannedRun:
-    """A run that an experiment asks for.
+    """One run of an experiment.
 
     Attributes
     ----------
     key : str
-        Digest of the spec.
+        Digest of the spec; see `key_of`.
     condition : Condition
-        What it is a repetition of.
+        The condition that it repeats.
     repetition : int
-        Which, from 0.
+        Number of the repetition, from 0.
     spec : RunSpec
-        What it depends on.
+        The spec of the run.
     """
 
     key: str
@@ -114,55 +107,75 @@ class PlannedRun:
     spec: RunSpec
 
 
-@dataclass(frozen=True, slots=True)
-class _Axes:
-    """One choice of each kind, with its label."""
-
-    environment: EnvironmentChoice
-    strategy: StrategyChoice
-    team: int | TeamChoice
-    starts: StartsChoice
-    radio: RadioChoice
-    body: BodyChoice
-    faults: FaultsChoice
-
-
 def conditions(spec: ExperimentSpec) -> list[Condition]:
-    """Give every condition of an experiment, in the order in which it names them.
-
-    Raises
-    ------
-    InvalidInputError
-        If nothing is left after exclusions, or a label stands for two things.
-    """
-    return [condition for condition, _ in _conditions(spec)]
-
-
-def runs(spec: ExperimentSpec, folder: Path | None = None) -> list[PlannedRun]:
-    """Give every run of an experiment, repetition by repetition.
-
-    So that an experiment that is cut short has something of each condition.
+    """Return the conditions of an experiment, in the order of its choices.
 
     Parameters
     ----------
     spec : ExperimentSpec
         The experiment.
-    folder : path, optional
-        What paths of environments are relative to; by default the working directory.
+
+    Returns
+    -------
+    list of Condition
+        The conditions that are not excluded.
 
     Raises
     ------
     InvalidInputError
-        If a run cannot be: the message says which condition, and why.
+        If all conditions are excluded, or two different ones have the same labels.
+
+    Examples
+    --------
+    >>> from multisrt.experiments.description import ExperimentSpec
+    >>> spec = ExperimentSpec(
+    ...     name="x", environments=("open", "maze"), strategies=("srt-star",), robots=(1, 2)
+    ... )
+    >>> [(one.environment, one.robots) for one in conditions(spec)]
+    [('open', 1), ('open', 2), ('maze', 1), ('maze', 2)]
     """
-    for kept in (_world, _held, _drawn):
-        kept.cache_clear()  # files may have changed since
+    return [condition for condition, _ in _conditions(spec)]
+
+
+def runs(spec: ExperimentSpec, folder: Path | None = None) -> list[PlannedRun]:
+    """Return the runs of an experiment.
+
+    Repetition 0 of all conditions comes first, then repetition 1 and so on: an experiment that is
+    cut short has results of each condition.
+
+    Parameters
+    ----------
+    spec : ExperimentSpec
+        The experiment.
+    folder : Path, optional
+        Folder that relative paths of environments refer to; by default the working directory.
+
+    Returns
+    -------
+    list of PlannedRun
+        The runs, each with a key of its own.
+
+    Raises
+    ------
+    InvalidInputError
+        If a run is impossible; the message names the condition.
+
+    Examples
+    --------
+    >>> from multisrt.experiments.description import ExperimentSpec
+    >>> spec = ExperimentSpec(
+    ...     name="x", environments=("open",), strategies=("srt-star", "minpos"), repetitions=2
+    ... )
+    >>> [(run.condition.strategy, run.spec.seed) for run in runs(spec)]
+    [('srt-star', 0), ('minpos', 0), ('srt-star', 1), ('minpos', 1)]
+    """
+    forget_worlds()
     crossed = _conditions(spec)
     planned: dict[str, PlannedRun] = {}
     for repetition in range(spec.repetitions):
-        for condition, axes in crossed:
+        for condition, choices in crossed:
             try:
-                run = _run_spec(spec, axes, spec.first_seed + repetition, folder)
+                run = run_spec(spec, choices, spec.first_seed + repetition, folder)
                 key = key_of(run)
             except InvalidInputError as error:
                 raise InvalidInputError(f"{spec.name}: [{condition}]: {error}") from None
@@ -177,111 +190,106 @@ def runs(spec: ExperimentSpec, folder: Path | None = None) -> list[PlannedRun]:
 
 
 def key_of(spec: RunSpec) -> str:
-    """Digest of a spec: equal for equal specs, however they were written.
+    """Return the digest of a spec, by which results are stored.
 
-    An environment from a file counts as what the file holds, wherever it is.
+    Parameters
+    ----------
+    spec : RunSpec
+        The spec of a run.
+
+    Returns
+    -------
+    str
+        32 hexadecimal digits, equal for equal specs however they were written. An environment
+        from a file counts by the file's content, not its path.
+
+    Raises
+    ------
+    InvalidInputError
+        If the environment is a file that cannot be read.
     """
     canonical = spec.canonical()
     if isinstance(canonical.environment, FileEnvironment):
-        held = _held(msgspec.json.encode(canonical.environment))
-        canonical = msgspec.structs.replace(canonical, environment=held)
-    return _digest(msgspec.json.encode(canonical))
-
-
-@lru_cache(maxsize=WORLDS_KEPT)
-def _held(world: bytes) -> InlineEnvironment:
-    return inline(_world(world))
-
-
-def _digest(text: bytes) -> str:
-    return hashlib.sha256(text).hexdigest()[:32]
+        inline = written_out(canonical.environment)
+        canonical = msgspec.structs.replace(canonical, environment=inline)
+    return hashlib.sha256(msgspec.json.encode(canonical)).hexdigest()[:32]
 
 
 # Crossing -----------------------------------------------------------------------------------
 
 
-def _conditions(spec: ExperimentSpec) -> list[tuple[Condition, _Axes]]:
+def _conditions(spec: ExperimentSpec) -> list[tuple[Condition, Choices]]:
     asked = [
-        (_condition(axes), axes)
+        (_condition(choices), choices)
         for block in spec.blocks or (Block(),)
-        for axes in _crossed(spec, block)
+        for choices in _crossed(spec, block)
     ]
     if not asked:
         raise InvalidInputError(
             f"{spec.name}: there are no runs; name 'environments' and 'strategies'"
         )
     _check_exclusions(spec, [condition for condition, _ in asked])
-    crossed: dict[Condition, _Axes] = {}
-    for condition, axes in asked:
-        if any(_is_meant(condition, only) for only in spec.exclude):
+    crossed: dict[Condition, Choices] = {}
+    for condition, choices in asked:
+        if any(_matches(condition, only) for only in spec.exclude):
             continue
-        if _unlabelled(crossed.setdefault(condition, axes)) != _unlabelled(axes):
+        if _unlabelled(crossed.setdefault(condition, choices)) != _unlabelled(choices):
             raise InvalidInputError(
                 f"{spec.name}: two different conditions are both called [{condition}]; give "
-                "what differs labels of its own ('label')"
+                "them labels of their own ('label')"
             )
     if not crossed:
         raise InvalidInputError(
-            f"{spec.name}: no runs are left: 'exclude' takes all {len(asked)} conditions; "
+            f"{spec.name}: no runs are left: 'exclude' matches all {len(asked)} conditions; "
             "exclude fewer"
         )
     return list(crossed.items())
 
 
-def _unlabelled(axes: _Axes) -> tuple[object, ...]:
-    # What a condition is, whatever it is called.
-    parts = [getattr(axes, field.name) for field in fields(axes)]
+def _unlabelled(choices: Choices) -> tuple[object, ...]:
+    """Return the choices without their labels, to compare what they stand for."""
+    parts = [getattr(choices, field.name) for field in fields(choices)]
     return tuple(
         part if isinstance(part, int) else msgspec.structs.replace(part, label="") for part in parts
     )
 
 
-def _crossed(spec: ExperimentSpec, block: Block) -> Iterator[_Axes]:
+def _crossed(spec: ExperimentSpec, block: Block) -> Iterator[Choices]:
     def of(name: str) -> Sequence[object]:
         own: Sequence[object] | None = getattr(block, name)
         return getattr(spec, name) if own is None else own
 
     environments = [
-        one
-        for given in of("environments")
-        for one in _by_seed(
-            EnvironmentChoice(name=given)
-            if isinstance(given, str)
-            else _as(EnvironmentChoice, given)
-        )
+        seeded
+        for choice in _choices(of("environments"), EnvironmentChoice, "name")
+        for seeded in _by_seed(choice)
     ]
-    strategies = [
-        StrategyChoice(name=g) if isinstance(g, str) else _as(StrategyChoice, g)
-        for g in of("strategies")
-    ]
-    starts = [
-        StartsChoice(how=_how(g)) if isinstance(g, str) else _as(StartsChoice, g)
-        for g in of("starts")
-    ]
+    strategies = _choices(of("strategies"), StrategyChoice, "name")
+    starts = _choices(of("starts"), StartsChoice, "how")
     radios = [RadioChoice() if isinstance(g, str) else _as(RadioChoice, g) for g in of("radios")]
-    bodies = [
-        BodyChoice(footprint=g) if isinstance(g, str) else _as(BodyChoice, g) for g in of("bodies")
-    ]
-    faults = [
-        FaultsChoice(label="none") if isinstance(g, str) else _as(FaultsChoice, g)
-        for g in of("faults")
-    ]
+    bodies = _choices(of("bodies"), BodyChoice, "footprint")
+    faults = _choices(of("faults"), FaultsChoice, "label")
     teams = [g if isinstance(g, int) else _as(TeamChoice, g) for g in of("robots")]
     kinds: list[list[Any]] = [environments, strategies, [*teams], starts, radios, bodies, faults]
-    if math.prod(map(len, kinds)) * spec.repetitions > MOST_RUNS:
+    if math.prod(map(len, kinds)) * spec.repetitions > MAX_RUNS:
         counts = " x ".join(str(len(kind)) for kind in kinds)
         raise InvalidInputError(
             f"{spec.name}: {counts} conditions of {spec.repetitions} repetitions are more than "
-            f"{MOST_RUNS} runs; take fewer"
+            f"{MAX_RUNS} runs; take fewer"
         )
-    for axes in itertools.product(*kinds):
-        made = _Axes(*axes)
+    for choices in itertools.product(*kinds):
+        made = Choices(*choices)
         if isinstance(made.team, TeamChoice):
-            # It has bodies of its own.
+            # The bodies of the experiment do not apply: the team is crossed with one only.
             if made.body != bodies[0]:
                 continue
             made = replace(made, body=BodyChoice(label=OWN_BODIES))
         yield made
+
+
+def _choices(given: Sequence[object], kind: type[Choice], field: str) -> list[Choice]:
+    """Return choices of a kind; a text is a choice with this one field."""
+    return [kind(**{field: one}) if isinstance(one, str) else _as(kind, one) for one in given]
 
 
 def _as(kind: type[Choice], given: object) -> Choice:
@@ -289,12 +297,8 @@ def _as(kind: type[Choice], given: object) -> Choice:
     return given
 
 
-def _how(text: str) -> Literal["scattered", "clustered"]:
-    return "clustered" if text == "clustered" else "scattered"
-
-
 def _by_seed(choice: EnvironmentChoice) -> Iterator[EnvironmentChoice]:
-    # One environment for each of the seeds that a choice gives.
+    """Yield a choice for each of the seeds that an environment is given with."""
     if not choice.seeds:
         yield choice
         return
@@ -315,40 +319,32 @@ def _seeds(choice: EnvironmentChoice) -> Sequence[int]:
             f"{choice.seeds!r}"
         )
     first, last = int(span[1]), int(span[2])
-    if last - first >= MOST_RUNS:
+    if last - first >= MAX_RUNS:
         raise InvalidInputError(
-            f"environment {choice.name!r}: {last - first + 1} seeds are more than {MOST_RUNS} "
+            f"environment {choice.name!r}: {last - first + 1} seeds are more than {MAX_RUNS} "
             "runs; take fewer"
         )
     return range(first, last + 1)
 
 
-def _condition(axes: _Axes) -> Condition:
-    team = axes.team
+def _condition(choices: Choices) -> Condition:
+    team = choices.team
     return Condition(
-        environment=_environment_label(axes.environment),
-        strategy=axes.strategy.label or axes.strategy.name,
+        environment=_environment_label(choices.environment),
+        strategy=choices.strategy.label or choices.strategy.name,
         robots=team if isinstance(team, int) else len(team.members),
         team="" if isinstance(team, int) else team.label,
-        starts=_starts_label(axes.starts),
-        radio=_radio_label(axes.radio),
-        body=axes.body.label or axes.body.footprint,
-        faults=axes.faults.label,
+        starts=starts_label(choices.starts),
+        radio=_radio_label(choices.radio),
+        body=choices.body.label or choices.body.footprint,
+        faults=choices.faults.label,
     )
 
 
 def _environment_label(choice: EnvironmentChoice) -> str:
     if choice.label is not None:
         return choice.label
-    return Path(choice.name).stem if choice.wkt is None and _is_file(choice) else choice.name
-
-
-def _starts_label(choice: StartsChoice) -> str:
-    if choice.label is not None:
-        return choice.label
-    if choice.places:
-        return "given"
-    return choice.how + (", drawn" if choice.first == "drawn" else "")
+    return Path(choice.name).stem if choice.wkt is None and is_file(choice) else choice.name
 
 
 def _radio_label(choice: RadioChoice) -> str:
@@ -360,7 +356,7 @@ def _radio_label(choice: RadioChoice) -> str:
 # Exclusions ---------------------------------------------------------------------------------
 
 
-def _is_meant(condition: Condition, only: Only) -> bool:
+def _matches(condition: Condition, only: Only) -> bool:
     for name in only.__struct_fields__:
         given = getattr(only, name)
         wanted = given if isinstance(given, tuple) else (given,)
@@ -373,21 +369,22 @@ def _is_meant(condition: Condition, only: Only) -> bool:
 
 
 def _check_exclusions(spec: ExperimentSpec, everything: list[Condition]) -> None:
-    # An exclusion that meets nothing is a slip of the pen.
+    """Raise InvalidInputError for an exclusion that no condition matches: it is a mistake."""
     for number, only in enumerate(spec.exclude, start=1):
         if only == Only():
             raise InvalidInputError(
-                f"{spec.name}: exclusion {number} says nothing; leave it out, or name labels"
+                f"{spec.name}: exclusion {number} is empty; leave it out, or name labels"
             )
-        if not any(_is_meant(condition, only) for condition in everything):
+        if not any(_matches(condition, only) for condition in everything):
+            hint = _unknown_label(only, everything)
             raise InvalidInputError(
-                f"{spec.name}: exclusion {number} meets no condition{_stranger(only, everything)}; "
-                f"labels are those of tables, as in [{everything[0]}]"
+                f"{spec.name}: exclusion {number} matches no condition{hint}; labels are those of "
+                f"tables, as in [{everything[0]}]"
             )
 
 
-def _stranger(only: Only, everything: list[Condition]) -> str:
-    # The first label that no condition has.
+def _unknown_label(only: Only, everything: list[Condition]) -> str:
+    """Return a hint at the first label that no condition has."""
     for name in only.__struct_fields__:
         given = getattr(only, name)
         known: dict[object, None] = {}
@@ -399,176 +396,3 @@ def _stranger(only: Only, everything: list[Condition]) -> str:
             if label not in known:
                 return f": there is no {name} {label!r}{did_you_mean(label, known)}"
     return ""
-
-
-# A run --------------------------------------------------------------------------------------
-
-
-def _run_spec(spec: ExperimentSpec, axes: _Axes, seed: int, folder: Path | None) -> RunSpec:
-    world = _environment(axes.environment, seed, folder)
-    robots = _team(spec, axes)
-    how = axes.starts
-    if how.places or how.first == "drawn":
-        for number, robot in enumerate(robots):
-            if robot.start is not None and (how.places or number == 0):
-                raise InvalidInputError(
-                    f"starts {_starts_label(how)!r} and the team both say where robot {number} "
-                    "starts; leave one of them out"
-                )
-    if how.places:
-        if how.first == "drawn":
-            raise InvalidInputError("starts are given ('places') or 'drawn', not both")
-        if len(how.places) < len(robots):
-            raise InvalidInputError(
-                f"{len(how.places)} starts are given for a team of {len(robots)}; give more, or "
-                "exclude this condition"
-            )
-        robots = tuple(
-            msgspec.structs.replace(robot, start=place)
-            for robot, place in zip(robots, how.places, strict=False)
-        )
-    elif how.first == "drawn":
-        first = _drawn(msgspec.json.encode(world), robots[0].footprint, seed)
-        robots = (msgspec.structs.replace(robots[0], start=first), *robots[1:])
-    chosen = strategy(axes.strategy.name)
-    _check_options(chosen, msgspec.json.encode(axes.strategy.options))
-    run = RunSpec(
-        environment=world,
-        strategy=chosen.name,
-        options=axes.strategy.options,
-        robots=robots,
-        starts=how.how,
-        radio=RadioSpec(
-            **{name: getattr(axes.radio, name) for name in RadioSpec.__struct_fields__}
-        ),
-        faults=_faults(axes.faults, len(robots), seed),
-        stop=spec.stop,
-        seed=seed,
-    )
-    chosen.require_fit(run)
-    return run
-
-
-@lru_cache(maxsize=256)
-def _check_options(chosen: Strategy, options: bytes) -> None:
-    chosen.parse_options(msgspec.json.decode(options))
-
-
-def _environment(choice: EnvironmentChoice, seed: int, folder: Path | None) -> EnvironmentSpec:
-    if choice.wkt is not None:
-        _require_only_text(choice)
-        written = InlineEnvironment(name=choice.name, wkt=choice.wkt, starts=choice.starts)
-        _world(msgspec.json.encode(written))
-        return written
-    if choice.starts:
-        raise InvalidInputError(
-            f"environment {choice.name!r}: 'starts' are for a world given as 'wkt'; to say where "
-            "teams start, give the experiment's 'starts' places"
-        )
-    path = choice.name if folder is None else str(folder / choice.name)
-    found = environment_spec(
-        path if _is_file(choice, folder) else choice.name,
-        resolution_m=choice.resolution_m,
-        threshold=choice.threshold,
-    )
-    if isinstance(found, CatalogEnvironment):
-        own = seed if choice.seed == "repetition" else choice.seed
-        # Parameters that are wrong are wrong for every seed.
-        checked = None if own is None else 0
-        plain = msgspec.structs.replace(found, parameters=choice.parameters, seed=checked)
-        _world(msgspec.json.encode(plain))
-        return msgspec.structs.replace(plain, seed=own)
-    if choice.parameters or choice.seed is not None:
-        raise InvalidInputError(
-            f"environment {choice.name!r} is a file: parameters and seeds are for generators"
-        )
-    # Written out, so that a run and its recording are the same wherever the file is.
-    return _held(msgspec.json.encode(found))
-
-
-def _require_only_text(choice: EnvironmentChoice) -> None:
-    plain = EnvironmentChoice(
-        name=choice.name, label=choice.label, wkt=choice.wkt, starts=choice.starts
-    )
-    if choice != plain:
-        raise InvalidInputError(
-            f"environment {choice.name!r} is given as 'wkt': parameters and seeds are for "
-            "generators, a resolution and a threshold for images"
-        )
-
-
-def _is_file(choice: EnvironmentChoice, folder: Path | None = None) -> bool:
-    # A name of the catalogue means that; ./office is a file of that name.
-    name = choice.name
-    if name in names():
-        return False
-    separators = (os.sep, *(() if os.altsep is None else (os.altsep,)))
-    if Path(name).suffix or any(separator in name for separator in separators):
-        return True
-    return folder is not None and (folder / name).exists()
-
-
-def _team(spec: ExperimentSpec, axes: _Axes) -> tuple[RobotSpec, ...]:
-    if isinstance(axes.team, TeamChoice):
-        return tuple(_robot(spec, member, member.start) for member in axes.team.members)
-    return (_robot(spec, axes.body),) * axes.team
-
-
-def _robot(
-    spec: ExperimentSpec, body: BodyChoice | MemberChoice, start: tuple[float, ...] | None = None
-) -> RobotSpec:
-    return RobotSpec(
-        start=start,
-        footprint=body.footprint,
-        drive=spec.drive if body.drive is None else body.drive,
-        range_finder=spec.range_finder if body.range_finder is None else body.range_finder,
-    )
-
-
-@lru_cache(maxsize=1024)
-def _drawn(world: bytes, footprint: str, seed: int) -> tuple[float, float, float]:
-    # To the millimetre, so that it can be told in a few digits.
-    rng = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(_DRAWN_STARTS,)))
-    at = drawn_start(_world(world), Footprint.parse(footprint), rng)
-    return round(at.x, 3), round(at.y, 3), round(at.heading, 3)
-
-
-@lru_cache(maxsize=WORLDS_KEPT)
-def _world(world: bytes) -> Environment:
-    described: EnvironmentSpec = msgspec.json.decode(world, type=EnvironmentSpec)
-    return build_environment(described)
-
-
-_DRAWN_STARTS, _DRAWN_FAULTS = 10, 11
-"""Streams of an experiment, apart from those of its runs."""
-
-
-def _faults(choice: FaultsChoice, robots: int, seed: int) -> tuple[Fault, ...]:
-    drawn = choice.deaths + choice.silences + choice.late_starts
-    if not drawn:
-        return choice.faults
-    busy = {fault.robot for fault in choice.faults}
-    free = [robot for robot in range(robots) if robot not in busy]
-    if drawn >= len(free):
-        raise InvalidInputError(
-            f"faults {choice.label!r}: {drawn} robots with a fault of their own leave none "
-            f"without in a team of {robots}; exclude this condition, or let fewer fail"
-        )
-    begin, end = choice.between_s
-    if not 0.0 <= begin <= end < math.inf:
-        raise InvalidInputError(
-            f"faults {choice.label!r}: between_s is two times, the first not after the second, "
-            f"not {list(choice.between_s)}"
-        )
-    rng = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(_DRAWN_FAULTS,)))
-    who = [free[k] for k in rng.permutation(len(free))[:drawn]]
-    times = [round(float(t), 3) for t in rng.uniform(begin, end, drawn)]
-    made: list[Fault] = []
-    for number, (robot, time) in enumerate(zip(who, times, strict=True)):
-        if number < choice.deaths:
-            made.append(Death(robot=robot, time_s=time))
-        elif number < choice.deaths + choice.silences:
-            made.append(Silence(robot=robot, time_s=time, duration_s=choice.silence_s))
-        else:
-            made.append(LateStart(robot=robot, time_s=time))
-    return (*choice.faults, *made)

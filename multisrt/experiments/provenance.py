@@ -44,6 +44,37 @@ def provenance() -> Provenance:
     )
 
 
+def differences(one: Provenance, other: Provenance) -> str:
+    """Return how two provenances differ, in words.
+
+    Parameters
+    ----------
+    one, other : Provenance
+        What made results.
+
+    Returns
+    -------
+    str
+        Versions, processor, system or source that differ; empty if results compare.
+    """
+    found = [
+        f"{name} {one.versions.get(name, 'none')} and {other.versions.get(name, 'none')}"
+        for name in dict.fromkeys((*one.versions, *other.versions))
+        if one.versions.get(name) != other.versions.get(name)
+    ]
+    found += [
+        f"{what} {a} and {b}"
+        for what, a, b in (
+            ("processor", one.machine, other.machine),
+            ("system", one.system, other.system),
+        )
+        if a != b
+    ]
+    if not found and one.program != other.program:
+        found = [f"another source of multisrt, {one.program} and {other.program}"]
+    return ", ".join(found)
+
+
 @cache
 def program_digest() -> str:
     """Return a digest of the code that decides a run's outcome.

@@ -12,9 +12,11 @@ from dataclasses import dataclass
 
 from multisrt.experiments.crossing import PlannedRun
 from multisrt.experiments.description import ExperimentSpec
+from multisrt.experiments.job import Job
+from multisrt.experiments.modules import import_modules
 from multisrt.experiments.results import Result
 from multisrt.experiments.store import Store
-from multisrt.experiments.worker import Job, StoppedError, Worker, import_modules
+from multisrt.experiments.worker import StoppedError, Worker
 from multisrt.geometry.errors import InvalidInputError
 
 

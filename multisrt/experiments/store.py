@@ -1,105 +1,83 @@
-"""An experiment's results on disk: one SQLite file with a row for each run.
+"""The results of an experiment on disk: one SQLite file with a row for each run.
 
-A row is written in one transaction when its run has ended: whatever ends the program, the runs
-that were stored are there, each once, and the others are made by the next call. The file is in
-SQLite's write-ahead mode while it is written, so that reports can be made meanwhile; closed, it
-is a single file. Writes are not waited for until they have come to the disk itself
-(`synchronous=NORMAL`): if the machine's power fails, the runs of the last moments may have to be
-made again, and the file is sound all the same.
+A row is written in one transaction when its run has ended: however the program ends, stored runs
+are there, each once, and the next call makes the others. While it is written the file is in
+SQLite's write-ahead mode, so that reports can read it; closed, it is a single file. With
+`synchronous=NORMAL` a power failure may lose the last runs, which are then made again, but cannot
+damage the file.
 
-Tables: `meta` (experiment, folder, provenance and the number of runs asked for), and `runs` (the
-columns of a condition, and the fields of `Result`; what has parts is JSON).
+Tables: `meta` (experiment, folder, provenance, number of runs), and `runs` (the labels of a
+condition and the fields of `Result`; fields with parts are JSON).
 """
 
 from __future__ import annotations
 
-import fcntl
-import os
 import sqlite3
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, suppress
+from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
-from typing import IO, Any
+from typing import Any
 
 import msgspec
 
 from multisrt.analysis.metrics import Metrics
 from multisrt.experiments.crossing import Condition, PlannedRun, runs
 from multisrt.experiments.description import ExperimentSpec
-from multisrt.experiments.provenance import Provenance, provenance
+from multisrt.experiments.lock import WriteLock
+from multisrt.experiments.provenance import Provenance, differences, provenance
 from multisrt.experiments.results import Result, Results, Status
-from multisrt.experiments.worker import differences
+from multisrt.experiments.store_file import (
+    begin,
+    connect,
+    errors_of,
+    require_format,
+    require_store,
+)
 from multisrt.geometry.errors import InvalidInputError
 
-APPLICATION = 0x4D535254
-"""What SQLite's header says of whose file it is: "MSRT"."""
-
-FORMAT = 1
-
 UNFINISHED: tuple[Status, ...] = ("over_time", "over_memory", "crashed", "refused", "error")
-"""Statuses of runs that did not come to an end of their own; see `Store.forget`."""
-
-BUSY_S = 30.0
-"""How long to wait for readers that hold the file."""
+"""Statuses of runs that failed without a result; see `Store.forget`."""
 
 _LABELS = Condition.__struct_fields__
 _FIELDS = tuple(name for name in Result.__struct_fields__ if name != "condition")
 _COLUMNS = ("position", *_LABELS, *_FIELDS)
 
-_TABLES = """
-CREATE TABLE meta (name TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID;
-CREATE TABLE runs (
-    key TEXT PRIMARY KEY,
-    position INTEGER NOT NULL,
-    environment TEXT NOT NULL,
-    strategy TEXT NOT NULL,
-    robots INTEGER NOT NULL,
-    team TEXT NOT NULL,
-    starts TEXT NOT NULL,
-    radio TEXT NOT NULL,
-    body TEXT NOT NULL,
-    faults TEXT NOT NULL,
-    repetition INTEGER NOT NULL,
-    status TEXT NOT NULL,
-    reason TEXT NOT NULL,
-    digest TEXT NOT NULL,
-    metrics TEXT,
-    covered_at_s TEXT NOT NULL,
-    computing_s REAL NOT NULL,
-    wall_s REAL NOT NULL,
-    memory_mb REAL NOT NULL
-);
-"""
-
 
 class Store:
-    """An experiment with the results that are there; see `create_or_open` and `open`.
+    """An experiment with its results so far, opened by `create_or_open` or `open`.
 
-    A context manager, which closes it.
+    As a context manager it closes itself.
 
     Attributes
     ----------
     path : Path
         The file.
     experiment : ExperimentSpec
-        What was asked for.
+        The experiment.
     folder : Path
-        What paths of environments are relative to.
+        Folder that relative paths of environments refer to.
     provenance : Provenance
-        What makes the results.
+        Versions and machine that make the results.
     asked : int
-        How many runs the experiment has.
+        Number of runs of the experiment.
+
+    Examples
+    --------
+    >>> from multisrt.experiments.store import Store
+    >>> with Store.open("star.sqlite") as store:  # doctest: +SKIP
+    ...     print(store.done, "of", store.asked)
+    12 of 320
     """
 
     def __init__(
-        self, path: Path, connection: sqlite3.Connection, lock: _Lock | None = None
+        self, path: Path, connection: sqlite3.Connection, lock: WriteLock | None = None
     ) -> None:
         self.path = path
         self._connection = connection
         self._lock = lock
         self._planned: dict[str, tuple[int, PlannedRun]] | None = None
-        with _errors_of(path):
+        with errors_of(path):
             meta = dict(connection.execute("SELECT name, value FROM meta"))
         try:
             self.experiment = ExperimentSpec.from_json(meta["experiment"])
@@ -113,19 +91,29 @@ class Store:
 
     @classmethod
     def open(cls, path: str | Path) -> Store:
-        """Open results for reading, also while runs are made.
+        """Open results for reading, even while another process writes them.
+
+        Parameters
+        ----------
+        path : str or Path
+            The file.
+
+        Returns
+        -------
+        Store
+            The store.
 
         Raises
         ------
         InvalidInputError
-            If the file cannot be read or holds no results; the message says why.
+            If the file cannot be read or holds no results.
         """
         path = Path(path)
-        _require_store(path)
-        with _errors_of(path):
-            connection = _connect(path, "ro")
+        require_store(path)
+        with errors_of(path):
+            connection = connect(path, "ro")
             try:
-                _require_format(path, connection)
+                require_format(path, connection)
                 return cls(path, connection)
             except BaseException:
                 connection.close()
@@ -135,41 +123,46 @@ class Store:
     def create_or_open(
         cls, path: str | Path, spec: ExperimentSpec, folder: str | Path | None = None
     ) -> Store:
-        """Open an experiment's results for writing; begin them if there are none.
+        """Open an experiment's results for writing; create the file if there is none.
 
-        The experiment may have grown since: more repetitions, more conditions. Runs that were
-        given up for want of time or memory are missing again if it now allows more.
+        The experiment may have grown since, by repetitions or conditions. Runs that exceeded a
+        limit are missing again if the experiment now allows more.
 
         Parameters
         ----------
-        path : path
+        path : str or Path
             The file.
         spec : ExperimentSpec
             The experiment.
-        folder : path, optional
-            What paths of environments are relative to; by default the working directory.
+        folder : str or Path, optional
+            Folder that relative paths of environments refer to; by default the working directory.
+
+        Returns
+        -------
+        Store
+            The store, locked against other writers until it is closed.
 
         Raises
         ------
         InvalidInputError
-            If the file is none of results, or of another experiment, of another version of this
-            program, or being written by another process; or if a run of the experiment cannot
-            be. The message says what differs, and the remedy.
+            If the file holds something else, another experiment, or results of another version of
+            this program; if another process writes it; or if a run is impossible. The message
+            says what differs, and the remedy.
         """
         path = Path(path)
         folder = Path.cwd() if folder is None else Path(folder).resolve()
         planned = {run.key: (k, run) for k, run in enumerate(runs(spec, folder))}
         if path.exists():
-            _require_store(path, or_empty=True)
-        lock = _Lock(path)
+            require_store(path, or_empty=True)
+        lock = WriteLock(path)
         try:
-            with _errors_of(path):
-                connection = _connect(path, "rwc")
+            with errors_of(path):
+                connection = connect(path, "rwc")
                 try:
-                    _begin(path, connection, spec, folder, len(planned))
+                    begin(path, connection, _meta(spec, folder, len(planned)))
                     store = cls(path, connection, lock)
                     store._planned = planned
-                    store._take_up(spec, folder)
+                    store._continue(spec, folder)
                 except BaseException:
                     connection.close()
                     raise
@@ -179,15 +172,15 @@ class Store:
         return store
 
     def close(self) -> None:
-        """Close it; what was added is on disk."""
+        """Close the file and release the lock; results that were added stay."""
         with suppress(sqlite3.Error):
             if self._lock is not None:
-                # One file instead of three, unless somebody reads it now or the disk is full.
+                # Fold the write-ahead log in; impossible while a reader is open or the disk full.
                 self._connection.execute("PRAGMA busy_timeout = 0")
                 self._connection.execute("PRAGMA journal_mode = DELETE")
         self._connection.close()
         if self._lock is not None:
-            with suppress(OSError):  # it holds recordings, or was not made
+            with suppress(OSError):  # not empty, or not there
                 _recordings(self.path).rmdir()
             self._lock.release()
             self._lock = None
@@ -206,23 +199,28 @@ class Store:
     # Runs -----------------------------------------------------------------------------------
 
     def missing(self) -> list[PlannedRun]:
-        """Give the runs that have no result yet, in the experiment's order."""
-        with _errors_of(self.path):
+        """Return the runs that have no result yet, in the experiment's order."""
+        with errors_of(self.path):
             there = {key for (key,) in self._connection.execute("SELECT key FROM runs")}
         return [run for _, run in self._plan().values() if run.key not in there]
 
     def add(self, result: Result) -> None:
-        """Store a result; one of a run that has one already is left out.
+        """Store the result of a run, unless it has one already.
+
+        Parameters
+        ----------
+        result : Result
+            The result; its key is that of a run of the experiment.
 
         Raises
         ------
         InvalidInputError
-            If it cannot be written, as on a full disk; what was stored before stays.
+            If it cannot be written, as on a full disk; results stored before stay.
         """
         position, _ = self._plan()[result.key]
         row = _row(result, position)
         marks = ", ".join("?" * len(_COLUMNS))
-        with _errors_of(self.path), self._connection as transaction:
+        with errors_of(self.path), self._connection as transaction:
             transaction.execute(
                 f"INSERT INTO runs ({', '.join(_COLUMNS)}) VALUES ({marks}) "
                 "ON CONFLICT (key) DO NOTHING",
@@ -230,22 +228,27 @@ class Store:
             )
 
     def forget(self, statuses: Sequence[Status] = UNFINISHED) -> int:
-        """Take out the results of some statuses, so that their runs are missing again.
+        """Delete the results of some statuses, so that their runs are missing again.
+
+        Parameters
+        ----------
+        statuses : sequence of str
+            The statuses; by default those of runs that failed without a result.
 
         Returns
         -------
         int
-            How many there were.
+            Number of deleted results.
         """
         marks = ", ".join("?" * len(statuses))
-        with _errors_of(self.path), self._connection as transaction:
+        with errors_of(self.path), self._connection as transaction:
             return transaction.execute(
                 f"DELETE FROM runs WHERE status IN ({marks})", tuple(statuses)
             ).rowcount
 
     def results(self) -> Results:
-        """Give the results that are there, in the experiment's order."""
-        with _errors_of(self.path):
+        """Return the results so far, in the experiment's order."""
+        with errors_of(self.path):
             rows = self._connection.execute(
                 f"SELECT {', '.join(_COLUMNS)} FROM runs ORDER BY position"
             ).fetchall()
@@ -255,14 +258,14 @@ class Store:
 
     @property
     def done(self) -> int:
-        """How many runs have a result."""
-        with _errors_of(self.path):
+        """Number of runs that have a result."""
+        with errors_of(self.path):
             return int(self._connection.execute("SELECT count(*) FROM runs").fetchone()[0])
 
     @property
     def failed(self) -> int:
-        """How many of the results have to be looked at."""
-        with _errors_of(self.path):
+        """Number of results that are not complete or have a collision."""
+        with errors_of(self.path):
             (count,) = self._connection.execute(
                 "SELECT count(*) FROM runs WHERE status != 'complete' "
                 "OR json_extract(metrics, '$.collisions') > 0"
@@ -270,7 +273,7 @@ class Store:
         return int(count)
 
     def recording_path(self, key: str) -> Path:
-        """Where the recording of a run is, if it was kept."""
+        """Return where the recording of a run is, if it was kept."""
         return _recordings(self.path) / f"{key}.jsonl"
 
     def _plan(self) -> dict[str, tuple[int, PlannedRun]]:
@@ -296,10 +299,10 @@ class Store:
                 f"{self.path}: the result of run {given['key']} is damaged: {error}"
             ) from None
 
-    # Going on with an experiment ------------------------------------------------------------
+    # Continuing an experiment ---------------------------------------------------------------
 
-    def _take_up(self, spec: ExperimentSpec, folder: Path) -> None:
-        # Compares the experiment asked for with the one stored, which may have grown.
+    def _continue(self, spec: ExperimentSpec, folder: Path) -> None:
+        """Replace the stored experiment by one that contains it, or raise InvalidInputError."""
         stored = self._stored_places()
         if stored and (other := differences(self.provenance, provenance())):
             raise InvalidInputError(
@@ -343,14 +346,14 @@ class Store:
         self._clear_recordings()
 
     def _stored_places(self) -> dict[str, tuple[str | int, ...]]:
-        # By key: where a run stands, its labels and its repetition.
+        """Return, by key, the position of each stored run, its labels and its repetition."""
         rows = self._connection.execute(
             f"SELECT key, position, {', '.join(_LABELS)}, repetition FROM runs"
         )
         return {key: tuple(place) for key, *place in rows}
 
     def _clear_recordings(self) -> None:
-        # What a run left that was cut off while it wrote.
+        """Make the folder of recordings, and remove those whose run was cut off."""
         folder = _recordings(self.path)
         try:
             if self.experiment.recordings != "none":
@@ -394,144 +397,3 @@ def _meta(spec: ExperimentSpec, folder: Path, asked: int) -> list[tuple[str, str
 
 def _recordings(path: Path) -> Path:
     return path.with_name(path.name + ".recordings")
-
-
-# The file -----------------------------------------------------------------------------------
-
-
-def _connect(path: Path, mode: str) -> sqlite3.Connection:
-    # Transactions are begun by Python before the first change, and ended by `with`.
-    uri = f"{path.resolve().as_uri()}?mode={mode}"
-    return sqlite3.connect(uri, uri=True, timeout=BUSY_S)
-
-
-def _begin(
-    path: Path, connection: sqlite3.Connection, spec: ExperimentSpec, folder: Path, asked: int
-) -> None:
-    # Makes the tables of a new file, all at once or not at all.
-    if _is_new(connection):
-        connection.execute("PRAGMA journal_mode = WAL")
-        connection.execute("PRAGMA synchronous = NORMAL")
-        with connection as transaction:
-            transaction.execute("BEGIN IMMEDIATE")
-            for statement in _TABLES.split(";")[:-1]:
-                transaction.execute(statement)
-            transaction.execute(f"PRAGMA application_id = {APPLICATION}")
-            transaction.execute(f"PRAGMA user_version = {FORMAT}")
-            transaction.executemany(
-                "INSERT INTO meta (name, value) VALUES (?, ?)", _meta(spec, folder, asked)
-            )
-        return
-    _require_format(path, connection)
-    connection.execute("PRAGMA journal_mode = WAL")
-    connection.execute("PRAGMA synchronous = NORMAL")
-
-
-def _is_new(connection: sqlite3.Connection) -> bool:
-    (tables,) = connection.execute("SELECT count(*) FROM sqlite_master").fetchone()
-    return not tables and _pragma(connection, "application_id") == 0
-
-
-def _pragma(connection: sqlite3.Connection, name: str) -> int:
-    return int(connection.execute(f"PRAGMA {name}").fetchone()[0])
-
-
-def _require_store(path: Path, *, or_empty: bool = False) -> None:
-    try:
-        with path.open("rb") as file:
-            first = file.read(16)
-    except OSError as error:
-        raise InvalidInputError(
-            f"{path}: {error.strerror or error}; name a file of results"
-        ) from None
-    if first != b"SQLite format 3\0" and not (or_empty and not first):
-        raise InvalidInputError(f"{path}: not a file of results; name another one")
-
-
-def _require_format(path: Path, connection: sqlite3.Connection) -> None:
-    if _pragma(connection, "application_id") != APPLICATION:
-        raise InvalidInputError(f"{path}: an SQLite file, but not one of results; name another one")
-    version = _pragma(connection, "user_version")
-    if version != FORMAT:
-        which = "a newer" if version > FORMAT else "an older"
-        raise InvalidInputError(
-            f"{path}: results in format {version}, of {which} version of multisrt; this one "
-            f"reads format {FORMAT}: use the version that made them, or another file"
-        )
-
-
-@contextmanager
-def _errors_of(path: Path) -> Iterator[None]:
-    # What SQLite says, in words that help.
-    try:
-        yield
-    except sqlite3.Error as error:
-        said = str(error)
-        name = getattr(error, "sqlite_errorname", "")
-        if name == "SQLITE_FULL":
-            raise InvalidInputError(
-                f"{path}: the disk is full; what was stored before is sound: make room, and the "
-                "same command goes on"
-            ) from None
-        if name.startswith("SQLITE_IOERR"):
-            raise InvalidInputError(
-                f"{path}: cannot be read or written ({said}): the disk may be full or a limit of "
-                "file sizes reached; what was stored before is sound, and the same command goes on"
-            ) from None
-        if name in ("SQLITE_CORRUPT", "SQLITE_NOTADB"):
-            raise InvalidInputError(
-                f"{path}: a damaged file of results ({said}); take a copy of it from before, or "
-                "begin another one"
-            ) from None
-        raise InvalidInputError(f"{path}: {said}") from None
-
-
-class _Lock:
-    """The right to write to a store, of one process at a time.
-
-    The operating system takes it back when the process ends, however it ends.
-    """
-
-    def __init__(self, path: Path) -> None:
-        self._path = path.with_name(path.name + ".lock")
-        while True:
-            try:
-                file = self._path.open("a+")
-            except OSError as error:
-                raise InvalidInputError(f"cannot write {path}: {error.strerror}") from None
-            try:
-                fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            except BlockingIOError:
-                file.seek(0)
-                holder = file.read().strip()
-                file.close()
-                raise InvalidInputError(
-                    f"{path}: another process makes its runs now"
-                    + (f" (process {holder})" if holder else "")
-                    + "; wait for it, stop it, or choose another file"
-                ) from None
-            except OSError as error:
-                file.close()
-                raise InvalidInputError(
-                    f"cannot lock {path}: {error.strerror}; choose a file on another disk"
-                ) from None
-            if self._is_mine(file):
-                break
-            file.close()  # the one who had it has just taken the file away
-        self._file: IO[str] = file
-        with suppress(OSError):  # of use to people only
-            file.truncate(0)
-            file.write(str(os.getpid()))
-            file.flush()
-
-    def _is_mine(self, file: IO[str]) -> bool:
-        try:
-            return os.path.samestat(os.fstat(file.fileno()), self._path.stat())
-        except FileNotFoundError:
-            return False
-
-    def release(self) -> None:
-        with suppress(OSError):
-            self._path.unlink()
-        with suppress(OSError):  # what could not be written on a full disk
-            self._file.close()

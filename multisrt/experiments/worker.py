@@ -1,20 +1,12 @@
-"""A worker: a program that makes runs, one after another, and the handle that others have of it.
+"""Worker processes that make runs, as seen by the process that uses them.
 
-`python -m multisrt.experiments.worker [MODULE ...]` reads jobs and writes answers, each a JSON
-object on a line, over the pipes that it was started with. What strategies print goes elsewhere.
-The modules are imported at its start, for the strategies that they register. It ends when nobody
-is left who could give it jobs, also in the middle of a run.
-
-A process of its own is what makes limits hold: a run that crashes or is ended by the kernel takes
-nothing else down, and the handle begins a fresh worker for the next one.
+Each worker is a process of its own (see `worker_program`), so that limits hold: a run that crashes
+or is killed by the kernel takes nothing else down, and a new process makes the next run.
 """
 
 from __future__ import annotations
 
-import faulthandler
-import gc
 import os
-import queue
 import re
 import signal
 import subprocess
@@ -23,118 +15,45 @@ import threading
 import time
 from collections.abc import Sequence
 from contextlib import suppress
-from importlib import import_module
 from pathlib import Path
 from typing import IO
 
 import msgspec
 
-from multisrt.experiments.crossing import Condition, PlannedRun
-from multisrt.experiments.description import Limits
+from multisrt.experiments.job import ANSWERS, Answer, Job, Made, Ready, Unable
 from multisrt.experiments.limits import GRACE_S
-from multisrt.experiments.memory import Thrift
-from multisrt.experiments.provenance import Provenance, provenance
-from multisrt.experiments.results import Result, Status
+from multisrt.experiments.provenance import Provenance, differences, provenance
+from multisrt.experiments.results import Result
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.spec import RunSpec
 
-FROM_OUTSIDE = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT, signal.SIGHUP)
-"""Signals that end a worker without the run's own doing."""
+OUTSIDE_SIGNALS = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT, signal.SIGHUP)
+"""Signals that end a worker through no fault of its run."""
 
-BEGINNINGS = 3
-"""How often a worker is begun that is ended from outside before it is ready."""
+MAX_STARTS = 3
+"""Attempts to start a worker that is killed from outside before it is ready."""
 
-LAST_WORDS_BYTES = 8192
-"""How much is kept of what a worker wrote at last."""
+MAX_LAST_WORDS_BYTES = 8192
+"""How much is kept of the end of a worker's standard error."""
 
 THREADS = ("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
-"""What libraries take for the number of their threads: a worker has one core."""
-
-
-class Job(msgspec.Struct, frozen=True, kw_only=True):
-    """A run to make.
-
-    Attributes
-    ----------
-    key, condition, repetition, spec
-        The planned run.
-    limits : Limits
-        What it may take.
-    recording : str
-        Where to write its recording; empty: nowhere.
-    only_failed : bool
-        Write it only if the run has to be looked at.
-    """
-
-    key: str
-    condition: Condition
-    repetition: int
-    spec: RunSpec
-    limits: Limits
-    recording: str = ""
-    only_failed: bool = False
-
-    @property
-    def run(self) -> PlannedRun:
-        """The planned run."""
-        return PlannedRun(
-            key=self.key, condition=self.condition, repetition=self.repetition, spec=self.spec
-        )
-
-    def without_result(
-        self, status: Status, reason: str, *, wall_s: float = 0.0, computing_s: float = 0.0
-    ) -> Result:
-        """Tell of a run whose process ended before it did."""
-        return Result(
-            key=self.key,
-            condition=self.condition,
-            repetition=self.repetition,
-            status=status,
-            reason=reason,
-            wall_s=wall_s,
-            computing_s=computing_s,
-        )
-
-
-class _Ready(msgspec.Struct, frozen=True, tag="ready"):
-    """A worker's first answer: what it is."""
-
-    provenance: Provenance
-
-
-class _Unable(msgspec.Struct, frozen=True, tag="unable"):
-    """The answer of a worker that cannot do what it is for."""
-
-    reason: str
-
-
-class _Made(msgspec.Struct, frozen=True, tag="made"):
-    """The answer to a job."""
-
-    result: Result
-
-
-_ANSWERS = msgspec.json.Decoder(_Ready | _Unable | _Made)
+"""Variables with which libraries set their number of threads: a worker uses one core."""
 
 
 class StoppedError(Exception):
-    """A worker was stopped while it made a run."""
-
-
-# The handle ---------------------------------------------------------------------------------
+    """A worker was stopped by `Worker.stop` while it made a run."""
 
 
 class Worker:
-    """A worker process, begun when it is needed and replaced when it ends.
+    """A worker process, started when it is needed and replaced when it ends.
 
-    For one thread; `stop` may be called by another one.
+    Use it from one thread; only `stop` may be called by another.
 
     Parameters
     ----------
     modules : sequence of str
-        What it imports before all else.
+        Modules that the process imports before anything else.
     expected : Provenance, optional
-        What makes the other results: a worker that is anything else is refused.
+        Provenance that the process must have; by default that of this process.
     """
 
     def __init__(self, modules: Sequence[str] = (), expected: Provenance | None = None) -> None:
@@ -145,32 +64,42 @@ class Worker:
 
     @property
     def pid(self) -> int | None:
-        """The process's number, while there is one."""
+        """Process id, or None while there is no process."""
         return None if self._process is None else self._process.pid
 
     def make(self, job: Job) -> Result:
         """Make a run.
 
-        A worker that somebody else ends, as a kernel does that lacks memory, may not be the
-        run's fault: the run is made once more.
+        If the process is killed from outside, as by a kernel short of memory, the run may not be
+        at fault and is made once more.
+
+        Parameters
+        ----------
+        job : Job
+            The run, its limits and where its recording goes.
+
+        Returns
+        -------
+        Result
+            The result; what goes wrong in the run is told there.
 
         Raises
         ------
         InvalidInputError
-            If workers cannot begin here, or the recording cannot be written.
+            If workers cannot start here, or the recording cannot be written.
         StoppedError
-            If the worker is stopped meanwhile.
+            If `stop` is called meanwhile.
         """
         begin = time.perf_counter()
         first = ""
         while True:
             process = self._ready()
             answer = process.ask(msgspec.json.encode(job))
-            if isinstance(answer, _Made):
+            if isinstance(answer, Made):
                 if answer.result.status in ("over_time", "over_memory"):
-                    self._end()  # what is left of such a run may be anything
+                    self._end()  # such a run may leave anything behind
                 return answer.result
-            if isinstance(answer, _Unable):
+            if isinstance(answer, Unable):
                 raise InvalidInputError(answer.reason)
             code, last_words = process.end()
             self._process = None
@@ -182,7 +111,7 @@ class Worker:
                 reason = f"not done after {most_s:g} s of computing"
                 return job.without_result("over_time", reason, wall_s=wall_s, computing_s=most_s)
             how = _how_it_ended(code)
-            if -code not in FROM_OUTSIDE:
+            if -code not in OUTSIDE_SIGNALS:
                 place = _place_in(last_words)
                 return job.without_result("crashed", f"its process {how}{place}", wall_s=wall_s)
             if first:
@@ -191,7 +120,7 @@ class Worker:
             first = how
 
     def stop(self) -> None:
-        """End the process for good, whatever it does."""
+        """Kill the process, whatever it does; no other is started."""
         self._stopped.set()
         process = self._process
         if process is not None:
@@ -199,27 +128,27 @@ class Worker:
             process.end()
 
     def _ready(self) -> _Process:
-        # Who ends a worker from outside may meet one that is only beginning.
-        for more in reversed(range(BEGINNINGS)):
+        """Return a process that is ready, started if necessary."""
+        for more in reversed(range(MAX_STARTS)):
             if self._stopped.is_set():
                 raise StoppedError
             if self._process is not None:
                 break
             self._process = process = _Process(self._modules)
-            if self._stopped.is_set():  # by another thread, which did not see the process yet
+            if self._stopped.is_set():  # by a thread that has not seen this process
                 process.kill()
             answer = process.hear()
-            if isinstance(answer, _Ready):
+            if isinstance(answer, Ready):
                 self._require_same(answer.provenance)
-            elif isinstance(answer, _Unable):
+            elif isinstance(answer, Unable):
                 self._end()
                 raise InvalidInputError(answer.reason)
             else:
                 code, last_words = process.end()
                 self._process = None
-                if not self._stopped.is_set() and not (more and -code in FROM_OUTSIDE):
+                if not self._stopped.is_set() and not (more and -code in OUTSIDE_SIGNALS):
                     raise InvalidInputError(
-                        f"a worker ended before it could begin: it {_how_it_ended(code)}"
+                        f"a worker ended before it was ready: it {_how_it_ended(code)}"
                         + _last_line(last_words)
                     )
         assert self._process is not None
@@ -229,7 +158,7 @@ class Worker:
         if what := differences(self._expected, other):
             self._end()
             raise InvalidInputError(
-                f"a worker is another program than the one that asks ({what}); install the "
+                f"a worker runs another program than this one ({what}); install the "
                 "same on every machine, and leave it as it is while runs are made"
             )
 
@@ -241,17 +170,17 @@ class Worker:
 
 
 class _Process:
-    """A worker's process and its pipes."""
+    """The process of a worker and its pipes."""
 
     def __init__(self, modules: Sequence[str]) -> None:
         self._popen = subprocess.Popen(
-            # What lies about in the working directory must not stand in for a library (-P).
-            [sys.executable, "-P", "-m", "multisrt.experiments.worker", *modules],
+            # -P: no file of the working directory shadows a library.
+            [sys.executable, "-P", "-m", "multisrt.experiments.worker_program", *modules],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             env=os.environ | dict.fromkeys(THREADS, "1"),
-            # An interrupt from the keyboard is for who gives the jobs.
+            # An interrupt from the keyboard is for this process alone.
             start_new_session=True,
         )
         self.pid = self._popen.pid
@@ -267,36 +196,36 @@ class _Process:
         self._listener.start()
         self._ending = threading.Lock()
 
-    def ask(self, job: bytes) -> _Ready | _Unable | _Made | None:
-        """Give a job and wait for the answer; None if the process ends."""
+    def ask(self, job: bytes) -> Answer | None:
+        """Send a job and return the answer; None if the process ends."""
         try:
             self._jobs.write(job + b"\n")
             self._jobs.flush()
-        except (OSError, ValueError):  # ended, or closed by whoever stops it
+        except (OSError, ValueError):  # ended, or closed by `end`
             return None
         return self.hear()
 
-    def hear(self) -> _Ready | _Unable | _Made | None:
-        """Wait for an answer; None if the process ends."""
+    def hear(self) -> Answer | None:
+        """Return the next answer; None if the process ends."""
         try:
             line = self._answers.readline()
         except (OSError, ValueError):
             return None
-        return _ANSWERS.decode(line) if line.endswith(b"\n") else None
+        return ANSWERS.decode(line) if line.endswith(b"\n") else None
 
     def kill(self) -> None:
-        """End it, and what it may have begun, without waiting."""
+        """Kill the process and those it started, without waiting."""
         if self._popen.poll() is None:
             with suppress(ProcessLookupError):
                 os.killpg(self.pid, signal.SIGKILL)
 
     def end(self) -> tuple[int, bytes]:
-        """Wait until it has ended; give its exit code and its last words."""
+        """Wait for the process; return its exit code and the end of its standard error."""
         code = self._popen.wait()
-        # What the run left running may hold the pipe open.
+        # Processes that the run started may keep the pipe open.
         self._listener.join(timeout=1.0)
         with self._ending:
-            with suppress(OSError):  # what was not written yet has nobody to read it
+            with suppress(OSError):  # a rest of a job has no reader
                 self._jobs.close()
             self._answers.close()
         return code, self._last_words
@@ -304,27 +233,7 @@ class _Process:
     def _listen(self, errors: IO[bytes]) -> None:
         with errors:
             while piece := os.read(errors.fileno(), 65_536):
-                self._last_words = (self._last_words + piece)[-LAST_WORDS_BYTES:]
-
-
-def differences(one: Provenance, other: Provenance) -> str:
-    """Say in what two programs differ; empty if they are the same."""
-    told = [
-        f"{name} {one.versions.get(name, 'none')} and {other.versions.get(name, 'none')}"
-        for name in dict.fromkeys((*one.versions, *other.versions))
-        if one.versions.get(name) != other.versions.get(name)
-    ]
-    told += [
-        f"{what} {a} and {b}"
-        for what, a, b in (
-            ("processor", one.machine, other.machine),
-            ("system", one.system, other.system),
-        )
-        if a != b
-    ]
-    if not told and one.program != other.program:
-        told = [f"another source of multisrt, {one.program} and {other.program}"]
-    return ", ".join(told)
+                self._last_words = (self._last_words + piece)[-MAX_LAST_WORDS_BYTES:]
 
 
 def _how_it_ended(code: int) -> str:
@@ -339,7 +248,7 @@ def _how_it_ended(code: int) -> str:
 
 
 def _place_in(last_words: bytes) -> str:
-    # Where a process was that a signal ended, as the interpreter's fault handler tells it.
+    """Return the file and line that the fault handler reported, in parentheses."""
     found = re.search(rb"most recent call first\):\n  File \"([^\"]+)\", line (\d+)", last_words)
     if found is None:
         return ""
@@ -349,90 +258,3 @@ def _place_in(last_words: bytes) -> str:
 def _last_line(last_words: bytes) -> str:
     lines = last_words.decode(errors="replace").strip().splitlines()
     return f": {lines[-1].strip()}" if lines else ""
-
-
-# The program --------------------------------------------------------------------------------
-
-
-def main(modules: Sequence[str]) -> None:
-    """Make runs until nobody is left who gives jobs."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    jobs, answers = _own_pipes()
-    faulthandler.enable(all_threads=False)
-    try:
-        import_modules(modules)
-    except InvalidInputError as error:
-        _answer(answers, _Unable(str(error)))
-        return
-    import multisrt.experiments.mission
-    from multisrt.simulation.simulate import GARBAGE_AFTER
-
-    make_run = multisrt.experiments.mission.make_run
-    # What has been made by importing stays, and so does most of what a run makes until it ends:
-    # there is little use in looking through it for garbage often.
-    gc.collect()
-    gc.freeze()
-    gc.set_threshold(GARBAGE_AFTER, 20, 50)
-    lines: queue.SimpleQueue[bytes] = queue.SimpleQueue()
-    threading.Thread(target=_read, args=(jobs, lines), daemon=True).start()
-    _answer(answers, _Ready(provenance()))
-    decoder = msgspec.json.Decoder(Job)
-    thrift = Thrift()
-    while True:
-        job = decoder.decode(lines.get())
-        path = Path(job.recording) if job.recording else None
-        try:
-            result = make_run(job.run, job.limits, path, only_failed=job.only_failed)
-        except InvalidInputError as error:
-            _answer(answers, _Unable(str(error)))
-        else:
-            _answer(answers, _Made(result))
-            thrift.look()
-
-
-def import_modules(modules: Sequence[str]) -> None:
-    """Import modules for the strategies that they register; also from the working directory.
-
-    Raises
-    ------
-    InvalidInputError
-        If one cannot be imported; the message says why.
-    """
-    here = os.getcwd()
-    if modules and here not in sys.path:
-        sys.path.append(here)
-    for module in modules:
-        try:
-            import_module(module)
-        except Exception as error:  # whatever another package's code raises
-            raise InvalidInputError(
-                f"cannot import {module!r}: {type(error).__name__}: {error}; name a module of the "
-                "working directory, or of a package that is installed"
-            ) from None
-
-
-def _own_pipes() -> tuple[IO[bytes], IO[bytes]]:
-    # The pipes under other numbers: what is printed goes where errors go, and nobody reads jobs.
-    jobs = os.fdopen(os.dup(0), "rb")
-    answers = os.fdopen(os.dup(1), "wb")
-    nothing = os.open(os.devnull, os.O_RDONLY)
-    os.dup2(nothing, 0)
-    os.close(nothing)
-    os.dup2(2, 1)
-    return jobs, answers
-
-
-def _read(jobs: IO[bytes], lines: queue.SimpleQueue[bytes]) -> None:
-    # In a thread of its own, so that it hears of the end in the middle of a run.
-    while line := jobs.readline():
-        lines.put(line)
-    os._exit(0)
-
-
-def _answer(answers: IO[bytes], answer: _Ready | _Unable | _Made) -> None:
-    answers.write(msgspec.json.encode(answer) + b"\n")
-    answers.flush()
-
-
-if __name__ == "__main__":
-    main(sys.argv[1:])

@@ -1,10 +1,11 @@
-"""Comparisons in a few lines of Python."""
+"""`compare` and `Comparison`."""
 
 import importlib.util
 import subprocess
 import sys
 from pathlib import Path
 
+import msgspec
 import pytest
 import shapely
 
@@ -13,6 +14,7 @@ from multisrt import comparison
 from multisrt.comparison import Comparison, compare
 from multisrt.experiments.description import (
     EnvironmentChoice,
+    ExperimentSpec,
     MemberChoice,
     RadioChoice,
     StartsChoice,
@@ -35,7 +37,7 @@ TWO = ["srt-star", "srt-radial"]
 
 @pytest.fixture
 def asked(monkeypatch, tmp_path):
-    """Make no run: give what was asked for."""
+    """Make no runs; record what was asked for."""
     monkeypatch.chdir(tmp_path)
     calls = []
 
@@ -57,10 +59,10 @@ def here(monkeypatch):
     monkeypatch.setattr(comparison, "run_experiment", make)
 
 
-# What is asked for --------------------------------------------------------------------------
+# The experiment that is run ------------------------------------------------------------------
 
 
-def test_the_usual(asked):
+def test_conditions_are_crossed(asked):
     compare(["open", "museum"], TWO, robots=[1, 2, 4, 8])
     spec, planned, said = asked[0]
     assert len(planned) == 2 * 2 * 4 * 20
@@ -69,7 +71,7 @@ def test_the_usual(asked):
     assert (said["workers"], said["cluster"], said["modules"]) == (None, None, ())
 
 
-def test_what_is_one_need_not_be_a_list(asked):
+def test_a_single_value_needs_no_list(asked):
     compare("open", "srt-star", 3, 2, starts="clustered", radios=15.0, workers=5, imports=["mine"])
     spec, planned, said = asked[0]
     assert (spec.environments, spec.strategies, spec.robots) == (("open",), ("srt-star",), (3,))
@@ -79,7 +81,7 @@ def test_what_is_one_need_not_be_a_list(asked):
     assert (said["workers"], said["modules"]) == (5, ["mine"])
 
 
-def test_everything_that_a_file_can_say(asked):
+def test_all_fields_of_an_experiment_can_be_given(asked):
     compare(
         EnvironmentChoice(name="rooms", seed="repetition"),
         ["srt-radial", StrategyChoice(name="srt-star", label="few", options={"cones": 6})],
@@ -101,7 +103,63 @@ def test_everything_that_a_file_can_say(asked):
     assert all(run.spec.stop.max_time_s == 500.0 for run in planned)
 
 
-def test_worlds_of_ones_own(asked, tmp_path):
+def test_the_short_form_has_the_defaults_of_the_spec(asked):
+    compare("open", "srt-star")
+    spec, _, _ = asked[0]
+    own = {"name": "comparison", "recordings": "none"}
+    assert spec == ExperimentSpec(environments=("open",), strategies=("srt-star",), **own)
+
+
+def test_a_spec_is_run_as_it_is(asked, tmp_path):
+    spec = ExperimentSpec(
+        name="whole",
+        environments=("open", "museum"),
+        strategies=("srt-star",),
+        robots=(1, 2),
+        repetitions=3,
+        recordings="all",
+    )
+    compare(spec, store=tmp_path / "kept.sqlite", workers=2, imports=["mine"])
+    assert asked[0][0] == spec
+    assert len(asked[0][1]) == 2 * 2 * 3
+    assert (asked[0][2]["workers"], asked[0][2]["modules"]) == (2, ["mine"])
+
+
+def test_a_spec_without_a_store_keeps_no_recordings(asked):
+    spec = ExperimentSpec(name="plain", environments=("open",), strategies=("srt-star",))
+    compare(spec)
+    assert asked[0][0] == msgspec.structs.replace(spec, recordings="none")
+    with pytest.raises(InvalidInputError, match="say where those go"):
+        compare(msgspec.structs.replace(spec, recordings="all"))
+
+
+@pytest.mark.parametrize(
+    "given",
+    [
+        {"strategies": TWO},
+        {"robots": 1},
+        {"seeds": 20},
+        {"starts": "scattered"},
+        {"name": "mine"},
+        {"recordings": "none"},
+        {"range_finder": {"range_m": 3.0}},
+    ],
+)
+def test_a_spec_and_keywords_do_not_mix(given, asked):
+    spec = ExperimentSpec(name="plain", environments=("open",), strategies=("srt-star",))
+    with pytest.raises(InvalidInputError, match="an ExperimentSpec says everything") as error:
+        compare(spec, **given)
+    assert str(error.value).endswith(f"leave out {next(iter(given))}")
+    assert not asked
+
+
+def test_the_short_form_needs_strategies(asked):
+    with pytest.raises(InvalidInputError, match="name the strategies to compare"):
+        compare("open")
+    assert not asked
+
+
+def test_own_environments(asked, tmp_path):
     (tmp_path / "maps").mkdir()
     (tmp_path / "maps" / "hall.wkt").write_text(ROOM.wkt)
     compare([WORLD, Path("maps/hall.wkt")], "srt-star", seeds=1)
@@ -117,13 +175,16 @@ def test_worlds_of_ones_own(asked, tmp_path):
     ("said", "told"),
     [
         ({"seeds": 0}, "repetitions: Expected `int` >= 1"),
-        ({"seeds": range(0)}, "seeds are one after the other"),
-        ({"seeds": range(0, 9, 2)}, "seeds are one after the other, as in range(100, 120)"),
+        ({"seeds": range(0)}, "seeds are consecutive numbers"),
+        ({"seeds": range(0, 9, 2)}, "seeds are consecutive numbers, as in range(100, 120)"),
         ({"seeds": [1, 2]}, "seeds are a number of repetitions, or a range, not [1, 2]"),
         ({"seeds": True}, "seeds are a number of repetitions"),
         ({"robots": [0]}, "robots[0]: Expected `int` >= 1"),
         ({"robots": []}, "robots: Expected `list` of length >= 1"),
-        ({"robots": object()}, "a comparison of what cannot be written down"),
+        (
+            {"robots": object()},
+            "an experiment consists of text, numbers and the parts of an Exp",
+        ),
         ({"strategies": "srt-str"}, "(did you mean 'srt-star'?)"),
         ({"environments": "opn"}, "there is no environment 'opn' (did you mean 'open'?)"),
         ({"starts": "scatered"}, "starts[0]: Invalid enum value 'scatered'; allowed: 'clustered'"),
@@ -133,7 +194,7 @@ def test_worlds_of_ones_own(asked, tmp_path):
         ({"recordings": "all"}, "recordings are kept beside the results: say where those go"),
     ],
 )
-def test_what_cannot_be_is_told(said, told, asked):
+def test_impossible_experiments_are_refused(said, told, asked):
     with pytest.raises(InvalidInputError) as error:
         compare(**({"environments": "open", "strategies": TWO} | said))
     assert told in str(error.value)
@@ -141,14 +202,14 @@ def test_what_cannot_be_is_told(said, told, asked):
     assert not asked
 
 
-def test_a_store_that_is_kept(asked, tmp_path):
+def test_a_named_store_is_kept(asked, tmp_path):
     compare("open", TWO, seeds=2, store=tmp_path / "kept.sqlite", recordings="failed")
     with Store.open(tmp_path / "kept.sqlite") as store:
         assert store.experiment == asked[0][0]
         assert store.asked == 4
 
 
-def test_no_store_leaves_nothing(asked, tmp_path, monkeypatch):
+def test_without_a_store_no_file_is_left(asked, tmp_path, monkeypatch):
     monkeypatch.setattr(comparison.tempfile, "tempdir", str(tmp_path / "scratch"))
     (tmp_path / "scratch").mkdir()
     compare("open", TWO, seeds=1)
@@ -156,7 +217,7 @@ def test_no_store_leaves_nothing(asked, tmp_path, monkeypatch):
     assert not list((tmp_path / "scratch").iterdir())
 
 
-# What comes out -----------------------------------------------------------------------------
+# Results --------------------------------------------------------------------------------------
 
 
 @pytest.fixture
@@ -165,7 +226,7 @@ def found(here, tmp_path, monkeypatch) -> Comparison:
     return compare(WORLD, TWO, [1, 2], 2, range_finder={"range_m": 3.0})
 
 
-def test_a_comparison_sums_up_and_draws(found, tmp_path):
+def test_tables_figures_and_frames(found, tmp_path):
     assert len(found.results) == found.results.asked == 8
     table = found.table("total_distance_m")
     assert repr(table) == str(table) == table.text()
@@ -192,7 +253,7 @@ def test_a_comparison_sums_up_and_draws(found, tmp_path):
     assert (frame["status"] == "complete").all()
 
 
-def test_a_comparison_is_reported_where_it_was_made(asked, tmp_path, monkeypatch):
+def test_a_report_resolves_paths_as_the_comparison_did(asked, tmp_path, monkeypatch):
     told = []
     monkeypatch.setattr(page, "write_report", lambda *said, **more: told.append((said, more)))
     found = compare("open", TWO, seeds=1)
@@ -201,18 +262,18 @@ def test_a_comparison_is_reported_where_it_was_made(asked, tmp_path, monkeypatch
     assert told == [((found.results, tmp_path / "report"), {"folder": tmp_path, "latex": True})]
 
 
-def test_one_size_of_team_is_drawn_as_boxes(here):
+def test_a_single_team_size_is_drawn_as_box_plots(here):
     drawings = compare("open", TWO, 1, 2, range_finder={"range_m": 9.0}).plot()
     assert [picture.name.split("-")[0] for picture in drawings] == ["boxes"]
 
 
 @pytest.mark.parametrize("ask", [lambda c: c.table("makespan"), lambda c: c.plot("makespan")])
-def test_a_measure_that_is_not_there_is_told(ask, found):
+def test_unknown_measures_are_refused(ask, found):
     with pytest.raises(InvalidInputError, match=r"no measure 'makespan' \(did you mean"):
         ask(found)
 
 
-def test_the_example(here, tmp_path, capsys):
+def test_the_example_script(here, tmp_path, capsys):
     path = Path(__file__).parents[2] / "examples" / "compare_star_radial.py"
     spec = importlib.util.spec_from_file_location("compare_star_radial", path)
     example = importlib.util.module_from_spec(spec)
@@ -239,7 +300,7 @@ print(sorted(found.results.results[0].metrics.distance_by_robot_m)[0] > 0)
 """
 
 
-def test_a_script_needs_no_guard(tmp_path):
+def test_a_script_needs_no_main_guard(tmp_path):
     (tmp_path / "script.py").write_text(SCRIPT)
     done = subprocess.run(
         [sys.executable, "script.py"], cwd=tmp_path, capture_output=True, text=True, check=False

@@ -1,3 +1,5 @@
+import inspect
+
 import pytest
 import shapely
 
@@ -6,18 +8,26 @@ from multisrt.environments.environment import Environment
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.run import Run, explore
 from multisrt.simulation.worlds import inline
-from multisrt.spec import Death, DriveSpec, RadioSpec, RangeFinderSpec, RobotSpec, RunSpec
+from multisrt.spec import (
+    Death,
+    DriveSpec,
+    RadioSpec,
+    RangeFinderSpec,
+    RobotSpec,
+    RunSpec,
+    StopRule,
+)
 
 ROOM = Environment("room", shapely.box(0, 0, 6, 5), starts=[(1.0, 1.0)])
 
 
 class Enough(Exception):
-    """Stops before the run."""
+    """Raised instead of simulating."""
 
 
 @pytest.fixture
 def spec_of(monkeypatch):
-    """The spec that the door makes of what it is given."""
+    """Return the spec that `explore` makes of its arguments, without running it."""
 
     def asked(*args, **kwargs) -> RunSpec:
         given = None
@@ -42,10 +52,69 @@ def run() -> Run:
     return explore(ROOM, seed=1, start=(1.0, 1.0))
 
 
+def test_the_defaults_are_those_of_the_specs(spec_of):
+    assert spec_of(ROOM) == RunSpec(environment=inline(ROOM))
+    # None says nothing, whatever the keyword.
+    names = set(inspect.signature(explore).parameters)
+    keywords = names - {"environment", "recording_path", "watch"}
+    assert spec_of(ROOM, **dict.fromkeys(keywords)) == RunSpec(environment=inline(ROOM))
+
+
+def test_every_keyword_reaches_the_spec(spec_of):
+    spec = spec_of(
+        ROOM,
+        strategy="srt-star",
+        seed=7,
+        options={"cones": 12},
+        footprint="box:0.6x0.4",
+        range_m=3.0,
+        beams=90,
+        drive=DriveSpec(speed_m_s=1.0),
+        max_time_s=50.0,
+    )
+    assert spec == RunSpec(
+        environment=inline(ROOM),
+        strategy="srt-star",
+        seed=7,
+        options={"cones": 12},
+        robots=(
+            RobotSpec(
+                footprint="box:0.6x0.4",
+                drive=DriveSpec(speed_m_s=1.0),
+                range_finder=RangeFinderSpec(range_m=3.0, beams=90),
+            ),
+        ),
+        stop=StopRule(max_time_s=50.0),
+    )
+
+
+def test_robots_that_differ(spec_of):
+    robots = [RobotSpec(start=(1, 1)), RobotSpec(footprint="disc:0.3")]
+    spec = spec_of(ROOM, robots=robots, starts="clustered", seed=3)
+    assert spec.robots == tuple(robots)
+    assert (spec.starts, spec.seed) == ("clustered", 3)
+
+
+@pytest.mark.parametrize(
+    "given",
+    [
+        {"start": (1, 1)},
+        {"starts": [(1, 1)]},
+        {"footprint": "disc:0.25"},
+        {"range_m": 4.0},
+        {"beams": 90},
+        {"drive": DriveSpec()},
+    ],
+)
+def test_robot_specs_and_keywords_do_not_mix(given):
+    with pytest.raises(InvalidInputError, match="a RobotSpec says everything") as error:
+        explore(ROOM, robots=[RobotSpec()], **given)
+    assert f"leave out {next(iter(given))}, or" in str(error.value)
+
+
 def test_a_single_robot(spec_of):
     assert spec_of(ROOM, start=(2, 3)).robots == (RobotSpec(start=(2.0, 3.0)),)
     assert spec_of(ROOM, starts=[(2, 3)]).robots == (RobotSpec(start=(2.0, 3.0)),)
-    assert spec_of(ROOM) == RunSpec(environment=inline(ROOM))
 
 
 def test_a_team(spec_of):
@@ -67,7 +136,7 @@ def test_a_team(spec_of):
     assert spec_of(ROOM, robots=2).starts == "scattered"
 
 
-def test_a_team_at_given_places(spec_of):
+def test_a_team_with_given_starts(spec_of):
     places = (1, 1), (2, 2, 0.5)
     for given in ({"starts": places}, {"starts": list(places), "robots": 2}):
         assert [robot.start for robot in spec_of(ROOM, **given).robots] == [
@@ -76,7 +145,7 @@ def test_a_team_at_given_places(spec_of):
         ]
 
 
-def test_a_radio_in_full(spec_of):
+def test_a_complete_radio(spec_of):
     radio = RadioSpec(range_m=15.0, loss=0.25, walls="block")
     assert spec_of(ROOM, robots=2, radio=radio).radio == radio
 
@@ -87,7 +156,10 @@ def test_a_radio_in_full(spec_of):
         ({"robots": 0}, "at least one robot, not 0"),
         ({"robots": 2, "start": (1, 1)}, "give starts"),
         ({"robots": 2, "starts": [(1, 1)] * 3}, "3 starts for 2 robots"),
-        ({"starts": []}, "0 starts for 1 robots"),
+        ({"robots": 1, "starts": []}, "0 starts for 1 robots"),
+        ({"starts": []}, "at least one robot, not 0"),
+        ({"robots": []}, "at least one robot"),
+        ({"robots": [RobotSpec(), "disc:0.3"]}, r"robots\[1\] is 'disc:0.3'"),
         ({"start": (1, 1), "starts": [(1, 1)]}, "not both"),
         ({"starts": "anywhere"}, "anywhere"),
         ({"radio_range_m": 3.0, "radio": RadioSpec()}, "radio_range_m alone"),
@@ -95,18 +167,29 @@ def test_a_radio_in_full(spec_of):
         ({"faults": [Death(robot=1, time_s=1.0)]}, "there is no such robot"),
     ],
 )
-def test_what_cannot_be_explored(given, said):
+def test_impossible_runs_are_refused(given, said):
     with pytest.raises(InvalidInputError, match=said):
         explore(ROOM, **given)
 
 
 @pytest.mark.parametrize(
     "given",
-    [{"robots": 2}, {"starts": "clustered"}, {"radio": RadioSpec()}, {"faults": [1]}, {"seed": 1}],
+    [
+        {"robots": 2},
+        {"robots": [RobotSpec()]},
+        {"starts": "clustered"},
+        {"radio": RadioSpec()},
+        {"faults": [1]},
+        {"seed": 1},
+        # Defaults, too: who says something means it.
+        {"seed": 0},
+        {"range_m": 4.0},
+    ],
 )
-def test_a_spec_says_everything(given):
-    with pytest.raises(InvalidInputError, match="a RunSpec says everything"):
+def test_a_run_spec_and_keywords_do_not_mix(given):
+    with pytest.raises(InvalidInputError, match="a RunSpec says everything") as error:
         explore(RunSpec(environment=inline(ROOM)), **given)
+    assert str(error.value).endswith(f"leave out {next(iter(given))}")
 
 
 def test_a_saved_spec_repeats_the_run(run, tmp_path):
@@ -116,13 +199,13 @@ def test_a_saved_spec_repeats_the_run(run, tmp_path):
     assert explore(spec).digest == run.digest
 
 
-def test_why(run):
+def test_why_explains_the_last_decision(run):
     assert "its last decision was at 0.00 s" in run.why(0, 0.0)
     assert run.why(0) == run.why(0, run.metrics.makespan_s)
     with pytest.raises(InvalidInputError, match="there is no robot 1"):
         run.why(1)
 
 
-def test_all_names_of_the_package_are_there():
+def test_the_specs_of_faults_and_radios_are_public():
     assert all(getattr(multisrt, name) is not None for name in multisrt.__all__)
     assert {"RadioSpec", "Death", "Silence", "LateStart"} <= set(multisrt.__all__)

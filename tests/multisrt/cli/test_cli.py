@@ -11,11 +11,12 @@ from importlib import import_module
 from pathlib import Path
 from typing import get_args, get_type_hints
 
+import msgspec
 import pytest
 from PIL import Image
 
 from multisrt import cli
-from multisrt.cli.given import DRIVES
+from multisrt.cli.run_options import DRIVES
 from multisrt.environments.catalog import names
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.recording import Recording
@@ -23,11 +24,14 @@ from multisrt.robots.registry import strategies
 from multisrt.spec import (
     Death,
     DriveSpec,
+    FileEnvironment,
     LateStart,
     RadioSpec,
     RangeFinderSpec,
     RobotSpec,
+    RunSpec,
     Silence,
+    StopRule,
 )
 
 ROOT = Path(__file__).parents[3]
@@ -52,7 +56,7 @@ def folder(tmp_path, monkeypatch) -> Path:
 
 @pytest.fixture
 def call(folder, monkeypatch, capsys):
-    """Run a command as a person would; give exit code, standard output and error."""
+    """Run a command; return exit code, standard output and standard error."""
 
     def run(*words: str):
         monkeypatch.setattr(sys, "argv", ["multisrt", *words])
@@ -71,7 +75,7 @@ def everything(folder: Path) -> dict[str, bytes | None]:
     }
 
 
-def test_explore(call, folder):
+def test_explore_writes_its_files(call, folder):
     code, out, err = call("explore", "room.wkt", "--seed", "3")
     assert (code, err) == (0, "")
     assert "srt-radial in room, seed 3: complete" in out
@@ -88,7 +92,7 @@ def test_explore(call, folder):
         assert str(Path("runs") / "room-srt-radial-3" / name) in out
 
 
-def test_explore_with_everything_said(call, folder):
+def test_explore_with_many_options(call, folder):
     code, _, err = call(
         *("explore", "pillar.wkt", "--strategy", "srt-star", "--seed", "1", "--out", "a/b"),
         *("--start", "1.5,1.5,0.5", "--range", "3", "--beams", "360", "--footprint", "box:0.5x0.3"),
@@ -105,11 +109,11 @@ def test_explore_with_everything_said(call, folder):
     assert spec.stop.max_time_s == 5000.0
 
 
-def test_quiet_says_nothing(call):
+def test_quiet_prints_nothing(call):
     assert call("explore", "room.wkt", "--quiet") == (0, "", "")
 
 
-def test_exploring_again_writes_the_same_over_it(call, folder):
+def test_exploring_again_overwrites_with_the_same(call, folder):
     call("explore", "pillar.wkt", "--out", "out")
     before = everything(folder)
     code, _, _ = call("explore", "pillar.wkt", "--out", "out")
@@ -133,7 +137,7 @@ def test_stalled_is_exit_code_3(call):
     assert "stalled" in out
 
 
-def test_a_body_wider_than_every_door_is_told_how_much_it_can_reach(call):
+def test_a_body_too_wide_for_a_door_is_reported(call):
     code, out, err = call("explore", "narrow.wkt", "--start", "1,1", "--range", "3")
     assert err == ""
     # It gives up the door as too narrow; of the other room it sees what its range allows.
@@ -177,14 +181,14 @@ def test_two_strategies_side_by_side(call, folder):
     assert max(map(len, out.splitlines())) <= 100
 
 
-def test_one_that_is_not_complete_tells(call):
+def test_one_incomplete_run_of_two_is_exit_code_3(call):
     words = "--strategy", "srt-radial", "--strategy", "srt-star", "--max-time", "3"
     code, out, _ = call("explore", "pillar.wkt", "--range", "2", *words)
     assert code == 3
     assert "runs/pillar-0/srt-star/tree.svg" in out
 
 
-def test_why(call, folder):
+def test_why_explains_decisions(call, folder):
     call("explore", "pillar.wkt", "--out", "out", "--quiet")
     recording = "out/recording.jsonl"
     code, out, err = call("why", recording, "--robot", "0", "--time", "0")
@@ -213,7 +217,7 @@ def test_why(call, folder):
         (["room.wkt"], "room.wkt, line 1"),
     ],
 )
-def test_why_of_what_is_not_there(call, folder, words, named):
+def test_why_refuses_bad_input(call, folder, words, named):
     call("explore", "room.wkt", "--out", "out", "--quiet")
     code, out, err = call("why", *words)
     assert (code, out) == (2, "")
@@ -223,9 +227,9 @@ def test_why_of_what_is_not_there(call, folder, words, named):
 
 
 def spec_of(folder: Path, call, *words: str):
-    """The spec that words make, without running it."""
+    """Return the spec that `explore` makes of its options, without running it."""
     given = None
-    # It keeps what it imports of the simulation: that should not be the replacement.
+    # Imported before the patch: it binds the real function.
     import_module("multisrt.run")
 
     def kept(spec, *args, **kwargs):
@@ -240,7 +244,7 @@ def spec_of(folder: Path, call, *words: str):
     return given
 
 
-def test_words_for_a_team(call, folder):
+def test_options_of_a_team(call, folder):
     spec = spec_of(
         folder,
         call,
@@ -263,11 +267,11 @@ def test_words_for_a_team(call, folder):
     )
 
 
-def test_every_drive_can_be_asked_for_by_name():
+def test_every_drive_can_be_chosen():
     assert get_args(get_type_hints(DriveSpec)["kind"]) == DRIVES
 
 
-def test_words_for_robots_that_differ(call, folder):
+def test_options_of_robots_that_differ(call, folder):
     spec = spec_of(
         folder,
         call,
@@ -411,7 +415,7 @@ def bad_worlds(folder: Path) -> None:
         (["room.wkt", "--out", "b" * 300], "name too long"),
     ],
 )
-def test_bad_input_is_one_clear_line_and_leaves_nothing(call, folder, words, named):
+def test_bad_input_is_one_line_and_leaves_no_files(call, folder, words, named):
     bad_worlds(folder)
     before = everything(folder)
     code, out, err = call("explore", *words)
@@ -423,7 +427,7 @@ def test_bad_input_is_one_clear_line_and_leaves_nothing(call, folder, words, nam
     assert everything(folder) == before
 
 
-def test_an_unknown_strategy_lists_all(call, folder):
+def test_an_unknown_strategy_lists_the_known_ones(call, folder):
     before = everything(folder)
     code, _, err = call("explore", "room.wkt", "--strategy", "srt-square")
     assert code == 2
@@ -433,7 +437,7 @@ def test_an_unknown_strategy_lists_all(call, folder):
 
 
 @pytest.mark.skipif(os.geteuid() == 0, reason="root may write anywhere")
-def test_a_folder_that_is_read_only(call, folder):
+def test_a_read_only_output_folder(call, folder):
     (folder / "locked").mkdir(mode=0o500)
     code, _, err = call("explore", "room.wkt", "--out", "locked")
     assert code == 2
@@ -441,7 +445,7 @@ def test_a_folder_that_is_read_only(call, folder):
     assert "Permission denied" in err
 
 
-def test_a_folder_that_may_not_be_looked_into(call, monkeypatch):
+def test_an_unreadable_output_folder(call, monkeypatch):
     exists = Path.exists
 
     def guarded(path):
@@ -494,7 +498,7 @@ def test_a_folder_that_may_not_be_looked_into(call, monkeypatch):
         ["dance"],
     ],
 )
-def test_words_that_are_not_understood(call, folder, words):
+def test_wrong_usage_is_explained(call, folder, words):
     before = everything(folder)
     code, out, err = call(*words)
     assert (code, out) == (2, "")
@@ -503,25 +507,65 @@ def test_words_that_are_not_understood(call, folder, words):
     assert everything(folder) == before
 
 
-def test_help(call):
-    commands = "explore", "why", "environments", "strategies"
-    for words in (["--help"], *([command, "-h"] for command in commands)):
-        code, out, err = call(*words)
+def test_every_help_page_has_examples_and_fits_80_columns(call, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "80")
+    groups = ["experiment", "environments"]
+    commands = [[], *([name] for name in cli.cli.commands)]
+    commands += [[g, name] for g in groups for name in cli.cli.commands[g].commands]
+    for command in commands:
+        code, out, err = call(*command, "--help")
         assert (code, err) == (0, "")
         assert "Usage: multisrt" in out
-        assert max(map(len, out.splitlines())) <= 100
+        assert "Examples" in out
+        assert "..." not in out.partition("Commands:")[2].partition("Examples")[0]
+        assert max(map(len, out.splitlines())) <= 80
     code, out, err = call("--version")
     assert (code, err) == (0, "")
     assert out.startswith("multisrt, version ")
 
 
-def test_environments(call):
+def test_help_states_the_defaults_of_the_specs(call):
+    _, out, _ = call("explore", "--help")
+    stated = {}
+    for entry in re.split(r"\n {2}(?=--)", out):
+        text = " ".join(entry.split())
+        if found := re.search(r"\[default: ([^\],]*)", text):
+            stated[text.split()[0]] = found[1]
+    robot = RobotSpec()
+    defaults = {field.name: field.default for field in msgspec.structs.fields(RunSpec)}
+    assert stated == {
+        "--strategy": defaults["strategy"],
+        "--seed": str(defaults["seed"]),
+        "--max-time": f"{StopRule().max_time_s:g}",
+        "--robots": str(len(defaults["robots"])),
+        "--starts": defaults["starts"],
+        "--range": f"{robot.range_finder.range_m:g}",
+        "--beams": str(robot.range_finder.beams).lower(),
+        "--footprint": robot.footprint,
+        "--drive": robot.drive.kind,
+        "--speed": f"{robot.drive.speed_m_s:g}",
+        "--turning-radius": f"{robot.drive.turning_radius_m:g}",
+        "--radio-range": str(RadioSpec().range_m).lower(),
+        "--latency": f"{RadioSpec().latency_s:g}",
+        "--jitter": f"{RadioSpec().jitter_s:g}",
+        "--loss": f"{RadioSpec().loss:g}",
+        "--walls": RadioSpec().walls,
+        "--out": "runs/ENV-STRATEGY-SEED",
+    }
+
+
+def test_options_not_given_have_the_defaults_of_the_specs(call, folder):
+    spec = spec_of(folder, call, "room.wkt")
+    assert spec == RunSpec(environment=FileEnvironment(path="room.wkt"))
+
+
+def test_environments_lists_the_catalogue(call):
     code, out, err = call("environments")
     assert (code, err) == (0, "")
     assert all(re.search(rf"^ *{name} ", out, re.M) for name in names())
 
 
-def test_environments_show(call, folder):
+def test_environments_show_draws_a_map(call, folder):
     code, out, err = call("environments", "show", "office")
     assert (code, err) == (0, "")
     assert "parameters: " in out
@@ -533,7 +577,7 @@ def test_environments_show(call, folder):
 
 
 @pytest.mark.parametrize("out", [".", "room.wkt/x.svg", "none/x.svg", "/"])
-def test_environments_show_to_nowhere(call, folder, out):
+def test_environments_show_refuses_bad_paths(call, folder, out):
     before = everything(folder)
     code, _, err = call("environments", "show", "room.wkt", "--out", out)
     assert code == 2
@@ -542,7 +586,7 @@ def test_environments_show_to_nowhere(call, folder, out):
     assert everything(folder) == before
 
 
-def test_strategies(call):
+def test_strategies_lists_names_and_options(call):
     code, out, err = call("strategies")
     assert (code, err) == (0, "")
     assert all(known.name in out for known in strategies())
@@ -555,7 +599,7 @@ def test_strategies(call):
     assert err.count("\n") == 1
 
 
-def test_an_interrupted_run_leaves_nothing(call, folder, monkeypatch):
+def test_an_interrupted_run_leaves_no_files(call, folder, monkeypatch):
     def interrupted(*args, **kwargs):
         raise KeyboardInterrupt
 
@@ -566,7 +610,7 @@ def test_an_interrupted_run_leaves_nothing(call, folder, monkeypatch):
     assert everything(folder) == before
 
 
-# The same through a process of its own, for what a process does.
+# In a process of its own.
 
 
 def process(*words: str, cwd: Path = ROOT, **options) -> subprocess.CompletedProcess[str]:
@@ -593,7 +637,7 @@ def test_exit_codes_of_a_process(folder):
     assert not (folder / "new").exists()
 
 
-def test_a_disk_that_gets_full(folder):
+def test_a_full_disk(folder):
     def small_files_only():
         resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096))
 
@@ -607,7 +651,7 @@ def test_a_disk_that_gets_full(folder):
     assert not (folder / "out").exists()
 
 
-def test_a_reader_that_leaves():
+def test_a_closed_pipe_raises_no_traceback():
     command = [sys.executable, "-m", "multisrt.cli", "environments"]
     with subprocess.Popen(
         command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
@@ -616,7 +660,7 @@ def test_a_reader_that_leaves():
         assert "Traceback" not in running.stderr.read()
 
 
-def test_a_team_that_bids_for_frontiers(call, folder):
+def test_summary_of_a_bidding_team(call, folder):
     words = ("room.wkt", "--strategy", "minpos", "--robots", "2", "--radio-range", "15")
     code, out, _ = call("explore", *words, "--out", "bids")
     assert code == 0

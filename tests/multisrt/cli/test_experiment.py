@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from multisrt import cli
-from multisrt.cli.experiment import MOST_ROWS
+from multisrt.cli.experiment_check import MAX_ROWS
 from multisrt.experiments import runner, template, worker
 from multisrt.experiments.crossing import runs
 from multisrt.experiments.description import ExperimentSpec, schema
@@ -183,7 +183,7 @@ def test_new_replaces_an_older_schema_only(call, folder):
 @pytest.mark.parametrize(
     ("words", "told"),
     [
-        (("new", "a.txt"), "a.txt is to be TOML: call it .toml"),
+        (("new", "a.txt"), "a.txt must be named .toml"),
         (("new", "a.toml", "--like", "minpoz"), "no preset 'minpoz' (did you mean 'minpos'?)"),
         (("new", "room.wkt/a.toml"), "cannot write room.wkt/a.toml"),
         (("check", "no.toml"), "no.toml: No such file or directory"),
@@ -237,7 +237,7 @@ def test_check_cuts_a_long_table(call, folder):
     code, out, _ = call("check", "long.toml", "--seconds", "0")
     assert code == 0
     shown = [line for line in out.splitlines() if line.startswith(" room")]
-    assert len(shown) == MOST_ROWS - 4
+    assert len(shown) == MAX_ROWS - 4
     assert "... and 8 more conditions" in out
     assert max(map(len, out.splitlines())) <= 100
 
@@ -247,10 +247,9 @@ def test_check_estimates_from_a_few_runs(call, monkeypatch):
     code, out, err = call("check", "small.toml", "--seconds", "9", "--workers", "1")
     assert (code, err) == (0, "")
     # 2 repetitions of 2 x (0.5 + 1.0) s.
-    assert (
-        "about 6 s with 1 worker (5 s to 7 s), as 4 of 4 conditions took in one run each (" in out
-    )
-    assert re.findall(r"^ room .* (\S+) s *$", out, re.MULTILINE) == ["0.5", "1", "0.5", "1"]
+    assert "estimate: 6 s with 1 worker (5 s to 7 s)\n" in out
+    assert "from one run each of 4 of 4 conditions, in " in out
+    assert re.findall(r"^ room .* (\S+) *$", out, re.MULTILINE) == ["0.5", "1", "0.5", "1"]
 
 
 def _priced(job):
@@ -302,7 +301,7 @@ def test_exit_code_3_where_runs_are_not_complete(call, folder, fake_runs):
     assert (code, err) == (3, "")
     assert out.startswith("small: 4 of 8 runs complete, in r.sqlite\n")
     assert out.count("repetition 1: so it is") == 4
-    assert "made again by --retry" in out
+    assert "--retry repeats runs that failed without a result" in out
     assert fake_runs["calls"] == [{"workers": 3, "cluster": None, "modules": ()}]
     # Again, there is nothing to do; with --retry there is.
     fake_runs["status"] = {}
@@ -317,7 +316,7 @@ def test_interrupted_it_says_what_is_there_and_goes_on(call, folder, fake_runs):
     code, out, err = call("run", "small.toml")
     assert (code, out) == (130, "")
     assert err.splitlines() == [
-        "3 of 8 runs are stored in small.sqlite; the same command goes on",
+        "3 of 8 runs are stored in small.sqlite; the same command continues",
         "interrupted",
     ]
     fake_runs["stop"] = None
@@ -392,7 +391,9 @@ def test_run_for_real(folder):
         first.kill()
         first.wait()
     assert (first.returncode, out) == (130, "")
-    done = re.match(r"(\d+) of 800 runs are stored in small.sqlite; the same command goes on", err)
+    done = re.match(
+        r"(\d+) of 800 runs are stored in small.sqlite; the same command continues", err
+    )
     assert done is not None, err
     with Store.open(folder / "small.sqlite") as store:
         assert 0 < store.done == int(done[1]) < 800

@@ -131,7 +131,7 @@ if __name__ == "__main__":
             process.wait()
             assert process.returncode == 1
             errors = process.stderr.read()
-    assert f"lost the scheduler at '{address}'; what has ended is stored" in errors
+    assert f"lost the scheduler at '{address}'; finished runs are stored" in errors
     with Store.open(path) as store:
         assert store.done >= 2
 
@@ -150,7 +150,7 @@ cluster.provenance = lambda: mine
     ):
         _, errors = process.communicate()
         assert process.returncode == 1
-    assert f"the cluster at '{scheduler}': a worker is another program" in errors
+    assert f"the cluster at '{scheduler}': a worker runs another program" in errors
     assert "another source of multisrt, 0123 and " in errors
     assert len(errors.splitlines()) == 1
 

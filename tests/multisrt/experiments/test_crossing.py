@@ -11,7 +11,7 @@ from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
 from multisrt.environments.environment import Environment
-from multisrt.experiments import crossing
+from multisrt.experiments import run_specs
 from multisrt.experiments.crossing import Condition, conditions, key_of, runs
 from multisrt.experiments.description import ExperimentSpec
 from multisrt.geometry.errors import InvalidInputError
@@ -188,7 +188,7 @@ def test_a_team_is_excluded_by_its_label_or_its_size():
     for robots, left in (("pair", [(1, ""), (2, "")]), (2, [(1, "")]), ([1, 2], None)):
         spec = experiment(robots=[1, 2, pair], exclude=[{"robots": robots}])
         if left is None:
-            assert "no runs are left: 'exclude' takes all 3 conditions" in refused(spec)
+            assert "no runs are left: 'exclude' matches all 3 conditions" in refused(spec)
         else:
             assert labels(spec, "robots", "team") == left
 
@@ -472,7 +472,7 @@ def test_a_key_is_that_of_what_is_said_however_it_is_said():
         ),
         (
             {"environments": [{"name": "open", "starts": [[1, 1]]}]},
-            "'starts' are for a world given as 'wkt'",
+            "'starts' are for an environment given as 'wkt'",
         ),
         (
             {"environments": [{"name": "open", "resolution_m": 0.1}]},
@@ -494,19 +494,19 @@ def test_a_key_is_that_of_what_is_said_however_it_is_said():
             },
             "starts 'scattered, drawn' and the team both say where robot 0 starts",
         ),
-        ({"exclude": [{}]}, "exclusion 1 says nothing"),
+        ({"exclude": [{}]}, "exclusion 1 is empty"),
         (
             {"exclude": [{"robots": 1}], "strategies": ["srt-star", "minpos"]},
-            "no runs are left: 'exclude' takes all 2 conditions; exclude fewer",
+            "no runs are left: 'exclude' matches all 2 conditions; exclude fewer",
         ),
         (
             {"exclude": [{"strategy": "srt-ster"}]},
-            "exclusion 1 meets no condition: there is no strategy 'srt-ster' (did you mean "
+            "exclusion 1 matches no condition: there is no strategy 'srt-ster' (did you mean "
             "'srt-star'?); labels are those of tables, as in [open, srt-star, 1 robot",
         ),
         (
             {"exclude": [{"robots": [1, 3]}, {"robots": 3}]},
-            "exclusion 2 meets no condition: there is no robots 3",
+            "exclusion 2 matches no condition: there is no robots 3",
         ),
         (
             {"strategies": ["srt-star", {"name": "minpos", "label": "srt-star"}]},
@@ -514,8 +514,8 @@ def test_a_key_is_that_of_what_is_said_however_it_is_said():
         ),
         (
             {"radios": ["unlimited", {"loss": 0.1}]},
-            "both called [open, srt-star, 1 robot, scattered, unlimited, disc:0.25]; give what "
-            "differs labels of its own",
+            "both called [open, srt-star, 1 robot, scattered, unlimited, disc:0.25]; give "
+            "them labels of their own",
         ),
         (
             {"strategies": ["srt-star", {"name": "srt-star", "label": "again"}]},
@@ -546,7 +546,7 @@ def test_worlds_are_built_once(monkeypatch):
         built.append(spec)
         return build_environment(spec)
 
-    monkeypatch.setattr(crossing, "build_environment", build)
+    monkeypatch.setattr(run_specs, "build_environment", build)
     spec = experiment(
         environments=["open", {"name": "rooms", "seeds": "0-4"}],
         strategies=["srt-star", "minpos"],

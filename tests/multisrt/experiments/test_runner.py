@@ -315,7 +315,7 @@ def test_a_worker_that_is_killed_while_it_begins_is_begun_again(worker, tmp_path
 
 def test_a_worker_that_always_ends_while_it_begins_is_told(worker, tmp_path):
     (tmp_path / "mischief.py").write_text("import os, sys\nsys.exit('no way')\n")
-    with pytest.raises(InvalidInputError, match=r"before it could begin: .* exit code 1: no way"):
+    with pytest.raises(InvalidInputError, match=r"before it was ready: .* exit code 1: no way"):
         worker.make(job())
 
 

@@ -9,7 +9,8 @@ from multisrt.experiments.crossing import runs
 from multisrt.experiments.description import ExperimentSpec, Limits
 from multisrt.experiments.mission import make_run
 from multisrt.experiments.results import Result
-from multisrt.experiments.store import FORMAT, Store
+from multisrt.experiments.store import Store
+from multisrt.experiments.store_file import FORMAT
 from multisrt.geometry.errors import InvalidInputError
 
 SPEC = ExperimentSpec(
@@ -329,7 +330,7 @@ def test_a_database_that_may_grow_no_more_is_told_and_stays_sound(filled):
         store._connection.execute(f"PRAGMA max_page_count = {pages}")
         results = [result_of(run, covered_at_s=(math.pi,) * 101) for run in store.missing()]
         with pytest.raises(
-            InvalidInputError, match=r"the disk is full; .*the same command goes on"
+            InvalidInputError, match=r"the disk is full; .*the same command continues"
         ):
             any(map(store.add, results))  # all, as it gives nothing
         done = store.done

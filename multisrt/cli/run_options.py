@@ -1,11 +1,10 @@
-"""From the words of `multisrt explore` to specs."""
+"""From the options of `multisrt explore` to a spec."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -14,12 +13,10 @@ from multisrt.geometry.errors import InvalidInputError
 if TYPE_CHECKING:
     from multisrt.spec import Fault, RobotSpec, RunSpec
 
-Described = TypeVar("Described")
-
 DRIVES = ("differential", "holonomic", "reeds-shepp", "dubins")
 
 OVERRIDES = ("footprint", "range", "beams", "drive", "speed", "turning-radius", "start")
-"""What `--robot` may say of one robot."""
+"""Keys of `--robot`."""
 
 FAULTS = "death:ROBOT@TIME[:moving|waiting|master], silence:ROBOT@TIME+DURATION or late:ROBOT@TIME"
 _FAULT = re.compile(
@@ -28,69 +25,65 @@ _FAULT = re.compile(
 )
 
 
-def spec_of_file(path: Path) -> RunSpec:
-    """Read a spec from a TOML file, or from JSON if it is called so.
+def spec_of_options(environment: str, strategy: str | None, given: Mapping[str, Any]) -> RunSpec:
+    """Build the spec of a run from the options of `multisrt explore`.
+
+    Parameters
+    ----------
+    environment : str
+        Name in the catalogue, or a map file.
+    strategy : str or None
+        Name of the strategy; None: the default of `RunSpec`.
+    given : mapping
+        Values of the other options by parameter name; None where an option was not given.
+
+    Returns
+    -------
+    RunSpec
+        The spec, with its own defaults for what was not given.
 
     Raises
     ------
     InvalidInputError
-        If it cannot be read or is no spec; the message says what is wrong.
+        If a value is out of range, or options contradict each other.
+    click.BadParameter
+        If a value cannot be parsed.
     """
-    from multisrt.spec import RunSpec
-
-    return described(path, RunSpec.from_toml, RunSpec.from_json)
-
-
-def described(
-    path: Path, from_toml: Callable[[str], Described], from_json: Callable[[str], Described]
-) -> Described:
-    """Read what a TOML file describes, or a JSON file if it is called so.
-
-    Raises
-    ------
-    InvalidInputError
-        If it cannot be read, or by `from_toml` or `from_json`; the message names the file.
-    """
-    try:
-        text = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        said = error.strerror if isinstance(error, OSError) else "not a text file"
-        raise InvalidInputError(f"{path}: {said or error}") from None
-    try:
-        return from_json(text) if path.suffix == ".json" else from_toml(text)
-    except InvalidInputError as error:
-        raise InvalidInputError(f"{path}: {error}") from None
-
-
-def spec_of_words(environment: str, strategy: str, given: dict[str, Any]) -> RunSpec:
-    """Build a spec from what was given on the command line."""
     from multisrt.simulation.worlds import environment_spec
     from multisrt.spec import RadioSpec, RunSpec, StopRule
 
-    max_time = given["max_time"]
+    radio = _renamed(
+        given,
+        radio_range="range_m",
+        latency="latency_s",
+        jitter="jitter_s",
+        loss="loss",
+        walls="walls",
+    )
+    if given["no_multi_hop"]:
+        radio["multi_hop"] = False
+    fields = _renamed(given, starts="starts", seed="seed")
+    if strategy is not None:
+        fields["strategy"] = strategy
     return RunSpec(
         environment=environment_spec(
             environment, resolution_m=given["resolution"], threshold=given["threshold"]
         ),
-        strategy=strategy,
         options=dict(_key_and_value(text, "--option") for text in given["options"]),
         robots=_team(given),
-        starts=given["starts"],
-        radio=RadioSpec(
-            range_m=given["radio_range"],
-            multi_hop=not given["no_multi_hop"],
-            latency_s=given["latency"],
-            jitter_s=given["jitter"],
-            loss=given["loss"],
-            walls=given["walls"],
-        ),
+        radio=RadioSpec(**radio),
         faults=tuple(_fault(text) for text in given["faults"]),
-        stop=StopRule() if max_time is None else StopRule(max_time_s=max_time),
-        seed=given["seed"],
+        stop=StopRule(**_renamed(given, max_time="max_time_s")),
+        **fields,
     )
 
 
-def _team(given: dict[str, Any]) -> tuple[RobotSpec, ...]:
+def _renamed(given: Mapping[str, Any], /, **fields: str) -> dict[str, Any]:
+    """Return the given values by field name, without those that are None."""
+    return {field: given[name] for name, field in fields.items() if given.get(name) is not None}
+
+
+def _team(given: Mapping[str, Any]) -> tuple[RobotSpec, ...]:
     places = [_start(text, "--start") for text in given["start"]]
     differing = [_overrides(text) for text in given["robot"]]
     count = given["robots"]
@@ -122,32 +115,20 @@ def _team(given: dict[str, Any]) -> tuple[RobotSpec, ...]:
     )
 
 
-def _robot(said: dict[str, Any]) -> RobotSpec:
-    import msgspec
-
+def _robot(given: Mapping[str, Any]) -> RobotSpec:
     from multisrt.spec import DriveSpec, RangeFinderSpec, RobotSpec
 
-    drive = {
-        "kind": said["drive"],
-        "speed_m_s": said["speed"],
-        "turning_radius_m": said["turning-radius"],
-    }
-    eyes = {"range_m": said["range"], "beams": said["beams"]}
-    try:
-        return RobotSpec(
-            start=said["start"],
-            footprint=said["footprint"],
-            drive=msgspec.convert({k: v for k, v in drive.items() if v is not None}, DriveSpec),
-            range_finder=msgspec.convert(eyes, RangeFinderSpec),
-        )
-    except msgspec.ValidationError as error:
-        # The message of our own check, without the path that msgspec puts behind it.
-        raise InvalidInputError(str(error).partition(" - at `")[0]) from None
+    drive = {"drive": "kind", "speed": "speed_m_s", "turning-radius": "turning_radius_m"}
+    return RobotSpec(
+        **_renamed(given, start="start", footprint="footprint"),
+        drive=DriveSpec(**_renamed(given, **drive)),
+        range_finder=RangeFinderSpec(**_renamed(given, range="range_m", beams="beams")),
+    )
 
 
 def _overrides(text: str) -> dict[str, Any]:
-    # Commas stand between what is said, and within a start or a footprint.
-    said: dict[str, Any] = {}
+    # Commas separate the keys, and also occur within a start or a footprint.
+    values: dict[str, Any] = {}
     for part in re.split(r",\s*(?=[a-z-]+=)", text):
         key, value = _key_and_value(part, "--robot")
         if key not in OVERRIDES:
@@ -155,16 +136,16 @@ def _overrides(text: str) -> dict[str, Any]:
                 f"{key!r} is none of {', '.join(OVERRIDES)}", param_hint="--robot"
             )
         if key in ("range", "speed", "turning-radius"):
-            said[key] = _number(value, float, "--robot")
+            values[key] = _number(value, float, "--robot")
         elif key == "beams":
-            said[key] = _number(value, int, "--robot")
+            values[key] = _number(value, int, "--robot")
         elif key == "drive" and value not in DRIVES:
             raise InvalidInputError(
                 f"--robot: there is no drive {value!r}; there are: {', '.join(DRIVES)}"
             )
         else:
-            said[key] = _start(value, "--robot") if key == "start" else value
-    return said
+            values[key] = _start(value, "--robot") if key == "start" else value
+    return values
 
 
 def _fault(text: str) -> Fault:

@@ -1,0 +1,74 @@
+"""`multisrt environments`: list and draw environments."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from multisrt.cli.tables import show as show_table
+from multisrt.cli.tables import table
+
+
+@click.group(invoke_without_command=True)
+@click.pass_context
+def environments(context: click.Context) -> None:
+    """List the environments of the catalogue, or draw one.
+
+    \b
+    Examples:
+      multisrt environments
+      multisrt environments show hospital --out hospital.svg
+    """
+    if context.invoked_subcommand is not None:
+        return
+    from multisrt.environments.catalog import catalog
+
+    listed = table("environment", "kind", "size (m)", ">free (m2)", "description")
+    for entry in catalog():
+        size = f"{entry.width_m:.0f} x {entry.height_m:.0f}"
+        listed.add_row(entry.name, entry.kind, size, f"{entry.area_m2:.0f}", entry.summary)
+    show_table(listed)
+
+
+@environments.command()
+@click.argument("environment", metavar="ENV")
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="File for the picture.  [default: ENV.svg]",
+)
+@click.option("--resolution", type=float, help="Metres per pixel of an image without its own.")
+@click.option("--threshold", type=float, help="Lightness from 0 to 1 above which a pixel is free.")
+def show(
+    environment: str, out: Path | None, resolution: float | None, threshold: float | None
+) -> None:
+    """Draw an environment as SVG.
+
+    ENV is a name that 'multisrt environments' lists, or a map file as for 'multisrt explore'.
+
+    \b
+    Examples:
+      multisrt environments show hospital --out hospital.svg
+      multisrt environments show plan.png --resolution 0.05
+    """
+    from multisrt.drawing import save_environment_svg
+    from multisrt.environments.catalog import catalog
+    from multisrt.simulation.worlds import build_environment, environment_spec
+
+    where = environment_spec(environment, resolution_m=resolution, threshold=threshold)
+    world = build_environment(where)
+    if out is None:
+        out = Path(f"{Path(environment).stem}.svg")
+    save_environment_svg(world, out)
+    x0, y0, x1, y1 = world.bounds
+    click.echo(
+        f"{world.name}: {x1 - x0:.4g} x {y1 - y0:.4g} m, {world.area_m2:.4g} m2 free, "
+        f"{len(world.free.geoms)} component(s), {len(world.edges)} edges"
+    )
+    for entry in catalog():
+        if entry.name == environment and entry.parameters:
+            values = ", ".join(f"{name}={value}" for name, value in entry.parameters)
+            click.echo(f"parameters: {values}")
+    click.echo(f"written to {out}")

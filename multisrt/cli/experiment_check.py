@@ -1,0 +1,189 @@
+"""`multisrt experiment check`: the conditions of an experiment, and how long it will take."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from multisrt.cli.spec_files import read_experiment
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from multisrt.experiments.crossing import Condition, PlannedRun
+    from multisrt.experiments.description import ExperimentSpec, Limits
+    from multisrt.experiments.estimate import Estimate
+    from multisrt.experiments.results import Result
+
+MAX_ROWS = 24
+"""Longest table of conditions; a longer one is cut."""
+
+
+@click.command()
+@click.argument("file", metavar="FILE", type=click.Path(path_type=Path))
+@click.option(
+    "--workers",
+    type=click.IntRange(1),
+    metavar="N",
+    help="Number of workers to estimate for.  [default: one for each core]",
+)
+@click.option(
+    "--seconds",
+    default=30.0,
+    show_default=True,
+    type=click.FloatRange(0.0),
+    help="Time for trial runs; 0 makes none and estimates nothing.",
+)
+@click.option(
+    "--import",
+    "modules",
+    multiple=True,
+    metavar="MODULE",
+    help="Import a module that registers strategies; repeatable.",
+)
+def check(file: Path, workers: int | None, seconds: float, modules: tuple[str, ...]) -> None:
+    """List an experiment's conditions and estimate its duration.
+
+    FILE is read and every condition checked without storing anything. For the estimate a few
+    trial runs are made, cheap ones first, and thrown away.
+
+    \b
+    Examples:
+      multisrt experiment check star.toml
+      multisrt experiment check star.toml --seconds 120 --workers 16
+      multisrt experiment check star.toml --seconds 0
+    """
+    from multisrt.experiments.crossing import runs
+    from multisrt.experiments.modules import import_modules
+
+    import_modules(modules)
+    spec = read_experiment(file)
+    planned = runs(spec, file.parent)
+    everything = list(dict.fromkeys(run.condition for run in planned))
+    many = "s" * (spec.repetitions != 1)
+    click.echo(
+        f"{spec.name}: {len(planned)} runs, {len(everything)} conditions of "
+        f"{spec.repetitions} repetition{many} (seeds {spec.first_seed} to "
+        f"{spec.first_seed + spec.repetitions - 1})"
+    )
+    warnings = _impossible_starts(planned)
+    found = _estimate(spec, planned, seconds, modules) if seconds else None
+    _print_conditions(everything, {} if found is None else found.by_condition_s)
+    if found is not None:
+        _print_estimate(found, len(everything), workers)
+        warnings |= _failures(found.probes)
+    elif seconds:
+        click.echo("no estimate: no trial run came to an end")
+    for condition, reason in warnings.items():
+        click.echo(f"warning: [{condition}]: {reason}", err=True)
+    click.echo(f"next: multisrt experiment run {file}")
+
+
+def _impossible_starts(planned: Sequence[PlannedRun]) -> dict[Condition, str]:
+    """Return why the team does not fit, for conditions whose first repetition has no room."""
+    import msgspec
+
+    from multisrt.experiments.mission import world_of
+    from multisrt.geometry.errors import InvalidInputError
+    from multisrt.simulation.starts import starts_of
+
+    found: dict[Condition, str] = {}
+    tried: dict[Condition, str] = {}
+    for run in planned:
+        if run.repetition:
+            break
+        alike = msgspec.structs.replace(run.condition, strategy="", radio="", faults="")
+        if alike not in tried:
+            try:
+                starts_of(run.spec, world_of(run.spec.environment))
+                tried[alike] = ""
+            except InvalidInputError as error:
+                tried[alike] = str(error)
+        if tried[alike]:
+            found[run.condition] = tried[alike]
+    return found
+
+
+def _estimate(
+    spec: ExperimentSpec, planned: list[PlannedRun], seconds: float, modules: tuple[str, ...]
+) -> Estimate | None:
+    import msgspec
+
+    from multisrt.experiments.estimate import estimate
+    from multisrt.experiments.live import LiveProgress
+    from multisrt.experiments.runner import job_of
+    from multisrt.experiments.worker import Worker
+
+    worker = Worker(modules)
+
+    def make(run: PlannedRun, limits: Limits) -> Result:
+        plain = msgspec.structs.replace(spec, limits=limits, recordings="none")
+        return worker.make(job_of(run, plain))
+
+    with LiveProgress() as live:
+        try:
+            return estimate(
+                spec,
+                planned,
+                make,
+                budget_s=seconds,
+                watch=lambda run: live.say(f"trying [{run.condition}]"),
+            )
+        finally:
+            worker.stop()
+
+
+def _print_conditions(everything: list[Condition], took: dict[Condition, float]) -> None:
+    from multisrt.cli.tables import show, table
+
+    # A column for each label that varies; the others are printed once, below the table.
+    names = ("environment", "strategy", "robots", "team", "starts", "radio", "body", "faults")
+    varying = [
+        name
+        for name in names
+        if len({getattr(one, name) for one in everything}) > 1
+        or name in ("environment", "strategy", "robots")
+    ]
+    made = table(
+        *(">robots" if name == "robots" else name for name in varying),
+        *([">s/run"] if took else []),
+    )
+    shown = everything if len(everything) <= MAX_ROWS else everything[: MAX_ROWS - 4]
+    for one in shown:
+        cells = [str(getattr(one, name)) for name in varying]
+        made.add_row(*cells, *([f"{took[one]:.2g}"] if took else []))
+    show(made)
+    if len(shown) < len(everything):
+        click.echo(f"... and {len(everything) - len(shown)} more conditions")
+    fixed = [f"{n} {getattr(everything[0], n)}" for n in names if n not in varying and n != "team"]
+    if fixed:
+        click.echo(f"all: {', '.join(fixed)}")
+
+
+def _print_estimate(found: Estimate, conditions: int, workers: int | None) -> None:
+    from multisrt.experiments.live import duration
+    from multisrt.experiments.runner import cores
+
+    number = workers or cores()
+    told = [duration(s / number) for s in (found.computing_s, found.low_s, found.high_s)]
+    tried = len(found.probes)
+    click.echo(
+        f"estimate: {told[0]} with {number} worker{'s' * (number != 1)} ({told[1]} to {told[2]})\n"
+        f"  from one run each of {tried} of {conditions} conditions, in {duration(found.took_s)}"
+        + ("; the others from their labels" if tried < conditions else "")
+    )
+    if found.cut_off:
+        click.echo(
+            f"  {found.cut_off} of them did not end in time: it will take longer; allow more "
+            "--seconds"
+        )
+
+
+def _failures(probes: Sequence[Result]) -> dict[Condition, str]:
+    return {
+        probe.condition: f"{probe.status}: {probe.reason}"
+        for probe in probes
+        if probe.status not in ("complete", "over_time")
+    }

@@ -1,0 +1,95 @@
+"""Jobs for workers and their answers: JSON objects, one a line."""
+
+from __future__ import annotations
+
+import msgspec
+
+from multisrt.experiments.crossing import Condition, PlannedRun
+from multisrt.experiments.description import Limits
+from multisrt.experiments.provenance import Provenance
+from multisrt.experiments.results import Result, Status
+from multisrt.spec import RunSpec
+
+
+class Job(msgspec.Struct, frozen=True, kw_only=True):
+    """A run for a worker to make.
+
+    Attributes
+    ----------
+    key, condition, repetition, spec
+        The fields of the `PlannedRun`.
+    limits : Limits
+        Limits of computing time and memory.
+    recording : str
+        File for the recording; empty: none is written.
+    only_failed : bool
+        Whether to write the recording only if the run is not complete or has a collision.
+    """
+
+    key: str
+    condition: Condition
+    repetition: int
+    spec: RunSpec
+    limits: Limits
+    recording: str = ""
+    only_failed: bool = False
+
+    @property
+    def run(self) -> PlannedRun:
+        """The planned run."""
+        return PlannedRun(
+            key=self.key, condition=self.condition, repetition=self.repetition, spec=self.spec
+        )
+
+    def without_result(
+        self, status: Status, reason: str, *, wall_s: float = 0.0, computing_s: float = 0.0
+    ) -> Result:
+        """Return the result of a run whose process ended before it did.
+
+        Parameters
+        ----------
+        status : str
+            How it ended.
+        reason : str
+            Why, in words.
+        wall_s, computing_s : float
+            Elapsed time and computing time (s), where known.
+
+        Returns
+        -------
+        Result
+            A result without metrics.
+        """
+        return Result(
+            key=self.key,
+            condition=self.condition,
+            repetition=self.repetition,
+            status=status,
+            reason=reason,
+            wall_s=wall_s,
+            computing_s=computing_s,
+        )
+
+
+class Ready(msgspec.Struct, frozen=True, tag="ready"):
+    """First answer of a worker: it is ready, and which program it is."""
+
+    provenance: Provenance
+
+
+class Unable(msgspec.Struct, frozen=True, tag="unable"):
+    """Answer of a worker that cannot begin, or cannot write a recording."""
+
+    reason: str
+
+
+class Made(msgspec.Struct, frozen=True, tag="made"):
+    """Answer to a job: the result of the run."""
+
+    result: Result
+
+
+Answer = Ready | Unable | Made
+
+ANSWERS = msgspec.json.Decoder(Answer)
+"""Decodes a line that a worker wrote."""

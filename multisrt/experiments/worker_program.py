@@ -1,0 +1,97 @@
+"""The program of a worker: makes runs, one after another, as it is told.
+
+`python -m multisrt.experiments.worker_program [MODULE ...]` imports the modules, then reads jobs
+from standard input and writes answers to standard output, one JSON object a line (see `job`).
+Whatever strategies print goes to standard error. The program ends when its input ends, even in
+the middle of a run.
+"""
+
+from __future__ import annotations
+
+import faulthandler
+import gc
+import os
+import queue
+import signal
+import sys
+import threading
+from collections.abc import Sequence
+from pathlib import Path
+from typing import IO
+
+import msgspec
+
+from multisrt.experiments.job import Answer, Job, Made, Ready, Unable
+from multisrt.experiments.memory import Thrift
+from multisrt.experiments.modules import import_modules
+from multisrt.experiments.provenance import provenance
+from multisrt.geometry.errors import InvalidInputError
+
+ALLOCATIONS_PER_COLLECTION = 50_000
+"""Allocations between two passes of the garbage collector, of which few find anything: most of
+what a run allocates lives until it ends."""
+
+
+def main(modules: Sequence[str]) -> None:
+    """Make runs until standard input ends.
+
+    Parameters
+    ----------
+    modules : sequence of str
+        Modules to import before anything else.
+    """
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    jobs, answers = _own_pipes()
+    faulthandler.enable(all_threads=False)
+    try:
+        import_modules(modules)
+    except InvalidInputError as error:
+        _answer(answers, Unable(str(error)))
+        return
+    from multisrt.experiments.mission import make_run
+
+    gc.collect()
+    gc.freeze()  # what was imported stays
+    gc.set_threshold(ALLOCATIONS_PER_COLLECTION, 20, 50)
+    lines: queue.SimpleQueue[bytes] = queue.SimpleQueue()
+    threading.Thread(target=_read, args=(jobs, lines), daemon=True).start()
+    _answer(answers, Ready(provenance()))
+    decoder = msgspec.json.Decoder(Job)
+    thrift = Thrift()
+    while True:
+        job = decoder.decode(lines.get())
+        path = Path(job.recording) if job.recording else None
+        try:
+            result = make_run(job.run, job.limits, path, only_failed=job.only_failed)
+        except InvalidInputError as error:
+            _answer(answers, Unable(str(error)))
+        else:
+            _answer(answers, Made(result))
+            thrift.look()
+
+
+def _own_pipes() -> tuple[IO[bytes], IO[bytes]]:
+    """Move the pipes to other descriptors, away from what strategies print and read."""
+    jobs = os.fdopen(os.dup(0), "rb")
+    answers = os.fdopen(os.dup(1), "wb")
+    nothing = os.open(os.devnull, os.O_RDONLY)
+    os.dup2(nothing, 0)
+    os.close(nothing)
+    os.dup2(2, 1)
+    return jobs, answers
+
+
+def _read(jobs: IO[bytes], lines: queue.SimpleQueue[bytes]) -> None:
+    """Queue the lines of the input and exit at its end; runs in a thread of its own."""
+    while line := jobs.readline():
+        lines.put(line)
+    os._exit(0)
+
+
+def _answer(answers: IO[bytes], answer: Answer) -> None:
+    answers.write(msgspec.json.encode(answer) + b"\n")
+    answers.flush()
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

@@ -51,6 +51,10 @@ THREADS = ("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_
 """What libraries take for the number of their threads: a worker has one core."""
 
 
+GARBAGE_AFTER = 50_000
+"""Allocations between two passes of the garbage collector in a worker's process."""
+
+
 class Job(msgspec.Struct, frozen=True, kw_only=True):
     """A run to make.
 
@@ -365,7 +369,6 @@ def main(modules: Sequence[str]) -> None:
         _answer(answers, _Unable(str(error)))
         return
     import multisrt.experiments.mission
-    from multisrt.simulation.simulate import GARBAGE_AFTER
 
     make_run = multisrt.experiments.mission.make_run
     # What has been made by importing stays, and so does most of what a run makes until it ends:

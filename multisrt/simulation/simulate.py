@@ -8,10 +8,9 @@ it, not how long that takes.
 
 from __future__ import annotations
 
-import gc
 import math
-from collections.abc import Callable, Generator, Iterator
-from contextlib import contextmanager, nullcontext
+from collections.abc import Callable, Generator
+from contextlib import nullcontext
 from functools import lru_cache, partial
 from itertools import pairwise
 from pathlib import Path
@@ -74,9 +73,6 @@ PROMPT, LATE = 1, 2
 
 MOST_ACTIONS = 100_000
 """A robot that does more than this at one moment will never let time pass."""
-
-GARBAGE_AFTER = 50_000
-"""How many objects a run makes before it is looked for garbage among them."""
 
 ROUNDING_S = 1e-9
 """An arrival or an encounter may come earlier than it was foreseen by this."""
@@ -144,23 +140,10 @@ def simulate(
     header = header_of(spec, environment, starts)
     world = _collision_world(environment)
     opened = nullcontext() if path is None else written_whole(Path(path))
-    with opened as file, _little_garbage():
+    with opened as file:
         return _Simulation(spec, world, index, radio, Recorder(header, file), watch).run(
             explorers, starts
         )
-
-
-@contextmanager
-def _little_garbage() -> Iterator[None]:
-    # Most of what a run makes it keeps to its end: to look through all of that for garbage as
-    # often as Python does by itself would take a fifth of the time.
-    before = gc.get_threshold()
-    if 0 < before[0] < GARBAGE_AFTER:
-        gc.set_threshold(GARBAGE_AFTER, 20, 50)
-    try:
-        yield
-    finally:
-        gc.set_threshold(*before)
 
 
 @lru_cache(maxsize=8)

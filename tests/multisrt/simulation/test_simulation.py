@@ -751,7 +751,7 @@ def test_a_robot_stops_where_it_is(play):
 
 
 def test_a_robot_that_lets_no_time_pass_is_told(play, monkeypatch):
-    monkeypatch.setattr("multisrt.simulation.simulate.MOST_ACTIONS", 50)
+    monkeypatch.setattr("multisrt.simulation.interpreter.MAX_ACTIONS", 50)
 
     def waits_for_nothing():
         yield straight(1, 5, 2, 5)
@@ -772,7 +772,7 @@ def test_a_robot_that_lets_no_time_pass_is_told(play, monkeypatch):
 
 
 def test_many_actions_with_time_between_them_are_none_too_many(play, monkeypatch):
-    monkeypatch.setattr("multisrt.simulation.simulate.MOST_ACTIONS", 5)
+    monkeypatch.setattr("multisrt.simulation.interpreter.MAX_ACTIONS", 5)
 
     def waits():
         for _ in range(40):

@@ -46,7 +46,8 @@ Purpose = Literal["explore", "support", "home", "give way"]
 """Why a robot moves."""
 
 
-class Event(msgspec.Struct, frozen=True, kw_only=True, tag_field="event"):
+# Events hold plain data, which cannot refer back to them: the garbage collector need not look.
+class Event(msgspec.Struct, frozen=True, kw_only=True, gc=False, tag_field="event"):
     """Something that happened to a robot.
 
     Attributes

@@ -13,7 +13,8 @@ from multisrt.analysis.metrics import Metrics, measure
 from multisrt.environments.environment import Environment
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.recording import Recording, RunOutcome, written_whole
-from multisrt.simulation.simulate import Watcher, simulate
+from multisrt.simulation.journal import Watcher
+from multisrt.simulation.simulate import simulate
 from multisrt.simulation.worlds import build_environment, environment_spec, inline
 from multisrt.spec import (
     DriveSpec,

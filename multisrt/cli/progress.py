@@ -9,7 +9,7 @@ from multisrt.terminal import LiveLine
 if TYPE_CHECKING:
     from multisrt.environments.environment import Environment
     from multisrt.events import AnyEvent
-    from multisrt.simulation.simulate import Watcher
+    from multisrt.simulation.journal import Watcher
     from multisrt.spec import RunSpec
 
 

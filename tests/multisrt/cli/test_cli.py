@@ -603,7 +603,7 @@ def test_an_interrupted_run_leaves_no_files(call, folder, monkeypatch):
     def interrupted(*args, **kwargs):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("multisrt.simulation.simulate.take_scan", interrupted)
+    monkeypatch.setattr("multisrt.simulation.sensing.take_scan", interrupted)
     before = everything(folder)
     code, out, err = call("explore", "room.wkt", "--out", "new/results")
     assert (code, out, err.strip()) == (130, "", "interrupted")

@@ -15,13 +15,36 @@ from multisrt.robots import registry
 from multisrt.robots.explorer import Done, Sense
 from multisrt.robots.registry import strategies
 from multisrt.run import explore
-from multisrt.simulation import simulate
+from multisrt.simulation import sensing, simulate
+from multisrt.simulation.clock import Clock
+from multisrt.simulation.faults import Faults
+from multisrt.simulation.interpreter import Interpreter
+from multisrt.simulation.journal import Journal
+from multisrt.simulation.mail import Mail
+from multisrt.simulation.motions import Motions
+from multisrt.simulation.robot import Robot
+from multisrt.simulation.traffic import Traffic
 
 WORLD = Environment(
     "two rooms", shapely.box(0, 0, 12, 5).difference(shapely.box(6, 0, 6.2, 3.5)), starts=[(1, 1)]
 )
 
-TRUTH = (Environment, CollisionWorld, EdgeIndex, simulate._Simulation, Recorder)
+TRUTH = (
+    Environment,
+    CollisionWorld,
+    EdgeIndex,
+    Recorder,
+    simulate._Simulation,
+    Clock,
+    Faults,
+    Interpreter,
+    Journal,
+    Mail,
+    Motions,
+    Robot,
+    sensing.Sensing,
+    Traffic,
+)
 
 
 def reachable(*roots: object) -> list[object]:
@@ -112,14 +135,14 @@ def test_what_an_explorer_is_sent_does_not_lead_to_the_truth(monkeypatch):
 
 def test_a_scan_shares_no_memory_with_the_truth(monkeypatch):
     scans = []
-    take_scan = simulate.take_scan
+    take_scan = sensing.take_scan
 
     def taking(index, *rest):
         scan = take_scan(index, *rest)
         scans.append((index, scan))
         return scan
 
-    monkeypatch.setattr(simulate, "take_scan", taking)
+    monkeypatch.setattr(sensing, "take_scan", taking)
     explore(WORLD, seed=1)
     assert scans
     for index, scan in scans:

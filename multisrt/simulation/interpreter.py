@@ -1,0 +1,242 @@
+"""The interpreter of one explorer's actions.
+
+It runs as a process of the clock: it sends the explorer the outcome of its last action, carries
+out the action that the explorer yields, and waits where the action takes time.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from dataclasses import dataclass
+from typing import Any
+
+from multisrt.events import Ended, Organized
+from multisrt.geometry.errors import InvalidInputError
+from multisrt.robots.explorer import (
+    Action,
+    Done,
+    Explorer,
+    Look,
+    Move,
+    Moved,
+    Note,
+    Outcome,
+    Receive,
+    Received,
+    Send,
+    Sense,
+    Stop,
+    TimedOut,
+)
+from multisrt.simulation.clock import LATE, ROUNDING_S, Clock
+from multisrt.simulation.faults import Faults
+from multisrt.simulation.journal import Journal
+from multisrt.simulation.mail import Mail
+from multisrt.simulation.motions import Motions
+from multisrt.simulation.robot import Robot
+from multisrt.simulation.sensing import Sensing
+
+MAX_ACTIONS = 100_000
+"""Actions of one explorer at one moment; one that yields more never lets time pass."""
+
+Process = Generator[Any, Any, None]
+"""A process of the clock."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Surroundings:
+    """What carries out the actions of all robots of a run."""
+
+    clock: Clock
+    journal: Journal
+    sensing: Sensing
+    motions: Motions
+    mail: Mail
+    faults: Faults
+
+
+class _Terminated(Exception):
+    """Ends the process of a robot that has died or collided."""
+
+
+class Interpreter:
+    """Carries out the actions of one robot's explorer.
+
+    Parameters
+    ----------
+    robot : Robot
+        The robot.
+    explorer : Explorer
+        What decides for it.
+    surroundings : Surroundings
+        What carries out its actions.
+    """
+
+    def __init__(self, robot: Robot, explorer: Explorer, surroundings: Surroundings) -> None:
+        self._robot = robot
+        self._explorer = explorer
+        self._clock = surroundings.clock
+        self._journal = surroundings.journal
+        self._sensing = surroundings.sensing
+        self._motions = surroundings.motions
+        self._mail = surroundings.mail
+        self._faults = surroundings.faults
+        # How many actions the explorer has yielded at the present moment.
+        self._acted_s = 0.0
+        self._actions = 0
+
+    def process(self, join_s: float | None) -> Process:
+        """Run the explorer until it is done for good, or the robot dies or collides.
+
+        Parameters
+        ----------
+        join_s : float or None
+            When a robot that starts late is switched on, in seconds; None: it is on already.
+        """
+        try:
+            if join_s is not None:
+                while self._clock.now_s < join_s - ROUNDING_S:
+                    self._clock.later(join_s - self._clock.now_s, self._robot.poke)
+                    yield from self._sleep()
+                self._faults.join(self._robot)
+            yield from self._interpret()
+        except _Terminated:
+            pass
+
+    def _interpret(self) -> Process:
+        robot = self._robot
+        outcome: Outcome = None
+        actions = self._explorer.run()
+        while True:
+            action = self._next_action(actions, outcome)
+            outcome = None
+            match action:
+                # The most frequent actions come first.
+                case Receive():
+                    if robot.mailbox and robot.motion is None and not self._faults.is_doomed(robot):
+                        outcome = self._received()
+                    else:
+                        outcome = yield from self._wait(action.timeout_s)
+                case Send():
+                    self._mail.send(robot, action.message, action.to)
+                case Note():
+                    self._journal.record(action.event)
+                    if isinstance(action.event, Organized):
+                        self._faults.on_doing(robot, "master")
+                case Move():
+                    if not self._motions.begin(robot, action):
+                        return
+                    self._faults.on_setting_out(robot)
+                    outcome = yield from self._wait(None, hears=action.listen)
+                case Sense():
+                    outcome = self._sensing.scan(robot, self._clock.now_s)
+                case Look():
+                    outcome = self._sensing.look(robot, self._clock.now_s)
+                case Stop():
+                    outcome = self._stop()
+                case Done():
+                    self._finish(action)
+                    if not action.on_call:
+                        return
+                    outcome = yield from self._wait(None)
+                    robot.state = "on"
+                case _:
+                    raise InvalidInputError(
+                        f"the explorer of robot {robot.number} yielded {action!r}, "
+                        "which is no action"
+                    )
+            if robot.state == "dead" or self._motions.collision is not None:
+                return
+
+    def _next_action(self, actions: Generator[Action, Outcome, None], outcome: Outcome) -> Action:
+        now_s, number = self._clock.now_s, self._robot.number
+        if self._acted_s < now_s:
+            self._acted_s, self._actions = now_s, 0
+        self._journal.note_time(now_s)
+        self._actions += 1
+        if self._actions > MAX_ACTIONS:
+            raise InvalidInputError(
+                f"the explorer of robot {number} yielded {MAX_ACTIONS:,} actions at "
+                f"{now_s:g} s and lets no time pass; have it move, or wait with a Receive "
+                "that does not end at once"
+            )
+        try:
+            return actions.send(outcome)
+        except StopIteration:
+            raise InvalidInputError(
+                f"the explorer of robot {number} stopped without a last action Done"
+            ) from None
+
+    def _stop(self) -> Moved:
+        if self._robot.motion is None:
+            raise InvalidInputError(
+                f"the explorer of robot {self._robot.number} yielded Stop, but it stands"
+            )
+        return self._motions.end(self._robot, self._clock.now_s)
+
+    def _finish(self, done: Done) -> None:
+        robot = self._robot
+        if robot.motion is not None:
+            raise InvalidInputError(
+                f"the explorer of robot {robot.number} yielded Done while a motion "
+                "goes on; yield Receive to wait for its end, or Stop"
+            )
+        end = Ended(
+            time_s=self._clock.now_s,
+            robot=robot.number,
+            reason=done.reason,
+            complete=done.complete,
+            frontier=done.frontier,
+        )
+        # A robot that is called on and ends as before is not recorded again.
+        if robot.end is None or _statement(robot.end) != _statement(end):
+            self._journal.record(end)
+        robot.end = end
+        robot.state = "done"
+
+    # Waiting -----------------------------------------------------------------------------
+
+    def _wait(
+        self, timeout_s: float | None, hears: bool = True
+    ) -> Generator[Any, Any, Moved | Received | TimedOut]:
+        # Until a motion ends, messages arrive or time is up, in this order of precedence.
+        robot, time_out = self._robot, None
+        robot.waits = robot.motion is None
+        if robot.waits:
+            self._faults.on_doing(robot, "waiting")
+        try:
+            while True:
+                if robot.state == "dead":
+                    raise _Terminated
+                if (moved := self._motions.ended(robot)) is not None:
+                    return moved
+                if self._motions.collision is not None:
+                    raise _Terminated
+                if (hears and robot.mailbox) and (
+                    robot.motion is None or any(m.wakes for m in robot.mailbox)
+                ):
+                    return self._received()
+                if time_out is not None and time_out.processed:
+                    if hears and robot.mailbox:
+                        return self._received()
+                    return TimedOut(self._clock.now_s)
+                if timeout_s is not None and time_out is None:
+                    time_out = self._clock.later(max(0.0, timeout_s), robot.poke, LATE)
+                yield from self._sleep()
+        finally:
+            robot.waits = False
+
+    def _received(self) -> Received:
+        messages = tuple(self._robot.mailbox)
+        self._robot.mailbox.clear()
+        return Received(messages, self._clock.now_s)
+
+    def _sleep(self) -> Process:
+        self._robot.wake = self._clock.event()
+        yield self._robot.wake
+        if self._robot.state == "dead":
+            raise _Terminated
+
+
+def _statement(end: Ended) -> tuple[object, ...]:
+    return end.reason, end.complete, end.frontier

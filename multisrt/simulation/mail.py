@@ -1,0 +1,119 @@
+"""Messages on their way: sent, carried by the radio, and put into mailboxes."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from functools import partial
+
+from multisrt.events import Sent
+from multisrt.robots.messages import Message
+from multisrt.simulation.clock import Clock
+from multisrt.simulation.journal import Journal
+from multisrt.simulation.radio import Radio
+from multisrt.simulation.robot import Robot
+from multisrt.simulation.traffic import Traffic
+from multisrt.spec import RadioSpec
+
+
+class Mail:
+    """Carries messages from robot to robot.
+
+    Parameters
+    ----------
+    robots : sequence of Robot
+        The team.
+    radio : Radio
+        Which robots a message reaches, and after what time.
+    spec : RadioSpec
+        How messages travel.
+    traffic : Traffic
+        Where the robots are.
+    clock, journal
+        Those of the run.
+
+    Attributes
+    ----------
+    on_the_air : int
+        How many messages are on their way.
+    """
+
+    def __init__(
+        self,
+        robots: Sequence[Robot],
+        radio: Radio,
+        spec: RadioSpec,
+        traffic: Traffic,
+        *,
+        clock: Clock,
+        journal: Journal,
+    ) -> None:
+        self._robots = robots
+        self._radio = radio
+        self._range_m = math.inf if spec.range_m is None else spec.range_m
+        self._relayed = spec.multi_hop
+        self._traffic = traffic
+        self._clock = clock
+        self._journal = journal
+        self.on_the_air = 0
+        # Positions at one moment, at which many messages are sent.
+        self._positions: dict[int, tuple[float, float]] = {}
+        self._positions_at_s = -1.0
+
+    def send(self, robot: Robot, message: Message, to: int | None) -> None:
+        """Send a message to one robot, or to all that the radio reaches (None)."""
+        deliveries: list[tuple[int, float]] = []
+        lost: list[int] = []
+        if robot.hears:
+            deliveries, lost = self._deliveries(robot.number, to)
+        self._journal.record(
+            Sent(
+                time_s=self._clock.now_s,
+                robot=robot.number,
+                kind=message.kind,
+                size_bytes=message.size_bytes,
+                reached=tuple(receiver for receiver, _ in deliveries),
+                lost=tuple(lost),
+            )
+        )
+        for receiver, delay_s in deliveries:
+            if delay_s > 0.0:
+                self.on_the_air += 1
+                self._clock.later(delay_s, partial(self._arrive, self._robots[receiver], message))
+            else:
+                _deliver(self._robots[receiver], message)
+
+    def _deliveries(self, sender: int, to: int | None) -> tuple[list[tuple[int, float]], list[int]]:
+        # Only robots that may be in reach are put to the radio, numbered among themselves.
+        if self._radio.is_unlimited:
+            working = [robot.hears for robot in self._robots]
+            return self._radio.deliveries(sender, to, [], working)
+        near = self._traffic.may_reach(sender, self._range_m, relayed=self._relayed)
+        if to is not None and to not in near:
+            return [], []
+        delivered, lost = self._radio.deliveries(
+            near.index(sender),
+            None if to is None else near.index(to),
+            [self._position(robot) for robot in near],
+            [self._robots[robot].hears for robot in near],
+        )
+        return [(near[k], delay) for k, delay in delivered], [near[k] for k in lost]
+
+    def _position(self, robot: int) -> tuple[float, float]:
+        if self._positions_at_s != self._clock.now_s:
+            self._positions_at_s = self._clock.now_s
+            self._positions = {}
+        if robot not in self._positions:
+            self._positions[robot] = self._traffic.where(robot, self._clock.now_s)[:2]
+        return self._positions[robot]
+
+    def _arrive(self, robot: Robot, message: Message) -> None:
+        self.on_the_air -= 1
+        _deliver(robot, message)
+
+
+def _deliver(robot: Robot, message: Message) -> None:
+    if robot.hears:
+        robot.mailbox.append(message)
+        if robot.motion is None or message.wakes:
+            robot.poke()

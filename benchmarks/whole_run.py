@@ -20,7 +20,7 @@ from multisrt.environments.catalog import environment
 from multisrt.events import NodeAdded
 from multisrt.geometry.grids.raster import Raster
 from multisrt.geometry.regions import arc_pieces, known_space, scan, visibility
-from multisrt.geometry.regions.frontier_update import PieceArrays
+from multisrt.geometry.regions.frontier_update import PieceArrays, frontier_changes
 from multisrt.recording import Recording
 from multisrt.simulation.simulate import simulate
 from multisrt.spec import CatalogEnvironment, RunSpec
@@ -87,7 +87,7 @@ def _captured(calls: list[Call]) -> Iterator[None]:
 
     with (
         mock.patch.object(scan, "visibility_polygon", recorder(visibility.visibility_polygon)),
-        mock.patch.object(arc_pieces, "frontier_changes", recorder(arc_pieces.frontier_changes)),
+        mock.patch.object(arc_pieces, "frontier_changes", recorder(frontier_changes)),
         mock.patch.object(arc_pieces, "_note_spans", recorder(arc_pieces._note_spans)),
         mock.patch.object(arc_pieces, "_wide_enough", recorder(arc_pieces._wide_enough)),
         mock.patch.object(known_space, "_border", recorder(known_space._border)),
@@ -100,5 +100,10 @@ def _copied(argument: Any) -> Any:
     if isinstance(argument, np.ndarray):
         return argument.copy()
     if isinstance(argument, PieceArrays):
-        return PieceArrays(*(array.copy() for array in argument))
+        return PieceArrays(
+            spans=argument.spans.copy(),
+            lengths_m=argument.lengths_m.copy(),
+            pieces=argument.pieces.copy(),
+            wholes=argument.wholes.copy(),
+        )
     return argument

@@ -31,7 +31,7 @@ class Cones(NamedTuple):
         The place in metres.
     reach : float
         Largest depth of a cone in metres.
-    count : int
+    number : int
         Number of cones; the first begins in direction +x.
     parts : int
         Number of chords that stand for the arc of a cone.
@@ -40,7 +40,7 @@ class Cones(NamedTuple):
     x: float
     y: float
     reach: float
-    count: int
+    number: int
     parts: int
 
 
@@ -76,13 +76,13 @@ def cut_at_smallest_readings(
         `RANGE`, `OBSTACLE` or `CUT`.
     """
     depths, walls = _readings(boundary, tags, cones)
-    opening = cones.parts * (2.0 * np.pi / (cones.count * cones.parts))
-    most = cones.count * cones.parts + (cones.count + 1) * (2 + 4 * walls.ends.shape[0])
+    opening = cones.parts * (2.0 * np.pi / (cones.number * cones.parts))
+    most = cones.number * cones.parts + (cones.number + 1) * (2 + 4 * walls.ends.shape[0])
     chain = Chain(np.empty((most, 2)), np.empty(most, np.int8))
     placed = walls.ends + np.array([cones.x, cones.y, cones.x, cones.y])
     count = 0
-    previous = depths[cones.count - 1]
-    for cone in range(cones.count):
+    previous = depths[cones.number - 1]
+    for cone in range(cones.number):
         depth = depths[cone]
         begin = cone * opening
         if abs(previous - depth) > 1e-9:
@@ -108,8 +108,8 @@ def cut_at_smallest_readings(
 def _readings(boundary: FloatArray, tags: TagArray, cones: Cones) -> tuple[FloatArray, _Walls]:
     # The smallest reading in every cone, and the surfaces.
     x, y = cones.x, cones.y
-    opening = cones.parts * (2.0 * np.pi / (cones.count * cones.parts))
-    depths = np.full(cones.count, cones.reach)
+    opening = cones.parts * (2.0 * np.pi / (cones.number * cones.parts))
+    depths = np.full(cones.number, cones.reach)
     corners = boundary.shape[0]
     walls = _Walls(np.empty((corners, 4)), np.empty((corners, 2)))
     wall_count = 0
@@ -137,7 +137,7 @@ def _readings(boundary: FloatArray, tags: TagArray, cones: Cones) -> tuple[Float
             t0 = _crossing(ax, ay, dx, dy, start, end, cone * opening)
             t1 = _crossing(ax, ay, dx, dy, start, end, (cone + 1) * opening)
             t = min(max(closest, t0), max(t0, t1))
-            k = cone % cones.count
+            k = cone % cones.number
             depths[k] = min(depths[k], np.hypot(ax + t * dx, ay + t * dy))
         if tags[i] == OBSTACLE:
             walls.ends[wall_count] = ax, ay, bx, by
@@ -153,7 +153,7 @@ def _add_arc(
 ) -> int:
     # Write the chords of a cone's arc, and corners where contacts with walls begin and end;
     # return the new number of corners.
-    width = 2.0 * np.pi / (cones.count * cones.parts)
+    width = 2.0 * np.pi / (cones.number * cones.parts)
     angle, part = 0.0, 0
     while part < cones.parts:
         # The next corner of the chords, or border of a contact, whichever comes first.

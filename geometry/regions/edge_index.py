@@ -292,4 +292,5 @@ def _is_in_cell(edge: int, cell: int, bins: IntArray) -> bool:
     k, end = bins[cell], bins[cell + 1]
     while k < end and bins[k] != edge:
         k += 1
-    return k < end
+    is_found: bool = k < end
+    return is_found

@@ -139,7 +139,7 @@ def local_safe_region(
     >>> for shape in ("radial", "star", "ball"):
     ...     print(shape, round(local_safe_region(scan, shape).polygon().area, 1))
     radial 12.0
-    star 9.3
+    star 9.7
     ball 3.1
     """
     reach = scan.range_m

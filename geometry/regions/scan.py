@@ -108,7 +108,7 @@ def take_scan(
     >>> corridor = EdgeIndex(np.hstack([corners, np.roll(corners, -1, axis=0)]), 4.0 / 3.0)
     >>> place = Configuration(10.0, 1.0)
     >>> scan = take_scan(corridor, place, time_s=0.0, range_m=4.0)
-    >>> scan.boundary.max(axis=0).tolist()
+    >>> scan.boundary.max(axis=0).round(9).tolist()
     [14.0, 3.0]
     >>> take_scan(corridor, place, time_s=0.0, range_m=4.0, beams=4).ranges.tolist()
     [inf, 2.0, inf, 1.0]

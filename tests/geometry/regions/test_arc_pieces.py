@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.sparse.csgraph import connected_components
@@ -198,38 +197,3 @@ def test_arcs_count_with_all_that_they_are_joined_to(seed, shortest):
             continue
         expected = part[(lengths >= shortest)[labels]]
         assert np.array_equal(arcs.wide_enough(k, np.arange(owners), shortest), expected)
-
-
-def test_only_what_lies_along_a_segment_is_subtracted():
-    segments = np.array([[0.0, 0, 4, 0], [0, 1, 4, 1]])
-    lines = np.array([[3.0, 0, 1, 0], [2, -1, 2, 2], [0, 0.5, 4, 0.5], [1, 1, 9, 1]])
-    rest, source = beside(segments, np.array([True, False]), lines, 1e-6)
-    assert rest.tolist() == [[0, 0, 1, 0], [3, 0, 4, 0], [0, 1, 4, 1]]
-    assert source.tolist() == [0, 0, 1]
-
-
-@given(st.lists(st.tuples(st.floats(0, 10), st.floats(0, 10)), max_size=6), st.randoms())
-def test_subtractions_in_any_order_leave_the_difference(stretches, random):
-    whole = np.array([[1.0, 2.0, 7.0, 10.0]])
-    at = whole[0, :2] + np.array([0.6, 0.8]) * np.array(stretches).reshape(-1, 2, 1)
-    left = whole, whole
-    order = list(range(len(stretches)))
-    random.shuffle(order)
-    for k in order:
-        left = remainder(along(at[k].reshape(1, 4)), *left)
-    expected = shapely.LineString([(0, 0), (10, 0)])
-    for a, b in stretches:
-        if abs(a - b) > 1e-5:
-            expected = expected.difference(shapely.LineString([(a, 0), (b, 0)]))
-    lengths = np.hypot(*(left[0][:, 2:] - left[0][:, :2]).T)
-    assert lengths.sum() == pytest.approx(expected.length, abs=1e-4 * (len(stretches) + 1))
-
-
-def test_only_segments_in_arcs_that_are_long_enough():
-    segments = np.array(
-        [[0.0, 0, 0.3, 0], [0.3, 0, 0.3, 0.3], [5, 5, 5.5, 5], [-0.1, 0, 0, 0], [7, 7, 7, 9]]
-    )
-    # The first two are 0.6 m together; the fourth begins elsewhere than the third ends.
-    assert in_long_arcs(segments, 0.55).tolist() == [True, True, False, False, True]
-    assert in_long_arcs(segments, 0.0).all()
-    assert in_long_arcs(np.empty((0, 4)), 1.0).tolist() == []

@@ -13,6 +13,7 @@ from multisrt.geometry.regions.boundary import CUT, GAP, OBSTACLE, RANGE
 from multisrt.geometry.regions.frontier_arcs import (
     arc_labels,
     frontier_candidates,
+    in_long_arcs,
     total_length,
 )
 from multisrt.geometry.regions.safe_region import local_safe_region
@@ -77,38 +78,6 @@ def test_candidates_are_all_pieces_but_obstacles():
     ]
 
 
-SQUARE = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]])
-
-
-@pytest.mark.parametrize(
-    ("segment", "left"),
-    [
-        ([-1, 1, 3, 1], [[-1, 1, 0, 1], [2, 1, 3, 1]]),  # through
-        ([0.5, 1, 1.5, 1], []),  # inside
-        ([0.5, 1, 3, 1], [[2, 1, 3, 1]]),  # out of it
-        ([3, 0, 5, 0], [[3, 0, 5, 0]]),  # beside
-        ([0, 0, 0, 2], []),  # on the left side: its right is inside
-        ([0, 2, 0, 0], [[0, 2, 0, 0]]),  # the same backwards: its right is outside
-        ([0, 0, 2, 0], [[0, 0, 2, 0]]),
-        ([2, 0, 0, 0], []),
-        ([-1, 0, 3, 0], [[-1, 0, 3, 0]]),  # along the lower side, nothing seen below
-        ([3, 0, -1, 0], [[3, 0, 2, 0], [0, 0, -1, 0]]),  # along it, the square beyond
-        ([1, 1, 1, 1], []),  # no length
-    ],
-)
-def test_a_square_is_subtracted_from_segments_by_hand(segment, left):
-    rest = take(np.array([segment], float), [SQUARE])
-    assert rest.shape == (len(left), 4)
-    assert rest == pytest.approx(np.array(left, float).reshape(-1, 4), abs=1e-5)
-
-
-def test_what_is_left_keeps_its_order_and_its_source():
-    segments = np.array([[-1.0, 1, 3, 1], [0.5, 1, 1.5, 1], [-1, 1.5, 3, 1.5]])
-    rest, source = uncovered(segments, Rings([SQUARE]).arrays, np.array([0]))
-    assert source.tolist() == [0, 0, 2, 2]
-    assert rest[:, 0] == pytest.approx([-1, 2, -1, 2])
-
-
 def test_the_order_of_the_polygons_makes_no_difference(worlds):
     free = worlds.office()
     known = [r.boundary for r in regions(worlds, free, worlds.viewpoints(free, 12, seed=44))]
@@ -123,20 +92,6 @@ def test_the_order_of_the_polygons_makes_no_difference(worlds):
         assert np.array_equal(again, rest)
         assert np.array_equal(again_source, source)
         assert np.array_equal(order, asked)
-
-
-def test_many_holes_in_one_segment():
-    # A comb with 40 teeth: more pieces than segments came in.
-    teeth = [SQUARE * 0.25 + (k, 0.0) for k in range(40)]
-    rest = take(np.array([[-1.0, 0.3, 41.0, 0.3]]), teeth)
-    assert len(rest) == 41
-    assert total_length(rest) == pytest.approx(42 - 40 * 0.5)
-
-
-def test_a_polygon_that_is_not_convex_cuts_several_times():
-    comb = np.array([[0, 0], [5, 0], [5, 2], [4, 2], [4, 1], [1, 1], [1, 2], [0, 2.0]])
-    rest = take(np.array([[-1.0, 1.5, 6.0, 1.5]]), [comb])
-    assert rest == pytest.approx(np.array([[-1, 1.5, 0, 1.5], [1, 1.5, 4, 1.5], [5, 1.5, 6, 1.5]]))
 
 
 def test_a_frontier_collinear_with_a_neighbours_gap_is_kept(worlds):
@@ -202,33 +157,6 @@ def test_arcs_by_dense_sampling(worlds, name):
             checked[0] += int(in_frontier.sum())
             checked[1] += int((~in_frontier).sum())
     assert min(checked) > 500
-
-
-@given(
-    st.lists(
-        st.tuples(st.floats(0, 8), st.floats(0, 8), st.floats(0.5, 3), st.integers(3, 9)),
-        min_size=1,
-        max_size=6,
-    ),
-    st.randoms(use_true_random=False),
-)
-def test_subtracting_in_any_order_leaves_the_same_points(shapes, random):
-    polygons = [
-        np.array([x, y]) + r * np.column_stack([np.cos(a), np.sin(a)])
-        for x, y, r, n in shapes
-        for a in [np.arange(n) * 2 * np.pi / n]
-    ]
-    segments = np.array([[-1.0, 3.3, 11.0, 3.3], [2.2, 11.0, 2.2, -1.0], [0.0, 0.0, 9.0, 8.0]])
-    at_once = take(segments, polygons)
-    order = list(range(len(polygons)))
-    random.shuffle(order)
-    one_by_one = segments
-    for k in order:
-        one_by_one = take(one_by_one, polygons, [k])
-    assert total_length(one_by_one) == pytest.approx(total_length(at_once), abs=1e-5)
-    a, b = lines(at_once), lines(one_by_one)
-    assert a.difference(b.buffer(2e-6)).length < 1e-5
-    assert b.difference(a.buffer(2e-6)).length < 1e-5
 
 
 @given(st.integers(0, 10_000))
@@ -303,3 +231,13 @@ def test_no_segments_have_no_arcs():
     labels, count = arc_labels(np.empty((0, 4)))
     assert len(labels) == count == 0
     assert total_length(np.empty((0, 4))) == 0.0
+
+
+def test_only_segments_in_arcs_that_are_long_enough():
+    segments = np.array(
+        [[0.0, 0, 0.3, 0], [0.3, 0, 0.3, 0.3], [5, 5, 5.5, 5], [-0.1, 0, 0, 0], [7, 7, 7, 9]]
+    )
+    # The first two are 0.6 m together; the fourth begins elsewhere than the third ends.
+    assert in_long_arcs(segments, 0.55).tolist() == [True, True, False, False, True]
+    assert in_long_arcs(segments, 0.0).all()
+    assert in_long_arcs(np.empty((0, 4)), 1.0).tolist() == []

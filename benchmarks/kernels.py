@@ -23,10 +23,11 @@ from multisrt.geometry.numerics.arrays import FloatArray
 from multisrt.geometry.numerics.rings import Rings
 from multisrt.geometry.regions.boundary import TagArray
 from multisrt.geometry.regions.edge_index import EdgeIndex
-from multisrt.geometry.regions.frontier_arcs import frontier_candidates, uncovered
+from multisrt.geometry.regions.frontier_arcs import frontier_candidates
 from multisrt.geometry.regions.laser import laser_ranges
 from multisrt.geometry.regions.safe_region import LocalSafeRegion, local_safe_region
 from multisrt.geometry.regions.scan import take_scan
+from multisrt.geometry.regions.segment_difference import uncovered
 from multisrt.geometry.regions.visibility import visibility_polygon
 from multisrt.robots.exploration_map import ExplorationMap, Node, NodeId
 
@@ -190,7 +191,7 @@ def frontier(beams: int | None, at_least: float, nodes: int = 3000) -> Claim:
 
     def ours(i: int) -> np.ndarray:
         candidates = frontier_candidates(known[i].boundary, known[i].tags)
-        return uncovered(candidates, *rings.arrays, neighbours[i])[0]
+        return uncovered(candidates, rings.arrays, neighbours[i])[0]
 
     def theirs(i: int) -> BaseGeometry:
         # The tagged pieces as lines, less one neighbour that touches them after the other:

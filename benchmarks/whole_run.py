@@ -20,6 +20,7 @@ from multisrt.environments.catalog import environment
 from multisrt.events import NodeAdded
 from multisrt.geometry.grids.raster import Raster
 from multisrt.geometry.regions import arc_pieces, known_space, scan, visibility
+from multisrt.geometry.regions.frontier_update import PieceArrays, frontier_changes
 from multisrt.recording import Recording
 from multisrt.simulation.simulate import simulate
 from multisrt.spec import CatalogEnvironment, RunSpec
@@ -79,18 +80,30 @@ def _captured(calls: list[Call]) -> Iterator[None]:
     # that change in place afterwards are kept as they were.
     def recorder(function: Callable[..., Any]) -> Callable[..., Any]:
         def wrapper(*positional: Any, **named: Any) -> Any:
-            kept = tuple(a.copy() if isinstance(a, np.ndarray) else a for a in positional)
-            calls.append((function, kept, named))
+            calls.append((function, tuple(map(_copied, positional)), named))
             return function(*positional, **named)
 
         return wrapper
 
     with (
         mock.patch.object(scan, "visibility_polygon", recorder(visibility.visibility_polygon)),
-        mock.patch.object(arc_pieces, "_take_in", recorder(arc_pieces._take_in)),
-        mock.patch.object(arc_pieces, "_put", recorder(arc_pieces._put)),
+        mock.patch.object(arc_pieces, "frontier_changes", recorder(frontier_changes)),
+        mock.patch.object(arc_pieces, "_note_spans", recorder(arc_pieces._note_spans)),
         mock.patch.object(arc_pieces, "_wide_enough", recorder(arc_pieces._wide_enough)),
         mock.patch.object(known_space, "_border", recorder(known_space._border)),
         mock.patch.object(known_space, "_sees", recorder(known_space._sees)),
     ):
         yield
+
+
+def _copied(argument: Any) -> Any:
+    if isinstance(argument, np.ndarray):
+        return argument.copy()
+    if isinstance(argument, PieceArrays):
+        return PieceArrays(
+            spans=argument.spans.copy(),
+            lengths_m=argument.lengths_m.copy(),
+            pieces=argument.pieces.copy(),
+            wholes=argument.wholes.copy(),
+        )
+    return argument

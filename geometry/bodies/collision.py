@@ -279,20 +279,11 @@ class CollisionWorld:
         # Whether a line lies in free space and farther than a distance from all obstacles.
         index = self._index
         return self._is_in_free_space(start) and no_edge_within(
-            *start[:2], *end[:2], distance_m, index.edges, index.grid, index.bins
+            *start[:2], *end[:2], distance_m, index.grid
         )
 
     def _is_in_free_space(self, pose: Configuration) -> bool:
-        index = self._index
-        winding = winding_number(
-            *pose[:2],
-            index.edges,
-            index.grid,
-            index.bins,
-            index.scratch.memory[0],
-            index.scratch.next_query(),
-        )
-        return winding > 0
+        return winding_number(*pose[:2], self._index.grid) > 0
 
     def _within_frame(self, pose: Configuration) -> bool:
         """Whether the reference point, which is part of the body, is not outside of everything."""

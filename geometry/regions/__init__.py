@@ -1,1 +1,1 @@
-"""What a range finder sees, and the regions that follow from it."""
+"""What a range finder sees, the safe regions that follow from it, and their frontiers."""

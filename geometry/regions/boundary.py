@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,19 +22,56 @@ CUT: Final = 3
 TagArray = NDArray[np.int8]
 
 ARC_TOLERANCE_M: Final = 0.01
-"""Largest distance between an arc and the chords that stand for it, which lie inside it."""
+"""Largest distance in metres between an arc and its chords, which lie inside it."""
 
 ARC_TOLERANCE: Final = 0.0025
-"""The same as a share of the arc's radius, for short ranges."""
+"""Largest distance between an arc and its chords as a share of the radius, for short ranges."""
+
+MIN_PIECE_M: Final = 1e-9
+"""Boundary pieces of at most this length in metres are rounding."""
+
+
+class Chain(NamedTuple):
+    """A boundary that is being written: room for corners, and for the piece behind each.
+
+    Attributes
+    ----------
+    corners : (n, 2) array
+        x and y in metres, counter-clockwise.
+    tags : (n,) array of int8
+        Tag of the piece from corner i to the next.
+    """
+
+    corners: FloatArray
+    tags: TagArray
 
 
 def arc_tolerance(radius_m: float) -> float:
-    """How far chords may lie inside an arc, where nothing else is asked for."""
+    """Return the default distance in metres between an arc and its chords.
+
+    Examples
+    --------
+    >>> arc_tolerance(2.0), arc_tolerance(10.0)
+    (0.005, 0.01)
+    """
     return min(ARC_TOLERANCE_M, ARC_TOLERANCE * radius_m)
 
 
 def arc_divisions(radius_m: float, arc_tolerance_m: float) -> int:
-    """How many equal chords a full circle needs to lie within a tolerance of it."""
+    """Return the number of equal chords, at least 8, that lie within a tolerance of a circle.
+
+    Parameters
+    ----------
+    radius_m : float
+        Radius of the circle in metres.
+    arc_tolerance_m : float
+        Largest distance in metres between the circle and its chords, which lie inside it.
+
+    Examples
+    --------
+    >>> arc_divisions(4.0, 0.01)
+    45
+    """
     if arc_tolerance_m >= radius_m:
         return 8
     return max(8, math.ceil(math.pi / math.acos(1.0 - arc_tolerance_m / radius_m)))
@@ -42,43 +79,75 @@ def arc_divisions(radius_m: float, arc_tolerance_m: float) -> int:
 
 @kernel
 def add_open_piece(
-    boundary: FloatArray,
-    tags: TagArray,
-    corners: int,
+    chain: Chain,
+    count: int,
     start: tuple[float, float],
     end: tuple[float, float],
     walls: FloatArray,
-    right: float,
-    left: float,
+    sides: tuple[float, float],
     open_tag: int,
 ) -> int:
-    """Write a straight piece of a boundary, open but for the stretches that run along walls.
+    """Write a straight piece of a boundary, tagged as obstacle where it runs along walls.
 
     Parameters
     ----------
-    boundary, tags : arrays
-        What is written to, from index `corners` on: up to two entries a wall, and one.
-    corners : int
-        How many corners there are already.
+    chain : Chain
+        What is written to, from row `count` on: at most two rows for every wall, and one.
+    count : int
+        Number of corners in the chain.
     start, end : (x, y)
-        The piece; the corner at its end is not written.
+        Ends of the piece in metres; the corner at its end is not written.
     walls : (k, 4) array
-        Segments x0, y0, x1, y1.
-    right, left : float
-        A wall counts where it lies no further from the piece than this to either side.
+        Segments x0, y0, x1, y1 in metres.
+    sides : (right, left)
+        Largest distances in metres of a wall to the right and to the left of the piece.
     open_tag : int
         Tag of the stretches without a wall; those with one are `OBSTACLE`.
 
     Returns
     -------
     int
-        How many corners there are now.
+        The new number of corners.
     """
     x, y = start
     length = np.hypot(end[0] - x, end[1] - y)
-    if length <= 1e-9:
-        return corners
+    if length <= MIN_PIECE_M:
+        return count
     ux, uy = (end[0] - x) / length, (end[1] - y) / length
+    lows, highs = _stretches_along(x, y, ux, uy, length, walls, sides)
+    begin = 0.0
+    while length - begin > MIN_PIECE_M:
+        low, high = length, length
+        for k in range(walls.shape[0]):
+            if highs[k] - max(lows[k], begin) > MIN_PIECE_M and max(lows[k], begin) < low:
+                low, high = max(lows[k], begin), highs[k]
+        if low - begin > MIN_PIECE_M:
+            chain.corners[count, 0], chain.corners[count, 1] = x + ux * begin, y + uy * begin
+            chain.tags[count] = open_tag
+            count += 1
+        else:
+            low = begin
+        if high > low:
+            chain.corners[count, 0], chain.corners[count, 1] = x + ux * low, y + uy * low
+            chain.tags[count] = OBSTACLE
+            count += 1
+        begin = high
+    return count
+
+
+@kernel
+def _stretches_along(
+    x: float,
+    y: float,
+    ux: float,
+    uy: float,
+    length: float,
+    walls: FloatArray,
+    sides: tuple[float, float],
+) -> tuple[FloatArray, FloatArray]:
+    # Where each wall begins and ends along a piece; the begin lies behind the end for a wall
+    # that is too far off.
+    right, left = sides
     count = walls.shape[0]
     lows, highs = np.empty(count), np.empty(count)
     for k in range(count):
@@ -97,21 +166,4 @@ def add_open_piece(
             lows[k], highs[k] = max(0.0, min(p, q)), min(length, max(p, q))
         else:
             lows[k], highs[k] = length, 0.0
-    begin = 0.0
-    while length - begin > 1e-9:
-        low, high = length, length
-        for k in range(count):
-            if highs[k] - max(lows[k], begin) > 1e-9 and max(lows[k], begin) < low:
-                low, high = max(lows[k], begin), highs[k]
-        if low - begin > 1e-9:
-            boundary[corners, 0], boundary[corners, 1] = x + ux * begin, y + uy * begin
-            tags[corners] = open_tag
-            corners += 1
-        else:
-            low = begin
-        if high > low:
-            boundary[corners, 0], boundary[corners, 1] = x + ux * low, y + uy * low
-            tags[corners] = OBSTACLE
-            corners += 1
-        begin = high
-    return corners
+    return lows, highs

@@ -1,7 +1,8 @@
 """The union of many regions around a place, for bodies that move in it.
 
-The union is never made: a body is inside if its middle is in one of the regions and it keeps off
-the union's border, which is what of the regions' borders lies in none of the others.
+The union itself is not computed. A disc is inside it if its centre is in one of the regions and
+no piece of the union's border is nearer than its radius; that border consists of the pieces of
+the regions' borders that lie in none of the others.
 """
 
 from __future__ import annotations
@@ -12,9 +13,9 @@ import numpy as np
 
 from multisrt.geometry.numerics.distances import inside
 from multisrt.geometry.numerics.kernel import BoolArray, FloatArray, IntArray, kernel
-from multisrt.geometry.numerics.rings import Rings
+from multisrt.geometry.numerics.rings import RingArrays, Rings
 from multisrt.geometry.numerics.segments import cross_each_other, squared_distance
-from multisrt.geometry.regions.frontier_arcs import uncovered
+from multisrt.geometry.regions.segment_difference import uncovered
 
 
 class KnownSpace:
@@ -23,18 +24,34 @@ class KnownSpace:
     Parameters
     ----------
     rings : Rings
-        The regions' borders.
+        The boundaries of the regions.
     indices : (k,) array of int
-        Which of them are united: all that have a part in the window.
+        The regions to unite: all that have a part in the window.
     window : tuple of float
-        x0, y0, x1, y1.
+        x0, y0, x1, y1 in metres.
 
     Attributes
     ----------
     border : (b, 4) array
-        Segments x0, y0, x1, y1: the union's border, and that of the window. Regions that end at
-        one line from both sides have none between them, nor have those that leave a crack of
+        Segments x0, y0, x1, y1 in metres: the border of the union, and that of the window. There
+        is none between regions that end at one line from both sides, or that leave a crack of
         rounding. Pieces shorter than 0.1 mm may be missing.
+
+    Examples
+    --------
+    Two rooms of 2 x 2 m side by side:
+
+    >>> import numpy as np
+    >>> from multisrt.geometry.numerics.rings import Rings
+    >>> room = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]])
+    >>> rings = Rings([room, room + [2.0, 0.0]])
+    >>> known = KnownSpace(rings, np.array([0, 1]), (-9.0, -9.0, 9.0, 9.0))
+    >>> known.holds(np.array([[1.0, 1.0], [5.0, 1.0]])).tolist()
+    [True, False]
+    >>> known.clearances(np.array([[2.0, 1.5]]), 3.0).tolist()
+    [0.5]
+    >>> known.passes(np.array([[1.0, 1.0, 3.0, 1.0]]), 0.9).tolist()
+    [True]
     """
 
     def __init__(
@@ -43,35 +60,63 @@ class KnownSpace:
         self._rings = rings
         self._indices = indices
         self._window = window
-        self.border = _border(indices, window, *rings.arrays)
+        self.border = _border(indices, window, rings.arrays)
 
     def holds(self, places: FloatArray) -> BoolArray:
-        """Tell which places, ``(n, 2)``, lie inside, and in the window."""
-        found: BoolArray = _holds(places, self._window, self._indices, *self._rings.arrays[:3])
+        """Return which places, ``(n, 2)`` in metres, lie inside the union and the window."""
+        found: BoolArray = _holds(places, self._window, self._indices, self._rings.arrays)
         return found
 
     def clearances(self, places: FloatArray, at_most_m: float) -> FloatArray:
-        """Give how far places, ``(n, 2)``, are from the border, or `at_most_m` if they are more."""
+        """Return the distances of places from the border, cut off at a limit.
+
+        Parameters
+        ----------
+        places : (n, 2) array
+            x and y in metres.
+        at_most_m : float
+            Largest distance in metres that is returned.
+
+        Returns
+        -------
+        (n,) array
+            In metres.
+        """
         found: FloatArray = _clearances(places, at_most_m, self.border)
         return found
 
     def passes(self, ways: FloatArray, radius_m: float) -> BoolArray:
-        """Tell along which straight ways a disc stays inside that does so where they begin.
+        """Return along which straight ways a disc stays inside, if it is inside at their begin.
 
         Parameters
         ----------
         ways : (n, 4) array
-            Each from x0, y0 to x1, y1.
+            x0, y0, x1, y1 in metres, each from x0, y0.
         radius_m : float
-            The disc's.
+            Radius of the disc in metres.
+
+        Returns
+        -------
+        (n,) array of bool
+            Whether no piece of the border is nearer to the way than the radius.
         """
         found: BoolArray = _passes(ways, radius_m, self.border)
         return found
 
     def sees(self, x: float, y: float, places: FloatArray) -> BoolArray:
-        """Tell which places, ``(n, 2)``, are in sight of one that lies inside, and so do they.
+        """Return which places are in sight of a place.
 
-        A line of sight that touches the border is none.
+        Parameters
+        ----------
+        x, y : float
+            The place in metres, inside the union.
+        places : (n, 2) array
+            Places in metres, inside the union.
+
+        Returns
+        -------
+        (n,) array of bool
+            Whether the segment between them neither crosses nor touches the border.
         """
         found: BoolArray = _sees(x, y, places, self.border)
         return found
@@ -81,11 +126,9 @@ class KnownSpace:
 def _border(
     indices: IntArray,
     window: tuple[float, float, float, float],
-    starts: IntArray,
-    corners: FloatArray,
-    boxes: FloatArray,
-    stretches: FloatArray,
+    rings: RingArrays,
 ) -> FloatArray:
+    starts, corners = rings.starts, rings.corners
     x0, y0, x1, y1 = window
     total = 0
     for k in indices:
@@ -100,7 +143,7 @@ def _border(
                 edges[count, 0], edges[count, 1], edges[count, 2], edges[count, 3] = px, py, qx, qy
                 count += 1
             px, py = qx, qy
-    rest, _ = uncovered(edges[:count], starts, corners, boxes, stretches, indices)
+    rest, _ = uncovered(edges[:count], rings, indices)
     frame = np.array([[x0, y0, x1, y0], [x1, y0, x1, y1], [x1, y1, x0, y1], [x0, y1, x0, y0]])
     return np.concatenate((rest, frame))
 
@@ -110,10 +153,9 @@ def _holds(
     places: FloatArray,
     window: tuple[float, float, float, float],
     indices: IntArray,
-    starts: IntArray,
-    corners: FloatArray,
-    boxes: FloatArray,
+    rings: RingArrays,
 ) -> BoolArray:
+    starts, corners, boxes = rings.starts, rings.corners, rings.boxes
     x0, y0, x1, y1 = window
     holds = np.zeros(places.shape[0], np.bool_)
     for i in range(places.shape[0]):
@@ -174,7 +216,7 @@ def _passes(ways: FloatArray, radius: float, border: FloatArray) -> BoolArray:
 
 @kernel
 def _distance_to_way(ax: float, ay: float, bx: float, by: float, dx: float, dy: float) -> float:
-    # From segment a-b to the one from the origin to d.
+    # Distance from segment a-b to the one from the origin to d.
     if cross_each_other(ax, ay, bx, by, 0.0, 0.0, dx, dy):
         return 0.0
     nearest = min(

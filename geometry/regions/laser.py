@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-import math
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.numerics.kernel import FloatArray, kernel, unsigned
-from multisrt.geometry.regions.edge_index import EdgeIndex, edges_within
+from multisrt.geometry.regions.edge_index import EdgeGrid, EdgeIndex, edges_within
 from multisrt.geometry.regions.viewpoint import (
-    MAX_RANGE_M,
     MIN_CLEARANCE_M,
-    refuse_clearance,
-    refuse_range,
+    check_clearance,
+    check_view,
     signed_clearance,
 )
 
@@ -27,12 +24,16 @@ def laser_ranges(
 
     Parameters
     ----------
-    index, x, y, range_m
-        As for `visibility_polygon`.
+    index : EdgeIndex
+        The edges of the world.
+    x, y : float
+        The place of the laser in metres, strictly inside free space.
+    range_m : float
+        Range of the laser in metres, at most `MAX_RANGE_M`.
     beams : int
-        How many beams share the full circle.
-    first_rad : float
-        Direction of the first beam; the others follow counter-clockwise.
+        Number of beams around the full circle, at least 3.
+    first_rad : float, default 0.0
+        Direction of the first beam in radians; the others follow counter-clockwise.
 
     Returns
     -------
@@ -41,31 +42,28 @@ def laser_ranges(
 
     Raises
     ------
-    ClearanceError, InvalidInputError
-        As for `visibility_polygon`; also for fewer than 3 beams.
+    ClearanceError
+        If the place lies on an edge or inside an obstacle.
+    InvalidInputError
+        If the place or the range is not finite, the range is not positive or too large, or there
+        are fewer than 3 beams.
+
+    Examples
+    --------
+    Four beams in a room of 4 x 3 m:
+
+    >>> import numpy as np
+    >>> corners = np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 3.0], [0.0, 3.0]])
+    >>> room = EdgeIndex(np.hstack([corners, np.roll(corners, -1, axis=0)]), 1.0)
+    >>> laser_ranges(room, 1.5, 1.0, 2.2, 4).round(9).tolist()
+    [inf, 2.0, 1.5, 1.0]
     """
-    if not (-math.inf < x < math.inf and -math.inf < y < math.inf):
-        raise InvalidInputError(f"the viewpoint is finite, not ({x}, {y})")
-    if not 0.0 < range_m <= MAX_RANGE_M:
-        refuse_range(range_m)
+    check_view(x, y, range_m)
     if beams < 3:
         raise InvalidInputError(f"a laser has at least 3 beams, not {beams}")
-    scratch = index.scratch
-    ranges, clearance = _z_buffer(
-        x,
-        y,
-        range_m,
-        _beam_directions(beams, first_rad),
-        first_rad,
-        index.free_winding,
-        index.edges,
-        index.grid,
-        index.bins,
-        scratch.memory,
-        scratch.next_query(),
-    )
-    if clearance < MIN_CLEARANCE_M:
-        refuse_clearance(x, y, clearance)
+    directions = _beam_directions(beams, first_rad)
+    ranges, clearance = _z_buffer(x, y, range_m, directions, first_rad, index.grid)
+    check_clearance(x, y, clearance)
     return ranges
 
 
@@ -79,34 +77,22 @@ def _beam_directions(beams: int, first_rad: float) -> FloatArray:
 
 @kernel
 def _z_buffer(
-    x: float,
-    y: float,
-    radius: float,
-    directions: FloatArray,
-    first_rad: float,
-    free_winding: int,
-    edges: FloatArray,
-    grid: tuple[float, float, float, int, int],
-    bins: NDArray[np.int64],
-    scratch: NDArray[np.int64],
-    query: int,
+    x: float, y: float, radius: float, directions: FloatArray, first_rad: float, grid: EdgeGrid
 ) -> tuple[FloatArray, float]:
-    stamps, found = scratch[0], scratch[1]
     # Every edge that faces the viewpoint visits only the beams that it spans. They keep the
     # largest inverse distance: it is linear in the direction, so that this takes no division.
     # `ranges` holds it until the end.
+    edges = grid.edges
     beams = directions.shape[1]
-    count = edges_within(x, y, radius, grid, bins, stamps, query, found)
+    found = edges_within(x, y, radius, grid)
     ranges = np.zeros(beams)
-    clearance = signed_clearance(
-        x, y, radius, free_winding, edges, grid, bins, stamps, query, found, count
-    )
+    clearance = signed_clearance(x, y, radius, grid, found)
     if clearance < MIN_CLEARANCE_M:
         return ranges, clearance
     radius2 = radius * radius
     per_rad = beams / (2.0 * np.pi)
     last_x, last_y, last_angle = 0.0, 0.0, 0.0
-    for k in range(count):
+    for k in range(found.shape[0]):
         e = unsigned(found[k])
         ax, ay = edges[e, 0] - x, edges[e, 1] - y
         bx, by = edges[e, 2] - x, edges[e, 3] - y
@@ -137,7 +123,7 @@ def _z_buffer(
         ):
             if low >= high:
                 continue
-            # Slices: so the processor takes several beams at once.
+            # Slices let the processor take several beams at once.
             some, cosines, sines = (
                 ranges[low:high],
                 directions[0, low:high],

@@ -5,71 +5,80 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.geometry.numerics.kernel import FloatArray, kernel
-from multisrt.geometry.regions.edge_index import EdgeIndex
+from multisrt.geometry.numerics.kernel import FloatArray, IntArray, kernel
+from multisrt.geometry.regions.edge_index import EdgeGrid, EdgeIndex
 
 
 def line_of_sight(index: EdgeIndex, ax: float, ay: float, bx: float, by: float) -> bool:
     """Whether two points of free space see each other: no obstacle lies between them.
 
     Touching a corner or running along a wall does not block the view.
+
+    Parameters
+    ----------
+    index : EdgeIndex
+        The edges of the world.
+    ax, ay, bx, by : float
+        The points in metres.
+
+    Returns
+    -------
+    bool
+        The same in either direction; a point sees itself.
+
+    Raises
+    ------
+    InvalidInputError
+        If a point is not finite.
+
+    Examples
+    --------
+    A room of 4 x 3 m with a pillar of 1 x 1 m, which is clockwise:
+
+    >>> import numpy as np
+    >>> room = np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 3.0], [0.0, 3.0]])
+    >>> pillar = np.array([[1.0, 1.0], [1.0, 2.0], [2.0, 2.0], [2.0, 1.0]])
+    >>> rings = [np.hstack([ring, np.roll(ring, -1, axis=0)]) for ring in (room, pillar)]
+    >>> index = EdgeIndex(np.concatenate(rings), 1.0)
+    >>> line_of_sight(index, 0.5, 1.5, 3.0, 1.5)
+    False
+    >>> line_of_sight(index, 0.5, 1.0, 3.0, 1.0)
+    True
     """
     if not (math.isfinite(ax + ay) and math.isfinite(bx + by)):
         raise InvalidInputError(f"points are finite, not ({ax}, {ay}) and ({bx}, {by})")
-    return bool(
-        _line_of_sight(
-            ax,
-            ay,
-            bx,
-            by,
-            index.edges,
-            index.grid,
-            index.bins,
-            index.scratch.memory,
-            index.scratch.next_query(),
-        )
-    )
+    return bool(_line_of_sight(ax, ay, bx, by, index.grid))
 
 
 @kernel
-def _line_of_sight(
-    ax: float,
-    ay: float,
-    bx: float,
-    by: float,
-    edges: FloatArray,
-    grid: tuple[float, float, float, int, int],
-    bins: NDArray[np.int64],
-    scratch: NDArray[np.int64],
-    query: int,
-) -> bool:
+def _line_of_sight(ax: float, ay: float, bx: float, by: float, grid: EdgeGrid) -> bool:
     # Add up how much of the segment lies inside obstacles: minus the distance of every crossing
     # into one, plus that of every crossing out of one. An end exactly on the line counts as right
     # of it in one sum and as left of it in the other; what is only touched, or run along on one
     # side, leaves one of the two at zero.
-    count = edges_across(ax, ay, bx, by, edges, grid, bins, scratch, query)
-    if count == 0:
+    crossed = edges_across(ax, ay, bx, by, grid)
+    if crossed.shape[0] == 0:
         return True
+    edges = grid.edges
     length = np.hypot(bx - ax, by - ay)
     ux, uy = (bx - ax) / length, (by - ay) / length
-    found = scratch[1]
     inside_right = inside_left = 0.0
-    touched = False
-    met = 0
-    for k in range(count):
-        e = found[k]
+    is_touched = False
+    between = np.empty_like(crossed)
+    count = 0
+    for k in range(crossed.shape[0]):
+        e = crossed[k]
         px, py = edges[e, 0] - ax, edges[e, 1] - ay
         qx, qy = edges[e, 2] - ax, edges[e, 3] - ay
         side_p, side_q = ux * py - uy * px, ux * qy - uy * qx
         fraction = side_p / (side_p - side_q)
         t = ux * (px + fraction * (qx - px)) + uy * (py + fraction * (qy - py))
         if 0.0 < t < length:
-            found[met] = e
-            met += 1
-            touched = touched or side_p == 0.0 or side_q == 0.0
+            between[count] = e
+            count += 1
+            is_touched = is_touched or side_p == 0.0 or side_q == 0.0
             left = length - t if side_q > side_p else t - length
             if (side_p > 0.0) != (side_q > 0.0):
                 inside_right += left
@@ -77,67 +86,57 @@ def _line_of_sight(
                 inside_left += left
     if min(inside_right, inside_left) <= 1e-9:
         return True
-    if not touched:
+    if not is_touched:
         return False
-    return _inside_on_both_sides(ax, ay, ux, uy, edges, found[:met]) <= 1e-9
+    return _inside_on_both_sides(ax, ay, ux, uy, edges, between[:count]) <= 1e-9
 
 
 @kernel
-def edges_across(
-    ax: float,
-    ay: float,
-    bx: float,
-    by: float,
-    edges: FloatArray,
-    grid: tuple[float, float, float, int, int],
-    bins: NDArray[np.int64],
-    scratch: NDArray[np.int64],
-    query: int,
-) -> int:
-    """Find the edges that a segment may cross: those near it that its line crosses or touches.
+def edges_across(ax: float, ay: float, bx: float, by: float, grid: EdgeGrid) -> IntArray:
+    """Return the edges near a segment that its line crosses or touches.
 
-    Walks the cells along the segment. Edges that run along the line are left out.
+    All edges that the segment itself crosses or touches are among them, but for those that run
+    along it.
 
     Parameters
     ----------
     ax, ay, bx, by : float
-        The ends of the segment.
-    edges, grid, bins
-        As an `EdgeIndex` has them.
-    scratch : (2, n) array
-        Its second row takes the edges found.
-    query : int
-        A number of the scratch memory that no query had before.
+        Ends of the segment in metres.
+    grid : EdgeGrid
+        The edges; only the cells along the segment are read.
 
     Returns
     -------
-    int
-        How many edges were found.
+    (k,) array of int
+        Rows of `grid.edges`, each once, in the order of the cells from a to b.
     """
-    stamps, found = scratch[0], scratch[1]
-    x0, y0, cell, columns, rows = grid
+    edges, bins, cell = grid.edges, grid.bins, grid.cell_m
+    found = np.empty(16, np.int64)
     length = np.hypot(bx - ax, by - ay)
     if length == 0.0:
-        return 0
+        return found[:0]
     ux, uy = (bx - ax) / length, (by - ay) / length
-    i, j = int(np.floor((ax - x0) / cell)), int(np.floor((ay - y0) / cell))
+    i, j = int(np.floor((ax - grid.x0) / cell)), int(np.floor((ay - grid.y0) / cell))
     step_i, step_j = (1 if ux > 0.0 else -1), (1 if uy > 0.0 else -1)
-    next_x = np.inf if ux == 0.0 else (x0 + (i + (step_i > 0)) * cell - ax) / ux
-    next_y = np.inf if uy == 0.0 else (y0 + (j + (step_j > 0)) * cell - ay) / uy
+    next_x = np.inf if ux == 0.0 else (grid.x0 + (i + (step_i > 0)) * cell - ax) / ux
+    next_y = np.inf if uy == 0.0 else (grid.y0 + (j + (step_j > 0)) * cell - ay) / uy
     width_x = np.inf if ux == 0.0 else cell / abs(ux)
     width_y = np.inf if uy == 0.0 else cell / abs(uy)
     count = 0
     travelled = 0.0
     while travelled <= length:
-        if 0 <= i < columns and 0 <= j < rows:
-            for k in range(bins[i * rows + j], bins[i * rows + j + 1]):
-                e = bins[k]
-                if stamps[e] == query:
-                    continue
-                stamps[e] = query
+        if 0 <= i < grid.columns and 0 <= j < grid.rows:
+            k = i * grid.rows + j
+            for e in bins[bins[k] : bins[k + 1]]:
                 side_p = ux * (edges[e, 1] - ay) - uy * (edges[e, 0] - ax)
                 side_q = ux * (edges[e, 3] - ay) - uy * (edges[e, 2] - ax)
-                if side_p != side_q and min(side_p, side_q) <= 0.0 <= max(side_p, side_q):
+                if (
+                    side_p != side_q
+                    and min(side_p, side_q) <= 0.0 <= max(side_p, side_q)
+                    and not _holds(found, count, e)
+                ):
+                    if count == found.shape[0]:
+                        found = np.concatenate((found, np.empty_like(found)))
                     found[count] = e
                     count += 1
         if next_x < next_y:
@@ -148,36 +147,42 @@ def edges_across(
             travelled = next_y
             next_y += width_y
             j += step_j
-    return count
+    return found[:count]
+
+
+@kernel
+def _holds(found: IntArray, count: int, edge: int) -> bool:
+    # Whether an edge is among those found; if it is, it was mostly found in the cell before.
+    k = count - 1
+    while k >= 0 and found[k] != edge:
+        k -= 1
+    return k >= 0
 
 
 @kernel
 def crossings(
-    ax: float,
-    ay: float,
-    ux: float,
-    uy: float,
-    edges: FloatArray,
-    crossed: NDArray[np.int64],
-) -> tuple[FloatArray, NDArray[np.int64], NDArray[np.int64]]:
-    """Tell where a line crosses edges, and what that means a hair beside it.
+    ax: float, ay: float, ux: float, uy: float, edges: FloatArray, crossed: IntArray
+) -> tuple[FloatArray, IntArray, IntArray]:
+    """Return where a line crosses edges, and whether it enters or leaves an obstacle there.
 
     Parameters
     ----------
-    ax, ay, ux, uy : float
-        A point of the line, and the unit vector along it.
+    ax, ay : float
+        A point of the line in metres.
+    ux, uy : float
+        The unit vector along the line.
     edges : (n, 4) array
         The edges, free space on their left.
-    crossed : (k,) array
-        Which of them the line meets; none is parallel to it.
+    crossed : (k,) array of int
+        The edges that the line meets; none is parallel to it.
 
     Returns
     -------
     at : (k,) array
-        Where, in metres from the point.
-    right, left : (k,) arrays
-        Whether the line a hair beside it enters an obstacle there (1), leaves one (-1) or
-        neither (0).
+        The crossings, in metres along the line from the point.
+    right, left : (k,) arrays of int
+        Whether the line a hair to its right, or to its left, enters an obstacle there (1), leaves
+        one (-1) or does neither (0).
     """
     n = crossed.shape[0]
     at = np.empty(n)
@@ -197,12 +202,7 @@ def crossings(
 
 @kernel
 def _inside_on_both_sides(
-    ax: float,
-    ay: float,
-    ux: float,
-    uy: float,
-    edges: FloatArray,
-    crossed: NDArray[np.int64],
+    ax: float, ay: float, ux: float, uy: float, edges: FloatArray, crossed: IntArray
 ) -> float:
     # How much of a segment has obstacles on its left and on its right. One that runs along a
     # wall on its left and later along one on its right has none.

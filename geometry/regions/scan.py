@@ -1,4 +1,4 @@
-"""What a range finder reports from one place, and the two kinds that there are."""
+"""What a range finder measures at one place: the visibility polygon itself, or ranges of beams."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ class ExactScan:
     Attributes
     ----------
     configuration : Configuration
-        Where it was taken.
+        Where the scan was taken, in metres and radians.
     time_s : float
-        When it was taken.
+        When the scan was taken, in seconds.
     range_m : float
-        How far the range finder reaches.
+        Range of the range finder in metres.
     boundary : (n, 2) array
-        Corners of the visibility polygon, counter-clockwise, in the world's frame.
-    tags : (n,) array
+        Corners of the visibility polygon in metres, counter-clockwise, in the world's frame.
+    tags : (n,) array of int8
         `OBSTACLE`, `RANGE` or `GAP` for the piece from corner i to corner i + 1.
     """
 
@@ -40,12 +40,16 @@ class ExactScan:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class LaserScan:
-    """Ranges along equally spaced beams; the robot infers surfaces and jumps from them.
+    """Ranges along equally spaced beams, from which the robot infers surfaces and jumps.
 
     Attributes
     ----------
-    configuration, time_s, range_m
-        As for `ExactScan`.
+    configuration : Configuration
+        Where the scan was taken, in metres and radians.
+    time_s : float
+        When the scan was taken, in seconds.
+    range_m : float
+        Range of the range finder in metres.
     ranges : (n,) array
         Distance along the beam in direction ``2 pi i / n`` of the world's frame, in metres;
         ``inf`` where nothing was hit.
@@ -67,14 +71,49 @@ def take_scan(
     range_m: float,
     beams: int | None = None,
 ) -> Scan:
-    """Sense the world from one place: exactly, or with a number of beams.
+    """Return what a range finder measures at one place.
+
+    Parameters
+    ----------
+    index : EdgeIndex
+        The edges of the world.
+    configuration : Configuration
+        The place in metres, strictly inside free space; the heading makes no difference.
+    time_s : float
+        Time of the scan in seconds.
+    range_m : float
+        Range in metres, at most `MAX_RANGE_M`.
+    beams : int, optional
+        Number of beams of a laser, at least 3. Default: the visibility polygon itself.
+
+    Returns
+    -------
+    ExactScan or LaserScan
+        The former without beams.
 
     Raises
     ------
-    ClearanceError, InvalidInputError
-        As `visibility_polygon` and `laser_ranges`.
+    ClearanceError
+        If the place lies on an edge or inside an obstacle.
+    InvalidInputError
+        If the place or the range is not finite, the range is not positive or too large, or there
+        are fewer than 3 beams.
+
+    Examples
+    --------
+    A corridor of 20 x 3 m, of which 4 m can be seen:
+
+    >>> import numpy as np
+    >>> corners = np.array([[0.0, 0.0], [20.0, 0.0], [20.0, 3.0], [0.0, 3.0]])
+    >>> corridor = EdgeIndex(np.hstack([corners, np.roll(corners, -1, axis=0)]), 4.0 / 3.0)
+    >>> place = Configuration(10.0, 1.0)
+    >>> scan = take_scan(corridor, place, time_s=0.0, range_m=4.0)
+    >>> scan.boundary.max(axis=0).round(9).tolist()
+    [14.0, 3.0]
+    >>> take_scan(corridor, place, time_s=0.0, range_m=4.0, beams=4).ranges.tolist()
+    [inf, 2.0, inf, 1.0]
     """
-    # Kernels count in whole numbers what they are given in whole numbers.
+    # Kernels would compute with whole numbers if they were given whole numbers.
     configuration = Configuration(*map(float, configuration))
     range_m = float(range_m)
     x, y, _ = configuration
@@ -96,5 +135,5 @@ def take_scan(
 
 
 def beam_spacing_rad(scan: LaserScan) -> float:
-    """Angle between neighbouring beams."""
+    """Return the angle between neighbouring beams in radians."""
     return 2.0 * math.pi / len(scan.ranges)

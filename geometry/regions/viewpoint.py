@@ -1,62 +1,68 @@
-"""Where one can look from: strictly inside free space, and how far from its border."""
+"""Where a range finder can stand: strictly inside free space, and how far from its border."""
 
 from __future__ import annotations
 
 import math
-from typing import Final, NoReturn
+from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from multisrt.geometry.errors import ClearanceError, InvalidInputError
-from multisrt.geometry.numerics.kernel import FloatArray, kernel, unsigned
-from multisrt.geometry.regions.edge_index import winding_number
+from multisrt.geometry.numerics.kernel import IntArray, kernel, unsigned
+from multisrt.geometry.regions.edge_index import EdgeGrid, winding_number
 
 MIN_CLEARANCE_M: Final = 1e-9
-"""A viewpoint nearer to an edge than this would leak through it."""
+"""Least distance in metres of a viewpoint from all edges: nearer to one, the view would leak
+through it."""
 
 MAX_RANGE_M: Final = 1e7
-"""As far as coordinates may lie from the origin: a range beyond it reaches no further."""
+"""Largest range in metres, as far as coordinates may lie from the origin."""
 
 
-def refuse_range(range_m: float) -> NoReturn:
-    """Raise the error for a range that is not allowed."""
-    raise InvalidInputError(
-        f"a range is a positive number of metres, at most {MAX_RANGE_M:g}, not {range_m:g}"
-    )
+def check_view(x: float, y: float, range_m: float) -> None:
+    """Raise `InvalidInputError` unless a viewpoint is finite and its range allowed."""
+    if not (-math.inf < x < math.inf and -math.inf < y < math.inf):
+        raise InvalidInputError(f"the viewpoint is finite, not ({x}, {y})")
+    if not 0.0 < range_m <= MAX_RANGE_M:
+        raise InvalidInputError(
+            f"a range is a positive number of metres, at most {MAX_RANGE_M:g}, not {range_m:g}"
+        )
 
 
-def refuse_clearance(x: float, y: float, clearance: float) -> NoReturn:
-    """Raise the error for a viewpoint that is not strictly inside free space."""
-    raise ClearanceError(
-        f"({x:g}, {y:g}) is on or inside an obstacle (clearance {clearance:.3g} m): "
-        f"a viewpoint needs more than {MIN_CLEARANCE_M:g} m",
-        clearance,
-    )
+def check_clearance(x: float, y: float, clearance_m: float) -> None:
+    """Raise `ClearanceError` unless a viewpoint is strictly inside free space."""
+    if clearance_m < MIN_CLEARANCE_M:
+        raise ClearanceError(
+            f"({x:g}, {y:g}) is on or inside an obstacle (clearance {clearance_m:.3g} m): "
+            f"a viewpoint needs more than {MIN_CLEARANCE_M:g} m",
+            clearance_m,
+        )
 
 
 @kernel
-def signed_clearance(
-    x: float,
-    y: float,
-    radius: float,
-    free_winding: int,
-    edges: FloatArray,
-    grid: tuple[float, float, float, int, int],
-    bins: NDArray[np.int64],
-    stamps: NDArray[np.int64],
-    query: int,
-    found: NDArray[np.int64],
-    count: int,
-) -> float:
-    """Distance to the nearest of the edges found, negative inside an obstacle.
+def signed_clearance(x: float, y: float, radius: float, grid: EdgeGrid, found: IntArray) -> float:
+    """Return the distance from a point to the nearest edge, negative inside an obstacle.
 
-    The side is that of the nearest edge; of edges that meet in the nearest corner, that of the
-    one which faces the point most, for another may be seen edge-on or from the wrong side.
+    Parameters
+    ----------
+    x, y : float
+        The point, in metres.
+    radius : float
+        Largest absolute value that is returned, in metres.
+    grid : EdgeGrid
+        The edges.
+    found : (k,) array of int
+        The edges near the point: all within the radius, as `edges_within` returns them.
+
+    Notes
+    -----
+    The nearest edge decides on the side; of several that meet in the nearest corner, the one that
+    faces the point most, for another may be seen edge-on or from behind.
     """
+    edges = grid.edges
     nearest, facing = np.inf, 0.0
-    free = True
-    for k in range(count):
+    is_free = True
+    for k in range(found.shape[0]):
         e = unsigned(found[k])
         ax, ay = edges[e, 0] - x, edges[e, 1] - y
         dx, dy = edges[e, 2] - edges[e, 0], edges[e, 3] - edges[e, 1]
@@ -72,11 +78,10 @@ def signed_clearance(
         face = cross * cross / length2
         if distance < nearest * (1.0 - 1e-9) or face > facing:
             nearest, facing = min(nearest, distance), face
-            free = cross > 0.0
+            is_free = cross > 0.0
     clearance = math.sqrt(nearest)
     if clearance > radius:
-        # There may be nearer edges that were not looked up.
-        winding = winding_number(x, y, edges, grid, bins, stamps, query + 1)
+        # Edges that were not looked up may be nearer.
         clearance = radius
-        free = winding >= free_winding
-    return clearance if free else -clearance
+        is_free = winding_number(x, y, grid) >= grid.free_winding
+    return clearance if is_free else -clearance

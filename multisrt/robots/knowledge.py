@@ -1,4 +1,4 @@
-"""What robots tell each other of the world: nodes and closings, numbered by their makers."""
+"""What robots send each other of the world: nodes and closings, numbered by their makers."""
 
 from __future__ import annotations
 
@@ -16,24 +16,40 @@ from multisrt.geometry.regions.safe_region import LocalSafeRegion
 from multisrt.robots.messages import Message
 
 REASONS: Final = ("too narrow", "seen from near", "not reachable", "blocked by a robot")
-"""Why an arc may be given up, as recordings have it."""
+"""Reasons for which an arc is given up, as recordings have them."""
 
 Have = Mapping[int, tuple[int, int]]
-"""By robot, of how many of its nodes and of its closings all are known, counted from its first."""
+"""By robot, how many of its nodes and of its closings are known without a gap from its first."""
 
 Counts = tuple[tuple[int, int, int], ...]
-"""The same as messages have it: robot, nodes and closings, by robot."""
+"""The same in messages: robot, nodes and closings, ordered by robot."""
 
 
 class NodeId(NamedTuple):
-    """Who made a node, and its serial number among that robot's nodes."""
+    """The id of a node, unique in the team.
+
+    Attributes
+    ----------
+    robot : int
+        The robot that made it.
+    serial : int
+        Its number among that robot's nodes, from 0.
+    """
 
     robot: int
     serial: int
 
 
 class ClosingId(NamedTuple):
-    """Who gave an arc up, and the number among that robot's closings."""
+    """The id of a closing, unique in the team.
+
+    Attributes
+    ----------
+    robot : int
+        The robot that gave the arc up.
+    number : int
+        Its number among that robot's closings, from 0.
+    """
 
     robot: int
     number: int
@@ -41,20 +57,20 @@ class ClosingId(NamedTuple):
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Node:
-    """A place that was visited, with what was seen from there.
+    """A place at which a robot took a scan, with its local safe region.
 
     Attributes
     ----------
     id : NodeId
         Unique in the team.
     configuration : Configuration
-        Where the scan was taken.
+        Where the scan was taken, in metres and radians.
     region : LocalSafeRegion
         What the robot took as surely free around it.
     parent : NodeId or None
         The node that the robot came from; None at a root.
     time_s : float
-        When the scan was taken.
+        When the scan was taken, in seconds.
     """
 
     id: NodeId
@@ -64,7 +80,13 @@ class Node:
     time_s: float
 
     def added(self, stage: Stage) -> NodeAdded:
-        """Give the event that puts this node on record."""
+        """Return the event that records this node.
+
+        Parameters
+        ----------
+        stage : Stage
+            How the place was chosen.
+        """
         return NodeAdded(
             time_s=self.time_s,
             robot=self.id.robot,
@@ -86,18 +108,28 @@ class Closing:
     id : ClosingId
         Unique in the team.
     node : NodeId
-        Whose frontier the arc is of.
+        The node to whose frontier the arc belongs.
     arc : (k, 4) array
         The arc's segments x0, y0, x1, y1 in metres; read-only.
     reason : str
-        One of `REASONS`; what they mean is said at `multisrt.events.ArcClosed`.
+        One of `REASONS`, which `multisrt.events.ArcClosed` explains.
     width_m : float
-        How wide the body was that gave it up.
+        Width in metres of the body of the robot that gave the arc up.
 
     Raises
     ------
     InvalidInputError
         For an unknown reason, or an arc that is no array of segments.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> arc = np.array([[0.0, 0.0, 0.0, 0.2]])
+    >>> closing = Closing(
+    ...     id=ClosingId(0, 0), node=NodeId(1, 5), arc=arc, reason="too narrow", width_m=0.4
+    ... )
+    >>> closing.arc.flags.writeable
+    False
     """
 
     id: ClosingId
@@ -124,12 +156,12 @@ Entry = Node | Closing
 
 
 class WantMessage(Message, frozen=True, kw_only=True):
-    """Asks a robot that knows more for what the sender lacks.
+    """A request to a robot that knows more for what the sender lacks.
 
     Attributes
     ----------
     have : tuple of (robot, nodes, closings)
-        What the sender knows.
+        What the sender knows; see `Counts`.
     """
 
     kind: ClassVar[str] = "want"
@@ -138,12 +170,18 @@ class WantMessage(Message, frozen=True, kw_only=True):
 
     @property
     def wakes(self) -> bool:
-        """Questions reach also a robot that moves."""
+        """True: a robot that moves is told at once, too."""
         return True
 
 
 class EntriesMessage(Message, frozen=True, kw_only=True):
-    """Nodes and closings that another robot lacks."""
+    """Nodes and closings that another robot lacks.
+
+    Attributes
+    ----------
+    entries : tuple of Node or Closing
+        Ordered by robot, nodes first, by number.
+    """
 
     kind: ClassVar[str] = "entries"
 
@@ -151,21 +189,52 @@ class EntriesMessage(Message, frozen=True, kw_only=True):
 
 
 class Entries:
-    """All nodes and closings that a robot knows, by their ids and by their makers."""
+    """All nodes and closings that a robot knows, by id, with a count by maker.
+
+    Attributes
+    ----------
+    nodes : dict of NodeId to Node
+        In the order in which they became known.
+    closings : dict of ClosingId to Closing
+        In the order in which they became known.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> arc = np.array([[0.0, 0.0, 0.0, 0.2]])
+    >>> entries = Entries()
+    >>> for number in (0, 1, 3):
+    ...     entries.add_closing(
+    ...         Closing(
+    ...             id=ClosingId(7, number),
+    ...             node=NodeId(7, 0),
+    ...             arc=arc,
+    ...             reason="not reachable",
+    ...             width_m=0.4,
+    ...         )
+    ...     )
+    True
+    True
+    True
+    >>> entries.have()
+    {7: (0, 2)}
+    >>> [closing.id.number for closing in entries.lacks({7: (0, 1)})]
+    [1, 3]
+    """
 
     __slots__ = ("_counts", "_have", "_lines", "_makers", "closings", "nodes")
 
     def __init__(self) -> None:
         self.nodes: dict[NodeId, Node] = {}
         self.closings: dict[ClosingId, Closing] = {}
-        # By robot, in rising order: what of it is known, and a line of that for messages.
+        # By robot, ascending: its nodes and closings that are known, and their counts for messages.
         self._makers: dict[int, tuple[_Numbers, _Numbers]] = {}
         self._lines: dict[int, tuple[int, int, int]] = {}
         self._have: dict[int, tuple[int, int]] | None = None
         self._counts: Counts | None = None
 
     def add_node(self, node: Node) -> bool:
-        """Take in a node; tell whether it was new."""
+        """Add a node, unless it is known; return whether it was new."""
         if node.id in self.nodes:
             return False
         self._note(node.id.robot, 0, node.id.serial)
@@ -173,7 +242,7 @@ class Entries:
         return True
 
     def add_closing(self, closing: Closing) -> bool:
-        """Take in a closing; tell whether it was new."""
+        """Add a closing, unless it is known; return whether it was new."""
         if closing.id in self.closings:
             return False
         self._note(closing.id.robot, 1, closing.id.number)
@@ -181,26 +250,36 @@ class Entries:
         return True
 
     def have(self) -> dict[int, tuple[int, int]]:
-        """Give, by robot, of how many nodes and closings there is no gap, in rising order.
+        """Return by robot, ascending, how many nodes and closings are known without a gap.
 
-        What was given is never changed.
+        The dictionary that is returned never changes.
         """
         if self._have is None:
             self._have = {robot: (nodes, closings) for robot, nodes, closings in self.counts()}
         return self._have
 
     def counts(self) -> Counts:
-        """Give the same for a message."""
+        """Return the same as `have`, for a message."""
         if self._counts is None:
             self._counts = (*self._lines.values(),)
         return self._counts
 
     def lacks(self, theirs: Have) -> tuple[Entry, ...]:
-        """Give what is known beyond such counts, by robot, nodes first, by number."""
+        """Return the entries that another robot lacks.
+
+        Parameters
+        ----------
+        theirs : mapping of int to (nodes, closings)
+            What that robot has, as `have` returns it.
+
+        Returns
+        -------
+        tuple of Node or Closing
+            All that are known beyond these counts, ordered by robot, nodes first, by number.
+        """
         beyond: list[Entry] = []
         for robot, (nodes, closings) in self._makers.items():
             node_count, closing_count = theirs.get(robot, (0, 0))
-            # Of most others' nothing is beyond.
             if nodes.end > node_count:
                 beyond += [self.nodes[NodeId(robot, n)] for n in nodes.since(node_count)]
             if closings.end > closing_count:
@@ -209,7 +288,7 @@ class Entries:
         return tuple(beyond)
 
     def more_than(self, theirs: Have) -> bool:
-        """Whether anything is known beyond such counts."""
+        """Whether another robot, which has these counts, lacks anything."""
         for robot, (nodes, closings) in self._makers.items():
             node_count, closing_count = theirs.get(robot, (0, 0))
             if nodes.end > node_count or closings.end > closing_count:
@@ -217,7 +296,7 @@ class Entries:
         return False
 
     def _note(self, robot: int, which: int, number: int) -> None:
-        # That a node of a robot is there, or a closing.
+        # Count a node of a robot (which: 0), or a closing (1).
         numbers = self._makers.get(robot)
         if numbers is None:
             numbers = _Numbers(), _Numbers()
@@ -229,7 +308,7 @@ class Entries:
 
 
 class _Numbers:
-    # Numbers from 0 that came in any order: all below `count`, and some beyond the first gap.
+    # Numbers from 0, added in any order: all below `count`, and some beyond the first gap.
 
     __slots__ = ("beyond", "count", "end")
 

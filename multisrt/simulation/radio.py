@@ -16,7 +16,7 @@ from numpy.random import Generator as RandomGenerator
 
 from multisrt.geometry.numerics.arrays import BoolArray, IntArray
 from multisrt.geometry.numerics.kernel import FloatArray, kernel
-from multisrt.geometry.regions.edge_index import EdgeIndex
+from multisrt.geometry.regions.edge_index import EdgeGrid, EdgeIndex
 from multisrt.geometry.regions.line_of_sight import crossings, edges_across
 from multisrt.robots.explorer import RadioSelf
 from multisrt.spec import RadioSpec
@@ -197,10 +197,7 @@ def weakened_range(spec: RadioSpec, walls: IntArray) -> FloatArray:
 
 
 def _walls_between(index: EdgeIndex, lines: FloatArray) -> IntArray:
-    query = index.scratch.next_query()
-    for _ in lines[1:]:
-        index.scratch.next_query()
-    return _walls_on(lines, index.edges, index.grid, index.bins, index.scratch.memory, query)
+    return _walls_on(lines, index.grid)
 
 
 def _places(positions: Sequence[Sequence[float]]) -> FloatArray:
@@ -208,21 +205,13 @@ def _places(positions: Sequence[Sequence[float]]) -> FloatArray:
 
 
 @kernel
-def _walls_on(
-    lines: FloatArray,
-    edges: FloatArray,
-    grid: tuple[float, float, float, int, int],
-    bins: IntArray,
-    scratch: IntArray,
-    query: int,
-) -> IntArray:
-    # Line k takes query number `query + 2 k`.
+def _walls_on(lines: FloatArray, grid: EdgeGrid) -> IntArray:
     walls = np.zeros(lines.shape[0], np.int64)
     for k in range(lines.shape[0]):
         ax, ay, bx, by = lines[k, 0], lines[k, 1], lines[k, 2], lines[k, 3]
-        count = edges_across(ax, ay, bx, by, edges, grid, bins, scratch, query + 2 * k)
-        if count > 0:
-            walls[k] = _passages(lines[k], edges, scratch[1, :count])
+        across = edges_across(ax, ay, bx, by, grid)
+        if across.shape[0] > 0:
+            walls[k] = _passages(lines[k], grid.edges, across)
     return walls
 
 

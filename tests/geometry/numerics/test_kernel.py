@@ -16,7 +16,7 @@ IS_CLEAR = """
 import numpy as np
 from multisrt.geometry.regions.edge_index import EdgeIndex, no_edge_within
 walls = EdgeIndex(np.array([[0.0, 0.0, 1.0, 0.0]]), 1.0)
-print(no_edge_within(0.5, 0.3, 0.6, 0.3, 0.2, walls.edges, walls.grid, walls.bins))
+print(no_edge_within(0.5, 0.3, 0.6, 0.3, 0.2, walls.grid))
 """
 
 

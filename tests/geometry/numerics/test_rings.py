@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from multisrt.geometry.numerics.rings import STRETCH, Rings, first_stretch
-from multisrt.geometry.regions.frontier_arcs import uncovered
+from multisrt.geometry.regions.segment_difference import uncovered
 
 SIZES = [3, STRETCH - 1, STRETCH, STRETCH + 1, 4 * STRETCH, 360, 3, 5000]
 
@@ -62,7 +62,7 @@ def test_what_lies_in_rings_of_any_length_is_as_shapely_has_it(corners):
     segments = rng.uniform(-6.0, 6.0, (60, 4))
     # Some are upright or level, where boxes are only just missed.
     segments[:10, 2], segments[10:20, 3] = segments[:10, 0], segments[10:20, 1]
-    rest, source = uncovered(segments, *Rings(rings).arrays, np.arange(len(rings)))
+    rest, source = uncovered(segments, Rings(rings).arrays, np.arange(len(rings)))
     covered = shapely.union_all(shapely.polygons(rings))
     for k, segment in enumerate(segments):
         truth = shapely.LineString(segment.reshape(2, 2)).difference(covered)

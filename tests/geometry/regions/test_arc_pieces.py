@@ -1,35 +1,30 @@
-"""Pieces of arcs: what is left after many takings, against takings one by one, and by hand."""
+"""Frontier pieces after many subtractions, against single subtractions and by hand."""
 
 import numpy as np
 import pytest
-import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.sparse.csgraph import connected_components
 
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.numerics.rings import Rings
-from multisrt.geometry.regions.arc_pieces import (
-    ONE_BORDER_M,
-    ArcPieces,
-    apart_from,
-    common_pieces,
-    in_long_arcs,
-)
+from multisrt.geometry.regions.arc_pieces import ArcPieces
 from multisrt.geometry.regions.frontier_arcs import (
     ENDS_MEET_M,
-    SHORTEST_ARC_M,
+    MIN_ARC_M,
     arc_ends,
     arc_labels,
     frontier_candidates,
-    uncovered,
+    in_long_arcs,
 )
+from multisrt.geometry.regions.frontier_update import SHARED_BORDER_M, FrontierChanges
 from multisrt.geometry.regions.safe_region import local_safe_region
 from multisrt.geometry.regions.scan import take_scan
+from multisrt.geometry.regions.segment_difference import beside, intersect_pieces, uncovered
 
 
 class Regions:
-    """Regions as the kernels take them, and an id for each."""
+    """Regions as kernels take them, with an id for each."""
 
     def __init__(self, regions, ids):
         self.regions = regions
@@ -38,48 +33,48 @@ class Regions:
 
     def uncovered(self, segments, ids):
         ids = np.asarray(ids, np.int64)
-        return uncovered(segments, *self.rings.arrays, ids)
+        return uncovered(segments, self.rings.arrays, ids)
 
     def candidates(self, index):
         return frontier_candidates(self.regions[index].boundary, self.regions[index].tags)
 
     def add_to(self, arcs: ArcPieces, index: int) -> np.ndarray:
-        """Take in region `index` after those before it; give whose pieces changed."""
-        return arcs.take_in(
+        """Add region `index` after those before it; return the regions whose pieces changed."""
+        return arcs.add(
             index, self.regions[index], True, np.arange(index), self.ids, self.rings.arrays
         )
 
 
-def after(taking, pieces, wholes):
-    """What a taking, which is given wholes, leaves of pieces."""
-    left, origin = common_pieces(pieces, wholes, *taking(wholes))
+def remainder(subtract, pieces, wholes):
+    """Return what a subtraction from whole segments leaves of pieces of these."""
+    left, origin = intersect_pieces(pieces, wholes, *subtract(wholes))
     return left, wholes[origin]
 
 
 def along(lines):
-    return lambda wholes: apart_from(wholes, np.ones(len(wholes), bool), lines, ONE_BORDER_M)
+    return lambda wholes: beside(wholes, np.ones(len(wholes), bool), lines, SHARED_BORDER_M)
 
 
 def without_short_arcs(pieces, wholes):
-    long = in_long_arcs(pieces, SHORTEST_ARC_M)
+    long = in_long_arcs(pieces, MIN_ARC_M)
     return pieces[long], wholes[long]
 
 
 def one_by_one(regions: Regions, index: int, held: dict) -> None:
-    """Do what `ArcPieces.take_in` does, one owner and one taking after the other."""
+    """Do what `ArcPieces.add` does, one owner and one subtraction after the other."""
     candidates = regions.candidates(index)
     own = candidates, candidates
     for k in range(index):
-        own = after(lambda wholes, k=k: regions.uncovered(wholes, [k]), *own)
+        own = remainder(lambda wholes, k=k: regions.uncovered(wholes, [k]), *own)
     before = tuple(regions.ids[index])
     for k in range(index):
         if tuple(regions.ids[k]) < before:
-            own = after(along(held[k][1]), *own)
+            own = remainder(along(held[k][1]), *own)
     own = without_short_arcs(*own)
     for k in range(index):
-        theirs = after(lambda wholes: regions.uncovered(wholes, [index]), *held[k])
+        theirs = remainder(lambda wholes: regions.uncovered(wholes, [index]), *held[k])
         if tuple(regions.ids[k]) > before:
-            theirs = after(along(own[1]), *theirs)
+            theirs = remainder(along(own[1]), *theirs)
         if not np.array_equal(theirs[0], held[k][0]):
             held[k] = without_short_arcs(*theirs)
     held[index] = own
@@ -87,11 +82,11 @@ def one_by_one(regions: Regions, index: int, held: dict) -> None:
 
 @pytest.mark.parametrize("name", ["rooms", "office", "clutter"])
 @pytest.mark.parametrize("shape", ["radial", "star"])
-def test_what_a_region_changes_is_what_takings_one_by_one_change(worlds, name, shape):
+def test_a_region_changes_what_single_subtractions_change(worlds, name, shape):
     free = worlds.WORLDS[name]()
     index = worlds.index(free, 4.0)
     places = worlds.viewpoints(free, 24, seed=45).tolist()
-    # Some places twice: those regions share all their borders.
+    # Some places occur twice: their regions share all borders.
     places = [*places, *places[::5]]
     scans = [take_scan(index, Configuration(x, y), 0.0, 4.0) for x, y in places]
     numbers = np.random.default_rng(7).permutation(len(places))
@@ -117,7 +112,7 @@ def test_what_a_region_changes_is_what_takings_one_by_one_change(worlds, name, s
 
 
 def sides(count: int, serial: int) -> np.ndarray:
-    """So many upright segments of 1 m, far from each other and from those of another serial."""
+    """Upright segments of 1 m, far from each other and from those of another serial."""
     x, y = 10.0 * np.arange(count), np.full(count, 10.0 * serial)
     return np.column_stack([x, y, x, y + 1.0])
 
@@ -134,7 +129,7 @@ def lengthened(segments: np.ndarray) -> np.ndarray:
     st.integers(0, 9),
 )
 @settings(max_examples=30)
-def test_what_was_put_last_is_found_however_often_pieces_move(batches, giver):
+def test_the_last_pieces_are_found_after_compaction(batches, giver):
     # One of the owners gives up every other piece at once.
     arcs = ArcPieces()
     arcs.make_room(10)
@@ -143,7 +138,7 @@ def test_what_was_put_last_is_found_however_often_pieces_move(batches, giver):
         parts = {owner: sides(size, serial) for owner, size in batch}
         begins = np.cumsum([0, *map(len, parts.values())])
         pieces = np.concatenate([*parts.values()])
-        arcs.put(np.array([*parts]), begins, pieces, lengthened(pieces))
+        arcs.replace(FrontierChanges(np.array([*parts]), begins, pieces, lengthened(pieces)))
         if giver in parts:
             arcs.give_up(giver, parts[giver][::2], 1e-6)
         held |= parts
@@ -156,20 +151,20 @@ def test_what_was_put_last_is_found_however_often_pieces_move(batches, giver):
         assert np.array_equal(arcs.wide_enough(owner, np.arange(10), 0.0), still)
 
 
-def test_what_is_given_up_is_still_left_but_not_open():
+def test_what_is_given_up_is_left_but_not_open():
     arcs = ArcPieces()
     arcs.make_room(2)
     sides = np.array([[0.0, 0, 2, 0], [5, 0, 8, 0]])
-    arcs.put(np.array([1, 0]), np.array([0, 2, 2]), sides, sides)
-    assert arcs.lengths_m.tolist() == [[-1.0, -1.0], [2.0, 3.0]]
+    arcs.replace(FrontierChanges(np.array([1, 0]), np.array([0, 2, 2]), sides, sides))
+    assert arcs.arrays.lengths_m.tolist() == [[-1.0, -1.0], [2.0, 3.0]]
     arcs.give_up(1, np.array([[6.0, 0, 9, 0]]), 1e-6)
-    assert arcs.lengths_m.tolist() == [[-1.0, -1.0], [1.0, 2.0]]
+    assert arcs.arrays.lengths_m.tolist() == [[-1.0, -1.0], [1.0, 2.0]]
     assert arcs.left(1)[0].tolist() == sides.tolist()
     assert arcs.wide_enough(1, np.array([0, 1]), 0.0).tolist() == [[0, 0, 2, 0], [5, 0, 6, 0]]
     arcs.give_up(1, np.array([[8.0, 0, -1, 0]]), 1e-6)
     assert not arcs.is_open(1)
     assert not arcs.is_open(0)
-    arcs.put(np.array([1]), np.array([0, 1]), sides[:1], sides[:1])
+    arcs.replace(FrontierChanges(np.array([1]), np.array([0, 1]), sides[:1], sides[:1]))
     assert arcs.is_open(1)
     assert arcs.left(1)[0].tolist() == arcs.wide_enough(1, np.array([1]), 0.0).tolist()
 
@@ -187,7 +182,8 @@ def test_arcs_count_with_all_that_they_are_joined_to(seed, shortest):
     whose = np.sort(random.integers(0, owners, len(segments)))
     random.shuffle(whose[: len(whose) // 2])
     parts = [segments[whose == k] for k in range(owners)]
-    arcs.put(np.arange(owners), np.cumsum([0, *map(len, parts)]), np.concatenate(parts), segments)
+    begins = np.cumsum([0, *map(len, parts)])
+    arcs.replace(FrontierChanges(np.arange(owners), begins, np.concatenate(parts), segments))
     ends = np.concatenate([arc_ends(part) for part in parts])
     meet = (np.abs(ends[:, None, 2:4] - ends[None, :, 0:2]) <= ENDS_MEET_M).all(axis=2)
     _, group = connected_components(meet, directed=False)
@@ -201,38 +197,3 @@ def test_arcs_count_with_all_that_they_are_joined_to(seed, shortest):
             continue
         expected = part[(lengths >= shortest)[labels]]
         assert np.array_equal(arcs.wide_enough(k, np.arange(owners), shortest), expected)
-
-
-def test_only_what_lies_along_a_segment_takes_from_it():
-    segments = np.array([[0.0, 0, 4, 0], [0, 1, 4, 1]])
-    lines = np.array([[3.0, 0, 1, 0], [2, -1, 2, 2], [0, 0.5, 4, 0.5], [1, 1, 9, 1]])
-    rest, source = apart_from(segments, np.array([True, False]), lines, 1e-6)
-    assert rest.tolist() == [[0, 0, 1, 0], [3, 0, 4, 0], [0, 1, 4, 1]]
-    assert source.tolist() == [0, 0, 1]
-
-
-@given(st.lists(st.tuples(st.floats(0, 10), st.floats(0, 10)), max_size=6), st.randoms())
-def test_pieces_after_several_takings_are_the_difference_in_any_order(takings, random):
-    whole = np.array([[1.0, 2.0, 7.0, 10.0]])
-    at = whole[0, :2] + np.array([0.6, 0.8]) * np.array(takings).reshape(-1, 2, 1)
-    left = whole, whole
-    order = list(range(len(takings)))
-    random.shuffle(order)
-    for k in order:
-        left = after(along(at[k].reshape(1, 4)), *left)
-    expected = shapely.LineString([(0, 0), (10, 0)])
-    for a, b in takings:
-        if abs(a - b) > 1e-5:
-            expected = expected.difference(shapely.LineString([(a, 0), (b, 0)]))
-    lengths = np.hypot(*(left[0][:, 2:] - left[0][:, :2]).T)
-    assert lengths.sum() == pytest.approx(expected.length, abs=1e-4 * (len(takings) + 1))
-
-
-def test_only_segments_in_arcs_that_are_long_enough():
-    segments = np.array(
-        [[0.0, 0, 0.3, 0], [0.3, 0, 0.3, 0.3], [5, 5, 5.5, 5], [-0.1, 0, 0, 0], [7, 7, 7, 9]]
-    )
-    # The first two are 0.6 m together; the fourth begins elsewhere than the third ends.
-    assert in_long_arcs(segments, 0.55).tolist() == [True, True, False, False, True]
-    assert in_long_arcs(segments, 0.0).all()
-    assert in_long_arcs(np.empty((0, 4)), 1.0).tolist() == []

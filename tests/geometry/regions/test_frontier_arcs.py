@@ -1,4 +1,4 @@
-"""Frontier arcs: what remains, piece by piece, against shapely and against dense sampling."""
+"""Frontier arcs, piece by piece, against shapely and against dense sampling."""
 
 import numpy as np
 import pytest
@@ -13,11 +13,12 @@ from multisrt.geometry.regions.boundary import CUT, GAP, OBSTACLE, RANGE
 from multisrt.geometry.regions.frontier_arcs import (
     arc_labels,
     frontier_candidates,
+    in_long_arcs,
     total_length,
-    uncovered,
 )
 from multisrt.geometry.regions.safe_region import local_safe_region
 from multisrt.geometry.regions.scan import take_scan
+from multisrt.geometry.regions.segment_difference import uncovered
 
 R = 4.0
 
@@ -31,11 +32,11 @@ def regions(worlds, free, places, shape="radial", range_m=R, beams=None):
 
 
 def take(segments, polygons, ids=None):
-    """What the polygons leave of the segments."""
+    """Return what the polygons leave of the segments."""
     if not polygons:
         return segments
     ids = np.arange(len(polygons)) if ids is None else np.asarray(ids, np.int64)
-    rest, _ = uncovered(segments, *Rings(polygons).arrays, ids)
+    rest, _ = uncovered(segments, Rings(polygons).arrays, ids)
     return rest
 
 
@@ -50,7 +51,7 @@ def lines(segments):
 
 
 def samples_beside(segments, shift, step=0.01):
-    """Points along segments, shifted to their right, and the segment of each."""
+    """Return points along segments, shifted to their right, and the segment of each."""
     points, owner = [np.empty((0, 2))], [np.empty(0, int)]
     for k, (x0, y0, x1, y1) in enumerate(segments):
         length = np.hypot(x1 - x0, y1 - y0)
@@ -77,66 +78,20 @@ def test_candidates_are_all_pieces_but_obstacles():
     ]
 
 
-SQUARE = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]])
-
-
-@pytest.mark.parametrize(
-    ("segment", "left"),
-    [
-        ([-1, 1, 3, 1], [[-1, 1, 0, 1], [2, 1, 3, 1]]),  # through
-        ([0.5, 1, 1.5, 1], []),  # inside
-        ([0.5, 1, 3, 1], [[2, 1, 3, 1]]),  # out of it
-        ([3, 0, 5, 0], [[3, 0, 5, 0]]),  # beside
-        ([0, 0, 0, 2], []),  # on the left side: its right is inside
-        ([0, 2, 0, 0], [[0, 2, 0, 0]]),  # the same backwards: its right is outside
-        ([0, 0, 2, 0], [[0, 0, 2, 0]]),
-        ([2, 0, 0, 0], []),
-        ([-1, 0, 3, 0], [[-1, 0, 3, 0]]),  # along the lower side, nothing seen below
-        ([3, 0, -1, 0], [[3, 0, 2, 0], [0, 0, -1, 0]]),  # along it, the square beyond
-        ([1, 1, 1, 1], []),  # no length
-    ],
-)
-def test_a_square_takes_what_lies_in_it_by_hand(segment, left):
-    rest = take(np.array([segment], float), [SQUARE])
-    assert rest.shape == (len(left), 4)
-    assert rest == pytest.approx(np.array(left, float).reshape(-1, 4), abs=1e-5)
-
-
-def test_what_is_left_keeps_its_order_and_its_source():
-    segments = np.array([[-1.0, 1, 3, 1], [0.5, 1, 1.5, 1], [-1, 1.5, 3, 1.5]])
-    rest, source = uncovered(segments, *Rings([SQUARE]).arrays, np.array([0]))
-    assert source.tolist() == [0, 0, 2, 2]
-    assert rest[:, 0] == pytest.approx([-1, 2, -1, 2])
-
-
 def test_the_order_of_the_polygons_makes_no_difference(worlds):
     free = worlds.office()
     known = [r.boundary for r in regions(worlds, free, worlds.viewpoints(free, 12, seed=44))]
     segments = np.hstack([known[0], np.roll(known[0], -1, axis=0)])
     others = np.arange(1, len(known))
-    rest, source = uncovered(segments, *Rings(known).arrays, others)
+    rest, source = uncovered(segments, Rings(known).arrays, others)
     assert 0 < len(np.unique(source)) < len(segments)
     for seed in range(20):
         order = np.random.default_rng(seed).permutation(others)
         asked = order.copy()
-        again, again_source = uncovered(segments, *Rings(known).arrays, order)
+        again, again_source = uncovered(segments, Rings(known).arrays, order)
         assert np.array_equal(again, rest)
         assert np.array_equal(again_source, source)
         assert np.array_equal(order, asked)
-
-
-def test_many_holes_in_one_segment():
-    # A comb with 40 teeth: more pieces than segments came in.
-    teeth = [SQUARE * 0.25 + (k, 0.0) for k in range(40)]
-    rest = take(np.array([[-1.0, 0.3, 41.0, 0.3]]), teeth)
-    assert len(rest) == 41
-    assert total_length(rest) == pytest.approx(42 - 40 * 0.5)
-
-
-def test_a_polygon_that_is_not_convex_takes_each_of_its_parts():
-    comb = np.array([[0, 0], [5, 0], [5, 2], [4, 2], [4, 1], [1, 1], [1, 2], [0, 2.0]])
-    rest = take(np.array([[-1.0, 1.5, 6.0, 1.5]]), [comb])
-    assert rest == pytest.approx(np.array([[-1, 1.5, 0, 1.5], [1, 1.5, 4, 1.5], [5, 1.5, 6, 1.5]]))
 
 
 def test_a_frontier_collinear_with_a_neighbours_gap_is_kept(worlds):
@@ -153,7 +108,7 @@ def test_a_frontier_collinear_with_a_neighbours_gap_is_kept(worlds):
 
 @pytest.mark.parametrize("name", ["rooms", "office", "clutter"])
 @pytest.mark.parametrize(("shape", "beams"), [("radial", None), ("star", None), ("radial", 360)])
-def test_arcs_equal_shapely_away_from_degenerate_places(worlds, name, shape, beams):
+def test_arcs_equal_those_of_shapely(worlds, name, shape, beams):
     free = worlds.WORLDS[name]()
     known = regions(worlds, free, worlds.viewpoints(free, 14, seed=41), shape, beams=beams)
     lengths = 0.0
@@ -185,7 +140,7 @@ def test_arcs_by_dense_sampling(worlds, name):
         for polygon in polygons:
             seen |= shapely.contains_xy(polygon, points[:, 0], points[:, 1])
         rest, source = uncovered(
-            candidates, *Rings([o.boundary for o in others]).arrays, np.arange(len(others))
+            candidates, Rings([o.boundary for o in others]).arrays, np.arange(len(others))
         )
         for k in range(len(candidates)):
             mine = owner == k
@@ -202,33 +157,6 @@ def test_arcs_by_dense_sampling(worlds, name):
             checked[0] += int(in_frontier.sum())
             checked[1] += int((~in_frontier).sum())
     assert min(checked) > 500
-
-
-@given(
-    st.lists(
-        st.tuples(st.floats(0, 8), st.floats(0, 8), st.floats(0.5, 3), st.integers(3, 9)),
-        min_size=1,
-        max_size=6,
-    ),
-    st.randoms(use_true_random=False),
-)
-def test_trimming_leaves_the_same_points_in_any_order(shapes, random):
-    polygons = [
-        np.array([x, y]) + r * np.column_stack([np.cos(a), np.sin(a)])
-        for x, y, r, n in shapes
-        for a in [np.arange(n) * 2 * np.pi / n]
-    ]
-    segments = np.array([[-1.0, 3.3, 11.0, 3.3], [2.2, 11.0, 2.2, -1.0], [0.0, 0.0, 9.0, 8.0]])
-    at_once = take(segments, polygons)
-    order = list(range(len(polygons)))
-    random.shuffle(order)
-    one_by_one = segments
-    for k in order:
-        one_by_one = take(one_by_one, polygons, [k])
-    assert total_length(one_by_one) == pytest.approx(total_length(at_once), abs=1e-5)
-    a, b = lines(at_once), lines(one_by_one)
-    assert a.difference(b.buffer(2e-6)).length < 1e-5
-    assert b.difference(a.buffer(2e-6)).length < 1e-5
 
 
 @given(st.integers(0, 10_000))
@@ -303,3 +231,13 @@ def test_no_segments_have_no_arcs():
     labels, count = arc_labels(np.empty((0, 4)))
     assert len(labels) == count == 0
     assert total_length(np.empty((0, 4))) == 0.0
+
+
+def test_only_segments_in_arcs_that_are_long_enough():
+    segments = np.array(
+        [[0.0, 0, 0.3, 0], [0.3, 0, 0.3, 0.3], [5, 5, 5.5, 5], [-0.1, 0, 0, 0], [7, 7, 7, 9]]
+    )
+    # The first two are 0.6 m together; the fourth begins elsewhere than the third ends.
+    assert in_long_arcs(segments, 0.55).tolist() == [True, True, False, False, True]
+    assert in_long_arcs(segments, 0.0).all()
+    assert in_long_arcs(np.empty((0, 4)), 1.0).tolist() == []

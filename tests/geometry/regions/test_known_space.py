@@ -1,4 +1,4 @@
-"""The union of regions that is never made, against the one that shapely makes."""
+"""Known space, which computes no union, against the union that shapely computes."""
 
 from itertools import pairwise
 
@@ -17,7 +17,7 @@ from multisrt.geometry.regions.scan import take_scan
 
 WINDOW = (0.0, 0.0, 6.0, 6.0)
 CLOSE_M = 1e-3
-"""What is decided nearer to the border than this may be decided either way."""
+"""Distance in metres from the border within which either answer is right."""
 
 
 def space(polygons, window=WINDOW):
@@ -26,7 +26,7 @@ def space(polygons, window=WINDOW):
 
 
 def union(polygons, window=WINDOW):
-    """What is united; cracks of rounding closed."""
+    """Return the union in the window, with cracks of rounding closed."""
     return shapely.union_all(polygons).intersection(box(*window)).buffer(1e-7, join_style="mitre")
 
 
@@ -74,7 +74,7 @@ def test_clearance_inside_is_that_of_the_union(polygons, some):
 
 
 @given(worlds_of_polygons, st.lists(places, min_size=2, max_size=12), st.floats(0.01, 0.6))
-def test_a_way_is_free_where_the_union_holds_all_of_its_swath(polygons, stops, radius):
+def test_a_way_is_free_where_the_union_holds_its_swath(polygons, stops, radius):
     known, exact = space(polygons), union(polygons)
     for start, end in pairwise(stops):
         gap = exact.boundary.distance(LineString([start, end]))
@@ -83,7 +83,7 @@ def test_a_way_is_free_where_the_union_holds_all_of_its_swath(polygons, stops, r
 
 
 @given(worlds_of_polygons, st.lists(places, min_size=2, max_size=12))
-def test_what_is_in_sight_has_the_line_to_it_inside_the_union(polygons, some):
+def test_lines_of_sight_lie_inside_the_union(polygons, some):
     known, exact = space(polygons), union(polygons)
     for eye in some:
         if exact.buffer(-CLOSE_M).contains(Point(eye)):
@@ -91,7 +91,7 @@ def test_what_is_in_sight_has_the_line_to_it_inside_the_union(polygons, some):
 
 
 def require_sight(known, exact, eye, some):
-    """Fail if a place is in sight but not inside the union with the line to it, or the reverse."""
+    """Assert that places are in sight exactly if the line to them lies inside the union."""
     clearly, hardly = exact.buffer(-CLOSE_M), exact.buffer(CLOSE_M)
     for place, sees in zip(some, known.sees(*eye, some), strict=True):
         line = LineString([eye, place])
@@ -101,7 +101,7 @@ def require_sight(known, exact, eye, some):
             assert not sees
 
 
-def test_regions_that_end_at_one_line_have_no_border_between_them():
+def test_regions_on_two_sides_of_a_line_have_no_border():
     known = space([box(1, 1, 3, 3), box(3, 1, 5, 3)])
     assert known.passes(np.array([[1.5, 2.0, 4.5, 2.0]]), 0.4)[0]
     assert known.sees(1.5, 2.0, np.array([[4.5, 2.0]]))[0]

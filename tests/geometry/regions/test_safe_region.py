@@ -1,4 +1,4 @@
-"""Safe regions: never more than was seen, shaped as the papers say, tagged rightly."""
+"""Safe regions: never more than was seen, shaped as in the papers, with true tags."""
 
 import math
 
@@ -32,7 +32,7 @@ def sides(region):
 
 
 def just_outside(region):
-    """A point 1e-6 m outside the middle of every side of a region."""
+    """Return a point 1e-6 m outside the middle of every side of a region."""
     following = np.roll(region.boundary, -1, axis=0)
     along = following - region.boundary
     outward = np.column_stack([along[:, 1], -along[:, 0]]) / np.hypot(*along.T)[:, None]
@@ -50,7 +50,7 @@ def test_radial_from_the_exact_sensor_is_what_it_saw(worlds, name):
 
 
 def smallest_readings(view, x, y, cones):
-    """Distance from a place to the boundary of its view, per cone, by sampling it densely."""
+    """Return the distance from a place to the boundary of its view, per cone, by sampling."""
     points = shapely.get_coordinates(shapely.segmentize(view.exterior, 0.002))
     angles = np.arctan2(points[:, 1] - y, points[:, 0] - x) % (2 * np.pi)
     cone = np.minimum((angles / (2 * np.pi) * cones).astype(int), cones - 1)
@@ -123,7 +123,7 @@ def test_star_in_a_corridor_by_hand():
 
 
 @pytest.mark.parametrize("first", [0.0, math.pi / 4, math.pi / 2])
-def test_star_cone_that_ends_where_a_wall_begins_does_not_take_the_wall(first):
+def test_a_cone_that_ends_where_a_wall_begins_ignores_it(first):
     # A long wall whose far end lies exactly on the border of two cones: the cone beside it
     # has nothing of the wall but that end.
     turn = np.array([[math.cos(first), math.sin(first)], [-math.sin(first), math.cos(first)]])

@@ -1,4 +1,4 @@
-"""Scans are what the range finder would report, and nothing else."""
+"""Scans hold what the range finder would measure, and nothing else."""
 
 import math
 
@@ -47,7 +47,7 @@ def test_scanning_inside_an_obstacle_is_an_error(worlds):
 
 
 @pytest.mark.parametrize("beams", [None, 90])
-def test_whole_numbers_are_as_good_as_fractions(worlds, beams):
+def test_integers_are_taken_as_floats(worlds, beams):
     index = worlds.index(worlds.pillar())
     scan = take_scan(index, Configuration(2, 5, 1), 0.0, 4, beams)
     same = take_scan(index, Configuration(2.0, 5.0, 1.0), 0.0, 4.0, beams)

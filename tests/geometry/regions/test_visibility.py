@@ -1,4 +1,4 @@
-"""Views, lasers and lines of sight, against CGAL, shapely and answers worked out by hand."""
+"""Views, lasers and lines of sight against CGAL, shapely and answers by hand."""
 
 import math
 from functools import partial
@@ -19,7 +19,7 @@ from multisrt.geometry.regions.line_of_sight import line_of_sight
 from multisrt.geometry.regions.visibility import visibility_polygon
 
 UNLIMITED = 60.0
-"""Farther than any of the test worlds is wide."""
+"""A range in metres beyond the size of every test world."""
 
 
 class Cgal:
@@ -177,7 +177,7 @@ def test_open_surroundings_are_seen_up_to_the_range():
     ],
 )
 @pytest.mark.parametrize("sense", [visibility_polygon, partial(laser_ranges, beams=90)])
-def test_too_little_clearance_is_an_error_that_says_how_little(worlds, x, y, clearance, sense):
+def test_an_error_reports_too_little_clearance(worlds, x, y, clearance, sense):
     index = worlds.index(worlds.pillar())
     with pytest.raises(ClearanceError) as refused:
         sense(index, x, y, 4.0)
@@ -277,7 +277,7 @@ def test_refuses_two_beams(worlds):
         laser_ranges(worlds.index(worlds.hall()), 5.0, 5.0, 4.0, 2)
 
 
-# Worlds that sweeps stumble over
+# Degenerate worlds
 
 
 def test_subdivided_walls_change_nothing(worlds):
@@ -485,7 +485,7 @@ def test_arcs_have_as_many_chords_as_their_tolerance_needs(radius, tolerance, di
         assert radius * (1 - math.cos(math.pi / (divisions - 1))) > tolerance
 
 
-def test_nothing_is_seen_through_an_edge_that_is_looked_at_along_its_length(worlds):
+def test_nothing_is_seen_through_an_edge_seen_edge_on(worlds):
     # The edge from (0.74, 0) to (0.29, 0.49) points at the viewpoint but for rounding; the floor
     # ends where it begins.
     corners = [
@@ -501,7 +501,7 @@ def test_nothing_is_seen_through_an_edge_that_is_looked_at_along_its_length(worl
     assert boundary.min() >= -1e-9
     seen = shapely.Polygon(boundary)
     assert seen.difference(free.buffer(1e-9)).area < 1e-9
-    # What lies at the edge is a wall: nothing there is left to be seen.
+    # What lies at the edge is a wall, so no frontier.
     ends = np.roll(boundary, -1, axis=0)
     pieces = shapely.linestrings(np.stack([boundary, ends], axis=1))[tags != OBSTACLE]
     assert shapely.distance(pieces, shapely.Point(0.5, 0.26)).min() > 0.2

@@ -32,7 +32,7 @@ def node(serial: int, region: LocalSafeRegion, robot: int = 0) -> Node:
 
 
 def box_node(serial: int, x0: float, y0: float, x1: float, y1: float, open_sides: str) -> Node:
-    """A rectangle, of whose sides some are at the range's end and the others walls."""
+    """Return a node that sees a rectangle: its open sides are range, the others walls."""
     sides = ("below", "right", "above", "left")
     region = LocalSafeRegion(
         x=(x0 + x1) / 2,
@@ -76,7 +76,7 @@ def starry_office(worlds):
 
 
 def length_outside(a: np.ndarray, b: np.ndarray) -> float:
-    """Length of what segments a have that is not within a tenth of a millimetre of segments b."""
+    """Return the length of segments a that lie further than 0.1 mm from all segments b."""
     lines, others = (shapely.MultiLineString(list(s.reshape(-1, 2, 2))) for s in (a, b))
     return float(lines.difference(others.buffer(1e-4)).length)
 
@@ -98,7 +98,7 @@ def test_an_empty_map():
     assert empty.raster(0.1).area_m2() == 0.0
 
 
-def test_what_was_added_is_found_again(rooms):
+def test_added_nodes_are_found_again(rooms):
     known = map_of(rooms)
     assert len(known) == len(rooms)
     assert known.nodes == tuple(rooms)
@@ -145,7 +145,7 @@ def test_a_room_seen_whole_has_no_frontier():
     assert known.frontier_arcs(NodeId(0, 0)) == []
 
 
-def test_gaps_count_unless_they_are_told_not_to():
+def test_gaps_count_unless_excluded():
     # Behind the wall's end at (3, 2) nothing is seen: the gap goes from there to the range's end.
     free = shapely.box(0, 0, 8, 8).difference(shapely.box(3, 0, 3.2, 2))
     seen = scanned(shapely.orient_polygons(free), [(2.0, 1.0)])
@@ -182,7 +182,7 @@ def test_parts_that_do_not_meet_are_not_one_opening():
     assert map_of(apart).is_complete()
 
 
-def test_an_opening_loses_its_width_when_a_part_of_it_is_seen_through():
+def test_an_opening_narrows_when_a_part_of_it_is_seen():
     parts = [box_node(k, 0.0, 0.3 * k, 2.0, 0.3 * k + 0.3, "right") for k in range(2)]
     known = map_of(parts)
     assert known.open_nodes() == [NodeId(0, 0), NodeId(0, 1)]
@@ -191,7 +191,7 @@ def test_an_opening_loses_its_width_when_a_part_of_it_is_seen_through():
     assert known.open_nodes() == []
 
 
-def test_the_width_of_an_opening_changes_far_from_the_node_that_sees_it():
+def test_an_opening_may_narrow_far_from_its_node():
     # The first node sees 4 m of an opening of 8 m, another one the rest. A third takes from the
     # other's part; it is 2.4 ranges away from the first, which no longer counts either.
     parts = [
@@ -281,14 +281,16 @@ def test_an_arc_is_closed_before_its_node_is_known():
         ("blocked by a robot", 0.5, None, 0.5, True),
     ],
 )
-def test_who_gave_up_and_why_decides_for_whom(reason, width_m, robot, own_width_m, closed):
+def test_the_reason_of_a_closing_decides_for_whom_it_holds(
+    reason, width_m, robot, own_width_m, closed
+):
     known = map_of([box_node(0, 0, 0, 2, 2, "right")], width_m=own_width_m, robot=robot)
     known.close(closing(0, [[2, 0, 2, 2]], reason=reason, width_m=width_m))
     assert known.is_complete() == closed
     assert len(known.closings) == 1
 
 
-def test_the_own_width_is_that_of_the_shortest_arc_unless_it_is_said():
+def test_the_own_width_defaults_to_the_shortest_arc():
     known = map_of([box_node(0, 0, 0, 2, 2, "right")])
     known.close(closing(0, [[2, 0, 2, 2]], reason="too narrow", width_m=WIDTH))
     assert known.is_complete()
@@ -298,7 +300,7 @@ def test_the_own_width_is_that_of_the_shortest_arc_unless_it_is_said():
     ("fields", "message"),
     [({"reason": "too far"}, "not 'too far'"), ({"arc": [2, 0, 2, 2]}, r"shape \(4,\)")],
 )
-def test_a_closing_that_makes_no_sense(fields, message):
+def test_refuses_a_closing_that_makes_no_sense(fields, message):
     given = {"number": 0, "arc": [[2, 0, 2, 2]]} | fields
     with pytest.raises(InvalidInputError, match=message):
         closing(**given)
@@ -313,7 +315,7 @@ def test_the_arc_of_a_closing_is_its_own():
         made.arc[0, 0] = 7.0
 
 
-def test_a_region_may_not_reach_further_than_the_map_was_made_for():
+def test_a_region_may_not_exceed_the_reach_of_the_map():
     with pytest.raises(InvalidInputError, match="largest range of the team"):
         new_map(reach_m=2.0).add(box_node(0, 0, 0, 2, 2, "right"))
 
@@ -334,7 +336,7 @@ def test_a_border_with_regions_on_both_sides_is_no_frontier():
         assert map_of(order).is_complete()
 
 
-def test_a_border_of_which_the_other_node_sees_that_it_is_a_wall_stays_open():
+def test_a_border_that_another_node_sees_as_a_wall_stays_open():
     # What one takes for a wall may be a robot's body; nothing that is open is lost.
     known = map_of([box_node(0, 0, 0, 2, 2, ""), box_node(1, 0, 0, 2, 2, "right")])
     assert known.open_nodes() == [NodeId(0, 1)]
@@ -357,7 +359,7 @@ def check_against_a_map_without_history(known: ExplorationMap, **options) -> Non
 
 @pytest.mark.parametrize("width", [0.0, WIDTH, 3.0, 8.0])
 @pytest.mark.parametrize("source", ["rooms", "starry_office"])
-def test_what_is_asked_between_additions_makes_no_difference(source, width, request):
+def test_queries_between_additions_make_no_difference(source, width, request):
     # Everything is asked, and so remembered, after every addition.
     known = new_map(shortest_arc_m=width)
     for each in request.getfixturevalue(source):
@@ -384,7 +386,7 @@ def test_the_order_of_additions_makes_no_difference(rooms, random):
 
 
 @pytest.mark.parametrize("source", ["rooms", "starry_office"])
-def test_a_frontier_lies_in_no_other_region_and_on_its_own_boundary(source, request):
+def test_a_frontier_is_on_its_boundary_and_in_no_other_region(source, request):
     nodes = request.getfixturevalue(source)
     known = map_of(nodes, shortest_arc_m=0.0)
     seen = 0
@@ -448,7 +450,7 @@ def test_near_is_in_the_order_of_ids():
     assert [n.id for n in known.near(0, 0, 9)] == [NodeId(0, 1), NodeId(0, 2), NodeId(1, 0)]
 
 
-def test_pairs_are_with_nodes_known_before_in_the_order_of_their_ids():
+def test_pairs_are_with_earlier_nodes_ordered_by_id():
     regions = [box_node(k, k, 0, k + 1, 1, "").region for k in range(4)]
     first, far = node(2, regions[0]), node(3, regions[3])
     known = map_of([first, far, node(0, regions[1], robot=1), node(1, regions[1]), first])
@@ -461,7 +463,7 @@ def test_pairs_are_with_nodes_known_before_in_the_order_of_their_ids():
         assert (known.rings.ring(number) == each.region.boundary).all()
 
 
-def test_the_raster_is_the_same_painted_at_once_or_by_and_by(rooms):
+def test_a_raster_painted_node_by_node_is_the_same(rooms):
     late, early = map_of(rooms), new_map()
     early.raster(0.1)
     for each in rooms:

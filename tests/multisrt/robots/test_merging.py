@@ -1,4 +1,4 @@
-"""What robots tell each other: in any order, again and again, with losses, it gives one map."""
+"""Entries that robots send each other give one map, in any order, repeated, with losses."""
 
 import math
 
@@ -21,7 +21,7 @@ from multisrt.robots.knowledge import REASONS
 REACH = 4.0
 WIDTHS = (0.3, 0.6, 0.45)
 RANGES = (4.0, 2.5, 3.3)
-"""Widths and ranges of the three robots."""
+"""Widths and ranges of the three robots in metres."""
 
 WORLDS = ("apartment", "cave", "office")
 SHAPES = ("radial", "star", "ball")
@@ -39,7 +39,7 @@ def map_of(entries, robot: int | None = None, shortest_arc_m: float = 0.3) -> Ex
 
 
 def team_nodes(worlds, world: str, shape: str, count: int = 15) -> list[Node]:
-    """Nodes of three robots with different ranges; those of robot 2 hang under the others'."""
+    """Return nodes of three robots with different ranges; parents of robot 2's are the others'."""
     free = environment(world).free
     x, y = free.representative_point().coords[0]
     around = max(
@@ -70,7 +70,7 @@ def team_nodes(worlds, world: str, shape: str, count: int = 15) -> list[Node]:
 
 
 def with_closings(nodes: list[Node]) -> list[Node | Closing]:
-    """What robots gave up on the way, when they knew less than in the end."""
+    """Return nodes, with closings of arcs that were open when only earlier nodes were known."""
     known, entries = new_map(), list[Node | Closing]()
     made = [0, 0, 0]
     for k, node in enumerate(nodes):
@@ -125,8 +125,8 @@ def assert_same(known: ExplorationMap, expected: ExplorationMap) -> None:
         assert lengths[0] == pytest.approx(lengths[1], abs=1e-9)
 
 
-def told(random, entries):
-    """All entries in any order, some of them more than once, in batches."""
+def batches(random, entries):
+    """Yield all entries in any order, some of them more than once, in batches."""
     stream = [*entries, *(random.choices(entries, k=len(entries) // 2) if entries else ())]
     random.shuffle(stream)
     while stream:
@@ -140,9 +140,9 @@ def told(random, entries):
 def test_order_repetition_and_batches_make_no_difference(teams, team, robot, random):
     entries = teams[team]
     known, new = new_map(robot), []
-    for batch in told(random, entries):
+    for batch in batches(random, entries):
         new += known.merge(batch)
-        # What is asked in between is remembered, and must not be believed later.
+        # Answers are cached in between, and must not be returned later.
         if random.random() < 0.3:
             known.open_frontier_m()
             known.is_complete()
@@ -154,11 +154,11 @@ def test_order_repetition_and_batches_make_no_difference(teams, team, robot, ran
 
 @given(TEAMS, st.data(), st.randoms(use_true_random=False))
 @settings(max_examples=25)
-def test_what_was_lost_is_asked_for_again(teams, team, data, random):
+def test_lost_entries_are_asked_for_again(teams, team, data, random):
     entries = teams[team]
     lost = data.draw(st.sets(st.sampled_from(range(len(entries)))))
     source, known = map_of(entries, 0), new_map(0)
-    for batch in told(random, [e for k, e in enumerate(entries) if k not in lost]):
+    for batch in batches(random, [e for k, e in enumerate(entries) if k not in lost]):
         known.merge(batch)
     lacking = source.entries.lacks(known.entries.have())
     assert {e.id for k, e in enumerate(entries) if k in lost} <= {e.id for e in lacking}
@@ -170,7 +170,7 @@ def test_what_was_lost_is_asked_for_again(teams, team, data, random):
 
 @given(TEAMS, st.data())
 @settings(max_examples=25)
-def test_two_robots_that_tell_each_other_what_they_lack_know_the_same(teams, team, data):
+def test_robots_that_exchange_what_they_lack_know_the_same(teams, team, data):
     entries = teams[team]
     shares = st.lists(st.sampled_from(entries), max_size=len(entries))
     one, other = map_of(data.draw(shares), 0), map_of(data.draw(shares), 1)
@@ -222,7 +222,7 @@ def plain_closing(robot: int, number: int) -> Closing:
     )
 
 
-def test_what_is_known_without_a_gap():
+def test_counts_stop_at_the_first_gap():
     known = new_map()
     assert known.entries.have() == {}
     entries = [plain_node(4, 1), plain_node(4, 3), plain_closing(2, 0), plain_node(2, 0)]
@@ -236,7 +236,7 @@ def test_what_is_known_without_a_gap():
     assert known.entries.have() == {2: (1, 1), 4: (4, 2)}
 
 
-def test_what_another_lacks_comes_by_robot_kind_and_number():
+def test_missing_entries_come_by_robot_kind_and_number():
     known = map_of(
         [
             plain_closing(3, 0),
@@ -288,7 +288,7 @@ def test_trees_grow_together_when_the_missing_link_comes():
     assert known.roots() == roots[:2]
 
 
-def test_a_far_node_counts_for_its_tree_once_the_missing_link_comes():
+def test_a_far_node_joins_its_tree_with_the_missing_link():
     # Each is a square of 1 m, open all around, 100 m from the next.
     chain = [
         box_node(0, k, (100 * k, 0, 100 * k + 1, 1), RANGE, NodeId(0, k - 1) if k else None)
@@ -412,7 +412,7 @@ def test_boxes_that_share_borders_have_the_border_of_their_union(boxes, random):
     assert_same(known, map_of(nodes, shortest_arc_m=0.0))
 
 
-def test_looking_twice_from_one_place_opens_nothing_twice(worlds):
+def test_two_scans_at_one_place_share_their_frontier(worlds):
     nodes = team_nodes(worlds, "apartment", "radial")
     assert nodes[-1].configuration == nodes[0].configuration
     twice = map_of([nodes[0], nodes[-1]])

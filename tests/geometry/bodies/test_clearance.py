@@ -6,14 +6,10 @@ import shapely
 from hypothesis import given
 from hypothesis import strategies as st
 
-from multisrt.geometry.bodies.clearance import (
-    disc_clearance,
-    free_travel_disc,
-    free_travel_polygon,
-    pose_is_inside,
-    rotation_is_free,
-)
+from multisrt.geometry.bodies.clearance import disc_clearance
+from multisrt.geometry.bodies.fitting import pose_is_inside, rotation_is_free
 from multisrt.geometry.bodies.footprint import Footprint
+from multisrt.geometry.bodies.free_travel import free_travel_disc, free_travel_polygon
 
 ROOM = np.array([(0.0, 0.0), (10.0, 0.0), (10.0, 8.0), (0.0, 8.0)])
 # Two rooms joined by a door one metre wide in a wall from x = 4.9 to 5.1.
@@ -102,7 +98,7 @@ def test_sliding_along_a_wall_is_free_and_into_it_is_not(heading):
         assert travel_polygon(room, body, pose, heading + 0.01, 5.0) == 5.0
 
 
-def test_a_box_in_the_corner_may_leave_it():
+def test_a_box_in_a_corner_can_leave_it():
     pose = (0.3, 0.2, 0.0)
     for direction in (0.0, math.pi / 4, math.pi / 2):
         assert travel_polygon(ROOM, BODIES["box"], pose, direction, 2.0) == 2.0
@@ -128,7 +124,7 @@ def test_a_corner_that_meets_a_corner_does_not_slip_through():
     assert travel_polygon(spike, tip, (1.0, 4.0, 0.0), 0.0, 9.0) == pytest.approx(1.6, abs=1e-9)
 
 
-def test_a_body_that_overlaps_the_boundary_may_not_move():
+def test_a_body_that_overlaps_the_boundary_cannot_move():
     assert travel_disc(ROOM, 0.5 - 1e-6, 4.0, 0.0, 0.5, 1.0) == 0.0
     assert travel_disc(ROOM, 0.5 - 1e-12, 4.0, 0.0, 0.5, 1.0) == 1.0
     box = BODIES["box"]
@@ -150,7 +146,7 @@ def test_a_body_that_fits_its_region_edge_on_edge_is_inside_it():
     assert not pose_is_inside(notched, body, 0.5, 0.5, 0.0)
 
 
-def test_a_block_that_shares_all_its_lines_with_the_body_is_found():
+def test_a_block_within_the_body_on_its_lines_is_found():
     # The block fills the left of the body from edge to edge: no corner of the one is inside the
     # other, and no two edges cross.
     block = np.array([(0, 0), (4, 0), (4, 3), (0, 3), (0, 2), (1, 2), (1, 1), (0, 1)], dtype=float)
@@ -204,7 +200,7 @@ def test_bodies_and_walls_on_one_grid_agree_with_shapely():
 
 @pytest.mark.parametrize("place", range(3))
 @pytest.mark.parametrize("value", [math.nan, math.inf])
-def test_numbers_that_are_not_finite_move_nothing(value, place):
+def test_a_pose_that_is_not_finite_allows_no_motion(value, place):
     pose = [5.0, 4.0, 0.0]
     pose[place] = value
     box = BODIES["box"].vertices
@@ -280,7 +276,7 @@ def test_a_box_turns_where_its_diagonal_fits():
     assert not rotation_is_free(ROOM, box.vertices, 5.0, 4.0, 0.0, 7.0)
 
 
-def test_a_touching_box_may_turn_away_but_not_in():
+def test_a_touching_box_can_turn_away_but_not_in():
     # The corner (-0.3, -0.2) touches the wall x = 0 on the box's way from an angle to the other:
     # it meets the wall at headings where -0.3 cos h + 0.2 sin h = -0.32.
     box = BODIES["box"].vertices

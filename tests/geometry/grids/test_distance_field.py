@@ -101,7 +101,7 @@ def test_nothing_passes_between_cells_that_meet_in_a_corner():
     assert np.isinf(field[2:, 2:]).all()
 
 
-def test_cells_nobody_can_reach_are_infinite():
+def test_unreachable_cells_are_infinite():
     free = np.ones((10, 21), bool)
     free[:, 10] = False
     field = distance_field(free, 1.0, [(0.5, 0.5)])
@@ -120,7 +120,7 @@ def test_several_sources_are_the_nearest_of_each(worlds, name):
     assert np.abs(together[finite] - apart[finite]).max() < 0.15
 
 
-def test_a_source_behind_a_wall_counts_although_another_is_in_sight():
+def test_a_nearer_source_behind_a_wall_counts():
     # From cell (0, 9) the second source is 2.2 cells away around the wall's end, the first 9.
     free = np.ones((3, 12), bool)
     free[1, :10] = False
@@ -148,7 +148,7 @@ def test_an_early_stop_gives_asked_cells_their_final_values(worlds, name):
     assert part[done].max() == whole[tuple(asked[-1])]
 
 
-def test_asked_cells_that_cannot_be_reached_do_not_stop_the_march():
+def test_unreachable_asked_cells_do_not_stop_the_march():
     free = np.ones((10, 21), bool)
     free[:, 10] = False
     field = distance_field(free, 1.0, [(0.5, 0.5)], asked=[(0, 20), (0, 10)])
@@ -221,7 +221,7 @@ def test_examples():
         ({"asked": [(-1, 0)]}, "cell (-1, 0)"),
     ],
 )
-def test_refuses_what_makes_no_field(change, told):
+def test_refuses_invalid_fields(change, told):
     free = np.ones((4, 5), bool)
     free[2, 2] = False
     arguments = {"free": free, "cell_m": 1.0, "sources": [(1.0, 1.0)]} | change
@@ -272,7 +272,7 @@ def test_a_repaired_field_is_a_new_one_to_the_bit(seed, count):
     assert np.array_equal(field.reached(), distance_field(passable, 0.1, sources * 0.1))
 
 
-def test_what_lies_before_a_change_is_kept():
+def test_values_before_a_change_are_kept():
     passable = np.ones((40, 300), bool)
     field = DistanceField(passable, 1.0, [(5.5, 20.5)])
     field.complete()
@@ -289,7 +289,7 @@ def test_what_lies_before_a_change_is_kept():
     )
 
 
-def test_a_change_where_the_front_has_not_been_takes_nothing_back():
+def test_a_change_beyond_the_front_takes_nothing_back():
     passable = np.ones((200, 200), bool)
     field = DistanceField(passable, 1.0, [(20.5, 20.5)])
     field.distance([(30, 30)])
@@ -370,7 +370,7 @@ def test_distances_within_a_limit(seed):
         np.testing.assert_array_equal(field.distance(asked), lengths)
 
 
-def test_the_size_of_the_grid_costs_nothing():
+def test_memory_does_not_depend_on_the_size_of_the_grid():
     passable = np.ones((4000, 4000), bool)
     tracemalloc.start()
     field = DistanceField(passable, 0.1, [(200.05, 200.05)])
@@ -388,7 +388,7 @@ def test_the_grid_may_be_a_view():
 
 
 @given(st.integers(0, 100_000))
-def test_the_descent_falls_to_the_source_and_cuts_no_corner(seed):
+def test_the_descent_leads_to_the_source_and_cuts_no_corner(seed):
     passable, sources, _, rng = disturbed(seed)
     whole = distance_field(passable, 1.0, sources)
     reached = np.argwhere(np.isfinite(whole))
@@ -402,7 +402,7 @@ def test_the_descent_falls_to_the_source_and_cuts_no_corner(seed):
     assert np.abs(down[-1] + 0.5 - sources[0, ::-1]).max() <= 0.5
 
 
-def test_refuses_fields_that_cannot_be():
+def test_refuses_invalid_grids_cells_and_repairs():
     with pytest.raises(InvalidInputError, match="of bool, not float64"):
         DistanceField(np.ones((3, 3)), 1.0, [(0.5, 0.5)])
     passable = np.ones((3, 9), bool)

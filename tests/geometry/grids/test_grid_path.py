@@ -94,7 +94,7 @@ def paths(way, passable, source, cells):
 
 
 @pytest.mark.parametrize("way", ["descent", "queue", "sweeps"])
-def test_paths_in_rooms_are_hardly_longer_than_the_shortest(way):
+def test_paths_in_rooms_are_nearly_shortest(way):
     excess = []
     for seed in range(3):
         passable = office(seed)
@@ -107,7 +107,7 @@ def test_paths_in_rooms_are_hardly_longer_than_the_shortest(way):
 
 
 @pytest.mark.parametrize("way", ["descent", "queue", "sweeps"])
-def test_in_scattered_cells_paths_lose_less_than_a_cell_at_a_turn(way):
+def test_paths_lose_less_than_a_cell_per_turn(way):
     for seed in range(4):
         passable = scattered(seed)
         source, cells = draw(passable, seed, 10)
@@ -141,7 +141,7 @@ def test_around_a_wall_in_metres_by_hand():
     )
 
 
-def test_what_is_in_sight_is_reached_straight():
+def test_the_path_to_a_cell_in_sight_is_straight():
     field = DistanceField(np.ones((50, 70), bool), 1.0, [(3.2, 4.7)])
     assert shortest_path(field, (44, 61)).tolist() == [[3.2, 4.7], [61.5, 44.5]]
     assert shortest_path(field, (4, 3)).tolist() == [[3.2, 4.7], [3.5, 4.5]]
@@ -155,7 +155,7 @@ def test_the_path_begins_at_the_nearest_source():
     assert shortest_path(field, (3, 34))[0].tolist() == [50.5, 5.5]
 
 
-def test_after_a_repair_paths_take_the_new_way():
+def test_paths_use_a_passage_after_a_repair():
     passable = np.ones((30, 40), bool)
     passable[:, 20] = False
     passable[28, 20] = True

@@ -78,7 +78,7 @@ def test_a_cache_chosen_by_the_user_is_used(package, tmp_path):
     assert not list(package.rglob("*.nbc"))
 
 
-def test_a_cache_that_cannot_be_written_is_told_of(package, tmp_path):
+def test_a_cache_that_cannot_be_written_is_reported(package, tmp_path):
     (tmp_path / "file").touch()
     with pytest.raises(subprocess.CalledProcessError) as error:
         answer(package, NUMBA_CACHE_DIR=str(tmp_path / "file"))

@@ -22,7 +22,7 @@ def wavy(corners: int, seed: int = 0, at: tuple[float, float] = (0.0, 0.0)) -> n
 
 @settings(max_examples=40, deadline=None)
 @given(st.lists(st.sampled_from(SIZES[:-1]), max_size=90))
-def test_boxes_hold_the_edges_that_they_are_around(sizes):
+def test_boxes_of_rings_and_stretches_are_tight(sizes):
     given_rings = [wavy(size, seed) for seed, size in enumerate(sizes)]
     rings = Rings(given_rings)
     assert len(rings) == len(sizes)
@@ -42,7 +42,7 @@ def test_boxes_hold_the_edges_that_they_are_around(sizes):
         free_row = row
 
 
-def test_rings_that_are_added_change_none_that_are_there():
+def test_adding_a_ring_changes_no_other():
     rings = Rings([wavy(40)])
     held, ring = rings.arrays, rings.ring(0)
     before = [array.copy() for array in (held.starts[:2], held.corners[:40], held.boxes[:1])]
@@ -55,7 +55,7 @@ def test_rings_that_are_added_change_none_that_are_there():
 
 
 @pytest.mark.parametrize("corners", SIZES)
-def test_what_lies_in_rings_of_any_length_is_as_shapely_has_it(corners):
+def test_uncovered_agrees_with_shapely_for_long_rings(corners):
     around = [(0.0, 0.0), (2.5, 1.0), (-3.0, 4.0)]
     rings = [wavy(corners, seed, at) for seed, at in enumerate(around)]
     rng = np.random.default_rng(corners)

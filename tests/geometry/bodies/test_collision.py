@@ -15,7 +15,7 @@ MILLIMETRE = 1e-3
 
 
 def cluttered(seed=0, count=70, width=12.0):
-    """A hall with a room beside it, stones, poles smaller than any body, and thin walls."""
+    """Return a hall with a room beside it, stones, poles smaller than any body and thin walls."""
     rng = np.random.default_rng(seed)
     solid = []
     for _ in range(count):
@@ -43,7 +43,7 @@ def world(free):
 
 @pytest.fixture(scope="module")
 def obstacles(free):
-    """What lies outside of free space as far as any body in these tests gets."""
+    """Everything outside of free space within reach of any body in these tests."""
     outside = shapely.box(-40, -40, 60, 60) - free
     shapely.prepare(outside)
     return outside
@@ -51,7 +51,7 @@ def obstacles(free):
 
 @pytest.fixture(scope="module")
 def cores(obstacles):
-    """The obstacles without what a contact may be missed by: half the resolution."""
+    """The obstacles, shrunk by the depth of contact that may be missed: half the resolution."""
     inner = obstacles.buffer(-MILLIMETRE / 2)
     shapely.prepare(inner)
     return inner
@@ -102,7 +102,7 @@ def test_a_body_around_or_inside_an_obstacle_is_not_free(name, scale, moving):
         assert not world.pose_is_free(body, (30.0, 10.0, heading))
         assert world.clearance(body, (10.0, 10.0 - inside, heading)) == 0.0
         assert world.clearance(body, (30.0, 10.0, heading)) == 0.0
-    # A motion from free to free around which nothing sticks out but what is inside.
+    # A motion between free poses, with an obstacle wholly inside of the swept area.
     assert not world.straight_motion_is_free(body, (6.0, 10.0, 0.0), (14.0, 10.0, 0.0))
     assert not world.straight_motion_is_free(body, (14.0, 10.0, 0.0), (50.0, 10.0, 0.0))
     assert world.first_contact(body, (30.0, 10.0, 0.0), (31.0, 10.0, 0.0)) == 0.0
@@ -213,8 +213,8 @@ def test_rotations_agree_with_sampling(name, world, cores, obstacles, moving):
         free = world.rotation_is_free(body, pose, turn)
         answers.append(free)
         poses = moving.on_line(pose, turn, pose, fractions)
-        # Free: nothing is deeper than half the resolution. Not free: there is a contact, and so a
-        # sample less than a millimetre away from one.
+        # If free, no overlap is deeper than half the resolution. If not, there is a contact, and
+        # so a sample less than a millimetre away from one.
         if free:
             assert not moving.touches(cores, footprint, poses).any()
         else:
@@ -254,7 +254,7 @@ def test_first_contacts_agree_with_sampling(name, arc, world, cores, obstacles, 
 
 def test_a_quarter_circle_is_followed():
     # About (0, 3): to the left from (0, 0) heading along x, to the right heading against x. A
-    # disc of 0.5 passes a pole at 2.4 from the centre, half-way round, and meets one at 2.6.
+    # disc of 0.5 passes a pole at 2.4 from the centre, halfway along, and meets one at 2.6.
     body = Body(Footprint.disc(0.5))
     for reach, is_free in ((2.4, True), (2.6, False)):
         at = reach * math.sqrt(0.5)
@@ -269,7 +269,7 @@ def test_a_quarter_circle_is_followed():
 
 
 def test_an_arc_may_turn_by_more_than_half_a_circle():
-    # About (0, 3) from (0, 0) to (-3, 3): by (0, 6), where something stands, at two thirds.
+    # About (0, 3) from (0, 0) to (-3, 3), through (0, 6) at two thirds, where an obstacle stands.
     world = CollisionWorld(shapely.box(-5, -5, 10, 10) - shapely.box(-0.1, 5.9, 0.1, 6.1))
     body, end = Body(Footprint.disc(0.5)), (-3, 3, -math.pi / 2)
     contact = world.first_contact(body, (0, 0, 0), end, 1.5 * math.pi, arc=True)
@@ -284,8 +284,7 @@ def test_sliding_along_a_wall_ends_where_the_wall_ends(moving):
         start, end = (1.0, half + 1e-7, 0.0), (9.0, half + 1e-7, 0.0)
         assert world.straight_motion_is_free(body, start, end)
         assert world.first_contact(body, start, end) is None
-        # A motion that dips in by a tenth of a millimetre is found where it is sampled or later,
-        # one by more than the resolution always.
+        # A contact deeper than the resolution is always found.
         deep = world.first_contact(body, start, (9.0, half - 0.01, 0.0))
         assert deep is not None
 

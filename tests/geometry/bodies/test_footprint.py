@@ -1,3 +1,5 @@
+"""Footprints: measures, pieces, text, and what they sweep."""
+
 import copy
 import math
 
@@ -20,7 +22,7 @@ sizes = st.floats(1e-3, 1e3)
 
 
 def ragged(seed: int) -> Footprint:
-    """Any simple outline around the origin, with spikes and notches."""
+    """Return a body with a random simple outline, with spikes and notches."""
     rng = np.random.default_rng(seed)
     angles = np.sort(rng.uniform(0, 2 * np.pi, 12))
     gaps = np.diff(np.append(angles, angles[0] + 2 * np.pi))

@@ -143,7 +143,7 @@ def test_coming_within_a_gap_agrees_with_sampling(pair, arcs, moving):
     st.sampled_from([0.0, 0.2, 2.0]),
 )
 def test_closed_form_for_discs_agrees_with_advancement(numbers, radius_a, radius_b, gap):
-    # A disc on a line has a closed form; on an arc, as straight as this one, it is followed.
+    # Discs on lines meet in closed form; on a nearly straight arc advancement is used.
     ax, ay, bx, by, to_ax, to_ay, to_bx, to_by = numbers
     body_a, body_b = Body(Footprint.disc(radius_a)), Body(Footprint.disc(radius_b))
     ends = (body_a, (ax, ay, 0), (to_ax, to_ay, 0), body_b, (bx, by, 0), (to_bx, to_by, 0))
@@ -196,7 +196,7 @@ def test_bodies_that_keep_pace_never_meet():
     assert side_by_side is None
     head_on = meeting(body, (0, 0, 0), (10, 0, 0), body, (10, 0, 0), (0, 0, 0))
     assert head_on == pytest.approx(0.45, abs=1e-6)
-    # They swap places on crossing ways: neither end touches, the middle does.
+    # They swap places on crossing lines: the ends are apart, the middle is not.
     crossing = meeting(body, (0, 0, 0), (9, 9, 0), body, (0, 9, 0), (9, 0, 0))
     assert crossing == pytest.approx(4.0 / 9.0, abs=1e-6)
     waiting = meeting(body, (0, 0, 0), (0, 0, 0), body, (3, 0, 0), (3, 0, 0))

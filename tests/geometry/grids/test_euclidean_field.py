@@ -61,7 +61,7 @@ def test_the_path_is_as_long_as_its_distance(order, seed):
         if np.isfinite(told):
             path = field.path(cell)
             walked = np.hypot(*np.diff(path, axis=0).T).sum()
-            # In sweeps a turning point may have become nearer after cells behind it were left.
+            # In sweeps a turning point may become nearer after the cells behind it are done.
             assert walked <= told + 1e-9
             assert order == "sweeps" or walked == pytest.approx(told)
 

@@ -20,7 +20,7 @@ from multisrt.geometry.grids.grid_path import shortest_path
 
 
 def solid(passable, shrunk):
-    """Blocked cells and the grid's frame as one shape; cells that meet in a corner hold."""
+    """Return blocked cells and the grid's frame as one shape, joined where corners meet."""
     blocked = np.pad(~passable, 1, constant_values=True)
     rows, columns = np.nonzero(blocked)
     a, b, c, d = blocked[:-1, :-1], blocked[1:, 1:], blocked[1:, :-1], blocked[:-1, 1:]
@@ -32,7 +32,7 @@ def solid(passable, shrunk):
 
 
 def exact_lengths(passable, source, cells):
-    """Shortest paths around the blocked cells from a point to cells' centres."""
+    """Return the lengths of the shortest paths around the blocked cells to cells' centres."""
     corners = []
     for part in shapely.get_parts(shapely.orient_polygons(solid(passable, 1e-4))):
         for ring in (part.exterior, *part.interiors):
@@ -71,7 +71,7 @@ def scattered(seed):
 
 
 def draw(passable, seed, count, away_cells=4.0):
-    """A source at the centre of a cell, and cells that it reaches and that are not near it."""
+    """Return a source at the centre of a cell, and reachable cells that are not near it."""
     rng = np.random.default_rng(seed)
     free = np.argwhere(passable)
     row, column = free[rng.integers(len(free))]

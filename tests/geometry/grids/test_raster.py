@@ -1,4 +1,4 @@
-"""Rasters: every cell right, whatever the window was and however it grew."""
+"""Rasters: every cell right, whatever the window and its growth."""
 
 import numpy as np
 import pytest
@@ -52,8 +52,7 @@ def test_walls_on_round_coordinates_pass_no_centre(cell):
 
 
 def test_polygons_that_share_a_border_paint_each_cell_once():
-    # On a grid of its own, with borders through cell centres: two rectangles that share one
-    # paint every cell between them once, whichever way the border is taken.
+    # The shared borders run through cell centres: every cell there is painted exactly once.
     cells = np.zeros((4, 6), np.bool_)
     left = np.array([[0.0, 0.0], [2.5, 0.0], [2.5, 4.0], [0.0, 4.0]])
     right = np.array([[2.5, 0.0], [6.0, 0.0], [6.0, 4.0], [2.5, 4.0]])
@@ -147,7 +146,7 @@ def test_the_window_holds_its_bounds():
 
 
 def test_painted_cells_in_utm_coordinates_are_right(worlds):
-    # The lattice lies elsewhere under the polygon there, so compare with shapely, not with here.
+    # The lattice lies differently under the moved polygon, so it is compared with shapely.
     for boundary in views(worlds, "office", 4):
         raster = Raster(0.1)
         moved = boundary + np.array([5e5, 4.5e6])
@@ -166,7 +165,7 @@ def test_refuses_to_grow_beyond_the_limit():
     raster.paint(np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]))
     with pytest.raises(InvalidInputError, match=r"choose cells wider than 0\.01 m"):
         raster.paint(np.array([[1e4, 1e4], [1e4 + 1, 1e4], [1e4, 1e4 + 1]]))
-    # What was there is still there.
+    # The refusal has changed nothing.
     assert raster.area_m2() == pytest.approx(0.5, rel=0.03)
 
 

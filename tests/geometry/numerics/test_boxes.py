@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from multisrt.geometry.numerics.boxes import all_below, bounds_of, boxes_meeting
 
-# On quarters, so that borders touch often and nothing is rounded.
+# Multiples of a quarter, so that borders often touch and nothing is rounded.
 numbers = st.integers(-20, 20).map(lambda n: n / 4.0)
 sizes = st.integers(0, 12).map(lambda n: n / 4.0)
 boxes = st.tuples(numbers, numbers, sizes, sizes).map(

@@ -1,4 +1,4 @@
-"""Points found again by place, against all points asked one by one."""
+"""Points found by place, against brute force."""
 
 import numpy as np
 import pytest
@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.numerics.point_hash import PointHash
 
-# In micrometres: squares of what is far smaller are 0, by which brute force finds too many.
+# In micrometres: squares of far smaller numbers are 0, and brute force would find too many.
 coordinate = st.integers(-20_000_000, 20_000_000).map(lambda n: n / 1e6)
 places = st.lists(st.tuples(coordinate, coordinate), min_size=1, max_size=150)
 

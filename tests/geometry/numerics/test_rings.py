@@ -1,4 +1,4 @@
-"""Rings in few arrays: what is put in comes out, and boxes hold what they are around."""
+"""Rings in a few arrays: corners are kept, and boxes are tight."""
 
 import numpy as np
 import pytest
@@ -13,7 +13,7 @@ SIZES = [3, STRETCH - 1, STRETCH, STRETCH + 1, 4 * STRETCH, 360, 3, 5000]
 
 
 def wavy(corners: int, seed: int = 0, at: tuple[float, float] = (0.0, 0.0)) -> np.ndarray:
-    """A ring around a place with a random distance in every direction."""
+    """Return a ring around a place with a random distance in every direction."""
     rng = np.random.default_rng(seed)
     angle = np.arange(corners) * 2 * np.pi / corners
     waves = 3.0 + np.sin(7 * angle + seed) + 0.3 * rng.random(corners)
@@ -35,7 +35,7 @@ def test_boxes_of_rings_and_stretches_are_tight(sizes):
         row = first_stretch(k, starts[k])
         assert row >= free_row
         for first in range(0, len(ring), STRETCH):
-            # With the corner that the first edge begins at.
+            # With the corner at which the first edge begins.
             points = ring[np.arange(first - 1, min(first + STRETCH, len(ring)))]
             assert stretches[row].tolist() == [*points.min(axis=0), *points.max(axis=0)]
             row += 1
@@ -60,7 +60,7 @@ def test_uncovered_agrees_with_shapely_for_long_rings(corners):
     rings = [wavy(corners, seed, at) for seed, at in enumerate(around)]
     rng = np.random.default_rng(corners)
     segments = rng.uniform(-6.0, 6.0, (60, 4))
-    # Some are upright or level, where boxes are only just missed.
+    # Some are vertical or horizontal, and only just miss the boxes.
     segments[:10, 2], segments[10:20, 3] = segments[:10, 0], segments[10:20, 1]
     rest, source = uncovered(segments, *Rings(rings).arrays, np.arange(len(rings)))
     covered = shapely.union_all(shapely.polygons(rings))

@@ -1,4 +1,4 @@
-"""What tests of occupancies share: regions by hand and from worlds, and what is known by then."""
+"""What tests of occupancies share: regions by hand and from worlds, and what is known."""
 
 from types import SimpleNamespace
 

@@ -1,4 +1,4 @@
-"""Frontier groups: as if labelled from nothing after every change."""
+"""Frontier groups: after every change as a full labelling has them."""
 
 import numpy as np
 import pytest
@@ -29,7 +29,7 @@ def groups_from_nothing(seen, occupancy):
 def target_from_nothing(occupancy, cells):
     at = zip(*occupancy.indices_of(cells), strict=True)
     passable = [tuple(c) for c, index in zip(cells, at, strict=True) if occupancy.passable[index]]
-    # In whole numbers, so that ties are ties.
+    # In whole numbers, so that ties are exact.
     total = np.sum(cells, axis=0)
     return min(
         passable,
@@ -47,7 +47,7 @@ def assert_groups_are_right(seen, occupancy):
 
 @st.composite
 def stars(draw):
-    """Corners and tags of a star-shaped region."""
+    """Draw the corners and tags of a star-shaped region."""
     n = draw(st.integers(3, 9))
     x, y = draw(st.floats(-6, 6)), draw(st.floats(-6, 6))
     radii = draw(st.lists(st.floats(0.05, 4), min_size=n, max_size=n))
@@ -66,7 +66,7 @@ def test_groups_equal_those_of_a_full_labelling(worlds, name, options, seen):
     occupancy = Occupancy(0.1, 0.2)
     for k, region in enumerate(seen.regions_of(worlds, name, 24, **options)):
         occupancy.add(region)
-        # Now after every region, now after several.
+        # Sometimes after every region, sometimes after several.
         if k % 7 < 4:
             assert_groups_are_right(seen, occupancy)
 
@@ -119,7 +119,7 @@ def test_blocked_discs_do_not_affect_targets(seen):
 
 def test_a_group_is_as_long_as_its_opening_is_wide(seen):
     def openings(angle):
-        # A room with an opening of 1 m in the middle of one side, turned.
+        # A turned room with an opening of 1 m in the middle of one side.
         corners = np.array([(0, 0), (4, 0), (4, 3), (2.5, 3), (1.5, 3), (0, 3)], float)
         turn = np.radians(angle)
         turned = corners @ np.array([[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]])
@@ -140,7 +140,7 @@ def test_a_group_is_as_long_as_its_opening_is_wide(seen):
         assert np.hypot(*(middle - (x, y))) < 0.15
         assert occupancy.frontier_groups(1.2) == []
         assert not group.cells.flags.writeable
-    # Too narrow to pass: kept if that is asked for, but there is no place to stand.
+    # An opening too narrow to pass is returned on request, but has no target.
     narrow = Occupancy(0.05, 0.6)
     narrow.add(
         seen.hand_made(
@@ -162,5 +162,5 @@ def test_a_group_exactly_as_wide_as_the_body_is_kept(seen):
         )
         cells = [g.cells.tolist() for g in occupancy.frontier_groups()]
         assert cells == ([[[3, 5], [3, 6], [3, 7], [3, 8]]] if count == 4 else [])
-    # Its centroid lies between (3, 6) and (3, 7): the first counts.
+    # Its centroid lies between (3, 6) and (3, 7): the first is the target.
     assert occupancy.frontier_groups()[0].target == (3, 6)

@@ -64,7 +64,7 @@ def test_order_and_repetition_do_not_matter(worlds, name, options, seen):
     expected = None
     for seed in range(4):
         order = np.random.default_rng(seed).permutation(16).tolist()
-        # One begins with a window for all, the others grow theirs.
+        # One starts with a window for all regions, the others grow theirs.
         occupancy = Occupancy(0.1, 0.2, None if seed else (-3.0, -3.0, 25.0, 25.0))
         for k in order + order[:5]:
             occupancy.add(regions[k])
@@ -85,7 +85,7 @@ def test_a_closed_room_has_no_frontier(worlds, angle, size, seen):
         occupancy.add(*seen.seen_from(index, [place], range_m=8.0))
         assert occupancy.frontier_groups(0.0) == []
         assert np.count_nonzero(occupancy.cells == FREE) * 0.01 > 0.8 * room.area
-    # Not so if the range is too short to see all of it.
+    # With a range too short to see all of it there is a frontier.
     occupancy.add(*seen.seen_from(index, [places[0]], range_m=1.0))
     short = Occupancy(0.1, 0.2)
     short.add(*seen.seen_from(index, [places[0]], range_m=1.0))
@@ -105,11 +105,11 @@ def test_visiting_all_targets_explores_everything(worlds, name, beams, seen):
         targets = [g.target for g in occupancy.frontier_groups() if g.target]
         if not targets:
             break
-        # From a target all that made it one is seen.
+        # All unknown cells at a target are seen from it.
         assert occupancy.cell_of(*place) not in targets
         place = occupancy.centre_of(*targets[0])
     assert targets == []
-    # No passable place is left that is next to unknown ones, but for slivers.
+    # But for slivers, no passable cell is beside an unknown one.
     assert np.count_nonzero(seen.frontier(occupancy) & occupancy.passable) < 20
     standing = free.buffer(-0.35)
     shapely.prepare(standing)
@@ -152,7 +152,7 @@ def test_occupied_wins_in_either_order_and_is_never_passable(seen):
         at = occupancy.indices_of([occupancy.cell_of(2.0, 2.0)])
         assert occupancy.cells[at] == OCCUPIED
         assert not occupancy.passable[at].any()
-    # A free cell that turns out to be occupied is a change, but not a new cell.
+    # A free cell that becomes occupied is a change, but not a new cell.
     occupancy = Occupancy(0.1, 0.05)
     occupancy.add(free)
     assert occupancy.add(wall) == 0

@@ -17,6 +17,7 @@ def bounds_of(boundary: FloatArray) -> tuple[float, float, float, float]:
 
     Examples
     --------
+    >>> import numpy as np
     >>> bounds_of(np.array([(0.0, 3.0), (2.0, 1.0)]))
     (0.0, 1.0, 2.0, 3.0)
     """
@@ -67,6 +68,7 @@ def boxes_meeting(
 
     Examples
     --------
+    >>> import numpy as np
     >>> boxes = np.array([(0.0, 0.0, 1.0, 1.0), (5.0, 5.0, 6.0, 6.0), (2.5, 0.0, 3.0, 1.0)])
     >>> found = np.empty(3, np.int64)
     >>> count = boxes_meeting(boxes, np.full(3, 0.5), (1.0, 0.0, 2.0, 1.0), found)

@@ -39,15 +39,6 @@ def kernel(function: Callable[P, R]) -> Callable[P, R]:
     ----------
     function : callable
         A function of a module, in the part of Python that numba compiles in nopython mode.
-
-    Examples
-    --------
-    >>> @kernel
-    ... def total(values: FloatArray) -> float:
-    ...     result = 0.0
-    ...     for value in values:
-    ...         result += value
-    ...     return result
     """
     return _compiled(function)
 

@@ -55,7 +55,7 @@ def test_one_body_inside_the_other_collides():
 
 
 @given(st.floats(-5, 5), st.floats(-5, 5), st.floats(-4, 4), st.floats(-5, 5), st.floats(-4, 4))
-def test_distance_is_symmetric_and_independent_of_the_frame(x, y, heading, shift, turn, moving):
+def test_distance_is_symmetric_and_independent_of_the_frame(moving, x, y, heading, shift, turn):
     body = Body(moving.footprints["ell"])  # one object, in two places
     distance = body_distance(body, (0, 0, 0), body, (x, y, heading))
     assert body_distance(body, (x, y, heading), body, (0, 0, 0)) == pytest.approx(distance)

@@ -123,7 +123,7 @@ def test_visiting_all_targets_explores_everything(worlds, name, beams, seen):
     st.tuples(st.floats(-9, 9), st.floats(-9, 9)),
     st.booleans(),
 )
-def test_the_cells_of_a_wall_are_four_connected(a, b, on_lattice, seen):
+def test_the_cells_of_a_wall_are_four_connected(seen, a, b, on_lattice):
     cell = 0.5
     if on_lattice:
         a, b = ((np.round(p) - OFFSET) * cell for p in (a, b))

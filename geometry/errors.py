@@ -1,4 +1,4 @@
-"""The errors that multisrt raises, under one root."""
+"""The exceptions that multisrt raises, under one root."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ from collections.abc import Iterable
 
 
 class MultiSrtError(Exception):
-    """Root of every error that multisrt raises on purpose."""
+    """Base class of all exceptions that multisrt raises."""
 
 
 class InvalidInputError(MultiSrtError, ValueError):
-    """What the caller gave cannot be used; the message says the value, the place and the remedy."""
+    """An argument or input cannot be used; the message says the value, the place and the remedy."""
 
 
 class MapFormatError(InvalidInputError):
@@ -21,14 +21,21 @@ class MapFormatError(InvalidInputError):
 class ClearanceError(InvalidInputError):
     """A body or a viewpoint is too close to an obstacle.
 
+    Parameters
+    ----------
+    message : str
+        What is too close to what.
+    clearance_m : float
+        Distance to the nearest obstacle in metres; negative or zero inside one.
+
     Attributes
     ----------
     clearance_m : float
-        Distance to the nearest obstacle in metres; negative or zero inside one.
+        As given.
     """
 
     def __init__(self, message: str, clearance_m: float) -> None:
-        # Both are arguments of the exception, so that it can be copied.
+        # Both become arguments of the exception, so that it can be copied and pickled.
         super().__init__(message, clearance_m)
         self.clearance_m = clearance_m
 
@@ -37,6 +44,26 @@ class ClearanceError(InvalidInputError):
 
 
 def did_you_mean(word: object, known: Iterable[object]) -> str:
-    """Give the hint at the nearest of the known words, for behind an unknown one; or nothing."""
+    """Return a hint at the known word closest to an unknown one, for the end of a message.
+
+    Parameters
+    ----------
+    word : object
+        The unknown word.
+    known : iterable of object
+        The words that are allowed.
+
+    Returns
+    -------
+    str
+        Begins with a space; empty if no known word is similar.
+
+    Examples
+    --------
+    >>> did_you_mean("clotest", ["closest", "minpos"])
+    " (did you mean 'closest'?)"
+    >>> did_you_mean("xyz", ["closest", "minpos"])
+    ''
+    """
     close = difflib.get_close_matches(str(word), list(map(str, known)), n=1)
     return f" (did you mean {close[0]!r}?)" if close else ""

@@ -1,1 +1,1 @@
-"""Bodies: their outlines, and how far they are from obstacles."""
+"""Footprints of robots, their clearance from obstacles and their collisions."""

@@ -1,29 +1,39 @@
 """Footprints: the shape of a robot's body on the floor, about its reference point."""
 
+from __future__ import annotations
+
 import math
 from collections.abc import Callable, Sequence
 from functools import cached_property, lru_cache
+from typing import Final
 
 import numpy as np
 import shapely
 from numpy.typing import ArrayLike
 from shapely import MultiPolygon, Polygon
 
+from multisrt.geometry.bodies.outlines import (
+    MAX_SIZE_M,
+    MIN_INSCRIBED_RADIUS_M,
+    checked_outline,
+    convex_hull,
+    convex_partition,
+    cross,
+    distance_to_outline,
+    is_convex,
+)
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.geometry.numerics.kernel import FloatArray
+from multisrt.geometry.numerics.arrays import FloatArray
 
-DISC_SIDES = 128
-"""Sides of the regular polygon that stands for a disc where a polygon is asked for."""
+DISC_SIDES: Final = 128
+"""Sides of the regular polygon that represents a disc where a polygon is needed."""
 
-MIN_INSCRIBED_RADIUS_M = 1e-6
-"""The reference point of a body is at least this far inside it."""
+MAX_PARSED: Final = 256
+"""Number of parsed footprints that are cached."""
 
-MAX_SIZE_M = 1e6
-"""No part of a body is farther than this from its reference point."""
-
-BODIES_KEPT = 256
-"""So many bodies that were read are kept for those who read them again."""
+HEADING_TOLERANCE_RAD: Final = 1e-6
+"""Largest turn of a motion that counts as one of constant heading."""
 
 FORMS = (
     "write disc:RADIUS, box:LENGTHxWIDTH or polygon:X,Y X,Y X,Y ... in metres, "
@@ -32,14 +42,23 @@ FORMS = (
 
 
 class Footprint:
-    """A body about its reference point (0, 0), with x pointing forward.
+    """The outline of a body about its reference point (0, 0), with x pointing forward.
 
-    Immutable; equal footprints have the same form and numbers. Build one with `disc`, `box`,
-    `polygon` or `parse`; ``str`` gives the text that `parse` reads.
+    Build one with `disc`, `box`, `polygon` or `parse`; ``str`` returns the text that `parse`
+    reads. Footprints are immutable, and equal if they have the same form and numbers.
 
-    A disc is exact where radii are used (collision, clearance, width). Where a polygon is asked
-    for (`vertices`, `placed`, `swept`) it is the regular polygon of `DISC_SIDES` sides drawn
-    around the disc: it holds the whole disc and reaches at most 0.0302 % of the radius beyond.
+    A disc is exact where radii are used (collision, clearance, width). Where a polygon is needed
+    (`vertices`, `placed`, `swept`) it is the regular polygon of `DISC_SIDES` sides around the
+    disc, which exceeds the radius by at most 0.0302 %.
+
+    Parameters
+    ----------
+    text : str
+        The text that `parse` reads.
+    vertices : (n, 2) array
+        Corners in metres, counter-clockwise; made read-only.
+    radius_m : float or None
+        Radius of a disc in metres.
 
     Examples
     --------
@@ -57,29 +76,49 @@ class Footprint:
         self._vertices.setflags(write=False)
 
     @classmethod
-    def disc(cls, radius_m: float) -> "Footprint":
-        """Give a disc around the reference point.
+    def disc(cls, radius_m: float) -> Footprint:
+        """Return a disc around the reference point.
+
+        Parameters
+        ----------
+        radius_m : float
+            Radius in metres.
 
         Raises
         ------
         InvalidInputError
             If the radius is not a positive, finite number of metres.
+
+        Examples
+        --------
+        >>> Footprint.disc(0.25).width_m
+        0.5
         """
         radius = _size(radius_m, "radius of a disc", 1.0)
-        # Sides touch the disc at the axes, so that bounding boxes are exact.
+        # Sides touch the disc on the axes, so that bounding boxes are exact.
         angle = (np.arange(DISC_SIDES) + 0.5) * (2.0 * math.pi / DISC_SIDES)
         reach = radius / math.cos(math.pi / DISC_SIDES)
         around = reach * np.column_stack([np.cos(angle), np.sin(angle)])
         return cls(f"disc:{_number(radius)}", around, radius)
 
     @classmethod
-    def box(cls, length_m: float, width_m: float) -> "Footprint":
-        """Give a rectangle centred on the reference point, its length along x.
+    def box(cls, length_m: float, width_m: float) -> Footprint:
+        """Return a rectangle centred on the reference point.
+
+        Parameters
+        ----------
+        length_m, width_m : float
+            Extent along x and along y in metres.
 
         Raises
         ------
         InvalidInputError
             If length or width is not a positive, finite number of metres.
+
+        Examples
+        --------
+        >>> Footprint.box(0.6, 0.4).vertices.tolist()
+        [[-0.3, -0.2], [0.3, -0.2], [0.3, 0.2], [-0.3, 0.2]]
         """
         length = _size(length_m, "length of a box", 2.0)
         width = _size(width_m, "width of a box", 2.0)
@@ -88,33 +127,51 @@ class Footprint:
         return cls(f"box:{_number(length)}x{_number(width)}", corners, None)
 
     @classmethod
-    def polygon(cls, vertices: ArrayLike) -> "Footprint":
-        """Give a body with any simple outline, convex or not.
+    def polygon(cls, vertices: ArrayLike) -> Footprint:
+        """Return a body with any simple outline, convex or not.
 
         Parameters
         ----------
         vertices : (n, 2) array_like
-            Corners in order, either way round, in metres about the reference point; the first
-            may be repeated at the end. They are kept counter-clockwise from the first.
+            Corners in order, in either direction, in metres about the reference point; the first
+            may be repeated at the end. They are stored counter-clockwise from the first.
 
         Raises
         ------
         InvalidInputError
             If the outline is not finite, has fewer than three corners, crosses itself, or
-            does not hold the reference point in its interior.
+            does not contain the reference point in its interior.
+
+        Examples
+        --------
+        >>> wedge = Footprint.polygon([(-0.2, -0.1), (0.3, 0.0), (-0.2, 0.1)])
+        >>> str(wedge)
+        'polygon:-0.2,-0.1 0.3,0 -0.2,0.1'
         """
-        corners = _outline(vertices)
+        corners = checked_outline(vertices)
         text = "polygon:" + " ".join(f"{_number(x)},{_number(y)}" for x, y in corners.tolist())
         return cls(text, corners, None)
 
     @classmethod
-    def parse(cls, text: str) -> "Footprint":
-        """Read a footprint from text such as ``disc:0.25``, ``box:0.6x0.4`` or ``polygon:...``.
+    def parse(cls, text: str) -> Footprint:
+        """Return the footprint that a text describes.
+
+        Parameters
+        ----------
+        text : str
+            ``disc:RADIUS``, ``box:LENGTHxWIDTH`` or ``polygon:X,Y X,Y X,Y ...``, in metres.
 
         Raises
         ------
         InvalidInputError
-            If the text has none of these forms or the body is not usable.
+            If the text has none of these forms, or the body is not usable.
+
+        Examples
+        --------
+        >>> Footprint.parse("disc:0.25") == Footprint.disc(0.25)
+        True
+        >>> Footprint.parse("polygon:-0.2,-0.1 0.3,0 -0.2,0.1").is_convex
+        True
         """
         return _parsed(text)
 
@@ -125,7 +182,7 @@ class Footprint:
 
     @property
     def radius_m(self) -> float:
-        """Radius of a disc.
+        """Radius of a disc in metres.
 
         Raises
         ------
@@ -140,32 +197,32 @@ class Footprint:
 
     @property
     def vertices(self) -> FloatArray:
-        """Outline as ``(n, 2)`` corners, counter-clockwise, read-only; around a disc."""
+        """Corners of the outline, ``(n, 2)`` in metres, counter-clockwise, read-only."""
         return self._vertices
 
     @cached_property
     def inscribed_radius_m(self) -> float:
-        """Distance from the reference point to the outline."""
+        """Distance from the reference point to the outline in metres."""
         if self._radius is not None:
             return self._radius
-        return _distance_to_outline(self._vertices)
+        return distance_to_outline(self._vertices)
 
     @cached_property
     def circumscribed_radius_m(self) -> float:
-        """Distance from the reference point to the farthest point of the body."""
+        """Distance from the reference point to the farthest point of the body in metres."""
         if self._radius is not None:
             return self._radius
         return float(np.hypot(*self._vertices.T).max())
 
     @cached_property
     def width_m(self) -> float:
-        """Width of the narrowest straight passage that the body fits through.
+        """Width in metres of the narrowest straight passage that the body fits through.
 
-        The least extent of its convex hull over all directions.
+        This is the smallest extent of its convex hull over all directions.
         """
         if self._radius is not None:
             return 2.0 * self._radius
-        hull = _convex_hull(self._vertices)
+        hull = convex_hull(self._vertices)
         along = np.roll(hull, -1, axis=0) - hull
         normals = np.column_stack([-along[:, 1], along[:, 0]]) / np.hypot(*along.T)[:, None]
         offsets = normals @ hull.T
@@ -174,55 +231,83 @@ class Footprint:
     @cached_property
     def is_convex(self) -> bool:
         """Whether the body is convex."""
-        return _is_convex(self._vertices)
+        return is_convex(self._vertices)
 
     @cached_property
     def is_star_shaped(self) -> bool:
-        """Whether every point of the body is in sight of the reference point within it."""
+        """Whether the line from the reference point to every point of the body lies within it."""
         ends = np.roll(self._vertices, -1, axis=0)
         slack = 1e-12 * self.circumscribed_radius_m**2
-        return bool((_cross(self._vertices, ends) >= -slack).all())
+        return bool((cross(self._vertices, ends) >= -slack).all())
 
     @cached_property
     def planning_vertices(self) -> FloatArray:
-        """Outline for a planner, ``(n, 2)``, counter-clockwise, read-only.
+        """Corners of the outline that planners use, ``(n, 2)``, counter-clockwise, read-only.
 
-        The body itself if it is star-shaped about the reference point, else its convex hull:
-        a region seen from one place is star-shaped, so a body that fits in it has to be.
+        The body itself if it is star-shaped about the reference point, otherwise its convex
+        hull: a region seen from one place is star-shaped, and so must be a body inside it.
         """
         if self.is_star_shaped:
             return self._vertices
-        hull = _convex_hull(self._vertices)
+        hull = convex_hull(self._vertices)
         hull.setflags(write=False)
         return hull
 
     @cached_property
     def convex_pieces(self) -> tuple[FloatArray, ...]:
-        """Convex polygons, counter-clockwise, that share no area and together are the body."""
+        """Convex polygons, ``(n, 2)`` counter-clockwise, that partition the body."""
         if self.is_convex:
             return (self._vertices,)
-        return tuple(self._vertices[piece] for piece in _convex_partition(self._vertices))
+        return tuple(self._vertices[piece] for piece in convex_partition(self._vertices))
 
     def placed(self, configuration: Sequence[float]) -> Polygon:
-        """Give the body at a configuration ``(x, y, heading)``, in the frame of the configuration.
+        """Return the body at a configuration.
+
+        Parameters
+        ----------
+        configuration : (x, y, heading)
+            Metres and radians.
+
+        Returns
+        -------
+        Polygon
+            In the frame of the configuration.
 
         Raises
         ------
         InvalidInputError
             If the configuration is not three finite numbers.
+
+        Examples
+        --------
+        >>> Footprint.box(2.0, 1.0).placed((5.0, 5.0, 0.0)).bounds
+        (4.0, 4.5, 6.0, 5.5)
         """
         return Polygon(self._at(self._vertices, checked_configuration(configuration)))
 
     def swept(self, start: Sequence[float], end: Sequence[float]) -> Polygon | MultiPolygon:
-        """Give the area that the body sweeps on a straight line with constant heading.
+        """Return the area that the body sweeps on a straight line with constant heading.
 
-        Exact for polygons. For a disc it is the capsule drawn around by the disc's polygon.
+        Parameters
+        ----------
+        start, end : (x, y, heading)
+            First and last configuration in metres and radians.
+
+        Returns
+        -------
+        Polygon or MultiPolygon
+            Exact for polygons; for a disc what its polygon around it sweeps.
 
         Raises
         ------
         InvalidInputError
             If a configuration is not three finite numbers, or the headings differ (those of a
             disc may).
+
+        Examples
+        --------
+        >>> Footprint.box(2.0, 1.0).swept((0.0, 0.0, 0.0), (3.0, 0.0, 0.0)).bounds
+        (-1.0, -0.5, 4.0, 0.5)
         """
         first, last = checked_configuration(start), checked_configuration(end)
         require_constant_heading(self, first, last)
@@ -252,13 +337,13 @@ class Footprint:
     def __hash__(self) -> int:
         return hash(self._text)
 
-    def __reduce__(self) -> tuple[Callable[[str], "Footprint"], tuple[str]]:
+    def __reduce__(self) -> tuple[Callable[[str], Footprint], tuple[str]]:
         return Footprint.parse, (self._text,)
 
 
-@lru_cache(maxsize=BODIES_KEPT)
+@lru_cache(maxsize=MAX_PARSED)
 def _parsed(text: str) -> Footprint:
-    # Bodies do not change, and robots mostly have the same.
+    # Footprints are immutable, and the robots of a team mostly have the same.
     form, colon, numbers = text.strip().partition(":")
     readers: dict[str, Callable[[str], Footprint]] = {
         "disc": lambda words: Footprint.disc(float(words)),
@@ -276,7 +361,12 @@ def _parsed(text: str) -> Footprint:
 
 
 def checked_configuration(configuration: Sequence[float]) -> Configuration:
-    """Give three numbers as a configuration.
+    """Return three numbers as a configuration.
+
+    Parameters
+    ----------
+    configuration : (x, y, heading)
+        Metres and radians.
 
     Raises
     ------
@@ -301,15 +391,15 @@ def checked_configuration(configuration: Sequence[float]) -> Configuration:
 def require_constant_heading(
     footprint: Footprint, start: Configuration, end: Configuration
 ) -> None:
-    """Check that a body keeps its heading from start to end; a disc always does.
+    """Check that the heading of a body is constant from start to end; that of a disc may differ.
 
     Raises
     ------
     InvalidInputError
-        If the headings differ by more than a microradian.
+        If the headings differ by more than `HEADING_TOLERANCE_RAD`.
     """
     turn = math.remainder(end[2] - start[2], 2.0 * math.pi)
-    if not footprint.is_disc and abs(turn) > 1e-6:
+    if not footprint.is_disc and abs(turn) > HEADING_TOLERANCE_RAD:
         raise InvalidInputError(
             f"straight motion of {footprint} from heading {start[2]:g} to {end[2]:g} rad: "
             "the heading of a straight motion is constant; turn first, or check the motion as "
@@ -318,17 +408,52 @@ def require_constant_heading(
 
 
 def place(points: FloatArray, x: float, y: float, heading: float) -> FloatArray:
-    """Turn ``(n, 2)`` points about the origin by a heading, then move them by ``(x, y)``."""
+    """Return points turned about the origin by a heading and then moved by ``(x, y)``.
+
+    Parameters
+    ----------
+    points : (n, 2) array
+        Points in metres.
+    x, y, heading : float
+        Metres and radians.
+
+    Returns
+    -------
+    (n, 2) array
+
+    Examples
+    --------
+    >>> place(np.array([(1.0, 0.0)]), 2.0, 3.0, math.pi / 2).tolist()
+    [[2.0, 4.0]]
+    """
     c, s = math.cos(heading), math.sin(heading)
     placed: FloatArray = points @ np.array([[c, s], [-s, c]]) + np.array([x, y])
     return placed
 
 
 def sweep_convex(polygon: FloatArray, step: FloatArray) -> FloatArray:
-    """Give the convex outline ``(m, 2)`` that a convex polygon sweeps when moved by ``step``.
+    """Return the outline that a convex polygon sweeps when it is moved.
 
-    Edges that face the motion are carried along, the others stay; two sides of the length of
-    the step join them.
+    Edges that face the motion are moved, the others are not; two edges as long as the step join
+    them.
+
+    Parameters
+    ----------
+    polygon : (n, 2) array
+        Corners in metres, counter-clockwise.
+    step : (2,) array
+        Displacement x, y in metres.
+
+    Returns
+    -------
+    (m, 2) array
+        Corners of a convex polygon, counter-clockwise.
+
+    Examples
+    --------
+    >>> square = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
+    >>> sweep_convex(square, np.array([2.0, 0.0])).tolist()
+    [[0.0, 0.0], [1.0, 0.0], [3.0, 0.0], [3.0, 1.0], [1.0, 1.0], [0.0, 1.0]]
     """
     edges = np.roll(polygon, -1, axis=0) - polygon
     ahead = step[0] * edges[:, 1] - step[1] * edges[:, 0] > 0.0
@@ -340,52 +465,8 @@ def sweep_convex(polygon: FloatArray, step: FloatArray) -> FloatArray:
     return np.array(outline)
 
 
-def _outline(vertices: ArrayLike) -> FloatArray:
-    try:
-        corners = np.array(vertices, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise InvalidInputError("a polygon's corners are pairs of numbers of metres") from None
-    if corners.ndim != 2 or corners.shape[1] != 2:
-        raise InvalidInputError(
-            f"a polygon's corners have shape (n, 2), not {corners.shape}: give x and y of each"
-        )
-    bad = np.flatnonzero(~(np.abs(corners) <= MAX_SIZE_M).all(axis=1))
-    if bad.size:
-        x, y = corners[bad[0]]
-        raise InvalidInputError(
-            f"corner {bad[0]} of a polygon is ({x:g}, {y:g}); corners are finite and within "
-            f"{MAX_SIZE_M:g} m"
-        )
-    corners += 0.0  # -0.0 and 0.0 are the same place and shall have the same text
-    repeated = (corners == np.roll(corners, 1, axis=0)).all(axis=1)
-    corners = np.ascontiguousarray(corners[~repeated] if not repeated.all() else corners[:1])
-    if len(corners) > 1 and repeated[0]:
-        # The first corner was repeated at the end: the outline still begins with it.
-        corners = np.roll(corners, 1, axis=0)
-    if len(corners) < 3:
-        raise InvalidInputError(
-            f"a polygon has at least three different corners; this one has {len(corners)}"
-        )
-    shape = Polygon(corners)
-    if not shape.is_valid:
-        raise InvalidInputError(
-            f"a polygon's outline is not simple: {shapely.is_valid_reason(shape)}; list the "
-            "corners in order, so that it neither crosses nor touches itself"
-        )
-    if not shape.exterior.is_ccw:
-        corners = np.roll(corners[::-1], 1, axis=0)
-    gap = _distance_to_outline(corners)
-    if not shapely.contains_xy(shape, 0.0, 0.0) or gap < MIN_INSCRIBED_RADIUS_M:
-        where = "outside" if not shapely.intersects_xy(shape, 0.0, 0.0) else "at the edge of"
-        raise InvalidInputError(
-            f"the reference point (0, 0) is {where} the polygon, {gap:g} m from its outline; "
-            "it has to be inside: give the corners about a point of the body"
-        )
-    return corners
-
-
 def _size(value: float, name: str, parts: float) -> float:
-    """Check a length, of which ``1 / parts`` lies on one side of the reference point."""
+    # Check a length, of which 1 / parts lies on one side of the reference point.
     try:
         size = float(value)
     except (TypeError, ValueError):
@@ -404,59 +485,5 @@ def _pair(text: str, separator: str) -> tuple[float, float]:
 
 
 def _number(value: float) -> str:
-    """Write a number so that it reads back exactly, whole ones without a fraction."""
+    # A number as text that reads back exactly, without a fraction if it is whole.
     return repr(value).removesuffix(".0")
-
-
-def _cross(a: FloatArray, b: FloatArray) -> FloatArray:
-    return np.asarray(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])
-
-
-def _distance_to_outline(vertices: FloatArray) -> float:
-    return float(shapely.distance(Polygon(vertices).exterior, shapely.Point(0.0, 0.0)))
-
-
-def _convex_hull(vertices: FloatArray) -> FloatArray:
-    hull = shapely.orient_polygons(shapely.convex_hull(shapely.multipoints(vertices)))
-    return np.ascontiguousarray(shapely.get_coordinates(hull)[:-1])
-
-
-def _is_convex(corners: FloatArray) -> bool:
-    """Whether a simple counter-clockwise outline turns left, or goes straight on, everywhere."""
-    ahead = np.roll(corners, -1, axis=0) - corners
-    behind = corners - np.roll(corners, 1, axis=0)
-    slack = 1e-12 * np.hypot(*ahead.T) * np.hypot(*behind.T)
-    return bool((_cross(behind, ahead) >= -slack).all())
-
-
-def _convex_partition(vertices: FloatArray) -> list[list[int]]:
-    """Cut a simple outline into convex pieces, each a list of its corners' numbers.
-
-    Source: Hertel and Mehlhorn, Fast triangulation of simple polygons, 1983: triangulate, then
-    take away every diagonal that convexity does not need. At most four times as many pieces as
-    the best partition has.
-    """
-    number = {(x, y): i for i, (x, y) in enumerate(vertices.tolist())}
-    triangles = shapely.constrained_delaunay_triangles(Polygon(vertices))
-    pieces = [
-        [number[x, y] for x, y in shapely.get_coordinates(triangle)[:-1].tolist()]
-        for triangle in shapely.get_parts(shapely.orient_polygons(triangles))
-    ]
-    sides = {(a, b) for piece in pieces for a, b in _sides(piece)}
-    for a, b in sorted(side for side in sides if side[0] < side[1] and side[::-1] in sides):
-        left = next(piece for piece in pieces if (a, b) in _sides(piece))
-        right = next(piece for piece in pieces if (b, a) in _sides(piece))
-        merged = _from(left, b) + _from(right, a)[1:-1]
-        if _is_convex(vertices[merged]):
-            pieces = [piece for piece in pieces if piece is not left and piece is not right]
-            pieces.append(merged)
-    return pieces
-
-
-def _sides(piece: list[int]) -> list[tuple[int, int]]:
-    return list(zip(piece, piece[1:] + piece[:1], strict=True))
-
-
-def _from(piece: list[int], first: int) -> list[int]:
-    at = piece.index(first)
-    return piece[at:] + piece[:at]

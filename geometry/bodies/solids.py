@@ -1,4 +1,4 @@
-"""Solids for FCL: what stands on the floor, what moves over it, and what a motion sweeps.
+"""Solids for FCL: obstacles that stand on the floor, and bodies that move over it.
 
 Obstacles are prisms that stand on the floor z = 0; bodies reach through the floor, from below
 it to above the obstacles.
@@ -17,20 +17,32 @@ from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.numerics.kernel import FloatArray
 
 OBSTACLE_HEIGHT_M = 0.5
+"""Height of obstacles above the floor."""
+
 BODY_REACH_M = 1.0
-"""Bodies reach this far below and above the floor: farther than the obstacles."""
+"""Height of bodies above the floor and depth below it, larger than the obstacles' height."""
 
 TILE_M = 8.0
-MOST_TILES = 32
-"""Obstacles are cut into tiles of this width, but not more than so many a side: triangles that
-reach across a whole world would be met by every query."""
+"""Largest width of the tiles into which obstacles are cut.
 
-THINNEST_TRIANGLE_M = 1e-9
-"""Triangles thinner than this have no normal to compute with; their sides are in neighbours."""
+A triangle that reaches across a whole world would be met by every query.
+"""
+
+MAX_TILES = 32
+"""Largest number of tiles along a side of the world; in large worlds tiles are wider."""
+
+MIN_TRIANGLE_HEIGHT_M = 1e-9
+"""Triangles thinner than this are dropped: they have no reliable normal."""
 
 
 def convex_prism(outline: FloatArray) -> fcl.Convex:
-    """Give a solid over a convex counter-clockwise outline, through the floor."""
+    """Return a solid over a convex outline, through the floor.
+
+    Parameters
+    ----------
+    outline : (n, 2) array
+        Corners in metres, counter-clockwise.
+    """
     n = len(outline)
     vertices = np.empty((2 * n, 3))
     vertices[:n, :2] = vertices[n:, :2] = outline
@@ -44,7 +56,13 @@ def convex_prism(outline: FloatArray) -> fcl.Convex:
 
 
 def tiles_of(polygon: Polygon, width: float) -> list[Polygon]:
-    """Halve a polygon across its longer side until no part is wider than a tile."""
+    """Return a polygon cut into parts that are not wider or higher than a tile, in metres.
+
+    Examples
+    --------
+    >>> [tile.bounds for tile in tiles_of(shapely.box(0, 0, 4, 2), 2.0)]
+    [(0.0, 0.0, 2.0, 2.0), (2.0, 0.0, 4.0, 2.0)]
+    """
     x0, y0, x1, y1 = polygon.bounds
     if max(x1 - x0, y1 - y0) <= width:
         return [polygon]
@@ -59,7 +77,20 @@ def tiles_of(polygon: Polygon, width: float) -> list[Polygon]:
 
 
 def standing_prisms(polygons: Sequence[Polygon], name: str) -> fcl.BVHModel:
-    """Give one mesh of capped prisms that stand on the floor over polygons with holes."""
+    """Return one mesh of closed prisms that stand on the floor over polygons.
+
+    Parameters
+    ----------
+    polygons : sequence of Polygon
+        The polygons, with holes or without, in metres.
+    name : str
+        What they are, for an error message.
+
+    Raises
+    ------
+    InvalidInputError
+        If triangulation fails to cover the polygons.
+    """
     from trimesh.creation import extrude_polygon  # half a second to import
 
     solids = [extrude_polygon(part, OBSTACLE_HEIGHT_M, engine="earcut") for part in polygons]
@@ -79,15 +110,15 @@ def standing_prisms(polygons: Sequence[Polygon], name: str) -> fcl.BVHModel:
 
 
 def _is_thin(triangles: FloatArray) -> NDArray[np.bool_]:
-    """Whether each of ``(n, 3, 3)`` triangles is thinner than can be computed with."""
+    """Whether each of ``(n, 3, 3)`` triangles is thinner than `MIN_TRIANGLE_HEIGHT_M`."""
     sides = np.roll(triangles, -1, axis=1) - triangles
     longest = np.linalg.norm(sides, axis=2).max(axis=1)
     area = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1)
-    return np.asarray(area <= THINNEST_TRIANGLE_M * longest)
+    return np.asarray(area <= MIN_TRIANGLE_HEIGHT_M * longest)
 
 
 def _require_whole(triangles: FloatArray, area: float, name: str) -> None:
-    """Check that the triangles on the floor cover the area that they stand for."""
+    """Raise an `InvalidInputError` unless the triangles on the floor cover an area."""
     on_floor = triangles[(triangles[:, :, 2] == 0.0).all(axis=1)]
     sides = np.roll(on_floor, -1, axis=1) - on_floor
     covered = 0.5 * float(np.abs(np.cross(sides[:, 0], sides[:, 1])[:, 2]).sum())
@@ -99,5 +130,5 @@ def _require_whole(triangles: FloatArray, area: float, name: str) -> None:
 
 
 def polygons_of(geometry: BaseGeometry) -> list[Polygon]:
-    """Give the polygons that a geometry is made of."""
+    """Return the polygons of a geometry, without its points and lines."""
     return [part for part in shapely.get_parts(geometry) if isinstance(part, Polygon)]

@@ -1,1 +1,1 @@
-"""Rasters and the distances in them."""
+"""Rasters, occupancy, and distances and paths on grids."""

@@ -1,1 +1,1 @@
-"""Numbers, arrays of points and the way kernels are compiled."""
+"""Numerical building blocks, and the compilation and caching of kernels."""

@@ -1,13 +1,26 @@
-"""Axis-parallel boxes ``(x0, y0, x1, y1)``: which of many meet one."""
+"""Axis-aligned boxes ``(x0, y0, x1, y1)``: bounds of points, and intersection queries."""
 
 from __future__ import annotations
 
-from multisrt.geometry.numerics.kernel import FloatArray, IntArray, kernel
+from multisrt.geometry.numerics.arrays import FloatArray, IntArray
+from multisrt.geometry.numerics.kernel import kernel
 
 
 @kernel
 def bounds_of(boundary: FloatArray) -> tuple[float, float, float, float]:
-    """Give the least x, least y, greatest x and greatest y of some points."""
+    """Return the smallest box ``(x0, y0, x1, y1)`` around points.
+
+    Parameters
+    ----------
+    boundary : (n, 2) array
+        The points, at least one.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> bounds_of(np.array([(0.0, 3.0), (2.0, 1.0)]))
+    (0.0, 1.0, 2.0, 3.0)
+    """
     x0 = x1 = boundary[0, 0]
     y0 = y1 = boundary[0, 1]
     for i in range(1, boundary.shape[0]):
@@ -18,7 +31,10 @@ def bounds_of(boundary: FloatArray) -> tuple[float, float, float, float]:
 
 @kernel
 def all_below(points: FloatArray, limit: float) -> bool:
-    """Tell whether all coordinates of some points are numbers between minus and plus a limit."""
+    """Whether all coordinates of ``(n, 2)`` points are of smaller magnitude than a limit.
+
+    False for points with NaN, true for no points.
+    """
     for i in range(points.shape[0]):
         if not (abs(points[i, 0]) < limit and abs(points[i, 1]) < limit):
             return False
@@ -32,23 +48,32 @@ def boxes_meeting(
     box: tuple[float, float, float, float],
     found: IntArray,
 ) -> int:
-    """Find the boxes that have something in common with one, borders included.
+    """Find the boxes that intersect one, borders included.
 
     Parameters
     ----------
     boxes : (n, 4) array
-        Which are asked.
+        The boxes to search.
     slacks : (n,) array
-        By how much each is widened on all sides.
+        Length by which each of them is extended on all sides; it may be negative.
     box : (x0, y0, x1, y1)
-        The one.
+        The one box.
     found : (n,) array of int
-        Where their indices are written, rising.
+        Memory for the indices of the boxes found, written in ascending order.
 
     Returns
     -------
     int
-        How many they are.
+        Number of boxes found.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> boxes = np.array([(0.0, 0.0, 1.0, 1.0), (5.0, 5.0, 6.0, 6.0), (2.5, 0.0, 3.0, 1.0)])
+    >>> found = np.empty(3, np.int64)
+    >>> count = boxes_meeting(boxes, np.full(3, 0.5), (1.0, 0.0, 2.0, 1.0), found)
+    >>> found[:count].tolist()
+    [0, 2]
     """
     x0, y0, x1, y1 = box
     count = 0

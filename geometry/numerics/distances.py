@@ -1,4 +1,4 @@
-"""How far places are from points, segments and boundaries."""
+"""Distances from points to points, segments and boundaries; containment in polygons."""
 
 from __future__ import annotations
 
@@ -6,12 +6,34 @@ import math
 
 import numpy as np
 
-from multisrt.geometry.numerics.kernel import FloatArray, kernel
+from multisrt.geometry.numerics.arrays import FloatArray
+from multisrt.geometry.numerics.kernel import kernel
 
 
 @kernel
 def distance_to_boundary(boundary: FloatArray, x: float, y: float, ux: float, uy: float) -> float:
-    """Distance from a point to the first crossing of a boundary in a direction."""
+    """Return the distance from a point to the first crossing of a boundary in a direction.
+
+    Parameters
+    ----------
+    boundary : (n, 2) array
+        Corners of a polygon in metres; the last is joined to the first.
+    x, y : float
+        The point in metres.
+    ux, uy : float
+        Unit vector of the direction.
+
+    Returns
+    -------
+    float
+        Metres; ``inf`` if the ray does not cross the boundary.
+
+    Examples
+    --------
+    >>> square = np.array([(0.0, 0.0), (2.0, 0.0), (2.0, 2.0), (0.0, 2.0)])
+    >>> distance_to_boundary(square, 0.5, 1.0, 1.0, 0.0)
+    1.5
+    """
     n = boundary.shape[0]
     nearest = np.inf
     px, py = boundary[n - 1, 0] - x, boundary[n - 1, 1] - y
@@ -30,7 +52,21 @@ def distance_to_boundary(boundary: FloatArray, x: float, y: float, ux: float, uy
 
 @kernel
 def inside(boundary: FloatArray, x: float, y: float) -> bool:
-    """Whether a point lies inside a polygon, by the even-odd rule."""
+    """Whether a point lies inside a polygon, by the even-odd rule.
+
+    Parameters
+    ----------
+    boundary : (n, 2) array
+        Corners of the polygon in metres; the last is joined to the first.
+    x, y : float
+        The point in metres. For one on the boundary the answer may be either.
+
+    Examples
+    --------
+    >>> square = np.array([(0.0, 0.0), (2.0, 0.0), (2.0, 2.0), (0.0, 2.0)])
+    >>> inside(square, 0.5, 1.0), inside(square, 2.5, 1.0)
+    (True, False)
+    """
     n = boundary.shape[0]
     odd = False
     j = n - 1
@@ -45,7 +81,7 @@ def inside(boundary: FloatArray, x: float, y: float) -> bool:
 
 @kernel
 def nearest_point(points: FloatArray, x: float, y: float) -> float:
-    """Distance from a place to the nearest of some points; ``inf`` if there are none."""
+    """Return the distance from ``(x, y)`` to the nearest of ``(n, 2)`` points, ``inf`` of none."""
     nearest = np.inf
     for i in range(points.shape[0]):
         nearest = min(nearest, (points[i, 0] - x) ** 2 + (points[i, 1] - y) ** 2)
@@ -54,7 +90,25 @@ def nearest_point(points: FloatArray, x: float, y: float) -> float:
 
 @kernel
 def nearest_points(points: FloatArray, places: FloatArray) -> FloatArray:
-    """Distance from every place to the nearest of some points."""
+    """Return the distance from each of some places to the nearest of some points.
+
+    Parameters
+    ----------
+    points : (n, 2) array
+        The points in metres.
+    places : (k, 2) array
+        The places in metres.
+
+    Returns
+    -------
+    (k,) array
+        Metres; ``inf`` if there are no points.
+
+    Examples
+    --------
+    >>> nearest_points(np.array([(0.0, 0.0), (4.0, 3.0)]), np.array([(4.0, 0.0)])).tolist()
+    [3.0]
+    """
     result = np.empty(places.shape[0])
     for i in range(places.shape[0]):
         result[i] = nearest_point(points, places[i, 0], places[i, 1])
@@ -63,7 +117,26 @@ def nearest_points(points: FloatArray, places: FloatArray) -> FloatArray:
 
 @kernel
 def distance_to_segments(places: FloatArray, segments: FloatArray) -> FloatArray:
-    """Distance from every place to the nearest of some segments."""
+    """Return the distance from each of some places to the nearest of some segments.
+
+    Parameters
+    ----------
+    places : (k, 2) array
+        The places in metres.
+    segments : (n, 4) array
+        x0, y0, x1, y1 of each segment in metres; it may have no length.
+
+    Returns
+    -------
+    (k,) array
+        Metres; ``inf`` if there are no segments.
+
+    Examples
+    --------
+    >>> segments = np.array([(0.0, 0.0, 4.0, 0.0)])
+    >>> distance_to_segments(np.array([(2.0, 1.5), (7.0, 4.0)]), segments).tolist()
+    [1.5, 5.0]
+    """
     result = np.full(places.shape[0], np.inf)
     for k in range(segments.shape[0]):
         ax, ay = segments[k, 0], segments[k, 1]

@@ -1,7 +1,7 @@
-"""The one way in which this package compiles its numba kernels.
+"""The one way in which this package compiles functions with numba.
 
-Kernels are pure: arrays in, arrays out. They are cached on disk, release the interpreter
-lock, and never use fast-math, whose results depend on the machine.
+Kernels take and return numbers, arrays and named tuples of them. They are cached on disk, release
+the interpreter lock, and never use fast-math, whose results depend on the machine.
 """
 
 from collections.abc import Callable
@@ -26,20 +26,25 @@ P = ParamSpec("P")
 R = TypeVar("R")
 
 unsigned = cast(Callable[[int], int], np.uint64)
-"""Makes a number an unsigned index for a loop where each instruction counts.
+"""Convert an index to an unsigned integer, which saves the test for a negative one per access.
 
-A signed one that is negative counts from an array's end, and each access asks for that. What is
-added to an unsigned one has to be unsigned, too, or the sum is no integer.
+Only unsigned integers may be added to it: the sum with a signed one is a float.
 """
 
 
 def kernel(function: Callable[P, R]) -> Callable[P, R]:
-    """Compile a function on first use, keeping its types for readers and checkers."""
+    """Compile a function when it is first called, keeping its types for type checkers.
+
+    Parameters
+    ----------
+    function : callable
+        A function of a module, in the part of Python that numba compiles in nopython mode.
+    """
     return _compiled(function)
 
 
 def inlined_kernel(function: Callable[P, R]) -> Callable[P, R]:
-    """Compile a small kernel into each kernel that calls it, where a call would dominate."""
+    """Compile a small kernel into each kernel that calls it."""
     return _compiled(function, inline="always")
 
 

@@ -1,8 +1,8 @@
-"""Where compiled kernels are kept, so that none is ever older than the kernels that it calls.
+"""Folders for compiled kernels, such that none is ever older than the kernels that it calls.
 
-numba compares a cached kernel with the file that defines it, and with no other. Here every file
-has a folder for its kernels that is named after a digest of that file and of all files of this
-package that it imports, directly or not. A change in any of them leads to another folder.
+numba compares a cached kernel with the file that defines it, and with no other. Here the kernels
+of every file have a folder named after a digest of that file and of all files of this package
+that it imports, directly or not. A change in any of them leads to another folder.
 """
 
 from __future__ import annotations
@@ -32,17 +32,17 @@ _LOCK = threading.Lock()
 
 @contextmanager
 def cache_for(module: str) -> Iterator[bool]:
-    """Have kernels that are declared within the block cached for a module.
+    """Direct numba's cache to the folder of a module while a ``with`` block is executed.
 
     Parameters
     ----------
     module : str
-        The module that declares them; its imports have been executed.
+        Name of the module that declares kernels in the block; its imports have been executed.
 
     Yields
     ------
     bool
-        Whether they can be cached: some folder can be written to.
+        Whether the kernels can be cached, that is, whether there is a writable folder.
     """
     with _LOCK:
         before = numba.config.CACHE_DIR
@@ -63,12 +63,17 @@ def imported_files(module: str) -> dict[str, Path]:
     Parameters
     ----------
     module : str
-        A module that is loaded. Imports within functions do not count.
+        Name of a module that is loaded. Imports within functions do not count.
 
     Returns
     -------
     dict of str to Path
-        Each module's file, by name, sorted.
+        File of each module, sorted by the modules' names.
+
+    Examples
+    --------
+    >>> list(imported_files("multisrt.geometry.configuration"))
+    ['multisrt.geometry.configuration']
     """
     found: dict[str, Path] = {}
     waiting = [module]
@@ -84,7 +89,7 @@ def imported_files(module: str) -> dict[str, Path]:
 def _imports(file: Path) -> Iterator[str]:
     for name, many, one in _IMPORT.findall(_source(file).decode()):
         yield name
-        # What is imported from a package may be a module.
+        # A name imported from a package may be a module.
         yield from (f"{name}.{part}" for part in re.findall(r"\w+", many or one))
 
 
@@ -122,7 +127,7 @@ def _folder(module: str, chosen_by_user: str) -> Path | None:
 
 
 def _remove_others(base: Path, stem: str, name: str) -> None:
-    # Beside the sources there is one version of them, so other folders are out of date.
+    # The folders beside the sources of other versions of this file are out of date.
     for folder in base.glob(f"{stem}-????????????????"):
         if folder.name != name:
             shutil.rmtree(folder, ignore_errors=True)

@@ -1,4 +1,4 @@
-"""Many rings in few growing arrays, with boxes around each and around its stretches."""
+"""Many rings in a few growing arrays, with a box around each ring and each of its stretches."""
 
 from __future__ import annotations
 
@@ -7,26 +7,26 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from multisrt.geometry.numerics.arrays import grown
-from multisrt.geometry.numerics.kernel import FloatArray, IntArray, kernel
+from multisrt.geometry.numerics.arrays import FloatArray, IntArray, grown
+from multisrt.geometry.numerics.kernel import kernel
 
 STRETCH: Final = 32
-"""So many edges on end have a box around them: what lies off the box is off all of them."""
+"""Number of consecutive edges that share a box, which rules them out together."""
 
 
 class RingArrays(NamedTuple):
-    """Rings as kernels take them; there may be room for more behind the last.
+    """Rings as kernels take them; the arrays may have spare rows at their ends.
 
     Attributes
     ----------
     starts : (n + 1,) array of int
         Ring k has the corners ``corners[starts[k]:starts[k + 1]]``.
     corners : (c, 2) array
-        The corners of all, in metres, each ring counter-clockwise.
+        The corners of all rings in metres, each ring counter-clockwise.
     boxes : (n, 4) array
-        x0, y0, x1, y1 of every ring.
+        x0, y0, x1, y1 of every ring in metres.
     stretches : (s, 4) array
-        The boxes of every ring's stretches, from `first_stretch` on.
+        Boxes around each `STRETCH` edges of a ring, from row `first_stretch` on.
     """
 
     starts: IntArray
@@ -36,17 +36,27 @@ class RingArrays(NamedTuple):
 
 
 class Rings:
-    """Rings to which others can be added.
+    """A growing sequence of rings.
 
     Parameters
     ----------
     rings : iterable of (m, 2) arrays
-        The first, each counter-clockwise.
+        The first rings in metres, each counter-clockwise.
 
     Attributes
     ----------
     arrays : RingArrays
-        All of them. Rings that are added change none of those that are there.
+        All rings. Adding one changes nothing of those that are there.
+
+    Examples
+    --------
+    >>> rings = Rings([np.array([(0.0, 0.0), (2.0, 0.0), (0.0, 1.0)])])
+    >>> rings.add(np.array([(5.0, 5.0), (6.0, 5.0), (6.0, 6.0)]))
+    1
+    >>> rings.ring(0).tolist()
+    [[0.0, 0.0], [2.0, 0.0], [0.0, 1.0]]
+    >>> rings.arrays.boxes[1].tolist()
+    [5.0, 5.0, 6.0, 6.0]
     """
 
     __slots__ = ("_count", "_end", "arrays")
@@ -66,46 +76,46 @@ class Rings:
         return self._count
 
     def add(self, ring: FloatArray) -> int:
-        """Add a ring and give its index."""
+        """Add a ring, ``(m, 2)`` counter-clockwise, and return its index."""
         index, last = self._count, self._end + len(ring)
         if index == len(self.arrays.boxes) or last > len(self.arrays.corners):
             self._make_room(last)
-        _add(index, ring, *self.arrays)
+        _add(index, ring, self.arrays)
         self._count, self._end = index + 1, last
         return index
 
     def ring(self, index: int) -> FloatArray:
-        """Give a ring's corners, (m, 2)."""
+        """Return the corners of a ring, ``(m, 2)``, as a view."""
         first, last = self.arrays.starts[index : index + 2].tolist()
         return self.arrays.corners[first:last]
 
     def _make_room(self, corners: int) -> None:
         held = self.arrays
-        count, most = len(held.boxes), len(held.corners)
+        count, room = len(held.boxes), len(held.corners)
         if self._count == count:
             count = max(64, 2 * count)
-        if corners > most:
-            most = max(corners, 2 * most)
+        if corners > room:
+            room = max(corners, 2 * room)
         self.arrays = RingArrays(
             starts=grown(held.starts, count + 1),
-            corners=grown(held.corners, most),
+            corners=grown(held.corners, room),
             boxes=grown(held.boxes, count),
-            stretches=grown(held.stretches, most // STRETCH + count),
+            stretches=grown(held.stretches, room // STRETCH + count),
         )
 
 
 @kernel
 def first_stretch(index: int, start: int) -> int:
-    """Give the row of a ring's first stretch.
+    """Return the row of a ring's first stretch.
 
     Parameters
     ----------
     index : int
-        Which ring.
+        Index of the ring.
     start : int
-        Its first corner.
+        Index of its first corner.
     """
-    # No ring needs more rows than there are until the next one's first.
+    # No ring needs more rows than lie between this and the first of the next ring.
     return start // STRETCH + index
 
 
@@ -113,13 +123,11 @@ def first_stretch(index: int, start: int) -> int:
 def _add(
     index: int,
     ring: FloatArray,
-    starts: IntArray,
-    corners: FloatArray,
-    boxes: FloatArray,
-    stretches: FloatArray,
+    arrays: RingArrays,
 ) -> None:
-    # Writes a ring's corners, its box and those of its stretches. The edges of a stretch are
+    # Write a ring's corners, its box and those of its stretches. The edges of a stretch are
     # those that end at its corners: the first of them begins at the corner before.
+    starts, corners, boxes, stretches = arrays
     start = starts[index]
     stop = start + ring.shape[0]
     starts[index + 1] = stop

@@ -7,15 +7,15 @@ import math
 import numpy as np
 from shapely import Polygon
 
-from multisrt.geometry.bodies.clearance import (
+from multisrt.geometry.bodies.clearance import disc_clearance
+from multisrt.geometry.bodies.fitting import rotation_is_free
+from multisrt.geometry.bodies.footprint import Footprint
+from multisrt.geometry.bodies.free_travel import (
     disc_bridges,
-    disc_clearance,
     free_travel_disc,
     free_travel_disc_fan,
     free_travel_polygon,
-    rotation_is_free,
 )
-from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.numerics.kernel import BoolArray, FloatArray, IntArray
 from multisrt.geometry.numerics.rings import Rings

@@ -8,13 +8,9 @@ from itertools import pairwise
 
 import numpy as np
 
-from multisrt.geometry.bodies.clearance import (
-    disc_clearance,
-    free_travel_polygon,
-    path_clearance,
-    pose_is_inside,
-    rotation_is_free,
-)
+from multisrt.geometry.bodies.clearance import disc_clearance, path_clearance
+from multisrt.geometry.bodies.fitting import pose_is_inside, rotation_is_free
+from multisrt.geometry.bodies.free_travel import free_travel_polygon
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.numerics.distances import inside
 from multisrt.geometry.numerics.kernel import FloatArray, kernel

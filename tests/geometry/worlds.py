@@ -1,4 +1,4 @@
-"""Small worlds for tests: free space as shapely polygons, and what to ask of them.
+"""Small worlds for tests: free space as shapely polygons, and places in them.
 
 Rooms and offices have straight walls with doors; clutter is irregular convex stones;
 crates are turned boxes, right-angled and well apart.
@@ -15,23 +15,23 @@ Array = NDArray[np.float64]
 
 
 def hall() -> Polygon:
-    """10 x 10 m, empty."""
+    """Return an empty hall of 10 x 10 m."""
     return box(0, 0, 10, 10)
 
 
 def pillar() -> Polygon:
-    """10 x 10 m with a 2 x 2 m pillar in the middle."""
+    """Return a hall of 10 x 10 m with a pillar of 2 x 2 m in the middle."""
     return box(0, 0, 10, 10).difference(box(4, 4, 6, 6))
 
 
 def rooms(width: float = 18.0, count: int = 3, door: float = 1.5, wall: float = 0.15) -> Polygon:
-    """Count x count empty rooms."""
+    """Return count x count empty rooms, with doors between neighbours."""
     walls = _walls(width, count, door, wall, np.random.default_rng(0))
     return _free(width, walls)
 
 
 def office(width: float = 20.0, count: int = 4, desks: int = 2, seed: int = 1) -> Polygon:
-    """Rooms with desks in them, one desk in four turned."""
+    """Return rooms with desks, one desk in four turned."""
     rng = np.random.default_rng(seed)
     solid = _walls(width, count, 1.0, 0.15, rng)
     room = width / count
@@ -46,7 +46,7 @@ def office(width: float = 20.0, count: int = 4, desks: int = 2, seed: int = 1) -
 
 
 def clutter(width: float = 16.0, count: int = 220, seed: int = 2) -> Polygon:
-    """Many small stones of 5 to 11 corners, some of them overlapping."""
+    """Return a hall with many small stones of 5 to 11 corners, some of them overlapping."""
     rng = np.random.default_rng(seed)
     solid = []
     for _ in range(count):
@@ -62,7 +62,7 @@ def clutter(width: float = 16.0, count: int = 220, seed: int = 2) -> Polygon:
 
 
 def crates(width: float = 20.0, size: float = 0.8, seed: int = 3) -> Polygon:
-    """Boxes turned at random on a lattice with passages between them."""
+    """Return a hall with randomly turned boxes on a lattice, with passages between them."""
     rng = np.random.default_rng(seed)
     solid = []
     for x in np.arange(1.5, width - 1.0, 2.0):
@@ -77,7 +77,7 @@ WORLDS = {"rooms": rooms, "office": office, "clutter": clutter, "crates": crates
 
 
 def edges(free: Polygon | MultiPolygon) -> Array:
-    """Directed edges of free space, which lies on their left."""
+    """Return the directed edges of free space, ``(n, 4)``, with free space on their left."""
     parts = shapely.get_parts(shapely.orient_polygons(free))
     rings = [ring for part in parts for ring in (part.exterior, *part.interiors)]
     corners = [np.asarray(ring.coords)[:, :2] for ring in rings]
@@ -85,12 +85,12 @@ def edges(free: Polygon | MultiPolygon) -> Array:
 
 
 def index(free: Polygon | MultiPolygon, range_m: float = 4.0) -> EdgeIndex:
-    """An edge index for queries of a range."""
+    """Return an edge index for queries of a range."""
     return EdgeIndex(edges(free), range_m / 3.0)
 
 
 def viewpoints(free: Polygon, count: int, *, clearance: float = 0.15, seed: int = 0) -> Array:
-    """Random places that keep a clearance, (count, 2)."""
+    """Return random places that keep a clearance, ``(count, 2)``."""
     rng = np.random.default_rng(seed)
     inner = free.buffer(-clearance)
     shapely.prepare(inner)
@@ -103,7 +103,7 @@ def viewpoints(free: Polygon, count: int, *, clearance: float = 0.15, seed: int 
 
 
 def disc(x: float, y: float, radius: float) -> Polygon:
-    """A circle as a polygon with corners on it and sides within 1e-7 of its radius."""
+    """Return a polygon with 8000 corners on a circle, within 1e-7 of its radius everywhere."""
     angles = np.arange(8000) * (2 * np.pi / 8000)
     return Polygon(np.column_stack([x + radius * np.cos(angles), y + radius * np.sin(angles)]))
 

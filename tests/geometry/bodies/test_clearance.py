@@ -1,3 +1,5 @@
+"""Clearance, free travel and fitting inside a region, against shapely and by hand."""
+
 import math
 
 import numpy as np
@@ -6,14 +8,10 @@ import shapely
 from hypothesis import given
 from hypothesis import strategies as st
 
-from multisrt.geometry.bodies.clearance import (
-    disc_clearance,
-    free_travel_disc,
-    free_travel_polygon,
-    pose_is_inside,
-    rotation_is_free,
-)
+from multisrt.geometry.bodies.clearance import disc_clearance
+from multisrt.geometry.bodies.fitting import pose_is_inside, rotation_is_free
 from multisrt.geometry.bodies.footprint import Footprint
+from multisrt.geometry.bodies.free_travel import free_travel_disc, free_travel_polygon
 
 ROOM = np.array([(0.0, 0.0), (10.0, 0.0), (10.0, 8.0), (0.0, 8.0)])
 # Two rooms joined by a door one metre wide in a wall from x = 4.9 to 5.1.
@@ -33,7 +31,7 @@ BODIES = {
 
 
 def region(rng, corners=60):
-    """What a robot at the origin may see: star-shaped, with jumps in depth."""
+    """Return a star-shaped region around the origin with jumps in depth, as a robot sees it."""
     angles = (np.arange(corners) + rng.uniform(0.1, 0.9, corners)) * 2 * np.pi / corners
     depth = np.repeat(rng.uniform(0.8, 3.0, corners // 4), 4) * rng.uniform(0.9, 1.1, corners)
     return np.column_stack([depth * np.cos(angles), depth * np.sin(angles)])
@@ -73,7 +71,7 @@ def test_a_disc_drives_up_to_the_wall():
 
 
 def test_a_disc_meets_the_end_of_a_wall():
-    # The corner (4.9, 3.5) of the door is 0.3 aside of the way: a disc of 0.5 stops 0.4 short.
+    # The corner (4.9, 3.5) of the door is 0.3 off the line: a disc of 0.5 stops 0.4 short of it.
     assert travel_disc(DOOR, 2.0, 3.8, 0.0, 0.5, 100.0) == pytest.approx(2.5, abs=1e-12)
 
 
@@ -85,7 +83,7 @@ def test_a_disc_passes_a_door_of_its_own_width():
 
 @pytest.mark.parametrize("heading", [0.0, 0.3, 1.0, math.pi / 2, 2.5])
 def test_sliding_along_a_wall_is_free_and_into_it_is_not(heading):
-    """The room is turned, so that the touch is only exact up to rounding."""
+    """In a turned room, where the touch is exact only up to rounding."""
     c, s = math.cos(heading), math.sin(heading)
     turn = np.array([[c, s], [-s, c]])
     room = ROOM @ turn
@@ -102,7 +100,7 @@ def test_sliding_along_a_wall_is_free_and_into_it_is_not(heading):
         assert travel_polygon(room, body, pose, heading + 0.01, 5.0) == 5.0
 
 
-def test_a_box_in_the_corner_may_leave_it():
+def test_a_box_in_a_corner_can_leave_it():
     pose = (0.3, 0.2, 0.0)
     for direction in (0.0, math.pi / 4, math.pi / 2):
         assert travel_polygon(ROOM, BODIES["box"], pose, direction, 2.0) == 2.0
@@ -128,7 +126,7 @@ def test_a_corner_that_meets_a_corner_does_not_slip_through():
     assert travel_polygon(spike, tip, (1.0, 4.0, 0.0), 0.0, 9.0) == pytest.approx(1.6, abs=1e-9)
 
 
-def test_a_body_that_overlaps_the_boundary_may_not_move():
+def test_a_body_that_overlaps_the_boundary_cannot_move():
     assert travel_disc(ROOM, 0.5 - 1e-6, 4.0, 0.0, 0.5, 1.0) == 0.0
     assert travel_disc(ROOM, 0.5 - 1e-12, 4.0, 0.0, 0.5, 1.0) == 1.0
     box = BODIES["box"]
@@ -150,8 +148,8 @@ def test_a_body_that_fits_its_region_edge_on_edge_is_inside_it():
     assert not pose_is_inside(notched, body, 0.5, 0.5, 0.0)
 
 
-def test_a_block_that_shares_all_its_lines_with_the_body_is_found():
-    # The block fills the left of the body from edge to edge: no corner of the one is inside the
+def test_a_block_within_the_body_on_its_lines_is_found():
+    # The block fills the left of the body from edge to edge: no corner of one is inside the
     # other, and no two edges cross.
     block = np.array([(0, 0), (4, 0), (4, 3), (0, 3), (0, 2), (1, 2), (1, 1), (0, 1)], dtype=float)
     body = Footprint.box(2.0, 1.0)
@@ -162,7 +160,7 @@ def test_a_block_that_shares_all_its_lines_with_the_body_is_found():
 
 
 def test_bodies_and_walls_on_one_grid_agree_with_shapely():
-    """Everything touches, passes and fits exactly, as in worlds read from occupancy grids."""
+    """Where everything touches, passes and fits exactly, as in worlds from occupancy grids."""
     rng = np.random.default_rng(0)
     moved = stopped = inside_count = 0
     for _ in range(120):
@@ -204,7 +202,7 @@ def test_bodies_and_walls_on_one_grid_agree_with_shapely():
 
 @pytest.mark.parametrize("place", range(3))
 @pytest.mark.parametrize("value", [math.nan, math.inf])
-def test_numbers_that_are_not_finite_move_nothing(value, place):
+def test_a_pose_that_is_not_finite_allows_no_motion(value, place):
     pose = [5.0, 4.0, 0.0]
     pose[place] = value
     box = BODIES["box"].vertices
@@ -280,9 +278,9 @@ def test_a_box_turns_where_its_diagonal_fits():
     assert not rotation_is_free(ROOM, box.vertices, 5.0, 4.0, 0.0, 7.0)
 
 
-def test_a_touching_box_may_turn_away_but_not_in():
-    # The corner (-0.3, -0.2) touches the wall x = 0 on the box's way from an angle to the other:
-    # it meets the wall at headings where -0.3 cos h + 0.2 sin h = -0.32.
+def test_a_touching_box_can_turn_away_but_not_in():
+    # The corner (-0.3, -0.2) touches the wall x = 0 between two headings of the box: it meets the
+    # wall where -0.3 cos h + 0.2 sin h = -0.32.
     box = BODIES["box"].vertices
     reach, lean = math.sqrt(0.13), math.atan2(0.2, 0.3)
     touch = math.acos(0.32 / reach) - lean
@@ -297,7 +295,7 @@ def test_a_touching_box_may_turn_away_but_not_in():
 
 
 def test_a_corner_of_the_world_blocks_an_edge_of_the_body():
-    # A long body turning beside a spike: no corner of the body comes near, its edge does.
+    # A long body turns beside a spike: its edge comes near, but none of its corners.
     body = Footprint.box(4.0, 0.2).vertices
     spike = np.array(
         [(0, 0), (10, 0), (10, 8), (5.2, 8), (5.1, 4.5), (5.0, 8), (0, 8)], dtype=float
@@ -330,6 +328,6 @@ def test_rotations_agree_with_sampling(name):
         if free:
             assert shapely.covers(grown, places).all()
         elif shapely.covers(inside, places).all():
-            # Only what happens between two samples escapes sampling.
+            # Sampling misses only what happens between two samples.
             assert shapely.distance(places, inside.exterior).min() < 1e-3
     assert 20 < sum(answers) < 80

@@ -1,3 +1,5 @@
+"""Footprints: measures, pieces, text, and what they sweep."""
+
 import copy
 import math
 
@@ -20,7 +22,7 @@ sizes = st.floats(1e-3, 1e3)
 
 
 def ragged(seed: int) -> Footprint:
-    """Any simple outline around the origin, with spikes and notches."""
+    """Return a body with a random simple outline, with spikes and notches."""
     rng = np.random.default_rng(seed)
     angles = np.sort(rng.uniform(0, 2 * np.pi, 12))
     gaps = np.diff(np.append(angles, angles[0] + 2 * np.pi))
@@ -30,7 +32,7 @@ def ragged(seed: int) -> Footprint:
     return Footprint.polygon(np.column_stack([reach * np.cos(angles), reach * np.sin(angles)]))
 
 
-def test_a_disc_is_known_by_its_radius():
+def test_a_disc_is_defined_by_its_radius():
     body = Footprint.disc(0.25)
     assert body.is_disc
     assert body.radius_m == body.inscribed_radius_m == body.circumscribed_radius_m == 0.25
@@ -39,7 +41,7 @@ def test_a_disc_is_known_by_its_radius():
     assert body.is_star_shaped
 
 
-def test_the_polygon_of_a_disc_holds_it_and_is_hardly_larger():
+def test_the_polygon_of_a_disc_contains_it_tightly():
     outline = shapely.Polygon(Footprint.disc(2.0).vertices)
     assert len(Footprint.disc(2.0).vertices) == DISC_SIDES
     assert outline.exterior.is_ccw
@@ -58,13 +60,13 @@ def test_a_box_lies_along_x_about_its_centre():
         _ = body.radius_m
 
 
-def test_width_of_a_triangle_is_its_least_height():
+def test_width_of_a_triangle_is_its_smallest_height():
     body = Footprint.polygon([(-1, -1), (3, -1), (-1, 2)])  # 3-4-5: the height on 5 is 12 / 5
     assert body.width_m == pytest.approx(2.4, abs=1e-15)
 
 
 @pytest.mark.parametrize("seed", range(5))
-def test_width_is_the_least_extent_over_all_directions(seed):
+def test_width_is_the_smallest_extent_over_all_directions(seed):
     body = ragged(seed)
     angles = np.linspace(0, np.pi, 20000)
     along = body.vertices @ np.array([np.cos(angles), np.sin(angles)])
@@ -72,7 +74,7 @@ def test_width_is_the_least_extent_over_all_directions(seed):
     assert extent - 1e-3 <= body.width_m <= extent + 1e-12
 
 
-def test_shapes_are_told_apart():
+def test_convex_and_star_shaped_outlines_are_recognized():
     ell, bend, plus = (Footprint.polygon(shape) for shape in (L_SHAPE, U_SHAPE, PLUS))
     assert not ell.is_convex
     assert ell.is_star_shaped
@@ -86,7 +88,7 @@ def test_shapes_are_told_apart():
 
 
 @pytest.mark.parametrize("seed", range(20))
-def test_convex_pieces_make_up_the_body(seed):
+def test_convex_pieces_partition_the_body(seed):
     body = ragged(seed)
     pieces = [shapely.Polygon(piece) for piece in body.convex_pieces]
     assert all(piece.exterior.is_ccw for piece in pieces)
@@ -98,7 +100,7 @@ def test_convex_pieces_make_up_the_body(seed):
     assert len(pieces) <= len(body.vertices) - 2
 
 
-def test_few_pieces_are_cut():
+def test_simple_shapes_have_few_convex_pieces():
     assert len(Footprint.box(1, 1).convex_pieces) == 1
     assert len(Footprint.polygon(L_SHAPE).convex_pieces) == 2
     assert len(Footprint.polygon(U_SHAPE).convex_pieces) == 3
@@ -120,7 +122,7 @@ def test_corners_are_kept_counter_clockwise_from_the_first():
     "text",
     ["disc:0.25", "disc:1", "box:0.6x0.4", "box:2x1e-05", "polygon:-0.2,-0.1 0.3,0 -0.2,0.1"],
 )
-def test_text_reads_back_the_same(text):
+def test_text_round_trips(text):
     body = Footprint.parse(text)
     assert str(body) == text
     assert body == Footprint.parse(f"  {text} ")
@@ -131,7 +133,7 @@ def test_text_reads_back_the_same(text):
 
 
 @given(sizes, sizes, st.lists(sizes, min_size=4, max_size=4))
-def test_numbers_survive_the_text_exactly(a, b, reach):
+def test_text_preserves_numbers_exactly(a, b, reach):
     quarter = [(reach[0], 0.0), (0.0, reach[1]), (-reach[2], 0.0), (0.0, -reach[3])]
     for body in (Footprint.disc(a), Footprint.box(a, b), Footprint.polygon(quarter)):
         again = Footprint.parse(str(body))
@@ -139,7 +141,7 @@ def test_numbers_survive_the_text_exactly(a, b, reach):
         assert again.vertices.tobytes() == body.vertices.tobytes()
 
 
-def test_different_bodies_differ():
+def test_footprints_of_other_form_or_size_are_not_equal():
     assert Footprint.disc(0.25) != Footprint.disc(0.26)
     assert Footprint.disc(0.25) != "disc:0.25"
     assert len({Footprint.box(1, 2), Footprint.box(2, 1), Footprint.box(1.0, 2.0)}) == 2
@@ -173,19 +175,19 @@ def test_different_bodies_differ():
         ("polygon:0,0 1,-1 1,1", "at the edge of the polygon"),
     ],
 )
-def test_unusable_bodies_are_refused_in_words(text, says):
+def test_unusable_footprints_are_refused_with_a_reason(text, says):
     with pytest.raises(InvalidInputError, match=says):
         Footprint.parse(text)
 
 
 @pytest.mark.parametrize("corners", [[1, 2, 3], [(1, 2, 3)] * 3, [(1, 2), (3,)], "abc", None])
-def test_corners_of_a_wrong_kind_are_refused(corners):
+def test_corners_of_a_wrong_type_are_refused(corners):
     with pytest.raises(InvalidInputError, match="polygon's corners"):
         Footprint.polygon(corners)
 
 
 @pytest.mark.parametrize("radius", [None, "wide", [1.0]])
-def test_sizes_of_a_wrong_kind_are_refused(radius):
+def test_sizes_of_a_wrong_type_are_refused(radius):
     with pytest.raises(InvalidInputError, match="give a number of metres"):
         Footprint.disc(radius)
 
@@ -204,14 +206,14 @@ def test_a_body_is_placed_by_turning_then_moving():
     assert disc.placed((1.0, 2.0, 0.3)).equals(disc.placed((1.0, 2.0, 2.0)))
 
 
-def test_what_a_box_sweeps_is_worked_out_by_hand():
+def test_area_that_a_box_sweeps_by_hand():
     body = Footprint.box(2.0, 1.0)
     assert body.swept((0, 0, 0), (3, 0, 0)).equals(shapely.box(-1, -0.5, 4, 0.5))
     assert body.swept((0, 0, 0), (1, 1, 0)).area == pytest.approx(2.0 + 3.0, abs=1e-12)
     assert body.swept((5, 5, 0.3), (5, 5, 0.3)).area == pytest.approx(2.0, abs=1e-12)
 
 
-def test_a_capsule_is_drawn_around_what_a_disc_sweeps():
+def test_area_that_a_disc_sweeps_is_around_a_capsule():
     swept = Footprint.disc(0.5).swept((0, 0, 0), (4, 3, 1.0))
     capsule = shapely.LineString([(0, 0), (4, 3)]).buffer(0.5, quad_segs=500)
     assert swept.buffer(1e-9).covers(capsule)
@@ -221,7 +223,7 @@ def test_a_capsule_is_drawn_around_what_a_disc_sweeps():
 
 @pytest.mark.parametrize("shape", [L_SHAPE, U_SHAPE, PLUS])
 @pytest.mark.parametrize("seed", range(3))
-def test_what_a_body_sweeps_is_the_union_of_its_places(shape, seed):
+def test_a_swept_area_is_the_union_of_all_placements(shape, seed):
     rng = np.random.default_rng(seed)
     body = Footprint.polygon(np.array(shape) / np.abs(shape).max())
     heading = rng.uniform(-3, 3)

@@ -19,7 +19,7 @@ from multisrt.geometry.grids.distance_field import DistanceField, distance_field
 
 
 def grid(free, cell, shift=0.0):
-    """Free cells of a world by their centres, and the centres."""
+    """Return the cells whose centres are free, and the x and y of the centres."""
     x0, y0, x1, y1 = free.bounds
     x = x0 + shift + (np.arange(round((x1 - x0) / cell)) + 0.5) * cell
     y = y0 + shift + (np.arange(round((y1 - y0) / cell)) + 0.5) * cell
@@ -27,7 +27,7 @@ def grid(free, cell, shift=0.0):
 
 
 def shortest_paths(worlds, free, source, targets):
-    """Exact lengths by a visibility graph of all corners."""
+    """Return exact lengths, by a visibility graph of all corners."""
     corners = np.unique(worlds.edges(free)[:, :2], axis=0)
     points = np.vstack([source, corners, targets])
     known = 1 + len(corners)
@@ -43,7 +43,7 @@ def shortest_paths(worlds, free, source, targets):
 
 
 def error(worlds, free, cell, source, targets):
-    """Relative errors at the cells that hold the targets, whose centres are taken instead."""
+    """Return the relative errors at the centres of the cells that hold the targets."""
     cells, x, y = grid(free, cell)
     columns = np.floor((targets[:, 0] - x[0]) / cell + 0.5).astype(int)
     rows = np.floor((targets[:, 1] - y[0]) / cell + 0.5).astype(int)
@@ -53,7 +53,7 @@ def error(worlds, free, cell, source, targets):
 
 
 def test_distances_converge_to_shortest_paths(worlds):
-    # Walls wider than the widest cells, which would leave gaps in thinner ones.
+    # Walls are wider than the widest cells, which would leave gaps in thinner ones.
     free = worlds.rooms(wall=0.5)
     targets = worlds.viewpoints(free, 80, clearance=0.2, seed=61)
     targets = targets[np.hypot(*(targets - (3.0, 3.0)).T) > 2.0]
@@ -79,7 +79,7 @@ def test_open_space_is_nearly_euclidean():
 
 
 def test_around_a_wall_by_hand():
-    # The way around the end (10, 15) of a wall one cell thick.
+    # The path leads around the end (10, 15) of a wall one cell thick.
     free = np.ones((200, 200), bool)
     free[:150, 100] = False
     field = distance_field(free, 0.1, [(5.05, 5.05)])
@@ -101,7 +101,7 @@ def test_nothing_passes_between_cells_that_meet_in_a_corner():
     assert np.isinf(field[2:, 2:]).all()
 
 
-def test_cells_nobody_can_reach_are_infinite():
+def test_unreachable_cells_are_infinite():
     free = np.ones((10, 21), bool)
     free[:, 10] = False
     field = distance_field(free, 1.0, [(0.5, 0.5)])
@@ -120,8 +120,8 @@ def test_several_sources_are_the_nearest_of_each(worlds, name):
     assert np.abs(together[finite] - apart[finite]).max() < 0.15
 
 
-def test_a_source_behind_a_wall_counts_although_another_is_in_sight():
-    # From cell (0, 9) the second source is 2.2 cells away around the wall's end, the first 9.
+def test_a_nearer_source_behind_a_wall_counts():
+    # From cell (0, 9) the second source is 2.2 cells away around the wall, the first one 9.
     free = np.ones((3, 12), bool)
     free[1, :10] = False
     field = distance_field(free, 1.0, [(0.5, 0.5), (9.5, 2.5)])
@@ -141,14 +141,14 @@ def test_an_early_stop_gives_asked_cells_their_final_values(worlds, name):
         cells, 0.1, worlds.viewpoints(worlds.WORLDS[name](), 1, seed=63), asked=asked
     )
     assert np.array_equal(part[tuple(asked.T)], whole[tuple(asked.T)])
-    # What was reached is final, the rest was left alone.
+    # Values that were reached are final; the rest was not computed.
     done = np.isfinite(part)
     assert np.array_equal(part[done], whole[done])
     assert done.sum() < 0.25 * len(reached)
     assert part[done].max() == whole[tuple(asked[-1])]
 
 
-def test_asked_cells_that_cannot_be_reached_do_not_stop_the_march():
+def test_unreachable_asked_cells_do_not_stop_the_march():
     free = np.ones((10, 21), bool)
     free[:, 10] = False
     field = distance_field(free, 1.0, [(0.5, 0.5)], asked=[(0, 20), (0, 10)])
@@ -175,12 +175,12 @@ def test_fields_are_distances(seed, blocked):
     assert np.isinf(field[~free]).all()
     x, y = np.meshgrid(np.arange(25) + 0.5, np.arange(20) + 0.5)
     straight = np.hypot(x - 4.5, y - 3.5)
-    # Never much shorter than the straight line, and no jump between neighbours.
+    # Values are hardly shorter than the straight line, and neighbours differ little.
     assert (field >= 0.95 * straight - 0.5).all()
     for a, b in ((field[1:], field[:-1]), (field[:, 1:], field[:, :-1])):
         both = np.isfinite(a) & np.isfinite(b)
         assert np.abs(a[both] - b[both]).max(initial=0.0) < 1.5
-    # Reached is what is connected through cells' sides.
+    # Cells are reached if they are connected through sides.
     reached = {(3, 4)}
     border = [(3, 4)]
     while border:
@@ -221,7 +221,7 @@ def test_examples():
         ({"asked": [(-1, 0)]}, "cell (-1, 0)"),
     ],
 )
-def test_refuses_what_makes_no_field(change, told):
+def test_refuses_invalid_fields(change, told):
     free = np.ones((4, 5), bool)
     free[2, 2] = False
     arguments = {"free": free, "cell_m": 1.0, "sources": [(1.0, 1.0)]} | change
@@ -236,7 +236,7 @@ def test_refuses_what_makes_no_field(change, told):
 
 
 def disturbed(seed, count=1):
-    """A random grid, and a way to change it at random in a window that it returns."""
+    """Return a random grid, sources, and a function that changes cells and returns where."""
     rng = np.random.default_rng(seed)
     rows, columns = (int(n) for n in rng.integers(8, 130, 2))
     passable = rng.random((rows, columns)) > rng.choice([0.0, 0.02, 0.1, 0.3])
@@ -272,7 +272,7 @@ def test_a_repaired_field_is_a_new_one_to_the_bit(seed, count):
     assert np.array_equal(field.reached(), distance_field(passable, 0.1, sources * 0.1))
 
 
-def test_what_lies_before_a_change_is_kept():
+def test_values_before_a_change_are_kept():
     passable = np.ones((40, 300), bool)
     field = DistanceField(passable, 1.0, [(5.5, 20.5)])
     field.complete()
@@ -289,7 +289,7 @@ def test_what_lies_before_a_change_is_kept():
     )
 
 
-def test_a_change_where_the_front_has_not_been_takes_nothing_back():
+def test_a_change_beyond_the_front_takes_nothing_back():
     passable = np.ones((200, 200), bool)
     field = DistanceField(passable, 1.0, [(20.5, 20.5)])
     field.distance([(30, 30)])
@@ -346,7 +346,7 @@ def test_the_first_of_some_cells_within_a_limit(seed):
             assert field.first(asked, limit) is None
             reached = field.reached()
             assert reached[np.isfinite(reached)].max(initial=0.0) <= limit
-    # It goes on from there, to the same values.
+    # Later queries go on to the same values.
     for limit in (nearest, np.inf):
         found = field.first(asked, limit)
         assert (found is None) == np.isinf(nearest)
@@ -366,11 +366,11 @@ def test_distances_within_a_limit(seed):
         field = DistanceField(passable, 1.0, sources)
         found = field.distance(asked, limit)
         np.testing.assert_array_equal(found, np.where(lengths <= limit, lengths, np.inf))
-        # It goes on from there, to the same values.
+        # Later queries go on to the same values.
         np.testing.assert_array_equal(field.distance(asked), lengths)
 
 
-def test_the_size_of_the_grid_costs_nothing():
+def test_memory_does_not_depend_on_the_size_of_the_grid():
     passable = np.ones((4000, 4000), bool)
     tracemalloc.start()
     field = DistanceField(passable, 0.1, [(200.05, 200.05)])
@@ -388,7 +388,7 @@ def test_the_grid_may_be_a_view():
 
 
 @given(st.integers(0, 100_000))
-def test_the_descent_falls_to_the_source_and_cuts_no_corner(seed):
+def test_the_descent_leads_to_the_source_and_cuts_no_corner(seed):
     passable, sources, _, rng = disturbed(seed)
     whole = distance_field(passable, 1.0, sources)
     reached = np.argwhere(np.isfinite(whole))
@@ -402,7 +402,7 @@ def test_the_descent_falls_to_the_source_and_cuts_no_corner(seed):
     assert np.abs(down[-1] + 0.5 - sources[0, ::-1]).max() <= 0.5
 
 
-def test_refuses_fields_that_cannot_be():
+def test_refuses_invalid_grids_cells_and_repairs():
     with pytest.raises(InvalidInputError, match="of bool, not float64"):
         DistanceField(np.ones((3, 3)), 1.0, [(0.5, 0.5)])
     passable = np.ones((3, 9), bool)

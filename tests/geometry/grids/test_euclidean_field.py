@@ -27,7 +27,7 @@ def drawn(seed):
 
 
 @pytest.mark.parametrize("order", ["queue", "sweeps"])
-def test_what_is_in_sight_has_its_straight_distance(order):
+def test_cells_in_sight_have_their_euclidean_distance(order):
     passable = np.ones((30, 50), bool)
     field = EuclideanField(passable, 0.1, (10.23, 21.11), x0=10.0, y0=20.0, order=order)
     cells = every(passable)
@@ -49,7 +49,7 @@ def test_around_a_wall_by_hand(order):
 
 @pytest.mark.parametrize("order", ["queue", "sweeps"])
 @given(seed=st.integers(0, 100_000))
-def test_the_path_is_as_long_as_the_field_says(order, seed):
+def test_the_path_is_as_long_as_its_distance(order, seed):
     passable, rng = drawn(seed)
     source = (4.0 + rng.random(), 3.0 + rng.random())
     field = EuclideanField(passable, 0.5, np.array(source) * 0.5, order=order)
@@ -61,12 +61,12 @@ def test_the_path_is_as_long_as_the_field_says(order, seed):
         if np.isfinite(told):
             path = field.path(cell)
             walked = np.hypot(*np.diff(path, axis=0).T).sum()
-            # In sweeps a turning point may have become nearer after cells behind it were left.
+            # In sweeps a turning point may become nearer after the cells behind it are done.
             assert walked <= told + 1e-9
             assert order == "sweeps" or walked == pytest.approx(told)
 
 
-def test_the_queue_is_no_longer_than_the_sweeps():
+def test_queue_and_sweeps_agree_on_average():
     longer = []
     for seed in range(60):
         passable, _ = drawn(seed)
@@ -98,7 +98,7 @@ def test_nothing_passes_between_cells_that_meet_in_a_corner():
         assert field.distance([(1, 1), (2, 2), (0, 3)]).tolist() == [math.sqrt(2), np.inf, np.inf]
 
 
-def test_refuses_what_makes_no_field():
+def test_refuses_invalid_fields():
     passable = np.ones((4, 5), bool)
     passable[2, 2] = False
     for change, told in (

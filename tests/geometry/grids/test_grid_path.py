@@ -20,7 +20,7 @@ from multisrt.geometry.grids.grid_path import shortest_path
 
 
 def solid(passable, shrunk):
-    """Blocked cells and the grid's frame as one shape; cells that meet in a corner hold."""
+    """Return blocked cells and the grid's frame as one shape, joined where corners meet."""
     blocked = np.pad(~passable, 1, constant_values=True)
     rows, columns = np.nonzero(blocked)
     a, b, c, d = blocked[:-1, :-1], blocked[1:, 1:], blocked[1:, :-1], blocked[:-1, 1:]
@@ -32,7 +32,7 @@ def solid(passable, shrunk):
 
 
 def exact_lengths(passable, source, cells):
-    """Shortest paths around the blocked cells from a point to cells' centres."""
+    """Return the lengths of the shortest paths around the blocked cells to cells' centres."""
     corners = []
     for part in shapely.get_parts(shapely.orient_polygons(solid(passable, 1e-4))):
         for ring in (part.exterior, *part.interiors):
@@ -71,7 +71,7 @@ def scattered(seed):
 
 
 def draw(passable, seed, count, away_cells=4.0):
-    """A source at the centre of a cell, and cells that it reaches and that are not near it."""
+    """Return a source at the centre of a cell, and reachable cells that are not near it."""
     rng = np.random.default_rng(seed)
     free = np.argwhere(passable)
     row, column = free[rng.integers(len(free))]
@@ -94,7 +94,7 @@ def paths(way, passable, source, cells):
 
 
 @pytest.mark.parametrize("way", ["descent", "queue", "sweeps"])
-def test_paths_in_rooms_are_hardly_longer_than_the_shortest(way):
+def test_paths_in_rooms_are_nearly_shortest(way):
     excess = []
     for seed in range(3):
         passable = office(seed)
@@ -107,7 +107,7 @@ def test_paths_in_rooms_are_hardly_longer_than_the_shortest(way):
 
 
 @pytest.mark.parametrize("way", ["descent", "queue", "sweeps"])
-def test_in_scattered_cells_paths_lose_less_than_a_cell_at_a_turn(way):
+def test_paths_lose_less_than_a_cell_per_turn(way):
     for seed in range(4):
         passable = scattered(seed)
         source, cells = draw(passable, seed, 10)
@@ -141,7 +141,7 @@ def test_around_a_wall_in_metres_by_hand():
     )
 
 
-def test_what_is_in_sight_is_reached_straight():
+def test_the_path_to_a_cell_in_sight_is_straight():
     field = DistanceField(np.ones((50, 70), bool), 1.0, [(3.2, 4.7)])
     assert shortest_path(field, (44, 61)).tolist() == [[3.2, 4.7], [61.5, 44.5]]
     assert shortest_path(field, (4, 3)).tolist() == [[3.2, 4.7], [3.5, 4.5]]
@@ -155,7 +155,7 @@ def test_the_path_begins_at_the_nearest_source():
     assert shortest_path(field, (3, 34))[0].tolist() == [50.5, 5.5]
 
 
-def test_after_a_repair_paths_take_the_new_way():
+def test_paths_use_a_passage_after_a_repair():
     passable = np.ones((30, 40), bool)
     passable[:, 20] = False
     passable[28, 20] = True

@@ -1,4 +1,4 @@
-"""Rasters: every cell right, whatever the window was and however it grew."""
+"""Rasters: every cell right, whatever the window and its growth."""
 
 import numpy as np
 import pytest
@@ -30,7 +30,7 @@ def truth(raster, boundary):
 
 @pytest.mark.parametrize("name", ["rooms", "office", "clutter"])
 @pytest.mark.parametrize("cell", [0.1, 0.05])
-def test_no_cell_is_wrong(worlds, name, cell):
+def test_painted_cells_agree_with_shapely(worlds, name, cell):
     for boundary in views(worlds, name, 8):
         raster = Raster(cell)
         new = raster.paint(boundary)
@@ -40,7 +40,7 @@ def test_no_cell_is_wrong(worlds, name, cell):
 
 
 @pytest.mark.parametrize("cell", [0.1, 0.25, 0.5])
-def test_walls_on_round_coordinates_tie_with_no_centre(cell):
+def test_walls_on_round_coordinates_pass_no_centre(cell):
     boundary = np.array([[0.0, 0.0], [3.0, 0.0], [3.0, 2.0], [1.0, 2.0], [1.0, 1.0], [0.0, 1.0]])
     for shift in (0.0, cell / 2, cell / 4):
         raster = Raster(cell)
@@ -51,9 +51,8 @@ def test_walls_on_round_coordinates_tie_with_no_centre(cell):
             assert (np.minimum(share, 1 - share) > 0.05).all()
 
 
-def test_ties_are_broken_the_same_way_by_neighbouring_polygons():
-    # On a grid of its own, with borders through cell centres: two rectangles that share one
-    # paint every cell between them once, whichever way the border is taken.
+def test_polygons_that_share_a_border_paint_each_cell_once():
+    # The shared borders run through cell centres: every cell there is painted exactly once.
     cells = np.zeros((4, 6), np.bool_)
     left = np.array([[0.0, 0.0], [2.5, 0.0], [2.5, 4.0], [0.0, 4.0]])
     right = np.array([[2.5, 0.0], [6.0, 0.0], [6.0, 4.0], [2.5, 4.0]])
@@ -146,8 +145,8 @@ def test_the_window_holds_its_bounds():
     assert raster.y0 + rows * 0.3 - 0.3 <= 5.0 <= raster.y0 + rows * 0.3
 
 
-def test_utm_coordinates(worlds):
-    # The lattice lies elsewhere under the polygon there, so compare with shapely, not with here.
+def test_painted_cells_in_utm_coordinates_are_right(worlds):
+    # The lattice lies differently under the moved polygon, so it is compared with shapely.
     for boundary in views(worlds, "office", 4):
         raster = Raster(0.1)
         moved = boundary + np.array([5e5, 4.5e6])
@@ -161,12 +160,12 @@ def test_refuses_cells_without_a_width(cell):
         Raster(cell)
 
 
-def test_refuses_to_grow_without_end():
+def test_refuses_to_grow_beyond_the_limit():
     raster = Raster(0.01)
     raster.paint(np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]))
     with pytest.raises(InvalidInputError, match=r"choose cells wider than 0\.01 m"):
         raster.paint(np.array([[1e4, 1e4], [1e4 + 1, 1e4], [1e4, 1e4 + 1]]))
-    # What was there is still there.
+    # The refusal has changed nothing.
     assert raster.area_m2() == pytest.approx(0.5, rel=0.03)
 
 
@@ -174,7 +173,7 @@ def test_refuses_to_grow_without_end():
     st.integers(0, 100_000),
     st.sampled_from([0.0, 1.0, 2**0.5, 2.0, 5**0.5, 5.0]) | st.floats(0.0, 9.0),
 )
-def test_erosion_keeps_what_is_far_enough_from_all_else(seed, radius):
+def test_erosion_agrees_with_a_distance_transform(seed, radius):
     rng = np.random.default_rng(seed)
     cells = rng.random(rng.integers(1, 30, 2)) < rng.choice([0.5, 0.9, 0.99, 1.0])
     off_border = distance_transform_edt(np.pad(cells, 1))[1:-1, 1:-1]
@@ -185,7 +184,7 @@ def test_erosion_keeps_what_is_far_enough_from_all_else(seed, radius):
 @pytest.mark.parametrize("corner", range(4))
 @pytest.mark.parametrize("axis", range(2))
 @pytest.mark.parametrize("paint", [Raster.paint, Raster.paint_inside])
-def test_refuses_corners_that_no_cell_can_have(bad, corner, axis, paint):
+def test_refuses_corners_that_are_not_finite(bad, corner, axis, paint):
     raster = Raster(0.1, (0.0, 0.0, 2.0, 2.0))
     square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
     raster.paint(square)

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from multisrt.geometry.numerics.boxes import all_below, bounds_of, boxes_meeting
 
-# On quarters, so that borders touch often and nothing is rounded.
+# Multiples of a quarter, so that borders often touch and nothing is rounded.
 numbers = st.integers(-20, 20).map(lambda n: n / 4.0)
 sizes = st.integers(0, 12).map(lambda n: n / 4.0)
 boxes = st.tuples(numbers, numbers, sizes, sizes).map(
@@ -16,7 +16,7 @@ boxes = st.tuples(numbers, numbers, sizes, sizes).map(
 
 
 @given(st.lists(st.tuples(boxes, sizes), max_size=12), boxes)
-def test_boxes_meet_where_shapely_says_so(many, one):
+def test_boxes_that_meet_agree_with_shapely(many, one):
     given_boxes = np.array([box for box, _ in many]).reshape(-1, 4)
     slacks = np.array([slack for _, slack in many])
     expected = [
@@ -35,10 +35,10 @@ points = st.lists(st.tuples(coordinates, coordinates), min_size=1, max_size=6).m
 
 
 @given(points)
-def test_points_below_a_limit_are_those_that_numpy_finds(some):
+def test_coordinates_below_a_limit_agree_with_numpy(some):
     assert all_below(some, 10.0) == bool(np.all(np.abs(some) < 10.0))
 
 
 @given(points.filter(lambda some: np.isfinite(some).all()))
-def test_bounds_hold_all_points_and_touch_some(some):
+def test_bounds_agree_with_numpy(some):
     assert bounds_of(some) == (*some.min(axis=0), *some.max(axis=0))

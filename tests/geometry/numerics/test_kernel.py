@@ -1,3 +1,5 @@
+"""The cache of kernels: never older than what a kernel calls."""
+
 import ast
 import os
 import shutil
@@ -22,7 +24,7 @@ print(no_edge_within(0.5, 0.3, 0.6, 0.3, 0.2, walls.grid))
 
 @pytest.fixture
 def package(tmp_path):
-    """A copy of the package, without anything compiled."""
+    """A copy of the package without compiled kernels."""
     ignored = shutil.ignore_patterns("__pycache__")
     return Path(shutil.copytree(ROOT / "multisrt", tmp_path / "multisrt", ignore=ignored))
 
@@ -44,7 +46,7 @@ def break_the_callee(package: Path) -> None:
     right = "return area * area / squared\n"
     text = file.read_text()
     assert text.count(right) == 1
-    # As an installer does, which keeps the time at which a file was packed.
+    # An installer, too, keeps the time at which a file was packed.
     times = file.stat().st_atime, file.stat().st_mtime
     file.write_text(text.replace(right, "return 0.0\n"))
     os.utime(file, times)
@@ -78,7 +80,7 @@ def test_a_cache_chosen_by_the_user_is_used(package, tmp_path):
     assert not list(package.rglob("*.nbc"))
 
 
-def test_a_cache_that_cannot_be_written_is_told_of(package, tmp_path):
+def test_a_cache_that_cannot_be_written_is_reported(package, tmp_path):
     (tmp_path / "file").touch()
     with pytest.raises(subprocess.CalledProcessError) as error:
         answer(package, NUMBA_CACHE_DIR=str(tmp_path / "file"))
@@ -86,7 +88,7 @@ def test_a_cache_that_cannot_be_written_is_told_of(package, tmp_path):
 
 
 def files_with_kernels() -> list[str]:
-    """The modules that declare kernels, by name."""
+    """Return the names of the modules that declare kernels."""
     package = ROOT / "multisrt"
     found = []
     for room in (package, *(package / link for link in ("geometry", "planners", "environments"))):

@@ -1,4 +1,4 @@
-"""Points found again by place, against all points asked one by one."""
+"""Points found by place, against brute force."""
 
 import numpy as np
 import pytest
@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.numerics.point_hash import PointHash
 
-# In micrometres: squares of what is far smaller are 0, by which brute force finds too many.
+# In micrometres: squares of far smaller numbers are 0, and brute force would find too many.
 coordinate = st.integers(-20_000_000, 20_000_000).map(lambda n: n / 1e6)
 places = st.lists(st.tuples(coordinate, coordinate), min_size=1, max_size=150)
 
@@ -25,13 +25,13 @@ def within(points, x: float, y: float, radius: float) -> list[int]:
 
 
 @given(places, coordinate, coordinate, st.floats(0.0, 30.0))
-def test_within_is_what_brute_force_finds(points, x, y, radius):
+def test_within_agrees_with_brute_force(points, x, y, radius):
     found = hashed(points).within(x, y, radius)
     assert found.tolist() == within(points, x, y, radius)
 
 
 @given(places, st.data(), st.floats(0.0, 12.0))
-def test_around_some_points_is_what_is_within_of_any_of_them(points, data, radius):
+def test_around_is_the_union_of_within(points, data, radius):
     numbers = data.draw(st.lists(st.integers(0, len(points) - 1), min_size=1, max_size=8))
     expected = {k for n in numbers for k in within(points, *points[n], radius)}
     found = hashed(points).around(np.array(numbers), radius)
@@ -39,7 +39,7 @@ def test_around_some_points_is_what_is_within_of_any_of_them(points, data, radiu
 
 
 @given(places, st.data(), st.floats(0.0, 12.0))
-def test_pairs_are_of_every_new_point_with_those_before_it_that_are_near(points, data, radius):
+def test_pairs_agree_with_brute_force(points, data, radius):
     first = data.draw(st.integers(0, len(points)))
     expected = [
         [later, earlier]
@@ -49,7 +49,7 @@ def test_pairs_are_of_every_new_point_with_those_before_it_that_are_near(points,
     assert hashed(points).pairs(first, radius).tolist() == expected
 
 
-def test_many_points_are_around_many():
+def test_around_many_points_are_many():
     points = np.random.default_rng(1).uniform(0.0, 5.0, (400, 2)).tolist()
     known = hashed(points)
     assert len(known) == 400

@@ -1,4 +1,4 @@
-"""Rings in few arrays: what is put in comes out, and boxes hold what they are around."""
+"""Rings in a few arrays: corners are kept, and boxes are tight."""
 
 import numpy as np
 import pytest
@@ -13,7 +13,7 @@ SIZES = [3, STRETCH - 1, STRETCH, STRETCH + 1, 4 * STRETCH, 360, 3, 5000]
 
 
 def wavy(corners: int, seed: int = 0, at: tuple[float, float] = (0.0, 0.0)) -> np.ndarray:
-    """A ring around a place with a random distance in every direction."""
+    """Return a ring around a place with a random distance in every direction."""
     rng = np.random.default_rng(seed)
     angle = np.arange(corners) * 2 * np.pi / corners
     waves = 3.0 + np.sin(7 * angle + seed) + 0.3 * rng.random(corners)
@@ -22,7 +22,7 @@ def wavy(corners: int, seed: int = 0, at: tuple[float, float] = (0.0, 0.0)) -> n
 
 @settings(max_examples=40, deadline=None)
 @given(st.lists(st.sampled_from(SIZES[:-1]), max_size=90))
-def test_boxes_hold_the_edges_that_they_are_around(sizes):
+def test_boxes_of_rings_and_stretches_are_tight(sizes):
     given_rings = [wavy(size, seed) for seed, size in enumerate(sizes)]
     rings = Rings(given_rings)
     assert len(rings) == len(sizes)
@@ -35,14 +35,14 @@ def test_boxes_hold_the_edges_that_they_are_around(sizes):
         row = first_stretch(k, starts[k])
         assert row >= free_row
         for first in range(0, len(ring), STRETCH):
-            # With the corner that the first edge begins at.
+            # With the corner at which the first edge begins.
             points = ring[np.arange(first - 1, min(first + STRETCH, len(ring)))]
             assert stretches[row].tolist() == [*points.min(axis=0), *points.max(axis=0)]
             row += 1
         free_row = row
 
 
-def test_rings_that_are_added_change_none_that_are_there():
+def test_adding_a_ring_changes_no_other():
     rings = Rings([wavy(40)])
     held, ring = rings.arrays, rings.ring(0)
     before = [array.copy() for array in (held.starts[:2], held.corners[:40], held.boxes[:1])]
@@ -55,12 +55,12 @@ def test_rings_that_are_added_change_none_that_are_there():
 
 
 @pytest.mark.parametrize("corners", SIZES)
-def test_what_lies_in_rings_of_any_length_is_as_shapely_has_it(corners):
+def test_uncovered_agrees_with_shapely_for_long_rings(corners):
     around = [(0.0, 0.0), (2.5, 1.0), (-3.0, 4.0)]
     rings = [wavy(corners, seed, at) for seed, at in enumerate(around)]
     rng = np.random.default_rng(corners)
     segments = rng.uniform(-6.0, 6.0, (60, 4))
-    # Some are upright or level, where boxes are only just missed.
+    # Some are vertical or horizontal, and only just miss the boxes.
     segments[:10, 2], segments[10:20, 3] = segments[:10, 0], segments[10:20, 1]
     rest, source = uncovered(segments, Rings(rings).arrays, np.arange(len(rings)))
     covered = shapely.union_all(shapely.polygons(rings))

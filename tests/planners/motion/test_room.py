@@ -6,14 +6,10 @@ import shapely
 from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
-from multisrt.geometry.bodies.clearance import (
-    disc_clearance,
-    free_travel_polygon,
-    path_clearance,
-    pose_is_inside,
-    rings_of,
-)
+from multisrt.geometry.bodies.clearance import disc_clearance, path_clearance, rings_of
+from multisrt.geometry.bodies.fitting import pose_is_inside
 from multisrt.geometry.bodies.footprint import Footprint
+from multisrt.geometry.bodies.free_travel import free_travel_polygon
 from multisrt.geometry.configuration import Configuration
 from multisrt.planners.motion.body import PlanningBody
 from multisrt.planners.motion.room import Room

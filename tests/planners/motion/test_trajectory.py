@@ -7,8 +7,7 @@ import shapely
 from hypothesis import given
 from hypothesis import strategies as st
 
-from multisrt.geometry.bodies.collision import CollisionWorld, _motion
-from multisrt.geometry.bodies.footprint import Footprint
+from multisrt.geometry.bodies.motion import Motion
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.planners.motion.trajectory import (
@@ -168,8 +167,6 @@ def test_arcs_of_more_than_half_a_circle_are_rejected():
     assert Trajectory((first, Waypoint(1.0, 0.0, 0.0, 6.0))).length_m == 0.0
 
 
-SPOT = CollisionWorld(shapely.box(-1, -1, 1, 1)).body(Footprint.disc(0.1))
-
 turns = st.one_of(st.just(0.0), st.floats(1e-8, math.pi), st.floats(-math.pi, -1e-8))
 numbers = st.floats(-50.0, 50.0)
 steps = st.tuples(st.floats(0.0, 9.0), numbers, numbers, turns)
@@ -178,7 +175,7 @@ steps = st.tuples(st.floats(0.0, 9.0), numbers, numbers, turns)
 @given(numbers, numbers, numbers, numbers, numbers, turns, st.floats(0.0, 1.0))
 def test_arcs_agree_with_collision_checks(x0, y0, heading, x1, y1, turn, fraction):
     a, b = (0.0, x0, y0, heading), (1.0, x1, y1, heading + turn)
-    motion = _motion(SPOT, a[1:], b[1:], b[3] - a[3], arc=True)
+    motion = Motion.between(a[1:], b[1:], b[3] - a[3], arc=True)
     assert leg_pose(a, b, fraction) == pytest.approx(motion.pose(fraction), abs=1e-5)
     assert leg_length(a, b) == pytest.approx(motion.length, abs=1e-6)
     line = shapely.LineString(leg_points(a, b, 0.01))

@@ -34,7 +34,7 @@ from multisrt.geometry.numerics.distances import (
 from multisrt.geometry.numerics.kernel import kernel
 from multisrt.geometry.regions.known_space import KnownSpace
 from multisrt.geometry.regions.safe_region import CONTACT_TOLERANCE_M, LocalSafeRegion
-from multisrt.planners.motion.body import HAIR_M, PlanningBody
+from multisrt.planners.motion.body import MIN_MARGIN_M, PlanningBody
 from multisrt.planners.motion.kinematics import Kinematics
 from multisrt.planners.motion.steering import reach, reach_fan
 from multisrt.planners.viewing import (
@@ -117,7 +117,11 @@ class SrtOptions(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
             ("d_min_m", self.d_min_m is None or 0.0 < self.d_min_m < math.inf, "positive"),
             ("cones", self.cones >= 3, "at least 3"),
             ("contact_tolerance_m", 0.0 <= self.contact_tolerance_m < math.inf, "0 or more"),
-            ("margin_m", 5.0 * HAIR_M <= self.margin_m < math.inf, f"at least {5.0 * HAIR_M:g}"),
+            (
+                "margin_m",
+                5.0 * MIN_MARGIN_M <= self.margin_m < math.inf,
+                f"at least {5.0 * MIN_MARGIN_M:g}",
+            ),
             ("max_views", self.max_views >= 1, "at least 1"),
             ("completion_spacing", 0.0 < self.completion_spacing < math.inf, "positive"),
         ):

@@ -1,1 +1,1 @@
-"""How one robot decides and drives, from what it knows. This room never sees the world."""
+"""How one robot decides and drives, from its own knowledge; nothing here sees the true world."""

@@ -34,11 +34,12 @@ from multisrt.geometry.numerics.distances import (
 from multisrt.geometry.numerics.kernel import kernel
 from multisrt.geometry.regions.known_space import KnownSpace
 from multisrt.geometry.regions.safe_region import CONTACT_TOLERANCE_M, LocalSafeRegion
-from multisrt.planners.motion.body import HAIR_M, PlanningBody
+from multisrt.planners.motion.body import MIN_MARGIN_M, PlanningBody
 from multisrt.planners.motion.kinematics import Kinematics
 from multisrt.planners.motion.steering import reach, reach_fan
 from multisrt.planners.viewing import (
     REFUSALS,
+    Leads,
     Refusal,
     Viewpoint,
     Way,
@@ -116,7 +117,11 @@ class SrtOptions(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
             ("d_min_m", self.d_min_m is None or 0.0 < self.d_min_m < math.inf, "positive"),
             ("cones", self.cones >= 3, "at least 3"),
             ("contact_tolerance_m", 0.0 <= self.contact_tolerance_m < math.inf, "0 or more"),
-            ("margin_m", 5.0 * HAIR_M <= self.margin_m < math.inf, f"at least {5.0 * HAIR_M:g}"),
+            (
+                "margin_m",
+                5.0 * MIN_MARGIN_M <= self.margin_m < math.inf,
+                f"at least {5.0 * MIN_MARGIN_M:g}",
+            ),
             ("max_views", self.max_views >= 1, "at least 1"),
             ("completion_spacing", 0.0 < self.completion_spacing < math.inf, "positive"),
         ):
@@ -237,43 +242,40 @@ class SrtPlanner:
         biased = self.options.frontier_bias
         if biased and not len(frontier):
             return None, draws
-        lengths = np.hypot(frontier[:, 2] - frontier[:, 0], frontier[:, 3] - frontier[:, 1])
-        along, pieces = lengths.cumsum().tolist(), frontier.tolist()
+        arcs = _Arcs(frontier)
         for _ in range(self.options.max_draws):
             draws.drawn += 1
             if biased:
-                # A point uniform over the frontier's length: an arc with probability
-                # proportional to its length, and a uniform point on it.
-                position = rng.random() * along[-1]
-                k = min(bisect_right(along, position), len(along) - 1)
-                t = 1.0 - (along[k] - position) / float(lengths[k])
-                x0, y0, x1, y1 = pieces[k]
-                direction = math.atan2(y0 + t * (y1 - y0) - at.y, x0 + t * (x1 - x0) - at.x)
+                x, y = arcs.random_point(rng)
+                direction = math.atan2(y - at.y, x - at.x)
             else:
                 direction = rng.random() * 2.0 * math.pi
-            ux, uy = math.cos(direction), math.sin(direction)
-            rho = distance_to_boundary(region.boundary, at.x, at.y, ux, uy)
-            wanted = self.options.alpha * rho
-            distance = (
-                reach(self.body, self.kinematics, region.boundary, at, direction, wanted)
-                if wanted >= self.d_min_m
-                else 0.0
-            )
-            x, y = at.x + distance * ux, at.y + distance * uy
-            reason: str | None = None
-            if distance < self.d_min_m:
-                # The body has no room to move; the candidate is recorded where it was drawn.
-                x, y, reason = at.x + wanted * ux, at.y + wanted * uy, "no room"
-            elif nearest_point(others, x, y) < self.d_min_m:
-                reason = "near a node"
-            elif not biased and any(inside(other.boundary, x, y) for other in other_regions):
-                reason = "in another region"
-            elif accept is not None:
+            x, y, reason = self._candidate(at, region, direction, others)
+            if reason is None and not biased:
+                covered = any(inside(other.boundary, x, y) for other in other_regions)
+                reason = "in another region" if covered else None
+            if reason is None and accept is not None:
                 reason = accept(x, y)
             if reason is None:
                 return (x, y), draws
             draws.refuse(x, y, reason)
         return None, draws
+
+    def _candidate(
+        self, at: Configuration, region: LocalSafeRegion, direction: float, others: FloatArray
+    ) -> tuple[float, float, str | None]:
+        """Return the candidate in a direction, and why it is refused; None if it is not."""
+        ux, uy = math.cos(direction), math.sin(direction)
+        rho = distance_to_boundary(region.boundary, at.x, at.y, ux, uy)
+        wanted = self.options.alpha * rho
+        distance = 0.0
+        if wanted >= self.d_min_m:
+            distance = reach(self.body, self.kinematics, region.boundary, at, direction, wanted)
+        if distance < self.d_min_m:
+            # The body has no room to move; the candidate is recorded where it was drawn.
+            return at.x + wanted * ux, at.y + wanted * uy, "no room"
+        x, y = at.x + distance * ux, at.y + distance * uy
+        return x, y, "near a node" if nearest_point(others, x, y) < self.d_min_m else None
 
     def approach(
         self,
@@ -356,7 +358,7 @@ class SrtPlanner:
         known: KnownSpace,
         within_m: float,
         nodes: Sequence[Viewpoint],
-        leads: Callable[[int, float, float], bool] | None = None,
+        leads: Leads | None = None,
         bodies: FloatArray | None = None,
         *,
         past_bodies: bool = False,
@@ -426,6 +428,22 @@ class SrtPlanner:
             it, or at a narrow node.
         """
         return self._ways.may_begin(x, y, half_width_m, nodes)
+
+
+class _Arcs:
+    """The segments of a frontier, from which points are drawn uniformly over their length."""
+
+    def __init__(self, segments: FloatArray) -> None:
+        lengths = np.hypot(segments[:, 2] - segments[:, 0], segments[:, 3] - segments[:, 1])
+        self._segments, self._lengths = segments.tolist(), lengths.tolist()
+        self._along = lengths.cumsum().tolist()
+
+    def random_point(self, rng: Generator) -> tuple[float, float]:
+        position = rng.random() * self._along[-1]
+        k = min(bisect_right(self._along, position), len(self._along) - 1)
+        t = 1.0 - (self._along[k] - position) / self._lengths[k]
+        x0, y0, x1, y1 = self._segments[k]
+        return x0 + t * (x1 - x0), y0 + t * (y1 - y0)
 
 
 @kernel

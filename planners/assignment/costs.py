@@ -58,7 +58,8 @@ class CostOracle(Protocol):
         -------
         (cost, frontier) or None
             None if no path leads to any of them. With a limit, also if the cheapest costs more
-            and was not known before.
+            and was not known before. Of equally cheap ones a table takes the first, a wave the
+            one that it meets first.
         """
         ...
 

@@ -277,7 +277,7 @@ def minimum_matching(bids: ArrayLike, ways: ArrayLike) -> IntArray:
 
     everyone = np.arange(robots)
     columns = linear_sum_assignment(padded)[1]
-    least = float(padded[everyone, columns].sum())
+    lowest = float(padded[everyone, columns].sum())
     for robot in range(robots):
         for frontier in np.argsort(distances[robot], kind="stable").tolist():
             if frontier == columns[robot]:
@@ -285,7 +285,7 @@ def minimum_matching(bids: ArrayLike, ways: ArrayLike) -> IntArray:
             if not finite[robot, frontier] or frontier in columns[:robot]:
                 continue
             tried = _matched_from(padded, columns, robot, frontier)
-            if float(padded[everyone, tried].sum()) <= least + TIE_M:
+            if float(padded[everyone, tried].sum()) <= lowest + TIE_M:
                 columns = tried
                 break
     return np.where(columns < frontiers, columns, UNASSIGNED).astype(np.int64)

@@ -1,1 +1,1 @@
-"""How a body gets from one configuration to another, and how long that takes."""
+"""Kinematics, timed motions, and planning of motions inside known free space."""

@@ -24,10 +24,10 @@ from multisrt.planners.motion.room import ROUNDING_M, Room
 TOUCH_M = 1e-7
 """Distance in metres by which a disc stays off what it already stands next to."""
 
-HAIR_M = 5e-4
+MIN_MARGIN_M = 5e-4
 """Minimum margin in metres, as contact counts as a collision."""
 
-NO_TURN_RAD = 1e-9
+ROUNDING_RAD = 1e-9
 """A turn smaller than this is rounding, in radians."""
 
 
@@ -42,7 +42,7 @@ class PlanningBody:
     footprint : Footprint
         The body.
     margin_m : float
-        Distance in metres to keep from the border of known free space; at least `HAIR_M`.
+        Distance in metres to keep from the border of known free space; at least `MIN_MARGIN_M`.
 
     Attributes
     ----------
@@ -64,14 +64,14 @@ class PlanningBody:
     """
 
     def __init__(self, footprint: Footprint, margin_m: float) -> None:
-        margin_m = max(margin_m, HAIR_M)
+        margin_m = max(margin_m, MIN_MARGIN_M)
         self.footprint = footprint
         self.margin_m = margin_m
         self.is_disc = footprint.is_disc
         self.outer_radius_m = footprint.circumscribed_radius_m
         # Places are chosen with at least this margin and left with less, so that a place once
         # chosen can be left again.
-        self._min_margin = margin_m / 5.0
+        self._place_margin = margin_m / 5.0
         self.roomy_radius_m = self.outer_radius_m + margin_m / 10.0
         self.ample_radius_m = self.outer_radius_m + margin_m
         if not self.is_disc:
@@ -79,7 +79,7 @@ class PlanningBody:
             # Tried in this order: the whole margin, less, and hardly any.
             self._grown = [
                 _offset(outline, margin)
-                for margin in (margin_m, margin_m / 2.0, self._min_margin, HAIR_M)
+                for margin in (margin_m, margin_m / 2.0, self._place_margin, MIN_MARGIN_M)
             ]
 
     def travel(
@@ -117,7 +117,7 @@ class PlanningBody:
             if room > 0.0:
                 break
         if room < limit and outline is self._grown[-1]:
-            room = max(0.0, room - self._min_margin)
+            room = max(0.0, room - self._place_margin)
         return room
 
     def passes(
@@ -190,7 +190,7 @@ class PlanningBody:
         """Return the radius that a disc keeps free on a motion from here."""
         radius = self.outer_radius_m
         room = disc_clearance(boundary, x, y) - TOUCH_M
-        smallest = min(radius + self._min_margin, max(radius, room))
+        smallest = min(radius + self._place_margin, max(radius, room))
         return max(smallest, min(radius + self.margin_m, room))
 
     def room(self, boundary: FloatArray, *places: Configuration) -> Room | None:
@@ -220,7 +220,7 @@ class PlanningBody:
 
     def can_turn(self, boundary: FloatArray, at: Configuration, turn: float) -> bool:
         """Whether the body can turn in place by a signed angle in radians inside a region."""
-        if self.is_disc or abs(turn) < NO_TURN_RAD or self.has_room(boundary, at):
+        if self.is_disc or abs(turn) < ROUNDING_RAD or self.has_room(boundary, at):
             return True
         x, y, heading = at
         return bool(rotation_is_free(boundary, self._grown[-1], x, y, heading, turn))

@@ -13,7 +13,7 @@ from multisrt.geometry.bodies.footprint import Footprint, place
 from multisrt.geometry.numerics.arrays import FloatArray
 from multisrt.planners.motion.trajectory import NO_TURN_RAD, Trajectory, Waypoint, leg_pose
 
-NO_WAY_M = 1e-9
+MIN_LEG_M = 1e-9
 """A leg shorter than this is left out, in metres: distances to such lines are not computable."""
 
 SAGITTA_M = 0.002
@@ -97,7 +97,7 @@ def _of_disc(footprint: Footprint, waypoints: tuple[Waypoint, ...]) -> tuple[Bas
     points = [waypoints[0][1:3]]
     left_out = 0.0
     for a, b in pairwise(waypoints):
-        if math.dist(a[1:3], b[1:3]) < NO_WAY_M:
+        if math.dist(a[1:3], b[1:3]) < MIN_LEG_M:
             continue
         chords, sagitta = _chords(a, b, 0.0)
         left_out = max(left_out, sagitta)

@@ -1,1 +1,1 @@
-"""Reactive driving, following of paths, and who goes first where robots meet."""
+"""Path following, reactive driving, and right of way between robots."""

@@ -14,6 +14,7 @@ import numpy as np
 from multisrt.events import GoalChosen
 from multisrt.geometry.numerics.arrays import FloatArray
 from multisrt.planners.assignment.closest import closest
+from multisrt.planners.assignment.costs import UNASSIGNED
 from multisrt.planners.assignment.greedy import greedy
 from multisrt.planners.assignment.minpos import UNCOUNTED, minpos
 from multisrt.robots.explorer import Action, Note, Outcome
@@ -33,12 +34,13 @@ def choose_closest(robot: FrontierRobot, because: str) -> Choice:
 def choose_greedy(robot: FrontierRobot, because: str) -> Choice:
     """GREEDY: assign frontiers to all robots at increasing cost, up to this robot's own."""
     costs = WavefrontCosts(robot)
-    rounds = greedy(costs, until=costs.row).rounds
-    own = rounds[-1].frontier if rounds and rounds[-1].robot == costs.row else None
-    # The events' rounds: (robot, frontier, utility, share of the largest cost).
-    largest = max((cost for _, _, cost in rounds), default=0.0) or 1.0
-    recorded = tuple((costs.robots[i], j, 1.0, cost / largest) for i, j, cost in rounds)
-    return (yield from settle_on(robot, costs.table(), own, "greedy", because, rounds=recorded))
+    assigned = greedy(costs, until=costs.row)
+    own = int(assigned.assignment[costs.row])
+    choice = None if own == UNASSIGNED else own
+    largest = max((cost for _, _, cost in assigned.rounds), default=0.0) or 1.0
+    # Recorded with utility 1, as all frontiers are equal, and the cost as a share of the largest.
+    rounds = tuple((costs.robots[i], j, 1.0, cost / largest) for i, j, cost in assigned.rounds)
+    return (yield from settle_on(robot, costs.table(), choice, "greedy", because, rounds=rounds))
 
 
 def choose_minpos(robot: FrontierRobot, because: str) -> Choice:

@@ -32,18 +32,18 @@ ROUNDING_M: Final = 1e-6
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class _Prospect:
-    """What one robot knows of all those that bid, itself included.
+    """The goals and positions of all robots that bid, as one of them knows them.
 
     Attributes
     ----------
     robots : tuple of int
         Their ids, ascending.
     goals : (n, 2) array
-        Where each will be when it bids next, in metres.
+        Position in metres from which each robot bids next: its goal, or its place without one.
     rho : (n,) array
-        Remaining path length of each to its goal in metres.
+        Remaining path lengths to these goals in metres.
     places : (n, 2) array
-        Where each is now, in metres.
+        Present positions in metres.
     """
 
     robots: tuple[int, ...]
@@ -93,6 +93,7 @@ def choose_by_self_bidding(robot: FrontierRobot, because: str) -> Choice:
 
 
 def _prospect(robot: FrontierRobot) -> _Prospect:
+    """Collect what is known of the robots that are taken into account."""
     here = robot.at[:2]
     known = {robot.me.robot: (here, 0.0, here)}
     for report in robot.team.present():

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.numerics.rings import Rings
-from multisrt.planners.motion.body import HAIR_M, TOUCH_M, PlanningBody
+from multisrt.planners.motion.body import MIN_MARGIN_M, TOUCH_M, PlanningBody
 
 
 def ring(polygon: shapely.Polygon) -> np.ndarray:
@@ -93,10 +93,10 @@ def test_a_body_outside_the_region_does_not_move():
 
 # A corridor 0.5 m wide: a box of 0.6 x 0.4 m gets along it but cannot turn round. Turned by t it
 # is 0.6 sin t + 0.4 cos t high, which is 0.5 at t = asin(0.25 / 0.36056) - atan(2 / 3) = 0.1781;
-# a little less with the hair's breadth that it keeps to all sides.
+# a little less with the minimum margin on all sides.
 CORRIDOR = ring(shapely.box(0, 0, 10, 0.5))
-CRITICAL = math.asin(0.25 / math.hypot(0.3 + HAIR_M, 0.2 + HAIR_M)) - math.atan2(
-    0.2 + HAIR_M, 0.3 + HAIR_M
+CRITICAL = math.asin(0.25 / math.hypot(0.3 + MIN_MARGIN_M, 0.2 + MIN_MARGIN_M)) - math.atan2(
+    0.2 + MIN_MARGIN_M, 0.3 + MIN_MARGIN_M
 )
 
 
@@ -181,4 +181,4 @@ def test_swept_areas_lie_in_the_region(radii, footprint, heading, direction):
     else:
         swept = footprint.swept(start, Configuration(*way.coords[1], heading))
         assert region.contains(swept)
-        assert swept.distance(region.exterior) >= 0.9 * HAIR_M
+        assert swept.distance(region.exterior) >= 0.9 * MIN_MARGIN_M

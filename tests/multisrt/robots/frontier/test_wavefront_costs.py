@@ -1,0 +1,123 @@
+"""Rules on lazy wavefronts decide as on the full table, over random grids."""
+
+from contextlib import nullcontext
+from types import SimpleNamespace
+
+import numpy as np
+from hypothesis import assume, given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+from multisrt.geometry.grids.distance_field import DistanceField
+from multisrt.planners.assignment.closest import closest
+from multisrt.planners.assignment.costs import DenseCosts
+from multisrt.planners.assignment.greedy import greedy
+from multisrt.planners.assignment.minpos import minpos
+from multisrt.robots.frontier.wavefront_costs import WavefrontCosts, full_table
+
+ROWS, COLUMNS = 12, 15
+
+
+class GridRobot:
+    """Robot 0 of a team on a grid of cells of 1 m, as far as wavefronts are concerned."""
+
+    def __init__(self, passable, cells, targets) -> None:
+        self.passable = passable
+        (row, column), *others = cells
+        self.me = SimpleNamespace(robot=0)
+        self.at = (column + 0.5, row + 0.5, 0.0)
+        self.raster = SimpleNamespace(
+            cell_m=1.0,
+            passable_near=lambda x, y, _: (int(y), int(x)),
+            centre_of=lambda r, c: (c + 0.5, r + 0.5),
+            indices_of=lambda cells: tuple(np.asarray(cells).T),
+        )
+        reports = [
+            SimpleNamespace(robot=k, place=(c + 0.5, r + 0.5, 0.0))
+            for k, (r, c) in enumerate(others, start=1)
+        ]
+        self.team = SimpleNamespace(present=lambda: reports)
+        self.marched: list[DistanceField] = []
+        self._targets = np.array([(c + 0.5, r + 0.5) for r, c in targets]).reshape(-1, 2)
+
+    def around_bodies(self):
+        return nullcontext()
+
+    def look_closer(self, _field):
+        return False
+
+    def targets(self):
+        return self._targets
+
+    def indices_of(self, places):
+        return np.floor(places[:, ::-1]).astype(np.int64)
+
+    def own_field(self):
+        return self.field(*self.at[:2])
+
+    def field(self, x, y):
+        self.marched.append(DistanceField(self.passable, 1.0, [(x, y)]))
+        return self.marched[-1]
+
+
+@st.composite
+def situations(draw):
+    """Return a passable grid, the cells of robots and those of targets, all passable."""
+    cells = st.tuples(st.integers(0, ROWS - 1), st.integers(0, COLUMNS - 1))
+    robots = draw(st.lists(cells, min_size=1, max_size=4))
+    targets = draw(st.lists(cells, max_size=6, unique=True))
+    passable = ~draw(arrays(bool, (ROWS, COLUMNS), elements=st.booleans(), fill=st.just(False)))
+    for cell in (*robots, *targets):
+        passable[cell] = True
+    return passable, robots, targets
+
+
+@given(situations())
+def test_greedy_assigns_as_on_the_full_table(situation):
+    dense = DenseCosts(full_table(GridRobot(*situation)).costs)
+    # Of targets at exactly the same distance a wave finds either first.
+    for row in dense.table:
+        assume(len(np.unique(row[np.isfinite(row)])) == np.isfinite(row).sum())
+    for robot in range(len(situation[1])):
+        lazy = WavefrontCosts(GridRobot(*situation))
+        assert greedy(lazy, until=robot).rounds == greedy(dense, until=robot).rounds
+
+
+@given(situations())
+def test_closest_chooses_as_on_the_full_table(situation):
+    table = full_table(GridRobot(*situation))
+    lazy = WavefrontCosts(GridRobot(*situation), alone=True)
+    choice = closest(lazy, lazy.row)
+    if choice is None:
+        assert not np.isfinite(table.costs[0]).any()
+    else:
+        assert table.costs[0, choice] == table.costs[0].min()
+
+
+@given(situations())
+def test_minpos_chooses_as_on_the_full_table(situation):
+    table = full_table(GridRobot(*situation))
+    # Marching from either end differs by rounding, so that near ties may be decided otherwise.
+    columns = np.sort(table.costs, axis=0)
+    with np.errstate(invalid="ignore"):
+        assume(not (np.diff(columns, axis=0) < 0.5).any())
+    lazy = WavefrontCosts(GridRobot(*situation))
+    assert minpos(lazy, 0).choice == minpos(DenseCosts(table.costs), 0).choice
+
+
+def test_greedy_marches_no_farther_than_needed():
+    # In a corridor of 200 m, robot 0 is 2 m from a target; robot 1, 100 m away, is not asked.
+    corridor = np.ones((1, 200), np.bool_)
+    robot = GridRobot(corridor, [(0, 10), (0, 110)], [(0, 12), (0, 60)])
+    lazy = WavefrontCosts(robot)
+    assert greedy(lazy, until=0).rounds == ((0, 0, 2.0),)
+    (own,) = robot.marched
+    assert np.isfinite(own.reached()).sum() < 10
+
+
+def test_minpos_marches_no_farther_than_needed():
+    # Robot 0 is 2 m from a target, and no other robot can be nearer: no wave runs from there.
+    corridor = np.ones((1, 200), np.bool_)
+    robot = GridRobot(corridor, [(0, 10), (0, 110)], [(0, 12), (0, 60)])
+    assert minpos(WavefrontCosts(robot), 0).choice == 0
+    assert len(robot.marched) == 1

@@ -7,7 +7,7 @@
 >>> print(team.why(robot=2, time_s=31.5))  # doctest: +SKIP
 >>> ms.compare("garden", ["srt-star", "srt-radial"], robots=[1, 2, 4], seeds=20)  # doctest: +SKIP
 
-Everything is imported when it is first used, so that `import multisrt` is quick.
+Names are imported when they are first used, so that ``import multisrt`` is quick.
 """
 
 from __future__ import annotations

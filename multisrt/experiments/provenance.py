@@ -1,4 +1,4 @@
-"""What made results: versions, machine, and a digest of the program."""
+"""Provenance of results: versions, machine, and a digest of the program."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ import msgspec
 
 
 class Provenance(msgspec.Struct, frozen=True, kw_only=True):
-    """What made results.
+    """Versions and machine that made results.
 
     Attributes
     ----------
-    versions : dict
-        Of the packages that matter.
+    versions : dict of str to str
+        Versions of Python and of the packages that results depend on.
     program : str
-        Digest of the source: results that share it were made by one program.
+        Digest of the source; see `program_digest`.
     machine, system : str
-        Processor architecture, and operating system.
+        Processor architecture and operating system.
     """
 
     versions: dict[str, str]
@@ -34,7 +34,7 @@ class Provenance(msgspec.Struct, frozen=True, kw_only=True):
 
 @cache
 def provenance() -> Provenance:
-    """Return what makes results here."""
+    """Return the provenance of results made by this process."""
     packages = ("multisrt", "numpy", "scipy", "shapely", "numba", "ompl", "python-fcl", "simpy")
     return Provenance(
         versions={"python": platform.python_version()} | {p: version(p) for p in packages},

@@ -67,7 +67,7 @@ def main(modules: Sequence[str]) -> None:
             _answer(answers, Unable(str(error)))
         else:
             _answer(answers, Made(result))
-            thrift.look()
+            thrift.tidy()
 
 
 def _own_pipes() -> tuple[IO[bytes], IO[bytes]]:

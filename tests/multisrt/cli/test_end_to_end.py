@@ -101,7 +101,7 @@ def check(run: Run, least_coverage: float) -> None:
 MAPS = ("museum", "apartment", "workshop", "library", "clinic", "cave")
 
 
-def test_all_bundled_maps_are_here():
+def test_all_bundled_maps_are_tested():
     assert set(MAPS) == {entry.name for entry in ms.catalog() if entry.kind == "map"}
     assert set(MAPS) < set(names())
 
@@ -119,7 +119,7 @@ def test_bundled_maps_are_explored(name, strategy, share, seed):
     ("name", "strategy"),
     [("rooms", "srt-star"), ("office", "srt-radial"), ("apartment", "srt-radial")],
 )
-def test_other_bodies(name, strategy, footprint, drive):
+def test_other_bodies_explore(name, strategy, footprint, drive):
     run = ms.explore(
         world(name), strategy=strategy, footprint=footprint, drive=DriveSpec(kind=drive), seed=2
     )
@@ -128,7 +128,7 @@ def test_other_bodies(name, strategy, footprint, drive):
 
 
 @pytest.mark.parametrize("name", ["rooms", "office", "apartment"])
-def test_a_laser(name):
+def test_a_laser_explores(name):
     run = ms.explore(world(name), strategy="srt-radial", beams=720, seed=3)
     check(run, 0.97)
 
@@ -139,7 +139,7 @@ def test_a_laser_of_few_beams_among_sharp_corners(name, seed):
     check(ms.explore(world(name), strategy="srt-radial", beams=360, seed=seed), 0.95)
 
 
-def test_a_laser_and_a_box_and_a_star():
+def test_a_box_with_a_laser_and_star_regions_explores():
     run = ms.explore(
         world("apartment"), strategy="srt-star", beams=720, footprint="box:0.5x0.3", seed=4
     )
@@ -156,13 +156,13 @@ def test_a_laser_and_a_box_and_a_star():
         {"max_draws": 1, "cones": 8},
     ],
 )
-def test_options(options):
+def test_options_of_strategies(options):
     strategy = "srt-star" if "cones" in options else "srt-radial"
     run = ms.explore(world("apartment"), strategy=strategy, options=options, seed=5)
     check(run, 0.90)
 
 
-def test_without_its_later_stages_it_stops_early_but_never_collides():
+def test_without_later_stages_it_stops_but_never_collides():
     run = ms.explore(
         world("office"), options={"approach": False, "complete": False}, seed=1, max_time_s=1e6
     )
@@ -173,7 +173,7 @@ def test_without_its_later_stages_it_stops_early_but_never_collides():
     assert deepest_overlap(run) <= 1e-6
 
 
-def test_the_independent_check_finds_what_touches():
+def test_the_independent_check_detects_contact():
     # The same check on a motion through a wall 0.1 m thick: it has to be able to fail.
     run = ms.explore(Environment("closet", shapely.box(0, 0, 3, 3)), start=(1.0, 1.5))
     assert deepest_overlap(run) == 0.0

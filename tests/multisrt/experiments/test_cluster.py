@@ -76,7 +76,7 @@ def require_all(path: Path, undisturbed: dict[str, str]) -> None:
 
 
 @needs_distributed
-def test_a_worker_of_the_cluster_that_is_killed_costs_nothing(
+def test_killing_a_cluster_worker_loses_no_run(
     path, scheduler, cluster_worker, runner, undisturbed
 ):
     with (
@@ -93,7 +93,7 @@ def test_a_worker_of_the_cluster_that_is_killed_costs_nothing(
 
 
 @needs_distributed
-def test_a_runner_that_is_killed_goes_on_with_the_cluster(
+def test_a_killed_runner_can_continue_on_the_cluster(
     path, scheduler, cluster_worker, runner, undisturbed
 ):
     with cluster_worker():
@@ -110,7 +110,7 @@ def test_a_runner_that_is_killed_goes_on_with_the_cluster(
 
 
 @needs_distributed
-def test_a_scheduler_that_is_lost_is_told(path, runner, ended_at_last):
+def test_losing_the_scheduler_is_reported(path, runner, ended_at_last):
     code = """
 import sys, signal, os
 from distributed import LocalCluster
@@ -137,7 +137,7 @@ if __name__ == "__main__":
 
 
 @needs_distributed
-def test_a_cluster_of_another_program_is_refused(path, scheduler, cluster_worker, runner):
+def test_workers_of_another_version_are_refused(path, scheduler, cluster_worker, runner):
     pretend = """
 import msgspec
 import multisrt.experiments.cluster as cluster
@@ -156,7 +156,7 @@ cluster.provenance = lambda: mine
 
 
 @needs_distributed
-def test_a_cluster_that_does_not_answer_is_told(path, runner):
+def test_a_cluster_that_does_not_answer_is_reported(path, runner):
     address = "tcp://127.0.0.1:1"
     few = "import multisrt.experiments.cluster as cluster; cluster.TIMEOUT_S = 1.0"
     with runner(path, cluster=address, before=few) as process:
@@ -170,7 +170,7 @@ def test_a_cluster_that_does_not_answer_is_told(path, runner):
 @pytest.mark.parametrize(
     "address", ["localhost", "localhost:8786", "tcp://", "tcp://host", "tcp://host:http"]
 )
-def test_what_is_no_address_is_told(path, address):
+def test_bad_addresses_are_refused(path, address):
     with (
         Store.create_or_open(path, SPEC) as store,
         pytest.raises(InvalidInputError, match=rf"like tcp://host:8786, not '{address}'"),
@@ -178,7 +178,7 @@ def test_what_is_no_address_is_told(path, address):
         run_experiment(store, cluster=address)
 
 
-def test_a_cluster_without_its_package_is_told(path, monkeypatch):
+def test_a_missing_distributed_package_is_reported(path, monkeypatch):
     monkeypatch.setitem(sys.modules, "distributed", None)
     with (
         Store.create_or_open(path, SPEC) as store,

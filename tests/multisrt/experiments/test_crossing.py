@@ -52,7 +52,7 @@ def refused(spec: ExperimentSpec, folder: Path | None = None) -> str:
 # Which, and in which order ------------------------------------------------------------------
 
 
-def test_everything_is_crossed_in_the_order_of_the_file():
+def test_choices_are_crossed_in_the_order_of_the_file():
     spec = experiment(
         environments=["open", "museum"], strategies=["srt-star", "minpos"], robots=[2, 1]
     )
@@ -68,7 +68,7 @@ def test_everything_is_crossed_in_the_order_of_the_file():
     ]
 
 
-def test_runs_come_repetition_by_repetition():
+def test_runs_are_ordered_by_repetition():
     spec = experiment(robots=[2, 1], repetitions=3, first_seed=10)
     found = [(run.repetition, run.condition.robots, run.spec.seed) for run in runs(spec)]
     assert found == [(0, 2, 10), (0, 1, 10), (1, 2, 11), (1, 1, 11), (2, 2, 12), (2, 1, 12)]
@@ -83,7 +83,7 @@ def test_runs_come_repetition_by_repetition():
     st.integers(1, 3),
 )
 @settings(max_examples=15, deadline=None, phases=[Phase.explicit, Phase.generate])
-def test_there_is_one_run_for_each_condition_and_repetition(
+def test_there_is_one_run_per_condition_and_repetition(
     environments, strategies, robots, starts, bodies, repetitions
 ):
     spec = experiment(
@@ -136,7 +136,7 @@ def test_labels_are_those_of_tables():
     )
 
 
-def test_blocks_take_from_the_experiment_what_they_do_not_say():
+def test_blocks_inherit_choices_from_the_experiment():
     spec = experiment(
         strategies=["srt-star", "srt-radial"],
         robots=[1, 2],
@@ -151,7 +151,7 @@ def test_blocks_take_from_the_experiment_what_they_do_not_say():
     ]
 
 
-def test_what_several_blocks_ask_for_is_run_once():
+def test_a_condition_of_several_blocks_is_run_once():
     spec = experiment(
         blocks=[
             {"robots": [1, 2], "radios": ["unlimited"]},
@@ -164,7 +164,7 @@ def test_what_several_blocks_ask_for_is_run_once():
     assert len(runs(spec)) == 6
 
 
-def test_exclusions():
+def test_exclusions_by_labels():
     spec = experiment(
         environments=["open", "museum"],
         strategies=["srt-star", "srt-radial"],
@@ -254,7 +254,7 @@ def test_drawn_starts_do_not_depend_on_the_team():
 
 @given(st.integers(0, 10**6), st.integers(2, 6))
 @settings(max_examples=30, deadline=None)
-def test_drawn_faults(seed, robots):
+def test_drawn_faults_are_as_many_as_asked_for(seed, robots):
     late = robots - 2
     faults = {
         "label": "many",
@@ -273,7 +273,7 @@ def test_drawn_faults(seed, robots):
     assert robots <= 4 or made[0] == Death(robot=0, time_s=3.0)
 
 
-def test_who_fails_is_drawn_evenly():
+def test_faulty_robots_are_drawn_uniformly():
     faults = {"label": "one", "silences": 1, "silence_s": 7.0}
     planned = runs(experiment(robots=[3], faults=[faults], repetitions=300))
     who = [fault.robot for run in planned for fault in run.spec.faults]
@@ -284,7 +284,7 @@ def test_who_fails_is_drawn_evenly():
 # Environments -------------------------------------------------------------------------------
 
 
-def test_a_world_for_each_seed():
+def test_seeds_make_one_environment_each():
     spec = experiment(
         environments=[
             {"name": "rooms", "seeds": "3-5"},
@@ -300,7 +300,7 @@ def test_a_world_for_each_seed():
     ]
 
 
-def test_a_world_of_its_own_for_each_repetition():
+def test_a_repetition_seed_makes_another_environment():
     spec = experiment(
         environments=[{"name": "rooms", "seed": "repetition"}, "museum"],
         repetitions=3,
@@ -309,7 +309,7 @@ def test_a_world_of_its_own_for_each_repetition():
     assert [run.spec.environment.seed for run in runs(spec)] == [4, None, 5, None, 6, None]
 
 
-def test_files_are_found_beside_the_experiment_wherever_that_is(tmp_path, monkeypatch):
+def test_paths_are_relative_to_the_experiment_file(tmp_path, monkeypatch):
     one, other = tmp_path / "one", tmp_path / "other"
     (one / "maps").mkdir(parents=True)
     for name in ("maps/room.wkt", "plain"):
@@ -348,7 +348,7 @@ def test_a_name_of_the_catalogue_is_not_a_file(tmp_path):
     assert build_environment(mine.spec.environment).free.equals(shapely.from_wkt(ROOM))
 
 
-def test_a_world_written_out():
+def test_an_environment_given_as_text():
     spec = experiment(environments=[{"name": "hall", "wkt": HALL, "starts": [[1.0, 1.0]]}])
     (run,) = runs(spec)
     assert run.spec.environment == InlineEnvironment(name="hall", wkt=HALL, starts=((1.0, 1.0),))
@@ -360,7 +360,7 @@ def test_a_world_written_out():
 # Teams --------------------------------------------------------------------------------------
 
 
-def test_bodies_that_say_nothing_are_as_the_experiment_says():
+def test_bodies_inherit_drive_and_range_finder():
     said = {
         "drive": {"speed_m_s": 0.8},
         "range_finder": {"range_m": 6.0},
@@ -382,7 +382,7 @@ def test_bodies_that_say_nothing_are_as_the_experiment_says():
     assert pair[0].range_finder.range_m == pair[1].range_finder.range_m == 6.0
 
 
-def test_given_starts_are_taken_in_order():
+def test_given_starts_are_used_in_order():
     places = [[1, 1], [3, 1, 0.5], [5, 1]]
     first, second = runs(experiment(robots=[1, 2], starts=[{"places": places}]))
     assert [robot.start for robot in first.spec.robots] == [(1.0, 1.0)]
@@ -393,7 +393,7 @@ def test_given_starts_are_taken_in_order():
 # Keys ---------------------------------------------------------------------------------------
 
 
-def test_a_key_is_that_of_what_is_said_however_it_is_said():
+def test_equal_specs_have_equal_keys():
     plain = RunSpec(environment=CatalogEnvironment(name="open"))
     wordy = RunSpec(
         environment=CatalogEnvironment(name="open", parameters={}), robots=(RobotSpec(),), seed=0
@@ -529,17 +529,17 @@ def test_a_key_is_that_of_what_is_said_however_it_is_said():
         ),
     ],
 )
-def test_what_cannot_be_is_told(said, told, tmp_path):
+def test_impossible_experiments_are_refused(said, told, tmp_path):
     message = refused(experiment(**said), tmp_path)
     assert told in message
     assert message.startswith(("x: ", "environment "))
 
 
-def test_nothing_named_is_told():
+def test_an_empty_experiment_is_refused():
     assert "there are no runs; name 'environments'" in refused(ExperimentSpec(name="x"))
 
 
-def test_worlds_are_built_once(monkeypatch):
+def test_environments_are_built_once(monkeypatch):
     built = []
 
     def build(spec):

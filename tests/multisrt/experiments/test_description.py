@@ -58,7 +58,7 @@ robots = [4]
 """
 
 
-def test_a_file_that_says_everything():
+def test_a_file_with_every_field():
     spec = ExperimentSpec.from_toml(WHOLE)
     assert spec.environments[1] == EnvironmentChoice(
         name="garden", label="park", parameters={"size_m": 20.0}, seeds="0-2"
@@ -75,7 +75,7 @@ def test_a_file_that_says_everything():
     assert spec.exclude == (Only(robots=1, faults="one dies"),)
 
 
-def test_what_is_left_out_is_the_usual():
+def test_missing_fields_have_their_defaults():
     spec = ExperimentSpec.from_toml('name = "x"')
     assert (spec.robots, spec.starts, spec.radios) == ((1,), ("scattered",), ("unlimited",))
     assert (spec.repetitions, spec.first_seed, spec.recordings) == (20, 0, "failed")
@@ -181,7 +181,7 @@ experiments = st.builds(
 
 @given(experiments)
 @settings(max_examples=60, deadline=None, phases=[Phase.explicit, Phase.generate])
-def test_round_trips(spec):
+def test_round_trips_through_toml_and_json(spec):
     assert ExperimentSpec.from_toml(spec.to_toml()) == spec
     assert ExperimentSpec.from_json(spec.to_json()) == spec
     assert ExperimentSpec.from_dict(json.loads(spec.to_json())) == spec
@@ -249,7 +249,7 @@ START = 'name = "x"\nenvironments = ["open"]\nstrategies = ["srt-star"]\n'
         ('name = "x"\n' + "a" * 16_000_000, "characters, where 16000000 are allowed"),
     ],
 )
-def test_bad_files_are_told_the_place_and_what_would_be_right(text, said):
+def test_errors_name_the_field_and_what_is_allowed(text, said):
     with pytest.raises(InvalidInputError) as error:
         ExperimentSpec.from_toml(text)
     message = str(error.value)
@@ -259,7 +259,7 @@ def test_bad_files_are_told_the_place_and_what_would_be_right(text, said):
 
 
 @pytest.mark.parametrize("text", ["{", b"\xff", '{"name": "x"} {}', "[" * 100_000])
-def test_bad_json(text):
+def test_bad_json_is_refused(text):
     with pytest.raises(InvalidInputError, match=r"^not an experiment: "):
         ExperimentSpec.from_json(text)
 
@@ -311,7 +311,7 @@ def fits(value, node, root):
     return True
 
 
-def test_the_schema_takes_what_is_right():
+def test_the_schema_accepts_valid_files():
     assert fits(tomllib.loads(WHOLE), schema(), schema())
 
 
@@ -329,7 +329,7 @@ def test_the_schema_takes_what_is_right():
         START + 'faults = [{ label = "a", faults = [{ fault = "deth", robot = 0, time_s = 1 }] }]',
     ],
 )
-def test_the_schema_refuses_what_is_wrong(text):
+def test_the_schema_rejects_invalid_files(text):
     assert not fits(tomllib.loads(text), schema(), schema())
     with pytest.raises(InvalidInputError):
         ExperimentSpec.from_toml(text)
@@ -337,7 +337,7 @@ def test_the_schema_refuses_what_is_wrong(text):
 
 @given(experiments)
 @settings(max_examples=30, deadline=None, phases=[Phase.explicit, Phase.generate])
-def test_the_schema_takes_whatever_is_written(spec):
+def test_the_schema_accepts_every_written_experiment(spec):
     assert fits(json.loads(spec.to_json()), schema(), schema())
 
 
@@ -348,7 +348,7 @@ def nodes(part):
         yield from nodes(one)
 
 
-def test_the_schema_is_one_that_editors_of_toml_understand():
+def test_the_schema_is_draft_7():
     made = schema()
     assert made["$schema"] == "http://json-schema.org/draft-07/schema#"
     assert made["type"] == "object"

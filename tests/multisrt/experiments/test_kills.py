@@ -82,7 +82,7 @@ def finish(runner, undisturbed):
     return go_on
 
 
-def test_a_runner_that_is_killed_loses_only_what_was_under_way(path, undisturbed, finish, runner):
+def test_a_killed_runner_loses_only_runs_under_way(path, undisturbed, finish, runner):
     for done in (1, 3):
         with runner(path) as process:
             wait_for(process, done)
@@ -96,7 +96,7 @@ def test_a_runner_that_is_killed_loses_only_what_was_under_way(path, undisturbed
     finish(path)
 
 
-def test_workers_in_the_middle_of_a_run_end_with_their_runner(path, runner):
+def test_workers_end_with_their_runner(path, runner):
     # Long runs: the one that is under way would go on for long.
     spec = msgspec.structs.replace(SPEC, environments=("hospital",), robots=(8,))
     with runner(path, spec) as process:
@@ -108,7 +108,7 @@ def test_workers_in_the_middle_of_a_run_end_with_their_runner(path, runner):
     require_end(workers)
 
 
-def test_a_worker_that_is_killed_costs_nothing(path, finish, runner):
+def test_killing_a_worker_loses_no_run(path, finish, runner):
     with runner(path) as process:
         wait_for(process, 1)
         os.kill(workers_of(process)[0], signal.SIGKILL)
@@ -117,7 +117,7 @@ def test_a_worker_that_is_killed_costs_nothing(path, finish, runner):
     finish(path)
 
 
-def test_an_interrupt_keeps_what_has_ended(path, finish, runner):
+def test_an_interrupt_keeps_finished_runs(path, finish, runner):
     with runner(path) as process:
         wait_for(process, 2)
         workers = workers_of(process)
@@ -132,7 +132,7 @@ def test_an_interrupt_keeps_what_has_ended(path, finish, runner):
 # Full disks ---------------------------------------------------------------------------------
 
 
-def test_a_file_that_may_grow_no_more(path, undisturbed, finish, runner):
+def test_a_file_at_its_size_limit(path, undisturbed, finish, runner):
     # The operating system refuses to write beyond, as it does on a full disk.
     spec = msgspec.structs.replace(SPEC, recordings="none")
 

@@ -55,7 +55,7 @@ class Run:
     >>> import multisrt as ms
     >>> run = ms.explore("open", seed=1)
     >>> run.outcome, run.reason
-    ('complete', 'back at its root, nothing left to explore')
+    ('complete', 'robot 0: every frontier arc is explored or closed')
     >>> run.spec.seed
     1
     >>> run.save_svg("tree.svg")  # doctest: +SKIP

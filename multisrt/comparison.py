@@ -369,7 +369,7 @@ class Drawings(tuple["Picture", ...]):
         return "\n".join(picture.svg.decode() for picture in self)
 
 
-# From keywords to an experiment ---------------------------------------------------------------
+# From keywords to an experiment --------------------------------------------------------------
 
 
 def _experiment(given: Mapping[str, Any]) -> ExperimentSpec:

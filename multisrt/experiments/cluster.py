@@ -168,7 +168,7 @@ def _lost(address: str) -> InvalidInputError:
     )
 
 
-# On the cluster -----------------------------------------------------------------------------
+# On the cluster ------------------------------------------------------------------------------
 
 
 def make_there(job: bytes, expected: bytes, modules: tuple[str, ...]) -> tuple[bytes, bytes | None]:

@@ -29,7 +29,7 @@ MAX_FILE_LENGTH = 16_000_000
 """Longest text that is read as an experiment, in characters."""
 
 FOOTPRINT = RobotSpec().footprint
-"""Body of robots of which nothing else is said."""
+"""Default footprint of all bodies."""
 
 Count = Annotated[int, Meta(ge=1, le=1_000_000)]
 Seed = Annotated[int, Meta(ge=0)]

@@ -70,7 +70,7 @@ def make_run(
             where = world_of(run.spec.environment)
             recording = simulate(run.spec, where)
             metrics, curve = measure_with_curve(recording, where)
-            # Through JSON, as the store does: values it cannot hold, such as infinity, are None.
+            # A value that JSON cannot hold, such as infinity, is an error of this run.
             metrics = msgspec.json.decode(msgspec.json.encode(metrics), type=Metrics)
         status, reason = recording.footer.outcome, recording.footer.reason
     except KeyboardInterrupt:

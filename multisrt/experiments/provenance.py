@@ -95,13 +95,13 @@ def parts_of_the_program() -> list[str]:
 
 @cache
 def _program() -> dict[str, str]:
-    # A file that is imported brings its whole folder: some are loaded by a name in a table.
+    # An imported file stands for its whole folder: some files are loaded by name, from a table.
     top = Path(__file__).parents[1]
     code: dict[str, str] = {}
     parts, waiting = {"simulation"}, ["simulation"]
     while waiting:
         part = waiting.pop()
-        # A link has to be resolved, or nothing would be found below it.
+        # rglob does not descend into a symbolic link.
         folder = (top / part).resolve()
         for path in folder.rglob("*.py") if folder.is_dir() else [top / f"{part}.py"]:
             inner = path.relative_to(folder).as_posix() if folder.is_dir() else ""
@@ -112,7 +112,7 @@ def _program() -> dict[str, str]:
 
 
 def _read(path: Path) -> tuple[str, set[str]]:
-    # A file's code without what only people read, and the parts of this package it imports.
+    """Return the code of a file without docstrings and comments, and the parts it imports."""
     text = path.read_text(encoding="utf-8")
     lines = text.splitlines()
     imported: set[str] = set()

@@ -160,7 +160,7 @@ def _check_options(chosen: Strategy, options: bytes) -> None:
     chosen.parse_options(msgspec.json.decode(options))
 
 
-# Environments ---------------------------------------------------------------------------------
+# Environments --------------------------------------------------------------------------------
 
 
 def _environment(choice: EnvironmentChoice, seed: int, folder: Path | None) -> EnvironmentSpec:
@@ -216,7 +216,7 @@ def _written_out(environment: bytes) -> InlineEnvironment:
     return inline(_world(environment))
 
 
-# Teams and starts -----------------------------------------------------------------------------
+# Teams and starts ----------------------------------------------------------------------------
 
 
 def _team(spec: ExperimentSpec, choices: Choices) -> tuple[RobotSpec, ...]:
@@ -273,7 +273,7 @@ def _drawn(world: bytes, footprint: str, seed: int) -> tuple[float, float, float
     return round(at.x, 3), round(at.y, 3), round(at.heading, 3)
 
 
-# Faults ---------------------------------------------------------------------------------------
+# Faults --------------------------------------------------------------------------------------
 
 
 def _faults(choice: FaultsChoice, robots: int, seed: int) -> tuple[Fault, ...]:

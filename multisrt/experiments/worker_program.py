@@ -1,4 +1,4 @@
-"""The program of a worker: makes runs, one after another, as it is told.
+"""The program of a worker, which makes one run after another.
 
 `python -m multisrt.experiments.worker_program [MODULE ...]` imports the modules, then reads jobs
 from standard input and writes answers to standard output, one JSON object a line (see `job`).

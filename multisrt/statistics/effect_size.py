@@ -19,6 +19,10 @@ SMALL, MEDIUM, LARGE = 0.56, 0.64, 0.71
 def vargha_delaney(a: ArrayLike, b: ArrayLike) -> float:
     """Return the probability that a value of `a` is lower than one of `b`.
 
+    Source: Vargha and Delaney, A critique and improvement of the CL common language effect size
+    statistics of McGraw and Wong, Journal of Educational and Behavioral Statistics 25, 2000;
+    differs in: their A is the probability of being higher, theirs of (b, a) is this of (a, b).
+
     Parameters
     ----------
     a, b : array_like, shapes (n,) and (m,)
@@ -39,10 +43,6 @@ def vargha_delaney(a: ArrayLike, b: ArrayLike) -> float:
     --------
     >>> vargha_delaney([1.0, 2.0], [2.0, 3.0])
     0.875
-
-    Source: Vargha and Delaney, A critique and improvement of the CL common language effect size
-    statistics of McGraw and Wong, Journal of Educational and Behavioral Statistics 25, 2000;
-    differs in: their A is the probability of being higher, theirs of (b, a) is this of (a, b).
     """
     return share_of_wins(sample_of(a, "a"), sample_of(b, "b"))
 

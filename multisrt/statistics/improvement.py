@@ -34,6 +34,8 @@ def probability_of_improvement(
     which that of `a` is better; ties count half. The interval is a percentile bootstrap that draws
     the runs of `a` and of `b` independently within each task.
 
+    Source: Agarwal et al., NeurIPS 2021, section 4.3.
+
     Parameters
     ----------
     a_by_stratum, b_by_stratum : sequence of array_like
@@ -58,8 +60,6 @@ def probability_of_improvement(
     >>> a, b = [[1.0, 2.0, 3.0]], [[2.0, 4.0, 5.0]]
     >>> round(probability_of_improvement(a, b, rng=0).value, 3)
     0.833
-
-    Source: Agarwal et al., NeurIPS 2021, section 4.3.
     """
     a, b = strata_of(a_by_stratum, "a"), strata_of(b_by_stratum, "b")
     if len(a) != len(b):

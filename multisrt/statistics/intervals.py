@@ -76,6 +76,8 @@ def bootstrap(
     All runs have equal weight, so that strata do only if they have equal sizes. A stratum of one
     run adds nothing to the width.
 
+    Source: Agarwal et al., NeurIPS 2021, section 4.1.
+
     Parameters
     ----------
     strata : sequence of array_like, shapes (n_i,)
@@ -109,8 +111,6 @@ def bootstrap(
     3.0
     >>> found.low <= found.value <= found.high
     True
-
-    Source: Agarwal et al., NeurIPS 2021, section 4.1.
     """
     samples = strata_of(strata)
     value = float(statistic(np.concatenate(samples)))
@@ -185,6 +185,9 @@ def drawn_counts(runs: int, resamples: int, rng: np.random.Generator) -> FloatAr
 def wilson(successes: int, count: int, level: float = LEVEL) -> Interval:
     """Return the share of successful runs with Wilson's interval.
 
+    Source: Wilson, Probable inference, the law of succession, and statistical inference, Journal
+    of the American Statistical Association 22, 1927; without correction for continuity.
+
     Parameters
     ----------
     successes, count : int
@@ -207,9 +210,6 @@ def wilson(successes: int, count: int, level: float = LEVEL) -> Interval:
     >>> found = wilson(20, 20)
     >>> found.value, round(found.low, 3), found.high
     (1.0, 0.839, 1.0)
-
-    Source: Wilson, Probable inference, the law of succession, and statistical inference, Journal
-    of the American Statistical Association 22, 1927; without correction for continuity.
     """
     if not 0 <= successes <= count or count < 1:
         raise InvalidInputError(

@@ -41,6 +41,9 @@ def performance_profile(
     A profile above another everywhere is better throughout; a failed run is below no threshold.
     Tasks have equal weight, so that their values should be comparable, such as ratios to a bound.
 
+    Source: Agarwal et al., NeurIPS 2021, section 4.2, run-score distributions; differs in: there
+    higher is better and a profile counts the runs above a threshold.
+
     Parameters
     ----------
     strata : sequence of array_like, shapes (n_i,)
@@ -66,9 +69,6 @@ def performance_profile(
     >>> band = performance_profile([[1.0, 2.0], [1.5, 4.0]], [1.0, 2.0, 4.0], rng=0)
     >>> band.value
     array([0.25, 0.75, 1.  ])
-
-    Source: Agarwal et al., NeurIPS 2021, section 4.2, run-score distributions; differs in: there
-    higher is better and a profile counts the runs above a threshold.
     """
     samples = strata_of(strata)
     at = ascending(thresholds, "thresholds")

@@ -148,6 +148,9 @@ def holm(p_values: ArrayLike) -> FloatArray:
     If adjusted p-values below a level count as significant, the probability of any false positive
     in the family is at most that level, whatever the dependence of the tests.
 
+    Source: Holm, A simple sequentially rejective multiple test procedure, Scandinavian Journal of
+    Statistics 6, 1979.
+
     Parameters
     ----------
     p_values : array_like, shape (n,)
@@ -167,9 +170,6 @@ def holm(p_values: ArrayLike) -> FloatArray:
     --------
     >>> holm([0.01, 0.04, 0.03])
     array([0.03, 0.06, 0.06])
-
-    Source: Holm, A simple sequentially rejective multiple test procedure, Scandinavian Journal of
-    Statistics 6, 1979.
     """
     if np.size(p_values) == 0:
         return np.zeros(0)
@@ -209,6 +209,10 @@ def mark(
 
     Tables with several marks need `corrected` tests.
 
+    Source: Elizondo, Ramírez, Rodriguez and Martínez, Multi-robot Exploration Using Self-Biddings
+    under Constraints on Communication Range, Tables I to V, in which `a` is the proposed method
+    and each cell belongs to a rival `b`; the paper does not name its test.
+
     Parameters
     ----------
     test : RankTest
@@ -232,10 +236,6 @@ def mark(
     --------
     >>> mark(RankTest(p_value=0.01, a_lower=0.9))
     '+'
-
-    Source: Elizondo, Ramírez, Rodriguez and Martínez, Multi-robot Exploration Using Self-Biddings
-    under Constraints on Communication Range, Tables I to V, in which `a` is the proposed method
-    and each cell belongs to a rival `b`; the paper does not name its test.
     """
     if not 0.0 < significance < 1.0:
         raise InvalidInputError(f"a significance must be between 0 and 1, not {significance}")
@@ -244,7 +244,7 @@ def mark(
     return "+" if (test.a_lower > 0.5) == lower_is_better else "-"
 
 
-# Exact distributions with ties ----------------------------------------------------------------
+# Exact distributions with ties ---------------------------------------------------------------
 # Source: Streitberg and Röhmel, Exact distributions for permutation and rank tests: an
 # introduction to some recently published algorithms, Statistical Software Newsletter 12, 1986.
 # Mean ranks of ties are multiples of a half; doubled, all are integers.

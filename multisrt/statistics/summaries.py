@@ -80,6 +80,9 @@ def interquartile_mean(values: FloatArray) -> FloatArray:
     Of n values the ``n // 4`` lowest and as many of the highest are left out; the others have
     equal weight. With fewer than four values it is the mean.
 
+    Source: Agarwal et al., Deep Reinforcement Learning at the Edge of the Statistical Precipice,
+    NeurIPS 2021, section 4.3, as their library rliable computes it.
+
     Parameters
     ----------
     values : ndarray of float, shape (..., n)
@@ -100,9 +103,6 @@ def interquartile_mean(values: FloatArray) -> FloatArray:
     >>> import numpy as np
     >>> float(interquartile_mean(np.array([1.0, 2.0, 4.0, np.inf])))
     3.0
-
-    Source: Agarwal et al., Deep Reinforcement Learning at the Edge of the Statistical Precipice,
-    NeurIPS 2021, section 4.3, as their library rliable computes it.
     """
     refuse_unordered(values, "values of an interquartile mean")
     return np.asarray(stats.trim_mean(values, 0.25, axis=-1))

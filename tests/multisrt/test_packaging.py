@@ -16,7 +16,7 @@ SETUP = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["setuptools
 
 
 def folders_of_packages() -> set[str]:
-    """What a package is: a folder with an __init__.py; links are followed by their own names."""
+    """Return all packages: folders with an __init__.py, linked ones under `multisrt`."""
     found = set()
     for top in ("multisrt", *ROOMS):
         prefix = "" if top == "multisrt" else "multisrt."

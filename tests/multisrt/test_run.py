@@ -54,7 +54,7 @@ def run() -> Run:
 
 def test_the_defaults_are_those_of_the_specs(spec_of):
     assert spec_of(ROOM) == RunSpec(environment=inline(ROOM))
-    # None says nothing, whatever the keyword.
+    # None is the same as not given, for every keyword.
     names = set(inspect.signature(explore).parameters)
     keywords = names - {"environment", "recording_path", "watch"}
     assert spec_of(ROOM, **dict.fromkeys(keywords)) == RunSpec(environment=inline(ROOM))
@@ -181,7 +181,7 @@ def test_impossible_runs_are_refused(given, said):
         {"radio": RadioSpec()},
         {"faults": [1]},
         {"seed": 1},
-        # Defaults, too: who says something means it.
+        # Defaults that are given explicitly count as given.
         {"seed": 0},
         {"range_m": 4.0},
     ],

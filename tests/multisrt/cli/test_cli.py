@@ -140,7 +140,7 @@ def test_stalled_is_exit_code_3(call):
 def test_a_body_too_wide_for_a_door_is_reported(call):
     code, out, err = call("explore", "narrow.wkt", "--start", "1,1", "--range", "3")
     assert err == ""
-    # It gives up the door as too narrow; of the other room it sees what its range allows.
+    # The door is too narrow to pass; the other room is seen as far as the range allows.
     assert code == 0
     explorable = float(re.search(r"covered .* of ([\d.]+) m2 explorable", out)[1])
     free = float(re.search(r"free space +([\d.]+) m2", out)[1])

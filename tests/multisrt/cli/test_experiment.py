@@ -1,4 +1,4 @@
-"""`multisrt experiment` as a person uses it."""
+"""The commands of `multisrt experiment`."""
 
 import json
 import os
@@ -45,7 +45,7 @@ def folder(tmp_path, monkeypatch) -> Path:
 
 @pytest.fixture
 def call(folder, monkeypatch, capsys):
-    """Run a command as a person would; give exit code, standard output and error."""
+    """Run a command; return exit code, standard output and standard error."""
 
     def run(*words: str):
         monkeypatch.setattr(sys, "argv", ["multisrt", "experiment", *words])
@@ -70,7 +70,7 @@ def made(run, status="complete", **said) -> Result:
 
 @pytest.fixture
 def fake_runs(monkeypatch):
-    """Make no runs: they end as is said here, by repetition."""
+    """Make no runs: results have the status given here for their repetition."""
     said = {"status": {}, "stop": None, "lost": None, "calls": []}
 
     def run_experiment(store, *, workers, cluster, modules, progress):
@@ -86,7 +86,7 @@ def fake_runs(monkeypatch):
     return said
 
 
-# New ----------------------------------------------------------------------------------------
+# New -----------------------------------------------------------------------------------------
 
 
 def test_new_writes_an_experiment_and_its_schema(call, folder):
@@ -120,7 +120,7 @@ def test_the_template_writes_the_defaults():
         robots=spec.robots,
     )
     assert spec == plain
-    # Every field is there, or shown.
+    # Every field is set, or shown in a comment.
     for name in ExperimentSpec.__struct_fields__:
         assert re.search(rf"^(# )?(\[*){name}\b", template.TEMPLATE, re.MULTILINE), name
 
@@ -134,7 +134,7 @@ def test_examples_in_the_template_are_valid(folder):
     rest = re.split(r"\n(?=# \[\[exclude)", text)[0]
     for element, line in shown:
         if "plan.png" in element:
-            continue  # a picture, which there is none of
+            continue  # there is no such image
         name = line.partition(" = ")[0]
         if element:
             plain = {"environments": ["open"], "strategies": ["srt-star"], "name": "x"}
@@ -211,7 +211,7 @@ def test_bad_input_is_reported_in_one_line(words, told, call, folder):
     assert sorted(folder.iterdir()) == there
 
 
-# Check --------------------------------------------------------------------------------------
+# Check ---------------------------------------------------------------------------------------
 
 
 def test_check_lists_the_conditions(call):
@@ -275,7 +275,7 @@ def test_check_warns_of_impossible_runs(call, folder):
     assert all("200 robots" in line and "fit at the start" in line for line in warnings)
 
 
-# Run ----------------------------------------------------------------------------------------
+# Run -----------------------------------------------------------------------------------------
 
 
 def test_run_stores_results_and_prints_them(call, folder, monkeypatch):
@@ -303,7 +303,7 @@ def test_incomplete_runs_are_exit_code_3(call, folder, fake_runs):
     assert out.count("repetition 1: so it is") == 4
     assert "--retry repeats runs that failed without a result" in out
     assert fake_runs["calls"] == [{"workers": 3, "cluster": None, "modules": ()}]
-    # Again, there is nothing to do; with --retry there is.
+    # Nothing is left to do, except with --retry.
     fake_runs["status"] = {}
     assert call("run", "small.toml", "--store", "r.sqlite", "--quiet") == (3, "", "")
     code, out, _ = call("run", "small.toml", "--store", "r.sqlite", "--retry")
@@ -371,7 +371,7 @@ def test_an_experiment_in_another_folder(call, folder, fake_runs, monkeypatch):
 
 
 def test_run_with_real_workers(folder):
-    """Workers of their own, interrupted by a person, going on to the same results."""
+    """Interrupt worker processes from the keyboard, and continue to the same results."""
     command = [sys.executable, "-m", "multisrt.cli", "experiment", "run", "small.toml"]
     (folder / "small.toml").write_text(SMALL.replace("repetitions = 2", "repetitions = 200"))
     first = subprocess.Popen(
@@ -411,7 +411,7 @@ def _done(path: Path) -> bool:
         return False  # not there yet
 
 
-# What a person sees meanwhile ---------------------------------------------------------------
+# Progress ------------------------------------------------------------------------------------
 
 
 def progress(done, made, elapsed_s, failed=0):

@@ -1,4 +1,4 @@
-"""From an experiment to its runs: which there are, in which order, and that they are paired."""
+"""Conditions and runs of experiments: their number, order, pairing and specs."""
 
 import shutil
 from itertools import pairwise
@@ -49,7 +49,7 @@ def refused(spec: ExperimentSpec, folder: Path | None = None) -> str:
     return message
 
 
-# Which, and in which order ------------------------------------------------------------------
+# Conditions and their order ------------------------------------------------------------------
 
 
 def test_choices_are_crossed_in_the_order_of_the_file():
@@ -193,7 +193,7 @@ def test_a_team_is_excluded_by_its_label_or_its_size():
             assert labels(spec, "robots", "team") == left
 
 
-# Paired -------------------------------------------------------------------------------------
+# Pairing -------------------------------------------------------------------------------------
 
 RICH = {
     "environments": ["museum", {"name": "rooms", "seed": "repetition"}],
@@ -218,12 +218,12 @@ def test_repetitions_are_paired_over_strategies():
     for strategies in met.values():
         assert set(strategies) == {"srt-star", "minpos", "other"}
         assert len(set(strategies.values())) == 1
-    # Another repetition is another draw.
+    # Every repetition draws anew.
     for environment, starts, faults, repetition in met:
         if repetition == 0:
             first = met[environment, starts, faults, 0]["minpos"]
             second = met[environment, starts, faults, 1]["minpos"]
-            # A cluster that is not drawn stands where the museum suggests, whatever the seed.
+            # Clusters that are not drawn start where the museum suggests, with every seed.
             same = (environment, starts) == ("museum", "clustered")
             assert (first[1] == second[1]) == same
             assert (first[0] == second[0]) == (environment == "museum")
@@ -247,7 +247,7 @@ def test_drawn_starts_do_not_depend_on_the_team():
     assert len(set(places)) == 20
     museum = build_environment(CatalogEnvironment(name="museum"))
     assert all(museum.clearance(x, y) > 0.25 for x, y, _ in places)
-    # Both halves of the world are met.
+    # Starts fall into both halves of the environment.
     west, east = museum.bounds[0], museum.bounds[2]
     assert {x > (west + east) / 2 for x, _, _ in places} == {True, False}
 
@@ -281,7 +281,7 @@ def test_faulty_robots_are_drawn_uniformly():
     assert all(70 <= who.count(robot) <= 130 for robot in range(3))
 
 
-# Environments -------------------------------------------------------------------------------
+# Environments --------------------------------------------------------------------------------
 
 
 def test_seeds_make_one_environment_each():
@@ -321,7 +321,7 @@ def test_paths_are_relative_to_the_experiment_file(tmp_path, monkeypatch):
     assert [run.key for run in here] == [run.key for run in there]
     assert len({run.key for run in here}) == 2
     assert here[0].condition.environment == "room"
-    # The world is written out: a recording is the same wherever the file is.
+    # The environment is written out: recordings do not depend on the file's path.
     assert [run.spec for run in here] == [run.spec for run in there]
     world = build_environment(FileEnvironment(path=str(one / "maps" / "room.wkt")))
     assert build_environment(here[0].spec.environment) == world
@@ -331,7 +331,7 @@ def test_paths_are_relative_to_the_experiment_file(tmp_path, monkeypatch):
     assert key_of(from_file) == here[0].key
     monkeypatch.chdir(one)
     assert [run.key for run in runs(spec)] == [run.key for run in here]
-    # Another world in it is another run, also if it was read before.
+    # A changed file is another run, even if the file was read before.
     (one / "maps" / "room.wkt").write_text(HALL)
     assert not {run.key for run in runs(spec, one)} & {run.key for run in there}
 
@@ -357,7 +357,7 @@ def test_an_environment_given_as_text():
     assert starts_of(run.spec, world)[0][:2] == (1.0, 1.0)
 
 
-# Teams --------------------------------------------------------------------------------------
+# Teams ---------------------------------------------------------------------------------------
 
 
 def test_bodies_inherit_drive_and_range_finder():
@@ -390,7 +390,7 @@ def test_given_starts_are_used_in_order():
     assert second.condition.starts == "given"
 
 
-# Keys ---------------------------------------------------------------------------------------
+# Keys ----------------------------------------------------------------------------------------
 
 
 def test_equal_specs_have_equal_keys():
@@ -409,7 +409,7 @@ def test_equal_specs_have_equal_keys():
     assert all(a != b for a, b in pairwise(sorted(keys)))
 
 
-# What cannot be -----------------------------------------------------------------------------
+# Errors --------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""Experiment files: what they say, what is wrong with them, and what editors are told."""
+"""Experiment files: fields, errors, and the schema for editors."""
 
 import json
 import math
@@ -82,7 +82,7 @@ def test_missing_fields_have_their_defaults():
     assert spec == ExperimentSpec(name="x")
 
 
-# Round trips --------------------------------------------------------------------------------
+# Round trips ---------------------------------------------------------------------------------
 
 words = st.text(st.characters(codec="utf-8", exclude_categories=("Cc", "Cs")), max_size=10)
 labels = words.filter(bool)
@@ -187,7 +187,7 @@ def test_round_trips_through_toml_and_json(spec):
     assert ExperimentSpec.from_dict(json.loads(spec.to_json())) == spec
 
 
-# What is wrong ------------------------------------------------------------------------------
+# Errors --------------------------------------------------------------------------------------
 
 START = 'name = "x"\nenvironments = ["open"]\nstrategies = ["srt-star"]\n'
 
@@ -264,11 +264,11 @@ def test_bad_json_is_refused(text):
         ExperimentSpec.from_json(text)
 
 
-# What editors are told ----------------------------------------------------------------------
+# Schema --------------------------------------------------------------------------------------
 
 
 def fits(value, node, root):
-    """Whether a value keeps to a schema: of draft 7, as much as ours makes use of."""
+    """Whether a value is valid under a schema of draft 7, as far as ours uses it."""
     if "$ref" in node:
         return fits(value, root["definitions"][node["$ref"].removeprefix("#/definitions/")], root)
     if not all(fits(value, one, root) for one in node.get("allOf", ())):
@@ -354,7 +354,7 @@ def test_the_schema_is_draft_7():
     assert made["type"] == "object"
     references = {node["$ref"] for node in nodes(made) if isinstance(node.get("$ref"), str)}
     assert references == {f"#/definitions/{name}" for name in made["definitions"]}
-    # Nothing stands beside a reference, where it would not be seen; no default that TOML lacks.
+    # Nothing beside a reference, where draft 7 ignores it; no default null, which TOML lacks.
     assert all(len(node) == 1 for node in nodes(made) if isinstance(node.get("$ref"), str))
     assert not [node for node in nodes(made) if "default" in node and node["default"] is None]
 

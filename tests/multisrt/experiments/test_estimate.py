@@ -1,4 +1,4 @@
-"""Estimates from a few runs, where what runs take is known."""
+"""Estimates from a few runs whose computing times are known."""
 
 import math
 from itertools import count
@@ -29,7 +29,7 @@ def cost(condition, power: float = 0.7) -> float:
 
 
 class Machine:
-    """Makes runs that take as long as said, by a clock of its own."""
+    """Makes runs of given computing times, on a clock of its own."""
 
     def __init__(self, monkeypatch, power=0.7, noise=0.0, scale=1.0):
         self.now, self.power, self.noise, self.scale = 0.0, power, noise, scale

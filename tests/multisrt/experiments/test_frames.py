@@ -1,4 +1,4 @@
-"""Results as rows: what they hold, and files that are written wholly or not at all."""
+"""Results as tables: data frames, CSV and Parquet files."""
 
 import csv
 import math
@@ -41,7 +41,7 @@ def made() -> Result:
 
 @pytest.fixture
 def path(tmp_path, made):
-    """Three of four runs: one that was made, one without all its times, one that crashed."""
+    """Three of four runs: one complete, one without some times, one crashed."""
     one, two, three, _ = runs(SPEC)
     short = msgspec.structs.replace(made.metrics, exploration_time_s=None, beyond_range_m=None)
     with Store.create_or_open(tmp_path / "results.sqlite", SPEC) as store:
@@ -93,7 +93,7 @@ def test_a_frame_has_a_row_for_each_run(path, made):
 
 
 def test_every_scalar_metric_is_a_column():
-    # Found by looking at a value, and not at the types.
+    # Determined from values, not from annotated types.
     (run, *_) = runs(SPEC)
     metrics = make_run(run, Limits()).metrics
     plain = {n: v for n, v in msgspec.to_builtins(metrics).items() if isinstance(v, (int, float))}
@@ -146,7 +146,7 @@ def test_load_results_is_public(path):
     assert len(ms.load_results(path)) == 3
 
 
-# What cannot be -----------------------------------------------------------------------------
+# Errors --------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("name", ["out.xlsx", "out", "csv"])

@@ -29,7 +29,7 @@ class NoOptions(msgspec.Struct, frozen=True):
 
 @pytest.fixture
 def register(monkeypatch):
-    """Registers a strategy that does something instead of exploring, for one test."""
+    """Register a strategy that calls a function instead of exploring, for one test."""
 
     def add(does):
         strategy = Strategy(
@@ -46,7 +46,7 @@ def planned(**fields) -> PlannedRun:
     return runs(ExperimentSpec(**given))[0]
 
 
-# What comes out -----------------------------------------------------------------------------
+# Results -------------------------------------------------------------------------------------
 
 
 def test_a_run_equals_simulate_and_measure():
@@ -112,7 +112,7 @@ def test_a_run_contains_the_environment_of_a_file(tmp_path):
     assert make_run(run, ENOUGH).digest == there.digest != ""
 
 
-# What goes wrong ----------------------------------------------------------------------------
+# Failures ------------------------------------------------------------------------------------
 
 
 def test_impossible_specs_are_refused():
@@ -234,7 +234,7 @@ def test_limits_end_with_the_run(register):
     assert all(a != b for a, b in zip(within[0], before, strict=True))
 
 
-# Recordings ---------------------------------------------------------------------------------
+# Recordings ----------------------------------------------------------------------------------
 
 
 def test_recordings_are_kept_on_request(tmp_path):

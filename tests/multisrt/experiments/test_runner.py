@@ -96,7 +96,7 @@ MISCHIEF = """
 
 @pytest.fixture
 def mischief(tmp_path, monkeypatch):
-    """A module of strategies that do what none should."""
+    """Name of a module whose strategies misbehave."""
     (tmp_path / "mischief.py").write_text(textwrap.dedent(MISCHIEF))
     monkeypatch.chdir(tmp_path)
     monkeypatch.syspath_prepend(tmp_path)
@@ -118,7 +118,7 @@ def but_for_the_computer(result: Result) -> Result:
     return msgspec.structs.replace(result, computing_s=0.0, wall_s=0.0, memory_mb=0.0)
 
 
-# Running ------------------------------------------------------------------------------------
+# Running -------------------------------------------------------------------------------------
 
 
 def test_results_do_not_depend_on_the_workers(path, undisturbed):
@@ -154,7 +154,7 @@ def test_progress_is_reported_and_stored_runs_skipped(path, undisturbed):
 
 @pytest.mark.parametrize("recordings", ["all", "failed", "none"])
 def test_recordings_are_kept_as_specified(path, recordings):
-    # With this stop rule two robots of repetition 0 are done in time, one is not.
+    # With this stop rule two robots finish repetition 0 in time, one does not.
     stop = msgspec.structs.replace(SPEC.stop, max_time_s=300.0)
     spec = msgspec.structs.replace(SPEC, recordings=recordings, stop=stop, repetitions=1)
     with Store.create_or_open(path, spec) as store:
@@ -214,7 +214,7 @@ def test_jobs_contain_environments_from_files(tmp_path):
     assert here.status == "complete"
 
 
-# Runs that misbehave ------------------------------------------------------------------------
+# Runs that misbehave -------------------------------------------------------------------------
 
 
 def test_failing_runs_do_not_affect_others(path, mischief):
@@ -253,7 +253,7 @@ def worker(mischief):
 
 def test_compiled_code_is_ended_by_the_kernel(worker):
     result = worker.make(job("hang_in_c", computing_s=1.0))
-    # The regular expressions of some versions of Python heed signals, those of others do not.
+    # Regular expressions handle signals in some versions of Python, in others not.
     assert result.status == "over_time"
     assert result.reason in ("not done after 1 s of computing", "not done after 6 s of computing")
     assert worker.make(job()).status == "complete"
@@ -276,7 +276,7 @@ def test_workers_return_memory_after_runs(worker):
 )
 def test_workers_trim_fragmented_memory(worker):
     much = worker.make(job("scatter")).memory_mb
-    # What a run took is its own: that of the run before is not counted again.
+    # Memory of the run before is not counted again.
     assert worker.make(job()).memory_mb < much - 500.0
 
 
@@ -340,7 +340,7 @@ def test_a_worker_can_be_stopped_in_the_middle_of_a_run(worker, tmp_path):
         worker.make(job())
 
 
-# What workers are ---------------------------------------------------------------------------
+# Provenance and start of workers -------------------------------------------------------------
 
 
 def test_a_worker_of_another_version_is_refused():

@@ -40,14 +40,14 @@ def result_of(run, status="complete", **fields) -> Result:
 
 @pytest.fixture
 def filled(path):
-    """A store in which the first three runs have results."""
+    """Path of a store in which the first three runs have results."""
     with Store.create_or_open(path, SPEC) as store:
         for run in store.missing()[:3]:
             store.add(result_of(run))
     return path
 
 
-# Keeping results ----------------------------------------------------------------------------
+# Storing results -----------------------------------------------------------------------------
 
 
 def test_results_are_read_back_unchanged(path):
@@ -145,7 +145,7 @@ def test_partial_recordings_are_removed(path):
         assert not part.exists()
 
 
-# Going on -----------------------------------------------------------------------------------
+# Continuing ----------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -197,7 +197,7 @@ def test_repetitions_follow_a_new_first_seed(path):
 def test_another_experiment_is_refused(filled, less, said):
     with pytest.raises(InvalidInputError, match=rf"another experiment: .*\(what differs: {said}\)"):
         Store.create_or_open(filled, changed(**less))
-    with Store.create_or_open(filled, SPEC) as store:  # it is as it was, and free
+    with Store.create_or_open(filled, SPEC) as store:  # unchanged, and not locked
         assert store.done == 3
 
 
@@ -222,7 +222,7 @@ def test_higher_limits_repeat_runs_that_exceeded_them(filled):
         Store.create_or_open(filled, SPEC)
 
 
-# What is refused ----------------------------------------------------------------------------
+# Errors --------------------------------------------------------------------------------------
 
 
 def doctored(path, statement, *values):
@@ -303,7 +303,7 @@ def test_results_of_another_version_are_not_continued(filled, old, new, said):
     )
     with pytest.raises(InvalidInputError, match=rf"made by another program \({said}"):
         Store.create_or_open(filled, SPEC)
-    with Store.open(filled) as store:  # to look at they are as good as ever
+    with Store.open(filled) as store:  # reading them is allowed
         assert store.done == 3
 
 
@@ -332,7 +332,7 @@ def test_a_full_database_is_reported_and_stays_sound(filled):
         with pytest.raises(
             InvalidInputError, match=r"the disk is full; .*the same command continues"
         ):
-            any(map(store.add, results))  # all, as it gives nothing
+            any(map(store.add, results))  # `add` returns None: all are added
         done = store.done
         assert 3 <= done < 16
     with Store.create_or_open(filled, SPEC) as store:

@@ -25,7 +25,7 @@ samples = st.lists(numbers, min_size=1, max_size=30).map(np.array)
 
 
 def within_binomial_bounds(successes: int, experiments: int, probability: float) -> bool:
-    """Whether so many could well be by chance: all but one case in ten thousand."""
+    """Whether a count is within 99.99 % of its binomial distribution."""
     low, high = stats.binom(experiments, probability).interval(0.9999)
     return bool(low <= successes <= high)
 
@@ -69,7 +69,7 @@ class TestSummaries:
         [
             ([5.0], 5.0),
             ([5.0, 1.0, 9.0], 5.0),
-            # One of five is cut off at each end, two of eight.
+            # One of five is left out at each end, two of eight.
             ([100.0, 2.0, 3.0, 4.0, 1.0], 3.0),
             ([8.0, 7.0, 6.0, 5.0, 4.0, 3.0, 2.0, 1.0], 4.5),
             ([1.0, 2.0, 3.0, 4.0, 5.0, 6.0, INF, INF], 4.5),
@@ -80,7 +80,7 @@ class TestSummaries:
         assert interquartile_mean(np.array(values)) == expected
 
     def test_interquartile_mean_of_all_tasks_is_that_of_rliable(self):
-        # Agarwal et al.: all runs of all tasks in one heap, a quarter cut off at both ends.
+        # Agarwal et al.: all runs of all tasks together, a quarter left out at both ends.
         scores = np.random.default_rng(1).normal(size=(10, 6))
         heap = np.sort(scores, axis=None)
         expected = heap[15:45].sum() / 30
@@ -136,7 +136,7 @@ class TestBootstrap:
         values = np.array([1.0, 2.0, 4.0, 8.0, 9.0])
         everything = statistic(np.array(list(itertools.product(values, repeat=5))))
         found = bootstrap([values], statistic, level=0.8, resamples=20_000, rng=3)
-        # Whichever quantile is estimated, it lies between its neighbours a hundredth away.
+        # An estimated quantile lies between those of shares 0.01 lower and higher.
         for end, share in ((found.low, 0.1), (found.high, 0.9)):
             assert np.quantile(everything, share - 0.01) <= end
             assert end <= np.quantile(everything, share + 0.01)
@@ -208,7 +208,7 @@ class TestBootstrap:
 
     def test_coverage_of_means_agrees_with_theory(self):
         # Of n normal values, the percentile interval is nearly m ± 1.96 s sqrt((n - 1) / n²):
-        # it holds the truth as often as Student's t with n - 1 degrees lies within the like.
+        # its coverage is the probability of Student's t with n - 1 degrees within that.
         rng = np.random.default_rng(16)
         expected = 1.0 - 2.0 * stats.t.sf(stats.norm.isf(0.025) * math.sqrt(19 / 20), 19)
         held = 0
@@ -222,7 +222,7 @@ class TestBootstrap:
         rng = np.random.default_rng(17)
         held = 0
         for _ in range(500):
-            # Two tasks around the same centre, one of which scatters more.
+            # Two tasks with the same centre and different variances.
             strata = [rng.normal(0.0, 1.0, 20), rng.normal(0.0, 3.0, 20)]
             found = bootstrap(strata, interquartile_mean, resamples=300, rng=rng)
             held += found.low <= 0.0 <= found.high
@@ -244,7 +244,7 @@ class TestBootstrap:
         counts = drawn_counts(4, 3000, np.random.default_rng(18))
         assert counts.shape == (3000, 4)
         assert (counts.sum(axis=1) == 4).all()
-        # How often one run is drawn: four times at one chance in four.
+        # Each run is drawn with probability 1/4 in each of four draws.
         seen = [np.count_nonzero(counts[:, 0] == k) for k in range(5)]
         expected = 3000 * stats.binom(4, 0.25).pmf(range(5))
         assert stats.chisquare(seen, expected).pvalue > 0.001

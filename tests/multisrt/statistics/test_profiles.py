@@ -40,7 +40,7 @@ class TestProfile:
         ]
         band = performance_profile(list(scores), thresholds, rng=4)
         assert band.value == pytest.approx(1.0 - np.array(above))
-        # Seen from where higher is better: at least tau, which is not below.
+        # Where higher is better, "at least tau" is the complement of "below".
         mirrored = performance_profile(list(-scores), -thresholds[::-1], rng=4)
         below = [(scores < tau).mean() for tau in thresholds[::-1]]
         assert mirrored.value == pytest.approx(1.0 - np.array(below))

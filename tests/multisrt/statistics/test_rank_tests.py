@@ -13,7 +13,7 @@ from multisrt.statistics.rank_tests import RankTest, corrected, holm, mark, pair
 
 INF = math.inf
 
-# Few values, so that ties abound; 9 stands for a run that failed.
+# Few distinct values, for many ties; 9 stands for a failed run.
 coarse = st.integers(0, 9).map(lambda value: INF if value == 9 else float(value))
 small_samples = st.lists(coarse, min_size=1, max_size=5)
 pairs = st.lists(st.tuples(coarse, coarse), min_size=1, max_size=6)
@@ -21,12 +21,12 @@ p_values = st.lists(st.floats(0.0, 1.0), max_size=20)
 
 
 def wins(a, b) -> float:
-    """Couples in which the value of `a` is lower, ties half."""
+    """Return the number of pairs in which the value of `a` is lower, ties as half."""
     return sum((x < y) + 0.5 * (x == y) for x in a for y in b)
 
 
 def p_of_all_allotments(a, b) -> float:
-    """Of all ways to say which of the values are `a`'s, the share as far out as what was seen."""
+    """Return the p-value by enumeration of all assignments of the values to `a`."""
     pool = [*a, *b]
     seen, results = wins(a, b), []
     for chosen in itertools.combinations(range(len(pool)), len(a)):
@@ -38,7 +38,7 @@ def p_of_all_allotments(a, b) -> float:
 
 
 def p_of_all_signs(a, b) -> float:
-    """Of all ways to swap the pairs that differ, the share as far out as what was seen."""
+    """Return the p-value by enumeration of all swaps of the pairs that differ."""
     d = [y - x for x, y in zip(a, b, strict=True) if x != y]
     ranks = [0.5 + sum((abs(y) < abs(x)) + 0.5 * (abs(y) == abs(x)) for y in d) for x in d]
     seen = sum(rank for rank, x in zip(ranks, d, strict=True) if x > 0)
@@ -126,13 +126,13 @@ class TestPaired:
 
     def test_a_failed_run_has_the_largest_difference(self):
         # Ranks 1 and 2 for b, 3.5 twice for a: 7 or more come from both 3.5 with any of the others,
-        # 4 of the 16 sets of signs.
+        # 4 of the 16 sign vectors.
         found = paired([5, 7, 1, 2], [4, 5, INF, INF])
         assert found.a_lower == 0.7
         assert found.p_value == 0.5
 
     def test_five_pairs_of_the_same_sign(self):
-        # One of 32 sets of signs at each end, with ties and with an equal pair beside.
+        # One of 32 sign vectors at each end, with ties and with an additional equal pair.
         expected = RankTest(p_value=2 / 32, a_lower=1.0)
         assert paired([1, 2, 3, 4, 5], [2, 4, 6, 8, 10]) == expected
         assert paired([1, 2, 3, 4, 5, 7], [2, 3, 4, 5, 6, 7]) == expected
@@ -153,7 +153,7 @@ class TestPaired:
         rng = np.random.default_rng(6)
         d = rng.integers(1, 9, 50) * np.where(rng.random(50) < 0.65, 1.0, -1.0)
         counted = paired(np.zeros(50), d).p_value
-        # Two of each pair make scipy approximate: z grows by the root of two.
+        # With every pair doubled scipy approximates: z grows by the square root of two.
         twice = stats.wilcoxon(np.tile(d, 2)).pvalue
         expected = 2.0 * stats.norm.sf(stats.norm.isf(twice / 2.0) / math.sqrt(2.0))
         assert counted == pytest.approx(expected, rel=0.1)
@@ -198,7 +198,7 @@ def test_bad_samples_are_refused(test, bad, words):
 
 class TestHolm:
     def test_by_hand(self):
-        # Smallest times 4, then times 3 and times 2, never below the one before: 0.06 holds on.
+        # Smallest times 4, then times 3 and 2, never below the one before: 0.06 is kept.
         given_, expected = [0.01, 0.04, 0.03, 0.005], [0.03, 0.06, 0.06, 0.02]
         assert holm(given_) == pytest.approx(expected)
 
@@ -274,10 +274,10 @@ class TestMark:
 
 
 class TestFalsePositives:
-    """Experiments without a difference: how often a mark says that there is one."""
+    """Rate of marks in experiments without a difference."""
 
     EXPERIMENTS = 1000
-    # No more than this in all but one of ten thousand such series.
+    # 99.99 % quantile of the number of false positives.
     MOST = int(stats.binom(EXPERIMENTS, 0.05).ppf(0.9999))
 
     @staticmethod
@@ -309,7 +309,7 @@ class TestFalsePositives:
         marks = [mark(test(runs(rng), runs(rng))) for _ in range(self.EXPERIMENTS)]
         wrong = self.EXPERIMENTS - marks.count("")
         assert wrong <= self.MOST
-        # A test that finds nothing would be of no use: these are near the level.
+        # The rate is near the level: a test without power would be useless.
         assert wrong >= 0.02 * self.EXPERIMENTS
         low, high = stats.binom(wrong, 0.5).interval(0.9999)
         assert low <= marks.count("+") <= high
@@ -323,7 +323,7 @@ class TestFalsePositives:
             with_holm += any(mark(test) for test in corrected(tests))
         assert with_holm <= self.MOST
         assert with_holm >= 0.02 * self.EXPERIMENTS
-        # Five cells, each wrong nearly one time in twenty.
+        # Five cells, each with a rate near 5 %.
         assert plain >= 3 * with_holm
 
     def test_a_real_difference_is_found(self):
@@ -340,7 +340,7 @@ class TestEffectSize:
             ([1, 2], [3, 4], 1.0),
             ([3, 4], [1, 2], 0.0),
             ([1, 2], [1, 2], 0.5),
-            # Couples: 1 < 2, 1 < 4, 3 > 2, 3 < 4.
+            # Pairs: 1 < 2, 1 < 4, 3 > 2, 3 < 4.
             ([1, 3], [2, 4], 0.75),
             ([1, INF], [INF], 0.75),
             ([1, INF], [2, INF], 0.625),

@@ -358,11 +358,23 @@ class ExperimentSpec(_Part, frozen=True, kw_only=True, omit_defaults=True):
     recordings: Literal["none", "failed", "all"] = "failed"
 
     def to_toml(self) -> str:
-        """Return the experiment as TOML, without fields that have their default."""
+        """Return the experiment as TOML.
+
+        Returns
+        -------
+        str
+            The text, without fields that have their default.
+        """
         return msgspec.toml.encode(self).decode()
 
     def to_json(self) -> str:
-        """Return the experiment as JSON, without fields that have their default."""
+        """Return the experiment as JSON.
+
+        Returns
+        -------
+        str
+            The text, indented, without fields that have their default.
+        """
         return msgspec.json.format(msgspec.json.encode(self), indent=2).decode()
 
     @classmethod

@@ -39,7 +39,18 @@ class Measure:
     digits: int = 1
 
     def of(self, result: Result) -> float | None:
-        """Return the value of a run, or None if it has none."""
+        """Return the value of a run.
+
+        Parameters
+        ----------
+        result : Result
+            The run.
+
+        Returns
+        -------
+        float or None
+            The value; None if the run was not measured or has no such value.
+        """
         if result.metrics is None:
             return None
         value = self.get(result.metrics)

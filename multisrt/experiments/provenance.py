@@ -34,7 +34,13 @@ class Provenance(msgspec.Struct, frozen=True, kw_only=True):
 
 @cache
 def provenance() -> Provenance:
-    """Return the provenance of results made by this process."""
+    """Return the provenance of results made by this process.
+
+    Returns
+    -------
+    Provenance
+        Versions, program and machine.
+    """
     packages = ("multisrt", "numpy", "scipy", "shapely", "numba", "ompl", "python-fcl", "simpy")
     return Provenance(
         versions={"python": platform.python_version()} | {p: version(p) for p in packages},

@@ -107,10 +107,27 @@ class Results:
         return iter(self.results)
 
     def conditions(self) -> list[Condition]:
-        """Return the conditions that have results, in the experiment's order."""
+        """Return the conditions that have results.
+
+        Returns
+        -------
+        list of Condition
+            The conditions, in the experiment's order.
+        """
         return list(dict.fromkeys(result.condition for result in self.results))
 
     def of(self, condition: Condition) -> list[Result]:
-        """Return the results of a condition, sorted by repetition."""
+        """Return the results of a condition.
+
+        Parameters
+        ----------
+        condition : Condition
+            The condition.
+
+        Returns
+        -------
+        list of Result
+            Its results, sorted by repetition; empty if there are none.
+        """
         found = [result for result in self.results if result.condition == condition]
         return sorted(found, key=lambda result: result.repetition)

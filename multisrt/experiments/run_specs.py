@@ -124,6 +124,16 @@ def forget_worlds() -> None:
 def written_out(environment: FileEnvironment) -> InlineEnvironment:
     """Return an environment from a file as an inline one.
 
+    Parameters
+    ----------
+    environment : FileEnvironment
+        The file.
+
+    Returns
+    -------
+    InlineEnvironment
+        The environment that the file holds.
+
     Raises
     ------
     InvalidInputError
@@ -135,7 +145,18 @@ def written_out(environment: FileEnvironment) -> InlineEnvironment:
 def is_file(choice: EnvironmentChoice, folder: Path | None = None) -> bool:
     """Whether an environment is a file, not a name of the catalogue.
 
-    A name of the catalogue means that environment; ``./office`` is a file of the same name.
+    Parameters
+    ----------
+    choice : EnvironmentChoice
+        The choice. A name of the catalogue means that environment; ``./office`` is a file of the
+        same name.
+    folder : Path, optional
+        Folder in which a name without suffix is looked for.
+
+    Returns
+    -------
+    bool
+        Whether the name is a path.
     """
     name = choice.name
     if name in names():

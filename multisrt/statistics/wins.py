@@ -25,5 +25,16 @@ def win_table(a: FloatArray, b: FloatArray) -> FloatArray:
 
 
 def share_of_wins(a: FloatArray, b: FloatArray) -> float:
-    """Return the mean of `win_table`: the share of pairs in which `a` is lower, ties as half."""
+    """Return the share of pairs in which the value of `a` is lower.
+
+    Parameters
+    ----------
+    a, b : ndarray of float, shapes (n,) and (m,)
+        Values of runs.
+
+    Returns
+    -------
+    float
+        The mean of `win_table`, from 0 to 1; ties count half.
+    """
     return float(win_table(a, b).sum() / (a.size * b.size))

@@ -159,6 +159,8 @@ def test_a_complete_radio(spec_of):
         ({"robots": 1, "starts": []}, "0 starts for 1 robots"),
         ({"starts": []}, "at least one robot, not 0"),
         ({"robots": []}, "at least one robot"),
+        ({"robots": 2.5}, r"a number or a sequence of RobotSpec, not 2\.5"),
+        ({"robots": "two"}, r"robots\[0\] is 't'"),
         ({"robots": [RobotSpec(), "disc:0.3"]}, r"robots\[1\] is 'disc:0.3'"),
         ({"start": (1, 1), "starts": [(1, 1)]}, "not both"),
         ({"starts": "anywhere"}, "anywhere"),

@@ -1,13 +1,13 @@
-"""SRT-Star against SRT-Radial over worlds, team sizes and seeds, on all cores.
+"""SRT-Star against SRT-Radial over environments, team sizes and seeds, on all cores.
 
-`python examples/compare_star_radial.py` prints a table and leaves a figure; it takes a minute.
+`python examples/compare_star_radial.py` prints a table and writes a figure; it takes a minute.
 """
 
 import multisrt as ms
 
 
 def main(environments=("apartment", "open"), robots=(1, 2, 4), seeds=5, folder="out/examples"):
-    """Print the table, and draw it."""
+    """Compare the strategies; print a table of exploration times and draw it."""
     found = ms.compare(environments, ["srt-star", "srt-radial"], robots=robots, seeds=seeds)
     print(found.table("exploration_time_s"))
     found.plot("exploration_time_s").save(folder)

@@ -1,7 +1,6 @@
-"""A team in which a robot dies, one falls silent for a while, and one comes late.
+"""A team in which one robot dies, one falls silent for a while and one starts late.
 
-`python examples/faults.py` tells what became of it, and why a robot did what it did; it leaves
-the picture.
+`python examples/faults.py` lists the faults, explains a robot's decision and writes a picture.
 """
 
 from pathlib import Path
@@ -17,7 +16,7 @@ FAULTS = (
 
 
 def main(environment="apartment", folder="out/examples"):
-    """Explore with four robots and three faults."""
+    """Explore with four robots and three faults; list what happened."""
     run = ms.explore(environment, robots=4, faults=FAULTS, seed=1)
     print(run)
     for event in run.recording.events:

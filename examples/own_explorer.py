@@ -1,6 +1,6 @@
-"""An explorer of one's own: it goes to the nearest frontier, and back along its tree.
+"""A new explorer: it drives to the nearest frontier, and back along its tree.
 
-`python examples/own_explorer.py` checks it, explores a world with it and leaves a picture.
+`python examples/own_explorer.py` checks it, explores an environment and writes a picture.
 """
 
 from pathlib import Path
@@ -19,14 +19,14 @@ from multisrt.testing import check_explorer
 
 
 class Options(msgspec.Struct, frozen=True, kw_only=True):
-    """How far the body stays away from what it has not seen, and from other robots."""
+    """Distances (m) that the body keeps from unseen space and from other robots."""
 
     margin_m: float = 0.02
     guard_m: float = 0.1
 
 
 class NearestFrontier:
-    """An explorer for bodies that are discs, with any drive that is no car."""
+    """An explorer for disc-shaped bodies with a differential or holonomic drive."""
 
     def __init__(self, me, options):
         self.me, self.options, self.at = me, options, me.start
@@ -34,7 +34,7 @@ class NearestFrontier:
         self.map = ExplorationMap(reach_m=me.range_m, shortest_arc_m=me.footprint.width_m)
 
     def run(self):
-        """Extend the tree where a frontier is near by; where none is, go back to the parent."""
+        """Extend the tree towards the nearest frontier; without one, return to the parent."""
         here, is_free = None, True
         while is_free:
             scan = yield Sense()
@@ -47,7 +47,7 @@ class NearestFrontier:
         yield Done(complete=False, reason="another robot stays in its way")
 
     def add(self, scan, parent):
-        """Add a node to the tree, and put it on record."""
+        """Add a node to the tree and record it."""
         region, name = local_safe_region(scan, "radial"), NodeId(self.me.robot, len(self.map))
         node = Node(
             id=name, configuration=self.at, region=region, parent=parent, time_s=scan.time_s
@@ -57,7 +57,7 @@ class NearestFrontier:
         return name
 
     def nearest_frontier(self, here):
-        """Give the place nearest to any frontier, of those where nobody has been yet."""
+        """Return the point nearest to a frontier at which there is no node yet, or None."""
         region, frontier = self.map[here].region.boundary, self.map.frontier(here)
         for place in towards(frontier, region, self.at, self.body, self.me.range_m):
             if not self.map.near(*place, self.body.outer_radius_m):
@@ -65,7 +65,7 @@ class NearestFrontier:
         return None
 
     def go(self, x, y):
-        """Turn and drive; where another robot is in the way, try again some time later."""
+        """Turn and drive; wait and retry while another robot is in the way."""
         for _ in range(20):
             way = turn_and_drive(self.me.kinematics, self.at, x, y)
             moved = yield Move(trajectory=way, guard_m=self.options.guard_m)
@@ -77,7 +77,7 @@ class NearestFrontier:
 
 
 def towards(frontier, region, at, body, range_m):
-    """Give places straight from here that lie nearer to some frontier, the nearest first."""
+    """Return points in a straight line from here, sorted by distance to a frontier."""
     angle = np.linspace(0.0, 2.0 * np.pi, 72)
     way = np.column_stack([np.cos(angle), np.sin(angle)])
     way *= body.disc_fan(region, at, angle, range_m)[:, None]
@@ -98,7 +98,7 @@ NEAREST_FRONTIER = ms.Strategy(
 
 
 def main(environment="apartment", folder="out/examples"):
-    """Check the explorer, explore a world with it, and leave the tree."""
+    """Check the explorer, explore an environment with it and draw its tree."""
     print(check_explorer(NEAREST_FRONTIER))
     ms.register(NEAREST_FRONTIER)
     run = ms.explore(environment, strategy="nearest-frontier", seed=1)

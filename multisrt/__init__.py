@@ -1,13 +1,15 @@
-"""Multi-robot exploration of unknown planar worlds.
+"""Multi-robot exploration of unknown planar environments.
 
 >>> import multisrt as ms
->>> run = ms.explore(ms.environment("office"), strategy="srt-radial", seed=1)  # doctest: +SKIP
->>> run.metrics.coverage, run.save_svg("tree.svg")  # doctest: +SKIP
+>>> run = ms.explore("open", strategy="srt-radial", seed=1)
+>>> run.outcome
+'complete'
 >>> team = ms.explore("museum", robots=4, starts="clustered", seed=1)  # doctest: +SKIP
+>>> team.save_svg("trees.svg")  # doctest: +SKIP
 >>> print(team.why(robot=2, time_s=31.5))  # doctest: +SKIP
 >>> ms.compare("garden", ["srt-star", "srt-radial"], robots=[1, 2, 4], seeds=20)  # doctest: +SKIP
 
-Everything is imported when it is first used, so that `import multisrt` is quick.
+Names are imported when they are first used, so that ``import multisrt`` is quick.
 """
 
 from __future__ import annotations

@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import msgspec
-import shapely
 
 from multisrt.environments.environment import Environment
 from multisrt.experiments.description import (
@@ -28,6 +27,7 @@ from multisrt.experiments.runner import run_experiment
 from multisrt.experiments.store import Store
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.reporting.layout import Table
+from multisrt.simulation.worlds import inline
 from multisrt.spec import RadioSpec
 
 if TYPE_CHECKING:
@@ -87,7 +87,8 @@ def compare(
     name : str, optional
         Title of reports; "comparison" by default.
     recordings : {"none", "failed", "all"}, optional
-        Which recordings are kept beside `store`; "none" by default.
+        Which recordings are kept beside `store`; "none" by default. An `ExperimentSpec` with its
+        default "failed" keeps none if there is no `store`.
     workers : int, optional
         Number of processes on this machine; one for each core by default.
     cluster : str, optional
@@ -369,7 +370,7 @@ class Drawings(tuple["Picture", ...]):
         return "\n".join(picture.svg.decode() for picture in self)
 
 
-# From keywords to an experiment ---------------------------------------------------------------
+# From keywords to an experiment --------------------------------------------------------------
 
 
 def _experiment(given: Mapping[str, Any]) -> ExperimentSpec:
@@ -413,11 +414,8 @@ def _repetitions(seeds: object) -> dict[str, int]:
 
 def _environment(given: object) -> object:
     if isinstance(given, Environment):
-        return EnvironmentChoice(
-            name=given.name,
-            wkt=shapely.to_wkt(given.free, rounding_precision=-1),
-            starts=given.starts,
-        )
+        written = inline(given)
+        return EnvironmentChoice(name=written.name, wkt=written.wkt, starts=written.starts)
     return str(given) if isinstance(given, Path) else given
 
 

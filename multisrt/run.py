@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import operator
+from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import Any, Literal
@@ -56,7 +57,7 @@ class Run:
     >>> import multisrt as ms
     >>> run = ms.explore("open", seed=1)
     >>> run.outcome, run.reason
-    ('complete', 'back at its root, nothing left to explore')
+    ('complete', 'robot 0: every frontier arc is explored or closed')
     >>> run.spec.seed
     1
     >>> run.save_svg("tree.svg")  # doctest: +SKIP
@@ -360,14 +361,14 @@ def _run_fields(given: Mapping[str, Any]) -> dict[str, Any]:
             )
         fields["starts"] = starts
     robots = given.get("robots")
-    if robots is None or isinstance(robots, int):
-        fields["robots"] = _equal_robots(given)
-    else:
+    if isinstance(robots, Iterable):
         fields["robots"] = _own_robots(robots, given)
+    else:
+        fields["robots"] = _equal_robots(given)
     return fields
 
 
-def _own_robots(robots: Sequence[object], given: Mapping[str, Any]) -> tuple[RobotSpec, ...]:
+def _own_robots(robots: Iterable[object], given: Mapping[str, Any]) -> tuple[RobotSpec, ...]:
     named = ["start", "footprint", "range_m", "beams", "drive"]
     if not isinstance(given.get("starts"), str):
         named.append("starts")
@@ -403,7 +404,13 @@ def _start_configurations(given: Mapping[str, Any]) -> list[Sequence[float] | No
     places = None if starts is None or isinstance(starts, str) else list(starts)
     if start is not None and places is not None:
         raise InvalidInputError("give start for a single robot, or starts for a team, not both")
-    robots: int = given.get("robots", 1 if places is None else len(places))
+    robots = given.get("robots", 1 if places is None else len(places))
+    try:
+        robots = operator.index(robots)
+    except TypeError:
+        raise InvalidInputError(
+            f"robots is a number or a sequence of RobotSpec, not {robots!r}"
+        ) from None
     if robots < 1:
         raise InvalidInputError(f"a team has at least one robot, not {robots}")
     if start is not None:

@@ -1,4 +1,4 @@
-"""A line on the terminal that tells a person how far something is that takes long."""
+"""A progress line on the terminal."""
 
 from __future__ import annotations
 
@@ -8,23 +8,23 @@ from typing import Any, Self
 
 
 class LiveLine:
-    """What is being done, a bar and a note; nothing where there is no terminal.
+    """An activity, a bar and a note, as a context manager; hidden without a terminal.
 
     Parameters
     ----------
     shown : bool
-        Whether to show it on a terminal.
+        Whether to show the line if standard error is a terminal.
     what : str
-        What is being done at first.
+        The activity at first.
     note : str
-        What stands behind the bar at first.
+        The note at first, behind the bar.
     counted : bool
-        Whether the bar tells how many of how many, and not a percentage.
+        Whether the bar shows "3/8" instead of a percentage.
 
     Attributes
     ----------
     shown : bool
-        Whether anybody sees it.
+        Whether the line is shown.
     """
 
     def __init__(
@@ -63,10 +63,10 @@ class LiveLine:
             self._bar.stop()
 
     def say(self, note: str) -> None:
-        """Write a note behind the bar."""
+        """Change the note behind the bar."""
         self.update(note=note)
 
-    def update(self, **said: Any) -> None:
-        """Change what it shows: `description`, `total`, `completed`, `note`."""
+    def update(self, **shown: Any) -> None:
+        """Change `description`, `total`, `completed` or `note`."""
         if self._bar is not None:
-            self._bar.update(self._task, **said)
+            self._bar.update(self._task, **shown)

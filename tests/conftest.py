@@ -1,4 +1,4 @@
-"""What all tests share."""
+"""Settings and fixtures for all tests."""
 
 import importlib.util
 import signal
@@ -9,18 +9,18 @@ from types import ModuleType
 import pytest
 from hypothesis import settings
 
-# The same examples in every run, and no clock: tests fail for what the code does.
+# The same examples in every run and no deadlines: failures are reproducible.
 settings.register_profile("repeatable", derandomize=True, deadline=None, database=None)
 settings.load_profile("repeatable")
 
-# A shell has what it runs in the background ignore interrupts; tests interrupt what they start.
+# Shells let background processes ignore interrupts; tests interrupt the processes they start.
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 @pytest.fixture(scope="session")
 def worlds() -> ModuleType:
-    """The worlds of tests/geometry/worlds.py, which no import path reaches in importlib mode."""
+    """The module tests/geometry/worlds.py, which cannot be imported in importlib mode."""
     name = "multisrt_test_worlds"
     if name not in sys.modules:
         path = Path(__file__).parent / "geometry" / "worlds.py"

@@ -21,7 +21,7 @@ def load(name):
     return module
 
 
-def test_an_explorer_of_ones_own(monkeypatch, tmp_path, capsys):
+def test_own_explorer_is_checked_and_explores(monkeypatch, tmp_path, capsys):
     known = dict(registry._registry())
     monkeypatch.setattr(registry, "_registry", lambda: known)
     load("own_explorer").main(folder=tmp_path)
@@ -31,7 +31,7 @@ def test_an_explorer_of_ones_own(monkeypatch, tmp_path, capsys):
     assert (tmp_path / "own_explorer.svg").read_text().count("<path") > 10
 
 
-def test_robustness_is_a_hundred_runs_of_every_strategy():
+def test_robustness_has_a_hundred_runs_of_every_strategy():
     experiment = ExperimentSpec.from_toml((EXAMPLES / "robustness.toml").read_text())
     planned = runs(experiment)
     names = [strategy.name for strategy in registry.strategies()]
@@ -39,7 +39,7 @@ def test_robustness_is_a_hundred_runs_of_every_strategy():
     assert all(run.spec.faults for run in planned)
 
 
-def test_an_explorer_has_less_than_forty_lines():
+def test_own_explorer_has_fewer_than_forty_lines():
     text = (EXAMPLES / "own_explorer.py").read_text()
     tree = ast.parse(text)
     explorer = next(n for n in tree.body if isinstance(n, ast.ClassDef) and n.name != "Options")
@@ -50,7 +50,7 @@ def test_an_explorer_has_less_than_forty_lines():
     assert sum(bool(text.splitlines()[k - 1].strip()) for k in lines) < 40
 
 
-def test_the_faults(tmp_path, capsys):
+def test_faults_reports_every_fault(tmp_path, capsys):
     load("faults").main(folder=tmp_path)
     told = capsys.readouterr().out
     for what in ("robot 1: Died", "robot 2: FellSilent", "robot 3: Joined", "takes 1 as lost"):
@@ -60,7 +60,7 @@ def test_the_faults(tmp_path, capsys):
 
 
 @pytest.mark.parametrize("name", ["own_explorer"])
-def test_an_example_runs_as_a_file(name, tmp_path):
+def test_examples_run_as_scripts(name, tmp_path):
     run = subprocess.run(
         [sys.executable, EXAMPLES / f"{name}.py"], cwd=tmp_path, capture_output=True, check=False
     )

@@ -63,9 +63,10 @@ def show(
         out = Path(f"{Path(environment).stem}.svg")
     save_environment_svg(world, out)
     x0, y0, x1, y1 = world.bounds
+    parts = len(world.free.geoms)
     click.echo(
         f"{world.name}: {x1 - x0:.4g} x {y1 - y0:.4g} m, {world.area_m2:.4g} m2 free, "
-        f"{len(world.free.geoms)} component(s), {len(world.edges)} edges"
+        f"{parts} component{'s' * (parts != 1)}, {len(world.edges)} edges"
     )
     for entry in catalog():
         if entry.name == environment and entry.parameters:

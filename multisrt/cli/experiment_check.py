@@ -167,10 +167,11 @@ def _print_estimate(found: Estimate, conditions: int, workers: int | None) -> No
     from multisrt.experiments.runner import cores
 
     number = workers or cores()
-    told = [duration(s / number) for s in (found.computing_s, found.low_s, found.high_s)]
+    times = [duration(s / number) for s in (found.computing_s, found.low_s, found.high_s)]
     tried = len(found.probes)
     click.echo(
-        f"estimate: {told[0]} with {number} worker{'s' * (number != 1)} ({told[1]} to {told[2]})\n"
+        f"estimate: {times[0]} with {number} worker{'s' * (number != 1)} "
+        f"({times[1]} to {times[2]})\n"
         f"  from one run each of {tried} of {conditions} conditions, in {duration(found.took_s)}"
         + ("; the others from their labels" if tried < conditions else "")
     )

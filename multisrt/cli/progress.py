@@ -38,6 +38,11 @@ class Progress(LiveLine):
             The run.
         world : Environment
             Its environment.
+
+        Returns
+        -------
+        callable or None
+            The callback, for `simulate`.
         """
         if not self.shown:
             return None

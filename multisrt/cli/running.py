@@ -38,7 +38,18 @@ class Running:
 
 
 def running_options(command: Callable[..., None]) -> Callable[..., None]:
-    """Add --workers, --cluster, --retry and --quiet, passed on as one `running`."""
+    """Add the options --workers, --cluster, --retry and --quiet to a command.
+
+    Parameters
+    ----------
+    command : callable
+        The command, which takes a keyword `running` of type `Running` instead of them.
+
+    Returns
+    -------
+    callable
+        The command with its options.
+    """
 
     @wraps(command)
     def with_running(

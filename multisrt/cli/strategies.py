@@ -21,6 +21,7 @@ def strategies(name: str | None) -> None:
     """
     import msgspec
 
+    from multisrt.experiments.schema import documented_attributes
     from multisrt.robots.registry import broken_strategies, strategy
     from multisrt.robots.registry import strategies as all_strategies
 
@@ -37,23 +38,8 @@ def strategies(name: str | None) -> None:
     listed = table("option", "default", "description")
     meanings: dict[str, str] = {}
     for kind in reversed(chosen.options.__mro__):
-        meanings |= _documented_attributes(kind.__doc__ or "")
+        meanings |= documented_attributes(kind.__doc__ or "")
     for field in msgspec.structs.fields(chosen.options):
         default = str(field.default).lower() if field.default in (True, False) else field.default
         listed.add_row(field.name, str(default), meanings.get(field.name, ""))
     show(listed)
-
-
-def _documented_attributes(docstring: str) -> dict[str, str]:
-    """Return the "Attributes" section of a numpydoc docstring, by attribute."""
-    lines = docstring.partition("Attributes")[2].splitlines()[2:]
-    meanings: dict[str, str] = {}
-    name = ""
-    for line in lines:
-        stripped = line.strip()
-        if " : " in line and len(line) - len(line.lstrip()) <= 4:
-            name = stripped.split(" : ")[0]
-            meanings[name] = ""
-        elif name:
-            meanings[name] = f"{meanings[name]} {stripped}".strip()
-    return meanings

@@ -40,7 +40,11 @@ def print_summary(runs: list[Run], folders: list[Path]) -> None:
         click.echo(run.outcome)
         click.echo(f"  {run.reason}")
     _print_reach(runs[0])
-    rows = [_rows(run, alone=len(runs) == 1) for run in runs]
+    scans = {_scans(run) for run in runs}
+    nodes = (
+        "nodes or scans" if len(scans) > 1 else "informative scans" if True in scans else "nodes"
+    )
+    rows = [_rows(run, nodes, alone=len(runs) == 1) for run in runs]
     columns = [">value"] if len(runs) == 1 else [f">{run.spec.strategy}" for run in runs]
     measures = table("measure", *columns)
     for name in dict.fromkeys(name for row in rows for name in row):
@@ -58,12 +62,12 @@ def _print_reach(run: Run) -> None:
     if m.explorable_area_m2 < MIN_EXPLORABLE * m.free_area_m2:
         bodies = ", ".join(dict.fromkeys(robot.footprint for robot in run.spec.robots))
         click.echo(
-            f"  the body {bodies} gets only to where {m.explorable_area_m2:.1f} "
-            f"of {m.free_area_m2:.1f} m2 of free space can be seen"
+            f"  with the body {bodies} only {m.explorable_area_m2:.1f} of {m.free_area_m2:.1f} m2 "
+            "of free space are explorable"
         )
 
 
-def _rows(run: Run, alone: bool) -> Rows:
+def _rows(run: Run, nodes: str, alone: bool) -> Rows:
     m = run.metrics
     team = len(run.spec.robots) > 1
     x, y, _ = run.recording.starts[0]
@@ -74,16 +78,14 @@ def _rows(run: Run, alone: bool) -> Rows:
             if alone
             else {"covered": f"{m.coverage:.2%}", "explorable": f"{m.explorable_area_m2:.1f} m2"}
         ),
-        "free space of the world": f"{m.free_area_m2:.1f} m2",
-        "map known complete at": _seconds(m.exploration_time_s),
-        _end(run): _seconds(m.makespan_s),
+        "free space": f"{m.free_area_m2:.1f} m2",
+        "exploration time": _seconds(m.exploration_time_s),
+        "makespan": _seconds(m.makespan_s),
         "90, 95, 99 % covered at": _times(m.time_to_90_s, m.time_to_95_s, m.time_to_99_s),
-        "no run can be shorter than": _seconds(m.lower_bound_s),
+        "lower bound of the time": _seconds(m.lower_bound_s),
         "distance": f"{m.total_distance_m:.1f} m",
         **(_team_rows(run) if team else {}),
-        ("scans that showed something new" if _scans(run) else "nodes"): _counted(
-            m.nodes, {} if _scans(run) else m.nodes_by_stage
-        ),
+        nodes: _counted(m.nodes, {} if _scans(run) else m.nodes_by_stage),
         "frontier arcs given up": _counted(sum(m.arcs_closed.values()), m.arcs_closed),
         "collisions": str(m.collisions),
         "smallest clearance": f"{m.smallest_clearance_m:.3f} m",
@@ -94,10 +96,10 @@ def _team_rows(run: Run) -> Rows:
     m = run.metrics
     between = m.smallest_distance_between_robots_m
     return {
-        "spread of the distance": f"{m.distance_spread_m:.1f} m",
+        "spread of distances": f"{m.distance_spread_m:.1f} m",
         "waiting": f"{m.waiting_time_s:.1f} s",
-        "seen by more than one": f"{m.overlap_area_m2:.1f} m2 ({m.overlap_share:.1%})",
-        **({} if m.beyond_range_m is None and not m.isolated_total_s else _cut_off(run)),
+        "seen by several robots": f"{m.overlap_area_m2:.1f} m2 ({m.overlap_share:.1%})",
+        **({} if m.beyond_range_m is None and not m.isolated_total_s else _isolation(run)),
         "known to one robot only": (
             f"{m.known_to_one_m2s:.0f} m2 s ({m.known_to_one_m2:.1f} m2 at the end)"
         ),
@@ -110,23 +112,17 @@ def _team_rows(run: Run) -> Rows:
             if m.deaths
             else {}
         ),
-        **({} if between is None else {"smallest distance of robots": f"{between:.3f} m"}),
+        **({} if between is None else {"smallest robot distance": f"{between:.3f} m"}),
     }
 
 
-def _cut_off(run: Run) -> Rows:
+def _isolation(run: Run) -> Rows:
     m = run.metrics
-    told = f"{m.isolated_total_s:.1f} s (longest {m.isolated_longest_s:.1f} s)"
-    rows = {"some robot cut off from all others": told}
+    total = f"{m.isolated_total_s:.1f} s (longest {m.isolated_longest_s:.1f} s)"
+    rows = {"a robot isolated for": total}
     if m.isolated_total_s and m.beyond_range_m is not None:
         rows["farthest beyond radio range"] = f"{m.beyond_range_m:.1f} m"
     return rows
-
-
-def _end(run: Run) -> str:
-    # Robots that bid for frontiers stay where they are at the end.
-    at = "done at" if _scans(run) else "home at"
-    return f"all {at}" if len(run.spec.robots) > 1 else at
 
 
 def _scans(run: Run) -> bool:

@@ -32,7 +32,13 @@ def table(*columns: str) -> Any:
 
 
 def show(made: Any) -> None:
-    """Print a table, as wide as the terminal."""
+    """Print a table, as wide as the terminal.
+
+    Parameters
+    ----------
+    made : rich.table.Table
+        The table.
+    """
     from rich.console import Console
 
     width = None if sys.stdout.isatty() else WIDTH

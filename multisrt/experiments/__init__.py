@@ -1,1 +1,1 @@
-"""Comparisons that hold: many runs over conditions and repetitions, stored, resumable."""
+"""Experiments: many runs over conditions and repetitions, stored and resumable."""

@@ -1,10 +1,10 @@
 """Making runs on a cluster of `dask.distributed`.
 
-Each thread of a cluster's workers has a worker process of our own, which makes one run after
-another as on a single machine: limits hold, and crashes are told, in the same way. Jobs carry all
-that a run depends on, so that machines of the cluster need no file of the experiment, but they
-need the same packages: another program is refused. If a machine is lost, the scheduler gives its
-runs to others; as every run has its key, none is there twice.
+Each thread of a cluster's workers keeps a worker process of ours, which makes one run after
+another as on a single machine, with the same limits and the same reports of crashes. Jobs hold
+everything that a run depends on: machines of the cluster need no file of the experiment, but the
+same packages; other versions are refused. If a machine is lost, the scheduler gives its runs to
+others; keys of runs keep results from being stored twice.
 """
 
 from __future__ import annotations
@@ -33,37 +33,42 @@ if TYPE_CHECKING:
     from distributed import Client
 
 TIMEOUT_S = 10.0
-"""How long a scheduler may take to answer."""
+"""Time within which a scheduler must answer (s)."""
 
-LOOK_S = 1.0
-"""How often to look after the cluster while no run ends."""
+POLL_S = 1.0
+"""Interval at which the cluster is looked at while no run ends (s)."""
 
-AT_A_TIME = 2
-"""Runs that are handed out for each thread of the cluster: the one that it makes and the next."""
+RUNS_PER_THREAD = 2
+"""Runs submitted for each thread of the cluster: the one it makes and the next."""
 
-FEWEST_HANDED_OUT = 8
-"""Runs that are handed out at least, so that workers that join later find some."""
+MIN_SUBMITTED = 8
+"""Runs submitted at least, so that workers that join later find some."""
 
 
 def made_on_cluster(
     jobs: Iterator[Job], address: str, modules: Sequence[str] = ()
 ) -> Generator[Result, None, None]:
-    """Make runs on a cluster and give their results as they end; recordings are written here.
+    """Make runs on a cluster; recordings are written on this machine.
 
     Parameters
     ----------
     jobs : iterator of Job
-        What to make; taken as there is room.
+        The runs, taken as the cluster has room.
     address : str
-        The scheduler's, such as ``tcp://host:8786``.
+        Address of the scheduler, such as ``tcp://host:8786``.
     modules : sequence of str
-        What workers import at their start.
+        Modules that workers import.
+
+    Yields
+    ------
+    Result
+        Results in the order in which runs end.
 
     Raises
     ------
     InvalidInputError
         If `distributed` is not installed here, if the scheduler cannot be reached or is lost, or
-        if its workers are not the program that asks.
+        if its workers run another version of this program.
     """
     client = _client(address)
     try:
@@ -87,8 +92,8 @@ def _client(address: str) -> Client:
         return Client(address, timeout=TIMEOUT_S, set_as_default=False)
     except (OSError, ValueError, RuntimeError) as error:
         raise InvalidInputError(
-            f"no scheduler of dask.distributed answers at {address!r} ({error}); begin one by "
-            "'dask scheduler', and workers by 'dask worker ADDRESS'"
+            f"no scheduler of dask.distributed answers at {address!r} ({error}); start one with "
+            "'dask scheduler', and workers with 'dask worker ADDRESS'"
         ) from None
 
 
@@ -99,31 +104,31 @@ def _made(
     ended: queue.SimpleQueue[Any] = queue.SimpleQueue()
     under_way: dict[Any, Job] = {}
 
-    def hand_out() -> None:
-        with _told_when_lost(address):
+    def submit() -> None:
+        with _reported_when_lost(address):
             threads = sum(client.ncores().values())
-        most = max(FEWEST_HANDED_OUT, AT_A_TIME * threads)
+        most = max(MIN_SUBMITTED, RUNS_PER_THREAD * threads)
         for job in islice(jobs, max(0, most - len(under_way))):
             future = client.submit(make_there, msgspec.json.encode(job), mine, modules, pure=False)
             under_way[future] = job
             future.add_done_callback(ended.put)
 
-    hand_out()
+    submit()
     while under_way:
         try:
-            future = ended.get(timeout=LOOK_S)
+            future = ended.get(timeout=POLL_S)
         except queue.Empty:
             if client.status != "running":
                 raise _lost(address) from None
-            hand_out()  # there may be more workers by now
+            submit()  # workers may have joined
             continue
         job = under_way.pop(future)
-        with _told_when_lost(address):
+        with _reported_when_lost(address):
             result, recording = _outcome(future, job, address)
         if recording is not None:
             with written_whole(Path(job.recording)) as file:
                 file.write(recording)
-        hand_out()
+        submit()
         yield result
 
 
@@ -137,7 +142,7 @@ def _outcome(future: Any, job: Job, address: str) -> tuple[Result, bytes | None]
         made, recording = future.result()
         return msgspec.json.decode(made, type=Result), recording
     if isinstance(error, KilledWorker):
-        reason = "every worker of the cluster that was to make it was lost"
+        reason = "every worker of the cluster that tried it was lost"
         return job.without_result("crashed", reason), None
     if isinstance(error, InvalidInputError):
         raise InvalidInputError(f"the cluster at {address!r}: {error}") from None
@@ -148,8 +153,8 @@ def _outcome(future: Any, job: Job, address: str) -> tuple[Result, bytes | None]
 
 
 @contextmanager
-def _told_when_lost(address: str) -> Iterator[None]:
-    # A scheduler may be lost at any question that is put to it.
+def _reported_when_lost(address: str) -> Iterator[None]:
+    """Turn the loss of the scheduler, at any call, into InvalidInputError."""
     try:
         yield
     except (OSError, CancelledError):
@@ -163,20 +168,20 @@ def _lost(address: str) -> InvalidInputError:
     )
 
 
-# On the cluster -----------------------------------------------------------------------------
+# On the cluster ------------------------------------------------------------------------------
 
 
 def make_there(job: bytes, expected: bytes, modules: tuple[str, ...]) -> tuple[bytes, bytes | None]:
-    """Make a run within a thread of a cluster's worker; bytes in and out.
+    """Make a run in a thread of a cluster's worker.
 
     Parameters
     ----------
     job : bytes
-        The `Job`, as JSON.
+        A `Job`, as JSON.
     expected : bytes
-        The `Provenance` of who asks, as JSON.
+        The `Provenance` of the process that submits it, as JSON.
     modules : tuple of str
-        What our worker imports at its start.
+        Modules that our worker process imports.
 
     Returns
     -------
@@ -188,7 +193,7 @@ def make_there(job: bytes, expected: bytes, modules: tuple[str, ...]) -> tuple[b
     Raises
     ------
     InvalidInputError
-        If our worker cannot begin here, or is not the program of who asks.
+        If our worker process cannot start here, or has another provenance.
     """
     asked = msgspec.json.decode(job, type=Job)
     worker = _worker_of_thread(expected, modules)
@@ -204,7 +209,7 @@ _kept = threading.local()
 
 
 def _worker_of_thread(expected: bytes, modules: tuple[str, ...]) -> Worker:
-    # Kept between runs; it ends with the process whose pipes it reads.
+    """Return the worker of this thread, kept between runs; it ends with this process."""
     worker: Worker
     if getattr(_kept, "given", None) == (expected, modules):
         worker = _kept.worker

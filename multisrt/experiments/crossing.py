@@ -1,7 +1,7 @@
 """From an experiment to its conditions, and from these to its runs.
 
-Choices of all kinds are crossed, in each block of the experiment; what is left after exclusions
-are its conditions, told apart by their labels. Every condition is repeated with every seed.
+Choices of all kinds are crossed in each block of the experiment. The conditions that are not
+excluded are identified by their labels, and each is repeated with every seed.
 """
 
 from __future__ import annotations
@@ -215,7 +215,7 @@ def key_of(spec: RunSpec) -> str:
     return hashlib.sha256(msgspec.json.encode(canonical)).hexdigest()[:32]
 
 
-# Crossing -----------------------------------------------------------------------------------
+# Crossing ------------------------------------------------------------------------------------
 
 
 def _conditions(spec: ExperimentSpec) -> list[tuple[Condition, Choices]]:
@@ -353,7 +353,7 @@ def _radio_label(choice: RadioChoice) -> str:
     return "unlimited" if choice.range_m is None else f"{choice.range_m:g} m"
 
 
-# Exclusions ---------------------------------------------------------------------------------
+# Exclusions ----------------------------------------------------------------------------------
 
 
 def _matches(condition: Condition, only: Only) -> bool:

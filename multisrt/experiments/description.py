@@ -1,7 +1,7 @@
-"""What describes an experiment: conditions that are crossed, and how often each is repeated.
+"""The description of an experiment: what is crossed, and how often it is repeated.
 
-The design is paired: repetition k has the same seed whatever the strategy, so that it meets the
-same world, the same starts, the same faults and the same draws of the radio.
+The design is paired: repetition k has the same seed for all strategies, so that they meet the same
+world, starts, faults and draws of the radio.
 """
 
 from __future__ import annotations
@@ -14,11 +14,22 @@ from msgspec import Meta
 
 from multisrt.experiments.schema import for_editors
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.spec import DriveSpec, Fault, RadioSpec, RangeFinderSpec, Scalar, StopRule
+from multisrt.spec import (
+    DriveSpec,
+    Fault,
+    RadioSpec,
+    RangeFinderSpec,
+    RobotSpec,
+    Scalar,
+    StopRule,
+)
 from multisrt.validation_errors import explained
 
-LONGEST_FILE = 16_000_000
-"""Characters of an experiment file: a longer one is none."""
+MAX_FILE_LENGTH = 16_000_000
+"""Longest text that is read as an experiment, in characters."""
+
+FOOTPRINT = RobotSpec().footprint
+"""Default footprint of all bodies."""
 
 Count = Annotated[int, Meta(ge=1, le=1_000_000)]
 Seed = Annotated[int, Meta(ge=0)]
@@ -27,33 +38,33 @@ NameOrPath = Annotated[str, Meta(min_length=1, max_length=4096)]
 
 
 class _Part(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """A part of an experiment: immutable, keyword-only, with no unknown fields."""
+    """A part of an experiment: immutable, keyword-only, without unknown fields."""
 
 
 class EnvironmentChoice(_Part, frozen=True, kw_only=True, omit_defaults=True):
-    """An environment, or one for each of some seeds.
+    """An environment, or one for each of several seeds.
 
     Attributes
     ----------
     name : str
-        A name of the catalogue, or a file; a path is relative to the experiment's file.
+        Name in the catalogue, or a map file; paths are relative to the experiment's file.
     label : str or None
-        What tables call it; None: its name, and that of a file without folder and suffix.
+        Label in tables; None: the name, of a file without folder and suffix.
     parameters : dict
-        A generator's parameters, where they are not its defaults.
+        Parameters of a generator that differ from its defaults.
     seed : int, "repetition" or None
-        A generator's seed. "repetition": a world of its own for each repetition, by its seed.
+        Seed of a generator; "repetition" uses the seed of each repetition, so that every
+        repetition has another world.
     seeds : str or tuple of int
-        Instead of one: a world of its own, as one more condition, for each of these seeds;
-        "0-9" is all from 0 to 9.
+        Several seeds of a generator, such as "0-9", each of which is a condition of its own.
     resolution_m : float or None
-        Metres per pixel of an image without its own.
+        Metres per pixel of an image without a resolution of its own.
     threshold : float or None
         Lightness in [0, 1] above which a pixel of a plain image is free.
     wkt : str or None
-        Instead of a name of the catalogue or a file: free space as well-known text, in metres.
+        Free space as well-known text (m), instead of an environment of this name.
     starts : tuple of (x, y)
-        Starts that a world given as text suggests.
+        Suggested starts (m) of an environment given as text.
     """
 
     name: NameOrPath
@@ -68,16 +79,16 @@ class EnvironmentChoice(_Part, frozen=True, kw_only=True, omit_defaults=True):
 
 
 class StrategyChoice(_Part, frozen=True, kw_only=True, omit_defaults=True):
-    """A strategy with its options.
+    """A strategy with options.
 
     Attributes
     ----------
     name : str
-        A name of the registry.
+        Name of a registered strategy.
     label : str or None
-        What tables call it; None: its name.
+        Label in tables; None: the name.
     options : dict
-        Its parameters, where they are not its defaults.
+        Options that differ from the strategy's defaults.
     """
 
     name: Label
@@ -86,35 +97,35 @@ class StrategyChoice(_Part, frozen=True, kw_only=True, omit_defaults=True):
 
 
 class MemberChoice(_Part, frozen=True, kw_only=True, omit_defaults=True):
-    """A robot of a team whose robots are not all alike.
+    """A robot of a team whose robots differ.
 
     Attributes
     ----------
     start : (x, y) or (x, y, heading) or None
-        Where it starts; None: as the experiment's starts say.
+        Start configuration (m, rad); None: as the experiment's `starts` say.
     footprint : str
-        Its outline, as `Footprint.parse` reads it.
+        Body, in the notation of `Footprint.parse`.
     drive : DriveSpec or None
-        How it moves; None: as the experiment says.
+        Kinematics and speed; None: the experiment's `drive`.
     range_finder : RangeFinderSpec or None
-        What it sees with; None: as the experiment says.
+        Range finder; None: the experiment's `range_finder`.
     """
 
     start: tuple[float, ...] | None = None
-    footprint: str = "disc:0.25"
+    footprint: str = FOOTPRINT
     drive: DriveSpec | None = None
     range_finder: RangeFinderSpec | None = None
 
 
 class TeamChoice(_Part, frozen=True, kw_only=True, omit_defaults=True):
-    """A team whose robots are not all alike.
+    """A team whose robots differ.
 
     Attributes
     ----------
     label : str
-        What tables call it.
+        Label in tables.
     members : tuple of MemberChoice
-        Its robots; the experiment's bodies do not concern them.
+        The robots; the experiment's `bodies` do not apply to them.
     """
 
     label: Label
@@ -122,20 +133,20 @@ class TeamChoice(_Part, frozen=True, kw_only=True, omit_defaults=True):
 
 
 class StartsChoice(_Part, frozen=True, kw_only=True, omit_defaults=True):
-    """Where teams start.
+    """How teams start.
 
     Attributes
     ----------
     how : {"scattered", "clustered"}
-        Far apart from one another, or together.
+        Whether starts are drawn far apart or close together.
     first : {"any", "drawn"}
-        "drawn": a place and a heading are drawn uniformly for the first robot, anew for each
-        repetition, and the others stand around it or far from it. "any": as a single run does
-        it, where a robot alone starts where the world suggests.
+        "drawn": the first robot's start and heading are drawn uniformly in each repetition, and
+        the others placed around it or far from it. "any": as in a single run, where a robot alone
+        starts where the environment suggests.
     places : tuple of (x, y) or (x, y, heading)
-        Instead: where the robots start, as many as the team has or more.
+        Start configurations (m, rad) instead, at least as many as the team has robots.
     label : str or None
-        What tables call it; None: made from what is above.
+        Label in tables; None: made from the fields above.
     """
 
     how: Literal["scattered", "clustered"] = "scattered"
@@ -145,54 +156,54 @@ class StartsChoice(_Part, frozen=True, kw_only=True, omit_defaults=True):
 
 
 class RadioChoice(RadioSpec, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """A radio, with a name for tables.
+    """A radio with a label.
 
     Attributes
     ----------
     label : str or None
-        What tables call it; None: its range.
+        Label in tables; None: the range.
     """
 
     label: Label | None = None
 
 
 class BodyChoice(_Part, frozen=True, kw_only=True, omit_defaults=True):
-    """A body: its outline, how it moves and what it sees with.
+    """A body: footprint, drive and range finder.
 
     Attributes
     ----------
     footprint : str
-        Its outline, as `Footprint.parse` reads it.
+        Body, in the notation of `Footprint.parse`.
     drive : DriveSpec or None
-        How it moves; None: as the experiment says.
+        Kinematics and speed; None: the experiment's `drive`.
     range_finder : RangeFinderSpec or None
-        What it sees with; None: as the experiment says.
+        Range finder; None: the experiment's `range_finder`.
     label : str or None
-        What tables call it; None: its outline.
+        Label in tables; None: the footprint.
     """
 
-    footprint: str = "disc:0.25"
+    footprint: str = FOOTPRINT
     drive: DriveSpec | None = None
     range_finder: RangeFinderSpec | None = None
     label: Label | None = None
 
 
 class FaultsChoice(_Part, frozen=True, kw_only=True, omit_defaults=True):
-    """What goes wrong: faults as they are, and others drawn anew for each repetition.
+    """Faults, given or drawn in each repetition.
 
     Attributes
     ----------
     label : str
-        What tables call it.
+        Label in tables.
     faults : tuple of Death, Silence or LateStart
-        Those of every run.
+        Faults of every run.
     deaths, silences, late_starts : int
-        How many robots, drawn by the repetition's seed, die, fall silent or begin late; nobody
-        has two faults, and at least one robot of the team has none.
+        Number of robots, drawn in each repetition, that die, fall silent or start late. No robot
+        is drawn twice, and at least one robot has no fault.
     between_s : (float, float)
-        When, uniformly.
+        Interval of simulated time (s) in which drawn faults occur, uniformly.
     silence_s : float
-        How long a drawn silence lasts.
+        Duration of a drawn silence (s).
     """
 
     label: Label
@@ -205,14 +216,14 @@ class FaultsChoice(_Part, frozen=True, kw_only=True, omit_defaults=True):
 
 
 class Limits(_Part, frozen=True, kw_only=True, omit_defaults=True):
-    """What a single run may take; beyond, it is given up as failed.
+    """Limits of a single run, beyond which it is given up as failed.
 
     Attributes
     ----------
     computing_s : float
-        Computing time, in seconds of one core.
+        Computing time (s of one core).
     memory_mb : int
-        Memory, in megabytes.
+        Memory (MB).
     """
 
     computing_s: Annotated[float, Meta(gt=0.0)] = 900.0
@@ -220,7 +231,10 @@ class Limits(_Part, frozen=True, kw_only=True, omit_defaults=True):
 
 
 class Only(_Part, frozen=True, kw_only=True, omit_defaults=True):
-    """Conditions by their labels: a run is meant if it agrees in all that are given.
+    """A selection of conditions by their labels.
+
+    A condition is selected if it agrees with all fields that are given; of several labels in one
+    field any will do.
 
     Attributes
     ----------
@@ -249,12 +263,12 @@ Faults = Annotated[tuple[Literal["none"] | FaultsChoice, ...], Meta(min_length=1
 
 
 class Block(_Part, frozen=True, kw_only=True, omit_defaults=True):
-    """A part of an experiment that is crossed by itself.
+    """A part of an experiment that is crossed on its own.
 
     Attributes
     ----------
     environments, strategies, robots, starts, radios, bodies, faults
-        Conditions; what is not given is taken from the experiment.
+        Choices; those not given are taken from the experiment.
     """
 
     environments: Environments | None = None
@@ -267,18 +281,18 @@ class Block(_Part, frozen=True, kw_only=True, omit_defaults=True):
 
 
 class ExperimentSpec(_Part, frozen=True, kw_only=True, omit_defaults=True):
-    """An experiment.
+    """An experiment: choices that are crossed, repetitions and limits.
 
     Attributes
     ----------
     name : str
-        What reports call it.
+        Title of reports.
     about : str
-        What it is to find out.
+        The question that the experiment answers.
     environments : tuple of str or EnvironmentChoice
-        Names of the catalogue, files, or generators with their parameters and seeds.
+        Names in the catalogue, map files, or generators with parameters and seeds.
     strategies : tuple of str or StrategyChoice
-        Names of the registry, or tables with options.
+        Names of strategies, or tables with options.
     robots : tuple of int or TeamChoice
         Team sizes, or tables of teams whose robots differ.
     starts : tuple of str or StartsChoice
@@ -286,27 +300,42 @@ class ExperimentSpec(_Part, frozen=True, kw_only=True, omit_defaults=True):
     radios : tuple of str or RadioChoice
         "unlimited", or tables.
     bodies : tuple of str or BodyChoice
-        Outlines, or tables.
+        Footprints, or tables.
     faults : tuple of str or FaultsChoice
         "none", or tables.
     blocks : tuple of Block
-        Instead of crossing all of the above: parts that are crossed each by itself.
+        Parts that are crossed separately, instead of all choices above.
     exclude : tuple of Only
-        Conditions that are left out.
+        Conditions to leave out.
     repetitions : int
-        How often every condition is repeated.
+        Repetitions of every condition.
     first_seed : int
-        The seed of repetition 0; repetition k has this plus k.
+        Seed of repetition 0; repetition k has this seed plus k.
     drive : DriveSpec
-        How bodies move that do not say it themselves.
+        Kinematics and speed of bodies without a drive of their own.
     range_finder : RangeFinderSpec
-        What they see with.
+        Range finder of bodies without one of their own.
     stop : StopRule
-        When a run ends although its robots would go on.
+        When a run is stopped.
     limits : Limits
-        What a run may take of the computer.
+        Computing time and memory of a run.
     recordings : {"none", "failed", "all"}
-        Which are kept.
+        Recordings to keep.
+
+    Examples
+    --------
+    >>> spec = ExperimentSpec(
+    ...     name="Star against Radial",
+    ...     environments=("garden", "clutter"),
+    ...     strategies=("srt-star", "srt-radial"),
+    ...     robots=(1, 4),
+    ...     repetitions=10,
+    ... )
+    >>> ExperimentSpec.from_toml(spec.to_toml()) == spec
+    True
+    >>> from multisrt.experiments.crossing import runs
+    >>> len(runs(spec))
+    80
     """
 
     name: Label
@@ -316,7 +345,7 @@ class ExperimentSpec(_Part, frozen=True, kw_only=True, omit_defaults=True):
     robots: Teams = (1,)
     starts: Starts = ("scattered",)
     radios: Radios = ("unlimited",)
-    bodies: Bodies = ("disc:0.25",)
+    bodies: Bodies = (FOOTPRINT,)
     faults: Faults = ("none",)
     blocks: tuple[Block, ...] = ()
     exclude: tuple[Only, ...] = ()
@@ -329,40 +358,99 @@ class ExperimentSpec(_Part, frozen=True, kw_only=True, omit_defaults=True):
     recordings: Literal["none", "failed", "all"] = "failed"
 
     def to_toml(self) -> str:
-        """Write it as TOML."""
+        """Return the experiment as TOML.
+
+        Returns
+        -------
+        str
+            The text, without fields that have their default.
+        """
         return msgspec.toml.encode(self).decode()
 
     def to_json(self) -> str:
-        """Write it as JSON."""
+        """Return the experiment as JSON.
+
+        Returns
+        -------
+        str
+            The text, indented, without fields that have their default.
+        """
         return msgspec.json.format(msgspec.json.encode(self), indent=2).decode()
 
     @classmethod
     def from_toml(cls, text: str) -> ExperimentSpec:
         """Read an experiment from TOML.
 
+        Parameters
+        ----------
+        text : str
+            The text.
+
+        Returns
+        -------
+        ExperimentSpec
+            The experiment.
+
         Raises
         ------
         InvalidInputError
-            If it is no TOML, or a field is unknown or of the wrong kind; the message names the
-            place, and what would be right there.
+            If the text is no TOML, or a field is unknown or has a wrong value; the message names
+            the field and what is allowed.
+
+        Examples
+        --------
+        >>> ExperimentSpec.from_toml('name = "x"').repetitions
+        20
         """
         return _decoded(lambda: msgspec.toml.decode(text, type=cls), len(text))
 
     @classmethod
     def from_json(cls, text: str | bytes) -> ExperimentSpec:
-        """Read an experiment from JSON; see `from_toml`."""
+        """Read an experiment from JSON.
+
+        Parameters
+        ----------
+        text : str or bytes
+            The text.
+
+        Returns
+        -------
+        ExperimentSpec
+            The experiment.
+
+        Raises
+        ------
+        InvalidInputError
+            As in `from_toml`.
+        """
         return _decoded(lambda: msgspec.json.decode(text, type=cls), len(text))
 
     @classmethod
     def from_dict(cls, plain: dict[str, Any]) -> ExperimentSpec:
-        """Read an experiment from plain dictionaries, lists and scalars; see `from_toml`."""
+        """Read an experiment from plain data.
+
+        Parameters
+        ----------
+        plain : dict
+            Dictionaries, lists and scalars, as a TOML file holds them.
+
+        Returns
+        -------
+        ExperimentSpec
+            The experiment.
+
+        Raises
+        ------
+        InvalidInputError
+            As in `from_toml`.
+        """
         return _decoded(lambda: msgspec.convert(plain, type=cls), 0)
 
 
 def _decoded(decode: Callable[[], ExperimentSpec], length: int) -> ExperimentSpec:
-    if length > LONGEST_FILE:
+    if length > MAX_FILE_LENGTH:
         raise InvalidInputError(
-            f"not an experiment: {length} characters, where {LONGEST_FILE} are allowed"
+            f"not an experiment: {length} characters, where {MAX_FILE_LENGTH} are allowed"
         )
     try:
         return decode()
@@ -371,9 +459,12 @@ def _decoded(decode: Callable[[], ExperimentSpec], length: int) -> ExperimentSpe
 
 
 def schema() -> dict[str, Any]:
-    """Give the JSON Schema of experiment files, for editors.
+    """Return the JSON Schema of experiment files, for editors.
 
-    The fields are described as their classes' docstrings describe them.
+    Returns
+    -------
+    dict
+        The schema, whose descriptions are those of the docstrings in this module.
     """
     return for_editors(
         msgspec.json.schema(ExperimentSpec), bases={"RadioChoice": RadioSpec.__doc__ or ""}

@@ -1,9 +1,9 @@
-"""How long an experiment will take, from a few of its runs.
+"""How long an experiment will take, estimated from a few of its runs.
 
-What a run computes is taken for a product: of one factor for its environment, its strategy and
-each other label, and of a power of the team's size. A few runs, the cheap ones first, give the
-factors by least squares on logarithms; what a label did not show in a run counts as 1, and the
-power as 1 until two sizes were seen.
+The computing time of a run is modelled as a product: one factor for its environment, its strategy
+and each other label, and a power of the team size. Trial runs, cheap ones first, give the factors
+by least squares of logarithms. The factor of a label that no trial run has is 1, and the exponent
+is 1 until two team sizes were tried.
 """
 
 from __future__ import annotations
@@ -21,38 +21,42 @@ from multisrt.experiments.description import ExperimentSpec, Limits
 from multisrt.experiments.results import ENDED, Result
 from multisrt.geometry.numerics.arrays import FloatArray
 
-MOST_PROBES = 16
+MAX_PROBES = 16
+"""Trial runs of one estimate."""
 
 LABELS = ("environment", "strategy", "starts", "radio", "body", "faults")
 
-HOLD = 0.05
-"""How strongly the fit holds to the factors that it assumes: enough where nothing was seen."""
+RIDGE = 0.05
+"""Weight of the assumed factors in the fit: enough to decide where no trial run does."""
 
-LEAST_SPREAD = 0.2
-"""Repetitions of a condition differ by so much (as a logarithm), if the probes do not say more."""
+MIN_SPREAD = 0.2
+"""Standard deviation of log computing times of repetitions, if trial runs do not show more."""
 
 UNKNOWN_SPREAD = 0.7
-"""Spread that is assumed where there are too few probes to tell: a factor of two."""
+"""Standard deviation that is assumed for fewer than three trial runs: a factor of two."""
+
+MAX_SPREAD = 1.5
+"""Largest standard deviation that is reported: a factor of 4.5."""
 
 Make = Callable[[PlannedRun, Limits], Result]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Estimate:
-    """What an experiment will take.
+    """Estimated computing time of an experiment.
 
     Attributes
     ----------
     computing_s, low_s, high_s : float
-        Seconds of one core for all runs, and between what bounds.
-    by_condition_s : dict
-        Of one run of each condition.
+        Computing time of all runs (s of one core), and its bounds: one standard deviation.
+    by_condition_s : dict of Condition to float
+        Computing time of one run of each condition (s).
     probes : tuple of Result
-        The runs that were made for it.
+        The trial runs.
     cut_off : int
-        How many of them took longer than a probe may, so that they tell a lower bound only.
+        Number of trial runs that were given up as too long, and so are lower bounds only.
     took_s : float
-        How long it took to find out.
+        Elapsed time of the estimate (s).
     """
 
     computing_s: float
@@ -72,9 +76,7 @@ def estimate(
     budget_s: float = 30.0,
     watch: Callable[[PlannedRun], None] | None = None,
 ) -> Estimate | None:
-    """Estimate what an experiment takes, by making a few of its runs.
-
-    Which runs are made depends on what they take.
+    """Estimate the computing time of an experiment by making a few of its runs.
 
     Parameters
     ----------
@@ -85,14 +87,14 @@ def estimate(
     make : callable
         Makes a run within limits.
     budget_s : float
-        About how long this may take.
+        Time for trial runs (s), which is kept approximately.
     watch : callable, optional
-        Is told of each run before it is made.
+        Called with each trial run before it is made.
 
     Returns
     -------
     Estimate or None
-        None if none of the runs that were tried came to an end.
+        The estimate; None if no trial run came to an end.
     """
     begin = time.perf_counter()
     first = {run.condition: run for run in reversed(planned)}
@@ -103,7 +105,7 @@ def estimate(
     probes: list[Result] = []
     warm: dict[str, None] = {}
     model = _Model(everything)
-    while len(probes) < min(MOST_PROBES, len(everything)):
+    while len(probes) < min(MAX_PROBES, len(everything)):
         left_s = budget_s - (time.perf_counter() - begin)
         run = _next(everything, probes, model, left_s)
         if run is None:
@@ -112,7 +114,7 @@ def estimate(
             watch(first[run])
         result = make(first[run], limits)
         if run.strategy not in warm and result.status in ENDED:
-            # The first run of a strategy loads what it needs, which every worker does once.
+            # The first run of a strategy includes loading its code; a short one is repeated.
             warm[run.strategy] = None
             if result.wall_s < 0.1 * budget_s:
                 result = make(first[run], limits)
@@ -122,7 +124,6 @@ def estimate(
         return None
     each = dict(zip(everything, model.predicted(everything), strict=True))
     total = spec.repetitions * sum(each.values())
-    # Conditions whose probe was cut off take at least what it took.
     factor = math.exp(model.spread())
     cut_off = sum(probe.status == "over_time" for probe in probes)
     return Estimate(
@@ -139,7 +140,7 @@ def estimate(
 def _next(
     everything: Sequence[Condition], probes: Sequence[Result], model: _Model, left_s: float
 ) -> Condition | None:
-    # What shows most that was not seen yet; of those, the cheapest.
+    """Return the condition that shows most labels not tried yet; of several, the cheapest."""
     tried = [probe.condition for probe in probes]
     seen = {(name, getattr(one, name)) for one in tried for name in LABELS}
     sizes = {(one.strategy, one.robots) for one in tried}
@@ -153,7 +154,7 @@ def _next(
         expected_s = model.predicted([one])[0] if model.probes else 0.0
         if probes and expected_s > left_s / 2.0:
             continue
-        # After all labels, sizes of teams, the larger ones first: they cost most.
+        # Once all labels are tried: other team sizes, large ones first, as they cost most.
         rank = (-new, one.robots) if new else (0, -int(new_size), -one.robots)
         candidate = (*map(float, rank), *([0.0] * (3 - len(rank))), float(number))
         if best is None or candidate < best:
@@ -162,7 +163,7 @@ def _next(
 
 
 class _Model:
-    """Logarithms of computing times as a sum: of labels, and of the team's size to a power."""
+    """The logarithm of computing time as a sum over labels, and a multiple of log team size."""
 
     def __init__(self, everything: Sequence[Condition]) -> None:
         pairs = ((name, getattr(one, name)) for one in everything for name in LABELS)
@@ -171,31 +172,31 @@ class _Model:
         self._weights = self._assumed = np.array([0.0, 1.0, *[0.0] * len(self._features)])
 
     def fit(self, probes: Sequence[Result]) -> None:
-        """Take what runs took."""
+        """Fit the model to trial runs."""
         self.probes = list(probes)
         if self.probes:
             self._weights = self._fitted(self.probes)
 
     def predicted(self, wanted: Sequence[Condition]) -> list[float]:
-        """Give what a run of each condition takes (s)."""
+        """Return the computing time of one run of each condition (s)."""
         return [float(value) for value in np.exp(self._matrix(wanted) @ self._weights)]
 
     def spread(self) -> float:
-        """How far a probe is from what the others say of it, as a logarithm."""
+        """Return the leave-one-out error of log computing times, within its bounds."""
         if len(self.probes) < 3:
             return UNKNOWN_SPREAD
         errors = []
         for number, probe in enumerate(self.probes):
             others = self._fitted([*self.probes[:number], *self.probes[number + 1 :]])
-            says = float((self._matrix([probe.condition]) @ others)[0])
-            errors.append(_log(probe) - says)
-        return max(LEAST_SPREAD, min(math.sqrt(float(np.mean(np.square(errors)))), 1.5))
+            expected = float((self._matrix([probe.condition]) @ others)[0])
+            errors.append(_log(probe) - expected)
+        return max(MIN_SPREAD, min(math.sqrt(float(np.mean(np.square(errors)))), MAX_SPREAD))
 
     def _fitted(self, probes: Sequence[Result]) -> FloatArray:
-        # Ridge regression towards what is assumed; the level itself is free.
+        """Return the weights by ridge regression towards the assumed ones; the level is free."""
         x = self._matrix([probe.condition for probe in probes])
         y = np.array([_log(probe) for probe in probes]) - x @ self._assumed
-        hold = np.diag([1e-9, *[HOLD] * (x.shape[1] - 1)])
+        hold = np.diag([1e-9, *[RIDGE] * (x.shape[1] - 1)])
         solved: FloatArray = np.linalg.solve(x.T @ x + hold, x.T @ y)
         return self._assumed + solved
 

@@ -1,13 +1,10 @@
-"""Results as rows: CSV, Parquet, and frames of pandas."""
+"""Results as tables: pandas data frames, CSV and Parquet."""
 
 from __future__ import annotations
 
 import csv
 import io
-import os
-import tempfile
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,6 +15,7 @@ from multisrt.experiments.crossing import Condition
 from multisrt.experiments.measures import MEASURES
 from multisrt.experiments.results import Result, Results
 from multisrt.geometry.errors import InvalidInputError
+from multisrt.recording import written_whole
 
 if TYPE_CHECKING:
     import pandas
@@ -34,10 +32,20 @@ _KINDS: dict[object, type] = {
 
 
 def columns() -> dict[str, type]:
-    """Give the columns of a frame of results, and what each holds.
+    """Return the columns of a table of results.
 
-    A condition's labels, what a run is and how it ended, its metrics that are a single number,
-    and the measures that are computed from them.
+    They are the labels of the condition, the identity and the end of a run, the metrics that are
+    a single number, and the measures computed from them.
+
+    Returns
+    -------
+    dict of str to type
+        The type of each column: bool, int, float or str.
+
+    Examples
+    --------
+    >>> list(columns())[:3], columns()["makespan_s"]
+    (['environment', 'strategy', 'robots'], <class 'float'>)
     """
     labels: dict[str, type] = dict.fromkeys(Condition.__struct_fields__, str)
     return {
@@ -66,7 +74,19 @@ def _scalars() -> dict[str, type]:
 
 
 def rows(results: Results) -> Iterator[dict[str, Value]]:
-    """Give a row for each run, in the experiment's order; None where it has no value."""
+    """Yield one row for each run.
+
+    Parameters
+    ----------
+    results : Results
+        The results.
+
+    Yields
+    ------
+    dict
+        Values by the names of `columns`, None where the run has none; runs in the experiment's
+        order.
+    """
     scalars = _scalars()
     others = [measure for measure in MEASURES if measure.name not in scalars]
     for result in results:
@@ -88,7 +108,17 @@ def _metric(result: Result, name: str) -> Value:
 
 
 def frame_of(results: Results) -> pandas.DataFrame:
-    """Give a frame of results: a row for each run, `columns` as its columns.
+    """Return results as a pandas data frame.
+
+    Parameters
+    ----------
+    results : Results
+        The results.
+
+    Returns
+    -------
+    pandas.DataFrame
+        One row for each run, with the columns of `columns`.
 
     Raises
     ------
@@ -107,12 +137,18 @@ def frame_of(results: Results) -> pandas.DataFrame:
 
 
 def load_results(path: str | Path) -> pandas.DataFrame:
-    """Read an experiment's results as a frame of pandas, a row for each run.
+    """Read the results of an experiment as a pandas data frame.
 
     Parameters
     ----------
-    path : path
-        The file that `multisrt experiment run` fills; it may go on filling meanwhile.
+    path : str or Path
+        The file that ``multisrt experiment run`` or `compare` writes; it may be written to
+        meanwhile.
+
+    Returns
+    -------
+    pandas.DataFrame
+        One row for each run: labels of its condition, how it ended, metrics and measures.
 
     Raises
     ------
@@ -130,37 +166,36 @@ def load_results(path: str | Path) -> pandas.DataFrame:
 
 
 def export(path: str | Path, out: str | Path) -> int:
-    """Write an experiment's results as a table, a row for each run.
-
-    The file is written wholly or not at all; one that is there is replaced.
+    """Write the results of an experiment as a table, one row for each run.
 
     Parameters
     ----------
-    path : path
-        The results.
-    out : path
-        What to write: ``.csv`` or ``.parquet``.
+    path : str or Path
+        File of the results.
+    out : str or Path
+        File of the table, ``.csv`` or ``.parquet``; it is written completely or not at all, and
+        replaced if it exists.
 
     Returns
     -------
     int
-        How many rows it has.
+        Number of rows.
 
     Raises
     ------
     InvalidInputError
-        If the name says no format, the results cannot be read, the file cannot be written, or
-        pyarrow is not installed, which Parquet needs (``multisrt[frames]``).
+        If the suffix is another one, the results cannot be read, the file cannot be written, or
+        pyarrow is missing, which Parquet needs (``multisrt[frames]``).
     """
     out = Path(out)
     encode = {".csv": _csv, ".parquet": _parquet}.get(out.suffix)
     if encode is None:
-        raise InvalidInputError(f"{out}: what is written is .csv or .parquet; name one of them")
+        raise InvalidInputError(f"{out}: a table is written as .csv or .parquet; name one of them")
     if out.suffix == ".parquet":
         _package("pyarrow")
     made = list(rows(_stored(path)))
-    with _replacing(out) as unfinished:
-        unfinished.write_bytes(encode(made))
+    with written_whole(out) as file:
+        file.write(encode(made))
     return len(made)
 
 
@@ -198,26 +233,3 @@ def _package(name: str) -> Any:
             f"this needs {name.partition('.')[0]}, which is not installed: "
             "pip install multisrt[frames]"
         ) from None
-
-
-@contextmanager
-def _replacing(path: Path) -> Iterator[Path]:
-    # A file beside the one asked for, which takes its place when it is complete.
-    try:
-        descriptor, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
-        os.close(descriptor)
-        unfinished = Path(name)
-        try:
-            yield unfinished
-            unfinished.chmod(0o666 & ~_umask())
-            unfinished.replace(path)
-        finally:
-            unfinished.unlink(missing_ok=True)
-    except OSError as error:
-        raise InvalidInputError(f"cannot write {path}: {error.strerror or error}") from None
-
-
-def _umask() -> int:
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask

@@ -1,14 +1,14 @@
-"""What a run may take of the computer, held by the kernel of the operating system.
+"""Limits of computing time and memory of a run, enforced by the operating system.
 
 Computing time is counted by a timer of the process (`ITIMER_PROF`), whose signal raises
-`OverTimeError` wherever Python code runs. What sits in compiled code does not come to hear of it:
-that is ended, with its process, by the kernel's own limit (`RLIMIT_CPU`), which is set some
-seconds later. Only the soft limit is set, as no process may raise its hard limit again. A run that
-sleeps takes no computing time: it is given up after it has done nothing for two spells.
+`OverTimeError` in Python code. Compiled code does not see the signal: it is ended, with its
+process, by the kernel's limit (`RLIMIT_CPU`), set some seconds later. Only the soft limit is set,
+as a process cannot raise its hard limit again. A run that sleeps uses no computing time: it is
+given up after two intervals in which it did nothing.
 
-Memory is held by `RLIMIT_DATA`, counted from what the process has when the run begins: the
-allocation that goes beyond fails, and Python, NumPy, Numba and GEOS make that a `MemoryError`. So
-it is on Linux; macOS counts only a part of what a process allocates, and holds less.
+Memory is limited by `RLIMIT_DATA`, counted from what the process has when the run begins: the
+allocation beyond the limit fails, which Python, NumPy, Numba and GEOS report as `MemoryError`.
+This holds on Linux; macOS counts only a part of what a process allocates.
 """
 
 from __future__ import annotations
@@ -25,35 +25,40 @@ from multisrt.experiments.description import Limits
 from multisrt.experiments.memory import counted_bytes
 
 GRACE_S = 5.0
-"""How much longer compiled code may compute before its process is ended."""
+"""Computing time beyond the limit after which compiled code is ended with its process (s)."""
 
-AGAIN_S = 1.0
-"""How soon a run is told again that its time is over, if it does not heed."""
+REPEAT_S = 1.0
+"""Interval at which `OverTimeError` is raised again if the run suppressed it (s)."""
 
-SHORTEST_SPELL_S, LONGEST_SPELL_S = 5.0, 60.0
-"""Bounds of a spell, which else lasts as long as the run may compute."""
+MIN_INTERVAL_S, MAX_INTERVAL_S = 5.0, 60.0
+"""Bounds of the interval at which idleness is checked (s); within them it is the time limit."""
 
 IDLE_SHARE = 0.001
-"""A spell with less computing than this was slept through, however busy the machine is."""
+"""Share of computing in an interval below which the run slept, however busy the machine is."""
 
 
 class OverTimeError(BaseException):
-    """A run took longer than it may; no handler of errors may take it for one."""
+    """A run exceeded its time; a BaseException, so that handlers of errors let it pass."""
 
 
 @contextmanager
 def within(limits: Limits) -> Iterator[None]:
-    """Hold what is done inside to limits; for the main thread of a process.
+    """Enforce limits on the code inside; only in the main thread of a process.
+
+    Parameters
+    ----------
+    limits : Limits
+        Computing time (s) and memory (MB).
 
     Raises
     ------
     OverTimeError
-        Inside, when the computing time is over, or if nothing happens.
+        Inside, when the computing time is used up or nothing is computed.
     MemoryError
-        Inside, where an allocation goes beyond.
+        Inside, where an allocation exceeds the memory.
     """
     armed = True
-    spell_s = min(max(limits.computing_s, SHORTEST_SPELL_S), LONGEST_SPELL_S)
+    interval_s = min(max(limits.computing_s, MIN_INTERVAL_S), MAX_INTERVAL_S)
     slept, computed_s = 0, time.process_time()
 
     def over(_signal: int, _frame: FrameType | None) -> None:
@@ -61,13 +66,13 @@ def within(limits: Limits) -> Iterator[None]:
             raise OverTimeError(f"not done after {limits.computing_s:g} s of computing")
 
     def look(_signal: int, _frame: FrameType | None) -> None:
-        # Twice, as a process that was stopped for a while hears once of all that it missed.
+        # Two idle intervals: a process that was suspended gets one signal for all it missed.
         nonlocal slept, computed_s
         now_s = time.process_time()
-        slept = slept + 1 if now_s - computed_s < IDLE_SHARE * spell_s else 0
+        slept = slept + 1 if now_s - computed_s < IDLE_SHARE * interval_s else 0
         computed_s = now_s
         if armed and slept >= 2:
-            raise OverTimeError(f"did nothing for {2.0 * spell_s:g} s")
+            raise OverTimeError(f"did nothing for {2.0 * interval_s:g} s")
 
     handlers: dict[int, Callable[[int, FrameType | None], None] | signal.Handlers] = {
         signal.SIGPROF: over,
@@ -79,8 +84,8 @@ def within(limits: Limits) -> Iterator[None]:
     _set_soft(_CPU, math.ceil(time.process_time() + limits.computing_s + GRACE_S))
     _set_soft(_DATA, counted_bytes() + limits.memory_mb * 1_000_000)
     try:
-        signal.setitimer(signal.ITIMER_PROF, limits.computing_s, AGAIN_S)
-        signal.setitimer(signal.ITIMER_REAL, spell_s, spell_s)
+        signal.setitimer(signal.ITIMER_PROF, limits.computing_s, REPEAT_S)
+        signal.setitimer(signal.ITIMER_REAL, interval_s, interval_s)
         yield
     finally:
         armed = False

@@ -1,4 +1,4 @@
-"""What a person sees while an experiment runs, on a terminal: how far, how fast, how long yet."""
+"""Progress of an experiment on the terminal: runs made, rate and remaining time."""
 
 from __future__ import annotations
 
@@ -11,38 +11,65 @@ if TYPE_CHECKING:
 
 
 class LiveProgress(LiveLine):
-    """A bar that `run_experiment` moves; nothing where there is no terminal.
+    """Progress bar of an experiment, given to `run_experiment` as its `progress`.
 
     Parameters
     ----------
     shown : bool
-        Whether to show it on a terminal.
+        Whether to show it; without a terminal nothing is shown.
     """
 
     def __init__(self, shown: bool = True) -> None:
         super().__init__(shown, "runs", "starting workers", counted=True)
 
     def __call__(self, now: Progress) -> None:
-        """Take in how far it is."""
+        """Show the progress."""
         self.update(total=now.total, completed=now.done, note=note_of(now))
 
 
 def note_of(now: Progress) -> str:
-    """Say how fast it goes, how long it will take yet, and how many runs failed."""
-    said = []
+    """Return rate, remaining time and number of failures, in words.
+
+    Parameters
+    ----------
+    now : Progress
+        The progress.
+
+    Returns
+    -------
+    str
+        Such as "1 200 an hour, 5 min left, 2 failed".
+    """
+    parts = []
     if now.per_hour is not None and now.left_s is not None:
-        said.append(f"{now.per_hour:,.0f} an hour".replace(",", " "))
+        parts.append(f"{now.per_hour:,.0f} an hour".replace(",", " "))
         if now.done < now.total:
-            said.append(f"{duration(now.left_s)} left")
+            parts.append(f"{duration(now.left_s)} left")
     elif now.done < now.total:
-        said.append("starting workers")
+        parts.append("starting workers")
     if now.failed:
-        said.append(f"{now.failed} failed")
-    return ", ".join(said)
+        parts.append(f"{now.failed} failed")
+    return ", ".join(parts)
 
 
 def duration(seconds: float) -> str:
-    """Say how long something takes, in the unit that suits it."""
+    """Return a duration in the unit that suits it.
+
+    Parameters
+    ----------
+    seconds : float
+        The duration (s).
+
+    Returns
+    -------
+    str
+        Seconds, minutes, hours or days.
+
+    Examples
+    --------
+    >>> duration(42.0), duration(600.0), duration(200_000.0)
+    ('42 s', '10 min', '2.3 days')
+    """
     if seconds < 99.5:
         return f"{seconds:.0f} s"
     minutes = seconds / 60.0

@@ -1,4 +1,4 @@
-"""What runs are compared by: each measure with its words, its unit and which way is better."""
+"""Measures by which runs are compared: title, unit, and which way is better."""
 
 from __future__ import annotations
 
@@ -13,22 +13,22 @@ from multisrt.geometry.errors import InvalidInputError, did_you_mean
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Measure:
-    """A number of a run.
+    """A number by which runs are compared.
 
     Attributes
     ----------
     name : str
-        What files and options call it.
+        Name in files and options.
     title : str
-        What people read.
+        Title in tables and figures.
     unit : str
-        Its unit; empty for a number without one.
+        Unit; empty for a number without one.
     lower_is_better : bool
-        Which way is better.
+        Whether lower values are better.
     get : callable
-        Reads it from a run's metrics; None where the run has none.
+        Computes the value from a run's metrics; None where the run has none.
     digits : int
-        How many digits after the point tables show.
+        Digits after the point in tables.
     """
 
     name: str
@@ -39,18 +39,37 @@ class Measure:
     digits: int = 1
 
     def of(self, result: Result) -> float | None:
-        """Give its value for a run; None where the run has none."""
+        """Return the value of a run.
+
+        Parameters
+        ----------
+        result : Result
+            The run.
+
+        Returns
+        -------
+        float or None
+            The value; None if the run was not measured or has no such value.
+        """
         if result.metrics is None:
             return None
         value = self.get(result.metrics)
         return None if value is None else float(value)
 
     def values(self, results: Iterable[Result]) -> list[float]:
-        """Give its values, one for each run, as ranks want them.
+        """Return the values of runs, for statistics by ranks.
 
-        A run that is not complete has no time and no distance of its exploration: it counts as
-        worse than all others (infinite) where lower is better. Where higher is better it counts
-        with what it reached, and with nothing if it was not measured.
+        Parameters
+        ----------
+        results : iterable of Result
+            The runs.
+
+        Returns
+        -------
+        list of float
+            One value for each run. Where lower is better, a run that is not complete is ``inf``,
+            worse than all others: its times and distances are not those of an exploration. Where
+            higher is better, it has the value it reached, or 0 if it was not measured.
         """
         return [self._value(result) for result in results]
 
@@ -62,7 +81,7 @@ class Measure:
 
     @property
     def heading(self) -> str:
-        """Its title with its unit."""
+        """Title and unit."""
         return f"{self.title} ({self.unit})" if self.unit else self.title
 
 
@@ -136,16 +155,31 @@ MEASURES = (
         digits=2,
     ),
 )
-"""All of them; reports begin with the first."""
+"""All measures; the first is the main one."""
 
 
 def measure_named(name: str) -> Measure:
-    """Find a measure.
+    """Return the measure of a name.
+
+    Parameters
+    ----------
+    name : str
+        The name.
+
+    Returns
+    -------
+    Measure
+        The measure.
 
     Raises
     ------
     InvalidInputError
         If there is none of that name; the message lists them.
+
+    Examples
+    --------
+    >>> measure_named("makespan_s").heading
+    'Time until all are home (s)'
     """
     known = {measure.name: measure for measure in MEASURES}
     if name not in known:

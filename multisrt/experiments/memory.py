@@ -1,4 +1,4 @@
-"""The memory of this process: what it takes, the most it took, and giving back what is free."""
+"""The memory of this process: in use, peak, and returning freed memory to the system."""
 
 from __future__ import annotations
 
@@ -10,34 +10,37 @@ import sys
 from contextlib import suppress
 from pathlib import Path
 
-GARBAGE_MB = 100.0
-"""A process that takes so much more than after it last did looks for garbage among all objects."""
+COLLECT_MB = 100.0
+"""Growth since the last full garbage collection after which there is another (MB)."""
 
-FREE_MB = 500.0
-"""A process that still takes so much more than after it last did gives back what it keeps free."""
+TRIM_MB = 500.0
+"""Growth since the last trim, after a collection, after which the heap is trimmed (MB)."""
 
-# Fields of /proc/self/statm: what is taken, and what the kernel counts towards RLIMIT_DATA.
+# Fields of /proc/self/statm: resident memory, and what counts towards RLIMIT_DATA, in pages.
 _RESIDENT, _COUNTED = 1, 5
 
-# The C library of Linux keeps what was freed between blocks in use, until it is told otherwise;
-# those of other systems have no such function.
+# glibc keeps freed memory between blocks in use until it is trimmed; elsewhere there is no such
+# function.
 _trim = getattr(ctypes.CDLL(None), "malloc_trim", None)
 
 
 def memory_mb() -> float:
-    """Give the memory that this process takes now (megabytes); the most so far, if none tells."""
+    """Return the resident memory of this process (MB); its peak where the system has no statm."""
     return _bytes(_RESIDENT) / 1e6
 
 
 def counted_bytes() -> int:
-    """Give what counts towards this process's `RLIMIT_DATA`; the most memory, if none tells."""
+    """Return the bytes that count towards `RLIMIT_DATA`; the peak where there is no statm."""
     return _bytes(_COUNTED)
 
 
-def most_memory_mb() -> float:
-    """Give the most memory (megabytes) that this process took since `forget_most_memory`.
+def peak_memory_mb() -> float:
+    """Return the peak of resident memory since `reset_peak_memory`.
 
-    Where that has no effect, as on macOS, it is the most that the process ever took.
+    Returns
+    -------
+    float
+        The peak (MB); since the start of the process where resetting has no effect, as on macOS.
     """
     with suppress(OSError):
         most = re.search(r"^VmHWM:\s*(\d+) kB$", Path("/proc/self/status").read_text(), re.M)
@@ -47,33 +50,32 @@ def most_memory_mb() -> float:
     return ever / 1e6 if sys.platform == "darwin" else ever * 1024 / 1e6
 
 
-def forget_most_memory() -> None:
-    """Have `most_memory_mb` count from now on."""
+def reset_peak_memory() -> None:
+    """Let `peak_memory_mb` count from now on."""
     with suppress(OSError):
         Path("/proc/self/clear_refs").write_text("5")
 
 
 class Thrift:
-    """Gives back to the system what tasks of this process have left, when it has become much."""
+    """Returns memory to the system between tasks, when this process has grown much."""
 
     def __init__(self) -> None:
-        self._after_garbage_mb = self._after_free_mb = memory_mb()
+        self._after_collection_mb = self._after_trim_mb = memory_mb()
 
-    def look(self) -> None:
-        """Look how much is taken, between two tasks."""
-        if memory_mb() < self._after_garbage_mb + GARBAGE_MB:
+    def tidy(self) -> None:
+        """Collect garbage and trim the heap if memory has grown; called between two tasks."""
+        if memory_mb() < self._after_collection_mb + COLLECT_MB:
             return
         gc.collect()
-        if _trim is not None and memory_mb() >= self._after_free_mb + FREE_MB:
+        if _trim is not None and memory_mb() >= self._after_trim_mb + TRIM_MB:
             _trim(0)
-            self._after_free_mb = memory_mb()
-        self._after_garbage_mb = memory_mb()
+            self._after_trim_mb = memory_mb()
+        self._after_collection_mb = memory_mb()
 
 
 def _bytes(field: int) -> int:
-    # What the kernel tells of this process's memory; where it does not, the most so far.
     try:
         pages = int(Path("/proc/self/statm").read_text().split()[field])
     except OSError:
-        return int(most_memory_mb() * 1e6)
+        return int(peak_memory_mb() * 1e6)
     return pages * resource.getpagesize()

@@ -1,4 +1,4 @@
-"""Making one run of an experiment: its world, the simulation, what is measured."""
+"""Making one run of an experiment: environment, simulation and metrics."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from multisrt.environments.environment import Environment
 from multisrt.experiments.crossing import PlannedRun
 from multisrt.experiments.description import Limits
 from multisrt.experiments.limits import OverTimeError, within
-from multisrt.experiments.memory import forget_most_memory, most_memory_mb
+from multisrt.experiments.memory import peak_memory_mb, reset_peak_memory
 from multisrt.experiments.results import Result, Status
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.recording import Recording
@@ -22,10 +22,11 @@ from multisrt.simulation.simulate import simulate
 from multisrt.simulation.worlds import build_environment
 from multisrt.spec import EnvironmentSpec
 
-WORLDS_KEPT = 32
+MAX_WORLDS_KEPT = 32
+"""Environments that a process keeps built."""
 
-LONGEST_REASON = 1000
-"""Characters of what is told of a run that failed."""
+MAX_REASON_LENGTH = 1000
+"""Length to which reasons are cut, in characters."""
 
 
 def make_run(
@@ -37,25 +38,28 @@ def make_run(
 ) -> Result:
     """Make a run in this process, in its main thread.
 
-    Whatever goes wrong in the run is told in the result.
-
     Parameters
     ----------
     run : PlannedRun
-        What to run.
+        The run.
     limits : Limits
-        What it may take.
-    recording_path : path, optional
-        Where to write its recording; a run that does not come to an end has none.
+        Its limits of computing time and memory.
+    recording_path : Path, optional
+        File for the recording; a run that does not come to an end has none.
     only_failed : bool
-        Write it only if the run has to be looked at.
+        Whether to write the recording only if the run is not complete or has a collision.
+
+    Returns
+    -------
+    Result
+        The result; whatever goes wrong in the run is its status and reason.
 
     Raises
     ------
     InvalidInputError
         If the recording cannot be written; nothing is left behind.
     """
-    forget_most_memory()
+    reset_peak_memory()
     begin, computed_s = time.perf_counter(), time.process_time()
     status: Status
     recording: Recording | None = None
@@ -66,12 +70,12 @@ def make_run(
             where = world_of(run.spec.environment)
             recording = simulate(run.spec, where)
             metrics, curve = measure_with_curve(recording, where)
-            # What JSON has no words for, as infinity, would be lost on the way to the store.
+            # A value that JSON cannot hold, such as infinity, is an error of this run.
             metrics = msgspec.json.decode(msgspec.json.encode(metrics), type=Metrics)
         status, reason = recording.footer.outcome, recording.footer.reason
     except KeyboardInterrupt:
         raise
-    except BaseException as error:  # whatever a strategy raises
+    except BaseException as error:  # strategies may raise anything
         status, reason = _what_went_wrong(error, limits)
         recording, metrics, curve = None, None, ()
     result = Result(
@@ -85,7 +89,7 @@ def make_run(
         covered_at_s=curve,
         computing_s=time.process_time() - computed_s,
         wall_s=time.perf_counter() - begin,
-        memory_mb=most_memory_mb(),
+        memory_mb=peak_memory_mb(),
     )
     if recording_path is not None and recording is not None and (result.failed or not only_failed):
         recording.save(recording_path)
@@ -93,7 +97,17 @@ def make_run(
 
 
 def world_of(spec: EnvironmentSpec) -> Environment:
-    """Build a world, or give it again if it was built not long ago.
+    """Return the environment of a spec, from a cache of recent ones.
+
+    Parameters
+    ----------
+    spec : EnvironmentSpec
+        The spec.
+
+    Returns
+    -------
+    Environment
+        The environment.
 
     Raises
     ------
@@ -103,7 +117,7 @@ def world_of(spec: EnvironmentSpec) -> Environment:
     return _world(msgspec.json.encode(spec))
 
 
-@lru_cache(maxsize=WORLDS_KEPT)
+@lru_cache(maxsize=MAX_WORLDS_KEPT)
 def _world(spec: bytes) -> Environment:
     described: EnvironmentSpec = msgspec.json.decode(spec, type=EnvironmentSpec)
     return build_environment(described)
@@ -124,18 +138,18 @@ def _what_went_wrong(error: BaseException, limits: Limits) -> tuple[Status, str]
 
 
 def _one_line(text: str) -> str:
-    # Messages of strategies may be anything.
+    """Return a text of any content as one line of bounded length."""
     words = " ".join(text.encode(errors="replace").decode().split())
-    return words if len(words) <= LONGEST_REASON else words[: LONGEST_REASON - 3] + "..."
+    return words if len(words) <= MAX_REASON_LENGTH else words[: MAX_REASON_LENGTH - 3] + "..."
 
 
 def _lacks_memory(error: BaseException) -> bool:
-    # Libraries in C++ tell it by the name of their exception.
+    # Libraries in C++ report it by the name of their exception.
     return isinstance(error, MemoryError) or "bad_alloc" in str(error)
 
 
 def _chain(error: BaseException) -> list[BaseException]:
-    # An exception with those that it came from, the last first.
+    """Return an exception and its causes, the latest first."""
     chain: list[BaseException] = []
     here: BaseException | None = error
     while here is not None and here not in chain:

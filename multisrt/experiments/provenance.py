@@ -1,4 +1,4 @@
-"""What made results: versions, machine, and a digest of the program."""
+"""Provenance of results: versions, machine, and a digest of the program."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ import msgspec
 
 
 class Provenance(msgspec.Struct, frozen=True, kw_only=True):
-    """What made results.
+    """Versions and machine that made results.
 
     Attributes
     ----------
-    versions : dict
-        Of the packages that matter.
+    versions : dict of str to str
+        Versions of Python and of the packages that results depend on.
     program : str
-        Digest of the source: results that share it were made by one program.
+        Digest of the source; see `program_digest`.
     machine, system : str
-        Processor architecture, and operating system.
+        Processor architecture and operating system.
     """
 
     versions: dict[str, str]
@@ -34,7 +34,13 @@ class Provenance(msgspec.Struct, frozen=True, kw_only=True):
 
 @cache
 def provenance() -> Provenance:
-    """Return what makes results here."""
+    """Return the provenance of results made by this process.
+
+    Returns
+    -------
+    Provenance
+        Versions, program and machine.
+    """
     packages = ("multisrt", "numpy", "scipy", "shapely", "numba", "ompl", "python-fcl", "simpy")
     return Provenance(
         versions={"python": platform.python_version()} | {p: version(p) for p in packages},
@@ -95,13 +101,13 @@ def parts_of_the_program() -> list[str]:
 
 @cache
 def _program() -> dict[str, str]:
-    # A file that is imported brings its whole folder: some are loaded by a name in a table.
+    # An imported file stands for its whole folder: some files are loaded by name, from a table.
     top = Path(__file__).parents[1]
     code: dict[str, str] = {}
     parts, waiting = {"simulation"}, ["simulation"]
     while waiting:
         part = waiting.pop()
-        # A link has to be resolved, or nothing would be found below it.
+        # rglob does not descend into a symbolic link.
         folder = (top / part).resolve()
         for path in folder.rglob("*.py") if folder.is_dir() else [top / f"{part}.py"]:
             inner = path.relative_to(folder).as_posix() if folder.is_dir() else ""
@@ -112,7 +118,7 @@ def _program() -> dict[str, str]:
 
 
 def _read(path: Path) -> tuple[str, set[str]]:
-    # A file's code without what only people read, and the parts of this package it imports.
+    """Return the code of a file without docstrings and comments, and the parts it imports."""
     text = path.read_text(encoding="utf-8")
     lines = text.splitlines()
     imported: set[str] = set()

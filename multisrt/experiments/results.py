@@ -1,4 +1,4 @@
-"""What came out of an experiment: a result for each run, and what made them."""
+"""Results of an experiment: one for each run, with their provenance."""
 
 from __future__ import annotations
 
@@ -15,39 +15,40 @@ from multisrt.experiments.provenance import Provenance
 Status = Literal[
     "complete", "stalled", "out_of_time", "over_time", "over_memory", "crashed", "refused", "error"
 ]
-"""How a run ended: as its recording says, or without one. `over_time` and `over_memory`: beyond
-the experiment's limits. `crashed`: its process died. `refused`: the spec cannot be run. `error`: a
-defect."""
+"""How a run ended. The first three are outcomes of recordings. `over_time` and `over_memory`: it
+exceeded the experiment's limits. `crashed`: its process died. `refused`: its spec is impossible.
+`error`: an exception."""
 
 ENDED = ("complete", "stalled", "out_of_time")
-"""Those that came to an end of their own and were measured."""
+"""Statuses of runs that came to an end and were measured."""
 
 
 class Result(msgspec.Struct, frozen=True, kw_only=True):
-    """One run.
+    """The result of one run.
 
     Attributes
     ----------
     key : str
-        Digest of its spec.
+        Digest of the run's spec; see `crossing.key_of`.
     condition : Condition
-        What it is a repetition of.
+        The condition that the run repeats.
     repetition : int
-        Which, from 0.
+        Number of the repetition, from 0.
     status : str
-        How it ended; see `Status`.
+        How the run ended; see `Status`.
     reason : str
-        Why, in words.
+        Why it ended, in words.
     digest : str
-        That of its recording; empty if it did not come to an end.
+        Digest of the recording; empty if the run did not come to an end.
     metrics : Metrics or None
-        What was measured; None if it did not come to an end.
+        Metrics of the run; None if it did not come to an end.
     covered_at_s : tuple of (float or None)
-        When each percent of the explorable area was covered, from 0 to 100; None if it never was.
+        Simulated time (s) at which 0, 1, ..., 100 % of the explorable area were covered; None
+        where that never happened.
     computing_s, wall_s : float
-        What it took, of computing time and by the clock.
+        Computing time and elapsed time of the run (s).
     memory_mb : float
-        The most that its process took while it was made; on macOS, that it took until then.
+        Peak memory of the process during the run (MB); on macOS, since its start.
     """
 
     key: str
@@ -64,25 +65,25 @@ class Result(msgspec.Struct, frozen=True, kw_only=True):
 
     @property
     def failed(self) -> bool:
-        """Whether it has to be looked at: not complete, or a collision."""
+        """Whether the run needs a look: it is not complete, or has a collision."""
         return self.status != "complete" or (
             self.metrics is not None and self.metrics.collisions > 0
         )
 
 
 class Results:
-    """The results of an experiment, as far as they are there.
+    """The results of an experiment so far: a sized iterable of `Result`.
 
     Parameters
     ----------
     experiment : ExperimentSpec
-        What was asked for.
+        The experiment.
     results : iterable of Result
-        What came out, in the order of the experiment's runs.
+        The results, in the order of the experiment's runs.
     asked : int
-        How many runs the experiment has.
+        Number of runs of the experiment.
     provenance : Provenance
-        What made them.
+        Versions and machine that made the results.
     """
 
     def __init__(
@@ -98,18 +99,35 @@ class Results:
         self.provenance = provenance
 
     def __len__(self) -> int:
-        """How many there are."""
+        """Return the number of results."""
         return len(self.results)
 
     def __iter__(self) -> Iterator[Result]:
-        """Give them one by one."""
+        """Iterate over the results, in the experiment's order."""
         return iter(self.results)
 
     def conditions(self) -> list[Condition]:
-        """Give the conditions that have results, in their order."""
+        """Return the conditions that have results.
+
+        Returns
+        -------
+        list of Condition
+            The conditions, in the experiment's order.
+        """
         return list(dict.fromkeys(result.condition for result in self.results))
 
     def of(self, condition: Condition) -> list[Result]:
-        """Give the results of a condition, by repetition."""
+        """Return the results of a condition.
+
+        Parameters
+        ----------
+        condition : Condition
+            The condition.
+
+        Returns
+        -------
+        list of Result
+            Its results, sorted by repetition; empty if there are none.
+        """
         found = [result for result in self.results if result.condition == condition]
         return sorted(found, key=lambda result: result.repetition)

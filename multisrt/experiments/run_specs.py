@@ -124,6 +124,16 @@ def forget_worlds() -> None:
 def written_out(environment: FileEnvironment) -> InlineEnvironment:
     """Return an environment from a file as an inline one.
 
+    Parameters
+    ----------
+    environment : FileEnvironment
+        The file.
+
+    Returns
+    -------
+    InlineEnvironment
+        The environment that the file holds.
+
     Raises
     ------
     InvalidInputError
@@ -135,7 +145,18 @@ def written_out(environment: FileEnvironment) -> InlineEnvironment:
 def is_file(choice: EnvironmentChoice, folder: Path | None = None) -> bool:
     """Whether an environment is a file, not a name of the catalogue.
 
-    A name of the catalogue means that environment; ``./office`` is a file of the same name.
+    Parameters
+    ----------
+    choice : EnvironmentChoice
+        The choice. A name of the catalogue means that environment; ``./office`` is a file of the
+        same name.
+    folder : Path, optional
+        Folder in which a name without suffix is looked for.
+
+    Returns
+    -------
+    bool
+        Whether the name is a path.
     """
     name = choice.name
     if name in names():
@@ -160,7 +181,7 @@ def _check_options(chosen: Strategy, options: bytes) -> None:
     chosen.parse_options(msgspec.json.decode(options))
 
 
-# Environments ---------------------------------------------------------------------------------
+# Environments --------------------------------------------------------------------------------
 
 
 def _environment(choice: EnvironmentChoice, seed: int, folder: Path | None) -> EnvironmentSpec:
@@ -216,7 +237,7 @@ def _written_out(environment: bytes) -> InlineEnvironment:
     return inline(_world(environment))
 
 
-# Teams and starts -----------------------------------------------------------------------------
+# Teams and starts ----------------------------------------------------------------------------
 
 
 def _team(spec: ExperimentSpec, choices: Choices) -> tuple[RobotSpec, ...]:
@@ -273,7 +294,7 @@ def _drawn(world: bytes, footprint: str, seed: int) -> tuple[float, float, float
     return round(at.x, 3), round(at.y, 3), round(at.heading, 3)
 
 
-# Faults ---------------------------------------------------------------------------------------
+# Faults --------------------------------------------------------------------------------------
 
 
 def _faults(choice: FaultsChoice, robots: int, seed: int) -> tuple[Fault, ...]:

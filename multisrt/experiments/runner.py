@@ -1,4 +1,4 @@
-"""Making all runs of an experiment that are missing, on this machine's cores or on a cluster's."""
+"""Making the missing runs of an experiment, on this machine or on a cluster."""
 
 from __future__ import annotations
 
@@ -22,22 +22,22 @@ from multisrt.geometry.errors import InvalidInputError
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Progress:
-    """How far an experiment is.
+    """Progress of an experiment.
 
     Attributes
     ----------
     total : int
-        Runs that it has.
+        Number of runs of the experiment.
     done : int
-        Runs that are stored, those of earlier calls among them.
+        Number of stored runs, of earlier calls and of this one.
     failed : int
-        Those of them that have to be looked at.
+        Number of stored runs that are not complete or have a collision.
     made : int
-        Runs made by this call.
+        Number of runs made by this call.
     elapsed_s : float
-        How long it has been at it.
+        Elapsed time of this call (s).
     latest : Result or None
-        The run that was stored last; None at the beginning.
+        The result that was stored last; None at the beginning.
     """
 
     total: int
@@ -49,18 +49,18 @@ class Progress:
 
     @property
     def per_hour(self) -> float | None:
-        """Runs in an hour; None before the first."""
+        """Runs made per hour; None before the first."""
         return self.made / self.elapsed_s * 3600.0 if self.made and self.elapsed_s > 0.0 else None
 
     @property
     def left_s(self) -> float | None:
-        """How long the rest will take at this rate; None before the first run."""
+        """Remaining time at this rate (s); None before the first run."""
         rate = self.per_hour
         return None if rate is None else (self.total - self.done) / rate * 3600.0
 
 
 Watch = Callable[[Progress], None]
-"""Is told of the progress at the beginning and after every run, in the caller's thread."""
+"""Called at the beginning and after every run, in the caller's thread."""
 
 
 def run_experiment(
@@ -71,32 +71,32 @@ def run_experiment(
     modules: Sequence[str] = (),
     progress: Watch | None = None,
 ) -> None:
-    """Make all runs of an experiment that are missing.
+    """Make the runs of an experiment that have no result yet.
 
-    Each is stored as it ends, so that nothing but the runs under way is lost if this is
-    interrupted, whatever by; called again, it goes on. The results are the same with any number
-    of workers and on a cluster, but for what the runs took of the computer.
+    Each result is stored as its run ends: an interruption loses only runs under way, and the next
+    call continues. Results do not depend on the number of workers or on the machine that made
+    them, except for computing time and memory.
 
     Parameters
     ----------
     store : Store
-        The experiment's, open for writing.
+        The store of the experiment, open for writing.
     workers : int, optional
-        Processes on this machine; by default one for each core.
+        Number of processes on this machine; by default one for each core.
     cluster : str, optional
-        Address of a scheduler of `dask.distributed` instead, such as ``tcp://host:8786``.
+        Address of a `dask.distributed` scheduler instead, such as ``tcp://host:8786``.
     modules : sequence of str
-        What workers import at their start, for the strategies that it registers.
+        Modules that workers import because they register strategies.
     progress : callable, optional
-        Is told of the progress.
+        Called with the `Progress` at the beginning and after every run.
 
     Raises
     ------
     InvalidInputError
-        If workers cannot begin, the cluster cannot be reached or runs another program, or the
-        store or a recording cannot be written. What is stored by then stays.
+        If workers cannot start, the cluster cannot be reached or runs another version of this
+        program, or the store or a recording cannot be written. Stored results stay.
     KeyboardInterrupt
-        As it came; the workers have been stopped, and what has ended is stored.
+        If interrupted; workers are stopped and finished runs stored.
     """
     if workers is not None and workers < 1:
         raise InvalidInputError(f"runs are made by at least one worker, not {workers}")
@@ -139,23 +139,28 @@ def run_experiment(
 
 
 def cores() -> int:
-    """How many cores this process may use."""
+    """Return the number of cores that this process may use."""
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
 
 
 def job_of(run: PlannedRun, experiment: ExperimentSpec, recording: str = "") -> Job:
-    """Give the job that makes a run.
+    """Return the job that makes a run.
 
     Parameters
     ----------
     run : PlannedRun
         The run.
     experiment : ExperimentSpec
-        What it is of.
+        Its experiment.
     recording : str
-        Where the recording goes if it is kept.
+        File for the recording, if the experiment keeps it.
+
+    Returns
+    -------
+    Job
+        The job, with the limits of the experiment.
     """
     return Job(
         key=run.key,
@@ -176,7 +181,7 @@ def _jobs(store: Store, missing: Sequence[PlannedRun]) -> Iterator[Job]:
 def _made_here(
     jobs: Iterator[Job], workers: int, modules: Sequence[str]
 ) -> Generator[Result, None, None]:
-    # Every worker has a thread that hands it one job after another; results come as they end.
+    """Yield results as runs end; a thread for each worker gives it one job after another."""
     waiting = _Shared(jobs)
     answers: queue.SimpleQueue[Result | BaseException | None] = queue.SimpleQueue()
 
@@ -186,7 +191,7 @@ def _made_here(
                 answers.put(worker.make(job))
             answers.put(None)
         except StoppedError:
-            pass  # nobody waits for more
+            pass  # the results are no longer wanted
         except BaseException as error:
             answers.put(error)
 
@@ -212,7 +217,7 @@ def _made_here(
 
 
 class _Shared:
-    """An iterator that several threads take from."""
+    """An iterator shared by several threads."""
 
     def __init__(self, jobs: Iterator[Job]) -> None:
         self._jobs = jobs

@@ -199,7 +199,18 @@ class Store:
     # Runs -----------------------------------------------------------------------------------
 
     def missing(self) -> list[PlannedRun]:
-        """Return the runs that have no result yet, in the experiment's order."""
+        """Return the runs that have no result yet.
+
+        Returns
+        -------
+        list of PlannedRun
+            The runs, in the experiment's order.
+
+        Raises
+        ------
+        InvalidInputError
+            If the file cannot be read.
+        """
         with errors_of(self.path):
             there = {key for (key,) in self._connection.execute("SELECT key FROM runs")}
         return [run for _, run in self._plan().values() if run.key not in there]
@@ -247,7 +258,18 @@ class Store:
             ).rowcount
 
     def results(self) -> Results:
-        """Return the results so far, in the experiment's order."""
+        """Return the results so far.
+
+        Returns
+        -------
+        Results
+            The results, in the experiment's order.
+
+        Raises
+        ------
+        InvalidInputError
+            If the file cannot be read, or a row is damaged.
+        """
         with errors_of(self.path):
             rows = self._connection.execute(
                 f"SELECT {', '.join(_COLUMNS)} FROM runs ORDER BY position"
@@ -273,7 +295,18 @@ class Store:
         return int(count)
 
     def recording_path(self, key: str) -> Path:
-        """Return where the recording of a run is, if it was kept."""
+        """Return the path of a run's recording.
+
+        Parameters
+        ----------
+        key : str
+            Key of the run.
+
+        Returns
+        -------
+        Path
+            The path; the file exists only if the recording was kept.
+        """
         return _recordings(self.path) / f"{key}.jsonl"
 
     def _plan(self) -> dict[str, tuple[int, PlannedRun]]:

@@ -127,7 +127,7 @@ def errors_of(path: Path) -> Iterator[None]:
     try:
         yield
     except sqlite3.Error as error:
-        said = str(error)
+        message = str(error)
         name = getattr(error, "sqlite_errorname", "")
         if name == "SQLITE_FULL":
             raise InvalidInputError(
@@ -136,13 +136,13 @@ def errors_of(path: Path) -> Iterator[None]:
             ) from None
         if name.startswith("SQLITE_IOERR"):
             raise InvalidInputError(
-                f"{path}: cannot be read or written ({said}): the disk may be full or a limit of "
-                "file sizes reached; what was stored before is sound, and the same command "
+                f"{path}: cannot be read or written ({message}): the disk may be full or a limit "
+                "of file sizes reached; what was stored before is sound, and the same command "
                 "continues"
             ) from None
         if name in ("SQLITE_CORRUPT", "SQLITE_NOTADB"):
             raise InvalidInputError(
-                f"{path}: a damaged file of results ({said}); take a copy of it from before, or "
+                f"{path}: a damaged file of results ({message}); take a copy of it from before, or "
                 "begin another one"
             ) from None
-        raise InvalidInputError(f"{path}: {said}") from None
+        raise InvalidInputError(f"{path}: {message}") from None

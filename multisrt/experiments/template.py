@@ -1,4 +1,4 @@
-"""What `multisrt experiment new` writes: an experiment with every part of it explained."""
+"""The file that `multisrt experiment new` writes, which explains every field."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ from multisrt.geometry.errors import InvalidInputError
 SCHEMA_NAME = "experiment.schema.json"
 
 TEMPLATE = """\
-# An experiment: which runs are made and compared.
-#   multisrt experiment check THIS_FILE    how many runs these are, which, and how long they take
-#   multisrt experiment run THIS_FILE      makes them; interrupted, it goes on where it was
-# Lines that begin with "# " and a field show what else could be said.
+# An experiment: the runs that are made and compared.
+#   multisrt experiment check THIS_FILE    lists the conditions and estimates the duration
+#   multisrt experiment run THIS_FILE      makes the runs; after an interruption it continues
+# Commented lines show what else is possible.
 
 name = "Star against Radial"
 about = "Does a radial safe region explore faster than a star, and does a larger team gain by it?"
 
-# Where: names of the catalogue ('multisrt environments'), map files beside this one, or tables.
+# Environments: names ('multisrt environments'), map files beside this one, or tables.
 environments = [
   "garden",
   "clutter",
@@ -29,77 +29,77 @@ environments = [
   # { name = "maze", seeds = "0-9", parameters = { loops = 0.2 } },   # ten worlds, ten conditions
 ]
 
-# How: names of the registry ('multisrt strategies'), or tables with options.
+# Strategies: names ('multisrt strategies'), or tables with options.
 strategies = [
   "srt-star",
   "srt-radial",
   # { name = "srt-star", label = "star of 12", options = { cones = 12 } },
 ]
 
-# How many robots; or teams whose robots differ.
+# Team sizes, or teams whose robots differ.
 robots = [1, 2, 4, 8]
 # robots = [4, { label = "two kinds", members = [{}, { footprint = "box:0.6x0.4" }] }]
 
-# Each repetition has a seed: first_seed, first_seed + 1, ... In repetition k all strategies meet
-# the same world, the same starts, the same faults and the same draws of the radio.
+# Repetitions have the seeds first_seed, first_seed + 1, ... In the same repetition all strategies
+# meet the same worlds, starts, faults and draws of the radio.
 repetitions = 20
 first_seed = 0
 
-# Where teams start: "scattered" far apart, "clustered" together, or tables.
+# Starts: "scattered" far apart, "clustered" close together, or tables.
 starts = ["scattered"]
-# starts = [{ how = "clustered", first = "drawn" }]    # around a place drawn for each repetition
+# starts = [{ how = "clustered", first = "drawn" }]    # around a start drawn in each repetition
 # starts = [{ label = "door", places = [[1, 1], [2, 1], [3, 1], [4, 1]] }]
 
-# How far robots hear one another. SRT needs three times the sensor's range.
+# Radios. SRT needs a range of at least three times that of the range finder.
 radios = ["unlimited"]
 # radios = ["unlimited", { range_m = 15.0, walls = "block", loss = 0.1 }]
 
-# What the robots' bodies are: discs, boxes or polygons (m).
+# Bodies: discs, boxes or polygons (m), or tables.
 bodies = ["disc:0.25"]
 # bodies = ["disc:0.25", { footprint = "box:0.6x0.4", drive = { kind = "reeds-shepp" } }]
 
-# What goes wrong. Drawn faults are drawn for each repetition.
+# Faults: "none", or tables; robots and times are drawn in each repetition.
 faults = ["none"]
 # faults = ["none", { label = "one dies", deaths = 1, between_s = [10, 60] }]
 
-# Which recordings are kept beside the results: "none", "failed" or "all".
+# Recordings to keep beside the results: "none", "failed" or "all".
 recordings = "failed"
 
-# Conditions that are left out, by the labels of tables; any number of these.
+# Conditions to leave out, by their labels in tables; any number of these tables.
 # [[exclude]]
 # robots = 1
 # faults = "one dies"
 
-# Instead of crossing all of the above: parts that are crossed each by itself.
+# Parts that are crossed separately, instead of all choices above.
 # [[blocks]]
 # environments = ["garden"]
 # robots = [1, 2, 4, 8]
 
-# How bodies move that do not say it themselves: "differential", "holonomic", "reeds-shepp" or
-# "dubins" (the last two are cars).
+# Drive of bodies without one of their own: "differential", "holonomic", "reeds-shepp" or "dubins"
+# (the last two are cars).
 [drive]
 kind = "differential"
 speed_m_s = 0.5
 
-# What they see with; without 'beams' it is the exact visibility polygon.
+# Range finder of bodies without one of their own; without 'beams' it is exact.
 [range_finder]
 range_m = 4.0
 # beams = 360
 
-# When a run ends although its robots would go on (s of its own clock).
+# Simulated time at which a run is stopped (s).
 [stop]
 max_time_s = 86400.0
 
-# What a run may take of the computer: seconds of computing, and megabytes.
+# Limits of a run: computing time (s of one core) and memory (MB).
 [limits]
 computing_s = 900.0
 memory_mb = 4096
 """
 
 _LIKE = """\
-# {name}, as 'multisrt reproduce' runs it; change what you like.
-#   multisrt experiment check THIS_FILE    how many runs these are, which, and how long they take
-#   multisrt experiment run THIS_FILE      makes them; interrupted, it goes on where it was
+# {name}, as 'multisrt reproduce' runs it.
+#   multisrt experiment check THIS_FILE    lists the conditions and estimates the duration
+#   multisrt experiment run THIS_FILE      makes the runs; after an interruption it continues
 
 """
 
@@ -107,36 +107,36 @@ _LIKE = """\
 def write_new(
     path: Path, *, like: ExperimentSpec | None = None, with_schema: bool = True
 ) -> list[Path]:
-    """Write an experiment to begin with, and the schema by which editors help.
+    """Write an experiment to start from, and the schema that editors use.
 
     Parameters
     ----------
     path : Path
-        The file to write, which must not be there.
+        The file, which must not exist.
     like : ExperimentSpec, optional
-        What to write instead, as 'multisrt reproduce' runs it.
+        Experiment to write; by default a commented template.
     with_schema : bool
-        Whether to write the schema beside it, and name it in the file.
+        Whether to write the schema beside the file, and name it in the file.
 
     Returns
     -------
     list of Path
-        What was written.
+        The files written.
 
     Raises
     ------
     InvalidInputError
-        If the file is there already or cannot be written.
+        If the file exists or cannot be written.
     """
     text = TEMPLATE if like is None else _LIKE.format(name=like.name) + like.to_toml()
     beside = path.with_name(SCHEMA_NAME)
     if with_schema:
-        # Editors take this line for the way to the schema, from the file's own folder.
+        # Editors read the path of the schema from this line.
         text = f"#:schema ./{SCHEMA_NAME}\n\n{text}"
         _require_ours(beside)
     text = text.replace("THIS_FILE", path.name)
     if path.exists():
-        raise InvalidInputError(f"{path} is there already; choose another name")
+        raise InvalidInputError(f"{path} exists already; choose another name")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         with path.open("x", encoding="utf-8") as file:
@@ -149,7 +149,7 @@ def write_new(
 
 
 def _require_ours(path: Path) -> None:
-    # A schema of another version of this program is replaced, and nothing else.
+    """Raise InvalidInputError if a file is there that is no schema of experiments."""
     try:
         there = path.read_text(encoding="utf-8")
     except (FileNotFoundError, NotADirectoryError):
@@ -162,6 +162,6 @@ def _require_ours(path: Path) -> None:
         title = None
     if title != ExperimentSpec.__name__:
         raise InvalidInputError(
-            f"{path} is there already and is no schema of experiments; move it away, or write "
+            f"{path} exists already and is no schema of experiments; move it away, or write "
             "without one (--no-schema)"
         )

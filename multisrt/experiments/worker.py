@@ -81,7 +81,7 @@ class Worker:
         Returns
         -------
         Result
-            The result; what goes wrong in the run is told there.
+            The result; a failure of the run is its status and reason.
 
         Raises
         ------
@@ -120,7 +120,7 @@ class Worker:
             first = how
 
     def stop(self) -> None:
-        """Kill the process, whatever it does; no other is started."""
+        """Kill the process, even during a run; no other is started."""
         self._stopped.set()
         process = self._process
         if process is not None:
@@ -243,8 +243,8 @@ def _how_it_ended(code: int) -> str:
         name = signal.Signals(-code).name
     except ValueError:
         return f"was ended by signal {-code}"
-    said = signal.strsignal(-code)
-    return f"was ended by {name}" + (f" ({said})" if said else "")
+    meaning = signal.strsignal(-code)
+    return f"was ended by {name}" + (f" ({meaning})" if meaning else "")
 
 
 def _place_in(last_words: bytes) -> str:

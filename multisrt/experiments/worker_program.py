@@ -1,4 +1,4 @@
-"""The program of a worker: makes runs, one after another, as it is told.
+"""The program of a worker, which makes one run after another.
 
 `python -m multisrt.experiments.worker_program [MODULE ...]` imports the modules, then reads jobs
 from standard input and writes answers to standard output, one JSON object a line (see `job`).
@@ -67,7 +67,7 @@ def main(modules: Sequence[str]) -> None:
             _answer(answers, Unable(str(error)))
         else:
             _answer(answers, Made(result))
-            thrift.look()
+            thrift.tidy()
 
 
 def _own_pipes() -> tuple[IO[bytes], IO[bytes]]:

@@ -1,10 +1,10 @@
-"""Statistics of many runs: pure functions on arrays, which know nothing of robots.
+"""Statistics of many runs: pure functions on arrays.
 
-A value is one number measured of one run. Where lower is better, a run that failed has the value
-``inf``, worse than all others; where higher is better, ``-inf``. What goes by ranks takes such
-values as ties at the worst end; means refuse them; nan is refused everywhere. A stratum is the
-array of values of one task: a world, a team size, whatever was repeated under the same conditions.
+A value is one number measured in one run. A failed run has the value ``inf`` where lower is better
+and ``-inf`` where higher is better, worse than all others. Statistics by ranks treat such values
+as ties at the worst end; means refuse them; nan is always refused. A stratum is the array of
+values of one task: one environment, one team size, whatever was repeated under equal conditions.
 
-Random generators are given, as a `numpy.random.Generator` or a seed: the same one gives the same
-result.
+Random numbers come from a `numpy.random.Generator` or a seed that the caller gives: the same one
+gives the same result.
 """

@@ -1,4 +1,4 @@
-"""Curves of many runs against time, such as coverage: brought to one grid, median and bands."""
+"""Curves of many runs against time, such as coverage: a common grid, median and quartiles."""
 
 from __future__ import annotations
 
@@ -14,22 +14,23 @@ from multisrt.statistics.samples import ascending, finite_sample_of
 from multisrt.statistics.summaries import median, quantile
 
 StepCurve = tuple[ArrayLike, ArrayLike]
-"""Times at which a share changed, never descending, and the share from each on; 0 before."""
+"""Times at which a share changes, never descending, and the share from each on; before, it is 0."""
 
 GRID_POINTS = 200
-"""Times of a grid, unless told otherwise."""
+"""Default number of times of a grid."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class CurveBands:
-    """The curves of many runs in one.
+    """Median and quartiles of many curves.
 
     Attributes
     ----------
     times : ndarray of float, shape (n,)
         The grid.
     median, lower_quartile, upper_quartile : ndarray of float, shape (n,)
-        Of the runs at each time: the quartiles say how much runs differ.
+        Quantiles of the runs at each time. The quartiles show how much runs differ; they are no
+        confidence interval.
     """
 
     times: FloatArray
@@ -39,19 +40,30 @@ class CurveBands:
 
 
 def curve_bands(curves: Sequence[StepCurve], times: ArrayLike) -> CurveBands:
-    """Median and quartiles of the curves of runs, against time.
+    """Return median and quartiles of the curves of several runs.
 
     Parameters
     ----------
     curves : sequence of (times, shares)
-        One for each run of a condition.
+        One curve for each run.
     times : array_like, shape (n,)
         The grid, ascending; see `common_grid`.
+
+    Returns
+    -------
+    CurveBands
+        The quantiles at each time of the grid.
 
     Raises
     ------
     InvalidInputError
-        See `on_grid`.
+        As in `on_grid`.
+
+    Examples
+    --------
+    >>> fast, slow = ([0.0, 2.0], [0.5, 1.0]), ([1.0, 4.0], [0.5, 1.0])
+    >>> curve_bands([fast, slow], [0.0, 2.0, 4.0]).median
+    array([0.25, 0.75, 1.  ])
     """
     shares = on_grid(curves, times).T
     return CurveBands(
@@ -63,26 +75,32 @@ def curve_bands(curves: Sequence[StepCurve], times: ArrayLike) -> CurveBands:
 
 
 def on_grid(curves: Sequence[StepCurve], times: ArrayLike) -> FloatArray:
-    """Shares of all runs at the same times.
+    """Return the shares of several runs at the same times.
 
-    A run keeps its share until the next change, and its last one for ever; before its first
-    change it has 0. Of several changes at one time the last counts.
+    A share holds from its time to the next change, the last one for ever; before the first change
+    the share is 0. Of several changes at one time the last counts.
 
     Parameters
     ----------
     curves : sequence of (times, shares)
-        One for each run.
+        One curve for each run.
     times : array_like, shape (n,)
         The grid, ascending.
 
     Returns
     -------
-    ndarray of float, shape (runs, n)
+    ndarray of float, shape (len(curves), n)
+        One row for each run.
 
     Raises
     ------
     InvalidInputError
-        If there is no curve, or one has no point, descends in time or is not finite.
+        If there is no curve, or a curve has no point, descends in time or is not finite.
+
+    Examples
+    --------
+    >>> on_grid([([1.0, 3.0], [0.5, 0.9])], [0.0, 1.0, 2.0, 5.0])
+    array([[0. , 0.5, 0.5, 0.9]])
     """
     at = ascending(times, "times")
     rows = []
@@ -93,12 +111,29 @@ def on_grid(curves: Sequence[StepCurve], times: ArrayLike) -> FloatArray:
 
 
 def common_grid(curves: Sequence[StepCurve], points: int = GRID_POINTS) -> FloatArray:
-    """Evenly spaced times from 0 to the last change of any run.
+    """Return evenly spaced times from 0 to the last change of any curve.
+
+    Parameters
+    ----------
+    curves : sequence of (times, shares)
+        One curve for each run.
+    points : int
+        Number of times, at least 2.
+
+    Returns
+    -------
+    ndarray of float, shape (points,)
+        The grid, ascending.
 
     Raises
     ------
     InvalidInputError
         As in `on_grid`; also if nothing changes after time 0, or `points` is below 2.
+
+    Examples
+    --------
+    >>> common_grid([([0.0, 4.0], [0.5, 1.0])], points=5)
+    array([0., 1., 2., 3., 4.])
     """
     if points < 2:
         raise InvalidInputError(f"a grid of times has at least 2 points, not {points}")

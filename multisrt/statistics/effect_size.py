@@ -1,4 +1,4 @@
-"""How much one set of runs differs from another, whatever the number of runs."""
+"""Effect size: how much two sets of runs differ, whatever their number."""
 
 from __future__ import annotations
 
@@ -13,43 +13,66 @@ from multisrt.statistics.wins import share_of_wins
 Magnitude = Literal["negligible", "small", "medium", "large"]
 
 SMALL, MEDIUM, LARGE = 0.56, 0.64, 0.71
-"""Where Vargha and Delaney draw the lines, for A or 1 - A, whichever is larger."""
+"""Lower bounds of Vargha and Delaney's magnitudes, for the larger of A and 1 - A."""
 
 
 def vargha_delaney(a: ArrayLike, b: ArrayLike) -> float:
-    """Probability that a value of `a` is LOWER than one of `b`; ties count half.
+    """Return the probability that a value of `a` is lower than one of `b`.
 
-    So 1 says that all of `a` are lower, 0 that all of `b` are, and 0.5 that neither tends to be.
-    Vargha and Delaney's own A is the probability of being higher: theirs of (b, a) is ours of
-    (a, b).
+    Source: Vargha and Delaney, A critique and improvement of the CL common language effect size
+    statistics of McGraw and Wong, Journal of Educational and Behavioral Statistics 25, 2000;
+    differs in: their A is the probability of being higher, theirs of (b, a) is this of (a, b).
 
     Parameters
     ----------
     a, b : array_like, shapes (n,) and (m,)
-        Values of runs; infinite ones are ties at their end.
+        Values of runs; infinite ones are tied.
+
+    Returns
+    -------
+    float
+        From 0 (all of `b` are lower) to 1 (all of `a` are lower); 0.5 if neither tends to be.
+        Ties count half.
 
     Raises
     ------
     InvalidInputError
         If one is empty or holds nan.
 
-    Source: Vargha and Delaney, A critique and improvement of the CL common language effect size
-    statistics of McGraw and Wong, Journal of Educational and Behavioral Statistics 25, 2000.
+    Examples
+    --------
+    >>> vargha_delaney([1.0, 2.0], [2.0, 3.0])
+    0.875
     """
     return share_of_wins(sample_of(a, "a"), sample_of(b, "b"))
 
 
 def magnitude(share: float) -> Magnitude:
-    """Vargha and Delaney's word for an A, the same for A and 1 - A.
+    """Return Vargha and Delaney's word for an effect size.
+
+    Parameters
+    ----------
+    share : float
+        An effect size A from 0 to 1; A and 1 - A have the same magnitude.
+
+    Returns
+    -------
+    {"negligible", "small", "medium", "large"}
+        The magnitude.
 
     Raises
     ------
     InvalidInputError
-        Unless the share is from 0 to 1.
+        If the share is not from 0 to 1.
+
+    Examples
+    --------
+    >>> magnitude(0.875), magnitude(0.42)
+    ('large', 'small')
     """
     if not 0.0 <= share <= 1.0:
         raise InvalidInputError(f"an effect size A is from 0 to 1, not {share}")
-    # 1 - A is rounded: a share that is on a line stays there.
+    # Rounded, so that 1 - A of a bound is the bound itself.
     larger = round(max(share, 1.0 - share), 12)
     if larger < SMALL:
         return "negligible"

@@ -1,4 +1,4 @@
-"""How probable it is that one way of doing things does better than another."""
+"""The probability that one strategy does better than another."""
 
 from __future__ import annotations
 
@@ -28,27 +28,38 @@ def probability_of_improvement(
     resamples: int = RESAMPLES,
     rng: np.random.Generator | int,
 ) -> Interval:
-    """Probability that a run of `a` is better than one of `b` at the same task.
+    """Return the probability that a run of `a` is better than one of `b` at the same task.
 
-    It is the mean over the tasks of the share of all couples of runs in which `a`'s is better,
-    ties being half; all tasks weigh the same. The interval is by the percentile bootstrap, in
-    which the runs of `a` and `b` are drawn apart from each other within each task.
+    The estimate is the mean over tasks, of equal weight, of the share of all pairs of runs in
+    which that of `a` is better; ties count half. The interval is a percentile bootstrap that draws
+    the runs of `a` and of `b` independently within each task.
+
+    Source: Agarwal et al., NeurIPS 2021, section 4.3.
 
     Parameters
     ----------
     a_by_stratum, b_by_stratum : sequence of array_like
         Values of the runs of each task, tasks in the same order; numbers of runs may differ.
     lower_is_better : bool
-        Else higher values are.
+        Whether lower values are better.
     level, resamples, rng
         As in `intervals.bootstrap`.
+
+    Returns
+    -------
+    Interval
+        The probability, from 0 to 1, with its interval.
 
     Raises
     ------
     InvalidInputError
-        If they have not the same number of tasks, or a task has no runs or nan.
+        If the numbers of tasks differ, or a task has no runs or nan.
 
-    Source: Agarwal et al., NeurIPS 2021, section 4.3.
+    Examples
+    --------
+    >>> a, b = [[1.0, 2.0, 3.0]], [[2.0, 4.0, 5.0]]
+    >>> round(probability_of_improvement(a, b, rng=0).value, 3)
+    0.833
     """
     a, b = strata_of(a_by_stratum, "a"), strata_of(b_by_stratum, "b")
     if len(a) != len(b):
@@ -60,10 +71,10 @@ def probability_of_improvement(
     generator = np.random.default_rng(rng)
     value, drawn = 0.0, np.zeros(checked_resamples(resamples))
     for of_a, of_b in zip(a, b, strict=True):
-        wins, couples = win_table(of_a, of_b), of_a.size * of_b.size
-        value += float(wins.sum()) / couples
+        wins, pairs = win_table(of_a, of_b), of_a.size * of_b.size
+        value += float(wins.sum()) / pairs
         counts_of_a = drawn_counts(of_a.size, resamples, generator)
         counts_of_b = drawn_counts(of_b.size, resamples, generator)
         wins_by_run_of_b = np.einsum("ra,ab->rb", counts_of_a, wins)
-        drawn += np.einsum("rb,rb->r", wins_by_run_of_b, counts_of_b) / couples
+        drawn += np.einsum("rb,rb->r", wins_by_run_of_b, counts_of_b) / pairs
     return interval_around(value / len(a), drawn / len(a), level)

@@ -1,4 +1,4 @@
-"""Intervals of confidence: stratified bootstrap of any statistic, Wilson's of a share."""
+"""Confidence intervals: stratified bootstrap of any statistic, and Wilson's for a share."""
 
 from __future__ import annotations
 
@@ -15,23 +15,23 @@ from multisrt.statistics.samples import checked_level, checked_resamples, strata
 from multisrt.statistics.summaries import Statistic, quantile
 
 RESAMPLES = 2000
-"""Resamples of a bootstrap, unless told otherwise."""
+"""Default number of resamples of a bootstrap."""
 
 LEVEL = 0.95
-"""Level of an interval, unless told otherwise."""
+"""Default confidence level."""
 
-VALUES_AT_ONCE = 4_000_000
-"""Resampled values are held in memory so many at a time."""
+MAX_VALUES_AT_ONCE = 4_000_000
+"""Resampled values that are held in memory at a time."""
 
 
 @dataclass(frozen=True, slots=True)
 class Interval:
-    """An estimate and its interval of confidence.
+    """An estimate and its confidence interval.
 
     Attributes
     ----------
     value : float
-        The estimate, from the data themselves.
+        The estimate, computed from the data themselves.
     low, high : float
         Ends of the interval; infinite where failed runs leave no bound.
     """
@@ -43,16 +43,16 @@ class Interval:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Band:
-    """An estimate with its interval at each place of an axis.
+    """An estimate with its confidence interval at each point of an axis.
 
     Attributes
     ----------
     at : ndarray of float, shape (n,)
-        The places: thresholds, times.
+        The points, such as thresholds or times.
     value : ndarray of float, shape (n,)
-        The estimate at each.
+        The estimate at each point.
     low, high : ndarray of float, shape (n,)
-        Ends of its interval, pointwise: each holds at its level by itself, not all at once.
+        Ends of pointwise intervals: each holds at its level by itself, not all of them together.
     """
 
     at: FloatArray
@@ -69,34 +69,48 @@ def bootstrap(
     resamples: int = RESAMPLES,
     rng: np.random.Generator | int,
 ) -> Interval:
-    """Interval of a statistic by the stratified percentile bootstrap.
+    """Return a statistic with its interval by the stratified percentile bootstrap.
 
-    Each resample draws from every stratum as many runs as it has, with replacement, and takes the
-    statistic of all of them together; the interval is between two quantiles of the results. All
-    runs weigh the same: strata do only if they are of equal size. A stratum of a single run is
-    drawn as it is, and adds nothing to the width.
+    Each resample draws from every stratum as many runs as it has, with replacement, and computes
+    the statistic of all of them together; the ends of the interval are quantiles of the results.
+    All runs have equal weight, so that strata do only if they have equal sizes. A stratum of one
+    run adds nothing to the width.
+
+    Source: Agarwal et al., NeurIPS 2021, section 4.1.
 
     Parameters
     ----------
     strata : sequence of array_like, shapes (n_i,)
         Values of the runs of each task.
     statistic : callable
-        Of values along the last axis, such as `summaries.median`.
+        Statistic along the last axis, such as `summaries.median`.
     level : float
-        Share of such intervals that hold the true value, in the long run. With 20 runs they are a
-        little narrow: about 0.93 of those at 0.95 do.
+        Confidence level, between 0 and 1. With 20 runs intervals are a little narrow: about 93 %
+        of those at 0.95 contain the true value.
     resamples : int
-        How many.
+        Number of resamples, at least 1.
     rng : numpy.random.Generator or int
-        Where the draws come from.
+        Generator of the draws, or its seed.
+
+    Returns
+    -------
+    Interval
+        The statistic of the data, and its interval.
 
     Raises
     ------
     InvalidInputError
-        If a stratum is empty or holds nan, if the statistic cannot take the values, or if level
-        or resamples are out of range.
+        If a stratum is empty or holds nan, if the statistic refuses the values, or if level or
+        resamples are out of range.
 
-    Source: Agarwal et al., NeurIPS 2021, section 4.1.
+    Examples
+    --------
+    >>> from multisrt.statistics.summaries import median
+    >>> found = bootstrap([[1.0, 2.0, 4.0], [3.0, 5.0]], median, rng=0)
+    >>> found.value
+    3.0
+    >>> found.low <= found.value <= found.high
+    True
     """
     samples = strata_of(strata)
     value = float(statistic(np.concatenate(samples)))
@@ -105,22 +119,62 @@ def bootstrap(
 
 
 def interval_around(value: float, drawn: FloatArray, level: float) -> Interval:
-    """Percentile interval of an estimate from its values in the resamples, shape (resamples,)."""
+    """Return an estimate with its percentile interval.
+
+    Parameters
+    ----------
+    value : float
+        The estimate.
+    drawn : ndarray of float, shape (resamples,)
+        Its values in the resamples.
+    level : float
+        Confidence level.
+
+    Returns
+    -------
+    Interval
+        The estimate, and quantiles of `drawn` as its interval.
+    """
     low, high = percentile_ends(drawn, level)
     return Interval(value, float(low), float(high))
 
 
 def percentile_ends(drawn: FloatArray, level: float) -> tuple[FloatArray, FloatArray]:
-    """Give the ends of percentile intervals, of values in the resamples along the last axis."""
+    """Return the ends of percentile intervals.
+
+    Parameters
+    ----------
+    drawn : ndarray of float, shape (..., resamples)
+        Values of estimates in the resamples.
+    level : float
+        Confidence level.
+
+    Returns
+    -------
+    low, high : ndarray of float, shape (...)
+        Ends of the intervals.
+    """
     tail = (1.0 - checked_level(level)) / 2.0
     return quantile(drawn, tail), quantile(drawn, 1.0 - tail)
 
 
 def drawn_counts(runs: int, resamples: int, rng: np.random.Generator) -> FloatArray:
-    """How often each run is drawn in each resample, shape (resamples, runs).
+    """Return how often each run is drawn in each resample.
 
-    A sum over the runs needs no more: those of all resamples are one product of matrices. It is
-    best left to `numpy.einsum`: threads of a linear algebra library cost more than they save here.
+    With these counts the sums over runs in all resamples are one matrix product. Use
+    `numpy.einsum` for it: threads of a linear algebra library cost more than they save here.
+
+    Parameters
+    ----------
+    runs, resamples : int
+        Number of runs and of resamples.
+    rng : numpy.random.Generator
+        Generator of the draws.
+
+    Returns
+    -------
+    ndarray of float, shape (resamples, runs)
+        Counts, as floats; each row sums to `runs`.
     """
     drawn = rng.integers(runs, size=(checked_resamples(resamples), runs))
     cells = drawn + runs * np.arange(resamples)[:, np.newaxis]
@@ -129,22 +183,33 @@ def drawn_counts(runs: int, resamples: int, rng: np.random.Generator) -> FloatAr
 
 
 def wilson(successes: int, count: int, level: float = LEVEL) -> Interval:
-    """Share of runs that succeeded, with Wilson's interval.
+    """Return the share of successful runs with Wilson's interval.
+
+    Source: Wilson, Probable inference, the law of succession, and statistical inference, Journal
+    of the American Statistical Association 22, 1927; without correction for continuity.
 
     Parameters
     ----------
     successes, count : int
-        Runs that succeeded, and all of them; 0 <= successes <= count, 1 <= count.
+        Number of successful runs and of all runs; 0 <= successes <= count, 1 <= count.
     level : float
-        Level of the interval.
+        Confidence level, between 0 and 1.
+
+    Returns
+    -------
+    Interval
+        The share, and an interval within [0, 1].
 
     Raises
     ------
     InvalidInputError
-        If they are out of range.
+        If an argument is out of range.
 
-    Source: Wilson, Probable inference, the law of succession, and statistical inference, Journal
-    of the American Statistical Association 22, 1927; without correction for continuity.
+    Examples
+    --------
+    >>> found = wilson(20, 20)
+    >>> found.value, round(found.low, 3), found.high
+    (1.0, 0.839, 1.0)
     """
     if not 0 <= successes <= count or count < 1:
         raise InvalidInputError(
@@ -159,10 +224,10 @@ def wilson(successes: int, count: int, level: float = LEVEL) -> Interval:
 def _resampled(
     samples: list[FloatArray], resamples: int, rng: np.random.Generator | int
 ) -> Iterator[FloatArray]:
-    """Resamples of all strata side by side, shape (rows, runs), some rows at a time."""
+    """Yield resamples of all strata side by side, shape (rows, runs), in blocks of rows."""
     generator = np.random.default_rng(rng)
     runs = sum(sample.size for sample in samples)
-    rows_at_once = max(1, VALUES_AT_ONCE // runs)
+    rows_at_once = max(1, MAX_VALUES_AT_ONCE // runs)
     for begin in range(0, resamples, rows_at_once):
         rows = min(rows_at_once, resamples - begin)
         drawn = [

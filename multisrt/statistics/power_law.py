@@ -1,4 +1,4 @@
-"""How one quantity grows with another: a power law, fitted in logarithms."""
+"""Power laws, fitted by least squares of logarithms."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ from multisrt.statistics.samples import checked_level, finite_sample_of
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PowerLaw:
-    """A fit of y = factor · x ** exponent.
+    """A fitted power law, y = factor · x ** exponent.
 
     Attributes
     ----------
     factor : Interval
-        What y is at x = 1.
+        Value of y at x = 1.
     exponent : Interval
-        -1 where doubling x halves y, 0 where x does not matter.
+        Exponent: -1 if doubling x halves y, 0 if y does not depend on x.
     r_squared : float
-        Share of the variance of log y that the fit explains; 1 where all y are equal.
+        Share of the variance of log y that the fit explains; 1 if all y are equal.
     """
 
     factor: Interval
@@ -33,28 +33,51 @@ class PowerLaw:
     r_squared: float
 
     def at(self, x: ArrayLike) -> FloatArray:
-        """Give what the fit says of y at x > 0."""
+        """Return the fitted values of y.
+
+        Parameters
+        ----------
+        x : array_like of float
+            Positive values.
+
+        Returns
+        -------
+        ndarray of float
+            y, in the shape of `x`.
+        """
         return self.factor.value * np.asarray(x, dtype=np.float64) ** self.exponent.value
 
 
 def fit_power_law(x: ArrayLike, y: ArrayLike, *, level: float = LEVEL) -> PowerLaw:
     """Fit y = factor · x ** exponent by least squares of the logarithms.
 
-    Intervals are by Student's t with n - 2 degrees of freedom: they hold where log y scatters
-    normally, and equally widely at all x. The factor's is that of its logarithm, and so lies
-    unevenly around it.
+    Intervals are those of Student's t with n - 2 degrees of freedom, which assume that log y is
+    normally distributed with the same variance at all x. That of the factor is computed for its
+    logarithm, and so is not symmetric.
 
     Parameters
     ----------
     x, y : array_like, shape (n,)
-        Positive and finite; at least three points, at two different x.
+        Positive and finite values; at least three points at two different x.
     level : float
-        Level of the intervals.
+        Confidence level, between 0 and 1.
+
+    Returns
+    -------
+    PowerLaw
+        The fit.
 
     Raises
     ------
     InvalidInputError
-        If they are not as said.
+        If there are too few points, a value is not positive and finite, or the level is out of
+        range.
+
+    Examples
+    --------
+    >>> law = fit_power_law([1.0, 2.0, 4.0, 8.0], [90.0, 47.0, 22.0, 11.5])
+    >>> round(law.exponent.value, 2), round(float(law.at(16.0)), 1)
+    (-1.0, 5.7)
     """
     log_x, log_y = _logarithms(x, "x"), _logarithms(y, "y")
     if log_x.size != log_y.size:
@@ -66,7 +89,7 @@ def fit_power_law(x: ArrayLike, y: ArrayLike, *, level: float = LEVEL) -> PowerL
         )
     spread = float(stats.t.ppf((1.0 + checked_level(level)) / 2.0, log_x.size - 2))
     if np.ptp(log_y) == 0.0:
-        # Nothing varies: linregress has no correlation to give.
+        # linregress cannot compute a correlation of a constant.
         same = float(np.asarray(y, dtype=np.float64)[0])
         return PowerLaw(
             factor=Interval(same, same, same), exponent=Interval(0.0, 0.0, 0.0), r_squared=1.0

@@ -1,4 +1,4 @@
-"""How runs are spread over thresholds, and how far they stay from a bound."""
+"""Performance profiles over thresholds, and gaps to a lower bound."""
 
 from __future__ import annotations
 
@@ -36,33 +36,39 @@ def performance_profile(
     resamples: int = RESAMPLES,
     rng: np.random.Generator | int,
 ) -> Band:
-    """Share of runs with a value of at most each threshold, mean over the tasks.
+    """Return the share of runs with a value of at most each threshold, averaged over tasks.
 
-    A profile that lies above another everywhere is better throughout; a run that failed is below
-    no threshold. All tasks weigh the same, so that values of different tasks should be
-    comparable: relative to a bound, say.
+    A profile above another everywhere is better throughout; a failed run is below no threshold.
+    Tasks have equal weight, so that their values should be comparable, such as ratios to a bound.
+
+    Source: Agarwal et al., NeurIPS 2021, section 4.2, run-score distributions; differs in: there
+    higher is better and a profile counts the runs above a threshold.
 
     Parameters
     ----------
     strata : sequence of array_like, shapes (n_i,)
         Values of the runs of each task; lower is better.
     thresholds : array_like, shape (k,)
-        Finite and ascending.
+        Finite, ascending thresholds.
     level, resamples, rng
         As in `intervals.bootstrap`.
 
     Returns
     -------
     Band
-        At the thresholds, with pointwise percentile intervals of the stratified bootstrap.
+        The shares at the thresholds, with pointwise intervals by the stratified percentile
+        bootstrap.
 
     Raises
     ------
     InvalidInputError
-        If a stratum is empty or holds nan, or the thresholds are not as said.
+        If a stratum is empty or holds nan, or the thresholds do not ascend.
 
-    Source: Agarwal et al., NeurIPS 2021, section 4.2, run-score distributions; differs in: there
-    higher is better and a profile counts the runs above a threshold.
+    Examples
+    --------
+    >>> band = performance_profile([[1.0, 2.0], [1.5, 4.0]], [1.0, 2.0, 4.0], rng=0)
+    >>> band.value
+    array([0.25, 0.75, 1.  ])
     """
     samples = strata_of(strata)
     at = ascending(thresholds, "thresholds")
@@ -86,26 +92,35 @@ def gap(
     resamples: int = RESAMPLES,
     rng: np.random.Generator | int,
 ) -> Interval:
-    """Gap to a lower bound, value / bound - 1: interquartile mean of all runs, with its interval.
+    """Return the interquartile mean of the gap to a lower bound, value / bound - 1.
 
-    The optimality gap of rliable is another number: with scores from 0 to 1, the mean of how much
-    is missing to 1. Taken of the score bound / value, a run of gap g has there g / (1 + g). That
-    never exceeds 1, where ours says how many times the bound came on top: 0.5 is half as much
-    again.
+    The optimality gap of rliable is another number: the mean of 1 - score for scores from 0 to 1.
+    With the score bound / value, a run with gap g has g / (1 + g) there, which never exceeds 1.
+    Here 0.5 means half as much again as the bound.
 
     Parameters
     ----------
     strata : sequence of array_like, shapes (n_i,)
         Values of the runs of each task; lower is better.
     bounds : sequence of array_like, shapes () or (n_i,)
-        For each task, the bound of all its runs or of each one.
+        For each task the bound of all its runs, or of each.
     level, resamples, rng
         As in `intervals.bootstrap`.
+
+    Returns
+    -------
+    Interval
+        The mean of all runs, with its interval.
 
     Raises
     ------
     InvalidInputError
-        See `gaps_to_bound`; also if there are not as many bounds as tasks.
+        As in `gaps_to_bound`; also if there are not as many bounds as tasks.
+
+    Examples
+    --------
+    >>> gap([[12.0, 15.0], [30.0, 24.0]], [10.0, 20.0], rng=0).value
+    0.35
     """
     if len(strata) != len(bounds):
         raise InvalidInputError(
@@ -116,19 +131,29 @@ def gap(
 
 
 def gaps_to_bound(values: ArrayLike, bound: ArrayLike) -> FloatArray:
-    """Gap of each run to its lower bound, value / bound - 1; ``inf`` for a run that failed.
+    """Return the gap of each run to its lower bound, value / bound - 1.
 
     Parameters
     ----------
     values : array_like, shape (n,)
-        Of runs of one task.
+        Values of the runs of one task.
     bound : array_like, shape () or (n,)
-        Of all of them, or of each; positive and finite.
+        Positive, finite bound of all runs, or of each.
+
+    Returns
+    -------
+    ndarray of float, shape (n,)
+        The gaps; ``inf`` for failed runs.
 
     Raises
     ------
     InvalidInputError
-        If they are not as said.
+        If a bound is not positive and finite, or their number differs from that of the values.
+
+    Examples
+    --------
+    >>> gaps_to_bound([10.0, 15.0, float("inf")], 10.0)
+    array([0. , 0.5, inf])
     """
     sample = sample_of(values)
     of_each = finite_sample_of(np.atleast_1d(bound), "bounds")

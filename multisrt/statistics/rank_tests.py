@@ -1,8 +1,8 @@
-"""Whether two sets of runs differ: rank tests, Holm's correction, and the marks of a table.
+"""Rank tests of two sets of runs, Holm's correction, and the marks of a table.
 
-The tests are two-sided. Up to `EXACT_UP_TO` runs they are exact, with ties as without: scipy's
-where there are none, and with ties by counting the arrangements of the ranks. Beyond that they are
-scipy's normal approximations, which allow for ties.
+The tests are two-sided. Up to `MAX_EXACT` runs they are exact: scipy's without ties, and with ties
+by counting the arrangements of the ranks. Beyond that they are scipy's normal approximations,
+which account for ties.
 """
 
 from __future__ import annotations
@@ -20,27 +20,27 @@ from multisrt.geometry.numerics.arrays import FloatArray, IntArray
 from multisrt.statistics.samples import finite_sample_of, sample_of
 from multisrt.statistics.wins import share_of_wins
 
-EXACT_UP_TO = 50
-"""Runs in both samples together, or pairs that differ, up to which a test is exact."""
+MAX_EXACT = 50
+"""Number of runs in both samples together, or of pairs that differ, up to which a test is exact."""
 
 SIGNIFICANCE = 0.05
-"""A difference is significant where the p-value is below this, unless told otherwise."""
+"""Default significance level: a smaller p-value is significant."""
 
 Mark = Literal["+", "-", ""]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RankTest:
-    """What a rank test says of two sets of runs, `a` and `b`.
+    """The result of a rank test of two sets of runs, `a` and `b`.
 
     Attributes
     ----------
     p_value : float
-        Two-sided: how probable so large a difference is where there is none.
+        Two-sided p-value.
     a_lower : float
-        Where `a` stands, from 0 (all of `a` is higher) over 0.5 to 1 (all of `a` is lower).
-        Unpaired it is `effect_size.vargha_delaney`; paired, the share that pairs with `a` lower
-        have in the sum of the signed ranks.
+        Effect size from 0 (all of `a` are higher) to 1 (all of `a` are lower). Unpaired it is
+        `effect_size.vargha_delaney`; paired, the share of pairs with `a` lower in the sum of
+        ranks.
     """
 
     p_value: float
@@ -48,26 +48,37 @@ class RankTest:
 
 
 def unpaired(a: ArrayLike, b: ArrayLike) -> RankTest:
-    """Mann-Whitney's U test, of runs that have nothing to do with each other.
+    """Return the result of Mann and Whitney's U test, for independent runs.
 
     Parameters
     ----------
     a, b : array_like, shapes (n,) and (m,)
-        Values of runs; infinite ones are ties at their end.
+        Values of runs; infinite ones are tied.
+
+    Returns
+    -------
+    RankTest
+        p-value and effect size; the p-value is 1 if all values are equal.
 
     Raises
     ------
     InvalidInputError
         If one is empty or holds nan.
+
+    Examples
+    --------
+    >>> test = unpaired([1.0, 2.0, 3.0, 4.0], [5.0, 6.0, 7.0, 8.0])
+    >>> round(test.p_value, 4), test.a_lower
+    (0.0286, 1.0)
     """
     of_a, of_b = sample_of(a, "a"), sample_of(b, "b")
     pooled = np.concatenate([of_a, of_b])
-    # The test goes by ranks; given to it instead of the values, infinite ones are as good as any.
+    # Ranks instead of values: the test is the same, and infinite values do no harm.
     ranks = stats.rankdata(pooled)
     a_lower = share_of_wins(of_a, of_b)
     if np.all(pooled == pooled[0]):
         return RankTest(p_value=1.0, a_lower=a_lower)
-    small = pooled.size <= EXACT_UP_TO
+    small = pooled.size <= MAX_EXACT
     if small and _has_ties(pooled):
         doubled = _doubled(ranks)
         ways = _ways_of_choosing(doubled, of_a.size)
@@ -85,20 +96,30 @@ def unpaired(a: ArrayLike, b: ArrayLike) -> RankTest:
 
 
 def paired(a: ArrayLike, b: ArrayLike) -> RankTest:
-    """Wilcoxon's signed-rank test, of runs made in pairs under the same conditions.
+    """Return the result of Wilcoxon's signed-rank test, for runs in pairs.
 
-    Pairs that are equal, also both failed, say nothing and are left out, as Wilcoxon did; where
-    all are, the p-value is 1. A pair of which one failed differs more than any that did not.
+    Pairs of equal values, or of two failed runs, are left out, as Wilcoxon did. A pair in which
+    one run failed has the largest difference.
 
     Parameters
     ----------
     a, b : array_like, shape (n,)
-        Values of runs, pairs in the same order.
+        Values of runs; pairs, made under equal conditions, in the same order.
+
+    Returns
+    -------
+    RankTest
+        p-value and effect size; the p-value is 1 if all pairs are equal.
 
     Raises
     ------
     InvalidInputError
         If they are empty, hold nan or differ in length.
+
+    Examples
+    --------
+    >>> paired([1.0, 2.0, 3.0, 4.0, 5.0], [2.0, 4.0, 6.0, 8.0, 10.0])
+    RankTest(p_value=0.0625, a_lower=1.0)
     """
     of_a, of_b = sample_of(a, "a"), sample_of(b, "b")
     if of_a.size != of_b.size:
@@ -112,39 +133,43 @@ def paired(a: ArrayLike, b: ArrayLike) -> RankTest:
     sizes = np.abs(differences)
     ranks = stats.rankdata(sizes)
     a_is_lower = differences > 0.0
-    if sizes.size <= EXACT_UP_TO and _has_ties(sizes):
+    if sizes.size <= MAX_EXACT and _has_ties(sizes):
         doubled = _doubled(ranks)
         p_value = _two_sided(_ways_of_signing(doubled), int(doubled[a_is_lower].sum()))
     else:
-        # Exact here up to fifty pairs, by scipy's own choice.
+        # scipy chooses the exact distribution up to fifty pairs without ties.
         p_value = float(stats.wilcoxon(np.where(a_is_lower, ranks, -ranks)).pvalue)
     return RankTest(p_value=p_value, a_lower=float(ranks[a_is_lower].sum() / ranks.sum()))
 
 
 def holm(p_values: ArrayLike) -> FloatArray:
-    """Adjust the p-values of a family of tests by Holm's step-down procedure.
+    """Return the p-values of a family of tests, adjusted by Holm's step-down procedure.
 
-    Where those below a level are taken as significant, the probability that any of the tests
-    finds a difference where there is none is at most that level, however they depend on each
-    other.
+    If adjusted p-values below a level count as significant, the probability of any false positive
+    in the family is at most that level, whatever the dependence of the tests.
+
+    Source: Holm, A simple sequentially rejective multiple test procedure, Scandinavian Journal of
+    Statistics 6, 1979.
 
     Parameters
     ----------
     p_values : array_like, shape (n,)
-        Of all tests of the family, in any order; may be empty.
+        p-values of all tests of the family, in any order; may be empty.
 
     Returns
     -------
     ndarray of float, shape (n,)
-        In the same order, none smaller than before.
+        Adjusted p-values in the same order, none smaller than before.
 
     Raises
     ------
     InvalidInputError
-        Unless all are from 0 to 1.
+        If a p-value is not from 0 to 1.
 
-    Source: Holm, A simple sequentially rejective multiple test procedure, Scandinavian Journal of
-    Statistics 6, 1979.
+    Examples
+    --------
+    >>> holm([0.01, 0.04, 0.03])
+    array([0.03, 0.06, 0.06])
     """
     if np.size(p_values) == 0:
         return np.zeros(0)
@@ -161,7 +186,18 @@ def holm(p_values: ArrayLike) -> FloatArray:
 
 
 def corrected(tests: Sequence[RankTest]) -> list[RankTest]:
-    """Give the tests of a family with their p-values adjusted by `holm`."""
+    """Return the tests of a family with p-values adjusted by `holm`.
+
+    Parameters
+    ----------
+    tests : sequence of RankTest
+        All tests of the family.
+
+    Returns
+    -------
+    list of RankTest
+        The tests in the same order.
+    """
     adjusted = holm([test.p_value for test in tests])
     return [replace(test, p_value=float(p)) for test, p in zip(tests, adjusted, strict=True)]
 
@@ -169,18 +205,37 @@ def corrected(tests: Sequence[RankTest]) -> list[RankTest]:
 def mark(
     test: RankTest, *, significance: float = SIGNIFICANCE, lower_is_better: bool = True
 ) -> Mark:
-    """Mark `a` against its rival `b`: "+" significantly better, "-" worse, "" no difference found.
+    """Return the mark of `a` against its rival `b` in a table.
 
-    Marks of several cells call for `corrected` tests.
+    Tables with several marks need `corrected` tests.
 
     Source: Elizondo, Ramírez, Rodriguez and Martínez, Multi-robot Exploration Using Self-Biddings
-    under Constraints on Communication Range, Tables I to V, in which `a` is what the paper
-    proposes and each cell belongs to a rival `b`; they do not say which test is behind them.
+    under Constraints on Communication Range, Tables I to V, in which `a` is the proposed method
+    and each cell belongs to a rival `b`; the paper does not name its test.
+
+    Parameters
+    ----------
+    test : RankTest
+        Test of `a` and `b`.
+    significance : float
+        Significance level, between 0 and 1.
+    lower_is_better : bool
+        Whether lower values are better.
+
+    Returns
+    -------
+    {"+", "-", ""}
+        "+" if `a` is significantly better, "-" if it is worse, "" if no difference was found.
 
     Raises
     ------
     InvalidInputError
-        Unless 0 < `significance` < 1.
+        If `significance` is not between 0 and 1.
+
+    Examples
+    --------
+    >>> mark(RankTest(p_value=0.01, a_lower=0.9))
+    '+'
     """
     if not 0.0 < significance < 1.0:
         raise InvalidInputError(f"a significance must be between 0 and 1, not {significance}")
@@ -189,14 +244,14 @@ def mark(
     return "+" if (test.a_lower > 0.5) == lower_is_better else "-"
 
 
-# Exact distributions with ties ----------------------------------------------------------------
-# Streitberg and Röhmel, Exact distributions for permutation and rank tests: an introduction to
-# some recently published algorithms, Statistical Software Newsletter 12, 1986. Ranks in the
-# middle of ties are halves: doubled, all are whole numbers.
+# Exact distributions with ties ---------------------------------------------------------------
+# Source: Streitberg and Röhmel, Exact distributions for permutation and rank tests: an
+# introduction to some recently published algorithms, Statistical Software Newsletter 12, 1986.
+# Mean ranks of ties are multiples of a half; doubled, all are integers.
 
 
 def _ways_of_choosing(ranks: IntArray, chosen: int) -> FloatArray:
-    """Entry s: in how many ways so many of the ranks can be chosen that they add up to s."""
+    """Return, at index s, the number of ways to choose `chosen` ranks with sum s."""
     ways = np.zeros((chosen + 1, int(ranks.sum()) + 1))
     ways[0, 0] = 1.0
     for rank in ranks:
@@ -205,7 +260,7 @@ def _ways_of_choosing(ranks: IntArray, chosen: int) -> FloatArray:
 
 
 def _ways_of_signing(ranks: IntArray) -> FloatArray:
-    """Entry s: with how many sets of signs the ranks with a plus add up to s."""
+    """Return, at index s, the number of sign vectors whose positive ranks sum to s."""
     ways = np.zeros(int(ranks.sum()) + 1)
     ways[0] = 1.0
     for rank in ranks:
@@ -214,7 +269,7 @@ def _ways_of_signing(ranks: IntArray) -> FloatArray:
 
 
 def _two_sided(ways: FloatArray, seen: int) -> float:
-    """Twice the probability of the lighter of the two tails that begin at what was seen."""
+    """Return twice the smaller probability of the two tails that include the observed sum."""
     lighter = min(ways[: seen + 1].sum(), ways[seen:].sum())
     return float(min(1.0, 2.0 * lighter / ways.sum()))
 

@@ -1,4 +1,4 @@
-"""What the values of runs may be, and refusing what they may not."""
+"""Validation of the values of runs."""
 
 from __future__ import annotations
 
@@ -12,24 +12,30 @@ from multisrt.geometry.numerics.arrays import FloatArray
 
 
 def sample_of(values: ArrayLike, name: str = "values") -> FloatArray:
-    """Take the values of some runs, of which some may have failed.
+    """Return the values of runs, some of which may have failed, as an array.
 
     Parameters
     ----------
     values : array_like, shape (n,)
-        At least one number, none of them nan. Runs that failed have one infinite value, ``inf``
-        or ``-inf``, whichever is worse than all others.
+        At least one number, none of them nan. Failed runs are either all ``inf`` or all ``-inf``,
+        whichever is worse.
     name : str
-        What an error calls them.
+        Name of the values in messages.
 
     Returns
     -------
     ndarray of float, shape (n,)
+        The values.
 
     Raises
     ------
     InvalidInputError
-        If it is anything else.
+        If the values are anything else.
+
+    Examples
+    --------
+    >>> sample_of([12, 15, float("inf")])
+    array([12., 15., inf])
     """
     try:
         sample = np.asarray(values, dtype=np.float64)
@@ -44,14 +50,14 @@ def sample_of(values: ArrayLike, name: str = "values") -> FloatArray:
 
 
 def finite_sample_of(values: ArrayLike, name: str = "values") -> FloatArray:
-    """Take the values of some runs none of which failed; else like `sample_of`."""
+    """Return the values of runs as `sample_of` does; InvalidInputError if one is infinite."""
     sample = sample_of(values, name)
     refuse_infinite(sample, name)
     return sample
 
 
 def ascending(places: ArrayLike, name: str) -> FloatArray:
-    """Take the places of an axis: finite, each above the one before, else InvalidInputError."""
+    """Return the points of an axis; InvalidInputError unless finite and strictly ascending."""
     at = finite_sample_of(places, name)
     if np.any(np.diff(at) <= 0.0):
         raise InvalidInputError(f"{name} must ascend, each above the one before")
@@ -59,13 +65,25 @@ def ascending(places: ArrayLike, name: str) -> FloatArray:
 
 
 def strata_of(strata: Sequence[ArrayLike], name: str = "strata") -> list[FloatArray]:
-    """Take the values of runs, one array for each task.
+    """Return the values of runs, one array for each task.
+
+    Parameters
+    ----------
+    strata : sequence of array_like, shapes (n_i,)
+        Values of the runs of each task.
+    name : str
+        Name of the strata in messages.
+
+    Returns
+    -------
+    list of ndarray of float
+        The values of each task.
 
     Raises
     ------
     InvalidInputError
-        If there is no stratum, or one of them is no sample (see `sample_of`), or a failure is
-        ``inf`` in one and ``-inf`` in another.
+        If there is no stratum, or one is no sample (see `sample_of`), or failed runs are ``inf``
+        in one and ``-inf`` in another.
     """
     if len(strata) == 0:
         raise InvalidInputError(f"{name} must hold at least one array of values, not none")
@@ -97,14 +115,14 @@ def refuse_infinite(values: FloatArray, name: str) -> None:
 
 
 def checked_level(level: float) -> float:
-    """Give a level of confidence, or raise InvalidInputError unless it is between 0 and 1."""
+    """Return a confidence level; InvalidInputError unless it is between 0 and 1."""
     if not 0.0 < level < 1.0:
         raise InvalidInputError(f"the level of an interval must be between 0 and 1, not {level}")
     return level
 
 
 def checked_resamples(resamples: int) -> int:
-    """Give a number of resamples, or raise InvalidInputError unless it is at least 1."""
+    """Return a number of resamples; InvalidInputError unless it is at least 1."""
     if resamples < 1:
         raise InvalidInputError(f"a bootstrap needs at least 1 resample, not {resamples}")
     return resamples

@@ -1,4 +1,4 @@
-"""What tests of experiments share: each of their modules has an experiment `SPEC`."""
+"""Fixtures for tests of experiments; each of their modules has an experiment `SPEC`."""
 
 import contextlib
 import subprocess
@@ -31,19 +31,19 @@ except KeyboardInterrupt:
 
 @pytest.fixture
 def path(tmp_path) -> Path:
-    """Where a store may be."""
+    """Path of a store that does not exist yet."""
     return tmp_path / "results.sqlite"
 
 
 @pytest.fixture(scope="module")
 def undisturbed(request) -> dict[str, str]:
-    """Digests of all runs of the module's experiment, made one after another in this process."""
+    """Digests of all runs of the module's experiment, made in this process."""
     spec = request.module.SPEC
     return {run.key: make_run(run, spec.limits).digest for run in runs(spec)}
 
 
 @contextlib.contextmanager
-def _ended_at_last(command: list[str], **options):
+def _killed_at_the_end(command: list[str], **options):
     with subprocess.Popen(command, text=True, **options) as process:
         try:
             yield process
@@ -52,20 +52,22 @@ def _ended_at_last(command: list[str], **options):
 
 
 @pytest.fixture
-def ended_at_last():
-    """Start a process that is gone when its block ends."""
-    return _ended_at_last
+def killed_at_the_end():
+    """Start a process that is killed when its block ends."""
+    return _killed_at_the_end
 
 
 @pytest.fixture
 def runner(request):
-    """Start a process that makes an experiment's runs, and says after each how many there are.
+    """Start a process that makes an experiment's runs and prints their number after each.
 
-    By two workers of this machine, or on the cluster at an address; `before` is done first.
+    With two local workers, or on the cluster at an address; the code `before` is run first.
     """
 
     def started(path: Path, spec=request.module.SPEC, *, cluster="", before="", **options):
         command = [sys.executable, "-c", before + RUNNER, str(path), spec.to_json(), cluster]
-        return _ended_at_last(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, **options)
+        return _killed_at_the_end(
+            command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, **options
+        )
 
     return started

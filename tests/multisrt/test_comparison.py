@@ -217,7 +217,7 @@ def test_without_a_store_no_file_is_left(asked, tmp_path, monkeypatch):
     assert not list((tmp_path / "scratch").iterdir())
 
 
-# Results --------------------------------------------------------------------------------------
+# Results -------------------------------------------------------------------------------------
 
 
 @pytest.fixture

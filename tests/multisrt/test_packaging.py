@@ -16,7 +16,7 @@ SETUP = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["setuptools
 
 
 def folders_of_packages() -> set[str]:
-    """What a package is: a folder with an __init__.py; links are followed by their own names."""
+    """Return all packages: folders with an __init__.py, linked ones under `multisrt`."""
     found = set()
     for top in ("multisrt", *ROOMS):
         prefix = "" if top == "multisrt" else "multisrt."
@@ -39,7 +39,7 @@ def test_every_folder_with_modules_is_a_package():
             assert (module.parent / "__init__.py").exists(), module
 
 
-def test_the_rooms_are_linked():
+def test_the_parts_are_linked_into_the_package():
     for room in ROOMS:
         link = ROOT / "multisrt" / room
         assert link.is_symlink()
@@ -74,7 +74,7 @@ def python(code: str, *, cwd: Path) -> str:
     return done.stdout
 
 
-def test_no_bare_room_can_be_imported_from_elsewhere(tmp_path):
+def test_no_part_can_be_imported_by_its_bare_name(tmp_path):
     code = (
         "import importlib.util as u\n"
         f"print([name for name in {ROOMS} if u.find_spec(name) is not None])"
@@ -117,11 +117,11 @@ def test_help_imports_nothing_heavy(words):
     assert loaded_by(code) == set()
 
 
-def test_that_check_can_fail():
+def test_the_check_for_heavy_imports_can_fail():
     assert "shapely" in loaded_by("import multisrt; multisrt.Environment")
 
 
-def test_every_public_name_is_there():
+def test_every_public_name_can_be_imported():
     for name in multisrt.__all__:
         assert getattr(multisrt, name) is not None
     assert sorted(multisrt.__all__) == dir(multisrt)
@@ -130,7 +130,7 @@ def test_every_public_name_is_there():
         multisrt.bogus  # noqa: B018
 
 
-def test_public_names_mean_the_same_whatever_was_imported_before():
+def test_public_names_are_not_shadowed_by_modules():
     code = (
         "import multisrt.environments.catalog, multisrt.environments.environment\n"
         "import multisrt as ms\n"

@@ -54,7 +54,7 @@ def run() -> Run:
 
 def test_the_defaults_are_those_of_the_specs(spec_of):
     assert spec_of(ROOM) == RunSpec(environment=inline(ROOM))
-    # None says nothing, whatever the keyword.
+    # None is the same as not given, for every keyword.
     names = set(inspect.signature(explore).parameters)
     keywords = names - {"environment", "recording_path", "watch"}
     assert spec_of(ROOM, **dict.fromkeys(keywords)) == RunSpec(environment=inline(ROOM))
@@ -159,6 +159,8 @@ def test_a_complete_radio(spec_of):
         ({"robots": 1, "starts": []}, "0 starts for 1 robots"),
         ({"starts": []}, "at least one robot, not 0"),
         ({"robots": []}, "at least one robot"),
+        ({"robots": 2.5}, r"a number or a sequence of RobotSpec, not 2\.5"),
+        ({"robots": "two"}, r"robots\[0\] is 't'"),
         ({"robots": [RobotSpec(), "disc:0.3"]}, r"robots\[1\] is 'disc:0.3'"),
         ({"start": (1, 1), "starts": [(1, 1)]}, "not both"),
         ({"starts": "anywhere"}, "anywhere"),
@@ -181,7 +183,7 @@ def test_impossible_runs_are_refused(given, said):
         {"radio": RadioSpec()},
         {"faults": [1]},
         {"seed": 1},
-        # Defaults, too: who says something means it.
+        # Defaults that are given explicitly count as given.
         {"seed": 0},
         {"range_m": 4.0},
     ],

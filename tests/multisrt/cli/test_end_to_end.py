@@ -1,4 +1,4 @@
-"""Whole runs, and a check of their motions that shares no code with the simulation's."""
+"""Whole runs, with a check of their motions independent of the simulation's."""
 
 import math
 from functools import cache
@@ -26,11 +26,11 @@ BODIES = {
     L_SHAPE: [(-0.15, -0.15), (0.35, -0.15), (0.35, 0.1), (0.1, 0.1), (0.1, 0.35), (-0.15, 0.35)],
     TRIANGLE: [(-0.2, -0.25), (0.4, 0), (-0.2, 0.25)],
 }
-"""Footprints as text, and their corners written out once more; a disc has a radius of 0.25 m."""
+"""Footprints as text, and their corners; a disc has a radius of 0.25 m."""
 
 
 SMALL = {"rooms": {"size_m": 20.0, "rooms_per_side": 3}}
-"""Worlds that are as good when they are smaller."""
+"""Parameters of smaller versions of large environments."""
 
 
 @cache
@@ -39,7 +39,7 @@ def world(name: str) -> Environment:
 
 
 def deepest_overlap(run: Run) -> float:
-    """How deep the body goes into obstacles anywhere on its way, by shapely alone; 0 if never."""
+    """Return the largest penetration of obstacles by the body (m), by shapely alone."""
     corners = BODIES[run.spec.robots[0].footprint]
     free = run.environment.free
     obstacles = shapely.box(*free.bounds).buffer(2.0, join_style="mitre").difference(free)
@@ -50,19 +50,19 @@ def deepest_overlap(run: Run) -> float:
     covered = np.concatenate([covered_by_leg(corners, a, b) for a, b in legs])
     which, solid = shapely.STRtree(solids).query(covered, predicate="intersects")
     overlap = shapely.intersection(covered[which], solids[solid])
-    # Twice the area over the outline is about the depth of a sliver.
+    # Twice the area over the perimeter approximates the depth of a sliver.
     depth = 2.0 * shapely.area(overlap) / np.maximum(shapely.length(overlap), 1e-9)
     return float(depth.max(initial=0.0))
 
 
 def covered_by_leg(corners, a, b) -> np.ndarray:
-    """What a body covers on a leg, as polygons; of discs and turns a hair's breadth less."""
+    """Return the area swept by a body on a leg, as polygons from inside."""
     if corners is None:
         way = shapely.Point(a[:2]) if a[:2] == b[:2] else shapely.LineString([a[:2], b[:2]])
         # Chords of 256 a circle lie within 0.25 m (1 - cos(pi / 256)) = 0.02 mm of it.
         return np.array([way.buffer(0.25, quad_segs=64)])
     if a[2] == b[2]:
-        # Each triangle of the body sweeps the hull of where it was and where it is.
+        # A triangle of the body sweeps the convex hull of its two positions.
         triangles = shapely.constrained_delaunay_triangles(shapely.Polygon(corners))
         parts = [shapely.get_coordinates(part)[:3] for part in shapely.get_parts(triangles)]
         swept = [np.vstack([placed(part, a), placed(part, b)]) for part in parts]
@@ -101,7 +101,7 @@ def check(run: Run, least_coverage: float) -> None:
 MAPS = ("museum", "apartment", "workshop", "library", "clinic", "cave")
 
 
-def test_all_bundled_maps_are_here():
+def test_all_bundled_maps_are_tested():
     assert set(MAPS) == {entry.name for entry in ms.catalog() if entry.kind == "map"}
     assert set(MAPS) < set(names())
 
@@ -119,16 +119,16 @@ def test_bundled_maps_are_explored(name, strategy, share, seed):
     ("name", "strategy"),
     [("rooms", "srt-star"), ("office", "srt-radial"), ("apartment", "srt-radial")],
 )
-def test_other_bodies(name, strategy, footprint, drive):
+def test_other_bodies_explore(name, strategy, footprint, drive):
     run = ms.explore(
         world(name), strategy=strategy, footprint=footprint, drive=DriveSpec(kind=drive), seed=2
     )
-    # Measured against what the disc inscribed in the body could see: more than it can get to.
+    # Relative to the area that a disc inscribed in the body can see, which is larger.
     check(run, 0.93)
 
 
 @pytest.mark.parametrize("name", ["rooms", "office", "apartment"])
-def test_a_laser(name):
+def test_a_laser_explores(name):
     run = ms.explore(world(name), strategy="srt-radial", beams=720, seed=3)
     check(run, 0.97)
 
@@ -139,7 +139,7 @@ def test_a_laser_of_few_beams_among_sharp_corners(name, seed):
     check(ms.explore(world(name), strategy="srt-radial", beams=360, seed=seed), 0.95)
 
 
-def test_a_laser_and_a_box_and_a_star():
+def test_a_box_with_a_laser_and_star_regions_explores():
     run = ms.explore(
         world("apartment"), strategy="srt-star", beams=720, footprint="box:0.5x0.3", seed=4
     )
@@ -156,13 +156,13 @@ def test_a_laser_and_a_box_and_a_star():
         {"max_draws": 1, "cones": 8},
     ],
 )
-def test_options(options):
+def test_options_of_strategies(options):
     strategy = "srt-star" if "cones" in options else "srt-radial"
     run = ms.explore(world("apartment"), strategy=strategy, options=options, seed=5)
     check(run, 0.90)
 
 
-def test_without_its_later_stages_it_stops_early_but_never_collides():
+def test_without_later_stages_it_stops_but_never_collides():
     run = ms.explore(
         world("office"), options={"approach": False, "complete": False}, seed=1, max_time_s=1e6
     )
@@ -173,8 +173,8 @@ def test_without_its_later_stages_it_stops_early_but_never_collides():
     assert deepest_overlap(run) <= 1e-6
 
 
-def test_the_independent_check_finds_what_touches():
-    # The same check on a motion through a wall 0.1 m thick: it has to be able to fail.
+def test_the_independent_check_detects_contact():
+    # A motion through a wall 0.1 m thick makes the check fail.
     run = ms.explore(Environment("closet", shapely.box(0, 0, 3, 3)), start=(1.0, 1.5))
     assert deepest_overlap(run) == 0.0
     walled = shapely.box(0, 0, 3, 3).difference(shapely.box(1.4, 0, 1.5, 3))

@@ -1,4 +1,4 @@
-"""`multisrt experiment` as a person uses it."""
+"""The commands of `multisrt experiment`."""
 
 import json
 import os
@@ -45,7 +45,7 @@ def folder(tmp_path, monkeypatch) -> Path:
 
 @pytest.fixture
 def call(folder, monkeypatch, capsys):
-    """Run a command as a person would; give exit code, standard output and error."""
+    """Run a command; return exit code, standard output and standard error."""
 
     def run(*words: str):
         monkeypatch.setattr(sys, "argv", ["multisrt", "experiment", *words])
@@ -70,7 +70,7 @@ def made(run, status="complete", **said) -> Result:
 
 @pytest.fixture
 def fake_runs(monkeypatch):
-    """Make no runs: they end as is said here, by repetition."""
+    """Make no runs: results have the status given here for their repetition."""
     said = {"status": {}, "stop": None, "lost": None, "calls": []}
 
     def run_experiment(store, *, workers, cluster, modules, progress):
@@ -86,7 +86,7 @@ def fake_runs(monkeypatch):
     return said
 
 
-# New ----------------------------------------------------------------------------------------
+# New -----------------------------------------------------------------------------------------
 
 
 def test_new_writes_an_experiment_and_its_schema(call, folder):
@@ -110,7 +110,7 @@ def test_new_writes_an_experiment_and_its_schema(call, folder):
     assert len(runs(spec)) == 2 * 2 * 4 * 20
 
 
-def test_what_the_template_writes_is_the_default_but_for_what_it_compares():
+def test_the_template_writes_the_defaults():
     spec = ExperimentSpec.from_toml(template.TEMPLATE)
     plain = ExperimentSpec(
         name=spec.name,
@@ -120,12 +120,12 @@ def test_what_the_template_writes_is_the_default_but_for_what_it_compares():
         robots=spec.robots,
     )
     assert spec == plain
-    # Every field is there, or shown.
+    # Every field is set, or shown in a comment.
     for name in ExperimentSpec.__struct_fields__:
         assert re.search(rf"^(# )?(\[*){name}\b", template.TEMPLATE, re.MULTILINE), name
 
 
-def test_everything_that_the_template_shows_can_be(folder):
+def test_examples_in_the_template_are_valid(folder):
     (folder / "maps").mkdir()
     (folder / "maps" / "floor.wkt").write_text(ROOM)
     text = template.TEMPLATE.replace("floor.yaml", "floor.wkt")
@@ -134,7 +134,7 @@ def test_everything_that_the_template_shows_can_be(folder):
     rest = re.split(r"\n(?=# \[\[exclude)", text)[0]
     for element, line in shown:
         if "plan.png" in element:
-            continue  # a picture, which there is none of
+            continue  # there is no such image
         name = line.partition(" = ")[0]
         if element:
             plain = {"environments": ["open"], "strategies": ["srt-star"], "name": "x"}
@@ -157,16 +157,16 @@ def test_new_like_a_preset(name, call, folder):
     assert not (folder / "experiment.schema.json").exists()
 
 
-def test_new_overwrites_nothing(call, folder):
+def test_new_does_not_overwrite(call, folder):
     before = (folder / "small.toml").read_text()
     code, out, err = call("new", "small.toml")
     assert (code, out) == (2, "")
-    assert err == "error: small.toml is there already; choose another name\n"
+    assert err == "error: small.toml exists already; choose another name\n"
     assert (folder / "small.toml").read_text() == before
     assert not (folder / "experiment.schema.json").exists()
 
 
-def test_new_replaces_an_older_schema_only(call, folder):
+def test_new_replaces_only_an_older_schema(call, folder):
     path = folder / "experiment.schema.json"
     path.write_text('{"title": "ExperimentSpec"}')
     assert call("new", "a.toml")[0] == 0
@@ -198,10 +198,10 @@ def test_new_replaces_an_older_schema_only(call, folder):
         (("run", "small.toml", "--store", "room.wkt"), "room.wkt: not a file of results"),
         (("export", "no.sqlite", "a.csv"), "no.sqlite: No such file or directory"),
         (("export", "small.toml", "a.csv"), "small.toml: not a file of results"),
-        (("export", "small.toml", "a.xls"), "what is written is .csv or .parquet"),
+        (("export", "small.toml", "a.xls"), "a table is written as .csv or .parquet"),
     ],
 )
-def test_bad_input_is_told_in_a_line(words, told, call, folder):
+def test_bad_input_is_reported_in_one_line(words, told, call, folder):
     there = sorted(folder.iterdir())
     code, out, err = call(*words)
     assert (code, out) == (2, "")
@@ -211,10 +211,10 @@ def test_bad_input_is_told_in_a_line(words, told, call, folder):
     assert sorted(folder.iterdir()) == there
 
 
-# Check --------------------------------------------------------------------------------------
+# Check ---------------------------------------------------------------------------------------
 
 
-def test_check_tells_what_would_be_run(call):
+def test_check_lists_the_conditions(call):
     code, out, err = call("check", "small.toml", "--seconds", "0")
     assert (code, err) == (0, "")
     lines = [line.split() for line in out.splitlines() if line.startswith(" room")]
@@ -264,7 +264,7 @@ def _priced(job):
     )
 
 
-def test_check_warns_of_runs_that_cannot_be(call, folder):
+def test_check_warns_of_impossible_runs(call, folder):
     (folder / "full.toml").write_text(SMALL.replace("[1, 2]", "[1, 200]"))
     code, out, err = call("check", "full.toml", "--seconds", "0")
     assert code == 0
@@ -275,10 +275,10 @@ def test_check_warns_of_runs_that_cannot_be(call, folder):
     assert all("200 robots" in line and "fit at the start" in line for line in warnings)
 
 
-# Run ----------------------------------------------------------------------------------------
+# Run -----------------------------------------------------------------------------------------
 
 
-def test_run_stores_beside_the_file_and_tells_what_came_out(call, folder, monkeypatch):
+def test_run_stores_results_and_prints_them(call, folder, monkeypatch):
     def run_experiment(store, **_):
         for run in store.missing():
             store.add(make_run(run, store.experiment.limits))
@@ -295,7 +295,7 @@ def test_run_stores_beside_the_file_and_tells_what_came_out(call, folder, monkey
     assert len((folder / "small.csv").read_text().splitlines()) == 9
 
 
-def test_exit_code_3_where_runs_are_not_complete(call, folder, fake_runs):
+def test_incomplete_runs_are_exit_code_3(call, folder, fake_runs):
     fake_runs["status"] = {1: "crashed"}
     code, out, err = call("run", "small.toml", "--store", "r.sqlite", "--workers", "3")
     assert (code, err) == (3, "")
@@ -303,7 +303,7 @@ def test_exit_code_3_where_runs_are_not_complete(call, folder, fake_runs):
     assert out.count("repetition 1: so it is") == 4
     assert "--retry repeats runs that failed without a result" in out
     assert fake_runs["calls"] == [{"workers": 3, "cluster": None, "modules": ()}]
-    # Again, there is nothing to do; with --retry there is.
+    # Nothing is left to do, except with --retry.
     fake_runs["status"] = {}
     assert call("run", "small.toml", "--store", "r.sqlite", "--quiet") == (3, "", "")
     code, out, _ = call("run", "small.toml", "--store", "r.sqlite", "--retry")
@@ -311,7 +311,7 @@ def test_exit_code_3_where_runs_are_not_complete(call, folder, fake_runs):
     assert "8 of 8 runs complete" in out
 
 
-def test_interrupted_it_says_what_is_there_and_goes_on(call, folder, fake_runs):
+def test_an_interrupted_run_reports_and_continues(call, folder, fake_runs):
     fake_runs["stop"] = 3
     code, out, err = call("run", "small.toml")
     assert (code, out) == (130, "")
@@ -325,7 +325,7 @@ def test_interrupted_it_says_what_is_there_and_goes_on(call, folder, fake_runs):
         assert store.done == 8
 
 
-def test_no_store_is_left_by_what_could_not_begin(call, folder, fake_runs):
+def test_no_store_is_left_if_nothing_could_run(call, folder, fake_runs):
     fake_runs["lost"] = 0
     told = (2, "", "error: the cluster is lost\n")
     assert call("run", "small.toml") == told
@@ -338,7 +338,7 @@ def test_no_store_is_left_by_what_could_not_begin(call, folder, fake_runs):
         assert store.done == 3
 
 
-def test_options_of_run_are_handed_on(call, folder, fake_runs):
+def test_options_of_run_are_passed_on(call, folder, fake_runs):
     (folder / "my_strategies.py").write_text("")
     code, _, err = call(
         *("run", "small.toml", "--recordings", "all", "--cluster", "tcp://host:8786"),
@@ -353,7 +353,7 @@ def test_options_of_run_are_handed_on(call, folder, fake_runs):
         assert store.folder == folder
 
 
-def test_only_some_failures_are_listed(call, folder, fake_runs):
+def test_long_lists_of_failures_are_cut(call, folder, fake_runs):
     (folder / "many.toml").write_text(SMALL.replace("repetitions = 2", "repetitions = 5"))
     fake_runs["status"] = dict.fromkeys(range(5), "stalled")
     code, out, _ = call("run", "many.toml")
@@ -370,8 +370,8 @@ def test_an_experiment_in_another_folder(call, folder, fake_runs, monkeypatch):
     assert (folder / "small.sqlite").exists()
 
 
-def test_run_for_real(folder):
-    """Workers of their own, interrupted by a person, going on to the same results."""
+def test_run_with_real_workers(folder):
+    """Interrupt worker processes from the keyboard, and continue to the same results."""
     command = [sys.executable, "-m", "multisrt.cli", "experiment", "run", "small.toml"]
     (folder / "small.toml").write_text(SMALL.replace("repetitions = 2", "repetitions = 200"))
     first = subprocess.Popen(
@@ -411,7 +411,7 @@ def _done(path: Path) -> bool:
         return False  # not there yet
 
 
-# What a person sees meanwhile ---------------------------------------------------------------
+# Progress ------------------------------------------------------------------------------------
 
 
 def progress(done, made, elapsed_s, failed=0):
@@ -430,7 +430,7 @@ def progress(done, made, elapsed_s, failed=0):
         (progress(100, 0, 0.0, failed=1), "1 failed"),
     ],
 )
-def test_how_far_it_is(now, told):
+def test_notes_of_the_progress_bar(now, told):
     assert note_of(now) == told
 
 
@@ -450,14 +450,14 @@ def test_durations(seconds, told):
     assert duration(seconds) == told
 
 
-def test_nothing_is_shown_where_there_is_no_terminal(capsys):
+def test_no_bar_without_a_terminal(capsys):
     with LiveProgress() as bar:
         bar(progress(40, 20, 60.0))
         bar.say("something")
     assert capsys.readouterr() == ("", "")
 
 
-def test_a_bar_is_shown_on_a_terminal(monkeypatch, capsys):
+def test_a_bar_on_a_terminal(monkeypatch, capsys):
     monkeypatch.setattr(sys.stderr, "isatty", lambda: True, raising=False)
     with LiveProgress() as bar:
         bar(progress(40, 20, 60.0))

@@ -1,4 +1,4 @@
-"""Runs on a cluster: schedulers and workers of dask.distributed as processes of this machine."""
+"""Runs on a cluster of dask.distributed, whose processes run on this machine."""
 
 import contextlib
 import os
@@ -34,17 +34,17 @@ SPEC = ExperimentSpec(
 
 @pytest.fixture(autouse=True)
 def own_temporary_files(tmp_path, monkeypatch):
-    """Have processes that are killed leave their temporary files where the tests' own go."""
+    """Let killed processes leave their temporary files in the folder of the test."""
     monkeypatch.setenv("TMPDIR", str(tmp_path))
 
 
 @pytest.fixture
-def scheduler(tmp_path, ended_at_last):
-    """The address of a scheduler."""
+def scheduler(tmp_path, killed_at_the_end):
+    """Address of a scheduler."""
     file = tmp_path / "scheduler.json"
     command = [sys.executable, "-m", "distributed.cli.dask_scheduler", "--no-dashboard"]
     command += ["--host", "127.0.0.1", "--port", "0", "--scheduler-file", str(file)]
-    with ended_at_last(command, stderr=subprocess.DEVNULL):
+    with killed_at_the_end(command, stderr=subprocess.DEVNULL):
         deadline = time.monotonic() + 60.0
         while True:
             with contextlib.suppress(OSError, msgspec.DecodeError):
@@ -55,13 +55,13 @@ def scheduler(tmp_path, ended_at_last):
 
 
 @pytest.fixture
-def cluster_worker(tmp_path, scheduler, ended_at_last):
-    """Start a worker of the scheduler's."""
+def cluster_worker(tmp_path, scheduler, killed_at_the_end):
+    """Start a worker of the scheduler."""
 
     def started():
         command = [sys.executable, "-m", "distributed.cli.dask_worker", scheduler, "--no-nanny"]
         command += ["--nthreads", "1", "--no-dashboard", "--local-directory", str(tmp_path)]
-        return ended_at_last(command, stderr=subprocess.DEVNULL)
+        return killed_at_the_end(command, stderr=subprocess.DEVNULL)
 
     return started
 
@@ -76,7 +76,7 @@ def require_all(path: Path, undisturbed: dict[str, str]) -> None:
 
 
 @needs_distributed
-def test_a_worker_of_the_cluster_that_is_killed_costs_nothing(
+def test_killing_a_cluster_worker_loses_no_run(
     path, scheduler, cluster_worker, runner, undisturbed
 ):
     with (
@@ -93,7 +93,7 @@ def test_a_worker_of_the_cluster_that_is_killed_costs_nothing(
 
 
 @needs_distributed
-def test_a_runner_that_is_killed_goes_on_with_the_cluster(
+def test_a_killed_runner_can_continue_on_the_cluster(
     path, scheduler, cluster_worker, runner, undisturbed
 ):
     with cluster_worker():
@@ -110,7 +110,7 @@ def test_a_runner_that_is_killed_goes_on_with_the_cluster(
 
 
 @needs_distributed
-def test_a_scheduler_that_is_lost_is_told(path, runner, ended_at_last):
+def test_losing_the_scheduler_is_reported(path, runner, killed_at_the_end):
     code = """
 import sys, signal, os
 from distributed import LocalCluster
@@ -122,7 +122,7 @@ if __name__ == "__main__":
 """
     command = [sys.executable, "-c", code]
     pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": subprocess.DEVNULL}
-    with ended_at_last(command, **pipes) as cluster:
+    with killed_at_the_end(command, **pipes) as cluster:
         address = cluster.stdout.readline().strip()
         with runner(path, cluster=address) as process:
             for line in process.stdout:
@@ -137,7 +137,7 @@ if __name__ == "__main__":
 
 
 @needs_distributed
-def test_a_cluster_of_another_program_is_refused(path, scheduler, cluster_worker, runner):
+def test_workers_of_another_version_are_refused(path, scheduler, cluster_worker, runner):
     pretend = """
 import msgspec
 import multisrt.experiments.cluster as cluster
@@ -156,7 +156,7 @@ cluster.provenance = lambda: mine
 
 
 @needs_distributed
-def test_a_cluster_that_does_not_answer_is_told(path, runner):
+def test_a_cluster_that_does_not_answer_is_reported(path, runner):
     address = "tcp://127.0.0.1:1"
     few = "import multisrt.experiments.cluster as cluster; cluster.TIMEOUT_S = 1.0"
     with runner(path, cluster=address, before=few) as process:
@@ -170,7 +170,7 @@ def test_a_cluster_that_does_not_answer_is_told(path, runner):
 @pytest.mark.parametrize(
     "address", ["localhost", "localhost:8786", "tcp://", "tcp://host", "tcp://host:http"]
 )
-def test_what_is_no_address_is_told(path, address):
+def test_bad_addresses_are_refused(path, address):
     with (
         Store.create_or_open(path, SPEC) as store,
         pytest.raises(InvalidInputError, match=rf"like tcp://host:8786, not '{address}'"),
@@ -178,7 +178,7 @@ def test_what_is_no_address_is_told(path, address):
         run_experiment(store, cluster=address)
 
 
-def test_a_cluster_without_its_package_is_told(path, monkeypatch):
+def test_a_missing_distributed_package_is_reported(path, monkeypatch):
     monkeypatch.setitem(sys.modules, "distributed", None)
     with (
         Store.create_or_open(path, SPEC) as store,

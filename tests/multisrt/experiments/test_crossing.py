@@ -1,4 +1,4 @@
-"""From an experiment to its runs: which there are, in which order, and that they are paired."""
+"""Conditions and runs of experiments: their number, order, pairing and specs."""
 
 import shutil
 from itertools import pairwise
@@ -49,10 +49,10 @@ def refused(spec: ExperimentSpec, folder: Path | None = None) -> str:
     return message
 
 
-# Which, and in which order ------------------------------------------------------------------
+# Conditions and their order ------------------------------------------------------------------
 
 
-def test_everything_is_crossed_in_the_order_of_the_file():
+def test_choices_are_crossed_in_the_order_of_the_file():
     spec = experiment(
         environments=["open", "museum"], strategies=["srt-star", "minpos"], robots=[2, 1]
     )
@@ -68,7 +68,7 @@ def test_everything_is_crossed_in_the_order_of_the_file():
     ]
 
 
-def test_runs_come_repetition_by_repetition():
+def test_runs_are_ordered_by_repetition():
     spec = experiment(robots=[2, 1], repetitions=3, first_seed=10)
     found = [(run.repetition, run.condition.robots, run.spec.seed) for run in runs(spec)]
     assert found == [(0, 2, 10), (0, 1, 10), (1, 2, 11), (1, 1, 11), (2, 2, 12), (2, 1, 12)]
@@ -83,7 +83,7 @@ def test_runs_come_repetition_by_repetition():
     st.integers(1, 3),
 )
 @settings(max_examples=15, deadline=None, phases=[Phase.explicit, Phase.generate])
-def test_there_is_one_run_for_each_condition_and_repetition(
+def test_there_is_one_run_per_condition_and_repetition(
     environments, strategies, robots, starts, bodies, repetitions
 ):
     spec = experiment(
@@ -136,7 +136,7 @@ def test_labels_are_those_of_tables():
     )
 
 
-def test_blocks_take_from_the_experiment_what_they_do_not_say():
+def test_blocks_inherit_choices_from_the_experiment():
     spec = experiment(
         strategies=["srt-star", "srt-radial"],
         robots=[1, 2],
@@ -151,7 +151,7 @@ def test_blocks_take_from_the_experiment_what_they_do_not_say():
     ]
 
 
-def test_what_several_blocks_ask_for_is_run_once():
+def test_a_condition_of_several_blocks_is_run_once():
     spec = experiment(
         blocks=[
             {"robots": [1, 2], "radios": ["unlimited"]},
@@ -164,7 +164,7 @@ def test_what_several_blocks_ask_for_is_run_once():
     assert len(runs(spec)) == 6
 
 
-def test_exclusions():
+def test_exclusions_by_labels():
     spec = experiment(
         environments=["open", "museum"],
         strategies=["srt-star", "srt-radial"],
@@ -193,7 +193,7 @@ def test_a_team_is_excluded_by_its_label_or_its_size():
             assert labels(spec, "robots", "team") == left
 
 
-# Paired -------------------------------------------------------------------------------------
+# Pairing -------------------------------------------------------------------------------------
 
 RICH = {
     "environments": ["museum", {"name": "rooms", "seed": "repetition"}],
@@ -218,12 +218,12 @@ def test_repetitions_are_paired_over_strategies():
     for strategies in met.values():
         assert set(strategies) == {"srt-star", "minpos", "other"}
         assert len(set(strategies.values())) == 1
-    # Another repetition is another draw.
+    # Every repetition draws anew.
     for environment, starts, faults, repetition in met:
         if repetition == 0:
             first = met[environment, starts, faults, 0]["minpos"]
             second = met[environment, starts, faults, 1]["minpos"]
-            # A cluster that is not drawn stands where the museum suggests, whatever the seed.
+            # Clusters that are not drawn start where the museum suggests, with every seed.
             same = (environment, starts) == ("museum", "clustered")
             assert (first[1] == second[1]) == same
             assert (first[0] == second[0]) == (environment == "museum")
@@ -247,14 +247,14 @@ def test_drawn_starts_do_not_depend_on_the_team():
     assert len(set(places)) == 20
     museum = build_environment(CatalogEnvironment(name="museum"))
     assert all(museum.clearance(x, y) > 0.25 for x, y, _ in places)
-    # Both halves of the world are met.
+    # Starts fall into both halves of the environment.
     west, east = museum.bounds[0], museum.bounds[2]
     assert {x > (west + east) / 2 for x, _, _ in places} == {True, False}
 
 
 @given(st.integers(0, 10**6), st.integers(2, 6))
 @settings(max_examples=30, deadline=None)
-def test_drawn_faults(seed, robots):
+def test_drawn_faults_are_as_many_as_asked_for(seed, robots):
     late = robots - 2
     faults = {
         "label": "many",
@@ -273,7 +273,7 @@ def test_drawn_faults(seed, robots):
     assert robots <= 4 or made[0] == Death(robot=0, time_s=3.0)
 
 
-def test_who_fails_is_drawn_evenly():
+def test_faulty_robots_are_drawn_uniformly():
     faults = {"label": "one", "silences": 1, "silence_s": 7.0}
     planned = runs(experiment(robots=[3], faults=[faults], repetitions=300))
     who = [fault.robot for run in planned for fault in run.spec.faults]
@@ -281,10 +281,10 @@ def test_who_fails_is_drawn_evenly():
     assert all(70 <= who.count(robot) <= 130 for robot in range(3))
 
 
-# Environments -------------------------------------------------------------------------------
+# Environments --------------------------------------------------------------------------------
 
 
-def test_a_world_for_each_seed():
+def test_seeds_make_one_environment_each():
     spec = experiment(
         environments=[
             {"name": "rooms", "seeds": "3-5"},
@@ -300,7 +300,7 @@ def test_a_world_for_each_seed():
     ]
 
 
-def test_a_world_of_its_own_for_each_repetition():
+def test_a_repetition_seed_makes_another_environment():
     spec = experiment(
         environments=[{"name": "rooms", "seed": "repetition"}, "museum"],
         repetitions=3,
@@ -309,7 +309,7 @@ def test_a_world_of_its_own_for_each_repetition():
     assert [run.spec.environment.seed for run in runs(spec)] == [4, None, 5, None, 6, None]
 
 
-def test_files_are_found_beside_the_experiment_wherever_that_is(tmp_path, monkeypatch):
+def test_paths_are_relative_to_the_experiment_file(tmp_path, monkeypatch):
     one, other = tmp_path / "one", tmp_path / "other"
     (one / "maps").mkdir(parents=True)
     for name in ("maps/room.wkt", "plain"):
@@ -321,7 +321,7 @@ def test_files_are_found_beside_the_experiment_wherever_that_is(tmp_path, monkey
     assert [run.key for run in here] == [run.key for run in there]
     assert len({run.key for run in here}) == 2
     assert here[0].condition.environment == "room"
-    # The world is written out: a recording is the same wherever the file is.
+    # The environment is written out: recordings do not depend on the file's path.
     assert [run.spec for run in here] == [run.spec for run in there]
     world = build_environment(FileEnvironment(path=str(one / "maps" / "room.wkt")))
     assert build_environment(here[0].spec.environment) == world
@@ -331,7 +331,7 @@ def test_files_are_found_beside_the_experiment_wherever_that_is(tmp_path, monkey
     assert key_of(from_file) == here[0].key
     monkeypatch.chdir(one)
     assert [run.key for run in runs(spec)] == [run.key for run in here]
-    # Another world in it is another run, also if it was read before.
+    # A changed file is another run, even if the file was read before.
     (one / "maps" / "room.wkt").write_text(HALL)
     assert not {run.key for run in runs(spec, one)} & {run.key for run in there}
 
@@ -348,7 +348,7 @@ def test_a_name_of_the_catalogue_is_not_a_file(tmp_path):
     assert build_environment(mine.spec.environment).free.equals(shapely.from_wkt(ROOM))
 
 
-def test_a_world_written_out():
+def test_an_environment_given_as_text():
     spec = experiment(environments=[{"name": "hall", "wkt": HALL, "starts": [[1.0, 1.0]]}])
     (run,) = runs(spec)
     assert run.spec.environment == InlineEnvironment(name="hall", wkt=HALL, starts=((1.0, 1.0),))
@@ -357,10 +357,10 @@ def test_a_world_written_out():
     assert starts_of(run.spec, world)[0][:2] == (1.0, 1.0)
 
 
-# Teams --------------------------------------------------------------------------------------
+# Teams ---------------------------------------------------------------------------------------
 
 
-def test_bodies_that_say_nothing_are_as_the_experiment_says():
+def test_bodies_inherit_drive_and_range_finder():
     said = {
         "drive": {"speed_m_s": 0.8},
         "range_finder": {"range_m": 6.0},
@@ -382,7 +382,7 @@ def test_bodies_that_say_nothing_are_as_the_experiment_says():
     assert pair[0].range_finder.range_m == pair[1].range_finder.range_m == 6.0
 
 
-def test_given_starts_are_taken_in_order():
+def test_given_starts_are_used_in_order():
     places = [[1, 1], [3, 1, 0.5], [5, 1]]
     first, second = runs(experiment(robots=[1, 2], starts=[{"places": places}]))
     assert [robot.start for robot in first.spec.robots] == [(1.0, 1.0)]
@@ -390,10 +390,10 @@ def test_given_starts_are_taken_in_order():
     assert second.condition.starts == "given"
 
 
-# Keys ---------------------------------------------------------------------------------------
+# Keys ----------------------------------------------------------------------------------------
 
 
-def test_a_key_is_that_of_what_is_said_however_it_is_said():
+def test_equal_specs_have_equal_keys():
     plain = RunSpec(environment=CatalogEnvironment(name="open"))
     wordy = RunSpec(
         environment=CatalogEnvironment(name="open", parameters={}), robots=(RobotSpec(),), seed=0
@@ -409,7 +409,7 @@ def test_a_key_is_that_of_what_is_said_however_it_is_said():
     assert all(a != b for a, b in pairwise(sorted(keys)))
 
 
-# What cannot be -----------------------------------------------------------------------------
+# Errors --------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -529,17 +529,17 @@ def test_a_key_is_that_of_what_is_said_however_it_is_said():
         ),
     ],
 )
-def test_what_cannot_be_is_told(said, told, tmp_path):
+def test_impossible_experiments_are_refused(said, told, tmp_path):
     message = refused(experiment(**said), tmp_path)
     assert told in message
     assert message.startswith(("x: ", "environment "))
 
 
-def test_nothing_named_is_told():
+def test_an_empty_experiment_is_refused():
     assert "there are no runs; name 'environments'" in refused(ExperimentSpec(name="x"))
 
 
-def test_worlds_are_built_once(monkeypatch):
+def test_environments_are_built_once(monkeypatch):
     built = []
 
     def build(spec):

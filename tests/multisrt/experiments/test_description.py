@@ -1,4 +1,4 @@
-"""Experiment files: what they say, what is wrong with them, and what editors are told."""
+"""Experiment files: fields, errors, and the schema for editors."""
 
 import json
 import math
@@ -58,7 +58,7 @@ robots = [4]
 """
 
 
-def test_a_file_that_says_everything():
+def test_a_file_with_every_field():
     spec = ExperimentSpec.from_toml(WHOLE)
     assert spec.environments[1] == EnvironmentChoice(
         name="garden", label="park", parameters={"size_m": 20.0}, seeds="0-2"
@@ -75,14 +75,14 @@ def test_a_file_that_says_everything():
     assert spec.exclude == (Only(robots=1, faults="one dies"),)
 
 
-def test_what_is_left_out_is_the_usual():
+def test_missing_fields_have_their_defaults():
     spec = ExperimentSpec.from_toml('name = "x"')
     assert (spec.robots, spec.starts, spec.radios) == ((1,), ("scattered",), ("unlimited",))
     assert (spec.repetitions, spec.first_seed, spec.recordings) == (20, 0, "failed")
     assert spec == ExperimentSpec(name="x")
 
 
-# Round trips --------------------------------------------------------------------------------
+# Round trips ---------------------------------------------------------------------------------
 
 words = st.text(st.characters(codec="utf-8", exclude_categories=("Cc", "Cs")), max_size=10)
 labels = words.filter(bool)
@@ -181,13 +181,13 @@ experiments = st.builds(
 
 @given(experiments)
 @settings(max_examples=60, deadline=None, phases=[Phase.explicit, Phase.generate])
-def test_round_trips(spec):
+def test_round_trips_through_toml_and_json(spec):
     assert ExperimentSpec.from_toml(spec.to_toml()) == spec
     assert ExperimentSpec.from_json(spec.to_json()) == spec
     assert ExperimentSpec.from_dict(json.loads(spec.to_json())) == spec
 
 
-# What is wrong ------------------------------------------------------------------------------
+# Errors --------------------------------------------------------------------------------------
 
 START = 'name = "x"\nenvironments = ["open"]\nstrategies = ["srt-star"]\n'
 
@@ -249,7 +249,7 @@ START = 'name = "x"\nenvironments = ["open"]\nstrategies = ["srt-star"]\n'
         ('name = "x"\n' + "a" * 16_000_000, "characters, where 16000000 are allowed"),
     ],
 )
-def test_bad_files_are_told_the_place_and_what_would_be_right(text, said):
+def test_errors_name_the_field_and_what_is_allowed(text, said):
     with pytest.raises(InvalidInputError) as error:
         ExperimentSpec.from_toml(text)
     message = str(error.value)
@@ -259,16 +259,16 @@ def test_bad_files_are_told_the_place_and_what_would_be_right(text, said):
 
 
 @pytest.mark.parametrize("text", ["{", b"\xff", '{"name": "x"} {}', "[" * 100_000])
-def test_bad_json(text):
+def test_bad_json_is_refused(text):
     with pytest.raises(InvalidInputError, match=r"^not an experiment: "):
         ExperimentSpec.from_json(text)
 
 
-# What editors are told ----------------------------------------------------------------------
+# Schema --------------------------------------------------------------------------------------
 
 
 def fits(value, node, root):
-    """Whether a value keeps to a schema: of draft 7, as much as ours makes use of."""
+    """Whether a value is valid under a schema of draft 7, as far as ours uses it."""
     if "$ref" in node:
         return fits(value, root["definitions"][node["$ref"].removeprefix("#/definitions/")], root)
     if not all(fits(value, one, root) for one in node.get("allOf", ())):
@@ -311,7 +311,7 @@ def fits(value, node, root):
     return True
 
 
-def test_the_schema_takes_what_is_right():
+def test_the_schema_accepts_valid_files():
     assert fits(tomllib.loads(WHOLE), schema(), schema())
 
 
@@ -329,7 +329,7 @@ def test_the_schema_takes_what_is_right():
         START + 'faults = [{ label = "a", faults = [{ fault = "deth", robot = 0, time_s = 1 }] }]',
     ],
 )
-def test_the_schema_refuses_what_is_wrong(text):
+def test_the_schema_rejects_invalid_files(text):
     assert not fits(tomllib.loads(text), schema(), schema())
     with pytest.raises(InvalidInputError):
         ExperimentSpec.from_toml(text)
@@ -337,7 +337,7 @@ def test_the_schema_refuses_what_is_wrong(text):
 
 @given(experiments)
 @settings(max_examples=30, deadline=None, phases=[Phase.explicit, Phase.generate])
-def test_the_schema_takes_whatever_is_written(spec):
+def test_the_schema_accepts_every_written_experiment(spec):
     assert fits(json.loads(spec.to_json()), schema(), schema())
 
 
@@ -348,13 +348,13 @@ def nodes(part):
         yield from nodes(one)
 
 
-def test_the_schema_is_one_that_editors_of_toml_understand():
+def test_the_schema_is_draft_7():
     made = schema()
     assert made["$schema"] == "http://json-schema.org/draft-07/schema#"
     assert made["type"] == "object"
     references = {node["$ref"] for node in nodes(made) if isinstance(node.get("$ref"), str)}
     assert references == {f"#/definitions/{name}" for name in made["definitions"]}
-    # Nothing stands beside a reference, where it would not be seen; no default that TOML lacks.
+    # Nothing beside a reference, where draft 7 ignores it; no default null, which TOML lacks.
     assert all(len(node) == 1 for node in nodes(made) if isinstance(node.get("$ref"), str))
     assert not [node for node in nodes(made) if "default" in node and node["default"] is None]
 

@@ -1,4 +1,4 @@
-"""Estimates from a few runs, where what runs take is known."""
+"""Estimates from a few runs whose computing times are known."""
 
 import math
 from itertools import count
@@ -8,7 +8,7 @@ import pytest
 from multisrt.experiments import estimate as module
 from multisrt.experiments.crossing import runs
 from multisrt.experiments.description import ExperimentSpec
-from multisrt.experiments.estimate import MOST_PROBES, estimate
+from multisrt.experiments.estimate import MAX_PROBES, estimate
 from multisrt.experiments.results import Result
 
 WORLD = {"open": 1.0, "garden": 3.0, "museum": 0.5}
@@ -29,7 +29,7 @@ def cost(condition, power: float = 0.7) -> float:
 
 
 class Machine:
-    """Makes runs that take as long as said, by a clock of its own."""
+    """Makes runs of given computing times, on a clock of its own."""
 
     def __init__(self, monkeypatch, power=0.7, noise=0.0, scale=1.0):
         self.now, self.power, self.noise, self.scale = 0.0, power, noise, scale
@@ -60,7 +60,7 @@ def truth(power=0.7, scale=1.0):
 
 @pytest.mark.parametrize("power", [0.0, 0.7, 1.5])
 @pytest.mark.parametrize("noise", [0.0, 0.15])
-def test_what_is_a_product_is_found(power, noise, monkeypatch):
+def test_products_of_factors_are_estimated_exactly(power, noise, monkeypatch):
     machine = Machine(monkeypatch, power, noise)
     found = estimate(SPEC, PLANNED, machine, budget_s=100.0)
     assert found.low_s <= truth(power) <= found.high_s
@@ -73,21 +73,21 @@ def test_what_is_a_product_is_found(power, noise, monkeypatch):
 def test_all_labels_and_sizes_are_tried(monkeypatch):
     found = estimate(SPEC, PLANNED, Machine(monkeypatch), budget_s=1000.0)
     tried = [probe.condition for probe in found.probes]
-    assert len(tried) == len(set(tried)) == MOST_PROBES
+    assert len(tried) == len(set(tried)) == MAX_PROBES
     assert {one.environment for one in tried} == set(WORLD)
     assert {(one.strategy, one.robots) for one in tried} == {
         (way, robots) for way in WAY for robots in (1, 2, 4, 8)
     }
 
 
-def test_it_keeps_to_its_time(monkeypatch):
+def test_an_estimate_keeps_to_its_budget(monkeypatch):
     machine = Machine(monkeypatch, scale=10.0)
     found = estimate(SPEC, PLANNED, machine, budget_s=30.0)
     assert machine.now < 45.0
     assert found.computing_s == pytest.approx(truth(scale=10.0), rel=0.5)
 
 
-def test_the_same_runs_are_tried_again(monkeypatch):
+def test_trial_runs_are_reproducible(monkeypatch):
     tried = []
     for _ in range(2):
         machine = Machine(monkeypatch)
@@ -97,7 +97,7 @@ def test_the_same_runs_are_tried_again(monkeypatch):
     assert {run.repetition for run in machine.made} == {0}
 
 
-def test_runs_that_do_not_end_are_told(monkeypatch):
+def test_trial_runs_that_are_cut_off_are_counted(monkeypatch):
     machine = Machine(monkeypatch, scale=1000.0)
     found = estimate(SPEC, PLANNED, machine, budget_s=20.0)
     assert found.cut_off == len(found.probes) > 0
@@ -113,7 +113,7 @@ def test_a_single_condition(monkeypatch):
     assert list(found.by_condition_s) == [runs(spec)[0].condition]
 
 
-def test_where_nothing_comes_to_an_end_there_is_no_estimate():
+def test_there_is_no_estimate_if_no_trial_run_ends():
     def refuse(run, limits):
         return Result(
             key=run.key, condition=run.condition, repetition=0, status="refused", reason="no"

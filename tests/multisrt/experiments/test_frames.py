@@ -1,4 +1,4 @@
-"""Results as rows: what they hold, and files that are written wholly or not at all."""
+"""Results as tables: data frames, CSV and Parquet files."""
 
 import csv
 import math
@@ -41,7 +41,7 @@ def made() -> Result:
 
 @pytest.fixture
 def path(tmp_path, made):
-    """Three of four runs: one that was made, one without all its times, one that crashed."""
+    """Three of four runs: one complete, one without some times, one crashed."""
     one, two, three, _ = runs(SPEC)
     short = msgspec.structs.replace(made.metrics, exploration_time_s=None, beyond_range_m=None)
     with Store.create_or_open(tmp_path / "results.sqlite", SPEC) as store:
@@ -92,8 +92,8 @@ def test_a_frame_has_a_row_for_each_run(path, made):
     assert frame.loc[2, "coverage"] == made.metrics.coverage
 
 
-def test_every_single_number_of_the_metrics_is_there():
-    # Found by looking at a value, and not at the types.
+def test_every_scalar_metric_is_a_column():
+    # Determined from values, not from annotated types.
     (run, *_) = runs(SPEC)
     metrics = make_run(run, Limits()).metrics
     plain = {n: v for n, v in msgspec.to_builtins(metrics).items() if isinstance(v, (int, float))}
@@ -131,7 +131,7 @@ def test_parquet_reads_back(path, tmp_path):
     }
 
 
-def test_an_export_of_nothing_has_the_same_columns(tmp_path):
+def test_an_empty_export_has_the_same_columns(tmp_path):
     Store.create_or_open(tmp_path / "r.sqlite", SPEC).close()
     for name in ("a.csv", "a.parquet"):
         assert export(tmp_path / "r.sqlite", tmp_path / name) == 0
@@ -142,21 +142,21 @@ def test_an_export_of_nothing_has_the_same_columns(tmp_path):
     assert (len(frame), frame["nodes"].dtype, frame["coverage"].dtype) == (0, "Int64", "float64")
 
 
-def test_the_package_gives_it(path):
+def test_load_results_is_public(path):
     assert len(ms.load_results(path)) == 3
 
 
-# What cannot be -----------------------------------------------------------------------------
+# Errors --------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("name", ["out.xlsx", "out", "csv"])
-def test_a_name_that_says_no_format_is_refused(name, path, tmp_path):
-    with pytest.raises(InvalidInputError, match=r"what is written is \.csv or \.parquet"):
+def test_unknown_formats_are_refused(name, path, tmp_path):
+    with pytest.raises(InvalidInputError, match=r"a table is written as \.csv or \.parquet"):
         export(path, tmp_path / name)
     assert not (tmp_path / name).exists()
 
 
-def test_what_holds_no_results_is_refused(tmp_path):
+def test_files_without_results_are_refused(tmp_path):
     (tmp_path / "x.sqlite").write_text("no results")
     for read in (load_results, lambda path: export(path, tmp_path / "out.csv")):
         with pytest.raises(InvalidInputError, match="not a file of results"):
@@ -165,16 +165,16 @@ def test_what_holds_no_results_is_refused(tmp_path):
 
 
 @pytest.mark.parametrize("name", ["out.csv", "out.parquet"])
-def test_a_file_is_written_wholly_or_not_at_all(name, path, tmp_path, monkeypatch):
+def test_a_file_is_written_completely_or_not_at_all(name, path, tmp_path, monkeypatch):
     out = tmp_path / name
     out.write_text("before")
     there = sorted(tmp_path.iterdir())
 
-    def full(self, data):
+    def full(*_):
         raise OSError(28, "No space left on device")
 
     with monkeypatch.context() as patch:
-        patch.setattr(type(out), "write_bytes", full)
+        patch.setattr("multisrt.recording.os.replace", full)
         with pytest.raises(InvalidInputError, match=r"cannot write .*: No space left on device"):
             export(path, out)
     assert out.read_text() == "before"
@@ -186,13 +186,13 @@ def test_a_file_is_written_wholly_or_not_at_all(name, path, tmp_path, monkeypatc
     assert out.stat().st_mode == (tmp_path / "plain").stat().st_mode
 
 
-def test_a_folder_that_is_not_there_is_told(path, tmp_path):
+def test_a_missing_folder_is_reported(path, tmp_path):
     with pytest.raises(InvalidInputError, match=r"cannot write .*: No such file or directory"):
         export(path, tmp_path / "no" / "out.csv")
 
 
 @pytest.mark.parametrize(("missing", "name"), [("pandas", None), ("pyarrow", "out.parquet")])
-def test_packages_that_are_missing_are_named(missing, name, path, tmp_path, monkeypatch):
+def test_missing_packages_are_named(missing, name, path, tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, missing, None)
     with pytest.raises(InvalidInputError, match=missing) as error:
         load_results(path) if name is None else export(path, tmp_path / name)

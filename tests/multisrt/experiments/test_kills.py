@@ -1,4 +1,4 @@
-"""What must not lose results: processes that are killed, and disks that are full."""
+"""Killed processes and full disks lose no stored results."""
 
 import contextlib
 import os
@@ -38,7 +38,7 @@ def wait_for(process: subprocess.Popen[str], done: int) -> None:
 
 
 def parents() -> dict[int, int]:
-    """The parent of each process that is no zombie."""
+    """Return the parent of each process that is no zombie."""
     found = {}
     for folder in Path("/proc").glob("[0-9]*"):
         with contextlib.suppress(OSError):
@@ -61,7 +61,7 @@ def require_end(pids: list[int]) -> None:
 
 @pytest.fixture
 def finish(runner, undisturbed):
-    """Have the same command go on; then all is there, as it would have been."""
+    """Run the same command again and check that all results are as if undisturbed."""
 
     def go_on(path: Path, spec: ExperimentSpec = SPEC) -> None:
         with Store.open(path) as store:
@@ -73,7 +73,7 @@ def finish(runner, undisturbed):
             results = store.results()
             assert {result.key: result.digest for result in results} == undisturbed
             assert len(results) == len(undisturbed)
-            # Those that were there were not made again: even their times are the same.
+            # Stored runs were not repeated: even their computing times are the same.
             assert all(before.get(result.key, result) == result for result in results)
         if spec.recordings == "all":
             recordings = {store.recording_path(key) for key in undisturbed}
@@ -82,7 +82,7 @@ def finish(runner, undisturbed):
     return go_on
 
 
-def test_a_runner_that_is_killed_loses_only_what_was_under_way(path, undisturbed, finish, runner):
+def test_a_killed_runner_loses_only_runs_under_way(path, undisturbed, finish, runner):
     for done in (1, 3):
         with runner(path) as process:
             wait_for(process, done)
@@ -96,8 +96,8 @@ def test_a_runner_that_is_killed_loses_only_what_was_under_way(path, undisturbed
     finish(path)
 
 
-def test_workers_in_the_middle_of_a_run_end_with_their_runner(path, runner):
-    # Long runs: the one that is under way would go on for long.
+def test_workers_end_with_their_runner(path, runner):
+    # Runs are long, so that one is under way.
     spec = msgspec.structs.replace(SPEC, environments=("hospital",), robots=(8,))
     with runner(path, spec) as process:
         wait_for(process, 0)
@@ -108,7 +108,7 @@ def test_workers_in_the_middle_of_a_run_end_with_their_runner(path, runner):
     require_end(workers)
 
 
-def test_a_worker_that_is_killed_costs_nothing(path, finish, runner):
+def test_killing_a_worker_loses_no_run(path, finish, runner):
     with runner(path) as process:
         wait_for(process, 1)
         os.kill(workers_of(process)[0], signal.SIGKILL)
@@ -117,7 +117,7 @@ def test_a_worker_that_is_killed_costs_nothing(path, finish, runner):
     finish(path)
 
 
-def test_an_interrupt_keeps_what_has_ended(path, finish, runner):
+def test_an_interrupt_keeps_finished_runs(path, finish, runner):
     with runner(path) as process:
         wait_for(process, 2)
         workers = workers_of(process)
@@ -129,11 +129,11 @@ def test_an_interrupt_keeps_what_has_ended(path, finish, runner):
     finish(path)
 
 
-# Full disks ---------------------------------------------------------------------------------
+# Full disks ----------------------------------------------------------------------------------
 
 
-def test_a_file_that_may_grow_no_more(path, undisturbed, finish, runner):
-    # The operating system refuses to write beyond, as it does on a full disk.
+def test_a_file_at_its_size_limit(path, undisturbed, finish, runner):
+    # The operating system refuses longer files, as it does on a full disk.
     spec = msgspec.structs.replace(SPEC, recordings="none")
 
     def allow_little():
@@ -151,7 +151,7 @@ def test_a_file_that_may_grow_no_more(path, undisturbed, finish, runner):
 
 @pytest.fixture
 def small_disk(tmp_path):
-    """A disk of a few pages, with what it takes to make it larger."""
+    """A disk of a few pages, and a function that enlarges it."""
     folder = tmp_path / "disk"
     folder.mkdir()
 

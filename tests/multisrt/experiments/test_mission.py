@@ -29,7 +29,7 @@ class NoOptions(msgspec.Struct, frozen=True):
 
 @pytest.fixture
 def register(monkeypatch):
-    """Registers a strategy that does something instead of exploring, for one test."""
+    """Register a strategy that calls a function instead of exploring, for one test."""
 
     def add(does):
         strategy = Strategy(
@@ -46,10 +46,10 @@ def planned(**fields) -> PlannedRun:
     return runs(ExperimentSpec(**given))[0]
 
 
-# What comes out -----------------------------------------------------------------------------
+# Results -------------------------------------------------------------------------------------
 
 
-def test_a_run_is_simulated_and_measured_as_anywhere_else():
+def test_a_run_equals_simulate_and_measure():
     run = planned(robots=(2,), first_seed=3)
     result = make_run(run, ENOUGH)
     recording = simulate(run.spec)
@@ -62,7 +62,7 @@ def test_a_run_is_simulated_and_measured_as_anywhere_else():
     assert result.memory_mb > 20.0
 
 
-def test_the_curve_says_when_each_percent_was_covered():
+def test_the_curve_holds_the_time_of_each_percent():
     run = planned(environments=("rooms",), robots=(2,))
     recording = simulate(run.spec)
     metrics, curve = measure_with_curve(recording)
@@ -83,7 +83,7 @@ def test_the_curve_says_when_each_percent_was_covered():
     assert curve[100] is None or metrics.coverage == 1.0
 
 
-def test_the_curve_of_a_run_that_was_cut_short_ends_early():
+def test_the_curve_of_a_stopped_run_ends_early():
     run = planned(
         environments=("rooms",),
         stop=msgspec.convert({"max_time_s": 60.0}, type(planned().spec.stop)),
@@ -96,14 +96,14 @@ def test_the_curve_of_a_run_that_was_cut_short_ends_early():
     assert set(result.covered_at_s[last + 1 :]) == {None}
 
 
-def test_a_world_is_built_once():
+def test_an_environment_is_built_once():
     run = planned(environments=("rooms",))
     assert world_of(run.spec.environment) is world_of(
         planned(environments=("rooms",)).spec.environment
     )
 
 
-def test_a_run_holds_the_world_of_a_file(tmp_path):
+def test_a_run_contains_the_environment_of_a_file(tmp_path):
     path = tmp_path / "hall.wkt"
     path.write_text("POLYGON ((0 0, 7.1 0, 7.1 5.3, 3 5.3, 3 4, 0 4, 0 0), (2 1, 3 1, 3 2, 2 1))")
     run = planned(environments=(str(path),))
@@ -112,17 +112,17 @@ def test_a_run_holds_the_world_of_a_file(tmp_path):
     assert make_run(run, ENOUGH).digest == there.digest != ""
 
 
-# What goes wrong ----------------------------------------------------------------------------
+# Failures ------------------------------------------------------------------------------------
 
 
-def test_a_spec_that_cannot_be_run_is_refused():
+def test_impossible_specs_are_refused():
     result = make_run(planned(starts=(StartsChoice(places=((500.0, 500.0),)),)), ENOUGH)
     assert result.status == "refused"
     assert "(500, 500)" in result.reason
     assert (result.metrics, result.digest, result.covered_at_s) == (None, "", ())
 
 
-def test_a_defect_is_told_with_its_place(register):
+def test_exceptions_are_reported_with_their_place(register):
     def fail():
         raise RuntimeError("no such luck")
 
@@ -132,13 +132,13 @@ def test_a_defect_is_told_with_its_place(register):
     assert result.reason == f"RuntimeError: no such luck (test_mission.py:{line})"
 
 
-def test_a_strategy_that_leaves_the_program_is_a_defect_too(register):
+def test_sys_exit_in_a_strategy_is_an_error(register):
     result = make_run(register(lambda: exec("raise SystemExit(4)")), ENOUGH)
     assert result.status == "error"
     assert result.reason.startswith("SystemExit: 4 (")
 
 
-def test_whatever_a_defect_says_is_told_in_a_line(register):
+def test_messages_of_exceptions_become_one_line(register):
     def fail():
         raise RuntimeError("first\n\tsecond \udcff" + "x" * 5000)
 
@@ -148,7 +148,7 @@ def test_whatever_a_defect_says_is_told_in_a_line(register):
     assert len(reason) == 1000
 
 
-def test_what_cannot_be_written_down_is_a_defect(monkeypatch):
+def test_metrics_that_are_no_json_are_an_error(monkeypatch):
     def measured(recording, environment):
         metrics, curve = measure_with_curve(recording, environment)
         return msgspec.structs.replace(metrics, smallest_clearance_m=math.inf), curve
@@ -159,7 +159,7 @@ def test_what_cannot_be_written_down_is_a_defect(monkeypatch):
     assert "smallest_clearance_m" in result.reason
 
 
-def test_an_interrupt_is_not_the_run_s(register):
+def test_an_interrupt_is_no_failure_of_the_run(register):
     run = register(lambda: signal.raise_signal(signal.SIGINT))
     with pytest.raises(KeyboardInterrupt):
         make_run(run, ENOUGH)
@@ -174,14 +174,14 @@ def hang():
             pass
 
 
-def test_a_run_that_computes_too_long_is_given_up(register):
+def test_runs_over_their_time_are_given_up(register):
     result = make_run(register(hang), Limits(computing_s=0.3))
     assert (result.status, result.reason) == ("over_time", "not done after 0.3 s of computing")
     assert 0.25 < result.computing_s < 5.0
 
 
-def test_a_run_that_swallows_the_word_once_is_told_again(register, monkeypatch):
-    monkeypatch.setattr(limits_module, "AGAIN_S", 0.1)
+def test_a_suppressed_time_limit_is_raised_again(register, monkeypatch):
+    monkeypatch.setattr(limits_module, "REPEAT_S", 0.1)
     told = []
 
     def stubborn():
@@ -195,15 +195,15 @@ def test_a_run_that_swallows_the_word_once_is_told_again(register, monkeypatch):
     assert len(told) == 1
 
 
-def test_a_run_that_sleeps_is_given_up(register, monkeypatch):
-    monkeypatch.setattr(limits_module, "SHORTEST_SPELL_S", 0.2)
+def test_runs_that_sleep_are_given_up(register, monkeypatch):
+    monkeypatch.setattr(limits_module, "MIN_INTERVAL_S", 0.2)
     result = make_run(register(lambda: time.sleep(1e6)), Limits(computing_s=0.2))
     assert (result.status, result.reason) == ("over_time", "did nothing for 0.4 s")
 
 
 @pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="Linux only")
 @pytest.mark.parametrize("wrapped", [False, True])
-def test_a_run_that_takes_too_much_memory_is_given_up(register, wrapped):
+def test_runs_over_their_memory_are_given_up(register, wrapped):
     def eat():
         kept = []
         try:
@@ -234,10 +234,10 @@ def test_limits_end_with_the_run(register):
     assert all(a != b for a, b in zip(within[0], before, strict=True))
 
 
-# Recordings ---------------------------------------------------------------------------------
+# Recordings ----------------------------------------------------------------------------------
 
 
-def test_recordings_are_kept_on_wish(tmp_path):
+def test_recordings_are_kept_on_request(tmp_path):
     run, path = planned(), tmp_path / "one.jsonl"
     make_run(run, ENOUGH, path, only_failed=True)
     assert not path.exists()
@@ -253,10 +253,10 @@ def test_recordings_of_failed_runs_are_kept(tmp_path):
     assert Recording.load(path).footer.digest == result.digest
 
 
-def test_a_recording_that_cannot_be_written_is_not_the_run_s_fault(tmp_path):
+def test_unwritable_recordings_are_an_input_error(tmp_path):
     with pytest.raises(ValueError, match=r"cannot write .*no-such-folder"):
         make_run(planned(), ENOUGH, tmp_path / "no-such-folder" / "one.jsonl")
 
 
-def test_worlds_of_catalogue_and_mission_agree():
+def test_catalogue_and_mission_build_equal_environments():
     assert world_of(planned().spec.environment) == environment("open")

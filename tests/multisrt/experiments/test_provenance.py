@@ -28,7 +28,7 @@ def change(package: Path, file: str, old: str, new: str) -> None:
     (package / file).write_text(text.replace(old, new, 1))
 
 
-def test_wording_does_not_make_another_program(package):
+def test_comments_and_docstrings_keep_the_digest(package):
     before = digest(package)
     change(package, "spec.py", '"""One robot.', '"""A robot of the team.')
     change(package, "simulation/radio.py", "from __future__", "# Why it is so.\n\nfrom __future__")
@@ -43,14 +43,14 @@ def test_wording_does_not_make_another_program(package):
         ("geometry/numerics/segments.py", "-(ax * ex + ay * ey)", "-(ax * ex - ay * ey)"),
     ],
 )
-def test_a_change_of_what_decides_makes_another_program(package, file, old, new):
+def test_changes_of_code_change_the_digest(package, file, old, new):
     before = digest(package)
     change(package, file, old, new)
     assert digest(package) != before
 
 
 @pytest.mark.parametrize("file", ["cli/tables.py", "drawing/svg.py", "analysis/metrics.py"])
-def test_what_only_looks_at_runs_is_not_the_program(package, file):
+def test_analysis_is_not_part_of_the_digest(package, file):
     before = digest(package)
     change(package, file, "import", "import sys\nimport")
     assert digest(package) == before

@@ -96,7 +96,7 @@ MISCHIEF = """
 
 @pytest.fixture
 def mischief(tmp_path, monkeypatch):
-    """A module of strategies that do what none should."""
+    """Name of a module whose strategies misbehave."""
     (tmp_path / "mischief.py").write_text(textwrap.dedent(MISCHIEF))
     monkeypatch.chdir(tmp_path)
     monkeypatch.syspath_prepend(tmp_path)
@@ -118,10 +118,10 @@ def but_for_the_computer(result: Result) -> Result:
     return msgspec.structs.replace(result, computing_s=0.0, wall_s=0.0, memory_mb=0.0)
 
 
-# Running ------------------------------------------------------------------------------------
+# Running -------------------------------------------------------------------------------------
 
 
-def test_results_are_the_same_with_any_number_of_workers(path, undisturbed):
+def test_results_do_not_depend_on_the_workers(path, undisturbed):
     one, two = path.with_name("one.sqlite"), path.with_name("two.sqlite")
     for file, workers in ((one, 1), (two, 2)):
         with Store.create_or_open(file, SPEC) as store:
@@ -133,7 +133,7 @@ def test_results_are_the_same_with_any_number_of_workers(path, undisturbed):
     assert {result.key: result.digest for result in by_one} == undisturbed
 
 
-def test_progress_is_told_and_what_is_there_is_not_made_again(path, undisturbed):
+def test_progress_is_reported_and_stored_runs_skipped(path, undisturbed):
     smaller = msgspec.structs.replace(SPEC, repetitions=2)
     with Store.create_or_open(path, smaller) as store:
         run_experiment(store, workers=1)
@@ -153,8 +153,8 @@ def test_progress_is_told_and_what_is_there_is_not_made_again(path, undisturbed)
 
 
 @pytest.mark.parametrize("recordings", ["all", "failed", "none"])
-def test_recordings_are_kept_as_the_experiment_says(path, recordings):
-    # With this stop rule two robots of repetition 0 are done in time, one is not.
+def test_recordings_are_kept_as_specified(path, recordings):
+    # With this stop rule two robots finish repetition 0 in time, one does not.
     stop = msgspec.structs.replace(SPEC.stop, max_time_s=300.0)
     spec = msgspec.structs.replace(SPEC, recordings=recordings, stop=stop, repetitions=1)
     with Store.create_or_open(path, spec) as store:
@@ -168,7 +168,7 @@ def test_recordings_are_kept_as_the_experiment_says(path, recordings):
     ]
 
 
-def test_workers_are_asked_for_in_sensible_numbers(path):
+def test_numbers_of_workers_are_checked(path):
     assert 1 <= cores() <= (os.cpu_count() or 1)
     with Store.create_or_open(path, SPEC) as store:
         with pytest.raises(InvalidInputError, match="at least one worker, not 0"):
@@ -177,7 +177,7 @@ def test_workers_are_asked_for_in_sensible_numbers(path):
             run_experiment(store, workers=1, cluster="tcp://localhost:1")
 
 
-def test_modules_that_cannot_be_imported_are_told(path):
+def test_modules_that_cannot_be_imported_are_named(path):
     with (
         Store.create_or_open(path, SPEC) as store,
         pytest.raises(InvalidInputError, match="cannot import 'no_such': ModuleNotFoundError"),
@@ -185,7 +185,7 @@ def test_modules_that_cannot_be_imported_are_told(path):
         run_experiment(store, workers=1, modules=["no_such"])
 
 
-def test_an_interrupt_stops_the_workers_and_keeps_what_is_there(path):
+def test_an_interrupt_stops_workers_and_keeps_results(path):
     def interrupt(progress):
         if progress.made == 2:
             raise KeyboardInterrupt
@@ -198,7 +198,7 @@ def test_an_interrupt_stops_the_workers_and_keeps_what_is_there(path):
     assert threading.active_count() == threads
 
 
-def test_worlds_from_files_go_with_their_jobs(tmp_path):
+def test_jobs_contain_environments_from_files(tmp_path):
     hall = tmp_path / "hall.wkt"
     hall.write_text("POLYGON ((0 0, 7.1 0, 7.1 5.3, 3 5.3, 3 4, 0 4, 0 0), (2 1, 3 1, 3 2, 2 1))")
     spec = msgspec.structs.replace(SPEC, environments=("hall.wkt",))
@@ -214,10 +214,10 @@ def test_worlds_from_files_go_with_their_jobs(tmp_path):
     assert here.status == "complete"
 
 
-# Runs that misbehave ------------------------------------------------------------------------
+# Runs that misbehave -------------------------------------------------------------------------
 
 
-def test_each_run_that_misbehaves_is_one_row_and_others_do_not_suffer(path, mischief):
+def test_failing_runs_do_not_affect_others(path, mischief):
     spec = ExperimentSpec(
         name="mischief",
         environments=("open",),
@@ -251,22 +251,22 @@ def worker(mischief):
     worker.stop()
 
 
-def test_what_sits_in_compiled_code_is_ended_by_the_kernel(worker):
+def test_compiled_code_is_ended_by_the_kernel(worker):
     result = worker.make(job("hang_in_c", computing_s=1.0))
-    # The regular expressions of some versions of Python heed signals, those of others do not.
+    # Regular expressions handle signals in some versions of Python, in others not.
     assert result.status == "over_time"
     assert result.reason in ("not done after 1 s of computing", "not done after 6 s of computing")
     assert worker.make(job()).status == "complete"
 
 
-def test_what_strategies_print_does_not_get_between(worker):
+def test_output_of_strategies_does_not_disturb_answers(worker):
     assert worker.make(job("chat")).status == "complete"
     pid = worker.pid
     assert worker.make(job("chat")).status == "complete"
     assert worker.pid == pid
 
 
-def test_a_worker_gives_back_what_runs_have_left(worker):
+def test_workers_return_memory_after_runs(worker):
     took_mb = [worker.make(job("litter")).memory_mb for _ in range(20)]
     assert took_mb[-1] - took_mb[0] < 2 * 120.0
 
@@ -274,20 +274,20 @@ def test_a_worker_gives_back_what_runs_have_left(worker):
 @pytest.mark.skipif(
     not hasattr(ctypes.CDLL(None), "malloc_trim"), reason="the C library cannot be told to"
 )
-def test_a_worker_gives_back_what_is_free_between_what_it_keeps(worker):
+def test_workers_trim_fragmented_memory(worker):
     much = worker.make(job("scatter")).memory_mb
-    # What a run took is its own: that of the run before is not counted again.
+    # Memory of the run before is not counted again.
     assert worker.make(job()).memory_mb < much - 500.0
 
 
-def test_a_worker_that_was_killed_from_outside_makes_its_run_once_more(worker):
+def test_a_run_is_repeated_if_its_worker_is_killed(worker):
     first = worker.make(job("die_once"))
     assert Path("died").exists()
     assert first.status == "complete"
     assert but_for_the_computer(worker.make(job("die_once"))) == but_for_the_computer(first)
 
 
-def test_a_run_whose_workers_are_always_killed_has_crashed(worker):
+def test_a_run_whose_workers_are_always_killed_crashed(worker):
     result = worker.make(job("die"))
     assert result.status == "crashed"
     assert re.fullmatch(
@@ -297,13 +297,13 @@ def test_a_run_whose_workers_are_always_killed_has_crashed(worker):
     )
 
 
-def test_a_worker_that_is_killed_between_runs_is_replaced(worker):
+def test_a_worker_killed_between_runs_is_replaced(worker):
     first = worker.make(job())
     os.kill(worker.pid, signal.SIGKILL)
     assert but_for_the_computer(worker.make(job())) == but_for_the_computer(first)
 
 
-def test_a_worker_that_is_killed_while_it_begins_is_begun_again(worker, tmp_path):
+def test_a_worker_killed_at_its_start_is_restarted(worker, tmp_path):
     (tmp_path / "mischief.py").write_text(
         "import os, signal\nfrom pathlib import Path\n"
         "with open('begun', 'a') as file:\n    file.write('x')\n"
@@ -313,7 +313,7 @@ def test_a_worker_that_is_killed_while_it_begins_is_begun_again(worker, tmp_path
     assert (tmp_path / "begun").read_text() == "xx"
 
 
-def test_a_worker_that_always_ends_while_it_begins_is_told(worker, tmp_path):
+def test_a_worker_that_never_starts_is_reported(worker, tmp_path):
     (tmp_path / "mischief.py").write_text("import os, sys\nsys.exit('no way')\n")
     with pytest.raises(InvalidInputError, match=r"before it was ready: .* exit code 1: no way"):
         worker.make(job())
@@ -340,10 +340,10 @@ def test_a_worker_can_be_stopped_in_the_middle_of_a_run(worker, tmp_path):
         worker.make(job())
 
 
-# What workers are ---------------------------------------------------------------------------
+# Provenance and start of workers -------------------------------------------------------------
 
 
-def test_a_worker_of_another_program_is_refused():
+def test_a_worker_of_another_version_is_refused():
     other = msgspec.structs.replace(provenance(), program="0123")
     worker = Worker(expected=other)
     with pytest.raises(InvalidInputError, match="another source of multisrt, 0123 and"):
@@ -351,13 +351,13 @@ def test_a_worker_of_another_program_is_refused():
     assert worker.pid is None
 
 
-def test_a_worker_says_why_it_cannot_begin():
+def test_a_worker_reports_why_it_cannot_start():
     worker = Worker(["no_such_module"])
     with pytest.raises(InvalidInputError, match="cannot import 'no_such_module'"):
         worker.make(job())
 
 
-def test_files_of_the_working_directory_stand_in_for_no_library(tmp_path, monkeypatch):
+def test_local_files_do_not_shadow_libraries(tmp_path, monkeypatch):
     (tmp_path / "queue.py").write_text("raise RuntimeError")
     monkeypatch.chdir(tmp_path)
     worker = Worker()
@@ -367,7 +367,7 @@ def test_files_of_the_working_directory_stand_in_for_no_library(tmp_path, monkey
         worker.stop()
 
 
-def test_a_recording_that_cannot_be_written_ends_the_experiment_and_no_row_is_lost(path):
+def test_unwritable_recordings_end_the_experiment(path):
     spec = msgspec.structs.replace(SPEC, recordings="all")
     with Store.create_or_open(path, spec) as store:
         folder = Path(f"{path}.recordings")

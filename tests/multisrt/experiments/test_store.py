@@ -40,17 +40,17 @@ def result_of(run, status="complete", **fields) -> Result:
 
 @pytest.fixture
 def filled(path):
-    """A store in which the first three runs have results."""
+    """Path of a store in which the first three runs have results."""
     with Store.create_or_open(path, SPEC) as store:
         for run in store.missing()[:3]:
             store.add(result_of(run))
     return path
 
 
-# Keeping results ----------------------------------------------------------------------------
+# Storing results -----------------------------------------------------------------------------
 
 
-def test_results_come_back_as_they_were(path):
+def test_results_are_read_back_unchanged(path):
     first, second, *_ = runs(SPEC)
     made = make_run(first, SPEC.limits)
     crashed = result_of(second, "crashed", wall_s=1.5)
@@ -76,7 +76,7 @@ def test_a_collision_counts_as_failed(path):
         assert store.failed == 1 == sum(result.failed for result in store.results())
 
 
-def test_what_is_missing_comes_in_the_experiments_order(filled):
+def test_missing_runs_are_in_the_experiments_order(filled):
     every = runs(SPEC)
     with Store.create_or_open(filled, SPEC) as store:
         assert store.missing() == every[3:]
@@ -87,7 +87,7 @@ def test_what_is_missing_comes_in_the_experiments_order(filled):
         assert store.missing() == every[3:10] + every[11:]
 
 
-def test_nothing_is_there_twice(filled):
+def test_a_result_is_stored_once(filled):
     first = runs(SPEC)[0]
     with Store.create_or_open(filled, SPEC) as store:
         store.add(result_of(first, "crashed"))
@@ -95,7 +95,7 @@ def test_nothing_is_there_twice(filled):
         assert store.results().results[0].status == "complete"
 
 
-def test_runs_can_be_forgotten(filled):
+def test_results_can_be_deleted_by_status(filled):
     every = runs(SPEC)
     with Store.create_or_open(filled, SPEC) as store:
         store.add(result_of(every[5], "crashed"))
@@ -110,7 +110,7 @@ def test_a_closed_store_is_one_file(filled):
     assert [file.name for file in filled.parent.iterdir()] == ["results.sqlite"]
 
 
-def test_a_store_can_be_read_where_nothing_can_be_written(filled):
+def test_a_store_can_be_read_in_a_read_only_folder(filled):
     filled.chmod(0o444)
     filled.parent.chmod(0o555)
     try:
@@ -120,7 +120,7 @@ def test_a_store_can_be_read_where_nothing_can_be_written(filled):
         filled.parent.chmod(0o755)
 
 
-def test_reading_goes_on_while_a_runner_writes(filled):
+def test_readers_and_a_writer_do_not_block_each_other(filled):
     with Store.create_or_open(filled, SPEC) as writer:
         with Store.open(filled) as reader:
             assert reader.done == 3
@@ -134,7 +134,7 @@ def test_reading_goes_on_while_a_runner_writes(filled):
         assert store.done == 4
 
 
-def test_leftovers_of_recordings_are_cleared(path):
+def test_partial_recordings_are_removed(path):
     with Store.create_or_open(path, SPEC) as store:
         whole = store.recording_path("abc")
         part = whole.with_name("def.jsonl.part")
@@ -145,7 +145,7 @@ def test_leftovers_of_recordings_are_cleared(path):
         assert not part.exists()
 
 
-# Going on -----------------------------------------------------------------------------------
+# Continuing ----------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -171,7 +171,7 @@ def test_an_experiment_may_grow(filled, more):
         assert keys == sorted(keys, key=order.index)
 
 
-def test_new_labels_are_taken_over(filled):
+def test_new_labels_replace_stored_ones(filled):
     spec = ExperimentSpec.from_json(
         SPEC.to_json().replace('"srt-radial"', '{"name": "srt-radial", "label": "ours"}')
     )
@@ -179,7 +179,7 @@ def test_new_labels_are_taken_over(filled):
         assert {r.condition.strategy for r in store.results()} == {"ours", "srt-star"}
 
 
-def test_repetitions_are_counted_anew_from_another_first_seed(path):
+def test_repetitions_follow_a_new_first_seed(path):
     with Store.create_or_open(path, changed(first_seed=1)) as store:
         store.add(result_of(store.missing()[0]))
     with Store.create_or_open(path, SPEC) as store:
@@ -197,11 +197,11 @@ def test_repetitions_are_counted_anew_from_another_first_seed(path):
 def test_another_experiment_is_refused(filled, less, said):
     with pytest.raises(InvalidInputError, match=rf"another experiment: .*\(what differs: {said}\)"):
         Store.create_or_open(filled, changed(**less))
-    with Store.create_or_open(filled, SPEC) as store:  # it is as it was, and free
+    with Store.create_or_open(filled, SPEC) as store:  # unchanged, and not locked
         assert store.done == 3
 
 
-def test_fewer_repetitions_are_refused_only_if_some_were_made(filled):
+def test_fewer_repetitions_than_stored_are_refused(filled):
     with Store.create_or_open(filled, changed(repetitions=1)) as store:
         assert len(store.missing()) == 5
     with Store.create_or_open(filled, SPEC) as store:
@@ -210,7 +210,7 @@ def test_fewer_repetitions_are_refused_only_if_some_were_made(filled):
         Store.create_or_open(filled, changed(repetitions=1))
 
 
-def test_more_time_makes_those_again_that_lacked_it(filled):
+def test_higher_limits_repeat_runs_that_exceeded_them(filled):
     every = runs(SPEC)
     with Store.create_or_open(filled, SPEC) as store:
         store.add(result_of(every[8], "over_time"))
@@ -222,7 +222,7 @@ def test_more_time_makes_those_again_that_lacked_it(filled):
         Store.create_or_open(filled, SPEC)
 
 
-# What is refused ----------------------------------------------------------------------------
+# Errors --------------------------------------------------------------------------------------
 
 
 def doctored(path, statement, *values):
@@ -239,7 +239,7 @@ def both_ways(path, match):
         Store.create_or_open(path, SPEC)
 
 
-def test_what_is_no_store_is_refused(tmp_path, path):
+def test_other_files_are_refused(tmp_path, path):
     with pytest.raises(InvalidInputError, match="No such file"):
         Store.open(path)
     with pytest.raises(InvalidInputError, match="cannot write"):
@@ -250,7 +250,7 @@ def test_what_is_no_store_is_refused(tmp_path, path):
     assert path.read_text() == "key,status\n"
 
 
-def test_an_empty_file_is_a_beginning(path):
+def test_an_empty_file_becomes_a_store(path):
     path.touch()
     with pytest.raises(InvalidInputError, match="not a file of results"):
         Store.open(path)
@@ -258,7 +258,7 @@ def test_an_empty_file_is_a_beginning(path):
         assert store.done == 0
 
 
-def test_databases_of_others_are_refused(path):
+def test_other_databases_are_refused(path):
     doctored(path, "CREATE TABLE runs (key TEXT)")
     before = path.read_bytes()
     both_ways(path, "an SQLite file, but not one of results")
@@ -273,7 +273,7 @@ def test_other_formats_are_refused(filled, version, which):
     both_ways(filled, rf"results in format {version}, of {which} of multisrt")
 
 
-def test_damage_is_told(filled):
+def test_a_damaged_file_is_reported(filled):
     content = bytearray(filled.read_bytes())
     content[4096:] = os.urandom(len(content) - 4096)
     filled.write_bytes(content)
@@ -281,7 +281,7 @@ def test_damage_is_told(filled):
         s.results()
 
 
-def test_a_damaged_row_is_told(filled):
+def test_a_damaged_row_is_reported(filled):
     doctored(filled, "UPDATE runs SET metrics = '{}'")
     with (
         Store.open(filled) as store,
@@ -297,17 +297,17 @@ def test_a_damaged_row_is_told(filled):
         ('"numpy":"', '"numpy":"0', "numpy 0"),
     ],
 )
-def test_results_of_another_program_are_refused_for_going_on(filled, old, new, said):
+def test_results_of_another_version_are_not_continued(filled, old, new, said):
     doctored(
         filled, "UPDATE meta SET value = replace(value, ?, ?) WHERE name = 'provenance'", old, new
     )
     with pytest.raises(InvalidInputError, match=rf"made by another program \({said}"):
         Store.create_or_open(filled, SPEC)
-    with Store.open(filled) as store:  # to look at they are as good as ever
+    with Store.open(filled) as store:  # reading them is allowed
         assert store.done == 3
 
 
-def test_two_runners_at_once_are_refused(filled):
+def test_a_second_writer_is_refused(filled):
     holder = rf"another process .*\(process {os.getpid()}\)"
     with (
         Store.create_or_open(filled, SPEC),
@@ -318,13 +318,13 @@ def test_two_runners_at_once_are_refused(filled):
         assert store.done == 3
 
 
-def test_an_experiment_that_cannot_be_leaves_no_file(path):
+def test_an_impossible_experiment_leaves_no_file(path):
     with pytest.raises(InvalidInputError, match="there is no strategy"):
         Store.create_or_open(path, changed(strategies=("nonsense",)))
     assert not path.exists()
 
 
-def test_a_database_that_may_grow_no_more_is_told_and_stays_sound(filled):
+def test_a_full_database_is_reported_and_stays_sound(filled):
     with Store.create_or_open(filled, SPEC) as store:
         pages = store._connection.execute("PRAGMA page_count").fetchone()[0]
         store._connection.execute(f"PRAGMA max_page_count = {pages}")
@@ -332,7 +332,7 @@ def test_a_database_that_may_grow_no_more_is_told_and_stays_sound(filled):
         with pytest.raises(
             InvalidInputError, match=r"the disk is full; .*the same command continues"
         ):
-            any(map(store.add, results))  # all, as it gives nothing
+            any(map(store.add, results))  # `add` returns None: all are added
         done = store.done
         assert 3 <= done < 16
     with Store.create_or_open(filled, SPEC) as store:

@@ -29,7 +29,7 @@ class TestOnGrid:
         ]
 
     @given(steps, st.integers(-5, 30))
-    def test_is_the_last_step_so_far(self, curve, time):
+    def test_a_share_is_that_of_the_last_step(self, curve, time):
         past = [share for at, share in zip(*curve, strict=True) if at <= time]
         assert on_grid([curve], [time]).item() == (past[-1] if past else 0.0)
 
@@ -47,12 +47,12 @@ class TestOnGrid:
             ([([0.0], [math.inf])], "shares of curve 0 must be finite"),
         ],
     )
-    def test_curves_that_are_none(self, curves, words):
+    def test_bad_curves_are_refused(self, curves, words):
         for use in (lambda: on_grid(curves, [0.0]), lambda: common_grid(curves)):
             with pytest.raises(InvalidInputError, match=words):
                 use()
 
-    def test_grids_that_are_none(self):
+    def test_bad_grids_are_refused(self):
         with pytest.raises(InvalidInputError, match="no span"):
             common_grid([([0.0], [1.0])])
         with pytest.raises(InvalidInputError, match="at least 2 points"):
@@ -81,12 +81,12 @@ class TestBands:
             assert bands.median[i] == pytest.approx(middle)
             assert bands.upper_quartile[i] == pytest.approx(high)
 
-    def test_one_run_is_its_own_band(self):
+    def test_a_single_run_is_its_own_band(self):
         bands = curve_bands([([0.0, 1.0], [0.2, 0.7])], [0.0, 1.0])
         for line in lines_of(bands):
             assert line.tolist() == [0.2, 0.7]
 
-    def test_shares_that_never_fall_give_bands_that_never_fall(self):
+    def test_bands_of_rising_shares_never_fall(self):
         rng = np.random.default_rng(4)
         curves = [(np.sort(rng.random(30)), np.sort(rng.random(30))) for _ in range(12)]
         bands = curve_bands(curves, common_grid(curves, 40))

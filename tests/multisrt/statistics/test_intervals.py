@@ -9,7 +9,7 @@ from scipy import stats
 
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.statistics.intervals import (
-    VALUES_AT_ONCE,
+    MAX_VALUES_AT_ONCE,
     Interval,
     bootstrap,
     drawn_counts,
@@ -25,13 +25,13 @@ samples = st.lists(numbers, min_size=1, max_size=30).map(np.array)
 
 
 def within_binomial_bounds(successes: int, experiments: int, probability: float) -> bool:
-    """Whether so many could well be by chance: all but one case in ten thousand."""
+    """Whether a count is within 99.99 % of its binomial distribution."""
     low, high = stats.binom(experiments, probability).interval(0.9999)
     return bool(low <= successes <= high)
 
 
 class TestSamples:
-    def test_failed_runs_at_one_end_are_taken(self):
+    def test_failed_runs_at_one_end_are_accepted(self):
         assert sample_of([1, INF]).tolist() == [1.0, INF]
         assert sample_of([1, -INF]).tolist() == [1.0, -INF]
 
@@ -46,7 +46,7 @@ class TestSamples:
             (["a"], "times must be numbers"),
         ],
     )
-    def test_what_is_no_sample_is_refused(self, values, words):
+    def test_bad_samples_are_refused(self, values, words):
         with pytest.raises(InvalidInputError, match=words):
             sample_of(values, "times")
 
@@ -54,7 +54,7 @@ class TestSamples:
         with pytest.raises(InvalidInputError, match="2 of 3 are not"):
             finite_sample_of([1.0, INF, INF])
 
-    def test_strata_say_which_one_is_wrong(self):
+    def test_errors_name_the_stratum(self):
         with pytest.raises(InvalidInputError, match=r"strata\[1\] must not hold nan"):
             strata_of([[1.0], [math.nan]])
         with pytest.raises(InvalidInputError, match="not none"):
@@ -69,7 +69,7 @@ class TestSummaries:
         [
             ([5.0], 5.0),
             ([5.0, 1.0, 9.0], 5.0),
-            # One of five is cut off at each end, two of eight.
+            # One of five is left out at each end, two of eight.
             ([100.0, 2.0, 3.0, 4.0, 1.0], 3.0),
             ([8.0, 7.0, 6.0, 5.0, 4.0, 3.0, 2.0, 1.0], 4.5),
             ([1.0, 2.0, 3.0, 4.0, 5.0, 6.0, INF, INF], 4.5),
@@ -80,7 +80,7 @@ class TestSummaries:
         assert interquartile_mean(np.array(values)) == expected
 
     def test_interquartile_mean_of_all_tasks_is_that_of_rliable(self):
-        # Agarwal et al.: all runs of all tasks in one heap, a quarter cut off at both ends.
+        # Agarwal et al.: all runs of all tasks together, a quarter left out at both ends.
         scores = np.random.default_rng(1).normal(size=(10, 6))
         heap = np.sort(scores, axis=None)
         expected = heap[15:45].sum() / 30
@@ -93,7 +93,7 @@ class TestSummaries:
     def test_medians_by_hand(self, values, expected):
         assert median(np.array(values, dtype=float)) == expected
 
-    def test_means_refuse_failed_runs(self):
+    def test_means_of_failed_runs_are_refused(self):
         assert mean(np.array([1.0, 4.0])) == 2.5
         with pytest.raises(InvalidInputError, match="must be finite"):
             mean(np.array([1.0, INF]))
@@ -112,7 +112,7 @@ class TestSummaries:
         assert quantile(-values, 0.5) == -INF
 
     @pytest.mark.parametrize("statistic", [mean, median, interquartile_mean])
-    def test_all_work_along_the_last_axis(self, statistic):
+    def test_summaries_reduce_the_last_axis(self, statistic):
         table = np.random.default_rng(2).normal(size=(3, 4, 9))
         whole = statistic(table)
         assert whole.shape == (3, 4)
@@ -132,11 +132,11 @@ class TestBootstrap:
         assert bootstrap([[0.0, 1.0]], mean, level=0.4, rng=1) == Interval(0.5, 0.5, 0.5)
 
     @pytest.mark.parametrize("statistic", [mean, median, interquartile_mean])
-    def test_ends_are_those_of_all_resamples_there_are(self, statistic):
+    def test_ends_equal_those_of_all_possible_resamples(self, statistic):
         values = np.array([1.0, 2.0, 4.0, 8.0, 9.0])
         everything = statistic(np.array(list(itertools.product(values, repeat=5))))
         found = bootstrap([values], statistic, level=0.8, resamples=20_000, rng=3)
-        # Whichever quantile is estimated, it lies between its neighbours a hundredth away.
+        # An estimated quantile lies between those of shares 0.01 lower and higher.
         for end, share in ((found.low, 0.1), (found.high, 0.9)):
             assert np.quantile(everything, share - 0.01) <= end
             assert end <= np.quantile(everything, share + 0.01)
@@ -155,14 +155,14 @@ class TestBootstrap:
         assert ours.low == pytest.approx(theirs.low, abs=0.02 * width)
         assert ours.high == pytest.approx(theirs.high, abs=0.02 * width)
 
-    def test_runs_stay_in_their_task(self):
+    def test_runs_are_drawn_within_their_task(self):
         apart = bootstrap([[0.0, 0.0], [10.0, 10.0]], mean, rng=7)
         assert apart == Interval(5.0, 5.0, 5.0)
         heap = bootstrap([[0.0, 0.0, 10.0, 10.0]], mean, rng=7)
         assert heap.low < 5.0 < heap.high
 
-    def test_more_values_than_are_held_at_once(self):
-        assert VALUES_AT_ONCE < 20_000 * 300
+    def test_blocks_of_resamples_give_the_same_interval(self):
+        assert MAX_VALUES_AT_ONCE < 20_000 * 300
         many = np.random.default_rng(8).normal(size=300)
         found = bootstrap([many], mean, resamples=20_000, rng=9)
         spread = many.std() / math.sqrt(300)
@@ -177,7 +177,7 @@ class TestBootstrap:
         generator.random()
         assert by_seed != bootstrap([values], mean, rng=generator)
 
-    def test_failed_runs_leave_the_upper_end_open(self):
+    def test_failed_runs_make_the_upper_end_infinite(self):
         found = bootstrap([[*range(1, 9), INF, INF, INF]], median, rng=12)
         assert found.value == 6.0
         assert 1.0 <= found.low < 6.0
@@ -206,9 +206,9 @@ class TestBootstrap:
         assert wide.low <= narrow.low
         assert narrow.high <= wide.high
 
-    def test_coverage_of_means_is_what_theory_says(self):
+    def test_coverage_of_means_agrees_with_theory(self):
         # Of n normal values, the percentile interval is nearly m ± 1.96 s sqrt((n - 1) / n²):
-        # it holds the truth as often as Student's t with n - 1 degrees lies within the like.
+        # its coverage is the probability of Student's t with n - 1 degrees within that.
         rng = np.random.default_rng(16)
         expected = 1.0 - 2.0 * stats.t.sf(stats.norm.isf(0.025) * math.sqrt(19 / 20), 19)
         held = 0
@@ -222,7 +222,7 @@ class TestBootstrap:
         rng = np.random.default_rng(17)
         held = 0
         for _ in range(500):
-            # Two tasks around the same centre, one of which scatters more.
+            # Two tasks with the same centre and different variances.
             strata = [rng.normal(0.0, 1.0, 20), rng.normal(0.0, 3.0, 20)]
             found = bootstrap(strata, interquartile_mean, resamples=300, rng=rng)
             held += found.low <= 0.0 <= found.high
@@ -240,11 +240,11 @@ class TestBootstrap:
         with pytest.raises(InvalidInputError, match=words):
             bootstrap([[1.0, 2.0]], mean, rng=1, **options)
 
-    def test_counts_of_runs_drawn(self):
+    def test_drawn_counts_sum_to_the_number_of_runs(self):
         counts = drawn_counts(4, 3000, np.random.default_rng(18))
         assert counts.shape == (3000, 4)
         assert (counts.sum(axis=1) == 4).all()
-        # How often one run is drawn: four times at one chance in four.
+        # Each run is drawn with probability 1/4 in each of four draws.
         seen = [np.count_nonzero(counts[:, 0] == k) for k in range(5)]
         expected = 3000 * stats.binom(4, 0.25).pmf(range(5))
         assert stats.chisquare(seen, expected).pvalue > 0.001
@@ -255,7 +255,7 @@ class TestWilson:
         ("successes", "count"), [(0, 10), (8, 10), (10, 10), (1, 1), (37, 400)]
     )
     @pytest.mark.parametrize("level", [0.8, 0.95])
-    def test_is_wilsons_formula(self, successes, count, level):
+    def test_ends_are_those_of_wilsons_formula(self, successes, count, level):
         p, z = successes / count, stats.norm.ppf((1 + level) / 2)
         centre = (p + z**2 / (2 * count)) / (1 + z**2 / count)
         half = z / (1 + z**2 / count) * math.sqrt(p * (1 - p) / count + z**2 / (4 * count**2))

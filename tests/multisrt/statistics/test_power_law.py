@@ -10,7 +10,7 @@ from multisrt.geometry.errors import InvalidInputError
 from multisrt.statistics.power_law import fit_power_law
 
 
-def test_a_power_law_is_found_again():
+def test_an_exact_power_law_is_recovered():
     x = np.array([1.0, 2.0, 4.0, 8.0])
     fit = fit_power_law(x, 3.0 / np.sqrt(x))
     assert fit.exponent.value == pytest.approx(-0.5)
@@ -46,7 +46,7 @@ def test_equal_values_have_exponent_zero():
     ),
     st.floats(0.1, 10.0),
 )
-def test_units_change_the_factor_alone(points, unit):
+def test_units_change_only_the_factor(points, unit):
     x, y = (np.array(side, dtype=float) for side in zip(*points, strict=True))
     fit, scaled = fit_power_law(x, y), fit_power_law(x, unit * y)
     assert scaled.exponent.value == pytest.approx(fit.exponent.value, abs=1e-6)
@@ -56,7 +56,7 @@ def test_units_change_the_factor_alone(points, unit):
     assert fit.factor.low <= fit.factor.value <= fit.factor.high
 
 
-def test_intervals_hold_the_truth_as_often_as_they_say():
+def test_intervals_have_their_nominal_coverage():
     rng = np.random.default_rng(1)
     x = np.repeat([1.0, 2.0, 4.0, 8.0], 3)
     exponents = factors = 0
@@ -80,6 +80,6 @@ def test_intervals_hold_the_truth_as_often_as_they_say():
         ([1, 2, 3], [1, 2, math.inf], "y must be finite"),
     ],
 )
-def test_bad_input(x, y, words):
+def test_bad_input_is_refused(x, y, words):
     with pytest.raises(InvalidInputError, match=words):
         fit_power_law(x, y)

@@ -31,7 +31,7 @@ class TestProfile:
         narrow = performance_profile([[0.0, 1.0]], [0.5], level=0.4, rng=2)
         assert (narrow.low[0], narrow.high[0]) == (0.5, 0.5)
 
-    def test_is_what_rliable_counts_above(self):
+    def test_profiles_agree_with_rliable(self):
         # Agarwal et al.: F(tau) = 1/M sum over tasks of 1/N sum over runs of [score > tau].
         rng = np.random.default_rng(3)
         scores, thresholds = rng.integers(0, 20, (5, 7)).astype(float), np.arange(-1.0, 21.0)
@@ -40,12 +40,12 @@ class TestProfile:
         ]
         band = performance_profile(list(scores), thresholds, rng=4)
         assert band.value == pytest.approx(1.0 - np.array(above))
-        # Seen from where higher is better: at least tau, which is not below.
+        # Where higher is better, "at least tau" is the complement of "below".
         mirrored = performance_profile(list(-scores), -thresholds[::-1], rng=4)
         below = [(scores < tau).mean() for tau in thresholds[::-1]]
         assert mirrored.value == pytest.approx(1.0 - np.array(below))
 
-    def test_band_is_that_of_all_resamples_there_are(self):
+    def test_band_equals_that_of_all_possible_resamples(self):
         tasks, tau = [np.array([1.0, 2.0, 5.0, 9.0]), np.array([3.0, 4.0, 6.0])], 4.5
         shares = [
             [np.mean(task[list(drawn)] <= tau) for drawn in itertools.product(range(n), repeat=n)]
@@ -58,7 +58,7 @@ class TestProfile:
             assert end <= np.quantile(everything, share + 0.01) + 1e-12
 
     @given(st.lists(values, min_size=1, max_size=3))
-    def test_never_descends_and_lies_in_its_band_at_the_ends(self, strata):
+    def test_profiles_ascend_within_their_band(self, strata):
         band = performance_profile(strata, [-1.0, 2.0, 4.0, 6.0], resamples=50, rng=6)
         for line in (band.value, band.low, band.high):
             assert (np.diff(line) >= 0.0).all()
@@ -68,7 +68,7 @@ class TestProfile:
         assert band.value[-1] == pytest.approx(finished)
 
     @pytest.mark.parametrize("thresholds", [[], [1.0, 1.0], [2.0, 1.0], [INF], [math.nan]])
-    def test_thresholds_that_are_none(self, thresholds):
+    def test_bad_thresholds_are_refused(self, thresholds):
         with pytest.raises(InvalidInputError, match="thresholds"):
             performance_profile([[1.0]], thresholds, rng=1)
 
@@ -84,7 +84,7 @@ class TestGap:
         assert found.value == 1.25
         assert found.low <= 1.25 <= found.high
 
-    def test_beside_the_optimality_gap_of_rliable(self):
+    def test_gaps_convert_to_rliables_optimality_gap(self):
         # Agarwal et al.: gamma - mean of min(score, gamma), at gamma = 1.
         rng = np.random.default_rng(2)
         bound = 40.0
@@ -102,11 +102,11 @@ class TestGap:
             ([1.0, 2.0, 3.0], "one bound or one each, not 3"),
         ],
     )
-    def test_bounds_that_are_none(self, bound, words):
+    def test_bad_bounds_are_refused(self, bound, words):
         with pytest.raises(InvalidInputError, match=words):
             gaps_to_bound([1.0, 2.0], bound)
 
-    def test_a_bound_for_each_task(self):
+    def test_each_task_needs_a_bound(self):
         with pytest.raises(InvalidInputError, match="2 tasks and 1 bounds"):
             gap([[1.0], [2.0]], [1.0], rng=1)
 
@@ -119,12 +119,12 @@ class TestProbabilityOfImprovement:
         narrow = probability_of_improvement([[1, 3]], [[2]], level=0.4, rng=1)
         assert narrow == Interval(0.5, 0.5, 0.5)
 
-    def test_tasks_weigh_the_same(self):
+    def test_tasks_have_equal_weight(self):
         # 1 in the first task, whatever its runs; 1/4 in the second.
         found = probability_of_improvement([[1, 1, 1, 1, 1], [4, 2]], [[2], [3, 1]], rng=2)
         assert found.value == 0.625
 
-    def test_is_rliables_formula(self):
+    def test_improvement_agrees_with_rliable(self):
         # Agarwal et al.: mean over tasks of 1/N² sum of S(x, y), S = 1 if x > y, 1/2 if equal.
         rng = np.random.default_rng(3)
         x, y = rng.integers(0, 9, (2, 4, 6)).astype(float)
@@ -136,7 +136,7 @@ class TestProbabilityOfImprovement:
         assert found.value == pytest.approx(total / (4 * 36))
         assert found.low < found.value < found.high
 
-    def test_interval_is_that_of_all_resamples_there_are(self):
+    def test_interval_equals_that_of_all_possible_resamples(self):
         a, b = np.array([1.0, 4.0, INF]), np.array([2.0, 4.0, 6.0])
         drawn = [list(d) for d in itertools.product(range(3), repeat=3)]
         everything = [
@@ -149,7 +149,7 @@ class TestProbabilityOfImprovement:
             assert end <= np.quantile(everything, share + 0.01) + 1e-12
 
     @given(st.lists(st.tuples(values, values), min_size=1, max_size=3))
-    def test_sides_add_up_to_one(self, tasks):
+    def test_both_sides_add_up_to_one(self, tasks):
         a, b = zip(*tasks, strict=True)
         one = probability_of_improvement(a, b, resamples=20, rng=6)
         other = probability_of_improvement(b, a, resamples=20, rng=6)
@@ -168,7 +168,7 @@ class TestProbabilityOfImprovement:
             held += found.low <= 0.5 <= found.high
         assert 0.90 <= held / 500 <= 0.98
 
-    def test_bad_input(self):
+    def test_bad_input_is_refused(self):
         with pytest.raises(InvalidInputError, match="a has 1 and b has 2"):
             probability_of_improvement([[1.0]], [[1.0], [2.0]], rng=1)
         with pytest.raises(InvalidInputError, match=r"b\[0\] must not hold nan"):

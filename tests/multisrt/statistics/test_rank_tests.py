@@ -13,7 +13,7 @@ from multisrt.statistics.rank_tests import RankTest, corrected, holm, mark, pair
 
 INF = math.inf
 
-# Few values, so that ties abound; 9 stands for a run that failed.
+# Few distinct values, for many ties; 9 stands for a failed run.
 coarse = st.integers(0, 9).map(lambda value: INF if value == 9 else float(value))
 small_samples = st.lists(coarse, min_size=1, max_size=5)
 pairs = st.lists(st.tuples(coarse, coarse), min_size=1, max_size=6)
@@ -21,12 +21,12 @@ p_values = st.lists(st.floats(0.0, 1.0), max_size=20)
 
 
 def wins(a, b) -> float:
-    """Couples in which the value of `a` is lower, ties half."""
+    """Return the number of pairs in which the value of `a` is lower, ties as half."""
     return sum((x < y) + 0.5 * (x == y) for x in a for y in b)
 
 
 def p_of_all_allotments(a, b) -> float:
-    """Of all ways to say which of the values are `a`'s, the share as far out as what was seen."""
+    """Return the p-value by enumeration of all assignments of the values to `a`."""
     pool = [*a, *b]
     seen, results = wins(a, b), []
     for chosen in itertools.combinations(range(len(pool)), len(a)):
@@ -38,7 +38,7 @@ def p_of_all_allotments(a, b) -> float:
 
 
 def p_of_all_signs(a, b) -> float:
-    """Of all ways to swap the pairs that differ, the share as far out as what was seen."""
+    """Return the p-value by enumeration of all swaps of the pairs that differ."""
     d = [y - x for x, y in zip(a, b, strict=True) if x != y]
     ranks = [0.5 + sum((abs(y) < abs(x)) + 0.5 * (abs(y) == abs(x)) for y in d) for x in d]
     seen = sum(rank for rank, x in zip(ranks, d, strict=True) if x > 0)
@@ -59,30 +59,30 @@ class TestUnpaired:
         # U of the males is 17 of 20: they are lower in the other 3.
         assert found.a_lower == 3 / 20
 
-    def test_apart_by_hand(self):
+    def test_separated_samples_by_hand(self):
         # One of the 20 ways to choose three of six, at each end.
         assert unpaired([1, 2, 3], [4, 5, INF]) == RankTest(p_value=0.1, a_lower=1.0)
         assert unpaired([4, 5, INF], [1, 2, 3]) == RankTest(p_value=0.1, a_lower=0.0)
 
     @given(small_samples, small_samples)
-    def test_is_exact_with_ties_and_failures(self, a, b):
+    def test_ties_and_failures_are_exact(self, a, b):
         assert unpaired(a, b).p_value == pytest.approx(p_of_all_allotments(a, b), abs=1e-12)
 
     @pytest.mark.parametrize("sizes", [(8, 8), (6, 9)])
-    def test_is_scipys_permutation_test_with_ties(self, sizes):
+    def test_ties_agree_with_scipys_permutation_test(self, sizes):
         rng = np.random.default_rng(1)
         a, b = (rng.integers(0, 6, n).astype(float) for n in sizes)
         method = stats.PermutationMethod(n_resamples=np.inf)
         expected = stats.mannwhitneyu(a, b, method=method).pvalue
         assert unpaired(a, b).p_value == pytest.approx(expected, abs=1e-12)
 
-    def test_is_scipys_exact_test_without_ties(self):
+    def test_without_ties_it_is_scipys_exact_test(self):
         rng = np.random.default_rng(2)
         a, b = rng.normal(size=20), rng.normal(0.5, size=30)
         expected = stats.mannwhitneyu(a, b, method="exact").pvalue
         assert unpaired(a, b).p_value == pytest.approx(expected, rel=1e-12)
 
-    def test_counting_at_its_largest_agrees_with_the_approximation(self):
+    def test_exact_and_approximate_agree_at_the_limit(self):
         rng = np.random.default_rng(3)
         a, b = rng.integers(0, 12, 25).astype(float), rng.integers(1, 13, 25).astype(float)
         a[:2] = b[:5] = INF
@@ -90,7 +90,7 @@ class TestUnpaired:
         expected = stats.mannwhitneyu(clear[:25], clear[25:], method="asymptotic").pvalue
         assert unpaired(a, b).p_value == pytest.approx(expected, rel=0.1)
 
-    def test_many_runs_are_scipys_approximation(self):
+    def test_many_runs_use_scipys_approximation(self):
         rng = np.random.default_rng(4)
         a, b = rng.integers(0, 30, 60).astype(float), rng.integers(3, 33, 50).astype(float)
         expected = stats.mannwhitneyu(a, b, method="asymptotic").pvalue
@@ -102,12 +102,12 @@ class TestUnpaired:
 
     @pytest.mark.parametrize("runs", [1, 5, 40])
     @pytest.mark.parametrize("value", [3.0, INF])
-    def test_all_equal(self, runs, value):
+    def test_equal_values_have_p_value_one(self, runs, value):
         same = [value] * runs
         assert unpaired(same, same) == RankTest(p_value=1.0, a_lower=0.5)
 
     @given(small_samples, small_samples, st.randoms(use_true_random=False))
-    def test_order_does_not_matter_and_sides_mirror(self, a, b, random):
+    def test_order_is_irrelevant_and_sides_mirror(self, a, b, random):
         found = unpaired(a, b)
         random.shuffle(a)
         assert unpaired(a, b) == found
@@ -124,41 +124,41 @@ class TestPaired:
         # The two negative differences rank 10 and 14: 24 of 120.
         assert found.a_lower == pytest.approx(96 / 120)
 
-    def test_a_failure_differs_most(self):
+    def test_a_failed_run_has_the_largest_difference(self):
         # Ranks 1 and 2 for b, 3.5 twice for a: 7 or more come from both 3.5 with any of the others,
-        # 4 of the 16 sets of signs.
+        # 4 of the 16 sign vectors.
         found = paired([5, 7, 1, 2], [4, 5, INF, INF])
         assert found.a_lower == 0.7
         assert found.p_value == 0.5
 
-    def test_five_pairs_of_one_mind(self):
-        # One of 32 sets of signs at each end, with ties and with an equal pair beside.
+    def test_five_pairs_of_the_same_sign(self):
+        # One of 32 sign vectors at each end, with ties and with an additional equal pair.
         expected = RankTest(p_value=2 / 32, a_lower=1.0)
         assert paired([1, 2, 3, 4, 5], [2, 4, 6, 8, 10]) == expected
         assert paired([1, 2, 3, 4, 5, 7], [2, 3, 4, 5, 6, 7]) == expected
         assert paired([1, 2, 3, 4, 5, INF], [2, 3, 4, 5, INF, INF]) == expected
 
     @given(pairs)
-    def test_is_exact_with_ties_equal_pairs_and_failures(self, pairs):
+    def test_ties_equal_pairs_and_failures_are_exact(self, pairs):
         a, b = zip(*pairs, strict=True)
         assert paired(a, b).p_value == pytest.approx(p_of_all_signs(a, b), abs=1e-12)
 
-    def test_is_scipys_exact_test_without_ties(self):
+    def test_without_ties_it_is_scipys_exact_test(self):
         rng = np.random.default_rng(5)
         a, b = rng.normal(size=(2, 50))
         expected = stats.wilcoxon(a, b, method="exact").pvalue
         assert paired(a, b).p_value == pytest.approx(expected, rel=1e-9)
 
-    def test_counting_at_its_largest_agrees_with_the_approximation(self):
+    def test_exact_and_approximate_agree_at_the_limit(self):
         rng = np.random.default_rng(6)
         d = rng.integers(1, 9, 50) * np.where(rng.random(50) < 0.65, 1.0, -1.0)
         counted = paired(np.zeros(50), d).p_value
-        # Two of each pair make scipy approximate: z grows by the root of two.
+        # With every pair doubled scipy approximates: z grows by the square root of two.
         twice = stats.wilcoxon(np.tile(d, 2)).pvalue
         expected = 2.0 * stats.norm.sf(stats.norm.isf(twice / 2.0) / math.sqrt(2.0))
         assert counted == pytest.approx(expected, rel=0.1)
 
-    def test_many_pairs_are_scipys_approximation(self):
+    def test_many_pairs_use_scipys_approximation(self):
         rng = np.random.default_rng(7)
         a, b = rng.integers(0, 30, 80).astype(float), rng.integers(3, 33, 80).astype(float)
         d = (b - a)[a != b]
@@ -166,11 +166,11 @@ class TestPaired:
         assert paired(a, b).p_value == pytest.approx(stats.wilcoxon(d).pvalue, rel=1e-12)
 
     @pytest.mark.parametrize("values", [[1.0], [1.0, INF, 3.0], [INF] * 60])
-    def test_all_equal(self, values):
+    def test_equal_values_have_p_value_one(self, values):
         assert paired(values, values) == RankTest(p_value=1.0, a_lower=0.5)
 
     @given(pairs, st.randoms(use_true_random=False))
-    def test_order_does_not_matter_and_sides_mirror(self, pairs, random):
+    def test_order_is_irrelevant_and_sides_mirror(self, pairs, random):
         a, b = zip(*pairs, strict=True)
         found = paired(a, b)
         mirrored = paired(b, a)
@@ -180,7 +180,7 @@ class TestPaired:
         again = paired(*zip(*pairs, strict=True))
         assert again.p_value == pytest.approx(found.p_value, abs=1e-12)
 
-    def test_pairs_that_are_none(self):
+    def test_bad_pairs_are_refused(self):
         with pytest.raises(InvalidInputError, match="not 2 and 1"):
             paired([1.0, 2.0], [1.0])
 
@@ -189,7 +189,7 @@ class TestPaired:
 @pytest.mark.parametrize(
     ("bad", "words"), [([], "at least one"), ([math.nan], "must not hold nan")]
 )
-def test_what_is_no_sample_is_refused(test, bad, words):
+def test_bad_samples_are_refused(test, bad, words):
     with pytest.raises(InvalidInputError, match=f"a .*{words}"):
         test(bad, [1.0])
     with pytest.raises(InvalidInputError, match=f"b .*{words}"):
@@ -198,17 +198,17 @@ def test_what_is_no_sample_is_refused(test, bad, words):
 
 class TestHolm:
     def test_by_hand(self):
-        # Smallest times 4, then times 3 and times 2, never below the one before: 0.06 holds on.
+        # Smallest times 4, then times 3 and 2, never below the one before: 0.06 is kept.
         given_, expected = [0.01, 0.04, 0.03, 0.005], [0.03, 0.06, 0.06, 0.02]
         assert holm(given_) == pytest.approx(expected)
 
-    def test_never_above_one(self):
+    def test_adjusted_values_never_exceed_one(self):
         assert holm([0.6, 0.7]).tolist() == [1.0, 1.0]
         assert holm([]).size == 0
         assert holm([0.03]).tolist() == [0.03]
 
     @given(p_values)
-    def test_is_his_procedure(self, values):
+    def test_it_is_holms_procedure(self, values):
         # Reject the smallest while p is at most level / still open, then stop.
         adjusted = holm(values)
         for level in (0.01, 0.05, 0.3):
@@ -220,7 +220,7 @@ class TestHolm:
             assert {i for i in range(len(values)) if adjusted[i] <= level} == rejected
 
     @given(p_values, st.randoms(use_true_random=False))
-    def test_keeps_the_order_and_never_lowers(self, values, random):
+    def test_order_is_kept_and_values_never_lowered(self, values, random):
         adjusted = holm(values)
         assert (adjusted >= values).all()
         assert (adjusted <= 1.0).all()
@@ -231,11 +231,11 @@ class TestHolm:
         assert np.array_equal(holm([values[i] for i in order]), adjusted[order])
 
     @pytest.mark.parametrize("bad", [[-0.1], [0.5, 1.1], [math.nan]])
-    def test_what_is_no_probability_is_refused(self, bad):
+    def test_values_outside_zero_and_one_are_refused(self, bad):
         with pytest.raises(InvalidInputError, match="p-values"):
             holm(bad)
 
-    def test_corrected_tests_keep_all_else(self):
+    def test_corrected_tests_keep_effect_sizes(self):
         tests = [RankTest(p_value=0.03, a_lower=0.9), RankTest(p_value=0.02, a_lower=0.2)]
         assert corrected(tests) == [
             RankTest(p_value=0.04, a_lower=0.9),
@@ -255,11 +255,11 @@ class TestMark:
             (0.001, 0.5, True, ""),
         ],
     )
-    def test_says_whether_a_is_better(self, p_value, a_lower, lower_is_better, expected):
+    def test_marks_say_whether_a_is_better(self, p_value, a_lower, lower_is_better, expected):
         test = RankTest(p_value=p_value, a_lower=a_lower)
         assert mark(test, lower_is_better=lower_is_better) == expected
 
-    def test_from_the_values_to_the_mark(self):
+    def test_marks_from_values(self):
         fast, slow = np.arange(10.0), np.arange(10.0) + 20.0
         failing = [INF] * 10
         for test in (unpaired, paired):
@@ -274,10 +274,10 @@ class TestMark:
 
 
 class TestFalsePositives:
-    """Experiments without a difference: how often a mark says that there is one."""
+    """Rate of marks in experiments without a difference."""
 
     EXPERIMENTS = 1000
-    # No more than this in all but one of ten thousand such series.
+    # 99.99 % quantile of the number of false positives.
     MOST = int(stats.binom(EXPERIMENTS, 0.05).ppf(0.9999))
 
     @staticmethod
@@ -304,17 +304,17 @@ class TestFalsePositives:
             (unpaired, many),
         ],
     )
-    def test_of_one_cell(self, test, runs):
+    def test_rate_in_one_cell(self, test, runs):
         rng = np.random.default_rng(8)
         marks = [mark(test(runs(rng), runs(rng))) for _ in range(self.EXPERIMENTS)]
         wrong = self.EXPERIMENTS - marks.count("")
         assert wrong <= self.MOST
-        # A test that finds nothing would be of no use: these are near the level.
+        # The rate is near the level: a test without power would be useless.
         assert wrong >= 0.02 * self.EXPERIMENTS
         low, high = stats.binom(wrong, 0.5).interval(0.9999)
         assert low <= marks.count("+") <= high
 
-    def test_of_a_family_of_cells(self):
+    def test_rate_in_a_family_of_cells(self):
         rng = np.random.default_rng(9)
         plain = with_holm = 0
         for _ in range(self.EXPERIMENTS):
@@ -323,10 +323,10 @@ class TestFalsePositives:
             with_holm += any(mark(test) for test in corrected(tests))
         assert with_holm <= self.MOST
         assert with_holm >= 0.02 * self.EXPERIMENTS
-        # Five cells, each wrong nearly one time in twenty.
+        # Five cells, each with a rate near 5 %.
         assert plain >= 3 * with_holm
 
-    def test_a_difference_is_found(self):
+    def test_a_real_difference_is_found(self):
         rng = np.random.default_rng(10)
         marks = [mark(unpaired(rng.normal(size=20), rng.normal(1.5, size=20))) for _ in range(100)]
         assert marks.count("+") >= 95
@@ -340,7 +340,7 @@ class TestEffectSize:
             ([1, 2], [3, 4], 1.0),
             ([3, 4], [1, 2], 0.0),
             ([1, 2], [1, 2], 0.5),
-            # Couples: 1 < 2, 1 < 4, 3 > 2, 3 < 4.
+            # Pairs: 1 < 2, 1 < 4, 3 > 2, 3 < 4.
             ([1, 3], [2, 4], 0.75),
             ([1, INF], [INF], 0.75),
             ([1, INF], [2, INF], 0.625),
@@ -351,7 +351,7 @@ class TestEffectSize:
         assert vargha_delaney(a, b) == expected
 
     @given(small_samples, small_samples)
-    def test_is_u_of_the_other_side(self, a, b):
+    def test_effect_size_is_mann_whitneys_u_of_the_other_side(self, a, b):
         clear = [[10.0 if value == INF else value for value in side] for side in (a, b)]
         ranks = stats.rankdata([*clear[1], *clear[0]])
         u_of_b = ranks[: len(b)].sum() - len(b) * (len(b) + 1) / 2
@@ -372,11 +372,11 @@ class TestEffectSize:
             (1.0, "large"),
         ],
     )
-    def test_words_are_the_same_on_both_sides(self, share, word):
+    def test_magnitudes_are_equal_on_both_sides(self, share, word):
         assert magnitude(share) == word
         assert magnitude(1.0 - share) == word
 
     @pytest.mark.parametrize("share", [-0.01, 1.01, math.nan])
-    def test_what_is_no_share_is_refused(self, share):
+    def test_shares_out_of_range_are_refused(self, share):
         with pytest.raises(InvalidInputError, match="from 0 to 1"):
             magnitude(share)

@@ -10,9 +10,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from multisrt.analysis import clearances
+from multisrt.analysis.bounds import lower_bounds
 from multisrt.analysis.clearances import smallest_clearance, smallest_distance_between_robots
 from multisrt.analysis.coverage import CoverageMeter
-from multisrt.analysis.metrics import lower_bounds, measure
+from multisrt.analysis.metrics import METRIC_GROUPS, Metrics, measure
 from multisrt.environments.environment import Environment
 from multisrt.events import (
     ArcClosed,
@@ -626,3 +627,8 @@ def test_tracks_are_laid_out_once_and_kept_no_longer_than_the_recording():
     del recording
     gc.collect()
     assert len(clearances._TRACKS) == before
+
+
+def test_every_metric_is_in_one_group():
+    grouped = [name for names in METRIC_GROUPS.values() for name in names]
+    assert sorted(grouped) == sorted(Metrics.__struct_fields__)

@@ -21,9 +21,9 @@ from multisrt.robots.explorer import Done, Look, Move, Note, Receive, Received, 
 from multisrt.robots.messages import Message
 from multisrt.robots.registry import strategies, strategy
 from multisrt.spec import DriveSpec, RangeFinderSpec, RobotSpec
-from multisrt.testing.check import ExplorerDefect, check_explorer, two_rooms
+from multisrt.testing import ExplorerDefect, check_explorer, two_rooms
+from multisrt.testing.fingerprint import fingerprint
 from multisrt.testing.hidden_truth import way_to_truth
-from multisrt.testing.supervision import fingerprint
 
 WORLD = two_rooms()
 NOTHING = object()

@@ -107,6 +107,7 @@ def isolation(
     ...     environment=CatalogEnvironment(name="apartment"),
     ...     robots=(RobotSpec(), RobotSpec()),
     ...     radio=RadioSpec(range_m=0.0),
+    ...     strategy="minpos",
     ... )
     >>> recording = simulate(spec)
     >>> first, second = isolation(recording)

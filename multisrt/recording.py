@@ -271,30 +271,40 @@ def _flaw(event: AnyEvent, robots: Sequence[RobotSpec], nodes: Container[NodeNam
         if name not in nodes:
             return f"node {name[1]} of robot {name[0]} is nowhere in the recording"
     if isinstance(event, Motion):
-        if not event.waypoints:
-            return "a motion has at least one waypoint"
-        if any(b[0] < a[0] for a, b in itertools.pairwise(event.waypoints)):
-            return "the times of a motion's waypoints never fall"
-        if any(abs(b[3] - a[3]) > MAX_TURN_RAD for a, b in itertools.pairwise(event.waypoints)):
-            return f"a leg of a motion turns by more than {MAX_TURN_RAD:.4g} rad"
-        for _, x, y, _ in event.waypoints:
-            if flaw := _too_far(x, y):
-                return flaw
+        return _motion_flaw(event)
     if isinstance(event, NodeAdded):
-        if len(event.boundary) < 3 or len(event.tags) != len(event.boundary):
-            return (
-                f"a region of {len(event.boundary)} corners with {len(event.tags)} tags; "
-                "it has at least 3 corners and as many tags"
-            )
-        if not set(event.tags) <= set("0123"):
-            return f"tags are digits from 0 to 3, not {event.tags!r}"
-        x, y, _ = event.configuration
+        return _node_flaw(event, robots[event.robot].range_finder.range_m)
+    return ""
+
+
+def _motion_flaw(motion: Motion) -> str:
+    legs = list(itertools.pairwise(motion.waypoints))
+    if not motion.waypoints:
+        return "a motion has at least one waypoint"
+    if any(b[0] < a[0] for a, b in legs):
+        return "the times of a motion's waypoints never fall"
+    if any(abs(b[3] - a[3]) > MAX_TURN_RAD for a, b in legs):
+        return f"a leg of a motion turns by more than {MAX_TURN_RAD:.4g} rad"
+    for _, x, y, _ in motion.waypoints:
         if flaw := _too_far(x, y):
             return flaw
-        range_m = robots[event.robot].range_finder.range_m
-        farthest_m = max(math.dist((x, y), corner) for corner in event.boundary)
-        if farthest_m > range_m + ROUNDING_M:
-            return f"a region reaches {farthest_m:g} m, but robot {event.robot} sees {range_m:g} m"
+    return ""
+
+
+def _node_flaw(node: NodeAdded, range_m: float) -> str:
+    if len(node.boundary) < 3 or len(node.tags) != len(node.boundary):
+        return (
+            f"a region of {len(node.boundary)} corners with {len(node.tags)} tags; "
+            "it has at least 3 corners and as many tags"
+        )
+    if not set(node.tags) <= set("0123"):
+        return f"tags are digits from 0 to 3, not {node.tags!r}"
+    x, y, _ = node.configuration
+    if flaw := _too_far(x, y):
+        return flaw
+    farthest_m = max(math.dist((x, y), corner) for corner in node.boundary)
+    if farthest_m > range_m + ROUNDING_M:
+        return f"a region reaches {farthest_m:g} m, but robot {node.robot} sees {range_m:g} m"
     return ""
 
 

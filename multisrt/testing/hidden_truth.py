@@ -134,14 +134,7 @@ def _truth_in(thing: object, world: Environment) -> str | None:
 def _within(thing: object) -> Iterator[tuple[str, object]]:
     # What a thing holds, by the step that leads there.
     if isinstance(thing, types.FunctionType):
-        cells = zip(thing.__code__.co_freevars, thing.__closure__ or (), strict=True)
-        for name, cell in cells:
-            yield f" -> closure {name!r}", _contents(cell)
-        yield from _defaults(thing, " -> default of ")
-        if _package(thing) != "multisrt":
-            for name, value in _named_in_code(thing.__code__, thing.__globals__):
-                if _function_of(value) is None and not isinstance(value, type):
-                    yield f" -> {name}", value
+        yield from _within_function(thing)
         return
     if isinstance(thing, types.MethodType):
         yield " -> self", thing.__self__
@@ -167,6 +160,17 @@ def _within(thing: object) -> Iterator[tuple[str, object]]:
     for value in gc.get_referents(thing):
         if not isinstance(value, type):
             yield f" -> held by the {type(thing).__name__}", value
+
+
+def _within_function(function: types.FunctionType) -> Iterator[tuple[str, object]]:
+    cells = zip(function.__code__.co_freevars, function.__closure__ or (), strict=True)
+    for name, cell in cells:
+        yield f" -> closure {name!r}", _contents(cell)
+    yield from _defaults(function, " -> default of ")
+    if _package(function) != "multisrt":
+        for name, value in _named_in_code(function.__code__, function.__globals__):
+            if _function_of(value) is None and not isinstance(value, type):
+                yield f" -> {name}", value
 
 
 def _attributes(thing: object) -> Iterator[tuple[str, object]]:

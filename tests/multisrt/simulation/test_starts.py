@@ -80,7 +80,7 @@ def test_a_body_that_does_not_fit_at_its_start_is_refused():
 def test_starts_in_different_components_are_refused():
     robots = [RobotSpec(start=(1, 1)), RobotSpec(start=(9, 1)), RobotSpec(start=(22, 2))]
     assert len(starts(rooms(), robots[:2])) == 2
-    with pytest.raises(InvalidInputError, match=r"robots 0 and 2 start .* no way"):
+    with pytest.raises(InvalidInputError, match=r"robots 0 and 2 start .* no path"):
         starts(rooms(), robots)
 
 

@@ -166,11 +166,11 @@ def recording() -> Recording:
 
 
 def part(text: str, title: str) -> str:
-    """What stands under a title."""
+    """Return the lines of a section."""
     return text.partition(f"\n{title}\n")[2].partition("\n\n")[0]
 
 
-def test_what_it_knew_and_decided(recording):
+def test_knowledge_and_decision_are_explained(recording):
     text = explain(recording, 2, 8.0)
     assert text.startswith("Robot 2 at 8.00 s: its last decision was at 6.00 s.\n")
     place = part(text, "Where it stood")
@@ -189,7 +189,7 @@ def test_what_it_knew_and_decided(recording):
     assert "target (7.00, 6.00), 2.83 m away" in decided
 
 
-def test_what_the_master_made_of_it(recording):
+def test_the_orders_of_the_master_are_explained(recording):
     group = part(explain(recording, 2, 8.0), "Its group")
     assert "pre-engaged (GPR): 0, 1, 2" in group
     assert "engaged (GER): 1, 2" in group
@@ -205,7 +205,7 @@ def test_what_the_master_made_of_it(recording):
     assert "(0.50, 0.50)" not in group
 
 
-def test_a_step_on_the_way_to_another_tree_is_coordinated_without_a_decision(recording):
+def test_a_step_to_another_tree_is_coordinated_without_decision(recording):
     assert "master" not in explain(recording, 2, 20.0)
     group = part(explain(recording, 2, 22.0), "Its group")
     assert "paths of the group 0, 2 conflicted; the master was itself" in group
@@ -219,7 +219,7 @@ def test_where_no_paths_conflicted(recording):
     assert "Its group" not in explain(recording, 2, 3.0)
 
 
-def test_where_a_robot_is_on_its_way_and_where_it_came(recording):
+def test_motions_under_way_and_completed_are_told_apart(recording):
     then = "What it did next"
     assert "0.00 s: it set out to explore, and is on its way to (9.00, 4.00)" in part(
         explain(recording, 2, 3.0), then
@@ -232,7 +232,7 @@ def test_where_a_robot_is_on_its_way_and_where_it_came(recording):
     assert "16.00 s: it set out to support another tree, and is on its way to (7.00" in text
 
 
-def test_whom_it_supports(recording):
+def test_the_supported_tree_is_explained(recording):
     assert "Which tree it supports" not in explain(recording, 2, 15.0)
     support = part(explain(recording, 2, 24.0), "Which tree it supports")
     assert "at 16.00 s: the tree of robot 1" in support
@@ -242,7 +242,7 @@ def test_whom_it_supports(recording):
     assert "at node 0 of robot 1" in explain(recording, 2, 24.0)
 
 
-def test_what_went_otherwise(recording):
+def test_events_that_were_not_planned_are_listed(recording):
     title = "What did not go as planned"
     assert title not in explain(recording, 2, 8.9)
     early = part(explain(recording, 2, 9.0), title)
@@ -259,7 +259,7 @@ def test_what_went_otherwise(recording):
     assert "it died at (5.00, 2.50), moving" in late
 
 
-def test_without_a_time_it_is_the_last_decision(recording):
+def test_without_a_time_the_last_decision_is_explained(recording):
     assert explain(recording, 2) == explain(recording, 2, 30.0)
     assert "its last decision was at 24.00 s" in explain(recording, 2)
     assert "blocked by a robot" in explain(recording, 2)
@@ -294,14 +294,14 @@ def test_all_decisions(recording):
         (1, None, "robot 1 did not decide anything in this run"),
     ],
 )
-def test_what_cannot_be_told(recording, robot, time_s, said):
+def test_invalid_robots_and_times_are_refused(recording, robot, time_s, said):
     with pytest.raises(InvalidInputError) as error:
         explain(recording, robot, time_s)
     assert said in str(error.value)
     assert "\n" not in str(error.value)
 
 
-def test_all_decisions_of_nobody(recording):
+def test_decisions_of_a_robot_that_does_not_exist_are_refused(recording):
     with pytest.raises(InvalidInputError, match="there is no robot 3"):
         explain_all(recording, 3)
 
@@ -398,7 +398,7 @@ def bidding() -> Recording:
     return recorder.finish(9.0, "complete", "")
 
 
-def test_what_a_bidder_knew_and_why_it_chose_anew(bidding):
+def test_knowledge_and_reason_of_a_bidder_are_explained(bidding):
     text = explain(bidding, 1, 1.2)
     assert text.startswith("Robot 1 at 1.20 s: it last chose a goal at 1.00 s.\n")
     assert "at (5.50, 1.00)" in part(text, "Where it stood")
@@ -421,7 +421,7 @@ def test_the_bid_table_marks_row_and_column_and_has_ranks(bidding):
     assert "not shown" not in table
 
 
-def test_what_a_bidder_did_until_it_chose_again(bidding):
+def test_motions_of_a_bidder_until_its_next_choice_are_listed(bidding):
     text = explain(bidding, 1, 1.2)
     then = part(text, "What it did next").splitlines()
     assert then == [
@@ -437,7 +437,7 @@ def test_what_a_bidder_did_until_it_chose_again(bidding):
     assert "protective stop at (4.50, 1.00)" in part(explain(bidding, 1, 2.0), otherwise)
 
 
-def test_rounds_bids_and_scores_are_told(bidding):
+def test_rounds_bids_and_scores_are_shown(bidding):
     rounds = part(explain(bidding, 1, 4.0), "How it chose: greedy")
     assert "round  1:   robot 0 got frontier 0, (3.00, 4.00): 0.25 of the longest path" in rounds
     assert "round  2: > robot 1 got frontier 1, (7.50, 2.00): 0.56 of the longest path" in rounds
@@ -449,7 +449,7 @@ def test_rounds_bids_and_scores_are_told(bidding):
     assert re.search(r"\n    +\(8\.75, 0\.25\) +50\.00", scores)
 
 
-def test_many_frontiers_are_cut_to_the_nearest_and_the_chosen_one(bidding):
+def test_only_the_nearest_and_the_chosen_frontiers_are_shown(bidding):
     table = part(explain(bidding, 1, 7.0), "How it chose: minpos")
     assert "4 of 12 frontiers, farther away, are not shown" in table
     head = re.search(r"\n  frontier +(.*)", table)

@@ -1,7 +1,20 @@
-"""What happens in a run, as plain data: what a recording holds, line by line.
+"""Events: what happens in a run, as plain data.
 
-Every event says when it happened and to which robot. Lengths are metres, times seconds, angles
-radians. The names of the fields are the names in the file.
+They are the lines of a recording, and `docs/recording.md` describes them as such: the names of
+fields here are those in the file. Lengths are in metres, times in seconds from the start of the
+run, angles in radians counter-clockwise from +x, positions in the frame of the environment. Robots
+count from 0.
+
+Examples
+--------
+>>> from multisrt import CatalogEnvironment, RunSpec, simulate
+>>> from multisrt.events import Motion, NodeAdded
+>>> recording = simulate(RunSpec(environment=CatalogEnvironment(name="apartment"), seed=1))
+>>> nodes = recording.of(NodeAdded)
+>>> nodes[0].stage, nodes[0].parent
+('root', None)
+>>> recording.of(Motion)[0].robot
+0
 """
 
 from __future__ import annotations
@@ -16,13 +29,13 @@ from multisrt.geometry.numerics.kernel import FloatArray
 
 Point = tuple[float, float]
 Segment = tuple[float, float, float, float]
-"""x0, y0, x1, y1; a frontier segment has its region on the left."""
+"""x0, y0, x1, y1; a frontier segment has its region on the left, seen from its first end."""
 
 Pose = tuple[float, float, float]
 """x, y, heading."""
 
 NodeName = tuple[int, int]
-"""The robot that made a node, and the node's serial number among that robot's."""
+"""The robot that made a node, and the serial number of the node among those of that robot."""
 
 Choice = Literal[
     "draw",
@@ -36,26 +49,25 @@ Choice = Literal[
     "stay",
     "end",
 ]
-"""What the planner of the SRT family chose."""
+"""What the planner of the SRT family chose; see `Decision`."""
 
 Stage = Literal["root", "draw", "approach", "complete", "bypass", "coordinate", "passed", "scan"]
-"""How a node's place was found: by a stage of the planner, or by a master that organised; or
-that it is where a robot took a scan on its way, of the SRT family or bidding for frontiers."""
+"""How the place of a node was found; see `NodeAdded`."""
 
 Purpose = Literal["explore", "support", "home", "give way"]
-"""Why a robot moves."""
+"""Why a robot moves; see `Motion`."""
 
 
-# Events hold plain data, which cannot refer back to them: the garbage collector need not look.
+# Events hold plain data without cycles, which the garbage collector need not track.
 class Event(msgspec.Struct, frozen=True, kw_only=True, gc=False, tag_field="event"):
     """Something that happened to a robot.
 
     Attributes
     ----------
     time_s : float
-        When, in the run's own time.
+        When it happened.
     robot : int
-        To whom, counted from 0.
+        The robot.
     """
 
     time_s: float
@@ -63,16 +75,17 @@ class Event(msgspec.Struct, frozen=True, kw_only=True, gc=False, tag_field="even
 
 
 class Motion(Event, frozen=True, kw_only=True, tag="motion"):
-    """A robot moved; `time_s` is when it set out.
+    """A robot moved; `time_s` is when it set out. It is recorded when the motion ends.
 
     Attributes
     ----------
     waypoints : tuple of (time_s, x, y, heading)
-        Times from the start of the run. Between two waypoints the body moves with a constant
-        twist: straight where the heading stays, in place where the position stays, else on a
-        circular arc. Headings are not wrapped, so turns are signed.
+        Times are from the start of the run and never fall. Between two waypoints the body moves
+        with a constant twist: straight where the heading stays, in place where the position
+        stays, else on a circular arc. Headings are not wrapped, so turns are signed.
     purpose : {"explore", "support", "home", "give way"}
-        Why: for its own tree, to or for another's, back to its root, or out of another's way.
+        For its own tree (or any goal of a robot that bids for frontiers), for the tree of another
+        robot, back to its root, or out of the way of another robot.
     """
 
     waypoints: tuple[tuple[float, float, float, float], ...]
@@ -85,19 +98,20 @@ class NodeAdded(Event, frozen=True, kw_only=True, tag="node"):
     Attributes
     ----------
     serial : int
-        The node's number among its robot's.
+        The serial number of the node among those of its robot.
     parent : (robot, serial) or None
-        The node that the robot came from; None at a root.
+        The node from which the robot came; None for a root.
     configuration : (x, y, heading)
         Where the scan was taken.
     stage : {"root", "draw", "approach", "complete", "bypass", "coordinate", "passed", "scan"}
-        How the place was found; `bypass`: on the way round a robot that stands; `coordinate`: by
-        a master, or where a protective stop ended a motion; `passed`: not chosen, but on the way
-        to a place that was; `scan`: where a robot that bids for frontiers looked round.
+        How the place was found. `draw`, `approach`, `complete`: by that stage of the planner;
+        `bypass`: on the way round a robot that stands; `coordinate`: by a master, or where a
+        protective stop ended a motion; `passed`: on the way to a chosen place; `scan`: where a
+        robot that bids for frontiers took a scan that showed something new.
     boundary : tuple of (x, y)
-        The local safe region, counter-clockwise, not closed.
+        Corners of the local safe region, counter-clockwise, not closed.
     tags : str
-        One digit for the piece from corner i to corner i + 1: 0 obstacle, 1 range, 2 gap, 3 cut.
+        One digit for the edge from corner i to corner i + 1: 0 obstacle, 1 range, 2 gap, 3 cut.
     """
 
     serial: int
@@ -108,34 +122,36 @@ class NodeAdded(Event, frozen=True, kw_only=True, tag="node"):
     tags: str
 
     def region(self) -> FloatArray:
-        """Give the corners of the local safe region as an array, (n, 2), made at every call."""
+        """Return the corners of the local safe region as a new array, ``(n, 2)``."""
         numbers = itertools.chain.from_iterable(self.boundary)
         return np.fromiter(numbers, np.float64, 2 * len(self.boundary)).reshape(-1, 2)
 
 
 class Decision(Event, frozen=True, kw_only=True, tag="decision"):
-    """A robot chose where to go next, and what it knew.
+    """A robot of the SRT family chose where to go next.
 
     Attributes
     ----------
     node : (robot, serial)
-        The node that it stood at.
+        The node at which it stood.
     frontier_m : float
         Length of the local frontier there.
     choice : str
-        `draw`, `approach`, `complete`, `parent`, `nearest_open`, `home`, `transfer` (to
-        another's tree and back), `bypass` (round a robot that stands), `stay` (for now) or `end`.
+        `draw`, `approach`, `complete`: a new place, found by that stage; `parent`,
+        `nearest_open`, `home`: back to the parent node, to the nearest node with a frontier, to
+        its root; `transfer`: to the tree of another robot, or back; `bypass`: round a robot that
+        stands; `stay`: where it is, for now; `end`: where it is, for good.
     target : (x, y) or None
         The place chosen.
     draws : int
-        How many candidates were drawn.
-    refused : dict
-        Why candidates were refused, with how often: `no room`, `near a node`, `in another region`,
-        `blocked by a robot`.
+        Number of candidates that were drawn.
+    refused : dict of str to int
+        Numbers of refused candidates by reason: `no room`, `near a node`, `in another region`,
+        `blocked by a robot`, `no way for the car`.
     candidates : tuple of (x, y, reason)
-        The candidates that were refused, in the order in which they were drawn.
+        The refused candidates, in the order in which they were drawn.
     gpr, ger : tuple of int
-        The groups of pre-engaged and of engaged robots, itself among them.
+        The groups of pre-engaged and of engaged robots, including the robot itself.
     """
 
     node: NodeName
@@ -150,37 +166,37 @@ class Decision(Event, frozen=True, kw_only=True, tag="decision"):
 
 
 class GoalChosen(Event, frozen=True, kw_only=True, tag="goal_chosen"):
-    """A robot that bids for frontiers chose a goal, and what it knew.
+    """A robot that bids for frontiers chose a goal.
 
     Attributes
     ----------
     rule : str
-        The rule that chose: a strategy's name, or `random` for one that was stuck.
+        The rule that chose: the name of a strategy, or `random` for a robot that was stuck.
     because : str
-        Why it chose: `start`, `reached`, `news` (the map has changed), `nothing left` (to be
-        seen at the last goal), `no way` (to it), `blocked` (by a robot), `stop signal`,
-        `assigned`, `gave way` or `called on`.
+        Why it chose: `start`, `reached` (its goal), `news` (its map has changed), `nothing left`
+        (to see at its goal), `no way` (to its goal), `blocked` (by a robot), `stop signal` (its
+        goal is no frontier any more), `assigned` (by its leader), `gave way` or `called on`.
     goal : (x, y) or None
-        The goal; None: there is none that it can reach.
+        The goal; None if it can reach none.
     cost_m : float
-        How far it is to there.
+        Path length to the goal.
     frontiers : tuple of (x, y)
-        The targets that were to be had, one for each group of frontier cells.
+        The targets, one for each group of frontier cells.
     robots : tuple of int
-        Who was reckoned with: the rows of the tables.
+        The robots that were considered: the rows of the tables.
     costs : tuple of rows
-        How far each of these robots has to each target; None: it cannot get there, or that did
-        not need to be worked out.
+        Path length of each robot to each target; None where there is no path, or where the rule
+        did not need it.
     ranks : tuple of rows
-        `minpos`: how many robots are nearer to each target; None where it was not counted. This
-        robot's own are counted up to the lowest so far.
+        `minpos`: the number of robots that are nearer to each target; None where it was not
+        counted. Counting for this robot stops at the lowest number so far.
     rounds : tuple of (robot, target, utility, share)
-        `utility` and `greedy`: who got which target, in this order; what its utility was; and
-        how far it was, as a share of the longest way.
+        `utility` and `greedy`: which robot got which target, in order, with its utility and its
+        path length as a share of the longest one.
     bids : tuple of rows
-        `self-bidding`: the table of bids that was matched; None: infinite.
+        `self-bidding`: the matrix of bids that was matched; None for infinite ones.
     phi_m : tuple of float
-        `self-bidding`: the radii of cohesion that were tried; the last one was used.
+        `self-bidding`: the cohesion radii that were tried; the last one was used.
     scores : tuple of (x, y, score, distance, turn, others)
         `rules`: the best cells, with the terms of their scores.
     """
@@ -200,22 +216,22 @@ class GoalChosen(Event, frozen=True, kw_only=True, tag="goal_chosen"):
 
 
 class Coordinated(Event, frozen=True, kw_only=True, tag="coordinated"):
-    """Paths of a group conflicted; this is what became of a robot's target.
+    """Paths of a group conflicted, and a master decided on the target of this robot.
 
     Attributes
     ----------
     ger : tuple of int
         The group that was coordinated.
     master : int
-        Who organised.
+        The robot that organised it.
     feasible, unfeasible : tuple of int
-        Robots whose paths conflicted with no other's, and the rest (paper: G_f and G_u).
+        Robots whose paths conflicted with no other, and the rest (paper: G_f and G_u).
     target : (x, y)
-        What the robot had planned.
+        The target that the robot had planned.
     order : {"keep", "wait", "new target", "give way"}
-        What it was told.
+        The order of the master.
     new_target : (x, y)
-        Where it goes now; where it stands, if it waits.
+        The target that it has now; its position if it waits.
     """
 
     ger: tuple[int, ...]
@@ -235,14 +251,14 @@ class Organized(Event, frozen=True, kw_only=True, tag="organized"):
     feasible, unfeasible : tuple of int
         As in `Coordinated`.
     before, after : dict of robot to (x, y)
-        Targets as planned and as organised; a robot that waits has its place.
+        Targets as planned and as organised; the position of a robot that waits.
     orders : dict of robot to str
         `keep`, `wait`, `new target` or `give way`.
     conflicts : tuple of (int, int)
-        Pairs of robots whose planned paths conflicted; (i, j) with j standing in the way of i
-        is among them.
+        Pairs of robots whose planned paths conflicted, including (i, j) where j stands in the way
+        of i.
     deadlock : bool
-        Whether nobody could be let go.
+        Whether no robot could be let go.
     """
 
     feasible: tuple[int, ...]
@@ -255,16 +271,16 @@ class Organized(Event, frozen=True, kw_only=True, tag="organized"):
 
 
 class Supports(Event, frozen=True, kw_only=True, tag="supports"):
-    """A robot that is done with its own tree chose another's to support (paper: SELECT).
+    """A robot that is done with its own tree chose another tree to support (paper: SELECT).
 
     Attributes
     ----------
     tree : int or None
-        The robot at whose start the chosen tree is rooted; None: no tree needs support.
+        The robot at whose start the chosen tree is rooted; None if no tree needs support.
     open_frontier_m : dict of tree to float
-        Open frontier of every tree known.
+        Length of the open frontier of every known tree.
     active_robots : dict of tree to int
-        How many robots are active in it.
+        Number of robots that are active in each tree.
     candidates : tuple of int
         The trees that may need support (paper: I).
     """
@@ -281,13 +297,13 @@ class Sent(Event, frozen=True, kw_only=True, tag="sent"):
     Attributes
     ----------
     kind : str
-        The message's type.
+        The type of the message.
     size_bytes : int
         Its size.
     reached : tuple of int
-        Robots to which the radio carries it.
+        Robots to which it is delivered.
     lost : tuple of int
-        Robots in reach that it does not come to, by loss.
+        Robots in reach to which it is lost.
     """
 
     kind: str
@@ -297,7 +313,7 @@ class Sent(Event, frozen=True, kw_only=True, tag="sent"):
 
 
 class Learned(Event, frozen=True, kw_only=True, tag="learned"):
-    """A robot learned of nodes that others made.
+    """A robot learned of nodes that other robots made.
 
     Attributes
     ----------
@@ -309,7 +325,7 @@ class Learned(Event, frozen=True, kw_only=True, tag="learned"):
 
 
 class TakenAsLost(Event, frozen=True, kw_only=True, tag="taken_as_lost"):
-    """A robot has had no answer from another for so long that it does not wait for it any more.
+    """A robot no longer waits for another one, which has not answered for too long.
 
     Attributes
     ----------
@@ -321,14 +337,14 @@ class TakenAsLost(Event, frozen=True, kw_only=True, tag="taken_as_lost"):
 
 
 class Blocked(Event, frozen=True, kw_only=True, tag="blocked"):
-    """A robot stopped because another's body came too near: its protective stop.
+    """A protective stop ended the motion of a robot, as another body came too near.
 
     Attributes
     ----------
     by : int
-        The robot whose body it was.
+        The robot whose body came too near.
     configuration : (x, y, heading)
-        Where it stopped.
+        Where the robot stopped.
     """
 
     by: int
@@ -341,9 +357,9 @@ class Died(Event, frozen=True, kw_only=True, tag="died"):
     Attributes
     ----------
     configuration : (x, y, heading)
-        Where.
+        Where it died.
     doing : {"moving", "waiting", "master"}
-        What it was doing.
+        What it was doing: moving, standing, or organising a group as its master.
     """
 
     configuration: Pose
@@ -351,30 +367,30 @@ class Died(Event, frozen=True, kw_only=True, tag="died"):
 
 
 class FellSilent(Event, frozen=True, kw_only=True, tag="fell_silent"):
-    """A robot's radio failed: it neither sends nor hears, and goes on."""
+    """The radio of a robot failed: it neither sends nor receives. The robot goes on."""
 
 
 class CameBack(Event, frozen=True, kw_only=True, tag="came_back"):
-    """A robot's radio works again."""
+    """The radio of a robot works again."""
 
 
 class Joined(Event, frozen=True, kw_only=True, tag="joined"):
-    """A robot that stood switched off at its start began."""
+    """A robot that starts late was switched on."""
 
 
 class ArcClosed(Event, frozen=True, kw_only=True, tag="arc_closed"):
-    """A robot gave up a frontier arc that no place it can reach would open.
+    """A robot gave up a frontier arc.
 
     Attributes
     ----------
     node : (robot, serial)
-        The arc's node.
+        The node of the arc.
     reason : str
         `too narrow`: the body fits nowhere from which the arc can be seen. `not reachable`: it
-        would fit, but no known way leads there. `seen from near`: the robot has looked from
+        would fit, but no known path leads there. `seen from near`: the robot has taken scans from
         every such place. `blocked by a robot`: a robot that does not answer stands in the way.
     arc : tuple of (x0, y0, x1, y1)
-        The arc's segments.
+        The segments of the arc.
     """
 
     node: NodeName
@@ -383,7 +399,7 @@ class ArcClosed(Event, frozen=True, kw_only=True, tag="arc_closed"):
 
 
 class MapComplete(Event, frozen=True, kw_only=True, tag="map_complete"):
-    """No frontier is left in a robot's map; all that remains is the way home."""
+    """No frontier is left in the map of a robot, which now only has to drive home."""
 
 
 class Collision(Event, frozen=True, kw_only=True, tag="collision"):
@@ -392,9 +408,10 @@ class Collision(Event, frozen=True, kw_only=True, tag="collision"):
     Attributes
     ----------
     configuration : (x, y, heading)
-        Where the motion that touched began.
+        Where the robot was: at the begin of the leg that touches an obstacle, or at contact with
+        another body.
     account : str
-        What was being done.
+        What it touched, in words.
     """
 
     configuration: tuple[float, float, float]
@@ -402,14 +419,14 @@ class Collision(Event, frozen=True, kw_only=True, tag="collision"):
 
 
 class Ended(Event, frozen=True, kw_only=True, tag="ended"):
-    """A robot is done. One that is called on again ends again; the last end counts.
+    """A robot is done. A robot that is called on ends again, and its last end counts.
 
     Attributes
     ----------
     reason : str
         Why it ended, in words.
     complete : bool
-        Whether no frontier was left that it knew a way to open.
+        Whether it left no frontier that it knew a way to open.
     frontier : tuple of (x0, y0, x1, y1)
         The frontier segments that it left open.
     """

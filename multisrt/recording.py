@@ -1,7 +1,7 @@
-"""Recordings: all that happened in a run, one JSON object a line, written as it goes.
+"""Recordings: all that happened in a run, one JSON object a line, written while the run goes on.
 
-The first line is a `Header`: format and version, the spec, the world, versions of what
-computed it. Then come the events of `multisrt.events` in the order in which they happened. The
+The first line is a `Header`: the format and its version, the spec, the world, and the versions of
+the packages. The events of `multisrt.events` follow in the order in which they were recorded. The
 last line is a `Footer`: how the run ended, and the digest. A recording without a footer is of a
 run that was cut off.
 
@@ -51,17 +51,17 @@ from multisrt.spec import RobotSpec, RunSpec
 
 FORMAT = "multisrt-recording"
 VERSION = 2
-LARGEST_BYTES = 2_000_000_000
-"""A larger file is refused."""
+MAX_BYTES = 2_000_000_000
+"""Size of the largest file that is read."""
 
-FARTHEST_M = 1e9
-"""No place in a recording lies farther from the origin, by x or by y."""
+MAX_COORDINATE_M = 1e9
+"""Bound of the absolute coordinates in a recording, in metres."""
 
-MOST_TURN_RAD = 4.0 * math.pi
-"""No leg of a motion turns by more."""
+MAX_TURN_RAD = 4.0 * math.pi
+"""Bound of the turn on one leg of a motion, in radians."""
 
 ROUNDING_M = 1e-3
-"""By so much a region may seem to reach farther than its robot sees."""
+"""Distance by which a region may exceed the range of its robot, for rounding."""
 
 RunOutcome = Literal["complete", "stalled", "out_of_time"]
 
@@ -76,16 +76,16 @@ class Header(msgspec.Struct, frozen=True, kw_only=True, tag_field="event", tag="
     Attributes
     ----------
     format, format_version
-        What this file is.
-    versions : dict
-        Versions of the packages that computed the run, and the machine's architecture.
+        The format of the file, and its version.
+    versions : dict of str to str
+        Versions of the packages that computed the run, and the architecture of the machine.
     spec : RunSpec
-        What the run depended on.
+        Everything that the run depends on.
     world : str
-        The world's name.
+        Name of the world.
     free : tuple of polygons
-        Free space: for every polygon its rings, for every ring its corners, first and last
-        equal; the first ring is the outline, the others are holes.
+        Free space. A polygon is a tuple of rings, the outline first, then the holes; a ring is a
+        tuple of corners (x, y) in metres, the first and the last of which are equal.
     starts : tuple of (x, y, heading)
         Where the robots started.
     """
@@ -105,13 +105,13 @@ class Footer(msgspec.Struct, frozen=True, kw_only=True, tag_field="event", tag="
     Attributes
     ----------
     time_s : float
-        When the run ended.
+        When the run ended, in seconds.
     outcome : {"complete", "stalled", "out_of_time"}
         How it ended.
     reason : str
         Why, in words.
     digest : str
-        SHA-256 of spec, world and events.
+        SHA-256 of the spec, the world and the events, as 64 hexadecimal digits.
     """
 
     time_s: float
@@ -128,10 +128,22 @@ class Recording:
     ----------
     header : Header
         What was run.
-    events : tuple of events
-        What happened, in order.
+    events : tuple of Event
+        What happened, in the order in which it was recorded: a motion when it ended, all else
+        when it happened.
     footer : Footer
         How it ended.
+
+    Examples
+    --------
+    >>> from multisrt import CatalogEnvironment, Recording, RunSpec, simulate
+    >>> from multisrt.events import NodeAdded
+    >>> recording = simulate(RunSpec(environment=CatalogEnvironment(name="apartment"), seed=1))
+    >>> recording.of(NodeAdded)[0].stage
+    'root'
+    >>> recording.save("recording.jsonl")  # doctest: +SKIP
+    >>> Recording.load("recording.jsonl").footer.digest == recording.footer.digest  # doctest: +SKIP
+    True
     """
 
     header: Header
@@ -141,14 +153,14 @@ class Recording:
     _regions: dict[NodeName, FloatArray] = field(init=False, repr=False, default_factory=dict)
 
     def of(self, kind: type[EventT]) -> Sequence[EventT]:
-        """Give the events of a kind, in order."""
+        """Return the events of a class such as `Motion`, in order; empty if there is none."""
         if not self._by_kind:
             for event in self.events:
                 self._by_kind.setdefault(type(event), []).append(event)
         return self._by_kind.get(kind, [])
 
     def region(self, node: NodeAdded) -> FloatArray:
-        """Give the corners of a node's region, (n, 2), made into an array once."""
+        """Return the corners of the region of a node, ``(n, 2)``; the array is made once."""
         name = node.robot, node.serial
         if name not in self._regions:
             self._regions[name] = node.region()
@@ -156,7 +168,7 @@ class Recording:
 
     @property
     def spec(self) -> RunSpec:
-        """What the run depended on."""
+        """Everything that the run depends on."""
         return self.header.spec
 
     @property
@@ -165,12 +177,12 @@ class Recording:
         return tuple(Configuration(*start) for start in self.header.starts)
 
     def environment(self) -> Environment:
-        """Build the world that was explored.
+        """Return the world that was explored, built anew.
 
         Raises
         ------
         InvalidInputError
-            If the header holds no valid free space.
+            If the free space of the header is not valid.
         """
         world, free = self.header.world, self.header.free
         try:
@@ -180,7 +192,13 @@ class Recording:
         return Environment(world, shapely.MultiPolygon(parts))
 
     def save(self, path: str | Path) -> None:
-        """Write the recording to a file, wholly or not at all."""
+        """Write the recording to a file, completely or not at all.
+
+        Raises
+        ------
+        InvalidInputError
+            If the file cannot be written.
+        """
         with written_whole(Path(path)) as file:
             for line in (self.header, *self.events, self.footer):
                 file.write(_ENCODER.encode(line) + b"\n")
@@ -192,14 +210,14 @@ class Recording:
         Raises
         ------
         InvalidInputError
-            If the file cannot be read, is no recording, is of a run that was cut off, or was
+            If the file cannot be read, is not a recording, is of a run that was cut off, or was
             changed after the run; the message names the line, or the digests that differ.
         """
         path = Path(path)
         try:
-            if path.stat().st_size > LARGEST_BYTES:
+            if path.stat().st_size > MAX_BYTES:
                 raise InvalidInputError(
-                    f"{path}: larger than {LARGEST_BYTES} bytes, which no recording is"
+                    f"{path}: larger than {MAX_BYTES} bytes, which no recording is"
                 )
             with path.open("rb") as file:
                 return cls._parse(file, path)
@@ -245,7 +263,7 @@ class Recording:
 
 
 def _flaw(event: AnyEvent, robots: Sequence[RobotSpec], nodes: Container[NodeName]) -> str:
-    # What is wrong with an event although all of its fields are of the right kind.
+    # What is wrong with an event whose fields have the right types; empty if nothing is.
     for robot in (event.robot, *_others(event)):
         if not 0 <= robot < len(robots):
             return f"robot {robot} is none of the {len(robots)}, which count from 0"
@@ -253,37 +271,49 @@ def _flaw(event: AnyEvent, robots: Sequence[RobotSpec], nodes: Container[NodeNam
         if name not in nodes:
             return f"node {name[1]} of robot {name[0]} is nowhere in the recording"
     if isinstance(event, Motion):
-        if not event.waypoints:
-            return "a motion has at least one waypoint"
-        if any(b[0] < a[0] for a, b in itertools.pairwise(event.waypoints)):
-            return "the times of a motion's waypoints never fall"
-        if any(abs(b[3] - a[3]) > MOST_TURN_RAD for a, b in itertools.pairwise(event.waypoints)):
-            return f"a leg of a motion turns by more than {MOST_TURN_RAD:.4g} rad"
-        for _, x, y, _ in event.waypoints:
-            if flaw := _too_far(x, y):
-                return flaw
+        return _motion_flaw(event)
     if isinstance(event, NodeAdded):
-        if len(event.boundary) < 3 or len(event.tags) != len(event.boundary):
-            return (
-                f"a region of {len(event.boundary)} corners with {len(event.tags)} tags; "
-                "it has at least 3 corners and as many tags"
-            )
-        if not set(event.tags) <= set("0123"):
-            return f"tags are digits from 0 to 3, not {event.tags!r}"
-        x, y, _ = event.configuration
+        return _node_flaw(event, robots[event.robot].range_finder.range_m)
+    return ""
+
+
+def _motion_flaw(motion: Motion) -> str:
+    legs = list(itertools.pairwise(motion.waypoints))
+    if not motion.waypoints:
+        return "a motion has at least one waypoint"
+    if any(b[0] < a[0] for a, b in legs):
+        return "the times of a motion's waypoints never fall"
+    if any(abs(b[3] - a[3]) > MAX_TURN_RAD for a, b in legs):
+        return f"a leg of a motion turns by more than {MAX_TURN_RAD:.4g} rad"
+    for _, x, y, _ in motion.waypoints:
         if flaw := _too_far(x, y):
             return flaw
-        range_m = robots[event.robot].range_finder.range_m
-        farthest_m = max(math.dist((x, y), corner) for corner in event.boundary)
-        if farthest_m > range_m + ROUNDING_M:
-            return f"a region reaches {farthest_m:g} m, but robot {event.robot} sees {range_m:g} m"
+    return ""
+
+
+def _node_flaw(node: NodeAdded, range_m: float) -> str:
+    if len(node.boundary) < 3 or len(node.tags) != len(node.boundary):
+        return (
+            f"a region of {len(node.boundary)} corners with {len(node.tags)} tags; "
+            "it has at least 3 corners and as many tags"
+        )
+    if not set(node.tags) <= set("0123"):
+        return f"tags are digits from 0 to 3, not {node.tags!r}"
+    x, y, _ = node.configuration
+    if flaw := _too_far(x, y):
+        return flaw
+    farthest_m = max(math.dist((x, y), corner) for corner in node.boundary)
+    if farthest_m > range_m + ROUNDING_M:
+        return f"a region reaches {farthest_m:g} m, but robot {node.robot} sees {range_m:g} m"
     return ""
 
 
 def _too_far(x: float, y: float) -> str:
-    if max(abs(x), abs(y)) <= FARTHEST_M:
+    if max(abs(x), abs(y)) <= MAX_COORDINATE_M:
         return ""
-    return f"a place at ({x:g}, {y:g}); none lies farther than {FARTHEST_M:g} m from the origin"
+    return (
+        f"a place at ({x:g}, {y:g}); none lies farther than {MAX_COORDINATE_M:g} m from the origin"
+    )
 
 
 def _others(event: AnyEvent) -> Iterable[int]:
@@ -333,7 +363,15 @@ def _digest(header: Header, events: Iterable[AnyEvent]) -> str:
 
 @dataclass(slots=True)
 class Recorder:
-    """Takes down a run's events as they happen, and writes them to a file if there is one."""
+    """Records the events of a run as they happen, and writes them to a file if there is one.
+
+    Parameters
+    ----------
+    header : Header
+        What is run.
+    file : binary file, optional
+        Where to write.
+    """
 
     header: Header
     file: IO[bytes] | None = None
@@ -346,14 +384,14 @@ class Recorder:
             self._digest.update(_ENCODER.encode(part) + b"\n")
 
     def record(self, event: AnyEvent) -> None:
-        """Take down an event."""
+        """Record an event."""
         line = _ENCODER.encode(event)
         self._digest.update(line + b"\n")
         self.events.append(event)
         self._write(line)
 
     def finish(self, time_s: float, outcome: RunOutcome, reason: str) -> Recording:
-        """Write the footer and give the recording."""
+        """Write the footer, and return the recording."""
         footer = Footer(
             time_s=time_s, outcome=outcome, reason=reason, digest=self._digest.hexdigest()
         )
@@ -366,7 +404,7 @@ class Recorder:
 
 
 def header_of(spec: RunSpec, environment: Environment, starts: tuple[Configuration, ...]) -> Header:
-    """Make the header for a run that begins now."""
+    """Return the header of a run."""
     free = tuple(
         tuple(
             tuple(map(tuple, shapely.get_coordinates(ring).tolist()))
@@ -395,12 +433,12 @@ def _versions() -> dict[str, str]:
 
 @contextmanager
 def written_whole(path: Path) -> Iterator[IO[bytes]]:
-    """Open a file that appears under its name only once it is written wholly.
+    """Open a file for writing that gets its name only when it has been written completely.
 
     Raises
     ------
     InvalidInputError
-        If it cannot be written; nothing is left behind.
+        If it cannot be written; no part of it is left behind.
     """
     if not path.name:
         raise InvalidInputError(f"cannot write {path}: it is a folder; name a file")

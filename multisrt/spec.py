@@ -1,4 +1,4 @@
-"""What describes a run, wholly: the same spec gives the same bytes."""
+"""The complete description of a run: equal specs give equal recordings, byte for byte."""
 
 from __future__ import annotations
 
@@ -16,10 +16,11 @@ from multisrt.validation_errors import explained
 
 Scalar = bool | int | float | str
 
+MIN_RANGE_M, MAX_RANGE_M = 0.01, 1e6
+"""Bounds of the range of a range finder, in metres."""
 
-SHORTEST_RANGE_M, LONGEST_RANGE_M = 0.01, 1e6
-MOST_BEAMS = 100_000
-"""What a range finder may be: far beyond these a run takes all memory before it begins."""
+MIN_BEAMS, MAX_BEAMS = 5, 100_000
+"""Bounds of the number of beams of a laser; far more would exhaust the memory."""
 
 
 class _Spec(
@@ -29,16 +30,21 @@ class _Spec(
 
 
 class CatalogEnvironment(_Spec, frozen=True, kw_only=True, tag_field="from", tag="catalog"):
-    """An environment of the catalog.
+    """An environment of the catalogue.
 
     Attributes
     ----------
     name : str
-        Its name there.
+        Its name in the catalogue.
     parameters : dict
-        A generator's parameters, where they are not the defaults.
+        Parameters of a generator that are not its defaults.
     seed : int or None
-        A generator's seed; it does not depend on the run's.
+        Seed of a generator, independent of the seed of the run; None for the generator's default.
+
+    Examples
+    --------
+    >>> CatalogEnvironment(name="rooms", parameters={"size_m": 18.0}, seed=3).name
+    'rooms'
     """
 
     name: str
@@ -54,7 +60,7 @@ class FileEnvironment(_Spec, frozen=True, kw_only=True, tag_field="from", tag="f
     path : str
         The file.
     resolution_m : float or None
-        Metres per pixel of an image without its own.
+        Metres per pixel, for an image whose file does not give them.
     threshold : float or None
         Lightness in [0, 1] above which a pixel of a plain image is free.
     """
@@ -65,12 +71,12 @@ class FileEnvironment(_Spec, frozen=True, kw_only=True, tag_field="from", tag="f
 
 
 class InlineEnvironment(_Spec, frozen=True, kw_only=True, tag_field="from", tag="wkt"):
-    """An environment written out.
+    """An environment written out in the spec.
 
     Attributes
     ----------
     name : str
-        What it is called.
+        Its name.
     wkt : str
         Free space as well-known text, in metres.
     starts : tuple of (x, y)
@@ -91,12 +97,25 @@ class DriveSpec(_Spec, frozen=True, kw_only=True):
     Attributes
     ----------
     kind : {"differential", "holonomic", "reeds-shepp", "dubins"}
-        Turns in place and drives along its heading; drives in any direction; is a car that
-        drives forwards and backwards; or is a car that only drives forwards.
-    speed_m_s, turn_rate_rad_s : float
-        Its limits; only a differential body turns in place.
+        A differential drive turns in place and drives along its heading; a holonomic one drives
+        in any direction and keeps its heading; a Reeds-Shepp car drives forwards and backwards, a
+        Dubins car forwards only.
+    speed_m_s : float
+        The maximum speed.
+    turn_rate_rad_s : float
+        The maximum turn rate of a differential drive.
     turning_radius_m : float
-        Radius of a car's tightest curve.
+        The minimum turning radius of a car.
+
+    Raises
+    ------
+    InvalidInputError
+        If a number is not positive and finite.
+
+    Examples
+    --------
+    >>> DriveSpec(kind="dubins", turning_radius_m=0.4).kinematics().reverse
+    False
     """
 
     kind: Literal["differential", "holonomic", "reeds-shepp", "dubins"] = "differential"
@@ -109,7 +128,7 @@ class DriveSpec(_Spec, frozen=True, kw_only=True):
         Car(speed_m_s=self.speed_m_s, turning_radius_m=self.turning_radius_m)
 
     def kinematics(self) -> Kinematics:
-        """Build the kinematics that this describes."""
+        """Return the kinematics that this describes."""
         if self.kind == "holonomic":
             return Holonomic(speed_m_s=self.speed_m_s)
         if self.kind == "differential":
@@ -122,27 +141,39 @@ class DriveSpec(_Spec, frozen=True, kw_only=True):
 
 
 class RangeFinderSpec(_Spec, frozen=True, kw_only=True):
-    """What a robot sees with.
+    """The range finder of a robot.
 
     Attributes
     ----------
     range_m : float
-        How far it sees (paper: R_p).
+        Its range in metres (paper: R_p), from 0.01 to 1e6.
     beams : int or None
-        Beams of a laser; None: the exact visibility polygon.
+        Number of beams of a laser, from 5 to 100,000; None for the exact visibility polygon.
+
+    Raises
+    ------
+    InvalidInputError
+        If a number is outside of its bounds.
+
+    Examples
+    --------
+    >>> RangeFinderSpec(range_m=3.0, beams=180).beams
+    180
     """
 
     range_m: float = 4.0
     beams: int | None = None
 
     def __post_init__(self) -> None:
-        if not SHORTEST_RANGE_M <= self.range_m <= LONGEST_RANGE_M:
+        if not MIN_RANGE_M <= self.range_m <= MAX_RANGE_M:
             raise InvalidInputError(
                 "the range of a range finder is a positive number of metres, from "
-                f"{SHORTEST_RANGE_M:g} to {LONGEST_RANGE_M:g}, not {self.range_m:g}"
+                f"{MIN_RANGE_M:g} to {MAX_RANGE_M:g}, not {self.range_m:g}"
             )
-        if self.beams is not None and not 5 <= self.beams <= MOST_BEAMS:
-            raise InvalidInputError(f"a laser has 5 to {MOST_BEAMS} beams, not {self.beams}")
+        if self.beams is not None and not MIN_BEAMS <= self.beams <= MAX_BEAMS:
+            raise InvalidInputError(
+                f"a laser has {MIN_BEAMS} to {MAX_BEAMS} beams, not {self.beams}"
+            )
 
 
 class RobotSpec(_Spec, frozen=True, kw_only=True):
@@ -151,14 +182,24 @@ class RobotSpec(_Spec, frozen=True, kw_only=True):
     Attributes
     ----------
     start : (x, y) or (x, y, heading) or None
-        Where it starts; None: the environment's first suggestion, or else a place drawn
-        uniformly by the run's seed.
+        Where it starts, in metres and radians; None to let the run place it, see `RunSpec.starts`.
     footprint : str
-        Its body, as `Footprint.parse` reads it.
+        Its body, as `Footprint.parse` reads it: ``disc:0.25``, ``box:0.5x0.3`` or
+        ``polygon:x,y x,y x,y``.
     drive : DriveSpec
         How it moves.
     range_finder : RangeFinderSpec
-        What it sees with.
+        Its range finder.
+
+    Raises
+    ------
+    InvalidInputError
+        If the footprint is none, or the start is not finite.
+
+    Examples
+    --------
+    >>> RobotSpec(start=(1, 2), footprint="box:0.5x0.3").start
+    (1.0, 2.0)
     """
 
     start: tuple[float, ...] | None = None
@@ -184,23 +225,33 @@ class RadioSpec(_Spec, frozen=True, kw_only=True):
     Attributes
     ----------
     range_m : float or None
-        How far a message reaches in the open (paper: R_c); None: everywhere.
+        Range of the radio without walls, in metres (paper: R_c); None for an unlimited one.
     multi_hop : bool
-        Whether robots that are in range of one another relay messages.
+        Whether robots relay messages.
     latency_s : float
         Time that a message takes, relayed or not.
     jitter_s : float
-        Additional time, uniform from 0 to this, for each message and receiver anew.
+        Upper bound of an additional time, drawn uniformly for each message and receiver.
     loss : float
-        Probability that a message does not come to a receiver, for each anew.
+        Probability, from 0 to below 1, that a message is lost; drawn for each receiver.
     walls : {"pass", "block", "weaken"}
-        Whether a wall between two robots is nothing to the radio, stops it, or takes
-        `wall_loss_db` each from the strength of the signal.
+        Whether walls between two robots have no effect on the link, break it, or weaken the
+        signal by `wall_loss_db` each.
     path_loss_exponent : float
-        With walls that weaken: how fast the signal fades, 2 in the open. At `range_m` without
-        a wall it is just strong enough.
+        Exponent of the path loss where walls weaken, 2 in free space. At `range_m` without a
+        wall the signal is just strong enough.
     wall_loss_db : float
-        With walls that weaken: what a wall takes, in decibels.
+        Attenuation by one wall where walls weaken, in decibels.
+
+    Raises
+    ------
+    InvalidInputError
+        If a number is outside of its bounds, or walls weaken a signal without a range.
+
+    Examples
+    --------
+    >>> RadioSpec(range_m=12.0, walls="block", loss=0.1).multi_hop
+    True
     """
 
     range_m: float | None = None
@@ -232,16 +283,17 @@ class RadioSpec(_Spec, frozen=True, kw_only=True):
 
 
 class Death(_Spec, frozen=True, kw_only=True, tag_field="fault", tag="death"):
-    """A robot dies for good; its body stays where it is.
+    """A robot dies; its body stays where it is.
 
     Attributes
     ----------
     robot : int
-        Which.
+        The robot, from 0.
     time_s : float
-        When.
+        The earliest time, in seconds from the start of the run.
     when : {"any", "moving", "waiting", "master"}
-        Not before it does this: moves, waits, or organises a group as its master.
+        What the robot is doing when it dies: anything, or the first time from `time_s` on that
+        it moves, waits, or organises a group as its master.
     """
 
     robot: int
@@ -250,16 +302,16 @@ class Death(_Spec, frozen=True, kw_only=True, tag_field="fault", tag="death"):
 
 
 class Silence(_Spec, frozen=True, kw_only=True, tag_field="fault", tag="silence"):
-    """A robot's radio fails for a while; the robot goes on.
+    """The radio of a robot fails for a while; the robot goes on.
 
     Attributes
     ----------
     robot : int
-        Which.
+        The robot, from 0.
     time_s : float
-        When.
+        When it fails, in seconds from the start of the run.
     duration_s : float
-        For how long.
+        For how long, in seconds.
     """
 
     robot: int
@@ -279,9 +331,9 @@ class LateStart(_Spec, frozen=True, kw_only=True, tag_field="fault", tag="late_s
     Attributes
     ----------
     robot : int
-        Which.
+        The robot, from 0.
     time_s : float
-        When it begins.
+        When it begins, in seconds from the start of the run.
     """
 
     robot: int
@@ -297,7 +349,7 @@ class StopRule(_Spec, frozen=True, kw_only=True):
     Attributes
     ----------
     max_time_s : float
-        At this time of the run's own clock.
+        The maximum duration of the run, in the time of the run.
     """
 
     max_time_s: float = 86_400.0
@@ -317,13 +369,14 @@ class RunSpec(_Spec, frozen=True, kw_only=True):
     environment : CatalogEnvironment, FileEnvironment or InlineEnvironment
         The world.
     strategy : str
-        A name of the registry.
+        Name of a registered strategy; `multisrt.strategies` lists them.
     options : dict
-        The strategy's parameters, where they are not its defaults.
+        Options of the strategy that are not its defaults.
     robots : tuple of RobotSpec
         The team.
     starts : {"scattered", "clustered"}
-        Where robots start that are not told where: far apart from one another, or together.
+        Where robots without a `start` are placed: far apart, or close together. A single robot
+        starts where the environment suggests, or at a random place.
     radio : RadioSpec
         How messages travel.
     faults : tuple of Death, Silence or LateStart
@@ -331,7 +384,12 @@ class RunSpec(_Spec, frozen=True, kw_only=True):
     stop : StopRule
         When the run ends although its robots would go on.
     seed : int
-        Seeds every random stream of the run.
+        Seed of all random streams of the run, 0 or positive.
+
+    Raises
+    ------
+    InvalidInputError
+        If the team is empty, the seed is negative, or a fault does not fit the team and the run.
 
     Examples
     --------
@@ -377,19 +435,27 @@ class RunSpec(_Spec, frozen=True, kw_only=True):
                     raise InvalidInputError(f"robot {robot} has more than one fault {name}")
 
     def canonical(self) -> RunSpec:
-        """Give this spec in the one form that all specs equal to it have when they are written."""
+        """Return the equal spec whose written form is the same for all specs equal to it.
+
+        Examples
+        --------
+        >>> world = CatalogEnvironment(name="rooms")
+        >>> same = RunSpec(environment=world, stop=StopRule(max_time_s=86400))
+        >>> same.canonical().to_json() == RunSpec(environment=world).canonical().to_json()
+        True
+        """
         return cast(RunSpec, _less_defaults(RunSpec.from_json(msgspec.json.encode(self))))
 
     def to_json(self) -> str:
-        """Write the spec as JSON."""
+        """Return the spec as indented JSON."""
         return msgspec.json.format(msgspec.json.encode(self), indent=2).decode()
 
     def to_toml(self) -> str:
-        """Write the spec as TOML."""
+        """Return the spec as TOML."""
         return msgspec.toml.encode(self).decode()
 
     def to_dict(self) -> dict[str, Any]:
-        """Give the spec as plain dictionaries, lists and scalars."""
+        """Return the spec as dictionaries, lists and scalars."""
         return cast(dict[str, Any], msgspec.to_builtins(self))
 
     @classmethod
@@ -399,7 +465,7 @@ class RunSpec(_Spec, frozen=True, kw_only=True):
         Raises
         ------
         InvalidInputError
-            If it is no JSON, or a field is unknown or of the wrong kind; the message names it.
+            If the text is not JSON, or a field is unknown or invalid; the message names it.
         """
         try:
             return msgspec.json.decode(text, type=cls)
@@ -413,7 +479,7 @@ class RunSpec(_Spec, frozen=True, kw_only=True):
         Raises
         ------
         InvalidInputError
-            If it is no TOML, or a field is unknown or of the wrong kind; the message names it.
+            If the text is not TOML, or a field is unknown or invalid; the message names it.
         """
         try:
             return msgspec.toml.decode(text, type=cls)
@@ -422,7 +488,7 @@ class RunSpec(_Spec, frozen=True, kw_only=True):
 
 
 def _less_defaults(part: Any) -> Any:
-    # What is written leaves out a default itself, but not what equals it: so leave that out here.
+    # Encoding omits a field only if it is the default object itself: equal values become that.
     if isinstance(part, tuple):
         return tuple(map(_less_defaults, part))
     if not isinstance(part, _Spec):
@@ -443,10 +509,20 @@ _FAULTS = {Death: "death", Silence: "silence", LateStart: "late start"}
 
 
 STREAMS = {"starts": 0, "radio": 1, "faults": 2, "robots": 3}
-"""What draws random numbers in a run; each has a stream of its own."""
+"""Keys of the independent random streams of a run."""
 
 
 def random_stream(seed: int, stream: str, number: int = 0) -> np.random.Generator:
-    """Give the random stream of a part of the run, independent of all others."""
+    """Return a random stream of a run, independent of all its others.
+
+    Parameters
+    ----------
+    seed : int
+        Seed of the run.
+    stream : {"starts", "radio", "faults", "robots"}
+        What draws from it.
+    number : int
+        The robot, where each has its own.
+    """
     key = (STREAMS[stream], number)
     return np.random.default_rng(np.random.SeedSequence(seed, spawn_key=key))

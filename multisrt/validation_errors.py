@@ -1,4 +1,4 @@
-"""What is wrong with a file or an option, in plain words: where, what, and what would be right."""
+"""Messages of validation errors: where in a file or an option, what, and what is allowed."""
 
 from __future__ import annotations
 
@@ -14,14 +14,30 @@ Schema = dict[str, Any]
 
 
 def explained(error: Exception, wanted: Any) -> str:
-    """Say what is wrong as a person would: where, what, and what would be right.
+    """Return a validation error of msgspec as a message for people.
 
     Parameters
     ----------
     error : Exception
-        What msgspec raised.
+        The error that msgspec raised.
     wanted : type
-        What it was to make.
+        The type to which it converted.
+
+    Returns
+    -------
+    str
+        The place, what is wrong there, and what is allowed.
+
+    Examples
+    --------
+    >>> import msgspec
+    >>> class Size(msgspec.Struct, forbid_unknown_fields=True):
+    ...     width_m: float
+    >>> try:
+    ...     msgspec.json.decode(b'{"widht_m": 1.0}', type=Size)
+    ... except msgspec.ValidationError as error:
+    ...     print(explained(error, Size))
+    there is no field 'widht_m' (did you mean 'width_m'?)
     """
     schema = msgspec.json.schema(wanted)
     said, _, path = str(error).partition(" - at `")
@@ -54,7 +70,7 @@ def _allowed(schema: Schema, place: str) -> list[str]:
 
 
 def _nodes(schema: Schema, place: str) -> list[Schema]:
-    # All that the schema says of a place such as `radios[0].walls`.
+    # The parts of the schema that describe a place such as `radios[0].walls`.
     found = list(_alternatives(schema, schema))
     for step in re.findall(r"[^.\[\]]+", place):
         below: list[Schema] = []

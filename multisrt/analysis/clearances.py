@@ -1,6 +1,7 @@
-"""How near bodies came to obstacles and to one another, over a whole run.
+"""How near bodies came to obstacles and to one another in a run.
 
-By shapely alone, but that two discs are as far apart as their centres, less their radii.
+Distances are computed with shapely, independently of the collision queries of the simulation;
+those of two discs follow from their centres and radii.
 
 Between two waypoints a body moves with a constant twist. Over a share `s` of such a leg, with
 turn `a` and chord `C`, its reference point has moved by the chord turned by `(s - 1) a / 2` and
@@ -27,28 +28,28 @@ from multisrt.geometry.numerics.kernel import BoolArray, FloatArray, IntArray
 from multisrt.recording import Recording
 
 TURN_STEP_RAD = math.radians(2.0)
-"""Turns are measured in steps of this, or smaller ones."""
+"""Largest step in which turns are sampled."""
 
 SAGITTA_M = 1e-4
-"""An arc is measured by chords that lie within this of it."""
+"""Largest distance of an arc from the chords that stand for it, in metres."""
 
 TOLERANCE_M = 1e-4
-"""The smallest distance between robots is found to within this."""
+"""Tolerance of the smallest distance between robots, in metres."""
 
 ROUNDING_M = 1e-9
-"""Distances that are computed in two ways differ by less."""
+"""Bound of the difference of distances that are computed in two ways, in metres."""
 
 
 class Track(NamedTuple):
-    """All that a robot did with its body, from 0 to the end of the run.
+    """The motion of a robot from 0 to the end of the run.
 
     Attributes
     ----------
     legs : (n, 8) array
-        Time, x, y, heading at the start and at the end of each leg; they follow one another
+        Time, x, y, heading at the start and at the end of each leg; legs follow one another
         without gaps.
     stands : (k + 1,) array of int
-        The legs that are no part of its k motions: before each of them it stands, and at last.
+        Indices of the legs on which it stands: one before each of its k motions, and the last.
     """
 
     legs: FloatArray
@@ -60,13 +61,13 @@ class Track(NamedTuple):
         return np.delete(self.legs, self.stands, axis=0)
 
     def moving_spans(self) -> FloatArray:
-        """Give the times from when to when the body moved or turned, leg by leg; ``(m, 2)``."""
+        """Return begin and end of each leg on which the body moved or turned, ``(m, 2)``."""
         driven = self.driven
         moving = (driven[:, 1:4] != driven[:, 5:]).any(axis=1)
         return np.column_stack([driven[moving, 0], driven[moving, 4]])
 
     def length_m(self) -> float:
-        """Length of the way of the body's reference point, along arcs."""
+        """Return the path length of the reference point, along arcs, in metres."""
         lengths = _lengths(self.legs)
         return math.fsum(
             lengths[before + 1 : after].sum()
@@ -78,7 +79,7 @@ _TRACKS: WeakKeyDictionary[Recording, tuple[Track, ...]] = WeakKeyDictionary()
 
 
 def tracks(recording: Recording) -> tuple[Track, ...]:
-    """Give every robot's track, motions in the order of time; laid out once for a recording."""
+    """Return the track of each robot, computed once for a recording."""
     if recording not in _TRACKS:
         _TRACKS[recording] = _laid_out(recording)
     return _TRACKS[recording]
@@ -107,10 +108,10 @@ def _track(start: tuple[float, float, float], motions: list[Motion], end: float)
 
 
 def smallest_clearance(recording: Recording, environment: Environment) -> float:
-    """Least distance between a body and an obstacle, over all motions.
+    """Return the smallest distance between a body and an obstacle during a run, in metres.
 
-    Negative where a disc's centre came nearer than its radius. Turns of bodies that are no discs
-    are measured in steps of `TURN_STEP_RAD`.
+    It is negative where the centre of a disc came nearer than its radius. Turns of other bodies
+    are sampled in steps of `TURN_STEP_RAD`.
     """
     walls = _walls(environment)
     smallest = math.inf
@@ -118,7 +119,7 @@ def smallest_clearance(recording: Recording, environment: Environment) -> float:
         footprint = Footprint.parse(robot.footprint)
         shapes = _outlines(footprint, track.legs[:1, 1:4]) + _swept(footprint, track.driven)
         radius = footprint.radius_m if footprint.is_disc else 0.0
-        # Walls that are farther than the least so far need not be measured.
+        # Walls farther away than the smallest distance so far need not be measured.
         at_start = float(shapely.distance(shapes[0], walls.geometries).min())
         least = max(0.0, min(smallest + radius, at_start)) + ROUNDING_M
         which, wall = walls.query(shapes, predicate="dwithin", distance=least)
@@ -129,17 +130,17 @@ def smallest_clearance(recording: Recording, environment: Environment) -> float:
 
 @lru_cache(maxsize=8)
 def _walls(environment: Environment) -> shapely.STRtree:
-    # Many runs in one world sort its walls once.
+    # The tree is built once for many runs in one world.
     walls = np.asarray(shapely.linestrings(environment.edges.reshape(-1, 2, 2)))
     return shapely.STRtree(walls.tolist())
 
 
 def smallest_distance_between_robots(recording: Recording) -> float | None:
-    """Least distance between two robots' bodies at one moment of the run; None for one robot.
+    """Return the smallest distance between two bodies at one moment of a run, in metres.
 
-    Bodies count all the time, also of robots that are switched off, done or dead. For discs
-    that move straight it is exact; else it is that of a moment at which it is at most
-    `TOLERANCE_M` more than the least. 0 where two touch.
+    Bodies count all the time, also those of robots that are switched off, done or dead. The
+    result is exact for discs that move straight, else at most `TOLERANCE_M` too large; it is 0
+    where two bodies touch, and None for a single robot.
     """
     if len(recording.spec.robots) < 2:
         return None
@@ -157,13 +158,13 @@ def _lengths(legs: FloatArray) -> FloatArray:
 
 
 def _chord_share(turn: FloatArray) -> FloatArray:
-    # Length of the chord of an arc over that of the arc.
+    # The ratio of the length of a chord to that of its arc.
     share: FloatArray = np.sinc(turn / (2.0 * math.pi))
-    return np.where(share == 0.0, 1.0, share)  # a whole turn in place, which has no chord
+    return np.where(share == 0.0, 1.0, share)  # a full turn in place, which has no chord
 
 
 def _poses(legs: FloatArray, share: FloatArray) -> FloatArray:
-    # Where a body is at a share, from 0 to 1, of each of its legs; (n, 3).
+    # The poses at a share, from 0 to 1, of each leg; (n, 3).
     chord_x, chord_y = legs[:, 5] - legs[:, 1], legs[:, 6] - legs[:, 2]
     turn = legs[:, 7] - legs[:, 3]
     length = share * np.sinc(share * turn / (2.0 * math.pi)) / _chord_share(turn)
@@ -179,7 +180,7 @@ def _poses(legs: FloatArray, share: FloatArray) -> FloatArray:
 
 
 def _swept(footprint: Footprint, legs: FloatArray) -> list[shapely.Geometry]:
-    # What legs cover; for a disc the way of its centre, from which the radius is taken off.
+    # The areas that a body covers on legs; for a disc the path of its centre.
     lengths, turns = _lengths(legs), np.abs(legs[:, 7] - legs[:, 3])
     still = (lengths == 0.0) & (footprint.is_disc | (turns == 0.0))
     shapes = _outlines(footprint, legs[still, 1:4])
@@ -195,7 +196,7 @@ def _swept(footprint: Footprint, legs: FloatArray) -> list[shapely.Geometry]:
 
 
 def _arcs(legs: FloatArray, lengths: FloatArray, turns: FloatArray) -> list[shapely.Geometry]:
-    # The ways of a disc's centre on legs that are arcs, all laid out at once.
+    # The paths of the centre of a disc on legs that are arcs.
     steps = np.ceil(turns / _steps(lengths / turns)).astype(np.int64) + 1
     which = np.repeat(np.arange(len(legs)), steps + 1)
     step = np.arange(len(which)) - np.repeat(np.cumsum(steps + 1) - (steps + 1), steps + 1)
@@ -209,7 +210,7 @@ def _arcs(legs: FloatArray, lengths: FloatArray, turns: FloatArray) -> list[shap
 def _swept_on(
     footprint: Footprint, leg: FloatArray, length: float, turn: float
 ) -> list[shapely.Geometry]:
-    # The same for one leg, on which a body that is no disc moves or turns.
+    # The areas that a polygon covers on one leg on which it moves or turns.
     if turn == 0.0:
         return [footprint.swept((*leg[1:3], leg[3]), (*leg[5:7], leg[3]))]
     radius = length / turn + footprint.circumscribed_radius_m
@@ -225,7 +226,7 @@ def _swept_on(
 
 
 def _steps(radius_m: ArrayLike) -> FloatArray:
-    # By how much a body on arcs of such radii may turn at a time.
+    # The largest step of a turn on arcs of given radii, in radians.
     steps: FloatArray = np.minimum(TURN_STEP_RAD, np.sqrt(8.0 * SAGITTA_M / np.asarray(radius_m)))
     return steps
 
@@ -236,7 +237,7 @@ def _along(leg: FloatArray, steps: int) -> FloatArray:
 
 
 def _placed(points: FloatArray, poses: FloatArray) -> FloatArray:
-    # Points about a body's reference point at many poses; (poses, points, 2).
+    # Points in the frame of a body, at many poses; (poses, points, 2).
     cos, sin = np.cos(poses[:, 2])[:, None], np.sin(poses[:, 2])[:, None]
     x, y = points[:, 0], points[:, 1]
     return np.stack([poses[:, :1] + cos * x - sin * y, poses[:, 1:2] + sin * x + cos * y], axis=-1)
@@ -295,7 +296,7 @@ class _Spans(NamedTuple):
 
 
 def _lasting(legs: FloatArray) -> FloatArray:
-    # An empty leg has no speed; one that takes no time but is there is kept out all the same.
+    # Legs that take no time are left out, as they have no speed.
     lasting = legs[legs[:, 4] > legs[:, 0]]
     return lasting if len(lasting) else legs[-1:]
 
@@ -313,10 +314,10 @@ def _legs_at(track: FloatArray, times: FloatArray) -> FloatArray:
 
 
 def _closest_approach(pair: _Pair, spans: _Spans, best: float) -> float:
-    """Give the least distance of two bodies, or `best` where it is not clearly less.
+    """Return the smallest distance of two bodies, or `best` unless it is clearly smaller.
 
-    Branch and bound: in a span of time the distance is no less than in its middle, less what
-    the bodies can come nearer in half of it.
+    Branch and bound: in a span of time, the distance is at least that in its middle less what
+    the bodies can approach in half of the span.
     """
     reach = sum(body.circumscribed_radius_m for body in pair)
     exact_bodies = all(body.is_disc for body in pair)
@@ -345,7 +346,7 @@ def _closest_approach(pair: _Pair, spans: _Spans, best: float) -> float:
 
 
 def _apart(spans: _Spans) -> FloatArray:
-    # No less than this is between the ways of two bodies' reference points.
+    # A lower bound of the distance between the paths of two reference points.
     one, two = spans.one, spans.two
     between = np.hypot(two[:, 1] - one[:, 1], two[:, 2] - one[:, 2])
     return between - _lengths(one) - _lengths(two) - ROUNDING_M
@@ -361,8 +362,8 @@ def _duration(legs: FloatArray) -> FloatArray:
 
 
 def _speeds(pair: _Pair, spans: _Spans) -> tuple[FloatArray, FloatArray]:
-    # The velocity of one body relative to the other where both move straight, and how fast
-    # points of theirs may move besides: all of their speed, where they turn.
+    # The relative velocity where both bodies move straight, else 0; and a bound on how fast their
+    # points move besides: 0 where both move straight, else the full speed.
     velocities, rates, turning = [], [], np.zeros(len(spans.start), np.bool_)
     for body, legs in zip(pair, (spans.one, spans.two), strict=True):
         duration = _duration(legs)
@@ -380,7 +381,7 @@ def _speeds(pair: _Pair, spans: _Spans) -> tuple[FloatArray, FloatArray]:
 
 
 def _nearest_moment(spans: _Spans, velocity: FloatArray) -> FloatArray:
-    # When two points that move straight are nearest to each other.
+    # The moment at which two points that move straight are nearest to each other.
     apart = (_poses_at(spans.one, spans.start) - _poses_at(spans.two, spans.start))[:, :2]
     speed2 = np.maximum((velocity**2).sum(axis=1), 1e-300)
     after = -(apart * velocity).sum(axis=1) / speed2

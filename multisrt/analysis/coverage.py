@@ -1,4 +1,4 @@
-"""Areas that a run covered: over time, by more than one robot, and lost with those that died."""
+"""Areas that a run covered: over time, by several robots, and lost with robots that died."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from multisrt.spec import RunSpec
 
 
 class CoverageMeter:
-    """Counts the share of the explorable area that is covered, node by node.
+    """The share of the explorable area that is covered, node by node.
 
     Parameters
     ----------
@@ -36,7 +36,7 @@ class CoverageMeter:
     Attributes
     ----------
     explorable : Explorable
-        What is measured against: what the team could see.
+        The area that counts: what the team could see.
     steps : list of (time_s, share)
         The share covered after every node.
     """
@@ -46,7 +46,7 @@ class CoverageMeter:
     ) -> None:
         self.explorable: Explorable = explorable(environment, viewers(spec, starts))
         seen = self.explorable.raster
-        # Cells that do not count are marked from the beginning: what is painted new counts.
+        # Cells that do not count are marked from the start: each newly painted cell counts.
         self._raster = Raster(seen.cell_m, environment.bounds)
         self._raster.cells |= ~seen.cells
         self._all = int(np.count_nonzero(seen.cells))
@@ -55,20 +55,20 @@ class CoverageMeter:
 
     @property
     def share(self) -> float:
-        """Share covered so far, from 0 to 1."""
+        """The share covered so far, from 0 to 1."""
         return self._covered / self._all
 
     def add(self, time_s: float, region: FloatArray) -> None:
-        """Count what a region adds at a time."""
+        """Add the region of a node, ``(n, 2)`` corners in metres, that was made at a time."""
         self._covered += self._raster.paint_inside(region)
         self.steps.append((time_s, self.share))
 
     def time_to(self, share: float) -> float | None:
-        """When a share was covered; None if it never was."""
+        """Return when a share was covered, in seconds; None if it never was."""
         return next((time for time, covered in self.steps if covered >= share), None)
 
     def times_by_percent(self) -> tuple[float | None, ...]:
-        """When each percent was covered, from 0 to 100; None if it never was."""
+        """Return when each percent was covered, from 0 to 100; None if it never was."""
         times, shares = [0.0], [0.0]
         for time, share in self.steps:
             times.append(time)
@@ -78,7 +78,7 @@ class CoverageMeter:
         return tuple(times[k] if k < len(times) else None for k in first)
 
     def integral_of_rest(self, end_s: float) -> float:
-        """Time integral of the share not yet covered, from 0 to an end."""
+        """Return the time integral of the share not yet covered, from 0 to an end."""
         times = [0.0, *(time for time, _ in self.steps), end_s]
         rests = [1.0, *(1.0 - covered for _, covered in self.steps)]
         return math.fsum(
@@ -88,17 +88,17 @@ class CoverageMeter:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TeamAreas:
-    """Parts of the explorable area that only a team has.
+    """Parts of the explorable area that were seen twice, or lost.
 
     Attributes
     ----------
     overlap_m2 : float
-        Seen by at least two robots.
+        Area that at least two robots saw.
     lost_m2 : float
-        Seen by robots that died, and in no region that a survivor knows of at the end.
+        Area that robots saw which died, and that is in no region that a survivor knows at the end.
     lost_by_robot_m2 : tuple of float
-        What each of the dead has seen of the lost area; 0 for the others. Two of the dead that
-        saw the same are counted both.
+        The part of the lost area that each robot saw; 0 for survivors. Area that two of the dead
+        saw counts for both.
     """
 
     overlap_m2: float
@@ -107,12 +107,12 @@ class TeamAreas:
 
 
 def team_areas(recording: Recording, what: Explorable) -> TeamAreas:
-    """Measure what was seen twice, and what was lost with robots that died.
+    """Measure the areas that were seen twice, and those lost with robots that died.
 
     Parameters
     ----------
     recording : Recording
-        What happened.
+        The run.
     what : Explorable
         The area that counts.
     """
@@ -138,7 +138,7 @@ def team_areas(recording: Recording, what: Explorable) -> TeamAreas:
 def _lost(
     recording: Recording, what: Explorable, regions: dict[int, dict[int, FloatArray]]
 ) -> tuple[BoolArray, list[BoolArray]]:
-    # Cells that are lost, of the team and by robot.
+    # Lost cells, of the team and by robot.
     robots = range(len(recording.spec.robots))
     dead = {event.robot for event in recording.of(Died)}
     nothing = np.zeros_like(what.raster.cells)

@@ -1,9 +1,8 @@
-"""How much of a world there is to explore: the truth that coverage is measured against.
+"""How much of a world there is to explore: the reference for coverage.
 
-A robot can see a point if the point is in sight, within range, of a place that its body can
-get to from its start. What cannot be seen so, the inside of a closed room or a crack, is no
-part of the task. A team's task is what any of its robots can see, also one that dies: the task
-is set before anything goes wrong.
+A robot can see a point if it is in sight and within range of a position that the body can reach
+from its start. What cannot be seen in this way, as the inside of a closed room or a crack, is not
+part of the task. The task of a team is what any of its robots can see, including robots that die.
 """
 
 from __future__ import annotations
@@ -28,27 +27,27 @@ from multisrt.geometry.regions.visibility import visibility_polygon
 from multisrt.spec import RunSpec
 
 CELL_M = 0.1
-"""Width of a cell in which areas are counted, where the world is not too large for it."""
+"""Width of the cells in which areas are counted, in metres, unless the world is too large."""
 
-MOST_CELLS = 16_000_000
-"""A larger world is counted in larger cells."""
+MAX_CELLS = 16_000_000
+"""Number of cells from which on cells are larger."""
 
 Viewer = tuple[Footprint, float, Configuration]
-"""A robot's body, how far it sees (m), and where it starts."""
+"""The body of a robot, the range of its range finder (m), and its start."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Explorable:
-    """What a team could see of a world from all places that its robots can get to.
+    """The part of a world that a team could see from all positions that its robots can reach.
 
     Attributes
     ----------
     raster : Raster
-        Its window holds the world; cells whose centre can be seen are marked.
+        Its window covers the world; cells whose centre can be seen are marked.
     area_m2 : float
-        Area of what can be seen.
+        The area that can be seen.
     reachable : Polygon or MultiPolygon
-        The places that a robot's reference point can get to.
+        The positions that the reference point of a robot can reach.
     """
 
     raster: Raster
@@ -57,14 +56,14 @@ class Explorable:
 
     @property
     def cell_m2(self) -> float:
-        """Area that a marked cell stands for."""
+        """The area that a marked cell stands for, in square metres."""
         return self.area_m2 / int(np.count_nonzero(self.raster.cells))
 
     def farthest_m(self, *starts: Configuration) -> float:
-        """Longest of the shortest ways from the nearest start to an explorable point.
+        """Return the largest path length from the nearest start to an explorable point, in metres.
 
-        The way is one of a point through free space, measured on the raster; cells at the walls
-        whose centres are joined to the rest by no free cell are left out.
+        The path is that of a point through free space, measured on the raster; cells at walls
+        that no free cell connects to the rest are left out.
         """
         raster = self.raster
         cells: BoolArray = raster.cells.copy()
@@ -80,22 +79,22 @@ class Explorable:
 
 
 def cell_width(environment: Environment) -> float:
-    """Width of the cells in which a world's areas are counted."""
+    """Return the width of the cells in which the areas of a world are counted, in metres."""
     x0, y0, x1, y1 = environment.bounds
-    return max(CELL_M, math.sqrt((x1 - x0) * (y1 - y0) / MOST_CELLS))
+    return max(CELL_M, math.sqrt((x1 - x0) * (y1 - y0) / MAX_CELLS))
 
 
 def reachable_area(component: Polygon, footprint: Footprint, start: Configuration) -> Polygon:
-    """Give the places that a body's reference point can get to from a start.
+    """Return the positions that the reference point of a body can reach from a start.
 
-    Exact for a disc. For a polygon these are the places with room for its inscribed disc: more
-    than it can get to where it has to turn in a narrow place, never less.
+    Exact for a disc. For a polygon these are the positions with room for its inscribed disc, a
+    superset of those that it can reach.
     """
     return _places(component, footprint, start).reachable
 
 
 def viewers(spec: RunSpec, starts: Sequence[Configuration]) -> tuple[Viewer, ...]:
-    """Give the bodies, ranges and starts of a run's team."""
+    """Return the bodies, ranges and starts of the team of a run."""
     return tuple(
         (Footprint.parse(robot.footprint), robot.range_finder.range_m, start)
         for robot, start in zip(spec.robots, starts, strict=True)
@@ -103,19 +102,19 @@ def viewers(spec: RunSpec, starts: Sequence[Configuration]) -> tuple[Viewer, ...
 
 
 def explorable(environment: Environment, team: tuple[Viewer, ...]) -> Explorable:
-    """Give what a team can explore: what any of its robots could see.
+    """Return what a team can explore: what any of its robots could see.
 
-    Computed once for a world and team; robots of one body and range that can get to the same
-    places are computed together, and so are teams of such robots.
+    The result is cached: for robots with one body and range that can reach the same positions,
+    and for teams of such robots.
 
     Parameters
     ----------
     environment : Environment
-        The truth.
+        The world.
     team : tuple of (Footprint, range_m, Configuration)
-        The robots' bodies, ranges and starts; see `viewers`.
+        The bodies, ranges and starts of the robots; see `viewers`.
     """
-    # Who sees farther from the same places sees all that the others see.
+    # Of robots that reach the same positions, the one with the largest range sees all.
     ranges: dict[_Places, float] = {}
     for footprint, range_m, start in team:
         places = _places(environment.component(start.x, start.y), footprint, start)
@@ -125,7 +124,7 @@ def explorable(environment: Environment, team: tuple[Viewer, ...]) -> Explorable
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Places:
-    """Places of a component that a body can get to; known again without comparing borders."""
+    """Positions of a component that a body can reach; hashed by identity, to key caches."""
 
     component: Polygon
     reachable: Polygon
@@ -141,7 +140,7 @@ def _places(component: Polygon, footprint: Footprint, start: Configuration) -> _
 def _explorable_from(
     environment: Environment, seen_from: tuple[tuple[_Places, float], ...]
 ) -> Explorable:
-    # From which places, and how far it is seen from them.
+    # What is seen from each of some areas, with the range from there.
     raster = Raster(cell_width(environment), environment.bounds)
     area = 0.0
     for component in dict.fromkeys(places.component for places, _ in seen_from):
@@ -149,8 +148,8 @@ def _explorable_from(
         for places, range_m in seen_from:
             if places.component == component:
                 cells |= _seen_from(environment, places, range_m)
-        # A raster of walls on round coordinates is off by up to a permille; the share of the
-        # component's cells times its exact area is much less so.
+        # With walls on round coordinates, counted cells are off by up to 0.1 %; their share of the
+        # cells of the component times its exact area is much more precise.
         whole = int(np.count_nonzero(_filled(environment, component)))
         area += int(np.count_nonzero(cells)) * float(component.area) / whole
         raster.cells |= cells
@@ -171,8 +170,8 @@ def _roomy_parts(component: Polygon, footprint: Footprint) -> tuple[_Places, ...
 def _seen_from(environment: Environment, places: _Places, range_m: float) -> BoolArray:
     raster = Raster(cell_width(environment), environment.bounds)
     raster.cells |= _filled(environment, places.reachable)
-    # What lies outside the reachable places is seen across their border, and so from a
-    # point of the border that is nearer.
+    # A point outside of the reachable area is seen across its border, and so from a point of the
+    # border, which is nearer.
     index = EdgeIndex(environment.edges, range_m / 3.0)
     border = shapely.segmentize(places.reachable.boundary, raster.cell_m)
     for x, y in np.unique(shapely.get_coordinates(border), axis=0).tolist():

@@ -1,4 +1,4 @@
-"""What only one robot of a team knew, and would have been lost with it."""
+"""The area that only one robot of a team knew, and that would have been lost with it."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from multisrt.geometry.numerics.kernel import FloatArray, IntArray, kernel
 from multisrt.recording import Recording
 
 CELL_M = 0.1
-"""Width of the cells in which known areas are counted."""
+"""Default width of the cells in which known areas are counted, in metres."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -28,9 +28,9 @@ class KnownToOne:
     Attributes
     ----------
     integral_m2s : tuple of float
-        For every robot the integral over the run of the area that it alone knew (m2 s).
+        For each robot the time integral of the area that it alone knew (m2 s).
     final_m2 : tuple of float
-        For every robot what it alone knew at the end.
+        For each robot the area that it alone knew at the end.
     """
 
     integral_m2s: tuple[float, ...]
@@ -40,21 +40,34 @@ class KnownToOne:
 def area_known_to_one(recording: Recording, *, cell_m: float = CELL_M) -> KnownToOne:
     """Integrate over time the area that only one robot knew.
 
-    A robot knows the regions of the nodes that it made and of those that it learned of. What one
-    that dies knew is its no longer: it is lost, or known to one robot less. The area is counted
-    in cells by their centres; in time it changes at events only, so that the integral is exact.
+    A robot knows the regions of the nodes that it made and of those that it learned of; a robot
+    that dies knows nothing any more. Areas are counted in cells by their centres. They change only
+    at events, so that the integral over time is exact.
 
     Parameters
     ----------
     recording : Recording
-        What happened.
+        The run.
     cell_m : float
         Width of a cell in metres.
+
+    Returns
+    -------
+    KnownToOne
+        Zeros where no robot made a node.
 
     Raises
     ------
     InvalidInputError
-        If the width is not positive, or the world has too many cells of it.
+        If the width is not positive, or so small that there would be too many cells.
+
+    Examples
+    --------
+    >>> from multisrt import CatalogEnvironment, RunSpec, area_known_to_one, simulate
+    >>> recording = simulate(RunSpec(environment=CatalogEnvironment(name="apartment"), seed=1))
+    >>> known = area_known_to_one(recording, cell_m=0.2)
+    >>> len(known.final_m2), known.final_m2[0] > 10.0
+    (1, True)
     """
     robots, end = len(recording.starts), recording.footer.time_s
     nodes = recording.of(NodeAdded)
@@ -80,7 +93,7 @@ def area_known_to_one(recording: Recording, *, cell_m: float = CELL_M) -> KnownT
 def _moments_of_knowledge(
     recording: Recording,
 ) -> Iterator[tuple[float, dict[NodeName, list[int]], list[int]]]:
-    # What was learned by whom, and who died, moment by moment.
+    # For each moment: the nodes that were learned, each with the robots that did, and the dead.
     events = [*recording.of(NodeAdded), *recording.of(Learned), *recording.of(Died)]
     by_time = attrgetter("time_s")
     events.sort(key=by_time)
@@ -100,11 +113,11 @@ def _moments_of_knowledge(
 
 
 NOBODY, SEVERAL = -1, -2
-"""Who knows a cell, if it is not the one robot of that number."""
+"""Marks of cells that no robot knows, or several do; others have the number of the one robot."""
 
 
 class _Areas:
-    # Who knows which node, and for every cell the one robot that knows it, if there is one.
+    """Which robots know each node, and for each cell the one robot that knows it, if any."""
 
     def __init__(self, regions: dict[NodeName, FloatArray], cell_m: float, robots: int) -> None:
         self.alone: IntArray = np.zeros(robots, np.int64)
@@ -117,16 +130,16 @@ class _Areas:
         self._owners: NDArray[np.int32] = np.full(shape, NOBODY, np.int32)
 
     def learn(self, node: NodeName, robots: list[int]) -> None:
-        """Let robots know a node."""
+        """Add a node to the knowledge of some robots."""
         known_by = self._known_by[node]
         shared = len(known_by) > 1
         known_by.update(robots)
-        # What several know already stays so, whoever else gets to know it.
+        # Cells that several robots know already do not change.
         if not shared:
             self._share(node)
 
     def forget(self, robots: list[int]) -> None:
-        """Let all that some robots knew be theirs no longer."""
+        """Remove all knowledge of some robots."""
         self.alone[:] = 0
         self._owners[:] = NOBODY
         for node, known_by in self._known_by.items():
@@ -147,7 +160,7 @@ class _Areas:
 
 @kernel
 def _runs(boundary: FloatArray, x0: float, y0: float, cell: float) -> NDArray[np.int32]:
-    # The cells of a polygon in the grid as (row, first column, column after the last).
+    # The cells of a polygon in the grid, as (row, first column, column after the last).
     low_x, low_y, high_x, high_y = bounds_of(boundary)
     column, row = int((low_x - x0) / cell), int((low_y - y0) / cell)
     rows, columns = int((high_y - y0) / cell) + 1 - row, int((high_x - x0) / cell) + 1 - column
@@ -161,7 +174,7 @@ def _runs(boundary: FloatArray, x0: float, y0: float, cell: float) -> NDArray[np
 
 @kernel
 def _share(runs: NDArray[np.int32], owner: int, owners: NDArray[np.int32], alone: IntArray) -> None:
-    # One robot gets to know cells, or several do.
+    # Marks cells as known to one robot more, or to several, and counts those known to one.
     for k in range(runs.shape[0]):
         row = runs[k, 0]
         for column in range(runs[k, 1], runs[k, 2]):

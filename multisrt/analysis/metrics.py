@@ -5,16 +5,18 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Iterable
+from typing import Any
 
 import msgspec
 import numpy as np
 
+from multisrt.analysis.bounds import lower_bounds
 from multisrt.analysis.clearances import (
     smallest_clearance,
     smallest_distance_between_robots,
     tracks,
 )
-from multisrt.analysis.coverage import CoverageMeter, team_areas
+from multisrt.analysis.coverage import CoverageMeter, TeamAreas, team_areas
 from multisrt.analysis.explorable import Explorable
 from multisrt.analysis.isolation import team_isolation
 from multisrt.analysis.known_area import area_known_to_one
@@ -33,36 +35,37 @@ from multisrt.events import (
     Organized,
     Sent,
 )
-from multisrt.geometry.configuration import Configuration
 from multisrt.recording import Recording, RunOutcome
-from multisrt.spec import LateStart, RunSpec
-
-THRESHOLDS = (0.90, 0.95, 0.99)
-"""Shares of the explorable area whose times are reported: no two papers agree on one."""
+from multisrt.spec import LateStart
 
 
 class Metrics(msgspec.Struct, frozen=True, kw_only=True):
     """What is measured of a run.
 
+    Every measure has one name, here as in `run.json`, in stored results, in the columns of tables
+    and on the command line. `METRIC_GROUPS` lists the names by subject, in the order below.
+
     Attributes
     ----------
     outcome : {"complete", "stalled", "out_of_time"}
-        How it ended.
+        How the run ended.
     exploration_time_s : float or None
-        When the first robot knew that no frontier is left; None if none came to know.
+        When the first robot knew that no frontier was left; None if none came to know.
     makespan_s : float
-        When the run ended, all robots home.
-    total_distance_m : float
-        Distance travelled by all robots.
-    distance_by_robot_m : tuple of float
-        The same, robot by robot.
-    distance_spread_m : float
-        Standard deviation of the distance over the robots, all of the team.
+        When the run ended: all robots home, if it is complete.
+    time_to_90_s, time_to_95_s, time_to_99_s : float or None
+        When that share of the explorable area was covered; None if it never was.
     waiting_time_s : float
-        Time that all robots together stood still between their start and their last end. A robot
-        that starts late counts from then, one that dies until then.
+        Time that all robots together stood still, each between its start and its last end. A
+        robot that starts late counts from then, one that dies until then.
     waiting_time_by_robot_s : tuple of float
-        The same, robot by robot.
+        The same for each robot.
+    total_distance_m : float
+        Path length of all robots together.
+    distance_by_robot_m : tuple of float
+        The same for each robot.
+    distance_spread_m : float
+        Standard deviation of the path length over all robots of the team.
     coverage : float
         Share of the explorable area that lies in a safe region of any robot, from 0 to 1.
     coverage_integral_s : float
@@ -74,79 +77,88 @@ class Metrics(msgspec.Struct, frozen=True, kw_only=True):
         Area that any robot could see from where its body can get to from its start. Robots that
         die or start late count: it is the task that the team was given.
     covered_area_m2 : float
-        Area of it that was covered.
+        Explorable area that was covered.
     unseen_m2 : float
-        Area of it that no robot saw.
+        Explorable area that no robot saw.
     overlap_area_m2 : float
-        Area of it that at least two robots saw.
+        Explorable area that at least two robots saw.
     overlap_share : float
         The same as a share of the covered area, from 0 to 1; 0 where nothing was covered.
+    frontier_left_m : float
+        Length of the frontier left open at the end.
     lost_area_m2 : float
-        Area of it that robots saw which died, and that no robot that lives on knows at the end.
+        Explorable area that only robots which died saw, and that no robot that lives on knows at
+        the end.
     lost_area_by_robot_m2 : tuple of float
-        What each of the dead saw of it; what two of them saw counts for both.
+        The part of it that each robot saw; what two of the dead saw counts for both.
+    known_to_one_m2s : float
+        Time integral of the area that only one robot knew (m2 s): what its loss would have cost.
+    known_to_one_by_robot_m2s : tuple of float
+        The same for each robot.
+    known_to_one_m2 : float
+        The area that only one robot knew at the end, whichever robot it was.
     isolated_total_s : float
-        Time during which at least one robot was cut off from all others that lived; see
+        Time during which at least one robot was isolated from all others that took part; see
         `multisrt.analysis.isolation` for this and what follows.
     isolated_by_robot_s : tuple of float
         How long each robot was.
     isolated_longest_s : float
-        The longest spell of one robot.
+        Duration of the longest spell of one robot.
     beyond_range_m : float or None
-        The largest distance of such a robot to the nearest other one, less the range of the
+        The largest distance of an isolated robot to the nearest other one, less the range of the
         radio; 0 if there was none, None for a radio without a range.
     split_s : float
-        Time during which some robot that lived could not have reached another one.
-    known_to_one_m2s : float
-        Time integral of the area that only one robot knew (m2 s): what its loss would have cost.
-    known_to_one_by_robot_m2s : tuple of float
-        The same, robot by robot.
-    known_to_one_m2 : float
-        The area that only one robot knew at the end, whoever it was.
-    time_to_90_s, time_to_95_s, time_to_99_s : float or None
-        When that share was covered; None if it never was.
-    nodes : int
-        Nodes of all trees.
-    nodes_by_robot : tuple of int
-        The same, robot by robot.
-    nodes_by_stage : dict
-        How their places were found.
-    decisions : int
-        How many times a robot chose where to go.
-    coordinations : int
-        How many times a master organised its group.
-    deadlocks : int
-        How many times it could let nobody go.
-    protective_stops : int
-        How many motions ended before another robot's body.
-    deaths : int
-        How many robots died.
+        Time during which some robot could not have reached another one.
     messages : int
-        How many times a robot sent something, whether or not anybody heard it.
+        How many messages were sent, whether or not any robot received them.
     deliveries : int
         How many receivers the messages came to, relayed or not.
     lost_deliveries : int
         How many receivers in reach a message did not come to, by loss.
     bytes_sent : int
         Size of all messages, each counted once.
-    messages_by_kind, bytes_by_kind : dict
+    messages_by_kind, bytes_by_kind : dict of str to int
         The same by type of message.
-    arcs_closed : dict
+    nodes : int
+        Nodes of all trees.
+    nodes_by_robot : tuple of int
+        The same for each robot.
+    nodes_by_stage : dict of str to int
+        The same by how their places were found; see `multisrt.events.NodeAdded`.
+    decisions : int
+        How many times a robot chose where to go.
+    coordinations : int
+        How many times a master organised its group.
+    deadlocks : int
+        How many times a master could let no robot go.
+    arcs_closed : dict of str to int
         Frontier arcs that were given up, by reason.
-    frontier_left_m : float
-        Length of frontier left open at the end.
     collisions : int
-        Must be none.
+        Collisions, of which there must be none.
+    protective_stops : int
+        How many motions ended before another robot's body.
+    deaths : int
+        How many robots died.
     smallest_clearance_m : float
-        Least distance between a body and an obstacle during the whole run.
+        Smallest distance between a body and an obstacle during the run.
     smallest_distance_between_robots_m : float or None
-        Least distance between two bodies during the whole run; None for a single robot.
+        Smallest distance between two bodies during the run; None for a single robot.
     lower_bound_s : float
-        No run can be shorter: the larger one of the two bounds below.
+        No run can be shorter: the larger one of the two bounds that follow.
     lower_bound_reach_s : float
         Time to where the farthest point comes into range.
     lower_bound_area_s : float
-        Time to sweep the explorable area with a range finder that never looks twice.
+        Time to sweep the explorable area with a range finder that never sees a point twice.
+
+    Examples
+    --------
+    >>> from multisrt import CatalogEnvironment, RunSpec, measure, simulate
+    >>> spec = RunSpec(environment=CatalogEnvironment(name="apartment"), seed=1)
+    >>> metrics = measure(simulate(spec))
+    >>> metrics.outcome, metrics.collisions, metrics.coverage > 0.99
+    ('complete', 0, True)
+    >>> {name: getattr(metrics, name) for name in METRIC_GROUPS["radio"]}["messages"]
+    0
     """
 
     outcome: RunOutcome
@@ -202,15 +214,99 @@ class Metrics(msgspec.Struct, frozen=True, kw_only=True):
     lower_bound_area_s: float
 
 
+METRIC_GROUPS: dict[str, tuple[str, ...]] = {
+    "time": (
+        "outcome",
+        "exploration_time_s",
+        "makespan_s",
+        "time_to_90_s",
+        "time_to_95_s",
+        "time_to_99_s",
+        "waiting_time_s",
+        "waiting_time_by_robot_s",
+    ),
+    "distance": ("total_distance_m", "distance_by_robot_m", "distance_spread_m"),
+    "area": (
+        "coverage",
+        "coverage_integral_s",
+        "free_area_m2",
+        "explorable_area_m2",
+        "covered_area_m2",
+        "unseen_m2",
+        "overlap_area_m2",
+        "overlap_share",
+        "frontier_left_m",
+    ),
+    "knowledge": (
+        "lost_area_m2",
+        "lost_area_by_robot_m2",
+        "known_to_one_m2s",
+        "known_to_one_by_robot_m2s",
+        "known_to_one_m2",
+    ),
+    "isolation": (
+        "isolated_total_s",
+        "isolated_by_robot_s",
+        "isolated_longest_s",
+        "beyond_range_m",
+        "split_s",
+    ),
+    "radio": (
+        "messages",
+        "deliveries",
+        "lost_deliveries",
+        "bytes_sent",
+        "messages_by_kind",
+        "bytes_by_kind",
+    ),
+    "effort": (
+        "nodes",
+        "nodes_by_robot",
+        "nodes_by_stage",
+        "decisions",
+        "coordinations",
+        "deadlocks",
+        "arcs_closed",
+    ),
+    "safety": (
+        "collisions",
+        "protective_stops",
+        "deaths",
+        "smallest_clearance_m",
+        "smallest_distance_between_robots_m",
+    ),
+    "bounds": ("lower_bound_s", "lower_bound_reach_s", "lower_bound_area_s"),
+}
+"""The names of all metrics by subject; each subject is measured by a function of its own."""
+
+
 def measure(recording: Recording, environment: Environment | None = None) -> Metrics:
     """Measure a run.
 
     Parameters
     ----------
     recording : Recording
-        What happened.
+        The run.
     environment : Environment, optional
-        The world, if it is at hand already; else it is taken from the recording.
+        The world, if it has been built already; by default it is built from the recording.
+
+    Returns
+    -------
+    Metrics
+        What is measured.
+
+    Raises
+    ------
+    InvalidInputError
+        If the recording holds no valid world.
+
+    Examples
+    --------
+    >>> from multisrt import CatalogEnvironment, RunSpec, measure, simulate
+    >>> spec = RunSpec(environment=CatalogEnvironment(name="apartment"), seed=1)
+    >>> metrics = measure(simulate(spec))
+    >>> metrics.lower_bound_s < metrics.exploration_time_s <= metrics.makespan_s
+    True
     """
     return measure_with_curve(recording, environment)[0]
 
@@ -218,7 +314,12 @@ def measure(recording: Recording, environment: Environment | None = None) -> Met
 def measure_with_curve(
     recording: Recording, environment: Environment | None = None
 ) -> tuple[Metrics, tuple[float | None, ...]]:
-    """Measure a run as `measure` does, and how its coverage grew.
+    """Measure a run, and how its coverage grew.
+
+    Parameters
+    ----------
+    recording, environment
+        As for `measure`.
 
     Returns
     -------
@@ -229,108 +330,29 @@ def measure_with_curve(
     """
     if environment is None:
         environment = recording.environment()
-    spec, end = recording.spec, recording.footer.time_s
-    nodes, sent = recording.of(NodeAdded), recording.of(Sent)
-    organized = recording.of(Organized)
-    left = [s for segments in remaining_frontier(recording).values() for s in segments]
-    distances = [track.length_m() for track in tracks(recording)]
-    waiting = waiting_times(recording)
-    made = Counter(node.robot for node in nodes)
-    coverage = CoverageMeter(spec, environment, recording.starts)
-    for node in nodes:
-        coverage.add(node.time_s, recording.region(node))
-    areas = team_areas(recording, coverage.explorable)
-    covered = coverage.share * coverage.explorable.area_m2
-    cut_off = team_isolation(recording, environment)
-    known = area_known_to_one(recording, cell_m=coverage.explorable.raster.cell_m)
-    reach, sweep = lower_bounds(spec, coverage.explorable, recording.starts)
-    times = {share: coverage.time_to(share) for share in THRESHOLDS}
+    meter = CoverageMeter(recording.spec, environment, recording.starts)
+    for node in recording.of(NodeAdded):
+        meter.add(node.time_s, recording.region(node))
+    areas = team_areas(recording, meter.explorable)
     metrics = Metrics(
-        outcome=recording.footer.outcome,
-        exploration_time_s=min((event.time_s for event in recording.of(MapComplete)), default=None),
-        makespan_s=end,
-        total_distance_m=math.fsum(distances),
-        distance_by_robot_m=tuple(distances),
-        distance_spread_m=float(np.std(distances)),
-        waiting_time_s=math.fsum(waiting),
-        waiting_time_by_robot_s=waiting,
-        coverage=coverage.share,
-        coverage_integral_s=coverage.integral_of_rest(end),
-        free_area_m2=environment.area_m2,
-        explorable_area_m2=coverage.explorable.area_m2,
-        covered_area_m2=covered,
-        unseen_m2=(1.0 - coverage.share) * coverage.explorable.area_m2,
-        overlap_area_m2=areas.overlap_m2,
-        overlap_share=areas.overlap_m2 / covered if covered else 0.0,
-        lost_area_m2=areas.lost_m2,
-        lost_area_by_robot_m2=areas.lost_by_robot_m2,
-        isolated_total_s=cut_off.total_s,
-        isolated_by_robot_s=tuple(robot.total_s for robot in cut_off.robots),
-        isolated_longest_s=cut_off.longest_s,
-        beyond_range_m=cut_off.beyond_range_m,
-        split_s=cut_off.split_s,
-        known_to_one_m2s=math.fsum(known.integral_m2s),
-        known_to_one_by_robot_m2s=known.integral_m2s,
-        known_to_one_m2=math.fsum(known.final_m2),
-        time_to_90_s=times[0.90],
-        time_to_95_s=times[0.95],
-        time_to_99_s=times[0.99],
-        nodes=len(nodes),
-        nodes_by_robot=tuple(made[robot] for robot in range(len(spec.robots))),
-        nodes_by_stage=_counts(node.stage for node in nodes),
-        decisions=len(recording.of(Decision)),
-        coordinations=len(organized),
-        deadlocks=sum(event.deadlock for event in organized),
-        protective_stops=len(recording.of(Blocked)),
-        deaths=len(recording.of(Died)),
-        messages=len(sent),
-        deliveries=sum(len(event.reached) for event in sent),
-        lost_deliveries=sum(len(event.lost) for event in sent),
-        bytes_sent=sum(event.size_bytes for event in sent),
-        messages_by_kind=_counts(event.kind for event in sent),
-        bytes_by_kind=_sums((event.kind, event.size_bytes) for event in sent),
-        arcs_closed=_counts(event.reason for event in recording.of(ArcClosed)),
-        frontier_left_m=math.fsum(math.hypot(x1 - x0, y1 - y0) for x0, y0, x1, y1 in left),
-        collisions=len(recording.of(Collision)),
-        smallest_clearance_m=smallest_clearance(recording, environment),
-        smallest_distance_between_robots_m=smallest_distance_between_robots(recording),
-        lower_bound_s=max(reach, sweep),
-        lower_bound_reach_s=reach,
-        lower_bound_area_s=sweep,
+        **_time(recording, meter),
+        **_distance(recording),
+        **_area(recording, environment, meter, areas),
+        **_knowledge(recording, meter.explorable, areas),
+        **_isolation(recording, environment),
+        **_radio(recording),
+        **_effort(recording),
+        **_safety(recording, environment),
+        **_bounds(recording, meter.explorable),
     )
-    return metrics, coverage.times_by_percent()
-
-
-def lower_bounds(
-    spec: RunSpec, what: Explorable, starts: tuple[Configuration, ...]
-) -> tuple[float, float]:
-    """Two times below which no exploration of this world by this team can end.
-
-    Returns
-    -------
-    reach_s : float
-        Someone must come within range of the point that is farthest from its nearest start.
-    area_s : float
-        Robots that see `2 R_p` wide sweep no faster than that times their speed, and begin with
-        one disc for each distinct start.
-    """
-    speed = max(robot.drive.speed_m_s for robot in spec.robots)
-    range_m = max(robot.range_finder.range_m for robot in spec.robots)
-    # A way measured on the raster may come out a little long.
-    farthest = 0.99 * what.farthest_m(*starts) - what.raster.cell_m
-    seen_at_once = len(set(starts)) * math.pi * range_m**2
-    area = what.area_m2 - seen_at_once
-    return (
-        max(0.0, farthest - range_m) / speed,
-        max(0.0, area) / (2.0 * range_m * speed * len(spec.robots)),
-    )
+    return metrics, meter.times_by_percent()
 
 
 def waiting_times(recording: Recording) -> tuple[float, ...]:
-    """Time that each robot stood still between its start and its last end (s).
+    """Return the time that each robot stood still between its start and its last end, in seconds.
 
-    A robot that starts late counts from then; if it never came to start, it has not waited. One
-    that dies counts until then, one that never ended until the end of the run.
+    A robot that starts late counts from then; one that never started has not waited. One that
+    dies counts until then, one that never ended until the end of the run.
     """
     end = recording.footer.time_s
     late = [fault.robot for fault in recording.spec.faults if isinstance(fault, LateStart)]
@@ -349,6 +371,120 @@ def waiting_times(recording: Recording) -> tuple[float, ...]:
         moving = math.fsum(spans[:, 1] - spans[:, 0])
         waited.append(max(0.0, until - since - moving) if since < until else 0.0)
     return tuple(waited)
+
+
+# One function for each of the METRIC_GROUPS.
+
+
+def _time(recording: Recording, meter: CoverageMeter) -> dict[str, Any]:
+    waiting = waiting_times(recording)
+    return {
+        "outcome": recording.footer.outcome,
+        "exploration_time_s": min(
+            (event.time_s for event in recording.of(MapComplete)), default=None
+        ),
+        "makespan_s": recording.footer.time_s,
+        "time_to_90_s": meter.time_to(0.90),
+        "time_to_95_s": meter.time_to(0.95),
+        "time_to_99_s": meter.time_to(0.99),
+        "waiting_time_s": math.fsum(waiting),
+        "waiting_time_by_robot_s": waiting,
+    }
+
+
+def _distance(recording: Recording) -> dict[str, Any]:
+    distances = [track.length_m() for track in tracks(recording)]
+    return {
+        "total_distance_m": math.fsum(distances),
+        "distance_by_robot_m": tuple(distances),
+        "distance_spread_m": float(np.std(distances)),
+    }
+
+
+def _area(
+    recording: Recording, environment: Environment, meter: CoverageMeter, areas: TeamAreas
+) -> dict[str, Any]:
+    explorable_m2 = meter.explorable.area_m2
+    covered_m2 = meter.share * explorable_m2
+    left = [s for segments in remaining_frontier(recording).values() for s in segments]
+    return {
+        "coverage": meter.share,
+        "coverage_integral_s": meter.integral_of_rest(recording.footer.time_s),
+        "free_area_m2": environment.area_m2,
+        "explorable_area_m2": explorable_m2,
+        "covered_area_m2": covered_m2,
+        "unseen_m2": (1.0 - meter.share) * explorable_m2,
+        "overlap_area_m2": areas.overlap_m2,
+        "overlap_share": areas.overlap_m2 / covered_m2 if covered_m2 else 0.0,
+        "frontier_left_m": math.fsum(math.hypot(x1 - x0, y1 - y0) for x0, y0, x1, y1 in left),
+    }
+
+
+def _knowledge(recording: Recording, explorable: Explorable, areas: TeamAreas) -> dict[str, Any]:
+    known = area_known_to_one(recording, cell_m=explorable.raster.cell_m)
+    return {
+        "lost_area_m2": areas.lost_m2,
+        "lost_area_by_robot_m2": areas.lost_by_robot_m2,
+        "known_to_one_m2s": math.fsum(known.integral_m2s),
+        "known_to_one_by_robot_m2s": known.integral_m2s,
+        "known_to_one_m2": math.fsum(known.final_m2),
+    }
+
+
+def _isolation(recording: Recording, environment: Environment) -> dict[str, Any]:
+    team = team_isolation(recording, environment)
+    return {
+        "isolated_total_s": team.total_s,
+        "isolated_by_robot_s": tuple(robot.total_s for robot in team.robots),
+        "isolated_longest_s": team.longest_s,
+        "beyond_range_m": team.beyond_range_m,
+        "split_s": team.split_s,
+    }
+
+
+def _radio(recording: Recording) -> dict[str, Any]:
+    sent = recording.of(Sent)
+    return {
+        "messages": len(sent),
+        "deliveries": sum(len(event.reached) for event in sent),
+        "lost_deliveries": sum(len(event.lost) for event in sent),
+        "bytes_sent": sum(event.size_bytes for event in sent),
+        "messages_by_kind": _counts(event.kind for event in sent),
+        "bytes_by_kind": _sums((event.kind, event.size_bytes) for event in sent),
+    }
+
+
+def _effort(recording: Recording) -> dict[str, Any]:
+    nodes, organized = recording.of(NodeAdded), recording.of(Organized)
+    made = Counter(node.robot for node in nodes)
+    return {
+        "nodes": len(nodes),
+        "nodes_by_robot": tuple(made[robot] for robot in range(len(recording.spec.robots))),
+        "nodes_by_stage": _counts(node.stage for node in nodes),
+        "decisions": len(recording.of(Decision)),
+        "coordinations": len(organized),
+        "deadlocks": sum(event.deadlock for event in organized),
+        "arcs_closed": _counts(event.reason for event in recording.of(ArcClosed)),
+    }
+
+
+def _safety(recording: Recording, environment: Environment) -> dict[str, Any]:
+    return {
+        "collisions": len(recording.of(Collision)),
+        "protective_stops": len(recording.of(Blocked)),
+        "deaths": len(recording.of(Died)),
+        "smallest_clearance_m": smallest_clearance(recording, environment),
+        "smallest_distance_between_robots_m": smallest_distance_between_robots(recording),
+    }
+
+
+def _bounds(recording: Recording, explorable: Explorable) -> dict[str, Any]:
+    reach_s, area_s = lower_bounds(recording.spec, explorable, recording.starts)
+    return {
+        "lower_bound_s": max(reach_s, area_s),
+        "lower_bound_reach_s": reach_s,
+        "lower_bound_area_s": area_s,
+    }
 
 
 def _sums(sizes: Iterable[tuple[str, int]]) -> dict[str, int]:

@@ -1,4 +1,4 @@
-"""What frontier a run left open, also where it was cut off and nobody said so."""
+"""The frontier that a run left open, also where robots died or the run was cut off."""
 
 from __future__ import annotations
 
@@ -18,22 +18,21 @@ from multisrt.spec import Scalar
 
 
 def remaining_frontier(recording: Recording) -> dict[int, tuple[Segment, ...]]:
-    """Give the frontier that every robot left open.
+    """Return the frontier that each robot left open.
 
-    A robot that came to its end says itself what it left; if it was called on again, what it
-    says at its last end counts. For one that did not come to an end after what it did last,
-    because it died or the run was cut off, it is what no region of the team covers of the
-    frontiers of the nodes that it made, without the arcs that any robot gave up.
+    For a robot that ended it is what its last `Ended` says. For one that did something after its
+    last end, or died or was cut off before any, it is the part of the frontiers of its nodes that
+    no region of the team covers, without the arcs that any robot gave up.
 
     Parameters
     ----------
     recording : Recording
-        What happened.
+        The run.
 
     Returns
     -------
-    dict
-        Segments x0, y0, x1, y1 by robot, the region on their left.
+    dict of int to tuple of (x0, y0, x1, y1)
+        Segments in metres by robot, with their region on the left.
     """
     said = _said(recording)
     robots = range(len(recording.spec.robots))
@@ -47,7 +46,7 @@ def remaining_frontier(recording: Recording) -> dict[int, tuple[Segment, ...]]:
 
 
 def _said(recording: Recording) -> dict[int, tuple[Segment, ...]]:
-    # What robots said at their ends, unless they went on after it.
+    # The frontiers that robots stated at their last ends, unless they went on afterwards.
     last: dict[int, Ended | Motion | NodeAdded] = {}
     for event in reversed(recording.events):
         if isinstance(event, Ended | Motion | NodeAdded):
@@ -58,13 +57,13 @@ def _said(recording: Recording) -> dict[int, tuple[Segment, ...]]:
 
 
 def _team_map(recording: Recording) -> ExplorationMap:
-    # What all robots know together, with the arcs that any of them gave up.
+    # The map of all robots together, with the arcs that any of them gave up.
     spec = recording.spec
     widths = [Footprint.parse(robot.footprint).width_m for robot in spec.robots]
     team_map = ExplorationMap(
         reach_m=max(robot.range_finder.range_m for robot in spec.robots),
         shortest_arc_m=min(widths),
-        # What is too narrow for any of them counts as closed.
+        # Arcs that are too narrow for any of them count as closed.
         width_m=max(widths),
         gaps_count=_gaps_count(spec.options),
     )
@@ -85,7 +84,7 @@ def _team_map(recording: Recording) -> ExplorationMap:
 
 
 def _gaps_count(options: Mapping[str, Scalar]) -> bool:
-    # Options may be written as text; a strategy that has no such option counts them.
+    # Options may be given as text; a strategy without this option counts gaps.
     try:
         return msgspec.convert(options.get("gaps_count", True), bool, strict=False)
     except msgspec.ValidationError as error:

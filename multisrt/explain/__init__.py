@@ -1,1 +1,1 @@
-"""Why robots decided as they did, in words, from recordings."""
+"""Why robots decided as they did, explained in words from recordings."""

@@ -1,4 +1,4 @@
-"""Why a robot that bids for frontiers went where it went: its choices of goals in plain words."""
+"""Why a robot that bids for frontiers went where it did: its choices of goals in words."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ from multisrt.explain.words import SAME_MOMENT_S, by_robot, listed, many, place,
 from multisrt.planners.motion.trajectory import leg_length
 from multisrt.recording import Recording
 
-MOST_COLUMNS = 8
-"""A table of more frontiers shows so many: those nearest to the robot, and the one it chose."""
+MAX_COLUMNS = 8
+"""Frontiers that a table shows: of more, those nearest to the robot and the chosen one."""
 
-MOST_ROUNDS = 12
-"""So many rounds of an assignment are told, and so many of the best cells."""
+MAX_ROWS = 12
+"""Rounds of an assignment, and best cells, that are shown."""
 
 COLUMN = 10
-"""Letters of a table's column."""
+"""Width of the column of a table, in letters."""
 
 BECAUSE = {
-    "start": "it had looked round for the first time",
+    "start": "it had taken its first scan",
     "reached": "it had reached its last goal",
     "news": "its map had changed",
     "nothing left": "nothing was left to be seen at its last goal",
@@ -35,40 +35,40 @@ BECAUSE = {
 }
 
 RULES = {
-    "closest": "the nearest frontier, whatever the others do",
-    "greedy": "the shortest ways first; every frontier goes to one robot before any to a second",
-    "minpos": "the frontier to which fewest robots are nearer, and of these the nearest",
-    "utility": "a leader gives out frontiers by their utility less the way to them",
-    "self-bidding": "bids of all robots, matched for the least sum",
-    "rules": "the unexplored cell of the best score",
-    "random": "any place that it can reach, as it was stuck",
+    "closest": "the nearest frontier, regardless of the other robots",
+    "greedy": "the shortest paths first; each frontier goes to one robot before any to a second",
+    "minpos": "the frontier to which the fewest robots are nearer, and of these the nearest",
+    "utility": "a leader assigns frontiers by their utility less the path length",
+    "self-bidding": "the bids of all robots, matched for the least sum",
+    "rules": "the unexplored cell with the best score",
+    "random": "a random place that it can reach, as it was stuck",
 }
 
 
 def choice_lines(
     recording: Recording, index: int, choice: GoalChosen, asked_s: float
 ) -> Iterator[str]:
-    """Tell one choice of a goal, and what came of it.
+    """Yield the lines that explain one choice of a goal.
 
     Parameters
     ----------
     recording : Recording
         The run.
     index : int
-        Where in it the choice stands.
+        Index of the choice among its events.
     choice : GoalChosen
         The choice.
     asked_s : float
-        The time that was asked for.
+        The time that was asked for, in seconds.
     """
     return _BidStory(recording, index, choice, asked_s).lines()
 
 
 def bid_lines(recording: Recording, robot: int) -> Iterator[str]:
-    """Tell a robot's choices of goals, one line each; nothing of one that made none."""
+    """Yield a heading and a line for each choice of a goal by a robot; nothing without any."""
     choices = [e for e in recording.events if isinstance(e, GoalChosen) and e.robot == robot]
     if choices:
-        yield f"{'time (s)':>9}  {'frontiers':>9}  {'to go':>9}  choice"
+        yield f"{'time (s)':>9}  {'frontiers':>9}  {'path':>9}  choice"
     for choice in choices:
         goal = "no goal" if choice.goal is None else f"to {place(choice.goal)}"
         way = "" if choice.goal is None else f"{choice.cost_m:.2f} m"
@@ -79,7 +79,7 @@ def bid_lines(recording: Recording, robot: int) -> Iterator[str]:
 
 
 class _BidStory:
-    # What there is to tell of one choice of a goal.
+    """The explanation of one choice of a goal."""
 
     def __init__(
         self, recording: Recording, index: int, choice: GoalChosen, asked_s: float
@@ -110,13 +110,13 @@ class _BidStory:
         for title, lines in (
             ("Where it stood", self.standing()),
             ("What it knew", self.knowledge()),
-            ("Why it chose anew", self.reason()),
+            ("Why it chose again", self.reason()),
             (f"How it chose: {choice.rule}", self.rule()),
             ("What it chose", self.goal()),
-            ("What it did then", self.afterwards()),
-            ("What it sent and learned meanwhile", self.messages()),
+            ("What it did next", self.afterwards()),
+            ("Messages until the next choice", self.messages()),
             (
-                "What went otherwise than planned",
+                "What did not go as planned",
                 troubles(e for e in past if e.time_s <= until),
             ),
         ):
@@ -128,7 +128,7 @@ class _BidStory:
 
     def knowledge(self) -> Iterator[str]:
         own = sum(isinstance(event, NodeAdded) for event in self.before)
-        yield f"its map had {many(own, 'scan')} of its own that showed something new"
+        yield f"its map had {many(own, 'scan')} that it had taken and that showed something new"
         learned = [event for event in self.before if isinstance(event, Learned)]
         names = [name for event in learned for name in event.nodes]
         if names:
@@ -140,9 +140,9 @@ class _BidStory:
         if len(self.team) > 1 and self.choice.robots:
             others = [robot for robot in self.choice.robots if robot != self.robot]
             without = [r for r in self.team if r != self.robot and r not in others]
-            told = f"it reckoned with these other robots: {listed(others)}"
+            told = f"it considered these other robots: {listed(others)}"
             if without and self.choice.rule != "closest":
-                told += f"; not with {listed(without)}, idle or not heard of lately"
+                told += f"; not {listed(without)}, idle or not heard from lately"
             yield told
         complete = [event for event in self.before if isinstance(event, MapComplete)]
         if complete:
@@ -160,14 +160,14 @@ class _BidStory:
         choice = self.choice
         yield RULES.get(choice.rule, choice.rule)
         if choice.rule == "closest" and choice.frontiers:
-            yield "only the way to the nearest is worked out"
+            yield "only the path to the nearest frontier is computed"
         yield from self._tables()
         yield from self._rounds()
         if choice.rule == "utility" and choice.costs and not choice.rounds and choice.goal:
-            yield "it did as its leader said; without a word of it, it goes to the nearest"
+            yield "it followed its leader; without a message of the leader it goes to the nearest"
         if choice.phi_m:
             radii = ", ".join(f"{radius:.1f}" for radius in choice.phi_m)
-            yield f"radii of cohesion that were tried (phi): {radii} m; the last one was used"
+            yield f"cohesion radii that were tried (phi): {radii} m; the last one was used"
         yield from self._scores()
 
     def goal(self) -> Iterator[str]:
@@ -177,7 +177,7 @@ class _BidStory:
             return
         number = self._chosen()
         which = "" if number is None else f"frontier {number}, "
-        yield f"{which}{place(choice.goal)}, {choice.cost_m:.2f} m to go"
+        yield f"{which}{place(choice.goal)}, {choice.cost_m:.2f} m away"
 
     def afterwards(self) -> Iterator[str]:
         motions = [event for event in self.meanwhile if isinstance(event, Motion)]
@@ -207,14 +207,14 @@ class _BidStory:
             yield f"it learned {many(len(names), 'scan')} of others: {by_robot(names)}"
 
     def _pose(self) -> Pose:
-        # Goals are chosen between motions; a motion is recorded when it ends.
+        # Goals are chosen between motions, which are recorded when they end.
         motions = [event for event in self.before if isinstance(event, Motion)]
         if not motions:
             return self.start.x, self.start.y, self.start.heading
         return motions[-1].waypoints[-1][1:]
 
     def _chosen(self) -> int | None:
-        # The column of the goal; a cell that `rules` chose is none.
+        # The column of the goal; a cell that `rules` chose has none.
         goal = self.choice.goal
         return self.choice.frontiers.index(goal) if goal in self.choice.frontiers else None
 
@@ -227,25 +227,25 @@ class _BidStory:
         shown = self._columns()
         left_out = len(choice.frontiers) - len(shown)
         if left_out:
-            yield f"{left_out} of {len(choice.frontiers)} frontiers, farther away, are left out"
-        yield "own row: >, chosen: *, no way or not worked out: -"
+            yield f"{left_out} of {len(choice.frontiers)} frontiers, farther away, are not shown"
+        yield ">: its own row, *: its choice, -: no path or not computed"
         yield self._row("frontier", [f"{k}{'*' * (k == self._chosen())}" for k in shown])
         yield self._row("x (m)", [f"{choice.frontiers[k][0]:.2f}" for k in shown])
         yield self._row("y (m)", [f"{choice.frontiers[k][1]:.2f}" for k in shown])
         if choice.ranks:
-            yield "how far each robot has (m), and how many robots are nearer than it"
+            yield "path length of each robot (m), and how many robots are nearer than it"
             for robot, costs, ranks in zip(choice.robots, choice.costs, choice.ranks, strict=True):
                 cells = [_metres(costs[k]) + _rank(ranks[k]) for k in shown]
                 yield self._row(self._name(robot), cells)
             return
         yield (
-            "how far each robot has by way of its present goal (m)"
+            "path length of each robot by way of its present goal (m)"
             if choice.rule == "self-bidding"
-            else "how far each robot has (m)"
+            else "path length of each robot (m)"
         )
         yield from self._rows(choice.costs, shown)
         if choice.bids:
-            yield "bids that were matched (m); -: too far from the others, or no way"
+            yield "bids that were matched (m); -: too far from the others, or no path"
             yield from self._rows(choice.bids, shown)
 
     def _rows(self, table: Sequence[Sequence[float | None]], shown: Sequence[int]) -> Iterator[str]:
@@ -253,7 +253,7 @@ class _BidStory:
             yield self._row(self._name(robot), [_metres(values[k]) for k in shown])
 
     def _columns(self) -> list[int]:
-        # The nearest to this robot, and the chosen one whatever it is; in the table's order.
+        # The nearest to this robot and the chosen one, in the order of the table.
         choice = self.choice
         own = choice.costs[choice.robots.index(self.robot)]
         chosen = self._chosen()
@@ -261,7 +261,7 @@ class _BidStory:
             range(len(own)),
             key=lambda k: (k != chosen, math.inf if (cost := own[k]) is None else cost, k),
         )
-        return sorted(nearest[:MOST_COLUMNS])
+        return sorted(nearest[:MAX_COLUMNS])
 
     def _name(self, robot: int) -> str:
         return f"{'>' if robot == self.robot else ' '} robot {robot}"
@@ -271,27 +271,27 @@ class _BidStory:
 
     def _rounds(self) -> Iterator[str]:
         rounds = self.choice.rounds
-        for number, (robot, target, utility, share) in enumerate(rounds[:MOST_ROUNDS], 1):
+        for number, (robot, target, utility, share) in enumerate(rounds[:MAX_ROWS], 1):
             where = place(self.choice.frontiers[target])
             mark = ">" if robot == self.robot else " "
             worth = f"utility {utility:.2f}, " if self.choice.rule == "utility" else ""
             yield (
                 f"round {number:>2}: {mark} robot {robot} got frontier {target}, {where}: "
-                f"{worth}{share:.2f} of the longest way"
+                f"{worth}{share:.2f} of the longest path"
             )
-        if len(rounds) > MOST_ROUNDS:
-            yield f"and {many(len(rounds) - MOST_ROUNDS, 'more round')}"
+        if len(rounds) > MAX_ROWS:
+            yield f"and {many(len(rounds) - MAX_ROWS, 'more round')}"
 
     def _scores(self) -> Iterator[str]:
         scores = self.choice.scores
         if self.choice.rule == "rules" and not scores:
-            yield "it kept its last goal, which is not explored yet"
+            yield "it kept its last goal, which was not explored yet"
         if not scores:
             return
-        yield "the best cells; the score falls with distance and turn, and rises with others"
+        yield "the best cells; the score falls with distance and turn and rises with the others"
         names = "score", "distance", "turn", "others"
         yield f"  {'cell':>16}" + "".join(f" {name:>{COLUMN}}" for name in names)
-        for x, y, *terms in scores[:MOST_ROUNDS]:
+        for x, y, *terms in scores[:MAX_ROWS]:
             mark = "*" if (x, y) == self.choice.goal else " "
             yield f"{mark} {place((x, y)):>16}" + "".join(f" {t:>{COLUMN}.2f}" for t in terms)
 
@@ -305,5 +305,5 @@ def _rank(rank: int | None) -> str:
 
 
 def _metres(value: float | None) -> str:
-    # Columns are not wide enough for more digits.
+    # One digit less where the column is too narrow.
     return "-" if value is None else f"{value:.{2 if abs(value) < 100.0 else 1}f}"

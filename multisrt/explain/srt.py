@@ -1,4 +1,4 @@
-"""Why a robot did what it did: its decisions in plain words, from a recording."""
+"""Why a robot did what it did: its decisions in words, from a recording."""
 
 from __future__ import annotations
 
@@ -53,24 +53,24 @@ PURPOSES = {
 
 
 def explain(recording: Recording, robot: int, time_s: float | None = None) -> str:
-    """Tell what a robot knew and decided at its last decision by a time.
+    """Explain the last decision of a robot by a time.
 
     Parameters
     ----------
     recording : Recording
         The run.
     robot : int
-        Which robot, from 0.
+        The robot, from 0.
     time_s : float, optional
-        When; the end of the run by default.
+        The time in seconds; by default the end of the run.
 
     Returns
     -------
     str
-        Where it stood, what it knew, which candidates it refused and why, what it chose; its
-        groups, whether paths conflicted, and what the master made of it; whom it chose to
-        support, whom it took as lost, where it was stopped, and what went wrong with it. Of one
-        that bids for frontiers: who reckoned with whom, the tables it decided by, and what it
+        Several lines. For the SRT family: where the robot stood, what it knew, which candidates
+        it refused and why, what it chose; its groups, conflicts of paths and the orders of the
+        master; the tree that it supports, and what did not go as planned. For a robot that bids
+        for frontiers: the robots that it considered, the tables on which it decided, and what it
         did until it chose again.
 
     Raises
@@ -78,6 +78,13 @@ def explain(recording: Recording, robot: int, time_s: float | None = None) -> st
     InvalidInputError
         If there is no such robot, the time is not within the run, or the robot had not decided
         anything by then.
+
+    Examples
+    --------
+    >>> from multisrt import CatalogEnvironment, RunSpec, simulate
+    >>> recording = simulate(RunSpec(environment=CatalogEnvironment(name="apartment"), seed=1))
+    >>> print(explain(recording, 0, 0.0).splitlines()[0])
+    Robot 0 at 0.00 s: its last decision was at 0.00 s.
     """
     _require_robot(recording, robot)
     end = recording.footer.time_s
@@ -95,7 +102,14 @@ def explain(recording: Recording, robot: int, time_s: float | None = None) -> st
 
 
 def explain_all(recording: Recording, robot: int) -> str:
-    """Tell a robot's decisions, one line each.
+    """Return a table of all decisions of a robot, one line each under a heading.
+
+    Parameters
+    ----------
+    recording : Recording
+        The run.
+    robot : int
+        The robot, from 0.
 
     Raises
     ------
@@ -120,7 +134,7 @@ def explain_all(recording: Recording, robot: int) -> str:
 
 
 class _Story:
-    """What there is to tell of one robot's last decision by a time."""
+    """The explanation of one decision of a robot of the SRT family."""
 
     def __init__(
         self, recording: Recording, index: int, decision: Decision, asked_s: float
@@ -130,7 +144,7 @@ class _Story:
         self.asked_s = asked_s
         self.events = recording.events
         self.has_others = len(recording.spec.robots) > 1
-        # Motions are recorded when they end; all else when it happens.
+        # Motions are recorded when they end, all other events when they happen.
         self.past = [
             event
             for event in self.events
@@ -152,9 +166,9 @@ class _Story:
             ("What it knew", self.knowledge()),
             ("What it decided", self.choice()),
             ("Its group", self.group()),
-            ("Whom it supports", self.support()),
-            ("What went otherwise than planned", troubles(self.past)),
-            ("What it did then", self.afterwards()),
+            ("Which tree it supports", self.support()),
+            ("What did not go as planned", troubles(self.past)),
+            ("What it did next", self.afterwards()),
         ):
             yield from titled(title, lines)
 
@@ -174,7 +188,7 @@ class _Story:
         yield f"its local frontier there was {self.decision.frontier_m:.2f} m long"
         until = self.decision.time_s + SAME_MOMENT_S
         own = sum(isinstance(e, NodeAdded) and e.time_s <= until for e in self.past)
-        yield f"its map had {many(own, 'node')} of its own"
+        yield f"its map had {many(own, 'node')} that it had made"
         learned = [e for e in self.past if isinstance(e, Learned) and e.time_s <= until]
         names = [name for event in learned for name in event.nodes]
         if names:
@@ -209,7 +223,7 @@ class _Story:
         told = _coordinated(self.events, self.index, self.asked_s)
         if told is None:
             if len(ger) > 1:
-                yield "no paths of the group conflicted, so nobody coordinated it"
+                yield "no paths of the group conflicted, so no robot coordinated it"
             return
         master = "itself" if told.master == self.robot else f"robot {told.master}"
         yield f"paths of the group {listed(told.ger)} conflicted; the master was {master}"
@@ -220,10 +234,10 @@ class _Story:
                 pairs = ", ".join(f"{i} with {j}" for i, j in organized.conflicts)
                 yield f"in conflict: {pairs}"
             if organized.deadlock:
-                yield "a deadlock: nobody could be let go"
+                yield "a deadlock: no robot could be let go"
             yield from _table(organized)
         yield (
-            f"at {told.time_s:.2f} s it was told {ORDERS[told.order]}: "
+            f"at {told.time_s:.2f} s its order was {ORDERS[told.order]}: "
             f"{place(told.target)} became {place(told.new_target)}"
         )
 
@@ -279,8 +293,8 @@ def _last_choice(
 def _coordinated(
     events: Sequence[AnyEvent], index: int, asked_s: float = -math.inf
 ) -> Coordinated | None:
-    # What became of a decision before the robot moved; or of a later step by the time asked for,
-    # since not all steps on the way to another tree are decisions.
+    # How a decision was coordinated before the robot moved, or a later step by the time asked for:
+    # not all steps on the way to another tree are decisions.
     robot, has_moved, found = events[index].robot, False, None
     for event in events[index + 1 :]:
         if event.robot != robot:
@@ -297,7 +311,7 @@ def _coordinated(
 
 
 def _organized(events: Iterable[AnyEvent], told: Coordinated) -> Organized | None:
-    # What the master did: its last arrangement of this group until the robot was told.
+    # The last arrangement of this group by the master before the robot got its order.
     found = None
     for event in events:
         if (

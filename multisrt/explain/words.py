@@ -1,4 +1,4 @@
-"""Words for what a recording holds, as `multisrt.explain.srt` tells it."""
+"""Words for the contents of a recording, shared by the explanations of all strategies."""
 
 from __future__ import annotations
 
@@ -17,15 +17,15 @@ from multisrt.events import (
 )
 
 SAME_MOMENT_S = 1e-6
-"""A time may be asked for as it is printed."""
+"""Times that differ by less are the same moment, so that a printed time can be asked for."""
 
 
 def troubles(events: Iterable[AnyEvent]) -> Iterator[str]:
-    """Tell what went otherwise than planned with a robot."""
+    """Yield a line for each event of a robot that was not planned."""
     for event in events:
         match event:
             case TakenAsLost(other=other):
-                what = f"it took robot {other} as lost: no answer came"
+                what = f"it no longer waited for robot {other}, which did not answer"
             case Blocked(by=by, configuration=(x, y, _)):
                 what = f"protective stop at {place((x, y))}, before the body of robot {by}"
             case FellSilent():
@@ -33,7 +33,7 @@ def troubles(events: Iterable[AnyEvent]) -> Iterator[str]:
             case CameBack():
                 what = "its radio worked again"
             case Joined():
-                what = "it began, late"
+                what = "it was switched on, late"
             case Died(configuration=(x, y, _), doing=doing):
                 doing_what = "organising as master" if doing == "master" else doing
                 what = f"it died at {place((x, y))}, {doing_what}"
@@ -43,28 +43,28 @@ def troubles(events: Iterable[AnyEvent]) -> Iterator[str]:
 
 
 def titled(title: str, lines: Iterable[str]) -> Iterator[str]:
-    """Give a section, if there is anything in it."""
-    told = [f"  {line}" for line in lines]
-    if told:
-        yield from ("", title, *told)
+    """Yield the lines of a section with a title; nothing if it is empty."""
+    indented = [f"  {line}" for line in lines]
+    if indented:
+        yield from ("", title, *indented)
 
 
 def by_robot(nodes: Iterable[NodeName]) -> str:
-    """Say how many nodes are of which robot."""
-    of_whom = Counter(name[0] for name in nodes)
-    return ", ".join(f"{n} of robot {who}" for who, n in sorted(of_whom.items()))
+    """Return the numbers of nodes by the robot that made them, as text."""
+    counts = Counter(robot for robot, _ in nodes)
+    return ", ".join(f"{count} of robot {robot}" for robot, count in sorted(counts.items()))
 
 
 def place(point: Sequence[float]) -> str:
-    """Write a place."""
+    """Return a position as text, to centimetres."""
     return f"({point[0]:.2f}, {point[1]:.2f})"
 
 
 def listed(robots: Sequence[int]) -> str:
-    """Write the numbers of robots."""
+    """Return the numbers of robots as text; `none` if there are none."""
     return ", ".join(map(str, robots)) or "none"
 
 
 def many(count: int, what: str) -> str:
-    """Write a number of things."""
+    """Return a number of things as text: `1 node`, `2 nodes`."""
     return f"{count} {what}" + ("" if count == 1 else "s")

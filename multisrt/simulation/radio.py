@@ -1,9 +1,9 @@
 """The radio: which robots a message reaches, and when.
 
-A link between two robots holds in both directions or in none. Nothing stands in its way but the
-distance, or walls block it, or walls weaken it. Every obstacle that the straight line between
-two robots passes through counts as one wall each time, however thick it is; touching a corner or
-running along a wall is no passage, as for a line of sight.
+A link between two robots holds in both directions or in none. It is limited by the distance, and,
+as the spec says, blocked or weakened by walls. Each passage of the straight line between the two
+through an obstacle counts as one wall, however thick it is; touching a corner or running along a
+wall is no passage, as for a line of sight.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from multisrt.robots.explorer import RadioSelf
 from multisrt.spec import RadioSpec
 
 TOUCH_M = 1e-9
-"""What a line passes through for no longer than this is only touched."""
+"""Length of a passage up to which a line only touches an obstacle, in metres."""
 
 
 class Radio:
@@ -35,12 +35,12 @@ class Radio:
     index : EdgeIndex
         The edges of the world.
     rng : numpy.random.Generator
-        What losses and jitter are drawn from.
+        The stream from which losses and jitter are drawn.
 
     Attributes
     ----------
     is_unlimited : bool
-        Whether it does not matter to whom a message comes where the robots are.
+        Whether messages reach all robots wherever these are.
     """
 
     def __init__(self, spec: RadioSpec, index: EdgeIndex, rng: RandomGenerator) -> None:
@@ -51,7 +51,7 @@ class Radio:
         self.is_unlimited = self._range_m == math.inf and spec.walls == "pass"
 
     def datasheet(self) -> RadioSelf:
-        """Give what a robot knows of its radio."""
+        """Return what a robot knows of its radio."""
         return RadioSelf(
             range_m=self._range_m,
             latency_s=self._spec.latency_s + self._spec.jitter_s,
@@ -61,14 +61,19 @@ class Radio:
         )
 
     def links(self, positions: Sequence[Sequence[float]], working: Sequence[bool]) -> BoolArray:
-        """Tell which robots reach each other without a relay, ``(n, n)``; none reaches itself.
+        """Return which robots reach each other without a relay.
 
         Parameters
         ----------
         positions : (n, 2) array_like
             Where the robots are, in metres.
         working : sequence of bool
-            Whose radio works.
+            Whether the radio of each robot works.
+
+        Returns
+        -------
+        (n, n) array of bool
+            Symmetric, with False on the diagonal.
         """
         places = _places(positions)
         robots = np.flatnonzero(working)
@@ -81,17 +86,17 @@ class Radio:
     def reached(
         self, sender: int, positions: Sequence[Sequence[float]], working: Sequence[bool]
     ) -> list[int]:
-        """Give the robots that a message reaches, in increasing order.
+        """Return the robots that a message reaches, in increasing order.
 
-        They are those that the sender reaches directly and, where robots relay, all that are
-        connected to it through others. One whose radio does not work reaches nobody.
+        They are those to which the sender has a link and, where robots relay, all that are
+        connected to it through others; none if the radio of the sender does not work.
 
         Parameters
         ----------
         sender : int
-            Who sends.
+            The robot that sends.
         positions, working
-            As for `links`; positions do not matter if the radio is unlimited.
+            As for `links`; positions are not used if the radio is unlimited.
         """
         if not working[sender]:
             return []
@@ -117,19 +122,26 @@ class Radio:
         positions: Sequence[Sequence[float]],
         working: Sequence[bool],
     ) -> tuple[list[tuple[int, float]], list[int]]:
-        """Give who gets a message and after how many seconds, and to whom it is lost on the way.
+        """Return to which robots a message is delivered, and to which it is lost.
 
-        Receivers come in increasing order; in this order it is drawn whether the message is lost
-        and else how long it takes. Nothing is drawn for what is certain.
+        In the order of the receivers it is drawn whether the message is lost, and if it is not,
+        how long it takes; nothing is drawn where the spec leaves no choice.
 
         Parameters
         ----------
         sender : int
-            Who sends.
+            The robot that sends.
         to : int or None
-            Whom the message is for; None: all.
+            The robot that the message is for; None for all.
         positions, working
             As for `reached`.
+
+        Returns
+        -------
+        delivered : list of (int, float)
+            Receivers in increasing order, each with the delay in seconds.
+        lost : list of int
+            Robots in reach to which the message is lost.
         """
         receivers = self.reached(sender, positions, working)
         if to is not None:
@@ -149,7 +161,7 @@ class Radio:
         return delivered, lost
 
     def _heard(self, places: FloatArray, sender: int, others: IntArray) -> IntArray:
-        # Which of the others hear a sender directly.
+        # The others that have a link to the sender.
         distances = np.hypot(*(places[others] - places[sender]).T)
         others = others[distances <= self._range_m]
         if self._spec.walls == "pass" or not len(others):
@@ -160,17 +172,21 @@ class Radio:
 
 
 def links_hold(spec: RadioSpec, index: EdgeIndex | None, lines: FloatArray) -> BoolArray:
-    """Tell between which pairs of places a link holds, ``(n,)``.
+    """Return between which pairs of positions a link holds.
 
     Parameters
     ----------
     spec : RadioSpec
         How messages travel.
     index : EdgeIndex or None
-        The edges of the world; None will do where walls do not matter.
+        The edges of the world; may be None where walls do not matter.
     lines : (n, 4) array
-        x, y of the one place and of the other, in metres; of the robot with the lower number
-        first, so that both count walls alike.
+        x, y of the two positions in metres; that of the robot with the lower number comes first,
+        so that rounding is the same in both directions.
+
+    Returns
+    -------
+    (n,) array of bool
     """
     distances = np.hypot(lines[:, 2] - lines[:, 0], lines[:, 3] - lines[:, 1])
     range_m = math.inf if spec.range_m is None else spec.range_m
@@ -187,7 +203,7 @@ def links_hold(spec: RadioSpec, index: EdgeIndex | None, lines: FloatArray) -> B
 
 
 def weakened_range(spec: RadioSpec, walls: IntArray) -> FloatArray:
-    """Give how far a radio reaches through some numbers of walls that weaken, in metres."""
+    """Return the range of a radio in metres through given numbers of walls that weaken it."""
     assert spec.range_m is not None
     # 10 n log10(distance / range) + wall loss <= 0, with n the exponent of the path loss.
     loss_db = spec.wall_loss_db * walls.astype(np.float64)
@@ -217,8 +233,8 @@ def _walls_on(lines: FloatArray, grid: EdgeGrid) -> IntArray:
 
 @kernel
 def _passages(line: FloatArray, edges: FloatArray, across: IntArray) -> int:
-    # How many stretches of a line have obstacles on both of its sides. What only touches the
-    # line with a corner or a side is crossed by one of the two lines a hair beside it at most.
+    # The number of stretches of a line with obstacles on both of its sides. An obstacle that only
+    # touches the line with a corner or a side lies on one side of it.
     ax, ay = line[0], line[1]
     length = np.hypot(line[2] - ax, line[3] - ay)
     ux, uy = (line[2] - ax) / length, (line[3] - ay) / length
@@ -235,7 +251,7 @@ def _passages(line: FloatArray, edges: FloatArray, across: IntArray) -> int:
         depth_left += left[k]
         if depth_right > 0 and depth_left > 0:
             if not inside:
-                # Walls that meet in the line are passed as one.
+                # Walls that meet on the line count as one.
                 if at[k] - left_behind > TOUCH_M:
                     entered = at[k]
                 inside = True

@@ -21,31 +21,31 @@ from multisrt.geometry.numerics.kernel import BoolArray, FloatArray
 from multisrt.spec import RunSpec, random_stream
 
 GAP_M = 0.25
-"""What is left between the circles around two bodies, where neither is told where to start."""
+"""Distance in metres between the circumscribed circles of two bodies that are placed."""
 
 CANDIDATES = 30
-"""Among so many places each scattered robot takes the one farthest from all others."""
+"""Number of random positions of which a scattered robot takes the one farthest from all others."""
 
 SUBDIVISION = 3
-"""The lattice on which a cluster grows has its nodes so many times denser than its robots."""
+"""Steps of the lattice of a cluster from one position for a robot to the next."""
 
 CIRCLE_PRECISION_M = 0.01
-"""How precisely the largest circle in free space is found."""
+"""Precision of the largest circle in free space, in metres."""
 
 
 def starts_of(spec: RunSpec, environment: Environment) -> tuple[Configuration, ...]:
-    """Give the configurations in which the robots of a run start.
+    """Return the configurations in which the robots of a run start.
 
-    Starts that the spec gives are taken. A robot alone that has none starts where the
-    environment suggests, or at a place drawn uniformly where it has room in any heading. In a
-    team they are either scattered, each at the one of `CANDIDATES` such places that is farthest
-    from the others, its heading drawn too; or clustered around the first, on a hexagonal lattice
-    and in its heading, those in its sight or on the shortest ways first.
+    Robots with a start in the spec start there. A single robot without one starts where the
+    environment suggests, or at a position drawn uniformly where it has room in any heading. In a
+    team, robots are either scattered, each at the one of `CANDIDATES` such positions that is
+    farthest from the others, with a random heading; or clustered around the first one and in its
+    heading, at the nodes of a hexagonal lattice that are in its sight or have the shortest paths.
 
     Parameters
     ----------
     spec : RunSpec
-        The team, and how it starts.
+        The run.
     environment : Environment
         The world.
 
@@ -57,10 +57,11 @@ def starts_of(spec: RunSpec, environment: Environment) -> tuple[Configuration, .
     Raises
     ------
     ClearanceError
-        If a body does not fit at its start; the message says the clearance and what it needs.
+        If a body does not fit at its start; the message gives the clearance there and the one
+        that the body needs.
     InvalidInputError
         If starts lie in different components, bodies overlap or touch, the team does not fit, or
-        a car has nowhere to turn.
+        the turning circle of a car fits nowhere.
     """
     footprints = [Footprint.parse(robot.footprint) for robot in spec.robots]
     starts: dict[int, Configuration] = {}
@@ -85,12 +86,12 @@ def starts_of(spec: RunSpec, environment: Environment) -> tuple[Configuration, .
 def drawn_start(
     environment: Environment, footprint: Footprint, rng: RandomGenerator
 ) -> Configuration:
-    """Draw a place, uniformly where a body has room in any heading, and a heading.
+    """Return a random configuration, uniform where a body has room in any heading.
 
     Raises
     ------
     InvalidInputError
-        If it fits nowhere.
+        If the body fits nowhere.
     """
     place = _drawn_place(_largest_room(environment, environment.free, footprint), rng)
     return Configuration(place.x, place.y, float(rng.uniform(-math.pi, math.pi)))
@@ -121,7 +122,7 @@ def _require_fit(environment: Environment, footprint: Footprint, start: Configur
 
 
 def _common_component(environment: Environment, starts: dict[int, Configuration]) -> Polygon:
-    # The one of all starts, or else the largest.
+    # The component of all starts, or the largest one if there are none.
     if not starts:
         return max(environment.free.geoms, key=lambda part: part.area)
     first = min(starts)
@@ -130,7 +131,7 @@ def _common_component(environment: Environment, starts: dict[int, Configuration]
         if not shapely.contains_xy(component, x, y):
             raise InvalidInputError(
                 f"robots {first} and {number} start at ({starts[first].x:g}, "
-                f"{starts[first].y:g}) and ({x:g}, {y:g}) of {environment.name!r}, which no way "
+                f"{starts[first].y:g}) and ({x:g}, {y:g}) of {environment.name!r}, which no path "
                 "through free space connects; let all start in one connected area"
             )
     return component
@@ -195,7 +196,7 @@ def _alone(spec: RunSpec, environment: Environment, footprint: Footprint) -> Con
 
 
 def _largest_room(environment: Environment, free: BaseGeometry, footprint: Footprint) -> Polygon:
-    # Where the reference point may be, with room in any heading.
+    # The largest area of positions with room in any heading.
     radius = footprint.circumscribed_radius_m
     parts = [part for part in shapely.get_parts(_roomy(free, radius)) if not part.is_empty]
     if not parts:
@@ -242,7 +243,7 @@ def _scatter(
         rng = random_stream(spec.seed, "starts", number)
         place = _farthest(room.draw(rng), others, needed)
         if place is None:
-            # It takes luck to hit what is left free, unless nothing else is drawn from.
+            # If all draws were too near the others, draw from what these leave free.
             taken = shapely.union_all(shapely.buffer(shapely.points(others), needed))
             left = _Room(room.area.difference(taken))
             place = _farthest(left.draw(rng), others, needed) if left.is_open else None
@@ -254,7 +255,7 @@ def _scatter(
 def _farthest(
     places: FloatArray, others: FloatArray, needed: FloatArray
 ) -> tuple[float, float] | None:
-    # The place farthest from all others, of those that are far enough from each.
+    # The position farthest from all others, of those that are far enough from each.
     if not len(others):
         return float(places[0, 0]), float(places[0, 1])
     apart = np.hypot(*(places[:, None] - others).transpose(2, 0, 1))
@@ -264,7 +265,7 @@ def _farthest(
 
 
 class _Room:
-    """An area to draw places from, uniformly."""
+    """An area from which positions are drawn uniformly."""
 
     def __init__(self, area: BaseGeometry) -> None:
         self.area = area
@@ -274,15 +275,15 @@ class _Room:
 
     @property
     def is_open(self) -> bool:
-        """Whether there is anything to draw from."""
+        """Whether its area is positive."""
         return len(self._shares) > 0 and self._shares[-1] > 0.0
 
     def draw(self, rng: RandomGenerator) -> FloatArray:
-        """Give `CANDIDATES` places, ``(n, 2)``."""
+        """Return `CANDIDATES` random positions, ``(n, 2)``."""
         which, u, v = rng.random((3, CANDIDATES))
         chosen = np.searchsorted(self._shares, which * self._shares[-1], side="right")
         a, b, c = self._corners[np.minimum(chosen, len(self._shares) - 1)].transpose(1, 0, 2)
-        # The half of a parallelogram that is beyond the triangle is folded back.
+        # Points in the other half of the parallelogram are mirrored into the triangle.
         beyond = u + v > 1.0
         u, v = np.where(beyond, 1.0 - u, u), np.where(beyond, 1.0 - v, v)
         places: FloatArray = a + u[:, None] * (b - a) + v[:, None] * (c - a)
@@ -291,7 +292,7 @@ class _Room:
 
 @lru_cache(maxsize=16)
 def _room(environment: Environment, component: Polygon, footprint: Footprint) -> _Room:
-    # Many runs in one world divide it once.
+    # Triangulated once for many runs in one world.
     return _Room(_largest_room(environment, component, footprint))
 
 
@@ -309,7 +310,7 @@ def _cluster(
     anchor = starts[min(starts)]
     waiting = [number for number in range(len(footprints)) if number not in starts]
     radius = max(footprints[number].circumscribed_radius_m for number in waiting)
-    # One lattice for all: as wide as two of the largest need, also beside the first.
+    # One lattice for all, with room for the largest body beside the first and beside itself.
     widest = max(radius, footprints[min(starts)].circumscribed_radius_m)
     lattice = _Lattice(
         environment.component(anchor.x, anchor.y),
@@ -334,10 +335,10 @@ _AROUND: tuple[_Node, ...] = ((1, 0), (0, 1), (-1, 1), (-1, 0), (0, -1), (1, -1)
 
 
 class _Lattice:
-    """A hexagonal lattice about a place, as far as free space connects its nodes.
+    """A hexagonal lattice about a position, as far as free space connects its nodes.
 
-    Robots may stand at the nodes whose numbers are multiples of `SUBDIVISION`; the others are
-    there to find ways round corners and through doors.
+    Robots may stand at the nodes whose numbers are multiples of `SUBDIVISION`; the other nodes
+    are there to find paths round corners and through doors.
     """
 
     def __init__(
@@ -350,7 +351,7 @@ class _Lattice:
         passage: float,
     ) -> None:
         self._component = component
-        # No way leads through a slit that is much narrower than any body.
+        # No path leads through a slit that is much narrower than any body.
         self._passable = component.buffer(-0.5 * passage)
         self._roomy = _roomy(component, radius)
         for area in (self._component, self._passable, self._roomy):
@@ -361,22 +362,22 @@ class _Lattice:
     def nearest(
         self, count: int, taken: FloatArray, needed: FloatArray
     ) -> list[tuple[float, float]]:
-        """Give up to so many places for robots, the nearest first.
+        """Return positions for robots, the nearest first.
 
-        Near is what is in sight and not far, or else what is few nodes away.
+        The distance is the straight one for positions in sight, else that along the lattice.
 
         Parameters
         ----------
         count : int
-            How many.
+            Maximum number of positions.
         taken : (n, 2) array
-            Where others stand.
+            Where other robots stand.
         needed : (n,) array
-            How far away from each of them a place has to be.
+            Minimum distance of a position from each of them, in metres.
         """
         found: list[tuple[float, _Node]] = []
         for hops, ring in enumerate(self._rings()):
-            # What is so many hops away is no nearer than across the rows of the lattice.
+            # The straight distance of nodes `hops` away is at least that many rows.
             found.sort()
             if len(found) >= count and found[count - 1][0] <= hops * self._step * math.sqrt(0.75):
                 break
@@ -396,7 +397,7 @@ class _Lattice:
         return [(float(x), float(y)) for x, y in places]
 
     def _rings(self) -> Iterator[list[_Node]]:
-        # Breadth first: the nodes that are 0, 1, 2, ... hops away.
+        # The nodes that are 0, 1, 2, ... hops away, by breadth-first search.
         ring: list[_Node] = [(0, 0)]
         seen = {(0, 0)}
         while ring:

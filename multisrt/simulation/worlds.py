@@ -18,14 +18,30 @@ from multisrt.spec import CatalogEnvironment, EnvironmentSpec, FileEnvironment, 
 def environment_spec(
     text: str, *, resolution_m: float | None = None, threshold: float | None = None
 ) -> CatalogEnvironment | FileEnvironment:
-    """Tell a name of the catalogue from a file.
+    """Return the spec of an environment that is named by a text.
 
-    What is a name of the catalogue means that; write ``./office`` for a file of that name.
+    Parameters
+    ----------
+    text : str
+        A name of the catalogue, or else the path of a file; write ``./office`` for a file whose
+        name is in the catalogue.
+    resolution_m : float, optional
+        Metres per pixel, for an image whose file does not give them.
+    threshold : float, optional
+        Lightness in [0, 1] above which a pixel of a plain image is free.
 
     Raises
     ------
     InvalidInputError
-        If it is neither; the message lists the catalogue.
+        If the text is neither, or an environment of the catalogue is given a resolution or a
+        threshold.
+
+    Examples
+    --------
+    >>> environment_spec("office").name
+    'office'
+    >>> environment_spec("./office.png", resolution_m=0.05).path
+    './office.png'
     """
     if text in names():
         if resolution_m is not None or threshold is not None:
@@ -44,7 +60,7 @@ def environment_spec(
 
 
 def _exists(path: Path) -> bool:
-    # What cannot be asked for, by too long a name or for want of rights, is no file here.
+    # A path that cannot be looked up, as it is too long or for lack of rights, counts as no file.
     try:
         return path.exists()
     except OSError:
@@ -52,7 +68,7 @@ def _exists(path: Path) -> bool:
 
 
 def inline(environment: Environment) -> InlineEnvironment:
-    """Write an environment out, so that a spec holds it wholly."""
+    """Return a spec that contains an environment completely."""
     return InlineEnvironment(
         name=environment.name,
         wkt=shapely.to_wkt(environment.free, rounding_precision=-1),
@@ -61,12 +77,12 @@ def inline(environment: Environment) -> InlineEnvironment:
 
 
 def build_environment(spec: EnvironmentSpec) -> Environment:
-    """Build or read the world that a spec describes.
+    """Return the world that a spec describes: generated, read from a file, or parsed.
 
     Raises
     ------
     InvalidInputError
-        If it cannot be built; the message says what is wrong.
+        If it cannot be built or read; the message says why.
     """
     if isinstance(spec, CatalogEnvironment):
         parameters: dict[str, Any] = dict(spec.parameters)
@@ -76,7 +92,7 @@ def build_environment(spec: EnvironmentSpec) -> Environment:
             Path(spec.path), resolution_m=spec.resolution_m, threshold=spec.threshold
         )
     try:
-        with np.errstate(invalid="ignore"):  # coordinates that are no numbers are refused below
+        with np.errstate(invalid="ignore"):  # NaN coordinates are refused below
             free = shapely.from_wkt(spec.wkt)
     except shapely.errors.ShapelyError as error:
         raise InvalidInputError(f"environment {spec.name!r}: {error}") from None

@@ -1,7 +1,7 @@
-"""Finding the truth where an explorer might hide it: in what it holds and in what its code names.
+"""The search for the truth in what an explorer holds and in what its code names.
 
-An explorer may know its scans, its messages and itself. This search goes through all that can be
-got at from one, and names the way to the first thing that belongs to the world or to the
+An explorer may know its scans, its messages and itself. This search goes through all objects that
+can be reached from it, and names the path to the first one that belongs to the world or to the
 simulation.
 """
 
@@ -23,30 +23,35 @@ from shapely.geometry.base import BaseGeometry
 from multisrt.environments.environment import Environment
 from multisrt.geometry.bodies.collision import CollisionWorld
 from multisrt.geometry.regions.edge_index import EdgeIndex
+from multisrt.testing.defects import brief
 
 ROBOTS_ROOMS = ("robots", "planners", "geometry", "events", "testing")
-"""Parts of this package that explorers may use. All others know the world."""
+"""Parts of this package that explorers may use; all others know the world."""
+
+MAX_KEY_LENGTH = 40
+"""Letters of the key of a table that a path shows."""
 
 _PLAIN = (int, float, complex, str, bytes, type(None), types.ModuleType, types.CodeType)
 
 
 def way_to_truth(roots: Mapping[str, object], world: Environment) -> tuple[str, str] | None:
-    """Find the truth in all that can be got at from some objects.
+    """Search all objects that can be reached from some objects for the truth.
 
     Attributes, slots, items, closures, defaults and the local variables of generators are
-    followed; modules and classes are not: `named_by_code` asks about those.
+    followed; modules and classes are not, as `named_by_code` covers those.
 
     Parameters
     ----------
     roots : mapping of str to object
-        Where to begin, by what the way shall call it.
+        Where to begin, by name.
     world : Environment
-        The truth itself, for what shares its memory.
+        The truth, to recognise arrays that share its memory.
 
     Returns
     -------
     (way, what) or None
-        A shortest way to it, such as ``explorer.planner._worlds[0]``, and what was found there.
+        A shortest path, such as ``explorer.planner._worlds[0]``, and what was found there; None
+        if there is nothing.
     """
     seen: dict[int, object] = {}
     waiting = deque(roots.items())
@@ -63,19 +68,19 @@ def way_to_truth(roots: Mapping[str, object], world: Environment) -> tuple[str, 
 
 
 def named_by_code(cls: type) -> dict[str, object]:
-    """Give what the code of an explorer's class names: globals, class attributes, imports.
+    """Return what the code of an explorer's class names: globals, class attributes, imports.
 
-    Functions and classes of the same package are read, too; those of others are not.
+    The code of functions and classes of the same package is read, too.
 
     Returns
     -------
     dict of str to object
-        What was named, by how a message shall call it. Modules and what they define are in it
-        where the truth is defined there, and data always.
+        The named objects by their names for messages: all data, and modules, classes and functions
+        that belong to the truth. Empty for classes of this package, which import rules cover.
     """
     found: dict[str, object] = {}
     if _package(cls) == "multisrt":
-        return found  # Import rules look after those.
+        return found
     waiting: deque[Any] = deque([cls])
     read: set[int] = set()
     while waiting:
@@ -96,12 +101,12 @@ def named_by_code(cls: type) -> dict[str, object]:
 
 
 def truth_named_by_code(cls: type) -> tuple[str, str] | None:
-    """Find a module of the truth, or what one defines, that the code of a class names.
+    """Return the first module of the truth, or thing defined in one, that a class's code names.
 
     Returns
     -------
     (name, what) or None
-        How the code calls it, and what it is.
+        Its name in the code, and what it is; None if there is nothing.
     """
     for name, value in named_by_code(cls).items():
         if _is_of_truth(value):
@@ -110,11 +115,11 @@ def truth_named_by_code(cls: type) -> tuple[str, str] | None:
 
 
 def _truth_in(thing: object, world: Environment) -> str | None:
-    # What a thing is, if it is the truth.
+    # A description of a thing that is the truth.
     if isinstance(thing, np.ndarray):
         return "an array of the world's edges" if np.may_share_memory(thing, world.edges) else None
     if isinstance(thing, EdgeIndex):
-        # One of what the robot itself has seen would be no cheat.
+        # An index of what the robot itself has seen is allowed.
         same = np.array_equal(thing.edges, world.edges)
         return "the EdgeIndex of the world" if same else None
     if isinstance(thing, CollisionWorld | simpy.Environment):
@@ -127,16 +132,9 @@ def _truth_in(thing: object, world: Environment) -> str | None:
 
 
 def _within(thing: object) -> Iterator[tuple[str, object]]:
-    # What a thing holds, by name where it has one.
+    # What a thing holds, by the step that leads there.
     if isinstance(thing, types.FunctionType):
-        cells = zip(thing.__code__.co_freevars, thing.__closure__ or (), strict=True)
-        for name, cell in cells:
-            yield f" -> closure {name!r}", _contents(cell)
-        yield from _defaults(thing, " -> default of ")
-        if _package(thing) != "multisrt":
-            for name, value in _named_in_code(thing.__code__, thing.__globals__):
-                if _function_of(value) is None and not isinstance(value, type):
-                    yield f" -> {name}", value
+        yield from _within_function(thing)
         return
     if isinstance(thing, types.MethodType):
         yield " -> self", thing.__self__
@@ -150,7 +148,7 @@ def _within(thing: object) -> Iterator[tuple[str, object]]:
         return
     if isinstance(thing, dict):
         for key, value in list(thing.items()):
-            yield f"[{_brief(key)}]", value
+            yield f"[{brief(key, MAX_KEY_LENGTH)}]", value
             yield " -> key", key
     elif isinstance(thing, list | tuple | deque):
         yield from ((f"[{k}]", value) for k, value in enumerate(thing))
@@ -158,10 +156,21 @@ def _within(thing: object) -> Iterator[tuple[str, object]]:
         yield ".base", thing.base
     else:
         yield from ((f".{name}", value) for name, value in _attributes(thing))
-    # What the interpreter knows besides: items of sets, cells, parts of compiled objects.
+    # What else it refers to: items of sets, cells, parts of compiled objects.
     for value in gc.get_referents(thing):
         if not isinstance(value, type):
             yield f" -> held by the {type(thing).__name__}", value
+
+
+def _within_function(function: types.FunctionType) -> Iterator[tuple[str, object]]:
+    cells = zip(function.__code__.co_freevars, function.__closure__ or (), strict=True)
+    for name, cell in cells:
+        yield f" -> closure {name!r}", _contents(cell)
+    yield from _defaults(function, " -> default of ")
+    if _package(function) != "multisrt":
+        for name, value in _named_in_code(function.__code__, function.__globals__):
+            if _function_of(value) is None and not isinstance(value, type):
+                yield f" -> {name}", value
 
 
 def _attributes(thing: object) -> Iterator[tuple[str, object]]:
@@ -174,11 +183,11 @@ def _attributes(thing: object) -> Iterator[tuple[str, object]]:
                 try:
                     yield name, member.__get__(thing)
                 except AttributeError:
-                    continue  # a slot that is not filled
+                    continue  # an empty slot
 
 
 def _named_in(thing: Any) -> Iterator[tuple[str, object]]:
-    # What a class's own attributes are, or what a function's code names.
+    # The attributes of a class, or what the code of a function names.
     if isinstance(thing, type):
         for base in thing.__mro__:
             if _package(base) == _package(thing):
@@ -201,7 +210,7 @@ def _named_in(thing: Any) -> Iterator[tuple[str, object]]:
 def _named_in_code(
     code: types.CodeType, known: Mapping[str, object]
 ) -> Iterator[tuple[str, object]]:
-    # Names and the attributes of modules that they lead to: `ms.environment` of a module `ms`.
+    # Names, and attributes of named modules, such as `ms.environment` of a module `ms`.
     name: str = ""
     current: object = None
     local: dict[str, object] = {}
@@ -229,7 +238,7 @@ def _named_in_code(
 
 
 def _is_of_truth(value: object) -> bool:
-    # Whether a module of the truth is meant, or what one defines.
+    # Whether it is a module of the truth, or defined in one.
     if isinstance(value, types.ModuleType):
         return _is_truth_module(value.__name__)
     if isinstance(value, type | types.FunctionType):
@@ -258,7 +267,7 @@ def _contents(cell: types.CellType) -> object:
     try:
         return cell.cell_contents
     except ValueError:
-        return None  # not filled yet
+        return None  # an empty cell
 
 
 def _package(thing: Any) -> str:
@@ -269,8 +278,3 @@ def _title(value: Any) -> str:
     if isinstance(value, types.ModuleType):
         return f"the module {value.__name__}"
     return f"{value.__module__}.{value.__qualname__}"
-
-
-def _brief(key: object) -> str:
-    text = repr(key)
-    return text if len(text) <= 40 else f"{text[:37]}..."

@@ -43,7 +43,7 @@ def load(folder: Path, *parts: list[bytes]) -> Recording:
 
 
 def signed(lines: list[bytes]) -> list[bytes]:
-    """The lines with the digest that they should have, by the documented rule."""
+    """Return the lines with their digest, computed as documented."""
     head, *events, last = lines
     header = msgspec.json.decode(head, type=Header)
     about = header.spec, header.free, header.starts
@@ -56,7 +56,7 @@ def changed(line: bytes, **fields) -> bytes:
     return json.dumps(json.loads(line) | fields).encode() + b"\n"
 
 
-def test_what_was_saved_is_loaded_again(recording, tmp_path):
+def test_a_saved_recording_is_loaded_again(recording, tmp_path):
     recording.save(tmp_path / "run.jsonl")
     again = Recording.load(tmp_path / "run.jsonl")
     assert again.header == recording.header
@@ -165,7 +165,7 @@ def test_an_empty_file_is_no_recording(tmp_path):
         b'{"event":"motion","x":' + b"[" * 100_000 + b"\n",
     ],
 )
-def test_a_line_of_garbage_is_named(tmp_path, lines, garbage):
+def test_an_invalid_line_is_named(tmp_path, lines, garbage):
     with pytest.raises(InvalidInputError, match=r"changed\.jsonl, line 3: "):
         load(tmp_path, lines[:2], [garbage], lines[2:])
 
@@ -227,7 +227,7 @@ NODE = '"time_s":0,"robot":0'
         ),
     ],
 )
-def test_events_of_what_cannot_be(tmp_path, lines, event, said):
+def test_impossible_events_are_refused(tmp_path, lines, event, said):
     line = b'{"event":' + event.replace("$", NODE).encode() + b"}\n"
     with pytest.raises(InvalidInputError, match=rf"changed\.jsonl, line 3: .*{said}"):
         load(tmp_path, signed([*lines[:2], line, *lines[2:]]))
@@ -342,7 +342,7 @@ def test_a_folder_that_is_read_only(tmp_path, recording):
 
 
 class FullDevice:
-    """A file on a device that is full after some bytes."""
+    """A file on a device that is full after a number of bytes."""
 
     def __init__(self, file, room: int):
         self.file = file
@@ -395,7 +395,7 @@ def test_a_device_that_is_full_when_the_file_is_closed(tmp_path):
     assert os.listdir(tmp_path) == []
 
 
-def test_events_are_told_apart_by_their_names():
+def test_events_are_distinguished_by_their_names():
     nodes = NodeAdded(
         time_s=0.0,
         robot=0,

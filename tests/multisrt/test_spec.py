@@ -27,7 +27,7 @@ from multisrt.spec import (
 
 positive = st.floats(min_value=1e-6, max_value=1e6)
 finite = st.floats(allow_nan=False, allow_infinity=False)
-# TOML has no way to write some control characters; names and paths have none.
+# TOML cannot represent some control characters, which names and paths do not have.
 words = st.text(st.characters(codec="utf-8", exclude_categories=("Cc", "Cs")), max_size=12)
 whole = st.integers(-(2**53), 2**53)
 scalars = st.one_of(st.booleans(), whole, finite, words)
@@ -124,7 +124,7 @@ def test_a_spec_by_hand():
     )
 
 
-def test_what_is_the_default_is_not_written():
+def test_defaults_are_not_written():
     spec = RunSpec(environment=CatalogEnvironment(name="open"))
     assert spec.to_dict() == {"environment": {"from": "catalog", "name": "open"}}
 
@@ -260,14 +260,14 @@ def test_a_fault_of_no_robot_is_refused(robot):
 
 
 @pytest.mark.parametrize(("kind", "named"), [(Death, "death"), (LateStart, "late_start")])
-def test_nobody_dies_or_begins_twice(kind, named):
+def test_no_robot_dies_or_starts_late_twice(kind, named):
     faults = tuple(kind(robot=1, time_s=time_s) for time_s in (1.0, 2.0))
     with pytest.raises(InvalidInputError, match=f"robot 1 has more than one fault {named}"):
         RunSpec(**RUN_OF_A_MINUTE, faults=faults)
 
 
 def test_a_holonomic_drive_has_finite_limits_too():
-    # Its turn rate is not used, but what cannot be written cannot be repeated.
+    # Its turn rate is not used, but must be writable.
     with pytest.raises(InvalidInputError, match="turn_rate_rad_s"):
         DriveSpec(kind="holonomic", turn_rate_rad_s=math.nan)
 
@@ -286,7 +286,7 @@ def test_a_name_of_the_catalogue_means_that(tmp_path, monkeypatch):
     assert environment_spec("./office") == FileEnvironment(path="./office")
 
 
-def test_what_has_a_suffix_or_a_folder_or_is_there_is_a_file(tmp_path, monkeypatch):
+def test_a_suffix_a_folder_or_an_existing_path_means_a_file(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "plan").write_text("a file")
     for text in ("plan", "plan.png", "maps/plan", str(tmp_path / "plan")):
@@ -295,7 +295,7 @@ def test_what_has_a_suffix_or_a_folder_or_is_there_is_a_file(tmp_path, monkeypat
         )
 
 
-def test_what_is_neither_is_refused_with_what_comes_close():
+def test_unknown_environments_are_refused_with_a_suggestion():
     with pytest.raises(InvalidInputError, match=r"'offise' \(did you mean 'office'\?\)") as error:
         environment_spec("offise")
     assert "garden, clutter, rooms" in str(error.value)
@@ -305,7 +305,7 @@ def test_what_is_neither_is_refused_with_what_comes_close():
         environment_spec("a" * 5000)
 
 
-def test_what_may_not_be_looked_at_is_no_file(monkeypatch):
+def test_a_path_that_cannot_be_looked_up_is_no_file(monkeypatch):
     def denied(path):
         raise PermissionError
 
@@ -357,7 +357,7 @@ def test_worlds_of_the_catalogue_and_of_files(tmp_path):
         build_environment(CatalogEnvironment(name="open", parameters={"bogus": 1}))
 
 
-def test_every_part_of_a_run_draws_from_a_stream_of_its_own():
+def test_each_part_of_a_run_has_its_own_random_stream():
     streams = [("starts", 0), ("starts", 1), ("radio", 0), ("faults", 0), ("robots", 0)]
     first = {random_stream(7, *key).random() for key in streams}
     assert len(first) == len(streams)

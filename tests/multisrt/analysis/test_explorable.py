@@ -18,7 +18,7 @@ def what(*free: shapely.Polygon, start=(1.0, 1.0), range_m=FAR, body=DISC) -> Ex
     return explorable(world, ((body, range_m, Configuration(*start)),))
 
 
-def test_an_empty_room_is_explorable_wholly():
+def test_an_empty_room_is_explorable_completely():
     # Cell centres lie at (c + 0.118) / 10: 60 of them in 6 m, 50 in 5 m.
     room = what(shapely.box(0, 0, 6, 5))
     assert room.area_m2 == pytest.approx(30.0)
@@ -42,7 +42,7 @@ def test_a_nook_that_the_body_cannot_enter_but_sees_into_counts():
     nook = shapely.box(6, 2, 7, 2.3)
     with_nook = what(shapely.box(0, 0, 6, 5), nook)
     assert with_nook.area_m2 == pytest.approx(30.3, abs=0.1)
-    # The disc gets a little into its mouth only.
+    # The disc gets only a little into its mouth.
     assert with_nook.reachable.area < 5.5 * 4.5 + 0.1
 
 
@@ -58,11 +58,11 @@ def test_a_slit_counts_as_far_as_the_range_goes_into_it():
 def test_behind_the_corner_of_a_slit_nothing_counts():
     bent = shapely.box(6, 2, 8, 2.3), shapely.box(7.7, 2.3, 8, 6)
     seen = what(shapely.box(0, 0, 6, 5), *bent)
-    # Along the slit everything, round its corner a strip that is seen from the mouth aslant.
+    # All of the slit, and round its corner a strip that is seen obliquely from the mouth.
     assert 30.0 + 0.6 - 0.05 <= seen.area_m2 <= 30.0 + 0.6 + 0.15
 
 
-def test_a_door_as_wide_as_the_body_leads_on_and_a_narrower_one_does_not():
+def test_a_door_is_passable_if_it_is_as_wide_as_the_body():
     for width, leads_on in ((0.52, True), (0.48, False)):
         door = shapely.box(6, 2, 6.2, 2 + width)
         rooms = what(shapely.box(0, 0, 6, 5), door, shapely.box(6.2, 0, 12, 5))
@@ -109,7 +109,7 @@ def test_huge_worlds_are_counted_in_larger_cells():
     assert cell_width(Environment("huge", shapely.box(0, 0, 4000, 4000))) == 1.0
 
 
-def test_what_is_asked_twice_is_computed_once():
+def test_equal_teams_share_one_result():
     world = Environment("room", shapely.box(0, 0, 6, 5))
     start = Configuration(1.0, 1.0)
     team = ((DISC, 4.0, start),)

@@ -70,14 +70,14 @@ def test_two_robots_that_pass_each_other():
 def test_touching_the_range_is_no_contact_that_lasts():
     result = isolation(team(PAST, radio=RadioSpec(range_m=3.0), **PASSING))
     assert [robot.spells for robot in result] == [((0.0, 50.0),)] * 2
-    # Both stand exactly in range, until one leaves: the border belongs to the range.
+    # Both stand at exactly the range until one leaves: the border belongs to the range.
     away = moved(1, (10.0, 23.0, 14.0, 0.0), (11.0, 26.0, 18.0, 0.0))
     leaving = team(away, starts=[(20.0, 10.0), (23.0, 14.0)])
     assert isolation(leaving)[0].spells == tuple(close([(10.0, 50.0)]))
     assert isolation(leaving)[0].beyond_range_m == pytest.approx(5.0, abs=1e-6)
 
 
-def test_a_radio_that_reaches_everywhere_isolates_nobody():
+def test_no_robot_is_isolated_with_an_unlimited_radio():
     result = team_isolation(team(PAST, radio=RadioSpec(), **PASSING))
     assert (result.total_s, result.longest_s, result.split_s) == (0.0, 0.0, 0.0)
     assert result.beyond_range_m is None
@@ -96,16 +96,16 @@ def test_a_chain_of_relays():
     result = team_isolation(team(up, starts=starts))
     assert [robot.spells for robot in result.robots] == [tuple(close([(13.0, 50.0)]))] * 3
     assert result.split_s == pytest.approx(37.0, abs=1e-6)
-    # Its ends are 8 m apart, and 12.649 m from the middle one in the end.
+    # Its ends are 8 m apart, and finally 12.649 m from the middle one.
     beyond = [robot.beyond_range_m for robot in result.robots]
     assert beyond == pytest.approx([3.0, math.hypot(12.0, 4.0) - 5.0, 3.0], abs=1e-6)
-    # Without relays its ends never reach each other, but nobody is more isolated.
+    # Without relays its ends never reach each other, but no robot is more isolated.
     single = team_isolation(team(up, starts=starts, radio=RadioSpec(range_m=5.0, multi_hop=False)))
     assert single.robots == result.robots
     assert single.split_s == 50.0
 
 
-def test_two_halves_of_a_team_split_it_but_isolate_nobody():
+def test_two_halves_of_a_team_are_split_but_not_isolated():
     starts = [(1.0, 1.0), (1.0, 3.0), (9.0, 1.0), (9.0, 3.0)]
     away = [
         moved(r, (20.0, 9.0, y, math.pi), (30.0, 4.0, y, math.pi)) for r, y in ((2, 1.0), (3, 3.0))
@@ -133,7 +133,7 @@ def test_a_wall_that_blocks_but_for_a_window():
         expected = [(0.0, 2.0 + 4.0 * (9.0 - bound)), (2.0 + 4.0 * (9.0 + bound), 80.0)]
         for robot in isolation(recording, WALL):
             assert robot.spells == tuple(close(expected))
-            # Within range all the time: it is the wall that isolates.
+            # Within range all the time: the wall isolates them.
             assert robot.beyond_range_m == (None if range_m is None else 0.0)
         assert isolation(recording) == isolation(recording, WALL)
 
@@ -176,26 +176,26 @@ def test_the_farthest_from_the_nearest_is_between_two():
 
 def test_the_dead_the_silent_and_the_late():
     near = [(1.0, 1.0), (2.0, 1.0), (3.0, 1.0)]
-    # The last two of the team: one dies, and there is nobody left to be isolated from.
+    # One of the last two robots dies: the other one is not isolated any more.
     result = isolation(team(died(10.0, 0), died(30.0, 1), starts=near))
     assert [robot.spells for robot in result] == [(), (), ()]
-    # The dead do not relay, and are not what one is far from.
+    # Dead robots do not relay, and do not count for the distance.
     chain = [(1.0, 1.0), (5.0, 1.0), (9.0, 1.0)]
     result = team_isolation(team(died(20.0, 1), starts=chain))
     assert [robot.spells for robot in result.robots] == [((20.0, 50.0),), (), ((20.0, 50.0),)]
     assert [robot.beyond_range_m for robot in result.robots] == [3.0, 0.0, 3.0]
-    # One whose radio is silent is isolated, though near; the others hear each other.
+    # A silent robot is isolated, though near; the others reach each other.
     quiet = FellSilent(time_s=10.0, robot=1), CameBack(time_s=15.0, robot=1)
     for radio in (FAR, RadioSpec()):
         result = team_isolation(team(*quiet, starts=near, radio=radio))
         assert [robot.spells for robot in result.robots] == [(), ((10.0, 15.0),), ()]
         assert result.beyond_range_m == (None if radio.range_m is None else 0.0)
         assert (result.total_s, result.split_s) == (5.0, 5.0)
-    # A silent one does not relay either, but lives: it is 4 m away.
+    # A silent robot does not relay, but counts for the distance: it is 4 m away.
     result = isolation(team(*quiet, starts=chain))
     assert [robot.spells for robot in result] == [((10.0, 15.0),)] * 3
     assert [robot.beyond_range_m for robot in result] == [0.0, 0.0, 0.0]
-    # One counts from when it joins, for itself and for others; one that never joins does not.
+    # A robot counts from when it joins, for itself and for others; never if it never joins.
     far = [(1.0, 1.0), (9.0, 1.0), (2.0, 1.0)]
     late = LateStart(robot=1, time_s=12.0), LateStart(robot=2, time_s=60.0)
     result = isolation(team(Joined(time_s=12.0, robot=1), starts=far, faults=late))
@@ -226,7 +226,7 @@ def wandering(robot, start, legs) -> Motion:
 
 
 def places(motion: Motion, times):
-    """Where a robot is, leg by leg, as the constant twist has it: by complex numbers."""
+    """The position of a robot on legs of constant twist, by complex numbers."""
     at = np.full(len(times), complex(*motion.waypoints[0][1:3]))
     for (t0, x0, y0, h0), (t1, x1, y1, h1) in itertools.pairwise(motion.waypoints):
         share = np.clip((times - t0) / (t1 - t0), 0.0, 1.0)
@@ -249,7 +249,7 @@ RADIOS = st.sampled_from(
 
 
 def in_the_open(motions):
-    # In the free part of the world: what drives through a wall is no robot.
+    # In the free part of the world, as robots keep out of walls.
     times = np.linspace(0.0, 14.0, 1401)
     for motion in motions:
         inside = shapely.contains_xy(BLOCKS.free.buffer(-0.05), places(motion, times))
@@ -290,7 +290,7 @@ def test_against_samples(drawn, radio):
         inside = np.zeros(len(times), np.bool_)
         for a, b in own.spells:
             inside |= (times > a) & (times < b)
-        # Moments are exact enough for every sample to be on their right side.
+        # Moments are precise enough for every sample to be on the right side.
         assert np.array_equal(inside, alone[:, robot])
         assert own.total_s == pytest.approx(
             alone[:, robot].sum() * step, abs=(changes[robot] + 2 * len(own.spells)) * step
@@ -309,7 +309,7 @@ def test_against_samples(drawn, radio):
     assert result.longest_s == max(robot.longest_s for robot in result.robots)
 
 
-# What only one robot knows -----------------------------------------------------------------
+# Area known to one robot -------------------------------------------------------------------
 
 
 def seen(time_s, robot, serial, x0, x1) -> NodeAdded:
@@ -341,7 +341,7 @@ EXCHANGE = (
 )
 
 
-def test_two_robots_that_exchange_what_they_know_late():
+def test_two_robots_that_exchange_their_maps_late():
     known = area_known_to_one(team(*EXCHANGE, starts=TWO))
     assert known.integral_m2s == pytest.approx(
         (40.0 * 5 + 30.0 * 5 + 30.0 * 30, 50.0 * 5 + 50.0 * 10 + 40.0 * 5)
@@ -353,12 +353,12 @@ def test_two_robots_that_exchange_what_they_know_late():
     assert metrics.known_to_one_m2 == pytest.approx(30.0)
 
 
-def test_what_dies_with_a_robot_is_known_to_nobody():
+def test_what_only_a_dead_robot_knew_is_known_to_none():
     known = area_known_to_one(team(*EXCHANGE, died(30.0, 0), starts=TWO))
     # Robot 1 alone knows the first node and its own: 90 m2.
     assert known.integral_m2s == pytest.approx((350.0 + 30.0 * 10, 950.0 + 90.0 * 20))
     assert known.final_m2 == pytest.approx((0.0, 90.0))
-    # What it learns later is its own again.
+    # What it learns later counts for it again.
     more = died(30.0, 0), learned(40.0, 1, (0, 1))
     known = area_known_to_one(team(*EXCHANGE, *more, starts=TWO))
     assert known.final_m2 == pytest.approx((0.0, 120.0))

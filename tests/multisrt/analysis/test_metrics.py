@@ -10,9 +10,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from multisrt.analysis import clearances
+from multisrt.analysis.bounds import lower_bounds
 from multisrt.analysis.clearances import smallest_clearance, smallest_distance_between_robots
 from multisrt.analysis.coverage import CoverageMeter
-from multisrt.analysis.metrics import lower_bounds, measure
+from multisrt.analysis.metrics import METRIC_GROUPS, Metrics, measure
 from multisrt.environments.environment import Environment
 from multisrt.events import (
     ArcClosed,
@@ -92,7 +93,7 @@ def team(*events, starts, end_s=50.0, footprints=None, faults=(), world=HALL) ->
     return recorder.finish(end_s, "complete", "")
 
 
-# The hall is 100 columns of cells wide. What is known of it grows from the left.
+# The hall is 100 columns of cells wide. The known part grows from the left.
 GROWING = (
     seen(0.0, shapely.box(0, 0, 5, 10), "root"),
     seen(10.0, shapely.box(0, 0, 9.2, 10), serial=1),
@@ -129,14 +130,14 @@ def test_a_run_that_saw_nothing():
     assert metrics.total_distance_m == 0.0
 
 
-def test_what_is_seen_twice_or_outside_counts_once_or_not():
+def test_cells_count_once_and_cells_outside_never():
     twice = seen(0.0, shapely.box(0, 0, 5, 10)), seen(1.0, shapely.box(0, 0, 5, 10))
     assert measure(recorded(*twice), HALL).coverage == 0.5
     outside = seen(0.0, shapely.box(-50, -50, 5, 50))
     assert measure(recorded(outside), HALL).coverage == 0.5
 
 
-def test_coverage_is_of_what_the_body_can_get_to_see():
+def test_coverage_is_relative_to_what_the_body_can_see():
     rooms = Environment("rooms", shapely.union(HALL.free, shapely.box(10.5, 0, 14.5, 10)))
     metrics = measure(recorded(*GROWING, world=rooms), rooms)
     assert metrics.coverage == 1.0
@@ -251,7 +252,7 @@ def test_the_least_clearance_of_any_robot_counts():
     there = moved((0, 9.0, 5.0, 0.0), (2, 9.7, 5.0, 0.0), robot=2)
     assert clearance_of_team(bodies, there) == pytest.approx(0.2)
     assert clearance_of_team(bodies) == pytest.approx(0.3)
-    # One that is in a wall by 1 m is not outdone by one that touches it.
+    # A body 1 m inside a wall counts more than one that touches it.
     into = moved((0, 1.9, 5.0, 0.0), (2, 0.5, 5.0, 0.0), robot=0)
     touching = moved((0, 9.0, 5.0, 0.0), (2, 10.0, 5.0, 0.0), robot=2)
     assert clearance_of_team(bodies, into, touching) == pytest.approx(-1.0)
@@ -289,7 +290,7 @@ def test_lower_bounds_in_a_hall():
     assert reach <= (math.hypot(10, 10) - 4.0) / 0.5
 
 
-def test_lower_bounds_fall_with_the_speed_and_vanish_with_the_range():
+def test_lower_bounds_fall_with_speed_and_range():
     hall = Environment("hall", shapely.box(0, 0, 20, 20))
     slow, fast = bounds(hall, speed=0.5), bounds(hall, speed=1.0)
     assert slow == pytest.approx((2.0 * fast[0], 2.0 * fast[1]))
@@ -361,7 +362,7 @@ def test_waiting():
     assert metrics.deaths == 1
 
 
-def test_what_is_seen_by_more_than_one():
+def test_the_overlap_is_the_area_seen_by_several_robots():
     starts = [(1.0, 1.0, 0.0), (1.0, 5.0, 0.0), (1.0, 9.0, 0.0)]
     metrics = measure(
         team(
@@ -381,7 +382,7 @@ def test_what_is_seen_by_more_than_one():
     assert metrics.coverage_integral_s == pytest.approx(0.3 * 1.0 + 0.2 * 49.0)
 
 
-def test_one_robot_overlaps_with_nobody():
+def test_a_single_robot_has_no_overlap():
     metrics = measure(recorded(*GROWING), HALL)
     assert (metrics.overlap_area_m2, metrics.overlap_share) == (0.0, 0.0)
     assert metrics.smallest_distance_between_robots_m is None
@@ -389,7 +390,7 @@ def test_one_robot_overlaps_with_nobody():
     assert measure(recorded(end_s=3.0), HALL).overlap_share == 0.0
 
 
-def test_what_is_lost_with_the_dead():
+def test_area_is_lost_with_robots_that_die():
     starts = [(1.0, y, 0.0) for y in (1.0, 4.0, 7.0, 9.0)]
     story = (
         seen(0.0, shapely.box(0, 0, 1, 10), "root"),
@@ -410,7 +411,7 @@ def test_what_is_lost_with_the_dead():
     assert metrics.lost_area_by_robot_m2 == pytest.approx((0.0, 20.0, 30.0, 0.0))
     assert metrics.lost_area_m2 == pytest.approx(40.0)
     assert metrics.deaths == 2
-    # What one that lives on has learned is not lost, whoever else knows it not.
+    # What a survivor has learned is not lost, although the other ones do not know it.
     told = Learned(time_s=49.0, robot=3, nodes=((2, 0),))
     metrics = measure(team(*story, told, starts=starts), HALL)
     assert metrics.lost_area_by_robot_m2 == pytest.approx((0.0, 10.0, 0.0, 0.0))
@@ -617,7 +618,7 @@ def fastest_point(recording: Recording) -> float:
     return max(speeds)
 
 
-def test_tracks_are_laid_out_once_and_kept_no_longer_than_the_recording():
+def test_tracks_are_computed_once_and_live_with_the_recording():
     gc.collect()
     before = len(clearances._TRACKS)
     recording = team(starts=[(1.0, 1.0, 0.0), (3.0, 1.0, 0.0)])
@@ -626,3 +627,8 @@ def test_tracks_are_laid_out_once_and_kept_no_longer_than_the_recording():
     del recording
     gc.collect()
     assert len(clearances._TRACKS) == before
+
+
+def test_every_metric_is_in_one_group():
+    grouped = [name for names in METRIC_GROUPS.values() for name in names]
+    assert sorted(grouped) == sorted(Metrics.__struct_fields__)

@@ -166,11 +166,11 @@ def recording() -> Recording:
 
 
 def part(text: str, title: str) -> str:
-    """What stands under a title."""
+    """Return the lines of a section."""
     return text.partition(f"\n{title}\n")[2].partition("\n\n")[0]
 
 
-def test_what_it_knew_and_decided(recording):
+def test_knowledge_and_decision_are_explained(recording):
     text = explain(recording, 2, 8.0)
     assert text.startswith("Robot 2 at 8.00 s: its last decision was at 6.00 s.\n")
     place = part(text, "Where it stood")
@@ -178,7 +178,7 @@ def test_what_it_knew_and_decided(recording):
     assert "its parent is node 0; the place was found by: draw" in place
     knew = part(text, "What it knew")
     assert "local frontier there was 2.25 m long" in knew
-    assert "its map had 2 nodes of its own" in knew
+    assert "its map had 2 nodes that it had made" in knew
     assert "learned 2 nodes of others: 1 of robot 0, 1 of robot 1; last at 6.00 s" in knew
     assert "complete" not in knew
     decided = part(text, "What it decided")
@@ -189,7 +189,7 @@ def test_what_it_knew_and_decided(recording):
     assert "target (7.00, 6.00), 2.83 m away" in decided
 
 
-def test_what_the_master_made_of_it(recording):
+def test_the_orders_of_the_master_are_explained(recording):
     group = part(explain(recording, 2, 8.0), "Its group")
     assert "pre-engaged (GPR): 0, 1, 2" in group
     assert "engaged (GER): 1, 2" in group
@@ -199,17 +199,17 @@ def test_what_the_master_made_of_it(recording):
     assert "a deadlock" in group
     assert re.search(r"\b1 +\(8\.00, 6\.00\) +\(8\.00, 6\.00\)  keep\n", group)
     assert re.search(r"\b2 +\(7\.00, 6\.00\) +\(8\.50, 7\.00\)  new target\n", group)
-    assert "at 6.25 s it was told to go to another target: (7.00, 6.00) became (8.50, 7.00)" in (
+    assert "at 6.25 s its order was to go to another target: (7.00, 6.00) became (8.50, 7.00)" in (
         group
     )
     assert "(0.50, 0.50)" not in group
 
 
-def test_a_step_on_the_way_to_another_tree_is_coordinated_without_a_decision(recording):
+def test_a_step_to_another_tree_is_coordinated_without_decision(recording):
     assert "master" not in explain(recording, 2, 20.0)
     group = part(explain(recording, 2, 22.0), "Its group")
     assert "paths of the group 0, 2 conflicted; the master was itself" in group
-    assert "at 20.50 s it was told to wait where it stands" in group
+    assert "at 20.50 s its order was to wait where it stands" in group
 
 
 def test_where_no_paths_conflicted(recording):
@@ -219,8 +219,8 @@ def test_where_no_paths_conflicted(recording):
     assert "Its group" not in explain(recording, 2, 3.0)
 
 
-def test_where_a_robot_is_on_its_way_and_where_it_came(recording):
-    then = "What it did then"
+def test_motions_under_way_and_completed_are_told_apart(recording):
+    then = "What it did next"
     assert "0.00 s: it set out to explore, and is on its way to (9.00, 4.00)" in part(
         explain(recording, 2, 3.0), then
     )
@@ -232,9 +232,9 @@ def test_where_a_robot_is_on_its_way_and_where_it_came(recording):
     assert "16.00 s: it set out to support another tree, and is on its way to (7.00" in text
 
 
-def test_whom_it_supports(recording):
-    assert "Whom it supports" not in explain(recording, 2, 15.0)
-    support = part(explain(recording, 2, 24.0), "Whom it supports")
+def test_the_supported_tree_is_explained(recording):
+    assert "Which tree it supports" not in explain(recording, 2, 15.0)
+    support = part(explain(recording, 2, 24.0), "Which tree it supports")
     assert "at 16.00 s: the tree of robot 1" in support
     assert re.search(r"\b0 +1\.50 m +2\n", support)
     assert re.search(r"\b1 +12\.00 m +1  may need support\n", support)
@@ -242,8 +242,8 @@ def test_whom_it_supports(recording):
     assert "at node 0 of robot 1" in explain(recording, 2, 24.0)
 
 
-def test_what_went_otherwise(recording):
-    title = "What went otherwise than planned"
+def test_events_that_were_not_planned_are_listed(recording):
+    title = "What did not go as planned"
     assert title not in explain(recording, 2, 8.9)
     early = part(explain(recording, 2, 9.0), title)
     assert early == "  9.00 s: protective stop at (8.75, 5.50), before the body of robot 0"
@@ -255,11 +255,11 @@ def test_what_went_otherwise(recording):
         "14.00",
         "27.00",
     ]
-    assert "it took robot 1 as lost" in late
+    assert "it no longer waited for robot 1, which did not answer" in late
     assert "it died at (5.00, 2.50), moving" in late
 
 
-def test_without_a_time_it_is_the_last_decision(recording):
+def test_without_a_time_the_last_decision_is_explained(recording):
     assert explain(recording, 2) == explain(recording, 2, 30.0)
     assert "its last decision was at 24.00 s" in explain(recording, 2)
     assert "blocked by a robot" in explain(recording, 2)
@@ -294,14 +294,14 @@ def test_all_decisions(recording):
         (1, None, "robot 1 did not decide anything in this run"),
     ],
 )
-def test_what_cannot_be_told(recording, robot, time_s, said):
+def test_invalid_robots_and_times_are_refused(recording, robot, time_s, said):
     with pytest.raises(InvalidInputError) as error:
         explain(recording, robot, time_s)
     assert said in str(error.value)
     assert "\n" not in str(error.value)
 
 
-def test_all_decisions_of_nobody(recording):
+def test_decisions_of_a_robot_that_does_not_exist_are_refused(recording):
     with pytest.raises(InvalidInputError, match="there is no robot 3"):
         explain_all(recording, 3)
 
@@ -398,18 +398,18 @@ def bidding() -> Recording:
     return recorder.finish(9.0, "complete", "")
 
 
-def test_what_a_bidder_knew_and_why_it_chose_anew(bidding):
+def test_knowledge_and_reason_of_a_bidder_are_explained(bidding):
     text = explain(bidding, 1, 1.2)
     assert text.startswith("Robot 1 at 1.20 s: it last chose a goal at 1.00 s.\n")
     assert "at (5.50, 1.00)" in part(text, "Where it stood")
     knew = part(text, "What it knew")
-    assert "its map had 2 scans of its own" in knew
+    assert "its map had 2 scans that it had taken" in knew
     assert "learned 2 scans of others: 1 of robot 0, 1 of robot 2; last at 0.50 s" in knew
-    assert "these other robots: 0; not with 2" in knew
-    why = part(text, "Why it chose anew")
+    assert "these other robots: 0; not 2" in knew
+    why = part(text, "Why it chose again")
     assert "news: its map had changed" in why
     assert "before, since 0.00 s, its goal was (7.50, 2.00)" in why
-    assert "frontier 0, (3.00, 4.00), 3.25 m to go" in part(text, "What it chose")
+    assert "frontier 0, (3.00, 4.00), 3.25 m away" in part(text, "What it chose")
 
 
 def test_the_bid_table_marks_row_and_column_and_has_ranks(bidding):
@@ -418,29 +418,29 @@ def test_the_bid_table_marks_row_and_column_and_has_ranks(bidding):
     assert re.search(r"x \(m\) +3\.00 +7\.50\n +y \(m\) +4\.00 +2\.00\n", table)
     assert re.search(r"\n    robot 0 +- \(1\) +12\.50 \(1\)\n", table)
     assert re.search(r"\n  > robot 1 +3\.25 \(0\) +4\.75 \(0\)", table)
-    assert "left out" not in table
+    assert "not shown" not in table
 
 
-def test_what_a_bidder_did_until_it_chose_again(bidding):
+def test_motions_of_a_bidder_until_its_next_choice_are_listed(bidding):
     text = explain(bidding, 1, 1.2)
-    then = part(text, "What it did then").splitlines()
+    then = part(text, "What it did next").splitlines()
     assert then == [
         "  from 1.00 s on it drove 1.00 m in 1.00 s, to (4.50, 1.00)",
         "  from 2.50 s on it gave way and drove 1.00 m in 1.00 s, to (5.50, 1.00)",
         "  at 4.00 s it chose again: it had given way to another robot",
     ]
-    told = part(text, "What it sent and learned meanwhile")
+    told = part(text, "Messages until the next choice")
     assert "it sent 1 message: 1 report" in told
     assert "it learned 1 scan of others: 1 of robot 0" in told
-    otherwise = "What went otherwise than planned"
+    otherwise = "What did not go as planned"
     assert otherwise not in text
     assert "protective stop at (4.50, 1.00)" in part(explain(bidding, 1, 2.0), otherwise)
 
 
-def test_rounds_bids_and_scores_are_told(bidding):
+def test_rounds_bids_and_scores_are_shown(bidding):
     rounds = part(explain(bidding, 1, 4.0), "How it chose: greedy")
-    assert "round  1:   robot 0 got frontier 0, (3.00, 4.00): 0.25 of the longest way" in rounds
-    assert "round  2: > robot 1 got frontier 1, (7.50, 2.00): 0.56 of the longest way" in rounds
+    assert "round  1:   robot 0 got frontier 0, (3.00, 4.00): 0.25 of the longest path" in rounds
+    assert "round  2: > robot 1 got frontier 1, (7.50, 2.00): 0.56 of the longest path" in rounds
     bids = part(explain(bidding, 1, 5.0), "How it chose: self-bidding")
     assert "(phi): 13.5, 21.0 m" in bids
     assert re.search(r"bids that were matched.*\n    robot 0 +-3\.00 +-\n  > robot 1 +3\.00", bids)
@@ -449,9 +449,9 @@ def test_rounds_bids_and_scores_are_told(bidding):
     assert re.search(r"\n    +\(8\.75, 0\.25\) +50\.00", scores)
 
 
-def test_many_frontiers_are_cut_to_the_nearest_and_the_chosen_one(bidding):
+def test_only_the_nearest_and_the_chosen_frontiers_are_shown(bidding):
     table = part(explain(bidding, 1, 7.0), "How it chose: minpos")
-    assert "4 of 12 frontiers, farther away, are left out" in table
+    assert "4 of 12 frontiers, farther away, are not shown" in table
     head = re.search(r"\n  frontier +(.*)", table)
     assert head is not None
     assert head[1].split() == ["0*", "5", "6", "7", "8", "9", "10", "11"]
@@ -461,12 +461,12 @@ def test_many_frontiers_are_cut_to_the_nearest_and_the_chosen_one(bidding):
 def test_no_goal_and_the_end(bidding):
     text = explain(bidding, 1)
     assert "no goal: there is none that it can reach" in part(text, "What it chose")
-    assert "8.00 s: it ended: no frontier is left" in part(text, "What it did then")
+    assert "8.00 s: it ended: no frontier is left" in part(text, "What it did next")
 
 
 def test_all_choices_of_goals(bidding):
     head, *lines = explain_all(bidding, 1).splitlines()
-    assert head.split() == ["time", "(s)", "frontiers", "to", "go", "choice"]
+    assert head.split() == ["time", "(s)", "frontiers", "path", "choice"]
     assert [line.split()[0] for line in lines] == [f"{t}.00" for t in (0, 1, 4, 5, 6, 7, 8)]
     assert lines[1].split(maxsplit=4) == [
         "1.00",

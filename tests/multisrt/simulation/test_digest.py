@@ -107,7 +107,7 @@ def test_equal_specs_give_equal_bytes_in_any_process_and_order(tmp_path):
 
 
 @pytest.mark.parametrize("strategy", ["srt-star", "srt-radial", "minpos", "self-bidding"])
-def test_whole_numbers_give_the_bytes_of_fractions(strategy):
+def test_whole_and_fractional_numbers_give_equal_bytes(strategy):
     def spec(number):
         seeing = RangeFinderSpec(range_m=number(4))
         body = RobotSpec(range_finder=seeing, drive=DriveSpec(speed_m_s=number(1)))
@@ -125,7 +125,7 @@ def test_whole_numbers_give_the_bytes_of_fractions(strategy):
 
 @pytest.fixture(scope="module")
 def teams():
-    """The runs of `TEAMS`, made here; what has to come the same way every time has happened."""
+    """The runs of `TEAMS`, made in this process; each has the events that it is there for."""
     runs = [simulate(spec) for spec in TEAMS]
     for run in runs:
         assert [event.robot for event in run.events if isinstance(event, Died)] == [1]
@@ -138,7 +138,7 @@ def teams():
 
 @pytest.mark.parametrize(("workers", "order"), [(1, [2, 0, 1]), (2, [0, 1, 2])])
 def test_teams_give_equal_digests_with_any_number_of_workers(teams, tmp_path, workers, order):
-    # Every process has string hashes of its own, and comes to these runs after other ones.
+    # Each process has its own string hashes, and makes these runs after other ones.
     script = tmp_path / "pool.py"
     script.write_text(IN_A_POOL)
     done = subprocess.run(
@@ -153,12 +153,12 @@ def test_teams_give_equal_digests_with_any_number_of_workers(teams, tmp_path, wo
     assert done.stdout.split() == [teams[k].footer.digest for k in order]
 
 
-def test_a_world_at_hand_and_one_built_from_the_spec_are_the_same():
+def test_a_given_world_and_one_built_from_the_spec_are_equal():
     world = environment("apartment")
     assert simulate(APARTMENT, world).footer.digest == simulate(APARTMENT).footer.digest
 
 
-def test_a_world_written_out_is_explored_the_same_way():
+def test_an_inline_world_is_explored_in_the_same_way():
     world = environment("apartment")
     spec = RunSpec(environment=inline(world), seed=5)
     assert simulate(spec).events == simulate(APARTMENT).events
@@ -219,7 +219,7 @@ def test_a_map_file_that_changes_gives_another_digest(tmp_path):
 
 
 def test_a_digest_can_be_computed_from_the_file(tmp_path):
-    # As the recording's description says: spec, free space, starts, then every event's line.
+    # As documented: the spec, the free space, the starts, then the line of every event.
     path = tmp_path / "run.jsonl"
     simulate(APARTMENT, path=path)
     recording = Recording.load(path)

@@ -1,4 +1,4 @@
-"""What goes wrong by the spec: deaths, silences and late starts, with robots driven by hand."""
+"""Faults of the spec: deaths, silences and late starts, with scripted robots."""
 
 import math
 from typing import ClassVar
@@ -56,7 +56,7 @@ class Word(Message, frozen=True, kw_only=True):
 
 
 class Actor:
-    """Does what a list of actions or a generator function says, and keeps what it is told."""
+    """An explorer that follows a list of actions or a generator, and keeps the outcomes."""
 
     def __init__(self, script):
         self.script = script
@@ -75,7 +75,7 @@ class Actor:
 
 @pytest.fixture
 def play(monkeypatch):
-    """Let robots act; give the recording and what everyone was told."""
+    """Run scripted robots; return the recording and the outcomes of each."""
 
     def run(*scripts, starts=STARTS, faults=(), **spec):
         actors = [Actor(script) for script in scripts]
@@ -119,7 +119,7 @@ def events(recording, kind, robot=None):
 # Deaths --------------------------------------------------------------------------------------
 
 
-def test_a_robot_that_dies_on_its_way_stays_there(play):
+def test_a_robot_that_dies_while_moving_stays_there(play):
     recording, told = play(
         [straight(1, 1, 5, 1), Sense(), END], [END], faults=[Death(robot=0, time_s=3.0)]
     )
@@ -130,7 +130,7 @@ def test_a_robot_that_dies_on_its_way_stays_there(play):
     (motion,) = events(recording, Motion)
     assert motion.waypoints == ((0.0, 1.0, 1.0, 0.0), (3.0, *here))
     assert told[0] == []
-    # The run ends with the living.
+    # The run ends when all living robots are done.
     assert recording.footer.outcome == "complete"
     assert recording.footer.reason == "robot 1: enough"
 
@@ -147,7 +147,7 @@ def test_the_living_go_on_after_a_death(play):
 
 @pytest.mark.parametrize("guard_m", [0.5, None])
 def test_the_body_of_a_dead_robot_is_an_obstacle(play, guard_m):
-    # It dies at (1, 2), in the way of robot 1, whose guard leaves 1 m between centres.
+    # It dies at (1, 2), in the path of robot 1, whose guard keeps 1 m between the centres.
     def pass_by():
         yield Receive(5.0)
         yield straight(3, 2, 0.5, 2, guard_m=guard_m)
@@ -173,8 +173,8 @@ def test_the_body_of_a_dead_robot_is_an_obstacle(play, guard_m):
     assert [sighting.robot for sighting in told[1][2]] == [0]
 
 
-def test_a_death_frees_the_way_that_the_dead_would_have_crossed(play):
-    # Robot 0 would be in robot 1's way at 6 s, but dies at once.
+def test_a_death_frees_the_path_that_would_have_been_crossed(play):
+    # Robot 0 would be in the path of robot 1 at 6 s, but dies at once.
     recording, told = play(
         [straight(1, 1, 1, 3), END],
         [straight(5, 3, 1, 3, guard_m=0.5), END],
@@ -193,7 +193,7 @@ def test_a_robot_that_waits_dies_waiting(play):
     assert recording.footer.time_s == 3.0
 
 
-def test_death_comes_when_it_next_moves(play):
+def test_a_death_while_moving_waits_for_the_next_motion(play):
     # At 1 s it waits; it sets out at 5 s for 4 s, and dies halfway.
     recording, _ = play(
         [Receive(5.0), straight(1, 1, 3, 1), END],
@@ -204,7 +204,7 @@ def test_death_comes_when_it_next_moves(play):
     assert (died.time_s, died.doing, died.configuration) == (7.0, "moving", (2.0, 1.0, 0.0))
 
 
-def test_death_comes_at_once_if_it_moves_already(play):
+def test_a_death_while_moving_strikes_a_moving_robot_at_once(play):
     recording, _ = play(
         [straight(1, 1, 3, 1), END], [END], faults=[Death(robot=0, time_s=1.0, when="moving")]
     )
@@ -212,7 +212,7 @@ def test_death_comes_at_once_if_it_moves_already(play):
     assert (died.time_s, died.configuration) == (1.0, (1.5, 1.0, 0.0))
 
 
-def test_death_comes_when_it_next_waits(play):
+def test_a_death_while_waiting_waits_for_the_next_wait(play):
     recording, told = play(
         [straight(1, 1, 3, 1), Receive(5.0), END],
         [END],
@@ -223,7 +223,7 @@ def test_death_comes_when_it_next_waits(play):
     assert len(told[0]) == 1
 
 
-def test_a_master_dies_as_it_has_organised(play):
+def test_a_master_dies_when_it_has_organised(play):
     note = Note(
         Organized(
             time_s=4.0,
@@ -243,12 +243,12 @@ def test_a_master_dies_as_it_has_organised(play):
     )
     (died,) = events(recording, Died)
     assert (died.time_s, died.doing) == (4.0, "master")
-    # Its word does not go out any more.
+    # Its message is not sent any more.
     assert events(recording, Sent) == []
     assert told[1] == [TimedOut(9.0)]
 
 
-def test_a_robot_that_never_does_it_does_not_die(play):
+def test_a_death_whose_condition_never_holds_does_not_happen(play):
     recording, _ = play(
         [straight(1, 1, 3, 1), END], [END], faults=[Death(robot=0, time_s=1.0, when="master")]
     )
@@ -278,7 +278,7 @@ def test_the_dead_get_no_messages_and_relay_none(play):
     assert recording.footer.outcome == "complete"
 
 
-def test_a_message_on_its_way_to_one_that_dies_holds_up_nothing(play):
+def test_a_message_to_a_dead_robot_does_not_prolong_the_run(play):
     recording, told = play(
         [Receive(1.0), Send(Word(sender=0)), END],
         [Receive(), END],
@@ -316,7 +316,7 @@ def test_an_end_of_one_that_died_afterwards_does_not_count(play):
 
 
 def talk(robot, count):
-    """Drive, and say something every second, first after half a second."""
+    """Drive, and send a message every second, the first after half a second."""
     x, y = STARTS[1]
     yield straight(x, y, x + 0.25, y)
     x += 0.25
@@ -347,7 +347,7 @@ def test_a_silent_robot_neither_sends_nor_hears_and_comes_back(play):
     assert [outcome.messages[0].text for outcome in told[0][:2]] == ["0", "4"]
 
 
-def test_what_is_said_to_a_silent_robot_is_gone(play):
+def test_messages_to_a_silent_robot_are_not_delivered(play):
     recording, told = play(
         [Receive(10.0), END],
         lambda: talk(1, 6),
@@ -446,7 +446,7 @@ def test_the_run_waits_for_a_late_robot(play):
     assert recording.footer.outcome == "complete"
 
 
-def test_a_late_robot_that_dies_before_never_begins(play):
+def test_a_robot_that_dies_before_its_late_start_never_begins(play):
     recording, told = play(
         [END],
         [straight(1, 3, 2, 3), END],
@@ -469,7 +469,7 @@ def test_one_that_joins_within_a_silence_is_silent_on_record(play):
     assert [event.time_s for event in events(recording, FellSilent)] == [2.0]
 
 
-def test_one_that_is_silent_when_it_is_late_only_is_not_silent_on_record(play):
+def test_a_silence_over_before_a_late_start_is_not_recorded(play):
     recording, _ = play(
         [Receive(10.0), END],
         lambda: talk(1, 6),

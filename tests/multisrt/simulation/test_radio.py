@@ -65,11 +65,11 @@ def test_walls_block_and_relays_go_round_them():
     assert radio(world, walls="block").reached(0, at[:2], [True, True]) == []
     assert radio(world, walls="block", multi_hop=False).reached(0, at, everybody(at)) == [2]
     assert radio(world, walls="pass").reached(0, at[:2], [True, True]) == [1]
-    # The way over (10, 1) is two links of 8.6 m.
+    # The path over (10, 1) has two links of 8.6 m.
     assert radio(world, walls="block", range_m=8.0).reached(0, at, everybody(at)) == []
 
 
-def test_links_are_what_single_hops_reach():
+def test_links_are_the_robots_reached_without_relays():
     world = HALL - shapely.box(9.9, 2, 10.1, 10)
     at = [(5, 8), (15, 8), (10, 1), (6, 8)]
     working = [True, True, True, False]
@@ -115,8 +115,8 @@ def test_a_steeper_loss_makes_walls_matter_less():
 
 
 def test_touching_and_grazing_walls_is_no_passage():
-    # A block from 4 to 6 and, by the grid of the drawing, robots on its lines and corners; and
-    # a second one that the line y = 6 has on its other side.
+    # A block from 4 to 6, with robots on the lines of its sides and at its corners, and a second
+    # one on the other side of the line y = 6.
     world = HALL - shapely.box(4, 4, 6, 6) - shapely.box(8, 6, 10, 8)
     pairs = [((1, 6), (15, 6)), ((1, 4), (15, 4)), ((2, 2), (2, 8)), ((3, 9), (9, 3))]
     for pair in pairs:
@@ -199,7 +199,7 @@ def test_a_message_takes_its_time():
     assert radio().deliveries(1, 1, at, everybody(at)) == ([], [])
 
 
-def test_what_is_certain_draws_nothing():
+def test_nothing_is_drawn_where_nothing_is_random():
     at = [(1, 1), (2, 1), (3, 1)]
     rng = np.random.default_rng(3)
     quiet = Radio(RadioSpec(latency_s=1.0), EdgeIndex(Environment("w", HALL).edges, 2.0), rng)

@@ -55,7 +55,7 @@ class NoOptions(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class Scripted:
-    """Does what a test says, and keeps what it is told."""
+    """An explorer that follows a script, and keeps the outcomes."""
 
     def __init__(self, script):
         self.script = script
@@ -69,7 +69,7 @@ class Scripted:
 
 @pytest.fixture
 def drive(monkeypatch):
-    """Run a script in a world; give the recording and the explorer."""
+    """Run a script in a world; return the recording and the explorer."""
 
     def run(*script, robot=DISC, world=HALL, max_time_s=1000.0, watch=None):
         explorer = Scripted(script)
@@ -133,7 +133,7 @@ def test_times_count_from_the_start_of_the_run(drive):
     assert [motion.time_s for motion in motions(recording)] == [0.0, 4.0]
 
 
-def test_a_robot_is_told_what_it_is(drive):
+def test_an_explorer_is_given_what_its_robot_is(drive):
     robot = RobotSpec(start=(2.0, 3.0, 0.5), footprint="box:0.6x0.4")
     _, explorer = drive(Done(complete=True, reason=""), robot=robot)
     assert explorer.me.robot == 0
@@ -168,7 +168,7 @@ def test_a_trajectory_from_elsewhere_is_refused(drive, x, y, heading):
     assert "1.0" in str(error.value)
 
 
-def test_a_heading_is_the_same_after_a_whole_turn(drive):
+def test_headings_that_differ_by_a_full_turn_are_equal(drive):
     recording, _ = drive(
         straight(1, 1, 3, 1, heading=2.0 * math.pi), Done(complete=True, reason="")
     )
@@ -206,7 +206,7 @@ def test_the_second_leg_of_a_trajectory_collides(drive):
 
 
 def test_a_body_may_touch_a_wall_with_nothing_but_its_clearance(drive):
-    # 0.25 m from the wall is a touch, a micrometre more is none.
+    # At 0.25 m from the wall the disc touches it, a micrometre farther away it does not.
     for y, outcome in ((0.25, "stalled"), (0.250001, "complete")):
         recording, _ = drive(straight(1, 1, 1, y), Done(complete=True, reason=""))
         assert recording.footer.outcome == outcome
@@ -234,7 +234,7 @@ def test_turning_while_driving_is_checked(drive):
         assert recording.footer.outcome == outcome
 
 
-def test_the_stop_rule_cuts_a_motion_where_it_is(drive):
+def test_the_stop_rule_ends_a_motion_where_the_robot_is(drive):
     # Two metres take four seconds; after three the robot has gone one metre and a half.
     recording, explorer = drive(
         straight(1, 1, 3, 1), Done(complete=True, reason=""), max_time_s=3.0
@@ -248,8 +248,8 @@ def test_the_stop_rule_cuts_a_motion_where_it_is(drive):
 
 
 @pytest.mark.parametrize("end", [0.6, 0.82, 0.85, 2.31, 2.4])
-def test_the_stop_rule_in_a_later_motion_ends_exactly_at_its_time(drive, end):
-    # With 2.31 and 2.4 the rest of the time, added to the time, is not quite the end.
+def test_the_stop_rule_ends_a_later_motion_exactly_at_its_time(drive, end):
+    # With 2.31 and 2.4, the time plus the remaining time is not exactly the end.
     recording, _ = drive(
         straight(1, 1, 1.1, 1, seconds=0.1),
         straight(1.1, 1, 3, 1, seconds=0.2),
@@ -262,7 +262,7 @@ def test_the_stop_rule_in_a_later_motion_ends_exactly_at_its_time(drive, end):
     assert recording.footer.outcome == "out_of_time"
 
 
-def test_a_motion_that_ends_with_the_time_is_whole(drive):
+def test_a_motion_that_ends_with_the_time_is_complete(drive):
     recording, explorer = drive(
         straight(1, 1, 3, 1), Sense(), Done(complete=True, reason=""), max_time_s=4.0
     )
@@ -282,7 +282,7 @@ def test_a_wall_behind_the_end_of_time_is_not_hit(drive):
     assert recording.footer.outcome == "out_of_time"
 
 
-def test_every_event_is_told_as_it_happens(drive):
+def test_the_watcher_is_called_with_every_event(drive):
     seen = []
     recording, _ = drive(straight(1, 1, 3, 1), Done(complete=True, reason=""), watch=seen.append)
     assert tuple(seen) == recording.events
@@ -340,7 +340,7 @@ def test_a_start_outside_of_the_world():
         start(RobotSpec(start=(50.0, 3.0)), PILLAR)
 
 
-def test_a_start_that_is_too_tight_says_the_clearance():
+def test_a_start_without_room_is_refused_with_its_clearance():
     with pytest.raises(ClearanceError, match=r"clearance there is 0\.1 m.*0\.25") as error:
         start(RobotSpec(start=(3.9, 3.0)), PILLAR)
     assert error.value.clearance_m == pytest.approx(0.1)
@@ -373,7 +373,7 @@ def test_a_suggested_start():
         start(RobotSpec(footprint="disc:2.1"), suggested)
 
 
-def test_a_drawn_start_depends_on_the_seed_and_has_room_for_any_heading():
+def test_a_random_start_depends_on_the_seed_and_has_room():
     starts = [start(RobotSpec(footprint="box:0.6x0.4"), PILLAR, seed) for seed in range(20)]
     assert starts == [start(RobotSpec(footprint="box:0.6x0.4"), PILLAR, seed) for seed in range(20)]
     assert len(set(starts)) == 20
@@ -406,7 +406,7 @@ ON_CALL = Done(complete=True, reason="enough", on_call=True)
 
 
 class Actor:
-    """Does what a generator says, and keeps what it is told."""
+    """An explorer that follows a generator, and keeps the outcomes."""
 
     def __init__(self, acts):
         self.acts = acts
@@ -426,7 +426,7 @@ class Actor:
 
 @pytest.fixture
 def play(monkeypatch):
-    """Let robots act, each by a list of actions or by a generator; give what they were told."""
+    """Run robots, each by a list of actions or a generator; return the outcomes, too."""
 
     def run(*scripts, starts, world=HALL, max_time_s=1000.0, robot=None, **spec):
         actors = [Actor(script) for script in scripts]
@@ -550,7 +550,7 @@ def test_robots_in_between_relay(play, multi_hop, reached):
 
 
 def test_the_place_at_the_time_of_sending_counts(play):
-    # Robot 1 comes into range, 2 m, after 4 s of its way of 3 m at half a metre a second.
+    # Robot 1 comes into range (2 m) after 4 s, of a path of 3 m at 0.5 m/s.
     def call():
         for _ in range(7):
             yield Send(Word(sender=0), 1)
@@ -567,7 +567,7 @@ def test_the_place_at_the_time_of_sending_counts(play):
     assert reached == [4.0, 5.0, 6.0]
 
 
-def test_a_message_to_one_robot_comes_to_it_alone(play):
+def test_a_message_to_one_robot_reaches_it_alone(play):
     recording, told = play(
         [Send(Word(sender=0), 2), Send(Word(sender=0), 1), Send(Word(sender=0), 2), END],
         [Receive(1.0), Receive(1.0), END],
@@ -579,7 +579,7 @@ def test_a_message_to_one_robot_comes_to_it_alone(play):
     assert all(isinstance(told[robot][1], TimedOut) for robot in (1, 2))
 
 
-def test_messages_of_one_moment_come_in_the_order_in_which_they_were_sent(play):
+def test_messages_of_one_moment_arrive_in_order(play):
     def sender(robot):
         yield Send(Word(sender=robot, text=f"{robot}a"))
         yield Send(Word(sender=robot, text=f"{robot}b"))
@@ -598,8 +598,8 @@ def test_messages_of_one_moment_come_in_the_order_in_which_they_were_sent(play):
         assert first.time_s == latency
 
 
-def test_what_comes_at_a_moment_is_all_there_at_its_end(play):
-    # Robot 2 has something to do before; at 1 s all has come.
+def test_all_messages_of_a_moment_are_there_at_its_end(play):
+    # Robot 2 acts before; at 1 s all messages have arrived.
     def talk(robot):
         yield Receive(1.0)
         yield Send(Word(sender=robot, text=f"{robot}a"), 2)
@@ -612,9 +612,9 @@ def test_what_comes_at_a_moment_is_all_there_at_its_end(play):
     assert texts(told[2][1]) == ["0a", "0b", "1a", "1b"]
 
 
-def test_receive_with_no_time_waits_for_all_that_comes_at_this_moment(play):
-    # Robot 0 acts first; what robot 1 says at the same time it still hears, and the answer to
-    # its answer.
+def test_receive_without_time_waits_for_the_whole_moment(play):
+    # Robot 0 acts first; it still receives what robot 1 sends at the same time, and the answer
+    # to its answer.
     def first():
         for text in ("", "one", "two"):
             if text:
@@ -638,7 +638,7 @@ def test_receive_with_no_time_waits_for_all_that_comes_at_this_moment(play):
     assert recording.footer.time_s == 0.0
 
 
-def test_a_timeout_comes_at_its_time_and_after_a_message_of_that_time(play):
+def test_a_message_comes_before_a_timeout_of_the_same_time(play):
     late, punctual, early = (
         play(
             [Send(Word(sender=0)), END],
@@ -663,7 +663,7 @@ def test_a_message_that_came_before_is_there_at_once(play):
 
 
 def called(*messages):
-    """Says one thing after another, a second between them, beginning after a second."""
+    """Send messages one after the other, a second apart, the first after a second."""
 
     def acts():
         for message in messages:
@@ -678,7 +678,7 @@ def listening(x0, y0, x1, y1, **more) -> Move:
     return Move(trajectory=straight(x0, y0, x1, y1).trajectory, listen=True, **more)
 
 
-def test_a_robot_that_moves_is_told_of_messages_that_wake(play):
+def test_a_moving_robot_receives_messages_that_wake(play):
     a, b, c, d = (
         kind(sender=0, text=text)
         for kind, text in ((Word, "a"), (Call, "b"), (Word, "c"), (Call, "d"))
@@ -697,7 +697,7 @@ def test_a_robot_that_moves_is_told_of_messages_that_wake(play):
     assert [m.waypoints[-1] for m in motions(recording)] == [(8.0, 5.0, 5.0, 0.0)]
 
 
-def test_a_robot_that_moves_is_not_told_of_others(play):
+def test_a_moving_robot_does_not_receive_other_messages(play):
     a, b = Word(sender=0, text="a"), Word(sender=0, text="b")
     _, (_, told) = play(called(a, b), [listening(1, 5, 5, 5), Receive(), END], starts=TWO)
     assert told[:2] == [
@@ -706,7 +706,7 @@ def test_a_robot_that_moves_is_not_told_of_others(play):
     ]
 
 
-def test_a_robot_that_does_not_listen_is_told_when_it_is_there(play):
+def test_a_robot_that_does_not_listen_receives_on_arrival(play):
     word = Call(sender=0)
     _, (_, told) = play(called(word), [straight(1, 5, 5, 5), Receive(), END], starts=TWO)
     assert told[:2] == [
@@ -715,7 +715,7 @@ def test_a_robot_that_does_not_listen_is_told_when_it_is_there(play):
     ]
 
 
-def test_on_the_way_a_robot_can_look_round_send_and_let_time_pass(play):
+def test_a_moving_robot_can_scan_send_and_wait(play):
     def on_the_way():
         yield listening(1, 5, 5, 5)
         assert (yield Receive(1.0)) == TimedOut(2.0)
@@ -750,7 +750,7 @@ def test_a_robot_stops_where_it_is(play):
     ]
 
 
-def test_a_robot_that_lets_no_time_pass_is_told(play, monkeypatch):
+def test_an_explorer_that_lets_no_time_pass_is_refused(play, monkeypatch):
     monkeypatch.setattr("multisrt.simulation.interpreter.MAX_ACTIONS", 50)
 
     def waits_for_nothing():
@@ -771,7 +771,7 @@ def test_a_robot_that_lets_no_time_pass_is_told(play, monkeypatch):
         play(answers(0), answers(1), starts=TWO)
 
 
-def test_many_actions_with_time_between_them_are_none_too_many(play, monkeypatch):
+def test_actions_are_counted_for_each_moment_alone(play, monkeypatch):
     monkeypatch.setattr("multisrt.simulation.interpreter.MAX_ACTIONS", 5)
 
     def waits():
@@ -841,7 +841,7 @@ def test_the_protective_stop_before_a_body_that_stands(play):
         assert moved.configuration.x == pytest.approx(4.0, abs=1e-3)
         assert moved.configuration.x <= 4.0
         assert moved.time_s == pytest.approx(6.0, abs=1e-3)
-        # Nearer than the guard now: the next stop is at half the distance.
+        # It is within the guard now: the next stop is at half the distance.
         moved = yield guarded(*moved.configuration[:2], 8, 3)
         assert moved.configuration.x == pytest.approx(4.25, abs=2e-3)
         assert moved.blocked_by.robot == 1
@@ -852,8 +852,8 @@ def test_the_protective_stop_before_a_body_that_stands(play):
     assert len(events(recording, Blocked)) == 2
 
 
-def test_one_that_has_gone_before_blocks_nobody(play):
-    # Robot 1 is gone from the way before robot 0 comes by.
+def test_a_robot_that_has_left_in_time_blocks_no_other(play):
+    # Robot 1 has left the path before robot 0 arrives.
     recording, told = play(
         [guarded(1, 3, 8, 3), END], [guarded(5, 3, 5, 5.5), END], starts=[(1.0, 3.0), (5.0, 3.0)]
     )
@@ -861,8 +861,8 @@ def test_one_that_has_gone_before_blocks_nobody(play):
     assert events(recording, Blocked) == []
 
 
-def test_one_that_sets_out_later_blocks_whoever_is_on_the_way(play):
-    # Robot 1 crosses at 6 s, when robot 0 is at 4: it stops before the way is crossed.
+def test_a_robot_that_sets_out_later_can_block_a_moving_one(play):
+    # Robot 1 crosses at 6 s, when robot 0 is at 4: it stops before the crossing.
     def cross():
         yield Receive(2.0)
         yield straight(5, 5, 5, 3)
@@ -895,7 +895,7 @@ def test_bodies_that_touch_end_the_run(play, other):
     assert measure(recording, HALL).collisions == 1
 
 
-def test_what_all_robots_drove_before_a_collision_is_on_record(play):
+def test_all_motions_before_a_collision_are_recorded(play):
     recording, _ = play(
         [straight(1, 3, 9, 3), END],
         [straight(9, 3, 1, 3), END],
@@ -945,7 +945,7 @@ def test_a_robot_on_call_is_called_on_again(play):
     assert recording.footer.time_s == 9.0
 
 
-def test_the_run_goes_on_while_a_message_is_on_its_way_to_a_robot_on_call(play):
+def test_a_message_under_way_to_a_robot_on_call_prolongs_the_run(play):
     def on_call():
         yield ON_CALL
         yield straight(1, 5, 3, 5)
@@ -959,7 +959,7 @@ def test_the_run_goes_on_while_a_message_is_on_its_way_to_a_robot_on_call(play):
     assert recording.footer.outcome == "complete"
 
 
-def test_who_ends_again_with_the_same_words_ends_once(play):
+def test_an_equal_second_end_is_not_recorded(play):
     recording, told = play(
         called(Word(sender=0), Word(sender=0)), [ON_CALL, ON_CALL, ON_CALL], starts=TWO
     )
@@ -984,7 +984,7 @@ def test_a_robot_that_waits_for_ever_stalls_the_run(play):
     assert recording.footer.time_s == 4.0
 
 
-def test_one_that_gives_up_stalls_the_run_and_both_reasons_are_said(play):
+def test_a_robot_that_gives_up_stalls_the_run(play):
     recording, _ = play([END], [Done(complete=False, reason="tired")], starts=TWO)
     assert recording.footer.outcome == "stalled"
     assert recording.footer.reason == "robot 0: enough; robot 1: tired"
@@ -1008,7 +1008,7 @@ def test_the_stop_rule_cuts_the_motions_of_all(play):
     assert told[0] == []
 
 
-# What is on record
+# Recordings
 
 
 def test_events_are_on_record_in_the_order_in_which_they_happen(play):
@@ -1023,7 +1023,7 @@ def test_events_are_on_record_in_the_order_in_which_they_happen(play):
         return acts
 
     recording, _ = play(chatter(0, 1.0), chatter(1, 5.0), chatter(2, 9.0), starts=THREE)
-    # A motion is put on record when it has ended.
+    # A motion is recorded when it ends.
     times = [
         event.waypoints[-1][0] if isinstance(event, Motion) else event.time_s
         for event in recording.events
@@ -1055,7 +1055,7 @@ def test_messages_are_counted_with_their_sizes(play):
     assert metrics.messages_by_kind == {"word": 1, "call": 1}
 
 
-def test_a_robot_is_told_of_its_team(monkeypatch):
+def test_an_explorer_is_given_its_team(monkeypatch):
     selves = []
 
     def build(me, options):
@@ -1107,8 +1107,8 @@ def test_a_run_never_sets_the_garbage_collector():
     ("strategy", "kind"), [("srt-radial", SrtRobot), ("minpos", FrontierRobot)]
 )
 @pytest.mark.parametrize("max_time_s", [20.0, 600.0])
-def test_what_robots_know_is_gone_with_their_run(monkeypatch, strategy, kind, max_time_s):
-    # Experiments make thousands of runs: none is to wait for a search through all there is.
+def test_the_knowledge_of_robots_is_freed_with_their_run(monkeypatch, strategy, kind, max_time_s):
+    # Without the garbage collector: experiments make thousands of runs in one process.
     made, init = [], kind.__init__
 
     def noted(robot, *arguments):

@@ -51,10 +51,10 @@ def test_one_robot_starts_where_the_world_suggests():
     assert starts(world, team(1)) == (Configuration(2, 2, 0),)
 
 
-def test_one_robot_else_is_drawn_where_it_has_room():
+def test_a_single_robot_starts_at_random_where_it_has_room():
     (start,) = starts(HALL, team(1), seed=5)
     room = shapely.box(0.275, 0.275, 11.725, 7.725)
-    # The first of the draws of its stream from the bounds of that room, all of which it fills.
+    # The first draw of its stream from the bounds of that room, which is a rectangle.
     x, y = random_stream(5, "starts", 0).uniform(room.bounds[:2], room.bounds[2:])
     assert start == Configuration(pytest.approx(x), pytest.approx(y), 0)
     assert starts(HALL, team(1), seed=6) != (start,)
@@ -80,7 +80,7 @@ def test_a_body_that_does_not_fit_at_its_start_is_refused():
 def test_starts_in_different_components_are_refused():
     robots = [RobotSpec(start=(1, 1)), RobotSpec(start=(9, 1)), RobotSpec(start=(22, 2))]
     assert len(starts(rooms(), robots[:2])) == 2
-    with pytest.raises(InvalidInputError, match=r"robots 0 and 2 start .* no way"):
+    with pytest.raises(InvalidInputError, match=r"robots 0 and 2 start .* no path"):
         starts(rooms(), robots)
 
 
@@ -112,7 +112,7 @@ def test_a_team_starts_around_given_robots_in_their_component(how):
         assert all(found[k].distance(found[1]) == pytest.approx(0.75) for k in (0, 2, 3))
 
 
-def test_a_cluster_is_packed_as_densely_as_told():
+def test_a_cluster_is_as_dense_as_documented():
     # In the open: the middle, six around it, and twelve around these.
     world = Environment("hall", HALL.free, starts=[(6, 4)])
     found = starts(world, team(19), starts="clustered")
@@ -125,11 +125,11 @@ def test_a_cluster_is_packed_as_densely_as_told():
 
 
 def test_a_cluster_goes_round_walls_not_through_them():
-    # Right behind the wall is nearer than the far end of the room, but not on any short way.
+    # Behind the wall is nearer than the far end of the room, but not by any short path.
     world = Environment("rooms", rooms().free, starts=[(4.4, 0.6)])
     found = starts(world, team(30), starts="clustered")
     assert all(start.x < 5 for start in found)
-    # What does not fit into the first room comes through the door into the second.
+    # Robots that do not fit into the first room are placed beyond the door in the second.
     many = starts(world, team(50), starts="clustered")
     behind = [start for start in many if start.x > 5]
     assert many[:30] == found
@@ -156,7 +156,7 @@ def test_a_team_that_does_not_fit_is_refused(how, least):
 
 
 def test_scattered_robots_find_the_last_free_corner():
-    # The given robots fill a hall but for one place: chance alone seldom finds it.
+    # The given robots leave room for one more in the hall, which random draws seldom find.
     tight = Environment("cell", shapely.box(0, 0, 12, 12))
     given_robots = [
         RobotSpec(start=(0.6 + 1.15 * i, 0.6 + 1.15 * j), footprint="disc:0.5")
@@ -175,7 +175,7 @@ def test_the_same_seed_gives_the_same_starts(how):
     assert starts(world, team(10), starts=how, seed=3) == found
     if how == "scattered":
         assert starts(world, team(10), starts=how, seed=4) != found
-        # Who comes later changes nothing for those before.
+        # Robots with higher numbers change nothing for those before.
         assert starts(world, team(12), starts=how, seed=3)[:10] == found
 
 
@@ -206,7 +206,7 @@ def test_teams_fit_and_keep_apart(seed, bodies, name):
 
 @pytest.mark.parametrize("kind", ["reeds-shepp", "dubins"])
 def test_a_car_needs_room_to_turn(kind):
-    # In a corridor of 3 m, of which a body of 0.4 m width takes 0.2 m at the side.
+    # In a corridor of 3 m, where a body of 0.4 m width needs 0.2 m at the side.
     corridor = Environment("corridor", shapely.box(0, 0, 30, 3))
     robot = {"start": (2, 1.5), "footprint": "box:0.6x0.4"}
 

@@ -73,8 +73,8 @@ def test_without_a_guard_bodies_touch():
     assert roads.next_event(0, 5.0) is None
 
 
-def test_two_that_meet_stop_each_by_its_own_guard():
-    # Apart by 9 m between the bodies, closing by 2 m/s.
+def test_two_robots_that_meet_stop_each_by_its_own_guard():
+    # The bodies are 9 m apart and approach at 2 m/s.
     roads = traffic((0, 0), (10, 0))
     roads.begin(0, 0.0, straight(0, 0, 10, 0), 1.0)
     assert roads.next_event(0, 0.0).time_s == pytest.approx(8.0, abs=1e-6)
@@ -84,17 +84,17 @@ def test_two_that_meet_stop_each_by_its_own_guard():
     assert roads.next_event(1, 0.0).time_s == pytest.approx(4.4, abs=1e-6)
     roads.end(0, 4.0)
     assert roads.affected(0) == [1]
-    # The second goes on alone, by the metre that is left but for 0.2 m.
+    # The second goes on alone, by the remaining metre less 0.2 m.
     assert roads.next_event(1, 4.0).time_s == pytest.approx(4.8, abs=1e-6)
 
 
-def test_who_follows_at_the_same_speed_is_not_stopped():
+def test_a_robot_that_follows_at_the_same_speed_is_not_stopped():
     roads = traffic((0, 0), (2, 0))
     roads.begin(1, 0.0, straight(2, 0, 12, 0), 0.9)
     roads.begin(0, 0.0, straight(0, 0, 10, 0), 0.9)
     assert roads.next_event(0, 0.0) is None
     assert roads.next_event(1, 0.0) is None
-    # The one ahead is stopped: 1 m between the bodies is used up but for 0.9 m.
+    # The one ahead is stopped: the distance of 1 m between the bodies shrinks to 0.9 m.
     roads.end(1, 4.0)
     assert roads.affected(1) == [0]
     assert roads.next_event(0, 4.0).time_s == pytest.approx(4.1, abs=1e-6)
@@ -109,7 +109,7 @@ def test_robots_that_stand_close_can_part():
     roads.begin(0, 0.0, straight(0, 0, 5, 0), 1.0)
     assert roads.next_event(0, 0.0).time_s == pytest.approx(0.3, abs=1e-6)
     roads.end(0, 0.3)
-    # Past it sideways: the distance only grows.
+    # Sideways past it: the distance only grows.
     roads.begin(0, 0.3, straight(0.3, 0, 0.3, 9), 1.0)
     assert roads.next_event(0, 0.3) is None
 
@@ -117,14 +117,14 @@ def test_robots_that_stand_close_can_part():
 @pytest.mark.parametrize(
     ("apart", "stop"), [(0.6, 0.3), (0.4, 0.25), (0.25, 0.25), (0.1, 0.1), (0.001, 0.001)]
 )
-def test_how_near_one_comes_to_who_was_near_already(apart, stop):
-    # Half way, but not within a quarter of the guard, which is at 1 m.
+def test_how_near_a_robot_comes_to_a_body_within_its_guard(apart, stop):
+    # Half of the distance, but not within a quarter of the guard of 1 m.
     roads = traffic((0, 0), (1 + apart, 0))
     roads.begin(0, 0.0, straight(0, 0, 5, 0), 1.0)
     assert roads.next_event(0, 0.0).time_s == pytest.approx(apart - stop, abs=1e-6 + 2e-3 * stop)
 
 
-def test_who_tries_again_and_again_does_not_creep_up():
+def test_repeated_motions_do_not_creep_up_to_a_body():
     roads, x, now = traffic((0, 0), (1.5, 0)), 0.0, 0.0
     for _ in range(40):
         roads.begin(0, now, straight(x, 0, 5, 0), 0.1)
@@ -168,7 +168,7 @@ def test_a_cut_is_where_the_trajectory_is_then():
     assert roads.where(0, 9.0) == here
 
 
-def test_one_that_arrived_stands_in_the_way():
+def test_a_robot_that_has_arrived_is_an_obstacle():
     roads = traffic((0, 0), (10, 5))
     roads.begin(1, 0.0, straight(10, 5, 10, 0), None)
     roads.begin(0, 0.0, straight(0, 0, 20, 0), 0.5)
@@ -191,7 +191,7 @@ def test_a_thin_wall_hides():
     event = hidden.next_event(0, 0.0)
     assert (event.kind, event.other) == ("guard", 1)
     assert event.time_s == pytest.approx(3 + 1.8 / 0.85, abs=1e-5)
-    # Without the wall it is stopped before it gets there.
+    # Without the wall it is stopped earlier.
     seen = traffic((0, 0), (3, 1.8))
     seen.begin(0, 0.0, straight(0, 0, 6, 0), 1.5)
     assert seen.next_event(0, 0.0).time_s == pytest.approx(3 - math.sqrt(2.5**2 - 1.8**2), abs=1e-6)
@@ -212,7 +212,7 @@ def test_a_blind_corner_stops_a_robot_at_first_sight():
         assert event.time_s == pytest.approx(3.4, abs=1e-3)
 
 
-def test_bodies_that_touch_through_no_sight_of_their_middles_are_seen():
+def test_bodies_are_seen_by_their_nearest_points_too():
     # Two long boxes meet nose to nose round a corner that hides their reference points.
     corner = HALL - shapely.box(-50, -50, 0, 0)
     long = Body(Footprint.box(4.0, 0.4))
@@ -228,7 +228,7 @@ def test_bodies_that_touch_through_no_sight_of_their_middles_are_seen():
 
 
 def test_a_wall_does_not_hide_a_contact():
-    # A wall that is thinner than bodies reach over, if nobody minds it: they touch unseen.
+    # A wall thinner than the bodies, which drive through it here: they touch unseen.
     wall = shapely.box(-50, -0.01, 50, 0.01)
     roads = traffic((0, -3), (0, 0.6), index=index_of(HALL - wall))
     roads.begin(0, 0.0, straight(0, -3, 0, 9), 0.5)
@@ -250,13 +250,13 @@ def test_robots_are_seen_by_their_bodies():
     assert roads.in_sight(0, 0.0, 3.39) == []
     assert roads.in_sight(0, 0.0, 50.0) == [1, 3, 4]
     assert roads.in_sight(2, 0.0, 50.0) == []
-    # It drives round the wall's end.
+    # It drives round the end of the wall.
     roads.begin(2, 0.0, straight(5, 0, 5, 10), None)
     assert roads.in_sight(0, 8.0, 50.0) == [1, 3, 4]
     assert roads.in_sight(0, 8.5, 50.0) == [1, 2, 3, 4]
 
 
-def test_what_makes_no_sense_is_refused():
+def test_invalid_motions_are_refused():
     roads = traffic((0, 0), (10, 0))
     with pytest.raises(InvalidInputError, match="robot 0 stands"):
         roads.end(0, 1.0)
@@ -326,7 +326,7 @@ def test_encounters_agree_with_sampling(seed, name_a, name_b, guard):
     threshold = 0.0 if guard is None else guard
     if distance[0] <= threshold:
         threshold = max(distance[0] / 2, min(0.999 * distance[0], guard / 4))
-    # What comes nearer by less than half a millimetre may be missed.
+    # An approach by less than half a millimetre may be missed.
     slack = min(5e-4, 0.2 * threshold) if threshold else 5e-4
     if threshold == 0.0:
         for pose_a, pose_b, gap in zip(poses_a[:-1], poses_b[:-1], distance[:-1], strict=True):
@@ -356,7 +356,7 @@ def corridor_world(rng):
 @settings(max_examples=30)
 @given(st.integers(0, 10**6))
 def test_hidden_bodies_do_not_stop_a_motion(seed):
-    # Small discs, on ways that take no heed of walls, and a stop at far more than they measure.
+    # Small discs on paths through walls, with a guard far larger than the discs.
     rng = np.random.default_rng(seed)
     world = corridor_world(rng)
     solid = HALL - world
@@ -379,7 +379,7 @@ def test_hidden_bodies_do_not_stop_a_motion(seed):
     threshold = 1.0 if distance[0] > 1.0 else distance[0] / 2
     between = shapely.linestrings(np.stack([a, b], axis=1))
     seen = shapely.length(shapely.intersection(between, solid)) < 1e-9
-    # A glance shorter than the two move between looks may be missed.
+    # Sight for less time than between two checks may be missed.
     bad = (distance <= threshold) & seen
     speed = np.hypot(*np.diff(a, axis=0).T) + np.hypot(*np.diff(b, axis=0).T)
     run = 0.0
@@ -387,14 +387,14 @@ def test_hidden_bodies_do_not_stop_a_motion(seed):
         run = run + speed[k] if bad[k] and bad[k + 1] else 0.0
         assert run < 0.025
     if event is not None and event.kind == "guard":
-        # To within rounding of the world's corners, which is a nanometre.
+        # To within the rounding of the corners of the world, a nanometre.
         wide = shapely.LineString([a[-1], b[-1]]).intersection(solid)
         assert wide.length < 1e-3 or seen[max(0, len(seen) - 3) :].any()
         assert 0.0 < distance[-1] <= threshold + 1e-5
 
 
 class Model:
-    """A little simulation: robots go from place to place and are stopped before others."""
+    """A small simulation: robots drive from place to place and are stopped before others."""
 
     def __init__(self, seed, count, bodies, guard):
         self.rng = np.random.default_rng(seed)
@@ -429,7 +429,7 @@ def test_many_robots_never_touch_and_only_the_affected_change(names):
     known, ends, queue, stops = {}, {}, [], 0
 
     def tell(robot, now):
-        # The events of the affected are asked for anew; those of all others still hold.
+        # The events of affected robots are computed again; those of all others still hold.
         for other in asked.affected(robot):
             known[other] = asked.next_event(other, now)
         for other in range(25):
@@ -477,8 +477,8 @@ def test_many_robots_never_touch_and_only_the_affected_change(names):
     assert stops > 10
 
 
-def test_who_may_be_reached_is_found_over_relays_by_courses():
-    # In a row, three apart; the last is on its way from the third to far beyond.
+def test_robots_in_reach_include_those_over_relays():
+    # In a row, 3 m apart; the last is moving from the third position to far beyond.
     bodies = [Body(Footprint.disc(0.25))] * 5
     starts = [Configuration(x, 0.0, 0.0) for x in (0.0, 3.0, 6.0, 9.0, 30.0)]
     traffic = Traffic(bodies, starts, EdgeIndex(np.array([[0.0, 5.0, 1.0, 5.0]]), 1.0))

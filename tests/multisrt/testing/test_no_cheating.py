@@ -48,7 +48,7 @@ TRUTH = (
 
 
 def reachable(*roots: object) -> list[object]:
-    """Every object that can be got at from some; not by way of modules, classes or functions.
+    """All objects that can be reached from some, except through modules, classes or functions.
 
     Those are the program, not what a robot was given: its code may import what it likes, which
     import rules forbid elsewhere. Closures and defaults of functions are followed.
@@ -76,7 +76,7 @@ def truths(*roots: object) -> list[object]:
 
 @pytest.fixture
 def explorers(monkeypatch):
-    """Every explorer that is built, with what it was given."""
+    """All explorers that are built, each with what it is given."""
     built = []
 
     def keeping(strategy):
@@ -103,7 +103,7 @@ def test_nothing_that_an_explorer_holds_leads_to_the_truth(explorers, strategy, 
     checks = []
 
     def watch(event):
-        # While it runs, not only when all is over.
+        # While the run goes on, not only after its end.
         if len(checks) < 20:
             checks.append(truths(*explorers[0]))
 
@@ -113,7 +113,7 @@ def test_nothing_that_an_explorer_holds_leads_to_the_truth(explorers, strategy, 
     assert truths(*explorers[0]) == []
 
 
-def test_what_an_explorer_is_sent_does_not_lead_to_the_truth(monkeypatch):
+def test_outcomes_do_not_lead_to_the_truth(monkeypatch):
     told = []
 
     class Curious:
@@ -152,7 +152,7 @@ def test_a_scan_shares_no_memory_with_the_truth(monkeypatch):
             assert not any(np.may_share_memory(mine, array) for array in theirs)
 
 
-def test_the_search_finds_what_is_hidden():
+def test_the_search_finds_the_hidden_truth():
     class Cheat:
         def __init__(self, world):
             def peek():

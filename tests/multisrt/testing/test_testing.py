@@ -21,9 +21,9 @@ from multisrt.robots.explorer import Done, Look, Move, Note, Receive, Received, 
 from multisrt.robots.messages import Message
 from multisrt.robots.registry import strategies, strategy
 from multisrt.spec import DriveSpec, RangeFinderSpec, RobotSpec
-from multisrt.testing.check import ExplorerDefect, check_explorer, two_rooms
+from multisrt.testing import ExplorerDefect, check_explorer, two_rooms
+from multisrt.testing.fingerprint import fingerprint
 from multisrt.testing.hidden_truth import way_to_truth
-from multisrt.testing.supervision import fingerprint
 
 WORLD = two_rooms()
 NOTHING = object()
@@ -31,7 +31,7 @@ HALL = Environment("hall", shapely.box(0.0, 0.0, 6.0, 6.0))
 
 
 class Base:
-    """Does what a test says, and is done; turned to 0 it has a metre of room at its start."""
+    """An explorer that follows a script; it has a metre of room ahead of its start."""
 
     def __init__(self, me):
         self.me = me
@@ -51,7 +51,7 @@ class Base:
 
 
 def explorer(act):
-    """Give an explorer that acts as a function says, which is given it."""
+    """Return an explorer whose actions a function of it yields."""
 
     class Acting(Base):
         def run(self):
@@ -102,7 +102,7 @@ def test_bodies_drives_and_lasers_of_all_kinds_pass(robot):
     check_explorer(strategy("srt-radial"), worlds=[WORLD], teams=[2], robot=robot)
 
 
-def test_the_default_worlds_are_small_and_the_summary_says_what_was_checked():
+def test_the_summary_says_what_was_checked():
     checked = check_explorer(strategy("srt-radial"))
     assert {run.world for run in checked.runs} == {"two rooms", "open", "maze"}
     text = str(checked)
@@ -137,12 +137,12 @@ def test_a_check_leaves_no_trace():
     assert (time.time, time.monotonic_ns, datetime.datetime, clock) == clocks
 
 
-def test_it_is_at_hand_without_pytest():
+def test_the_checker_does_not_need_pytest():
     code = "import sys, multisrt.testing.check; sys.exit('pytest' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 
-def test_a_defect_is_an_assertion_of_multisrt_and_says_what_where_and_the_remedy():
+def test_a_defect_says_what_is_wrong_where_and_the_remedy():
     defect = refused(explorer(lambda self: iter([Sense(), 1])), "no action")
     assert isinstance(defect, AssertionError)
     assert isinstance(defect, MultiSrtError)
@@ -155,7 +155,7 @@ def test_a_defect_is_an_assertion_of_multisrt_and_says_what_where_and_the_remedy
 
 
 def drives_by(number):
-    """Give an explorer that goes as far as a number from 0 to 1 says."""
+    """Return an explorer that drives a distance given by a number from 0 to 1."""
 
     def act(self):
         yield Sense()
@@ -164,7 +164,7 @@ def drives_by(number):
     return explorer(act)
 
 
-def test_its_own_stream_of_random_numbers_is_allowed():
+def test_the_random_stream_of_the_robot_is_allowed():
     check(drives_by(lambda self: self.me.rng.random()))
 
 
@@ -173,7 +173,7 @@ def test_global_random_numbers(draw):
     assert "rng" in refused(drives_by(draw), "global random numbers").remedy
 
 
-def test_a_generator_of_its_own_without_a_seed():
+def test_a_random_generator_without_a_seed_is_found():
     refused(drives_by(lambda _: np.random.default_rng().random()), "besides what it was sent")
 
 
@@ -238,12 +238,12 @@ def test_state_that_explorers_share(make, name):
     assert "self" in defect.remedy
 
 
-def test_state_that_a_team_shares_is_found_although_every_run_repeats():
+def test_shared_state_is_found_although_every_run_repeats():
     class Board(Base):
         told = {}  # noqa: RUF012
 
         def act(self):
-            # Who comes first clears the board: no run knows of another one.
+            # The first robot clears the shared state: no run knows of another one.
             if self.me.robot == 0:
                 Board.told.clear()
             Board.told[self.me.robot] = self.at.x
@@ -255,8 +255,8 @@ def test_state_that_a_team_shares_is_found_although_every_run_repeats():
     check(Board)
 
 
-def test_state_of_what_runs_at_the_same_time():
-    # Each leaves all as it found it: only who runs in between is in its way.
+def test_state_shared_by_simultaneous_explorers_is_found():
+    # Each restores the shared state at its end: only simultaneous explorers disturb it.
     class Turnstile(Base):
         inside = set()  # noqa: RUF012
 
@@ -441,7 +441,7 @@ def test_the_limits_themselves_are_allowed():
         ("reeds-shepp", trajectory((0, 3, 3, 0), (9, 3.6, 3.6, 0.5 * np.pi)), None),
     ],
 )
-def test_every_drive_has_its_own_motions(drive, move, match):
+def test_each_drive_allows_only_its_own_motions(drive, move, match):
     make = explorer(lambda self: iter([Sense(), move]))
     robot = RobotSpec(start=(3.0, 3.0), drive=DriveSpec(kind=drive))
     if match is None:
@@ -450,7 +450,7 @@ def test_every_drive_has_its_own_motions(drive, move, match):
         refused(make, match, robot=robot)
 
 
-def test_moving_twice_and_done_on_the_way():
+def test_move_and_done_during_a_motion_are_found():
     class Awake(Hello, frozen=True, kw_only=True):
         @property
         def wakes(self):
@@ -476,7 +476,7 @@ def test_moving_twice_and_done_on_the_way():
 # Where it goes ----------------------------------------------------------------------------
 
 
-def test_into_what_it_has_not_seen():
+def test_driving_into_unseen_space_is_found():
     def act(self):
         yield self.to(x=1.0)
 
@@ -485,7 +485,7 @@ def test_into_what_it_has_not_seen():
     check(explorer(act), only_known=False)
 
 
-def test_around_a_corner_that_it_has_not_looked_around():
+def test_driving_round_an_unseen_corner_is_found():
     # From the left room the strip behind the wall is hidden; the way leads there by the door.
     def act(self):
         yield Sense()
@@ -506,8 +506,8 @@ def test_around_a_corner_that_it_has_not_looked_around():
 
 
 @pytest.mark.parametrize("tells", [True, False])
-def test_what_it_was_told_of_is_known(tells):
-    # The second robot does not look itself.
+def test_what_a_message_may_contain_is_known(tells):
+    # The second robot takes no scan.
     def act(self):
         if self.me.robot == 0:
             yield Sense()
@@ -620,7 +620,7 @@ def test_the_truth_in_a_closure_and_in_a_generator():
 PEEK: list[object] = []
 
 
-def test_an_index_of_what_the_robot_has_seen_is_its_own():
+def test_an_index_of_what_the_robot_has_seen_is_allowed():
     def act(self):
         scan = yield Sense()
         # Part of the hall: its visibility polygon, of which a corner is cut off by the range.
@@ -631,7 +631,7 @@ def test_an_index_of_what_the_robot_has_seen_is_its_own():
     check(explorer(act), start=(1.0, 1.0))
 
 
-def test_the_way_to_the_truth_is_a_shortest_one():
+def test_the_path_to_the_truth_is_a_shortest_one():
     thing = {"a": {"b": [WORLD]}, "c": WORLD}
     found = way_to_truth({"it": thing}, WORLD)
     assert found is not None
@@ -678,7 +678,7 @@ def test_no_generator():
     refused(Listed, "gave a list, not a generator")
 
 
-def test_its_own_errors_are_told_and_kept():
+def test_errors_of_the_explorer_are_reported_as_the_cause():
     def act(self):
         yield Sense()
         raise KeyError("lost")
@@ -686,7 +686,7 @@ def test_its_own_errors_are_told_and_kept():
     assert isinstance(refused(explorer(act), "raised KeyError").__cause__, KeyError)
 
 
-def test_what_cannot_be_built():
+def test_explorers_that_cannot_be_built_are_found():
     refused(lambda me: me.nonsense, "building .* raised AttributeError")
     refused(lambda me: 7, r"a int, which has no run\(\)")
 

@@ -1,0 +1,43 @@
+"""What is wrong with an explorer."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from multisrt.geometry.errors import MultiSrtError
+
+
+class Flaw(NamedTuple):
+    """What an explorer did, and what to change."""
+
+    what: str
+    remedy: str
+
+
+class ExplorerDefect(MultiSrtError, AssertionError):
+    """An explorer does what the contract of explorers does not allow.
+
+    Attributes
+    ----------
+    what : str
+        What it did.
+    where : str
+        In which run, which robot, at which action.
+    remedy : str
+        What to change.
+    """
+
+    def __init__(self, what: str, where: str, remedy: str) -> None:
+        super().__init__(what, where, remedy)
+        self.what = what
+        self.where = where
+        self.remedy = remedy
+
+    def __str__(self) -> str:
+        return f"{self.where}: {self.what}; {self.remedy}"
+
+
+def brief(value: object, length: int = 80) -> str:
+    """Return the representation of a value, cut to a length."""
+    text = repr(value)
+    return text if len(text) <= length else f"{text[: length - 3]}..."

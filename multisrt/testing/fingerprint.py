@@ -1,0 +1,64 @@
+"""Digests of arbitrary values, to notice when one is changed."""
+
+from __future__ import annotations
+
+import dataclasses
+import hashlib
+from typing import Any
+
+import msgspec
+import numpy as np
+import shapely
+from numpy.random import Generator as RandomGenerator
+from shapely.geometry.base import BaseGeometry
+
+from multisrt.geometry.bodies.footprint import Footprint
+
+
+def fingerprint(value: object) -> bytes:
+    """Return a digest of a value: equal values have equal digests, whatever objects hold them.
+
+    Random generators are left out, as drawing from one changes it.
+    """
+    return _digest(value, {})
+
+
+def _digest(value: Any, known: dict[int, bytes]) -> bytes:
+    # An object that occurs again, also within itself, stands for its digest so far.
+    kind = type(value)
+    digest = hashlib.sha256(f"<{kind.__module__}.{kind.__qualname__}>".encode())
+    if value is None or isinstance(value, bool | int | float | complex | str | bytes | np.generic):
+        digest.update(repr(value).encode())
+        return digest.digest()
+    if id(value) in known:
+        return known[id(value)]
+    known[id(value)] = digest.digest()
+    if isinstance(value, np.ndarray) and not value.dtype.hasobject:
+        digest.update(f"{value.dtype}{value.shape}".encode())
+        digest.update(np.ascontiguousarray(value).tobytes())
+    elif isinstance(value, BaseGeometry):
+        digest.update(shapely.to_wkb(value))
+    elif isinstance(value, Footprint):
+        digest.update(str(value).encode())
+    elif isinstance(value, set | frozenset):
+        digest.update(b"".join(sorted(_digest(item, known) for item in value)))
+    elif not isinstance(value, RandomGenerator | type):
+        for part in _parts(value):
+            digest.update(_digest(part, known))
+    known[id(value)] = digest.digest()
+    return known[id(value)]
+
+
+def _parts(value: Any) -> list[Any]:
+    # What a value consists of, in order, with the number of parts.
+    if isinstance(value, tuple | list):
+        return [len(value), *value]
+    if isinstance(value, np.ndarray):
+        return [value.shape, *value.ravel().tolist()]
+    if isinstance(value, dict):
+        return [len(value), *(part for item in value.items() for part in item)]
+    if isinstance(value, msgspec.Struct):
+        return [getattr(value, name) for name in value.__struct_fields__]
+    if dataclasses.is_dataclass(value):
+        return [getattr(value, field.name) for field in dataclasses.fields(value)]
+    return [part for item in getattr(value, "__dict__", {}).items() for part in item]

@@ -1,0 +1,142 @@
+"""What is wrong with a trajectory that an explorer yields, by the kinematics of its robot."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from itertools import pairwise
+
+import numpy as np
+
+from multisrt.geometry.configuration import Configuration
+from multisrt.planners.motion.kinematics import Car, Differential, Holonomic, Kinematics
+from multisrt.planners.motion.trajectory import NO_TURN_RAD, Trajectory, Waypoint, leg_length
+from multisrt.testing.defects import Flaw, brief
+
+LIMIT_TOLERANCE = 1e-6
+"""Share by which a body may exceed its speed, its turn rate and its curvature, for rounding."""
+
+ASIDE_TOLERANCE_M = 1e-6
+"""Distance by which a body that drives along its heading may come off that line, for rounding."""
+
+START_TOLERANCE = 1e-9
+"""A trajectory starts within this of where the robot is, in metres and in radians."""
+
+
+def trajectory_flaw(trajectory: object, at: Configuration, kinematics: Kinematics) -> Flaw | None:
+    """Return the first flaw of a trajectory.
+
+    Parameters
+    ----------
+    trajectory : object
+        What an explorer gave as its trajectory.
+    at : Configuration
+        Where the robot is.
+    kinematics : Kinematics
+        How it moves.
+
+    Returns
+    -------
+    Flaw or None
+        None if the robot can follow it.
+    """
+    return next(_flaws(trajectory, at, kinematics), None)
+
+
+def is_number(value: object) -> bool:
+    """Whether a value is a finite real number."""
+    is_real = isinstance(value, int | float | np.integer | np.floating)
+    return is_real and math.isfinite(value)  # type: ignore[arg-type]
+
+
+def pose(configuration: Configuration | tuple[float, ...]) -> str:
+    """Return a configuration as text, to three digits."""
+    return "({:.3f}, {:.3f}, {:.3f})".format(*configuration)
+
+
+def _flaws(trajectory: object, at: Configuration, kinematics: Kinematics) -> Iterator[Flaw]:
+    if not isinstance(trajectory, Trajectory):
+        yield Flaw(f"it yielded Move with {brief(trajectory)}", "give Move a Trajectory")
+        return
+    yield from _waypoint_flaws(trajectory)
+    start = trajectory.start
+    turn = abs(math.remainder(start.heading - at.heading, 2.0 * math.pi))
+    if start.distance(at) > START_TOLERANCE or turn > START_TOLERANCE:
+        yield Flaw(
+            f"its trajectory begins at {pose(start)}, but the robot is at {pose(at)}",
+            "begin where the last Moved says that the robot is, heading included",
+        )
+    for a, b in pairwise(trajectory.waypoints):
+        yield from _limit_flaws(a, b, kinematics)
+        yield from _direction_flaws(a, b, kinematics)
+
+
+def _waypoint_flaws(trajectory: Trajectory) -> Iterator[Flaw]:
+    waypoints = trajectory.waypoints
+    if not isinstance(waypoints, tuple) or not waypoints:
+        yield Flaw(
+            f"the trajectory's waypoints are {brief(waypoints)}",
+            "give a tuple of at least one Waypoint",
+        )
+    for number, waypoint in enumerate(waypoints):
+        is_one = isinstance(waypoint, Waypoint)
+        if not is_one or not all(is_number(value) for value in waypoint):
+            yield Flaw(
+                f"waypoint {number} of its trajectory is {brief(waypoint)}",
+                "waypoints are Waypoint(time_s, x, y, heading) with finite numbers",
+            )
+    times = [waypoint.time_s for waypoint in waypoints]
+    for number, (before_s, after_s) in enumerate(pairwise([0.0, *times])):
+        if after_s < before_s or (number == 0 and after_s != 0.0):
+            yield Flaw(
+                f"waypoint {number} of its trajectory is at {after_s:g} s, after {before_s:g} s",
+                "times of a trajectory count from 0 at its start and never fall",
+            )
+
+
+def _limit_flaws(a: Waypoint, b: Waypoint, kinematics: Kinematics) -> Iterator[Flaw]:
+    # Speed and turn rate.
+    way = f"from {pose(a[1:])} to {pose(b[1:])}"
+    length, turn, time_s = leg_length(a, b), abs(b.heading - a.heading), b.time_s - a.time_s
+    max_m = kinematics.speed_m_s * time_s * (1.0 + LIMIT_TOLERANCE) + START_TOLERANCE
+    if length > max_m:
+        yield Flaw(
+            f"it drives {length:.6g} m {way} in {time_s:.6g} s",
+            f"its kinematics allow {kinematics.speed_m_s:g} m/s",
+        )
+    if isinstance(kinematics, Differential) and turn > (
+        kinematics.turn_rate_rad_s * time_s * (1.0 + LIMIT_TOLERANCE) + START_TOLERANCE
+    ):
+        yield Flaw(
+            f"it turns by {turn:.6g} rad {way} in {time_s:.6g} s",
+            f"its kinematics allow {kinematics.turn_rate_rad_s:g} rad/s",
+        )
+
+
+def _direction_flaws(a: Waypoint, b: Waypoint, kinematics: Kinematics) -> Iterator[Flaw]:
+    # What this kind of drive cannot do at any speed.
+    way = f"from {pose(a[1:])} to {pose(b[1:])}"
+    length, turn = leg_length(a, b), abs(b.heading - a.heading)
+    turns = turn > NO_TURN_RAD
+    if isinstance(kinematics, Holonomic):
+        if turns:
+            yield Flaw(f"it turns {way}", "a holonomic body keeps its heading")
+        return
+    middle = 0.5 * (a.heading + b.heading)
+    dx, dy = b.x - a.x, b.y - a.y
+    ahead = dx * math.cos(middle) + dy * math.sin(middle)
+    aside = abs(dy * math.cos(middle) - dx * math.sin(middle))
+    if aside > ASIDE_TOLERANCE_M:
+        yield Flaw(
+            f"it moves sideways, by {aside:.3g} m, {way}",
+            "its kinematics drive along the heading: turn first",
+        )
+    if isinstance(kinematics, Car):
+        min_m = turn * kinematics.turning_radius_m * (1.0 - LIMIT_TOLERANCE)
+        if turns and length < min_m - START_TOLERANCE:
+            yield Flaw(
+                f"its curve is too tight {way}",
+                f"the car's turning radius is {kinematics.turning_radius_m:g} m",
+            )
+        if ahead < -ASIDE_TOLERANCE_M and not kinematics.reverse:
+            yield Flaw(f"it drives backwards {way}", "this car drives forwards only")

@@ -1,0 +1,85 @@
+"""Surroundings of a run that explorers must not depend on: global random states and clocks."""
+
+from __future__ import annotations
+
+import datetime
+import random
+import sys
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from itertools import count
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+
+CLOCKS = ("time", "monotonic", "perf_counter", "process_time", "thread_time")
+"""Clocks of the module `time`; each has a variant with `_ns` that counts nanoseconds."""
+
+
+@contextmanager
+def surroundings(modules: Sequence[ModuleType], *, seed: int, clock_s: float) -> Iterator[None]:
+    """Replace the states of the global random generators and all clocks within a context.
+
+    Parameters
+    ----------
+    modules : sequence of module
+        Modules that may have names of their own for clocks.
+    seed : int
+        Seed of the global random generators.
+    clock_s : float
+        Where clocks start, in seconds; they advance by a millisecond whenever they are read.
+    """
+    states = random.getstate(), np.random.get_state()  # noqa: NPY002
+    random.seed(seed)
+    np.random.seed(seed)  # noqa: NPY002
+    replaced = _clocks(clock_s)
+    with ExitStack() as stack:
+        stack.callback(np.random.set_state, states[1])
+        stack.callback(random.setstate, states[0])
+        for module in (time, datetime, *modules):
+            for name, value in list(vars(module).items()):
+                if (other := replaced.get(id(value))) is not None:
+                    stack.callback(setattr, module, name, value)
+                    setattr(module, name, other)
+        yield
+
+
+def _clocks(clock_s: float) -> dict[int, Any]:
+    # The replacement of each clock, by the id of the clock.
+    ticks = count()
+
+    def seconds() -> float:
+        return clock_s + 1e-3 * next(ticks)
+
+    class Datetime(datetime.datetime):
+        @classmethod
+        def now(cls, tz: datetime.tzinfo | None = None) -> Datetime:
+            return cls.fromtimestamp(seconds(), tz)
+
+        @classmethod
+        def utcnow(cls) -> Datetime:
+            return cls.fromtimestamp(seconds(), datetime.UTC).replace(tzinfo=None)
+
+        @classmethod
+        def today(cls) -> Datetime:
+            return cls.fromtimestamp(seconds())
+
+    replaced: dict[int, Any] = {id(datetime.datetime): Datetime}
+    for name in CLOCKS:
+        replaced[id(getattr(time, name))] = seconds
+        replaced[id(getattr(time, f"{name}_ns"))] = lambda: int(1e9 * seconds())
+    return replaced
+
+
+def modules_of(cls: type) -> list[ModuleType]:
+    """Return the loaded modules of the package of an explorer's class, if it is not this one."""
+    package = cls.__module__.partition(".")[0]
+    if package == "multisrt":
+        return []
+    return [
+        module
+        for name, module in list(sys.modules.items())
+        if isinstance(module, ModuleType) and name.partition(".")[0] == package
+    ]

@@ -20,10 +20,10 @@ from multisrt.environments.environment import Environment
 from multisrt.run import explore
 from multisrt.spec import DriveSpec
 
-LEAST_COVERAGE = {"srt-radial": 0.99, "srt-star": 0.95, "srt-ball": 0.85}
+MIN_COVERAGE = {"srt-radial": 0.99, "srt-star": 0.95, "srt-ball": 0.85}
 """Of the explorable area. A star leaves corners out, a ball more of them."""
 
-LEAST_COVERAGE_NO_DISC = 0.90
+MIN_COVERAGE_NO_DISC = 0.90
 """A body that is no disc is measured against what the disc inscribed in it could see."""
 
 
@@ -87,9 +87,9 @@ def run(
 
 def is_right(results: list[Result], strategy: str, footprint: str) -> bool:
     """Whether all runs ended as they have to."""
-    least = LEAST_COVERAGE.get(strategy, 0.0)
+    least = MIN_COVERAGE.get(strategy, 0.0)
     if not footprint.startswith("disc"):
-        least = min(least, LEAST_COVERAGE_NO_DISC)
+        least = min(least, MIN_COVERAGE_NO_DISC)
     return all(
         r.outcome == "complete"
         and r.collisions == 0

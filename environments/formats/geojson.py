@@ -27,7 +27,7 @@ KINDS = {
 }
 """Words of the property ``kind`` (or ``type``), and what they make of a feature."""
 
-LEAST_EXTENT_M = 0.1
+MIN_EXTENT_M = 0.1
 """A smaller world is one whose coordinates are degrees."""
 
 
@@ -78,7 +78,7 @@ def read_geojson(
         raise root.error("there is no free space", "add a Polygon of kind outline")
     free = shapely.union_all(world.free)
     x0, y0, x1, y1 = free.bounds
-    if max(x1 - x0, y1 - y0) < LEAST_EXTENT_M:
+    if max(x1 - x0, y1 - y0) < MIN_EXTENT_M:
         raise root.error(
             f"free space is {x1 - x0:.2g} x {y1 - y0:.2g} m",
             "coordinates are metres, not degrees; project them first",

@@ -184,6 +184,13 @@ def _cheapest_polygon(
                     break
             run = (run + 1) % runs
             from_middle = False
+    return _vertices(came_from, start)
+
+
+@kernel
+def _vertices(came_from: IntArray, start: int) -> IntArray:
+    """Return the candidates on the cheapest way to the last number, in their order."""
+    n = len(came_from) - 1
     vertices = 0
     chosen = np.empty(n, np.int64)
     j = n

@@ -12,7 +12,7 @@ from multisrt.environments.generators.passable import passable, starts_near
 from multisrt.geometry.errors import InvalidInputError
 
 WALL_M = 0.2
-NARROWEST_M = 0.8
+MIN_CORRIDOR_M = 0.8
 
 
 def maze(
@@ -43,11 +43,11 @@ def maze(
     seed = seed_number("maze", seed)
     pitch = (size_m + WALL_M) / cells
     corridor = pitch - WALL_M
-    if corridor < NARROWEST_M:
-        most = int((size_m + WALL_M) / (NARROWEST_M + WALL_M))
+    if corridor < MIN_CORRIDOR_M:
+        most = int((size_m + WALL_M) / (MIN_CORRIDOR_M + WALL_M))
         raise InvalidInputError(
             f"maze: cells={cells} leaves corridors of {corridor:.2g} m, less than "
-            f"{NARROWEST_M:g} m; with size_m={size_m:g} give at most {most}, or a greater size_m"
+            f"{MIN_CORRIDOR_M:g} m; with size_m={size_m:g} give at most {most}, or a greater size_m"
         )
 
     def span(one: Cell, other: Cell) -> BaseGeometry:

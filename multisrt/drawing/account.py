@@ -33,7 +33,7 @@ from multisrt.drawing.traces import Trace
 from multisrt.events import CameBack, Died, FellSilent, Joined
 from multisrt.recording import Recording
 
-MOST_ACCOUNTS: Final = 16
+MAX_ACCOUNTS: Final = 16
 """A larger team's robots are not accounted for one by one."""
 
 OUTCOMES: Final = {"complete": "complete", "stalled": "stalled", "out_of_time": "out of time"}
@@ -162,14 +162,14 @@ def swatches_heading(traces: list[Trace]) -> str:
     """Say what the robots' colours stand for."""
     scans = _unit(traces) == "scan"
     made = "scans that showed something new" if scans else "nodes made"
-    account = f": {made}, metres travelled" if len(traces) <= MOST_ACCOUNTS else ""
+    account = f": {made}, metres travelled" if len(traces) <= MAX_ACCOUNTS else ""
     return f"what each robot saw first, and its {'way' if scans else 'tree'}{account}"
 
 
 def _swatch(trace: Trace, robots: int, unit: str) -> Swatch:
     styles = RobotStyles.of(trace.robot)
     label = str(trace.robot)
-    if robots <= MOST_ACCOUNTS:
+    if robots <= MAX_ACCOUNTS:
         label += f": {_counted(len(trace.nodes), unit)}, {trace.distance_m:,.0f} m"
     return Swatch(label=label, area=styles.area, line=styles.edge)
 

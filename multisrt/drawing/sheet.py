@@ -28,10 +28,10 @@ from multisrt.drawing.svg import (
 from multisrt.environments.environment import Environment
 from multisrt.events import Point
 
-LARGEST_MAP_MM: Final = ((265.0, 160.0), (180.0, 225.0))
+MAX_MAP_MM: Final = ((265.0, 160.0), (180.0, 225.0))
 """The map fits one of these: with heading and legend an A4 sheet, landscape or portrait."""
 
-NARROWEST_MM: Final = 150.0
+MIN_WIDTH_MM: Final = 150.0
 """The sheet is at least this wide, for heading and legend, however narrow the map."""
 
 MARGIN_MM: Final = 8.0
@@ -47,8 +47,8 @@ LINE: Final = 1.4
 SAMPLE_MM: Final = 8.0
 """Width of a sample in the legend."""
 
-LONGEST_BAR_MM: Final = 45.0
-LONGEST_HEADING: Final = 400
+MAX_BAR_MM: Final = 45.0
+MAX_HEADING: Final = 400
 """Longer lines of the heading are cut, at this many letters."""
 
 FONT: Final = "Helvetica, Arial, 'Liberation Sans', 'DejaVu Sans', sans-serif"
@@ -121,7 +121,7 @@ class Sheet:
 
     def __init__(self, environment: Environment, heading: Sequence[str], description: str) -> None:
         x0, y0, x1, y1 = environment.bounds
-        self.mm = 1.0 / max(min(w / (x1 - x0), h / (y1 - y0)) for w, h in LARGEST_MAP_MM)
+        self.mm = 1.0 / max(min(w / (x1 - x0), h / (y1 - y0)) for w, h in MAX_MAP_MM)
         frame = FRAME_MM * self.mm
         self.pen = Pen.for_bounds(environment.bounds)
         self.legend: list[LegendEntry] = []
@@ -129,7 +129,7 @@ class Sheet:
         self.swatches_heading = ""
         self._bounds: Bounds = (x0 - frame, y0 - frame, x1 + frame, y1 + frame)
         self._map_mm = ((x1 - x0) / self.mm + 2 * FRAME_MM, (y1 - y0) / self.mm + 2 * FRAME_MM)
-        self._width_mm = max(self._map_mm[0], NARROWEST_MM)
+        self._width_mm = max(self._map_mm[0], MIN_WIDTH_MM)
         self._root = ET.Element(
             "svg",
             {
@@ -247,7 +247,7 @@ class Sheet:
 
     def _write_scale_bar(self, top_mm: float) -> float:
         group = self._paper_layer("scale bar")
-        bar = round_length(LONGEST_BAR_MM * self.mm)
+        bar = round_length(MAX_BAR_MM * self.mm)
         x, y = MARGIN_MM + 0.3, top_mm + 2.0
         end = x + bar / self.mm
         path = f"M{plain(x)} {plain(y - 1.2)}v2.4M{plain(x)} {plain(y)}H{plain(end)}m0-1.2v2.4"
@@ -306,7 +306,7 @@ def wrapped(text: str, size: float, width: float) -> list[str]:
 
 def shortened(text: str) -> str:
     """Cut text that would fill the sheet."""
-    return text if len(text) <= LONGEST_HEADING else text[: LONGEST_HEADING - 1] + "…"
+    return text if len(text) <= MAX_HEADING else text[: MAX_HEADING - 1] + "…"
 
 
 def round_length(longest: float) -> float:

@@ -17,10 +17,11 @@ import numpy as np
 from multisrt.experiments.description import EnvironmentChoice, ExperimentSpec, StartsChoice
 from multisrt.experiments.measures import Measure, measure_named
 from multisrt.experiments.results import Result, Results
+from multisrt.presets.alvarez_maps import QUICK_SCENARIOS, SCENARIOS, Scenario
 from multisrt.presets.judging import Comparison, Judged, Saying, judge, verdict
 from multisrt.presets.preset import Preset
 from multisrt.reporting.claims import Claim, PrintedTable, Verdict
-from multisrt.spec import RangeFinderSpec, Scalar, StopRule
+from multisrt.spec import RangeFinderSpec, StopRule
 from multisrt.statistics.intervals import LEVEL, Interval, wilson
 from multisrt.statistics.power_law import PowerLaw, fit_power_law
 
@@ -44,145 +45,7 @@ M2_PER_ROBOT = 60.0
 TIME, DISTANCE = measure_named("exploration_time_s"), measure_named("distance_per_robot_m")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Scenario:
-    """A map of the thesis with its line of Table 4.1, and the map that stands for it here.
-
-    Attributes
-    ----------
-    number, kind : int, str
-        Its number, and what it is shown as (Figures 4.1 to 4.3).
-    area_m2, success_percent : float
-        Its area, and how many explorations succeeded.
-    time, distance : (float, float)
-        Coefficient and exponent of the two laws (s, m).
-    name, parameters : str, dict
-        Our map: as large as the thesis's over all, and of its kind.
-    """
-
-    number: int
-    kind: str
-    area_m2: float
-    success_percent: float
-    time: tuple[float, float]
-    distance: tuple[float, float]
-    name: str
-    parameters: dict[str, Scalar]
-
-    @property
-    def label(self) -> str:
-        """What tables call our map."""
-        return f"scenario {self.number} ({self.name})"
-
-
-SCENARIOS = (
-    Scenario(
-        number=1,
-        kind="rooms and corridors",
-        area_m2=600.0,
-        success_percent=97.50,
-        time=(747.31, -0.891),
-        distance=(140.97, -1.362),
-        name="office",
-        parameters={"width_m": 30.0, "height_m": 20.0},
-    ),
-    Scenario(
-        number=11,
-        kind="maze",
-        area_m2=900.0,
-        success_percent=96.56,
-        time=(1424.9, -0.886),
-        distance=(239.03, -1.154),
-        name="maze",
-        parameters={"size_m": 30.0, "cells": 15},
-    ),
-    Scenario(
-        number=10,
-        kind="rooms and corridors",
-        area_m2=1600.0,
-        success_percent=95.31,
-        time=(2615.7, -0.920),
-        distance=(460.03, -1.080),
-        name="rooms",
-        parameters={"size_m": 40.0, "rooms_per_side": 5},
-    ),
-    Scenario(
-        number=13,
-        kind="rooms and corridors",
-        area_m2=1600.0,
-        success_percent=98.13,
-        time=(1642.4, -0.861),
-        distance=(288.86, -1.000),
-        name="office",
-        parameters={"width_m": 40.0, "height_m": 40.0},
-    ),
-    Scenario(
-        number=43,
-        kind="irregular obstacles",
-        area_m2=1600.0,
-        success_percent=98.44,
-        time=(2209.4, -0.801),
-        distance=(366.41, -1.005),
-        name="clutter",
-        parameters={"size_m": 40.0},
-    ),
-    Scenario(
-        number=18,
-        kind="irregular obstacles, dense",
-        area_m2=1600.0,
-        success_percent=94.06,
-        time=(2221.9, -0.729),
-        distance=(296.85, -0.940),
-        name="clutter",
-        parameters={"size_m": 40.0, "cover": 0.16, "passage_m": 0.8},
-    ),
-    Scenario(
-        number=45,
-        kind="maze",
-        area_m2=1600.0,
-        success_percent=99.06,
-        time=(2692.6, -0.893),
-        distance=(434.44, -1.048),
-        name="maze",
-        parameters={"size_m": 40.0, "cells": 16, "loops": 0.1},
-    ),
-    Scenario(
-        number=16,
-        kind="irregular obstacles",
-        area_m2=1600.0,
-        success_percent=97.19,
-        time=(2639.0, -0.875),
-        distance=(401.84, -1.045),
-        name="clutter",
-        parameters={"size_m": 40.0, "cover": 0.08, "obstacle_m": 5.0},
-    ),
-    Scenario(
-        number=21,
-        kind="maze",
-        area_m2=3600.0,
-        success_percent=97.19,
-        time=(4745.6, -0.855),
-        distance=(772.29, -0.930),
-        name="maze",
-        parameters={"size_m": 60.0, "cells": 20},
-    ),
-    Scenario(
-        number=46,
-        kind="rooms and corridors",
-        area_m2=4378.0,
-        success_percent=96.56,
-        time=(7083.3, -0.910),
-        distance=(1180.10, -0.970),
-        name="office",
-        parameters={"width_m": 72.0, "height_m": 60.8},
-    ),
-)
-"""Table 4.1, in its order."""
-
-QUICK_SCENARIOS = (1, 11, 43)
-"""The smallest map of each kind."""
-
-LEAST_SUCCESS = min(scenario.success_percent for scenario in SCENARIOS)
+MIN_SUCCESS = min(scenario.success_percent for scenario in SCENARIOS)
 
 DEVIATIONS = (
     "Worlds: maps of the catalogue's generators with the outer size and of the kind of the "
@@ -337,7 +200,7 @@ def tables(results: Results) -> list[PrintedTable]:
 def succeeds(found: list[Outcome]) -> Claim:
     """Judge the rates of success, by Wilson's interval of all runs."""
     runs, good = sum(one.runs for one in found), sum(one.successes for one in found)
-    least = LEAST_SUCCESS / 100.0
+    least = MIN_SUCCESS / 100.0
     decision: Verdict = "not tested"
     grounds = ["there are no runs"]
     if runs:
@@ -355,7 +218,7 @@ def succeeds(found: list[Outcome]) -> Claim:
         else:
             decision = "holds" if share.low >= least else "not significant"
     return Claim(
-        text=f"At least {LEAST_SUCCESS:g} % of all explorations succeed.",
+        text=f"At least {MIN_SUCCESS:g} % of all explorations succeed.",
         source="Álvarez, Table 4.1 (94.06 to 99.06 % by map)",
         verdict=decision,
         grounds=tuple(grounds),

@@ -285,6 +285,28 @@ def p_text(p_value: float) -> str:
     return "< 0.001" if p_value < 0.001 else f"{p_value:.3f}"
 
 
+def failed_runs(bad: Sequence[Result], limit: int) -> list[str]:
+    """Return a line for each of the first runs that failed, and one that counts the others.
+
+    Parameters
+    ----------
+    bad : sequence of Result
+        Runs that were not complete, or had a collision.
+    limit : int
+        Upper bound of the runs with a line of their own.
+    """
+    lines = [
+        f"{result.condition}, repetition {result.repetition}: "
+        + (
+            "a collision"
+            if result.status == "complete"
+            else f"{result.status.replace('_', ' ')}: {result.reason}"
+        )
+        for result in bad[:limit]
+    ]
+    return [*lines, f"and {len(bad) - limit} more"] if len(bad) > limit else lines
+
+
 def _count(findings: Sequence[Finding], so: str, otherwise: str) -> str:
     sayings = [finding.saying for finding in findings]
     return (

@@ -44,7 +44,7 @@ MEAN_GAINS = {GREEDY: 8.0, MINPOS: 12.0}
 LARGEST_GAINS = {HOSPITAL: 15.0, MAZE: 20.0}
 """Of the two better strategies, at most, in percent (section V A)."""
 
-FEWEST_PAIRS = 6
+MIN_PAIRS = 6
 """An interval of a gain is given from so many repetitions of each condition on."""
 
 SOURCE = "MinPos, section V A, Figures 9 and 10"
@@ -136,7 +136,7 @@ def gain(strata: Iterable[FloatArray], level: float = LEVEL) -> Interval | None:
     All pairs weigh the same.
     """
     ratios = list(strata)
-    if not ratios or min(map(len, ratios)) < FEWEST_PAIRS:
+    if not ratios or min(map(len, ratios)) < MIN_PAIRS:
         return None
     return bootstrap(ratios, _percent, level=level, rng=0)
 
@@ -323,7 +323,7 @@ def _places(times: Times) -> list[tuple[str, int]]:
 
 def _told(found: Interval | None, printed: float | None) -> str:
     if found is None:
-        return f"too few runs: every condition needs {FEWEST_PAIRS} pairs that are complete"
+        return f"too few runs: every condition needs {MIN_PAIRS} pairs that are complete"
     papers = "" if printed is None else f"; the paper: {printed:g} %"
     return (
         f"ours: {found.value:+.1f} % (interval {found.low:+.1f} to {found.high:+.1f}, stratified "

@@ -11,7 +11,7 @@ from multisrt.experiments.crossing import Condition
 from multisrt.experiments.description import ExperimentSpec, Only, RadioChoice
 from multisrt.experiments.measures import Measure, measure_named
 from multisrt.experiments.results import Result, Results
-from multisrt.presets.judging import Cells, Judged, judge, number
+from multisrt.presets.judging import Cells, Judged, failed_runs, judge, number
 from multisrt.presets.preset import Preset
 from multisrt.reporting.claims import Claim, PrintedTable, Verdict
 from multisrt.spec import RangeFinderSpec, StopRule
@@ -24,6 +24,9 @@ REPETITIONS, QUICK_REPETITIONS = 20, 10
 RANGE_M, RADIO_RANGE_M = 4.0, 15.0
 MAX_TIME_S = 14_400.0
 """Of the run's own clock: several times what a robot alone needs."""
+
+MAX_LISTED = 10
+"""Upper bound of the runs that the grounds of a claim name one by one."""
 
 TIME, DISTANCE = measure_named("exploration_time_s"), measure_named("total_distance_m")
 OTHERS = tuple(map(measure_named, ("waiting_time_s", "overlap_share", "coverage", "deadlocks")))
@@ -219,7 +222,7 @@ def all_complete(results: Results) -> Claim:
         grounds=(
             f"{len(results) - len(bad)} of {len(results)} runs are complete, of {results.asked} "
             "asked for",
-            *_told(bad),
+            *failed_runs(bad, MAX_LISTED),
         ),
     )
 
@@ -247,7 +250,7 @@ def no_collision(results: Results) -> Claim:
         source="Multi-SRT, section 3 ('guarantees that the collective motion of the robots is "
         "feasible from the collision viewpoint')",
         verdict=_of_all(results, bad),
-        grounds=(*grounds, *_told(bad)),
+        grounds=(*grounds, *failed_runs(bad, MAX_LISTED)),
     )
 
 
@@ -256,15 +259,6 @@ def _of_all(results: Results, bad: list[Result]) -> Verdict:
     if bad:
         return "does not hold"
     return "holds" if len(results) == results.asked > 0 else "not tested"
-
-
-def _told(bad: list[Result]) -> list[str]:
-    lines = [f"{r.condition}, repetition {r.repetition}: {r.reason}" for r in bad[:MOST_TOLD]]
-    return [*lines, f"and {len(bad) - MOST_TOLD} more"] if len(bad) > MOST_TOLD else lines
-
-
-MOST_TOLD = 10
-"""So many runs that went wrong are told one by one."""
 
 
 # Tables -------------------------------------------------------------------------------------

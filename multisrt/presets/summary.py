@@ -6,11 +6,12 @@ from collections.abc import Iterable, Sequence
 
 from multisrt.experiments.crossing import conditions
 from multisrt.experiments.results import Results
+from multisrt.presets.judging import failed_runs
 from multisrt.presets.preset import Preset
 from multisrt.reporting.claims import Claim, PrintedTable
 
-MOST_FAILURES = 50
-"""So many runs that went wrong are listed."""
+MAX_FAILURES = 50
+"""Upper bound of the failed runs that are listed."""
 
 
 def summary(
@@ -48,7 +49,7 @@ def summary(
         "## Where this is not the paper's experiment",
         _bullets(preset.deviations),
         "## Runs that failed",
-        _bullets(_failures(results)) or "None.",
+        _bullets(failed_runs([r for r in results if r.failed], MAX_FAILURES)) or "None.",
     ]
     return "\n\n".join(section.rstrip() for section in sections if section) + "\n"
 
@@ -102,15 +103,3 @@ def markdown_table(columns: Sequence[str], rows: Iterable[Sequence[str]]) -> str
 
 def _bullets(lines: Iterable[str]) -> str:
     return "\n".join(f"- {line}" for line in lines)
-
-
-def _failures(results: Results) -> list[str]:
-    bad = [result for result in results if result.failed]
-    lines = [
-        f"{result.condition}, repetition {result.repetition}: "
-        f"{result.status.replace('_', ' ')}: {result.reason}"
-        if result.status != "complete"
-        else f"{result.condition}, repetition {result.repetition}: a collision"
-        for result in bad[:MOST_FAILURES]
-    ]
-    return [*lines, f"and {len(bad) - MOST_FAILURES} more"] if len(bad) > MOST_FAILURES else lines

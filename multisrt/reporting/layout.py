@@ -16,7 +16,7 @@ from multisrt.drawing.svg import printable
 WIDTH: Final = 100
 """Columns of a terminal, unless told otherwise."""
 
-NARROWEST: Final = 12
+MIN_LABEL_COLUMN: Final = 12
 """A column of labels is never cut to less."""
 
 MINUS: Final = "\N{MINUS SIGN}"
@@ -91,7 +91,7 @@ class Table:
             max(map(len, (head[i], *(row[i] for row in body)))) for i in range(len(self.columns))
         ]
         for i in range(self.labels):
-            widths[i] = min(widths[i], max(NARROWEST, width // (2 * self.labels) - 2))
+            widths[i] = min(widths[i], max(MIN_LABEL_COLUMN, width // (2 * self.labels) - 2))
         lines = [self.title, ""]
         for block in self._blocks(widths, width):
             shown = [*range(self.labels), *block]

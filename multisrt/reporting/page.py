@@ -17,8 +17,9 @@ from multisrt.drawing.svg import printable
 from multisrt.experiments.measures import Measure, measure_named
 from multisrt.experiments.results import Results
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.reporting import figures, tables
-from multisrt.reporting.again import MOST_FAILURES, Failure, Specs, Tree, failures, gallery
+from multisrt.reporting import figures, overall_figures, tables
+from multisrt.reporting.again import MAX_FAILURES, Failure, Gallery, Specs, Tree, failures
+from multisrt.reporting.again import gallery as drawn_gallery
 from multisrt.reporting.claims import Claim, PrintedTable
 from multisrt.reporting.layout import Cell, Table, number, slug
 from multisrt.reporting.study import Study, chosen_measures, other_measures
@@ -33,11 +34,11 @@ CONTENTS: Final = {PAGE_NAME, "figures", "tables", "gallery", "failures"}
 OF_TEAMS: Final = ("isolated_total_s", "imbalance")
 """Measures of how a team worked together."""
 
-MOST_FIGURES: Final = 16
-"""Of one kind on the page; the others lie in the folder of figures."""
+MAX_FIGURES: Final = 16
+"""Upper bound of the figures of one kind on the page; it links to the files of the others."""
 
-MOST_BYTES_OF_TREES: Final = 4_000_000
-"""Trees on the page; beyond, they lie in the folder of the gallery."""
+MAX_BYTES_OF_TREES: Final = 4_000_000
+"""Upper bound of the size of all trees on the page, in bytes of SVG; it links to the others."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -68,8 +69,7 @@ class Contents:
     coverage: list[Picture] = field(default_factory=list)
     across: list[Picture] = field(default_factory=list)
     rates: list[Picture] = field(default_factory=list)
-    trees: list[Tree] = field(default_factory=list)
-    tree_notes: list[str] = field(default_factory=list)
+    gallery: Gallery = field(default_factory=Gallery)
     failures: list[Failure] = field(default_factory=list)
 
     def tables(self) -> list[Table]:
@@ -147,7 +147,7 @@ def write_report(
         specs = Specs(results, folder)
         contents.failures = failures(study, specs)
         if gallery:
-            contents.trees, contents.tree_notes = _gallery(study, specs, say)
+            contents.gallery = drawn_gallery(study, specs, say)
         say("writing")
         _write(contents, unfinished, latex=latex)
     return path / PAGE_NAME
@@ -183,11 +183,11 @@ def _contents(study: Study, chosen: Sequence[Measure], say: Callable[[str], None
         found.gap = tables.gap_table(study)
         found.computing = tables.computing_table(study)
         found.coverage = figures.coverage_curves(study)
-        found.rates = figures.success_rates(study)
+        found.rates = overall_figures.success_rates(study)
         found.across = [
-            *figures.profiles(study),
-            *(p for measure in chosen for p in figures.improvement(study, measure)),
-            *figures.gaps(study),
+            *overall_figures.profiles(study),
+            *(p for measure in chosen for p in overall_figures.improvement(study, measure)),
+            *overall_figures.gaps(study),
         ]
     return found
 
@@ -215,9 +215,6 @@ def _printed(place: int, printed: PrintedTable) -> Table:
     )
 
 
-_gallery = gallery
-
-
 # Writing ------------------------------------------------------------------------------------
 
 
@@ -231,9 +228,9 @@ def _write(contents: Contents, folder: Path, *, latex: bool) -> None:
         (folder / "tables" / f"{table.name}.csv").write_text(table.csv(), encoding="utf-8")
         if latex:
             (folder / "tables" / f"{table.name}.tex").write_text(table.latex(), encoding="utf-8")
-    if contents.trees:
+    if contents.gallery.trees:
         (folder / "gallery").mkdir()
-    for tree in contents.trees:
+    for tree in contents.gallery.trees:
         (folder / "gallery" / f"{tree.name}.svg").write_text(tree.svg, encoding="utf-8")
     repeatable = [failure for failure in contents.failures if failure.spec is not None]
     if repeatable:
@@ -268,9 +265,9 @@ def _page(contents: Contents) -> str:
         version=study.results.provenance.versions.get("multisrt", ""),
         run=what_was_run(study),
         how_to_read=HOW_TO_READ,
-        most=MOST_FIGURES,
-        most_failures=MOST_FAILURES,
-        shown_trees=_shown(contents.trees),
+        max_figures=MAX_FIGURES,
+        max_failures=MAX_FAILURES,
+        shown_trees=_shown(contents.gallery.trees),
         style=Markup(beside.joinpath("page.css").read_text("utf-8")),
         script=Markup(beside.joinpath("page.js").read_text("utf-8")),
     )
@@ -281,7 +278,7 @@ def _shown(trees: Sequence[Tree]) -> set[str]:
     shown, used = set(), 0
     for tree in sorted(trees, key=lambda tree: len(tree.svg)):
         used += len(tree.svg)
-        if used <= MOST_BYTES_OF_TREES:
+        if used <= MAX_BYTES_OF_TREES:
             shown.add(tree.name)
     return shown
 

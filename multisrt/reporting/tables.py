@@ -27,7 +27,7 @@ __all__ = [
     "summary_table",
 ]
 
-FEWEST_FOR_INTERVALS = 10
+MIN_RUNS_FOR_INTERVALS = 10
 """Of fewer runs, intervals by resampling hold the true value clearly less often than they say."""
 
 NOTHING = Cell(text="", sort=math.inf)
@@ -75,7 +75,7 @@ def measure_table(study: Study, measure: Measure) -> Table:
     fewest = min(
         (len(study.of(s, name)) for s in study.settings for name in study.here(s)), default=0
     )
-    if 1 < fewest < FEWEST_FOR_INTERVALS:
+    if 1 < fewest < MIN_RUNS_FOR_INTERVALS:
         notes.append(
             f"There are conditions of {fewest} runs only: resampling so few gives intervals that "
             "are too narrow."

@@ -224,7 +224,7 @@ def test_figures_of_alvarez_are_the_printed_ones():
     assert (first.time, first.distance) == ((747.31, -0.891), (140.97, -1.362))
     assert (last.area_m2, last.success_percent) == (4378.0, 96.56)
     assert (last.time, last.distance) == ((7083.3, -0.910), (1180.10, -0.970))
-    assert (dense.success_percent, alvarez.LEAST_SUCCESS) == (94.06, 94.06)
+    assert (dense.success_percent, alvarez.MIN_SUCCESS) == (94.06, 94.06)
     # Section 4.2.1: "-0.7 a -1.02 [...] y de -0.74 a -1.42"; its own exponents lie between.
     assert alvarez.TIME_EXPONENTS == (-1.02, -0.70)
     assert alvarez.DISTANCE_EXPONENTS == (-1.42, -0.74)
@@ -440,7 +440,7 @@ def test_a_run_that_was_given_up_is_told():
     claim = claim_on(multi_srt.claims(made(QUICK_SRT, values)), "completed")
     assert claim.verdict == "does not hold"
     assert "352 of 360 runs are complete" in claim.grounds[0]
-    assert "repetition 1: beyond 900 s" in claim.grounds[1]
+    assert "repetition 1: over time: beyond 900 s" in claim.grounds[1]
 
 
 def test_table_of_multi_srt_by_team_size():

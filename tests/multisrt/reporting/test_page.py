@@ -27,8 +27,8 @@ from multisrt.reporting.page import write_report
 from multisrt.reporting.study import Study
 from multisrt.reporting.style import (
     DASHES,
-    LONGEST_LABEL,
     MARKERS,
+    MAX_LABEL,
     Picture,
     in_groups,
     look_of,
@@ -265,8 +265,9 @@ def test_little_is_enough_for_a_report(tmp_path, results, said):
 
 
 def test_gallery_draws_the_very_runs(real):
-    trees, notes = gallery(Study(real), Specs(real))
-    assert notes == []
+    made = gallery(Study(real), Specs(real))
+    trees, notes = made.trees, made.notes
+    assert notes == ()
     assert [tree.result.condition.strategy for tree in trees] == ["srt-radial", "near <first>"]
     assert all(tree.same for tree in trees)
     assert real.results[0].digest in trees[0].svg
@@ -282,14 +283,12 @@ def test_gallery_says_where_the_program_makes_another_run(real, tmp_path):
 
 def test_gallery_says_what_it_cannot_draw(real):
     unknown = [msgspec.structs.replace(result, key="0" * 32) for result in real]
-    trees, notes = gallery(
-        Study(Results(real.experiment, unknown, 2, real.provenance)), Specs(real)
-    )
-    assert trees == []
-    assert len(notes) == 2
+    made = gallery(Study(Results(real.experiment, unknown, 2, real.provenance)), Specs(real))
+    assert made.trees == ()
+    assert len(made.notes) == 2
     gone = msgspec.structs.replace(real.experiment, environments=("gone.yaml",))
     lost = Results(gone, real.results, 2, real.provenance)
-    _, notes = gallery(Study(lost), Specs(lost))
+    notes = gallery(Study(lost), Specs(lost)).notes
     assert "gone.yaml" in notes[0]
 
 
@@ -382,7 +381,7 @@ def test_labels_in_figures_fit_and_differ(labels):
     found = short_labels(labels)
     assert list(found) == labels
     assert len(set(found.values())) == len(labels)
-    assert all(len(label) <= LONGEST_LABEL for label in found.values())
+    assert all(len(label) <= MAX_LABEL for label in found.values())
 
 
 def test_labels_in_figures_keep_what_differs():

@@ -50,14 +50,14 @@ def main() -> None:
 
 
 def experiment(page: str) -> ExperimentSpec:
-    """Give the experiment that a page tells of."""
+    """Return the experiment that a page tells of."""
     if page == ROBUSTNESS:
         return ExperimentSpec.from_toml((ROOT / "examples" / "robustness.toml").read_text("utf-8"))
     return PRESETS[page].experiment(False)
 
 
 def read_digests(file: Path) -> dict[str, str]:
-    """Give the digest of every published run that has a recording, by the run's key."""
+    """Return the digest of every published run that has a recording, by the run's key."""
     with file.open(newline="", encoding="utf-8") as lines:
         return {row["key"]: row["digest"] for row in csv.DictReader(lines) if row["digest"]}
 

@@ -47,7 +47,7 @@ def is_right(results: pd.DataFrame) -> bool:
 
 
 def page(results: pd.DataFrame) -> list[str]:
-    """Give the lines of the page."""
+    """Return the lines of the page."""
     lines = [
         "# Teams whose robots die, fall silent or come late",
         "",
@@ -78,7 +78,7 @@ def page(results: pd.DataFrame) -> list[str]:
 
 
 def summary(name: str, runs: pd.DataFrame) -> tuple[str, ...]:
-    """Give a strategy's line."""
+    """Return a strategy's line."""
     ends = runs["status"].value_counts()
     coverage = runs["coverage"].quantile([0.5, 0.25, 0.0])
     return (

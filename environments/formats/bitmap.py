@@ -26,7 +26,7 @@ MAX_CORNERS = 5_000_000
 def polygons_from_grid(
     free: BoolArray, resolution_m: float, *, tolerance_cells: float = 0.45
 ) -> MultiPolygon:
-    """Give the free space of an occupancy grid as polygons.
+    """Return the free space of an occupancy grid as polygons.
 
     Parameters
     ----------

@@ -20,7 +20,7 @@ MAX_CELLS = 64_000_000
 
 
 def require_file(path: Path) -> int:
-    """Give a file's size in bytes, or say why it cannot be a map.
+    """Return a file's size in bytes, or say why it cannot be a map.
 
     Raises
     ------
@@ -67,7 +67,7 @@ def read_text(path: Path, *, max_bytes: int = MAX_TEXT_BYTES) -> str:
 
 
 def require_resolution(path: Path, resolution_m: float | None) -> float:
-    """Give the metres per pixel or cell of a file that does not tell its own scale.
+    """Return the metres per pixel or cell of a file that does not tell its own scale.
 
     Raises
     ------
@@ -112,7 +112,7 @@ def refuse_threshold(path: Path, threshold: float | None) -> None:
 
 
 def grid_polygons(path: Path, free: BoolArray, resolution_m: float) -> MultiPolygon:
-    """Give the polygons of a file's free cells, first row at the top.
+    """Return the polygons of a file's free cells, first row at the top.
 
     Raises
     ------

@@ -118,7 +118,7 @@ class Pixels:
         return None if self.alpha is None else self.alpha == 255
 
     def weighted(self, weights: tuple[int, int, int]) -> tuple[NDArray[np.uint32], int]:
-        """Give the weighted sum of red, green and blue of each pixel, and its largest value.
+        """Return the weighted sum of red, green and blue of each pixel, and its largest value.
 
         Of a grey image these are the grey values themselves.
         """
@@ -200,7 +200,7 @@ def _decoded(path: Path, image: "Image") -> Pixels:
 
 
 def _white(levels: NDArray[np.uint32], full: int, opaque: BoolArray | None) -> int:
-    """Give the level that 99 % of the opaque pixels do not exceed."""
+    """Return the level that 99 % of the opaque pixels do not exceed."""
     histogram = np.zeros(full + 1, np.int64)
     for row, line in enumerate(levels):  # by rows: counting needs eight bytes a pixel
         histogram += np.bincount(line if opaque is None else line[opaque[row]], minlength=full + 1)

@@ -105,7 +105,7 @@ def read_map_server(
 def _free_cells(
     pixels: Pixels, *, negate: bool, occupied_thresh: float, free_thresh: float, mode: str
 ) -> BoolArray:
-    """Tell which pixels are free."""
+    """Return which pixels are free."""
     levels, full = pixels.weighted((1, 1, 1))
     if mode == "trinary" and pixels.alpha is not None:
         # The server decodes grey with alpha to four channels.

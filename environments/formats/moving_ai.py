@@ -84,7 +84,7 @@ def read_moving_ai(
 
 
 def _header(path: Path, lines: list[str]) -> tuple[int, int]:
-    """Give height and width."""
+    """Return height and width."""
     sizes = []
     for number, word in enumerate(("type", "height", "width", "map"), start=1):
         parts = lines[number - 1].split() if number <= len(lines) else []

@@ -129,7 +129,7 @@ def _cheapest_polygon(
     start: int,
     tolerance: float,
 ) -> IntArray:
-    """Give the candidates on the cheapest polygon that has the candidate ``start``.
+    """Return the candidates on the cheapest polygon that has the candidate ``start``.
 
     Candidates are counted from ``start`` on; number n is ``start`` again. From each, the ring is
     followed for as long as some direction crosses all the windows that it has passed.

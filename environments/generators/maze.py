@@ -25,17 +25,27 @@ def maze(
     size_m : float
         Inner width and height, 4 to 200 m.
     cells : int
-        Cells in each row and column, 2 to 100; corridors must be 0.8 m wide at least.
+        Cells in each row and column, 2 to 100. Corridors must be at least 0.8 m wide.
     loops : float
-        Chance, from 0 (one way only between any two places) to 1 (no walls left), of taking
-        away a wall that closes a loop.
+        Probability, from 0 to 1, that a wall is removed although its cells are connected
+        already. With 0 there is one path between any two places, with 1 there are no walls.
     seed : int
-        Chooses the walls.
+        Seed of the walls.
+
+    Returns
+    -------
+    Environment
+        The world, in metres, with suggested starts.
 
     Raises
     ------
     InvalidInputError
         If a parameter is out of range or the corridors become too narrow.
+
+    Examples
+    --------
+    >>> maze(size_m=10, cells=5).bounds
+    (0.0, 0.0, 10.0, 10.0)
     """
     size_m = number("maze", "size_m", size_m, 4.0, 200.0)
     cells = whole("maze", "cells", cells, 2, 100)
@@ -75,7 +85,7 @@ def maze(
 
 
 def _without_posts(corridors: BaseGeometry) -> BaseGeometry:
-    """Take away what is left of a wall where all four walls around its end are open."""
+    """Remove the corner posts that are left where all four walls around them are open."""
     assert isinstance(corridors, Polygon)  # all cells are connected
     holes = [ring for ring in corridors.interiors if Polygon(ring).area > 2 * WALL_M**2]
     return Polygon(corridors.exterior, holes)

@@ -123,7 +123,7 @@ class Outcome:
 
 
 def outcomes(results: Results) -> list[Outcome]:
-    """Give what came out on every map of the experiment, in the thesis's order."""
+    """Return what came out on every map of the experiment, in the thesis's order."""
     asked = {
         given if isinstance(given, str) else given.label
         for given in results.experiment.environments

@@ -137,15 +137,15 @@ class Cells:
             self._runs.setdefault(result.condition, {})[result.repetition] = result
 
     def conditions(self) -> list[Condition]:
-        """Give all that the experiment asks for, in its order."""
+        """Return all that the experiment asks for, in its order."""
         return list(self._runs)
 
     def of(self, condition: Condition) -> list[Result]:
-        """Give the runs that there are of a condition."""
+        """Return the runs that there are of a condition."""
         return list(self._runs.get(condition, {}).values())
 
     def values(self, condition: Condition, measure: Measure) -> tuple[float, ...]:
-        """Give a measure of all of them; infinite for those that are not complete."""
+        """Return a measure of all of them; infinite for those that are not complete."""
         return tuple(measure.values(self.of(condition)))
 
     def unpaired(

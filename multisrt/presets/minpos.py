@@ -131,7 +131,7 @@ class Times:
 
 
 def gain(strata: Iterable[FloatArray], level: float = LEVEL) -> Interval | None:
-    """Give a gain in percent with its interval; None where a condition has too few pairs.
+    """Return a gain in percent with its interval; None where a condition has too few pairs.
 
     All pairs weigh the same.
     """
@@ -335,7 +335,7 @@ def _told(found: Interval | None, printed: float | None) -> str:
 
 
 def gains(times: Times) -> PrintedTable:
-    """Give the gains on closest of all conditions, and the means and largest beside the paper's."""
+    """Return the gains on closest of all conditions, and the means and largest beside the paper's."""
     both = (GREEDY, MINPOS)
     rows = [
         (

@@ -78,7 +78,7 @@ def claims(results: Results) -> list[Claim]:
 
 
 def tables(results: Results) -> list[PrintedTable]:
-    """Give what the paper draws by team size, what else there is to know, and the comparisons."""
+    """Return what the paper draws by team size, what else there is to know, and the comparisons."""
     cells = Cells(results)
     return [
         *(_by_team(cells, measure, drawn=True) for measure in (TIME, DISTANCE)),

@@ -38,11 +38,11 @@ class PaperTable:
     lines: dict[tuple[str, int], str]
 
     def median(self, strategy: str, radio_m: int, robots: int) -> str:
-        """Give the median of a cell, as printed."""
+        """Return the median of a cell, as printed."""
         return self._field(strategy, radio_m, robots)[0]
 
     def mark(self, strategy: str, radio_m: int, robots: int) -> Mark:
-        """Give its mark."""
+        """Return its mark."""
         return self._field(strategy, radio_m, robots)[1]
 
     def _field(self, strategy: str, radio_m: int, robots: int) -> tuple[str, Mark]:

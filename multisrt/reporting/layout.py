@@ -208,7 +208,7 @@ def number(value: float, digits: int) -> str:
 
 
 def slug(text: str) -> str:
-    """Give a name for a file: lower case letters, digits and hyphens.
+    """Return a name for a file: lower case letters, digits and hyphens.
 
     Examples
     --------

@@ -73,14 +73,14 @@ class Contents:
     failures: list[Failure] = field(default_factory=list)
 
     def tables(self) -> list[Table]:
-        """Give every table."""
+        """Return every table."""
         parts = (*self.headlines, *self.of_teams, *self.others)
         growth = [part.growth for part in parts]
         found = [self.success, *(part.table for part in parts), *growth]
         return [t for t in (*found, self.gap, self.computing, *self.printed) if t is not None]
 
     def pictures(self) -> list[Picture]:
-        """Give every figure."""
+        """Return every figure."""
         parts = (*self.headlines, *self.of_teams)
         of_measures = [picture for part in parts for picture in part.pictures]
         return [*of_measures, *self.coverage, *self.across, *self.rates]
@@ -302,7 +302,7 @@ def _size(svg: bytes | str) -> dict[str, int]:
 
 @contextmanager
 def _replaced(path: Path) -> Iterator[Path]:
-    """Give a folder to write to, which takes the place of `path` once all is written."""
+    """Return a folder to write to, which takes the place of `path` once all is written."""
     try:
         path = path.resolve()
         _require_replaceable(path)

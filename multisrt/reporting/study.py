@@ -154,15 +154,15 @@ class Study:
         return [strategy for strategy in self.strategies if strategy != self.baseline]
 
     def of(self, setting: Condition, strategy: str) -> list[Result]:
-        """Give the results of a strategy in a setting, by repetition; there may be none."""
+        """Return the results of a strategy in a setting, by repetition; there may be none."""
         return self._by_condition.get(in_setting(setting, strategy), [])
 
     def here(self, setting: Condition) -> list[str]:
-        """Give the strategies that have results in a setting."""
+        """Return the strategies that have results in a setting."""
         return [strategy for strategy in self.strategies if self.of(setting, strategy)]
 
     def scenes(self) -> dict[Condition, list[Condition]]:
-        """Give the settings by all but the size of the team, from the smallest team."""
+        """Return the settings by all but the size of the team, from the smallest team."""
         scenes: dict[Condition, list[Condition]] = defaultdict(list)
         for setting in self.settings:
             scenes[msgspec.structs.replace(setting, robots=0, team="")].append(setting)
@@ -172,7 +172,7 @@ class Study:
         }
 
     def shared_settings(self) -> list[Condition]:
-        """Give the settings in which all strategies have results."""
+        """Return the settings in which all strategies have results."""
         return [s for s in self.settings if len(self.here(s)) == len(self.strategies)]
 
     def name(self, setting: Condition) -> str:
@@ -234,7 +234,7 @@ class Study:
         return bootstrap([measure.values(results)], median, rng=SEED)
 
     def finite(self, measure: Measure, setting: Condition, strategy: str) -> list[float]:
-        """Give the values of the runs that have one."""
+        """Return the values of the runs that have one."""
         results = [r for r in self.of(setting, strategy) if self._counts(measure, r)]
         return measure.values(results)
 
@@ -311,12 +311,12 @@ class Study:
 
 
 def setting_of(condition: Condition) -> Condition:
-    """Give a condition without its strategy."""
+    """Return a condition without its strategy."""
     return in_setting(condition, "")
 
 
 def in_setting(setting: Condition, strategy: str) -> Condition:
-    """Give the condition of a strategy in a setting."""
+    """Return the condition of a strategy in a setting."""
     return msgspec.structs.replace(setting, strategy=strategy)
 
 
@@ -326,7 +326,7 @@ def team_name(setting: Condition) -> str:
 
 
 def chosen_measures(names: Sequence[str] = ()) -> tuple[Measure, ...]:
-    """Give the measures of these names, or those that reports speak of.
+    """Return the measures of these names, or those that reports speak of.
 
     Raises
     ------
@@ -337,6 +337,6 @@ def chosen_measures(names: Sequence[str] = ()) -> tuple[Measure, ...]:
 
 
 def other_measures(chosen: Sequence[Measure]) -> list[Measure]:
-    """Give all measures but these."""
+    """Return all measures but these."""
     names = {measure.name for measure in chosen}
     return [measure for measure in MEASURES if measure.name not in names]

@@ -162,7 +162,7 @@ def gap_table(study: Study) -> Table | None:
 
 
 def gaps_to_bounds(study: Study) -> dict[str, Interval]:
-    """Give each strategy's gap to the lower bound of the exploration time, if there are bounds."""
+    """Return each strategy's gap to the lower bound of the exploration time, if there are bounds."""
     over = measure_named("over_bound")
     settings = bounded_settings(study)
     if not settings:
@@ -175,7 +175,7 @@ def gaps_to_bounds(study: Study) -> dict[str, Interval]:
 
 
 def bounded_settings(study: Study) -> list[Condition]:
-    """Give the settings that all strategies met, and whose complete runs all have a bound."""
+    """Return the settings that all strategies met, and whose complete runs all have a bound."""
     over, time = measure_named("over_bound"), measure_named("exploration_time_s")
     return [
         setting

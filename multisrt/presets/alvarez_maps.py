@@ -1,4 +1,4 @@
-"""The maps of Álvarez's Table 4.1 with its figures, and the maps that stand for them here."""
+"""Álvarez's Table 4.1: its maps with their figures, and our maps in their place."""
 
 from __future__ import annotations
 
@@ -9,18 +9,24 @@ from multisrt.spec import Scalar
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Scenario:
-    """A map of the thesis with its line of Table 4.1, and the map that stands for it here.
+    """A map of the thesis with its row of Table 4.1, and our map in its place.
 
     Attributes
     ----------
-    number, kind : int, str
-        Its number, and what it is shown as (Figures 4.1 to 4.3).
-    area_m2, success_percent : float
-        Its area, and how many explorations succeeded.
+    number : int
+        Number of the map in the thesis.
+    kind : str
+        Kind of the map, by Figures 4.1 to 4.3.
+    area_m2 : float
+        Area of the map.
+    success_percent : float
+        Percentage of successful explorations.
     time, distance : (float, float)
-        Coefficient and exponent of the two laws (s, m).
-    name, parameters : str, dict
-        Our map: as large as the thesis's over all, and of its kind.
+        Coefficient (s, m) and exponent of the two power laws.
+    name : str
+        Generator of our map, which has the outer size and the kind of the thesis's map.
+    parameters : dict from str to Scalar
+        Parameters of the generator.
     """
 
     number: int
@@ -34,7 +40,7 @@ class Scenario:
 
     @property
     def label(self) -> str:
-        """What tables call our map."""
+        """Label of our map in tables."""
         return f"scenario {self.number} ({self.name})"
 
 
@@ -140,7 +146,7 @@ SCENARIOS = (
         parameters={"width_m": 72.0, "height_m": 60.8},
     ),
 )
-"""Table 4.1, in its order."""
+"""Rows of Table 4.1, in its order."""
 
 QUICK_SCENARIOS = (1, 11, 43)
-"""The smallest map of each kind."""
+"""Numbers of the smallest maps of each kind."""

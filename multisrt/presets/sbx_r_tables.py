@@ -11,7 +11,7 @@ from multisrt.statistics.rank_tests import Mark
 CLOSEST, UTILITY, SBX_R = "closest", "utility", "self-bidding"
 OTHERS = (CLOSEST, UTILITY)
 NAMES = {CLOSEST: "Yamauchi", UTILITY: "Stachniss", SBX_R: "SBX-R"}
-"""What the paper calls our strategies."""
+"""Names of the strategies in the paper."""
 
 RADIO_RANGES_M = (15, 20, 30)
 TEAMS = (2, 3, 4, 5)
@@ -24,12 +24,12 @@ class PaperTable:
     Attributes
     ----------
     number, title : str
-        Its number, and what it shows.
+        Number and title of the table.
     measure : Measure
-        What that is here.
-    lines : dict
-        Its lines, by our name of the strategy and the radio's range; a field for each team of 2
-        to 5 robots, a median and its mark.
+        The measure of its figures.
+    lines : dict from (str, int) to str
+        Rows by strategy and range of the radio (m). A row has a field for each team of 2 to 5
+        robots: a median with its mark.
     """
 
     number: str
@@ -42,7 +42,7 @@ class PaperTable:
         return self._field(strategy, radio_m, robots)[0]
 
     def mark(self, strategy: str, radio_m: int, robots: int) -> Mark:
-        """Return its mark."""
+        """Return the mark of a cell."""
         return self._field(strategy, radio_m, robots)[1]
 
     def _field(self, strategy: str, radio_m: int, robots: int) -> tuple[str, Mark]:

@@ -1,4 +1,4 @@
-"""Figures of results, each small enough for a phone: many small ones, not few crowded ones."""
+"""Figures of measures in single settings, each small enough for a phone."""
 
 from __future__ import annotations
 
@@ -29,21 +29,21 @@ from multisrt.statistics.curves import StepCurve, common_grid, curve_bands
 from multisrt.statistics.intervals import Interval
 
 CURVE_POINTS = 120
-"""Of a figure of coverage: finer is not seen."""
+"""Points of a curve of coverage."""
 
 ROW_IN = 0.23
-"""Height of a row of boxes."""
+"""Height of a row of boxes, in inches."""
 
 MAX_ROWS = 30
-"""A figure of boxes that would have more is made for one size of the team at a time."""
+"""Upper bound of the rows in a figure of boxes; beyond, every team size has its own figure."""
 
 
 MIN_RUNS_OF_A_BOX = 5
-"""Fewer runs are shown as they are, with their median."""
+"""Minimum number of runs of a box; fewer runs are shown as points with their median."""
 
 
 def box_plots(study: Study, measure: Measure) -> list[Picture]:
-    """Draw how runs are spread: a figure for each world, a box for each strategy and team."""
+    """Return box plots of a measure: a figure per world, a box per strategy and team."""
     pictures = []
     for scene, settings in study.scenes().items():
         present = [setting for setting in settings if study.has(measure, setting)]
@@ -56,7 +56,7 @@ def box_plots(study: Study, measure: Measure) -> list[Picture]:
 
 
 def against_team_size(study: Study, measure: Measure) -> list[Picture]:
-    """Draw medians with their intervals against the size of the team, a figure for each world."""
+    """Return medians with intervals against team size: a figure per world and group of lines."""
     pictures = []
     for scene, settings in study.scenes().items():
         present = [s for s in settings if study.has(measure, s) and not s.team]
@@ -68,7 +68,7 @@ def against_team_size(study: Study, measure: Measure) -> list[Picture]:
 
 
 def coverage_curves(study: Study) -> list[Picture]:
-    """Draw the share covered against time, a figure for each setting."""
+    """Return the coverage against time: a figure per setting and group of lines."""
     pictures = []
     for setting in study.settings:
         for number_, group in enumerate(in_groups(study.here(setting), study.baseline)):
@@ -167,7 +167,7 @@ def _box(
 
 
 def _with_count(study: Study, measure: Measure, setting: Condition, strategy: str) -> str:
-    # A strategy's label, with how many of its runs are drawn if that is not all.
+    # The label of a strategy, with the number of runs that are drawn unless all of them are.
     drawn_, runs = len(study.finite(measure, setting, strategy)), len(study.of(setting, strategy))
     label = label_of(study.strategies, strategy)
     return label if drawn_ == runs else f"{label} {drawn_}/{runs}"
@@ -228,7 +228,7 @@ def _sizes(
 
 
 def _curves(study: Study, setting: Condition, strategy: str) -> list[StepCurve]:
-    # When each percent was covered; a run that was not measured has no curve.
+    # The time at which each percent was covered; runs that were not measured have no curve.
     curves: list[StepCurve] = []
     for result in study.of(setting, strategy):
         steps = [

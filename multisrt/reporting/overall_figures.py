@@ -1,4 +1,4 @@
-"""Figures over all settings: profiles, probabilities of improvement, gaps, rates of success."""
+"""Figures over all settings: profiles, probabilities of improvement, gaps, success rates."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ from multisrt.statistics.profiles import performance_profile
 
 
 def profiles(study: Study) -> list[Picture]:
-    """Draw what share of the runs were done within a multiple of the lower bound, or the best."""
+    """Return performance profiles, of times relative to the lower bound or to the best time."""
     ratios, axis = _ratios(study)
     finite = [v for own in ratios.values() for sample in own for v in sample if math.isfinite(v)]
     if not finite:
@@ -45,7 +45,7 @@ def profiles(study: Study) -> list[Picture]:
 
 
 def improvement(study: Study, measure: Measure) -> list[Picture]:
-    """Draw how probably a run of each strategy is better than one of the baseline."""
+    """Return the probabilities that a run of a strategy is better than one of the baseline."""
     settings = [s for s in study.shared_settings() if study.has(measure, s)]
     if not settings or not study.rivals:
         return []
@@ -77,7 +77,7 @@ def improvement(study: Study, measure: Measure) -> list[Picture]:
 
 
 def gaps(study: Study) -> list[Picture]:
-    """Draw how far exploration times are above their lower bound."""
+    """Return the gaps between exploration times and their lower bounds."""
     found = {s: v for s, v in gaps_to_bounds(study).items() if math.isfinite(v.value)}
     if not found:
         return []
@@ -92,7 +92,7 @@ def gaps(study: Study) -> list[Picture]:
 
 
 def success_rates(study: Study) -> list[Picture]:
-    """Draw the rates of success of all runs of each strategy; nothing where none failed."""
+    """Return the success rates of the strategies over all settings; no figure if no run failed."""
     if not any(result.failed for result in study.results):
         return []
     found = {}
@@ -105,12 +105,12 @@ def success_rates(study: Study) -> list[Picture]:
         axes.xaxis.set_major_formatter(PercentFormatter(1.0, decimals=0, symbol=" %"))
         axes.set_xlabel("complete, without a collision")
 
-    title = "Rates of success over all settings"
+    title = "Success rates over all settings"
     return [_forest(study, "success", title, title, found, finish, digits=2)]
 
 
 def _ratios(study: Study) -> tuple[dict[str, list[FloatArray]], str]:
-    # Exploration times by strategy and setting, over what they can be compared across settings by.
+    # Exploration times by strategy and setting, divided by a reference time of the setting.
     bounded = bounded_settings(study)
     if bounded:
         over = measure_named("over_bound")
@@ -158,7 +158,7 @@ def _profile(
         axes.set_ylim(0.0, 1.02)
         axes.yaxis.set_major_formatter(PercentFormatter(1.0, decimals=0, symbol=" %"))
         axes.set_xlabel(axis)
-        axes.set_ylabel("runs within")
+        axes.set_ylabel("share of runs")
         headline(axes, "Performance profiles")
         legend_below(axes)
 
@@ -190,7 +190,7 @@ def _forest(
             high = min(interval.high, beyond)
             axes.plot([interval.low, high], [at, at], color=look.colour, linewidth=3.0)
             if high < interval.high:
-                # Failed runs leave no upper bound.
+                # With failed runs the interval has no upper end.
                 axes.plot([high], [at], ">", color=look.colour, markersize=6.0)
             axes.plot([interval.value], [at], look.marker, color=look.colour, markersize=7.0)
         axes.set_yticks(

@@ -1,4 +1,4 @@
-"""The report: one page that needs nothing but itself, with figures and tables apart beside it."""
+"""The report: a self-contained page, with its figures and tables as files beside it."""
 
 from __future__ import annotations
 
@@ -29,10 +29,10 @@ from multisrt.reporting.words import HOW_TO_READ, Findings, findings, what_was_r
 PAGE_NAME: Final = "index.html"
 GENERATOR: Final = "multisrt report"
 CONTENTS: Final = {PAGE_NAME, "figures", "tables", "gallery", "failures"}
-"""What a report's folder holds; one that holds anything else is never replaced."""
+"""Names in the folder of a report; a folder with any other name is never replaced."""
 
 OF_TEAMS: Final = ("isolated_total_s", "imbalance")
-"""Measures of how a team worked together."""
+"""Measures of the cooperation of a team."""
 
 MAX_FIGURES: Final = 16
 """Upper bound of the figures of one kind on the page; it links to the files of the others."""
@@ -43,7 +43,7 @@ MAX_BYTES_OF_TREES: Final = 4_000_000
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MeasurePart:
-    """What a page has of one measure."""
+    """The part of a page on one measure."""
 
     measure: Measure
     findings: Findings
@@ -54,7 +54,7 @@ class MeasurePart:
 
 @dataclass(slots=True, kw_only=True)
 class Contents:
-    """All that a report has, before it is written."""
+    """The contents of a report."""
 
     study: Study
     headlines: list[MeasurePart] = field(default_factory=list)
@@ -73,14 +73,14 @@ class Contents:
     failures: list[Failure] = field(default_factory=list)
 
     def tables(self) -> list[Table]:
-        """Return every table."""
+        """Return all tables."""
         parts = (*self.headlines, *self.of_teams, *self.others)
         growth = [part.growth for part in parts]
         found = [self.success, *(part.table for part in parts), *growth]
         return [t for t in (*found, self.gap, self.computing, *self.printed) if t is not None]
 
     def pictures(self) -> list[Picture]:
-        """Return every figure."""
+        """Return all figures."""
         parts = (*self.headlines, *self.of_teams)
         of_measures = [picture for part in parts for picture in part.pictures]
         return [*of_measures, *self.coverage, *self.across, *self.rates]
@@ -99,43 +99,53 @@ def write_report(
     folder: Path | None = None,
     progress: Callable[[str], None] | None = None,
 ) -> Path:
-    """Write a report: the page, figures as SVG and PDF, tables as CSV.
+    """Write a report: a page, figures as SVG and PDF, tables as CSV.
 
-    The same results give the same bytes. A report that is there already is replaced, all at once.
+    Equal results give equal bytes. A report in the same folder is replaced once the new one is
+    complete.
 
     Parameters
     ----------
     results : Results
-        What came out of an experiment.
-    out : path
-        The folder to write.
-    latex : bool
-        Whether tables are written as LaTeX, too.
-    claims : sequence of Claim
-        What a paper claims, judged.
-    comparisons : sequence of PrintedTable
-        What a paper prints, beside what came out here.
-    gallery : bool
-        Whether median runs are simulated again, to draw them.
-    measures : sequence of str
-        What to report on, by name; `study.HEADLINES` by default.
+        Results of an experiment.
+    out : str or Path
+        The folder of the report.
+    latex : bool, optional
+        Whether tables are also written as LaTeX.
+    claims : sequence of Claim, optional
+        Judged claims of a paper.
+    comparisons : sequence of PrintedTable, optional
+        Tables of a paper beside the results.
+    gallery : bool, optional
+        Whether median runs are simulated again and drawn.
+    measures : sequence of str, optional
+        Names of the measures to discuss; by default `study.HEADLINES`.
     baseline : str, optional
-        Which strategy the others are compared with; by default the first.
-    folder : path, optional
-        What paths of the experiment's environments are relative to.
+        Label of the strategy that the others are compared with; by default the first one.
+    folder : Path, optional
+        Folder that relative paths of the experiment's environments start from.
     progress : callable, optional
-        Is told what is being made.
+        Called with a line on each step.
 
     Returns
     -------
     Path
-        The page.
+        The page, ``index.html`` in the folder.
 
     Raises
     ------
     InvalidInputError
-        If there is no such measure or strategy, or the folder cannot be written or holds
-        anything but a report.
+        If a measure or the baseline is unknown, or the folder cannot be written or has other
+        contents than a report.
+
+    Examples
+    --------
+    >>> import multisrt as ms
+    >>> from tempfile import TemporaryDirectory
+    >>> compared = ms.compare("open", "closest", 1, 2, progress=False)
+    >>> with TemporaryDirectory() as folder:
+    ...     write_report(compared.results, f"{folder}/report", measures=["coverage"]).name
+    'index.html'
     """
     path = Path(out)
     say = progress or (lambda _: None)
@@ -274,7 +284,7 @@ def _page(contents: Contents) -> str:
 
 
 def _shown(trees: Sequence[Tree]) -> set[str]:
-    # Names of the trees that the page itself has room for: the smallest ones first.
+    # Names of the trees on the page: the smallest ones, as many as fit.
     shown, used = set(), 0
     for tree in sorted(trees, key=lambda tree: len(tree.svg)):
         used += len(tree.svg)
@@ -284,7 +294,7 @@ def _shown(trees: Sequence[Tree]) -> set[str]:
 
 
 def _image(svg: bytes | str) -> str:
-    # A drawing as an address of its own: its names, styles and scripts stay inside.
+    # A data address isolates the names, styles and scripts of a drawing.
     text = svg.decode() if isinstance(svg, bytes) else svg
     text = re.sub(r"^<\?xml.*?\?>\s*(<!DOCTYPE[^>]*>\s*)?", "", text, flags=re.DOTALL)
     text = re.sub(r"\s*\n\s*", " ", text).replace("> <", "><")
@@ -292,7 +302,7 @@ def _image(svg: bytes | str) -> str:
 
 
 def _size(svg: bytes | str) -> dict[str, int]:
-    # Its sides, so that the page keeps room for it.
+    # Width and height, so that the page reserves room for the image.
     text = svg if isinstance(svg, str) else svg.decode()
     found = re.search(r'viewBox="0 0 ([\d.]+) ([\d.]+)"', text)
     assert found is not None
@@ -302,7 +312,7 @@ def _size(svg: bytes | str) -> dict[str, int]:
 
 @contextmanager
 def _replaced(path: Path) -> Iterator[Path]:
-    """Return a folder to write to, which takes the place of `path` once all is written."""
+    """Yield a folder to write to, which replaces `path` on success."""
     try:
         path = path.resolve()
         _require_replaceable(path)
@@ -339,5 +349,5 @@ def _require_replaceable(path: Path) -> None:
     strange = sorted(there - CONTENTS)
     what = f" ({strange[0]})" if strange else ""
     raise InvalidInputError(
-        f"{path} holds something that is no report of ours{what}; choose another folder"
+        f"{path} has other contents than a report of this program{what}; choose another folder"
     )

@@ -490,7 +490,7 @@ def test_a_quick_sbx_r_leaves_out_what_it_has_no_teams_for():
     found = sbx_r.claims(made(sbx_r.experiment(True), bidding(lambda at: 0.5)))
     assert claim_on(found, "isolated for less time than with closest").verdict == "holds"
     assert claim_on(found, "Two robots").verdict == "not tested"
-    assert "no runs that it speaks of" in claim_on(found, "Two robots").grounds[0]
+    assert "no runs that the claim refers to" in claim_on(found, "Two robots").grounds[0]
 
 
 def test_marks_beside_those_of_the_paper():

@@ -248,7 +248,7 @@ def test_same_results_same_bytes(tmp_path):
     ("results", "said"),
     [
         (lambda: made_up(("a",), (1,), 3), "nothing to compare"),
-        (lambda: made_up(("a", "b"), (1,), 1), "Too few runs to tell"),
+        (lambda: made_up(("a", "b"), (1,), 1), "With these numbers of runs no difference can be significant"),
         (lambda: made_up(("a", "b"), (1, 2), 2, fail=2), "its process died"),
         (lambda: made_up((), (), 0), "no results yet"),
     ],
@@ -338,12 +338,12 @@ def test_a_report_is_replaced_and_nothing_else(tmp_path):
     assert not list((out / "tables").glob("*.tex"))
     assert [p.name for p in out.parent.iterdir()] == ["report"]
     (out / "notes.txt").write_text("mine")
-    with pytest.raises(InvalidInputError, match=r"no report of ours \(notes.txt\)"):
+    with pytest.raises(InvalidInputError, match=r"other contents than a report of this program \(notes.txt\)"):
         write_report(results, out, gallery=False, measures=ONE)
     assert page.is_file()
     (tmp_path / "page").mkdir()
     (tmp_path / "page" / "index.html").write_text("<html>another's</html>")
-    with pytest.raises(InvalidInputError, match="no report of ours"):
+    with pytest.raises(InvalidInputError, match="other contents than a report"):
         write_report(results, tmp_path / "page", gallery=False, measures=ONE)
     (tmp_path / "file").write_text("")
     with pytest.raises(InvalidInputError, match="is a file"):

@@ -364,7 +364,7 @@ def test_holm_makes_more_runs_necessary(make):
 
 def test_single_strategy_has_nothing_to_be_compared_with(make):
     said = findings(Study(make({("w", "a", 1): [1.0, 2.0]})), TIME)
-    assert said.others == ("There is one strategy only, so that there is nothing to compare.",)
+    assert said.others == ("There is only one strategy, so there is nothing to compare.",)
 
 
 def test_missing_runs_are_said_to_be_missing(make):

@@ -13,10 +13,10 @@ from multisrt.experiments.description import ExperimentSpec
 from multisrt.experiments.runner import Progress, run_experiment
 from multisrt.experiments.store import Store
 
-MISSIONS = 80
+MISSIONS = 40
 """Missions of one experiment."""
 
-ROUNDS = 5
+ROUNDS = 4
 """Times that everything is measured, in turns, of which the shortest counts."""
 
 MAX_YARDSTICKS = 15.0

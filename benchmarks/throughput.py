@@ -19,7 +19,7 @@ MISSIONS = 40
 ROUNDS = 4
 """Times that everything is measured, in turns, of which the shortest counts."""
 
-MAX_YARDSTICKS = 15.0
+MAX_YARDSTICKS = 12.0
 """Upper bound of the time from one mission to the next, with two workers."""
 
 MAX_LOSS = 1.25

@@ -406,7 +406,7 @@ def test_claims_of_multi_srt_that_do_not_hold():
     )
     assert claim_on(found, "clustered").verdict == "does not hold"
     assert claim_on(found, "distance grows").verdict == "does not hold"
-    assert claim_on(found, "shorter way").verdict == "does not hold"
+    assert claim_on(found, "shorter total distance").verdict == "does not hold"
     assert claim_on(found, "collisions").verdict == "does not hold"
     assert claim_on(found, "completed").verdict == "holds"
 

@@ -22,7 +22,7 @@ def broken() -> Iterator[Claim]:
     raise RuntimeError("no such kernel")
 
 
-def test_every_claim_has_a_line_whatever_it_says(capsys):
+def test_every_claim_has_a_line_met_or_not(capsys):
     show({"faster": faster, "slower": slower})
     lines = capsys.readouterr().out.splitlines()
     verdicts = {line[:20].strip(): line.split()[-1] for line in lines[1:6]}

@@ -193,7 +193,7 @@ def test_figures_of_sbx_r_are_the_printed_ones():
         ("V", "utility", 2, 5),
     ],
 )
-def test_marks_of_sbx_r_are_as_many_as_its_text_says(number, other, better, worse):
+def test_marks_of_sbx_r_agree_with_the_counts_in_its_text(number, other, better, worse):
     (table,) = [table for table in sbx_r.PAPER if table.number == number]
     signs = Counter(table.mark(*cell) for cell in sbx_r.ALL[other])
     assert (signs["+"], signs["-"], sum(signs.values())) == (better, worse, 12)
@@ -432,7 +432,7 @@ def test_claims_of_multi_srt_without_runs_enough():
         assert {claim.verdict for claim in multi_srt.claims(results)} == {"not tested"}
 
 
-def test_a_run_that_was_given_up_is_told():
+def test_a_run_that_was_given_up_is_in_the_grounds():
     def values(at: Condition, repetition: int) -> dict[str, object] | None:
         lost = repetition == 1 and at.robots == 4 and at.strategy == "srt-star"
         return None if lost else srt()(at, repetition)
@@ -486,7 +486,7 @@ def test_claims_of_sbx_r_that_may_be_chance_or_are_not_tested():
     assert {claim.verdict for claim in sbx_r.claims(none_of(FULL_SBX))} == {"not tested"}
 
 
-def test_a_quick_sbx_r_leaves_out_what_it_has_no_teams_for():
+def test_a_quick_sbx_r_omits_cells_without_teams():
     found = sbx_r.claims(made(sbx_r.experiment(True), bidding(lambda at: 0.5)))
     assert claim_on(found, "isolated for less time than with closest").verdict == "holds"
     assert claim_on(found, "Two robots").verdict == "not tested"
@@ -548,7 +548,7 @@ def times(
     return values
 
 
-def test_gains_are_what_they_were_made():
+def test_gains_are_those_of_the_constructed_times():
     of = minpos.Times(made(FULL_MINPOS, times(10.0, 20.0, spread=0.0)))
     for strategy, percent in (("greedy", 10.0), ("minpos", 20.0)):
         found = minpos.gain([of.ratios("maze", 4, strategy, "closest")])
@@ -658,7 +658,7 @@ def laws(
     return values
 
 
-def test_laws_are_what_they_were_made():
+def test_laws_are_those_of_the_constructed_means():
     (first, *_) = alvarez.outcomes(made(FULL_ALVAREZ, laws(-0.9, -1.1, spread=0.0)))
     time, distance = alvarez.law(first.time), alvarez.law(first.distance)
     assert (time.factor.value, time.exponent.value) == pytest.approx((1000.0, -0.9))
@@ -851,7 +851,7 @@ def test_reproduce_writes_a_report_and_a_summary(call, tmp_path):
     assert "72 of 72 runs complete" in out
 
 
-def test_an_interruption_says_that_nothing_is_lost(call, monkeypatch):
+def test_an_interruption_reports_that_nothing_is_lost(call, monkeypatch):
     assert call("alvarez", "--quick", "--seeds", "1")[0] == 0
 
     def interrupted(*_: object, **__: object) -> None:

@@ -302,7 +302,7 @@ def test_runs_are_compared_pair_by_pair(make):
 # Words --------------------------------------------------------------------------------------
 
 
-def test_words_say_what_the_numbers_say(make):
+def test_sentences_agree_with_the_figures(make):
     slow, fast = [300.0 + k for k in range(20)], [200.0 + k for k in range(20)]
     study = Study(make({("garden", "srt-star", 4): slow, ("garden", "srt-radial", 4): fast}))
     (found,) = study.comparisons(TIME)
@@ -373,7 +373,7 @@ def test_missing_runs_are_said_to_be_missing(make):
     assert "1 of them failed" in text
 
 
-def test_p_values_are_rounded_to_what_they_are_worth():
+def test_p_values_are_rounded_to_two_digits():
     assert (p_value(0.0321), p_value(1.0), p_value(4e-9)) == ("= 0.032", "= 1", "< 0.001")
 
 

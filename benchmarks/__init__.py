@@ -1,1 +1,1 @@
-"""Ratios of the kernels' speed to that of well-known libraries: ``python -m benchmarks``."""
+"""Speed beside well-known libraries, and costs of runs in yardsticks: ``python -m benchmarks``."""

@@ -1,8 +1,8 @@
 """How well every world is covered, over many seeds: ``python -m benchmarks.coverage``.
 
-One line for every world, strategy and body. A run counts as right if it ends complete, without
-a collision, covers what its strategy has to, and if shapely, asked for every recorded motion
-afterwards, finds the body clear of all walls; the exit code is 1 where one is not.
+Prints a line for every world and strategy. A run passes if it is complete, has no collision,
+reaches the minimum coverage of its strategy, and if the body keeps clear of all walls in every
+recorded motion, as checked with shapely. The exit code is 1 if any run fails.
 """
 
 from __future__ import annotations
@@ -20,16 +20,16 @@ from multisrt.environments.environment import Environment
 from multisrt.run import explore
 from multisrt.spec import DriveSpec
 
-LEAST_COVERAGE = {"srt-radial": 0.99, "srt-star": 0.95, "srt-ball": 0.85}
-"""Of the explorable area. A star leaves corners out, a ball more of them."""
+MIN_COVERAGE = {"srt-radial": 0.99, "srt-star": 0.95, "srt-ball": 0.85}
+"""Minimum share of the explorable area. Stars leave out corners, balls more of them."""
 
-LEAST_COVERAGE_NO_DISC = 0.90
-"""A body that is no disc is measured against what the disc inscribed in it could see."""
+MIN_COVERAGE_NO_DISC = 0.90
+"""Minimum share for other bodies, of what the disc inscribed in the body could see."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Result:
-    """What is kept of one run."""
+    """Result of one run."""
 
     coverage: float
     outcome: str
@@ -40,7 +40,7 @@ class Result:
 
 
 def main() -> None:
-    """Print the table; exit with 1 where a run is not right."""
+    """Print the table; exit with 1 if a run fails."""
     given = _arguments()
     print(
         f"{'world':10} {'strategy':10} {'least':>8} {'median':>8} {'collisions':>10} "
@@ -56,14 +56,14 @@ def main() -> None:
             ]
             right = is_right(results, strategy, given.footprint)
             all_right = all_right and right
-            print(line(name, strategy, results) + ("" if right else "  NOT RIGHT"), flush=True)
+            print(line(name, strategy, results) + ("" if right else "  FAILED"), flush=True)
     sys.exit(0 if all_right else 1)
 
 
 def run(
     world: Environment, strategy: str, seed: int, footprint: str, drive: str, beams: int | None
 ) -> Result:
-    """Explore once; the time is that of the exploration, without measuring it."""
+    """Return the result of one run."""
     begin = time.perf_counter()
     explored = explore(
         world,
@@ -86,10 +86,10 @@ def run(
 
 
 def is_right(results: list[Result], strategy: str, footprint: str) -> bool:
-    """Whether all runs ended as they have to."""
-    least = LEAST_COVERAGE.get(strategy, 0.0)
+    """Return whether all runs of a line pass."""
+    least = MIN_COVERAGE.get(strategy, 0.0)
     if not footprint.startswith("disc"):
-        least = min(least, LEAST_COVERAGE_NO_DISC)
+        least = min(least, MIN_COVERAGE_NO_DISC)
     return all(
         r.outcome == "complete"
         and r.collisions == 0
@@ -100,7 +100,7 @@ def is_right(results: list[Result], strategy: str, footprint: str) -> bool:
 
 
 def line(name: str, strategy: str, results: list[Result]) -> str:
-    """Write one line of the table."""
+    """Return a line of the table."""
     coverage = np.array([r.coverage for r in results])
     outcomes = Counter(r.outcome for r in results)
     return (
@@ -115,9 +115,11 @@ def line(name: str, strategy: str, results: list[Result]) -> str:
 
 def _arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.coverage", description=__doc__)
-    parser.add_argument("worlds", nargs="*", default=names(), help="default: the whole catalogue")
+    parser.add_argument(
+        "worlds", nargs="*", default=names(), help="default: all worlds of the catalog"
+    )
     parser.add_argument("--strategies", nargs="+", default=["srt-radial", "srt-star"])
-    parser.add_argument("--seeds", type=int, default=20, help="seeds from 0 to this (20)")
+    parser.add_argument("--seeds", type=int, default=20, help="number of seeds (default: 20)")
     parser.add_argument("--footprint", default="disc:0.25")
     parser.add_argument("--drive", choices=["differential", "holonomic"], default="differential")
     parser.add_argument("--beams", type=int, help="beams of a laser; default: exact sensor")

@@ -1,63 +1,96 @@
-"""Timing of two sides in turns, so that a busy machine slows both alike.
+"""Timing of two sides in turns, and the table of what came out.
 
-Queries are taken in blocks of twenty, which the sides run in turn: neither should pay for the
-caches that the other one has emptied. A side runs each query three times in a row, of which the
-least counts, and a claim compares the medians over the queries. Times depend on the machine,
-their ratios hardly.
+Queries are taken in blocks of twenty, which the sides run in turn, so that a busy machine slows
+both alike and neither pays for caches that the other one has emptied. A side runs each query
+three times in a row, of which the fastest counts; a claim compares the medians over the queries.
+Times depend on the machine, their ratios hardly.
 """
 
 from __future__ import annotations
 
 import importlib.util
+import math
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 REPEATS = 3
+"""Runs of each query in a row, of which the fastest counts."""
+
 BLOCK = 20
+"""Queries after which it is the next side's turn."""
 
 Side = Callable[[Any], object]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Claim:
-    """What is claimed, and what was measured.
+    """A target, and what was measured for it.
 
-    `ratio` is theirs over ours where faster is claimed (`at_least`), ours over theirs where a
-    bound on the growth of a cost is (`at_most`).
+    Attributes
+    ----------
+    text : str
+        What is measured: what the other side is.
+    ours, theirs : float
+        The two sides, in `unit`.
+    unit : str
+        Their unit.
+    at_least : float or None
+        Lower bound of theirs over ours: how many times as fast we are meant to be.
+    at_most : float or None
+        Upper bound of ours over theirs: how much a cost may grow, or be of a limit. Exactly one
+        of the two bounds is given.
+    holds : bool
+        Whether the results are right, where the comparison can tell.
+    note : str
+        What else is worth knowing.
     """
 
     text: str
-    ours_us: float = 0.0
-    theirs_us: float = 0.0
+    ours: float
+    theirs: float
+    unit: str = "us"
     at_least: float | None = None
     at_most: float | None = None
-    note: str = ""
     holds: bool = True
-    skipped: bool = False
+    note: str = ""
 
     @property
     def ratio(self) -> float:
-        return (
-            self.ours_us / self.theirs_us
-            if self.at_most is not None
-            else self.theirs_us / self.ours_us
+        """The figure that the target bounds; infinite where it would divide by zero."""
+        above, below = (
+            (self.ours, self.theirs) if self.at_least is None else (self.theirs, self.ours)
         )
+        return above / below if below else math.inf
 
     @property
     def met(self) -> bool:
-        fast = self.ratio >= self.at_least if self.at_least is not None else True
-        steady = self.ratio <= self.at_most if self.at_most is not None else True
-        return self.holds and fast and steady
+        """Whether the results are right and the target is reached."""
+        fast = self.at_least is None or self.ratio >= self.at_least
+        small = self.at_most is None or self.ratio <= self.at_most
+        return self.holds and fast and small
+
+    def line(self) -> str:
+        """Return the line of the table."""
+        target = f">= {self.at_least:g}" if self.at_least is not None else f"<= {self.at_most:g}"
+        return (
+            f"{self.text:60} {self.ours:9.1f} {self.theirs:10.1f} {self.unit:10} "
+            f"{self.ratio:8.2f} {target:>8}  {'met' if self.met else 'NOT MET'}"
+            + (f"  ({self.note})" if self.note else "")
+        )
+
+
+Benchmark = Callable[[], Iterable[Claim | str]]
+"""Measures claims one after the other; a text is a line that is no claim."""
 
 
 def in_turns(
     queries: Sequence[Any], sides: dict[str, Side], repeats: int = REPEATS
 ) -> dict[str, float]:
-    """Give the median time of every side in microseconds; the first query only warms up."""
+    """Return the median time of every side in microseconds; the first query only warms up."""
     for run in sides.values():
         run(queries[0])
     best = {name: np.full(len(queries) - 1, np.inf) for name in sides}
@@ -72,29 +105,36 @@ def in_turns(
 
 
 def installed(package: str) -> bool:
-    """Whether a package that a comparison needs is here."""
+    """Return whether a package that a comparison needs is installed."""
     return importlib.util.find_spec(package) is not None
 
 
-def skipped(text: str, package: str) -> Claim:
-    """A claim that cannot be measured here."""
-    return Claim(text=text, note=f"{package} is not installed: skipped", skipped=True)
+def skipped(text: str, missing: str) -> str:
+    """Return the line of a claim that cannot be measured here."""
+    return f"{text:60} skipped: {missing} is missing"
 
 
-def show(claims: Iterable[Claim]) -> bool:
-    """Print one line per claim, as they come; tell whether all that were measured are met."""
-    print(f"{'claim':60} {'ours us':>9} {'theirs us':>10} {'ratio':>8} {'target':>8}")
-    all_met = True
-    for claim in claims:
-        if claim.skipped:
-            print(f"{claim.text:60} {claim.note}", flush=True)
-            continue
-        target = f">= {claim.at_least:g}" if claim.at_least is not None else f"<= {claim.at_most:g}"
-        verdict = "met" if claim.met else "NOT MET"
-        print(
-            f"{claim.text:60} {claim.ours_us:9.1f} {claim.theirs_us:10.1f} {claim.ratio:8.2f} "
-            f"{target:>8}  {verdict}" + (f"  ({claim.note})" if claim.note else ""),
-            flush=True,
-        )
-        all_met = all_met and claim.met
-    return all_met
+def show(benchmarks: Mapping[str, Benchmark]) -> None:
+    """Print a line for every claim as soon as it is measured, and a count of them at the end.
+
+    A benchmark that raises has a line with its error, and the next one runs.
+
+    Parameters
+    ----------
+    benchmarks : mapping from str to Benchmark
+        What to measure, by the names that errors are reported under.
+    """
+    print(f"{'claim':60} {'ours':>9} {'theirs':>10} {'unit':10} {'ratio':>8} {'target':>8}")
+    measured = met = errors = 0
+    for name, benchmark in benchmarks.items():
+        try:
+            for found in benchmark():
+                if isinstance(found, Claim):
+                    measured += 1
+                    met += found.met
+                print(found.line() if isinstance(found, Claim) else found, flush=True)
+        except Exception as error:
+            errors += 1
+            print(f"{name:60} ERROR: {type(error).__name__}: {error}", flush=True)
+    print(f"\n{met} of {measured} targets are met", end="")
+    print(f"; benchmarks that failed: {errors}" if errors else "")

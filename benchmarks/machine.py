@@ -1,7 +1,7 @@
-"""What this machine is good for: by it figures of two machines can be compared.
+"""One line on the machine that runs the benchmarks: why its times differ from another machine's.
 
-Ratios hardly depend on it; times do, and most of all on how long memory lets wait that the
-second-level cache does not hold. Who shares a processor with others may wait several times as long.
+Times depend most of all on how long memory takes that no cache of the core holds. On a processor
+that is shared with others this may be several times as long.
 """
 
 from __future__ import annotations
@@ -11,24 +11,22 @@ import platform
 import time
 from collections.abc import Callable
 
-import numpy as np
-
-from multisrt.geometry.numerics.kernel import IntArray, kernel
+from benchmarks.yardstick import CACHE_LINE, FAR_MB, chain, follow, yardstick_s
 
 CALLS = 1_000_000
-FAR_MB = 16
-LINE = 8
-"""Numbers in a line of the cache."""
+"""Calls of a function that are timed together."""
 
 REPEATS = 5
+"""Measurements, of which the shortest counts."""
 
 
 def account() -> str:
-    """Say in one line what runs the benchmarks, and how fast it does simple things."""
+    """Return a line that says what runs the benchmarks, and how fast it does simple things."""
     return (
         f"{os.cpu_count()} processors, Python {platform.python_version()}; "
         f"a call of a function {_call_s() * 1e9:.0f} ns, "
-        f"memory anywhere in {FAR_MB} MB {_access_s() * 1e9:.0f} ns"
+        f"memory anywhere in {FAR_MB} MB {_access_s() * 1e9:.0f} ns, "
+        f"a yardstick {min(yardstick_s() for _ in range(REPEATS)) * 1e3:.1f} ms"
     )
 
 
@@ -44,21 +42,10 @@ def _call_s() -> float:
 
 
 def _access_s() -> float:
-    # One line after the other in an order that no processor foresees.
-    lines = FAR_MB * 1_000_000 // (8 * LINE)
-    order = np.random.default_rng(0).permutation(lines) * LINE
-    following = np.zeros(lines * LINE, np.int64)
-    following[order] = np.roll(order, -1)
-    _follow(following, 1)
-    return _best_s(lambda: _follow(following, lines)) / lines
-
-
-@kernel
-def _follow(following: IntArray, steps: int) -> int:
-    place = 0
-    for _ in range(steps):
-        place = following[place]
-    return place
+    following = chain(FAR_MB)
+    lines = len(following) // CACHE_LINE
+    follow(following, 0, 1)
+    return _best_s(lambda: follow(following, 0, lines)) / lines
 
 
 def _best_s(task: Callable[[], object]) -> float:

@@ -1,9 +1,9 @@
-"""Whether published runs are those of this program: ``python -m benchmarks.published multi-srt``.
+"""Check of published runs against this program: ``python -m benchmarks.published multi-srt``.
 
-Draws runs of a page of `docs/results/`, repeats them, and compares their recordings' digests with
-those that its CSV file holds. The exit code is 1 where one differs. Few draws miss what only few
-runs meet: ``--runs 0`` repeats all of them. Digests hold on machines of one architecture with the
-packages of `constraints.txt`.
+Draws runs of a page of `docs/results/` at random, repeats them, and compares the digests of their
+recordings with those in the CSV file of the page. The exit code is 1 if any differs. A small
+sample may miss rare differences: ``--runs 0`` repeats all runs. Digests agree on machines of one
+architecture with the packages of `constraints.txt`.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ ROBUSTNESS = "robustness"
 
 
 def main() -> None:
-    """Say which of the runs that were drawn differ; exit with 1 if any does."""
+    """Print the runs that differ; exit with 1 if there are any."""
     given = _arguments()
     published = read_digests(RESULTS / f"{given.page}.csv")
     planned = {run.key: run for run in runs(experiment(given.page), ROOT)}
@@ -50,26 +50,26 @@ def main() -> None:
 
 
 def experiment(page: str) -> ExperimentSpec:
-    """Give the experiment that a page tells of."""
+    """Return the experiment of a page."""
     if page == ROBUSTNESS:
         return ExperimentSpec.from_toml((ROOT / "examples" / "robustness.toml").read_text("utf-8"))
     return PRESETS[page].experiment(False)
 
 
 def read_digests(file: Path) -> dict[str, str]:
-    """Give the digest of every published run that has a recording, by the run's key."""
+    """Return the digests of the published runs with a recording, by key."""
     with file.open(newline="", encoding="utf-8") as lines:
         return {row["key"]: row["digest"] for row in csv.DictReader(lines) if row["digest"]}
 
 
 def draw(planned: Sequence[PlannedRun], count: int, seed: int) -> list[PlannedRun]:
-    """Draw so many runs, or all of them if `count` is 0 or more than there are."""
+    """Return a random sample of runs, or all of them if `count` is 0 or too large."""
     shuffled = random.Random(seed).sample(planned, len(planned))
     return shuffled[:count] if count else shuffled
 
 
 def repeated(planned: Sequence[PlannedRun], workers: int) -> Iterator[tuple[PlannedRun, str]]:
-    """Make the runs anew, and give each with the digest of its recording."""
+    """Yield every run with the digest of its repeated recording."""
     with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
         yield from zip(planned, pool.map(_digest, planned), strict=True)
 
@@ -79,11 +79,13 @@ def _digest(run: PlannedRun) -> str:
 
 
 def _arguments() -> argparse.Namespace:
-    parser = argparse.ArgumentParser(description="whether published runs are this program's")
+    parser = argparse.ArgumentParser(description="check published runs against this program")
     parser.add_argument("page", choices=(*PRESETS, ROBUSTNESS))
-    parser.add_argument("--runs", type=int, default=40, help="how many; 0 for all (default: 40)")
-    parser.add_argument("--seed", type=int, default=0, help="which are drawn (default: 0)")
-    parser.add_argument("--workers", type=int, default=2, help="processes (default: 2)")
+    parser.add_argument(
+        "--runs", type=int, default=40, help="number of runs; 0 for all (default: 40)"
+    )
+    parser.add_argument("--seed", type=int, default=0, help="seed of the sample (default: 0)")
+    parser.add_argument("--workers", type=int, default=2, help="number of processes (default: 2)")
     given = parser.parse_args()
     if given.runs < 0 or given.workers < 1:
         parser.error("--runs is 0 or more, --workers 1 or more")

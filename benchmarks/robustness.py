@@ -1,8 +1,8 @@
-"""What became of teams with faults: ``python -m benchmarks.robustness robustness.sqlite``.
+"""Outcomes of teams with faults: ``python -m benchmarks.robustness robustness.sqlite``.
 
-Writes, as Markdown, a line for every strategy of the experiment `examples/robustness.toml`, and
-why runs ended that were not complete. The exit code is 1 if any run collided, ran out of time
-or came to no end.
+Prints in Markdown a row for every strategy of the experiment `examples/robustness.toml`, and the
+reasons of runs that were not complete. The exit code is 1 if any run collided, ran out of time or
+did not end.
 """
 
 from __future__ import annotations
@@ -24,30 +24,30 @@ COLUMNS = (
     "stalled",
     "neither",
     "collisions",
-    "least distance between two bodies (m)",
+    "minimum distance between two bodies (m)",
     "coverage: median",
     "lower quartile",
-    "least",
-    "area lost with the dead (m2): median",
+    "minimum",
+    "area lost with dead robots (m2): median",
 )
 
 
 def main() -> None:
-    """Print the page; exit with 1 where a run collided or did not end."""
-    parser = argparse.ArgumentParser(description="what became of teams with faults")
-    parser.add_argument("results", help="what `multisrt experiment run` has filled")
+    """Print the page; exit with 1 if a run collided or did not end."""
+    parser = argparse.ArgumentParser(description="outcomes of teams with faults")
+    parser.add_argument("results", help="the store of `multisrt experiment run`")
     results = load_results(parser.parse_args().results)
     print("\n".join(page(results)))
     sys.exit(0 if is_right(results) else 1)
 
 
 def is_right(results: pd.DataFrame) -> bool:
-    """Whether all runs came to an end without a collision."""
+    """Return whether all runs ended without a collision."""
     return bool(results["status"].isin(ENDED).all() and (results["collisions"] == 0).all())
 
 
 def page(results: pd.DataFrame) -> list[str]:
-    """Give the lines of the page."""
+    """Return the lines of the page."""
     lines = [
         "# Teams whose robots die, fall silent or come late",
         "",
@@ -55,10 +55,10 @@ def page(results: pd.DataFrame) -> list[str]:
         "`python -m benchmarks.robustness robustness.sqlite`.",
         "",
         f"{len(results)} runs in {', '.join(sorted(results['environment'].unique()))}, with faults "
-        "of their own each; half of the teams begin together, with walls that block the radio, "
-        "half apart, with a radio that loses a message in three and takes up to two seconds. "
-        "What is covered is a share of what the whole team could have seen; who is shut in "
-        "behind a body that stands for good covers little, and says so.",
+        "of their own each. Half of the teams start together, with walls that block the radio; "
+        "the others start apart, with a radio that loses one message in three and delays the "
+        "others by up to two seconds. Coverage is a share of what the whole team could have "
+        "seen; a robot that is shut in behind a dead one covers little and says so.",
         "",
         markdown_table(
             COLUMNS,
@@ -78,7 +78,7 @@ def page(results: pd.DataFrame) -> list[str]:
 
 
 def summary(name: str, runs: pd.DataFrame) -> tuple[str, ...]:
-    """Give a strategy's line."""
+    """Return the row of a strategy."""
     ends = runs["status"].value_counts()
     coverage = runs["coverage"].quantile([0.5, 0.25, 0.0])
     return (
@@ -94,7 +94,7 @@ def summary(name: str, runs: pd.DataFrame) -> tuple[str, ...]:
 
 
 def kind_of(reason: str) -> str:
-    """Leave numbers and robots out of a reason, so that equal ones can be counted."""
+    """Return a reason without numbers and robots, by which equal ones are counted."""
     whys = [re.sub(r"^(robot \d+|all robots): ", "", part) for part in reason.split("; ")]
     plain = (re.sub(r"robots? [\d, ]*\d", "others", re.sub(r"\d+\.\d+", "some", w)) for w in whys)
     return "; ".join(sorted(set(plain)))

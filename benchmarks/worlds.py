@@ -1,4 +1,4 @@
-"""Worlds for the benchmarks: rooms without and with desks, of any size."""
+"""Worlds of the benchmarks: grids of rooms of any size, with or without desks."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ FloatArray = NDArray[np.float64]
 
 
 def rooms(width: float = 40.0, count: int = 3) -> Polygon:
-    """Count x count empty rooms with a door in every wall."""
+    """Return count x count empty rooms with a door in every wall."""
     return _free(width, _walls(width, count, 1.5, np.random.default_rng(0)))
 
 
 def office(width: float = 40.0, count: int = 8, desks: int = 2, seed: int = 1) -> Polygon:
-    """Rooms of 5 m with desks, of which one in four is turned: 1,200 edges at 40 m."""
+    """Return rooms of 5 m with desks, one in four of them turned; 1,200 edges at 40 m."""
     rng = np.random.default_rng(seed)
     solid = _walls(width, count, 1.0, rng)
     room = width / count
@@ -33,14 +33,14 @@ def office(width: float = 40.0, count: int = 8, desks: int = 2, seed: int = 1) -
 
 
 def edges(free: Polygon) -> FloatArray:
-    """Directed edges of free space, which lies on their left."""
+    """Return the ``(n, 4)`` directed edges of free space, which is on their left."""
     free = shapely.orient_polygons(free)
     rings = [np.asarray(ring.coords)[:, :2] for ring in (free.exterior, *free.interiors)]
     return np.vstack([np.hstack([ring[:-1], ring[1:]]) for ring in rings])
 
 
 def viewpoints(free: Polygon, count: int, seed: int) -> FloatArray:
-    """Random places 0.15 m away from all walls."""
+    """Return ``(count, 2)`` random places at least 0.15 m from all walls."""
     rng = np.random.default_rng(seed)
     inner = free.buffer(-0.15)
     shapely.prepare(inner)

@@ -1,6 +1,6 @@
-"""The truth that the robots do not have: worlds, their generators, their file formats.
+"""Worlds to explore, which the robots cannot see: model, generators, file formats, maps.
 
-Names are loaded on first use, so that importing this package costs nothing.
+Names are imported on first use.
 """
 
 import sys
@@ -26,8 +26,8 @@ _HOMES = {
 class _Package(ModuleType):
     """Package whose functions `catalog` and `environment` share the names of two modules.
 
-    When those modules are imported, Python would bind them here in place of the functions,
-    and what a name means would depend on what was imported before.
+    Importing one of these modules would replace the function by the module, so that the meaning
+    of a name would depend on earlier imports.
     """
 
     def __getattr__(self, name: str) -> object:

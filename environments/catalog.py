@@ -1,6 +1,6 @@
 """Worlds by name: every generator and every bundled map.
 
-Nothing is built, and no geometry is loaded, before a world is asked for.
+Importing this module builds no world and imports no geometry.
 """
 
 import inspect
@@ -22,22 +22,22 @@ MAPS = Path(__file__).parent / "maps"
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CatalogEntry:
-    """What a list of worlds says of one of them.
+    """A line of the list of worlds.
 
-    Parameters
+    Attributes
     ----------
     name : str
-        What `environment` takes.
-    kind : "generator" or "map"
-        Drawn from parameters and a seed, or read from a bundled file.
+        Name, as `environment` takes it.
+    kind : {"generator", "map"}
+        Whether the world is generated from parameters and a seed, or read from a bundled file.
     summary : str
-        One line.
-    parameters : tuple of (name, default)
-        What a generator takes besides its seed; empty for maps.
+        Description in one line.
+    parameters : tuple of (str, float)
+        Names and defaults of a generator's parameters besides the seed; empty for maps.
     width_m, height_m : float
-        Extent of free space, for a generator with its defaults and seed 0.
+        Extent of free space in metres, for a generator with its defaults and seed 0.
     area_m2 : float
-        Area of free space, likewise.
+        Area of free space in square metres, likewise.
     """
 
     name: str
@@ -61,7 +61,7 @@ _GENERATORS: dict[str, tuple[str, str]] = {
     ),
     "open": ("open:open_hall", "empty hall, with a few columns if wanted"),
 }
-"""Name to module and function, and summary."""
+"""Module, function and summary of every generator, by name."""
 
 _MAPS: dict[str, tuple[str, str]] = {
     "museum": ("museum.geojson", "galleries around a rotunda, with alcoves and columns"),
@@ -71,35 +71,42 @@ _MAPS: dict[str, tuple[str, str]] = {
     "clinic": ("clinic.geojson", "clinic of two wings at an angle, a waiting room where they meet"),
     "cave": ("cave.geojson", "cave with pillars, no straight wall in it"),
 }
-"""Name to file, and summary."""
+"""File and summary of every bundled map, by name."""
 
 
 def names() -> tuple[str, ...]:
-    """Give the names of all worlds, generators first, without building any."""
+    """Return the names of all worlds, generators first."""
     return (*_GENERATORS, *_MAPS)
 
 
 def environment(name: str, *, seed: int | None = None, **parameters: float) -> "Environment":
-    """Build the world of a name.
+    """Return a world of the catalog.
 
     Parameters
     ----------
     name : str
-        One of `names`.
+        Name of a generator or a bundled map, one of `names`.
     seed : int, optional
-        Seed of a generator, 0 unless given. Bundled maps take none.
-    **parameters
-        A generator's parameters; the entries of `catalog` list them.
+        Seed of a generator, 0 by default. Bundled maps take none.
+    **parameters : float
+        Parameters of the generator; the entries of `catalog` list them.
+
+    Returns
+    -------
+    Environment
+        The world. Equal arguments give equal worlds.
 
     Raises
     ------
     InvalidInputError
-        If no world has the name, or it does not take a parameter, or not that value.
+        If there is no world of the name, a parameter is unknown, or its value is out of range.
 
     Examples
     --------
     >>> environment("open", size_m=12).area_m2
     144.0
+    >>> environment("museum").name
+    'museum'
     """
     if name in _MAPS:
         if seed is not None or parameters:
@@ -124,9 +131,19 @@ def environment(name: str, *, seed: int | None = None, **parameters: float) -> "
 
 @cache
 def catalog() -> tuple[CatalogEntry, ...]:
-    """Describe all worlds, in the order of `names`.
+    """Return the descriptions of all worlds, in the order of `names`.
 
-    Sizes are those of the worlds themselves, which are built for it once.
+    The first call builds all worlds, to measure them.
+
+    Returns
+    -------
+    tuple of CatalogEntry
+        One entry per world.
+
+    Examples
+    --------
+    >>> [entry.name for entry in catalog() if entry.kind == "map"][:3]
+    ['museum', 'apartment', 'workshop']
     """
     return tuple(_entry(name) for name in names())
 

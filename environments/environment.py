@@ -17,34 +17,34 @@ from multisrt.geometry.numerics.arrays import FloatArray
 GeometryArray = NDArray[np.object_]
 
 SLIVER_WIDTH_M = 1e-3
-"""Parts of free space and obstacles that are nowhere wider than this are dropped."""
+"""Width in metres below which parts of free space and obstacles are dropped."""
 
 MAX_COORDINATE_M = 1e7
-"""Coordinates beyond this leave too few digits for millimetres."""
+"""Upper bound of the absolute value of coordinates, in metres, with digits for millimetres."""
 
 
 class Environment:
-    """A world to explore: free space with obstacles as its holes and surroundings.
+    """A world to explore: free space, bounded by obstacles.
 
-    Immutable. Free space may fall apart into several components; a robot explores the one
+    Immutable and hashable. Free space may have several components; a robot explores the one
     that it starts in.
 
     Parameters
     ----------
     name : str
-        What tables and pictures call it.
+        Name in tables and pictures.
     free : Polygon or MultiPolygon
-        Free space in metres, x to the right, y up. Self-crossing outlines are refused.
-    starts : sequence of (x, y)
-        Suggested starts, in order of preference.
-    origin : str
-        Where the world comes from: the generator's call or the file's name.
+        Free space in metres, x to the right, y up; obstacles are its holes and surroundings.
+    starts : sequence of (x, y), optional
+        Suggested starts in metres, in order of preference.
+    origin : str, optional
+        Source of the world: the call of a generator or the name of a file.
 
     Raises
     ------
     InvalidInputError
-        If free space is empty, has coordinates that are not finite, or crosses itself; the
-        message names the place.
+        If free space is empty, has coordinates that are not finite, or crosses itself, or if a
+        suggested start is not in it; the message names the place.
 
     Examples
     --------
@@ -93,22 +93,35 @@ class Environment:
         starts: Sequence[tuple[float, float]] = (),
         origin: str = "",
     ) -> "Environment":
-        """Build a world from its outline and the obstacles in it, which may overlap.
+        """Return a world given by its outline and the obstacles in it.
 
         Parameters
         ----------
         name, starts, origin
             As for the class.
         outline : Polygon or MultiPolygon
-            The outer walls; free space lies inside.
+            Outer walls, in metres; free space is inside.
         obstacles : iterable of Polygon or MultiPolygon
-            What stands in it. They are united, so they may overlap, touch each other and
-            reach over the outline.
+            Obstacles in metres. They may overlap, touch each other and extend beyond the
+            outline.
+
+        Returns
+        -------
+        Environment
+            The world; its free space is the outline without the obstacles.
 
         Raises
         ------
         InvalidInputError
-            If an outline or an obstacle crosses itself or is not finite.
+            If the outline or an obstacle crosses itself or has coordinates that are not finite,
+            or if no free space is left.
+
+        Examples
+        --------
+        >>> import shapely
+        >>> pillars = [shapely.box(x, 2, x + 1, 3) for x in (2, 5)]
+        >>> Environment.from_outline("hall", shapely.box(0, 0, 8, 5), pillars).area_m2
+        38.0
         """
         _require_valid(outline, name)
         solid = list(obstacles)
@@ -119,32 +132,32 @@ class Environment:
 
     @property
     def name(self) -> str:
-        """What tables and pictures call this world."""
+        """Name in tables and pictures."""
         return self._name
 
     @property
     def free(self) -> MultiPolygon:
-        """Free space: exteriors counter-clockwise, holes clockwise."""
+        """Free space in metres: exteriors counter-clockwise, holes clockwise."""
         return self._free
 
     @property
     def starts(self) -> tuple[tuple[float, float], ...]:
-        """Suggested starts, in order of preference."""
+        """Suggested starts (x, y) in metres, in order of preference."""
         return self._starts
 
     @property
     def origin(self) -> str:
-        """Where the world comes from: the generator's call or the file's name."""
+        """Source of the world: the call of a generator or the name of a file; may be empty."""
         return self._origin
 
     @property
     def area_m2(self) -> float:
-        """Area of free space, all components."""
+        """Area of all components of free space, in square metres."""
         return float(self._free.area)
 
     @property
     def bounds(self) -> tuple[float, float, float, float]:
-        """The least x, least y, greatest x and greatest y of free space."""
+        """Minimum x, minimum y, maximum x and maximum y of free space, in metres."""
         x0, y0, x1, y1 = self._free.bounds
         return float(x0), float(y0), float(x1), float(y1)
 
@@ -159,31 +172,79 @@ class Environment:
 
     @cached_property
     def digest(self) -> str:
-        """SHA-256 of the free space's coordinates: equal worlds have equal digests."""
+        """SHA-256 of the coordinates of free space, in hexadecimal digits."""
         return hashlib.sha256(shapely.to_wkb(self._free, byte_order=1)).hexdigest()
 
     @cached_property
     def _components(self) -> tuple[Polygon, ...]:
-        # Always the same objects: what is computed of a component is found again at once.
+        # The same objects for every caller, so that caches by object find them again.
         return tuple(self._free.geoms)
 
     def contains(self, x: float, y: float) -> bool:
-        """Whether a point lies in the interior of free space."""
+        """Return whether a point lies in the interior of free space.
+
+        Parameters
+        ----------
+        x, y : float
+            The point, in metres.
+
+        Examples
+        --------
+        >>> import shapely
+        >>> hall = Environment("hall", shapely.box(0, 0, 4, 4))
+        >>> hall.contains(1.0, 2.0), hall.contains(0.0, 2.0)
+        (True, False)
+        """
         return bool(shapely.contains_xy(self._free, x, y))
 
     def clearance(self, x: float, y: float) -> float:
-        """Distance from a point to the nearest obstacle in metres; 0 where it is not free."""
+        """Return the distance from a point to the nearest obstacle.
+
+        Parameters
+        ----------
+        x, y : float
+            The point, in metres.
+
+        Returns
+        -------
+        float
+            Distance in metres; 0 for a point that is not in free space.
+
+        Examples
+        --------
+        >>> import shapely
+        >>> hall = Environment("hall", shapely.box(0, 0, 4, 4))
+        >>> hall.clearance(1.0, 2.0), hall.clearance(9.0, 9.0)
+        (1.0, 0.0)
+        """
         if not self.contains(x, y):
             return 0.0
         return float(self._free.boundary.distance(Point(x, y)))
 
     def component(self, x: float, y: float) -> Polygon:
-        """Give the connected component of free space around a point.
+        """Return the connected component of free space that contains a point.
+
+        Parameters
+        ----------
+        x, y : float
+            The point, in metres.
+
+        Returns
+        -------
+        Polygon
+            The component; the same object for all points in it.
 
         Raises
         ------
         ClearanceError
             If the point is not in free space.
+
+        Examples
+        --------
+        >>> import shapely
+        >>> two = shapely.union_all([shapely.box(0, 0, 2, 2), shapely.box(3, 0, 6, 2)])
+        >>> Environment("two rooms", two).component(4.0, 1.0).area
+        6.0
         """
         for part in self._components:
             if shapely.contains_xy(part, x, y):
@@ -240,8 +301,8 @@ def _require_valid(geometry: BaseGeometry, name: str) -> None:
 
 
 def _without_slivers(parts: GeometryArray) -> GeometryArray:
-    # Eroding takes at most a strip along the boundary and a sector at each hole; what has more
-    # area than that is none, which spares large worlds the erosion.
+    # An erosion removes at most a strip along the boundary and a sector at each hole. A part
+    # with more area than that is no sliver, so that large parts need no erosion.
     radius = SLIVER_WIDTH_M / 2
     holes = shapely.get_num_interior_rings(parts)
     thin = shapely.area(parts) <= radius * shapely.length(parts) + holes * math.pi * radius**2

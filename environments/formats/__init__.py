@@ -27,7 +27,7 @@ __all__ = [
 
 
 class Reader(Protocol):
-    """Reads one format; refuses the options that it has no use for."""
+    """Reader of one format, which rejects options that do not apply to it."""
 
     def __call__(
         self,
@@ -37,7 +37,7 @@ class Reader(Protocol):
         threshold: float | None = None,
         name: str | None = None,
     ) -> Environment:
-        """Read a file, or raise a MapFormatError."""
+        """Return the world of a file, or raise a MapFormatError; see `read_environment`."""
 
 
 FORMATS: dict[str, Reader] = {
@@ -60,7 +60,7 @@ FORMATS: dict[str, Reader] = {
     ".map": read_moving_ai,
     ".txt": read_imr,
 }
-"""The reader of each suffix, in lower case."""
+"""Readers by suffix in lower case."""
 
 
 def read_environment(
@@ -70,7 +70,7 @@ def read_environment(
     threshold: float | None = None,
     name: str | None = None,
 ) -> Environment:
-    """Read a world from a map file; its suffix tells the format.
+    """Return the world of a map file, whose suffix determines the format.
 
     Parameters
     ----------
@@ -78,18 +78,29 @@ def read_environment(
         ROS map server (.yaml), image (.png, .pgm, ...), GeoJSON (.geojson, .json), well-known
         text (.wkt), MovingAI grid (.map) or IMR polygons (.txt).
     resolution_m : float, optional
-        Metres per pixel or cell: needed for images and MovingAI grids, refused for the others,
-        which have their own scale.
+        Metres per pixel or cell. Required for images and MovingAI grids; other formats have a
+        scale of their own and do not accept it.
     threshold : float, optional
-        Lightness in [0, 1] above which an image's pixel is free; refused for the others.
+        Lightness in [0, 1] above which a pixel of an image is free; only for images.
     name : str, optional
-        What to call the world; by default the file's name without suffix.
+        Name of the world; by default the name of the file without its suffix.
+
+    Returns
+    -------
+    Environment
+        The world, in metres.
 
     Raises
     ------
     MapFormatError
         If the suffix is not in ``FORMATS``, or the file cannot be read; the message names the
         file, the place in it and the remedy.
+
+    Examples
+    --------
+    >>> from multisrt.environments.catalog import MAPS
+    >>> read_environment(MAPS / "library.wkt", name="reading room").name
+    'reading room'
     """
     path = Path(path)
     require_file(path)

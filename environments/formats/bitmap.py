@@ -1,9 +1,9 @@
 """Occupancy grids as polygons: walls keep their place, slanted walls lose their staircases.
 
-The boundary between free and other cells is traced along the cells' borders, then every ring
-is replaced by a polygon of few vertices that passes between the same cell centres, wherever
-the ring did and within the tolerance of it. Rings therefore can neither touch nor cross, no
-free cell's centre ends up in a wall, and no wall opens, however thin it is.
+The boundary between free and other cells is traced along the borders of cells. Every ring is
+then replaced by a polygon of few vertices that passes between the same cell centres as the ring,
+within a tolerance. Rings can therefore neither touch nor cross, the centre of a free cell is never
+in a wall, and no wall opens, however thin it is.
 
 Occupied cells that touch at a corner are joined (8-connected), free cells that touch at a
 corner are not (4-connected): a robot cannot slip through a diagonal wall.
@@ -20,34 +20,34 @@ from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.numerics.kernel import BoolArray, FloatArray, IntArray, kernel
 
 MAX_CORNERS = 5_000_000
-"""A grid whose boundary turns more often than this is noise or a photograph, not a map."""
+"""Upper bound of the corners of the boundary; a grid with more is noise or a photograph."""
 
 
 def polygons_from_grid(
     free: BoolArray, resolution_m: float, *, tolerance_cells: float = 0.45
 ) -> MultiPolygon:
-    """Give the free space of an occupancy grid as polygons.
+    """Return the free space of an occupancy grid as polygons.
 
     Parameters
     ----------
     free : bool array, shape (rows, columns)
-        True where a cell is free. Row 0 is the lowest, column 0 the leftmost; what lies
-        outside the grid is not free.
+        True where a cell is free. Row 0 is the lowest, column 0 the leftmost; the outside of
+        the grid is not free.
     resolution_m : float
         Side of a cell in metres.
     tolerance_cells : float
-        How far a wall may move where it passes between two cells, in cells, in [0, 0.5).
-        With 0 it passes through the middle of every cell border, so that only staircases of 45
+        Maximum displacement of a wall between two cells, in cells, in [0, 0.5). With 0 it
+        passes through the middle of every cell border, so that only staircases of 45
         degrees become straight. Walls and gaps of one cell keep at least
         ``(1 - 2 * tolerance_cells) / sqrt(2)`` of a cell's width.
 
     Returns
     -------
     MultiPolygon
-        Valid, in metres, the grid's lower left corner at the origin. One polygon for each
-        4-connected component of free cells and one hole for each 8-connected group of other
-        cells inside it; no two rings touch. Its boundary and that of the cells are nowhere
-        farther apart than ``hypot(0.5, tolerance_cells)`` cells.
+        Valid polygons in metres, with the lower left corner of the grid at the origin: one
+        polygon for each 4-connected component of free cells, with one hole for each 8-connected
+        group of other cells inside it. No two rings touch. The distance between its boundary
+        and that of the cells is at most ``hypot(0.5, tolerance_cells)`` cells.
 
     Raises
     ------
@@ -93,7 +93,7 @@ def polygons_from_grid(
 
 
 def _count_corners(padded: BoolArray) -> int:
-    """Count the boundary's turns: one where 1 or 3 of 4 cells are free, two at a pinch."""
+    """Return the number of turns: one where 1 or 3 of 4 cells are free, two at a pinch."""
     southwest, southeast = padded[:-1, :-1], padded[:-1, 1:]
     northwest, northeast = padded[1:, :-1], padded[1:, 1:]
     odd = southwest ^ southeast ^ northwest ^ northeast
@@ -104,7 +104,7 @@ def _count_corners(padded: BoolArray) -> int:
 def _assemble(
     free: BoolArray, vertices: FloatArray, vertex_starts: IntArray, ring_cells: IntArray
 ) -> MultiPolygon:
-    """Group rings into polygons: rings around the same free component, its shell first."""
+    """Return polygons of the rings around the same free component, with the shell first."""
     from scipy import ndimage
 
     component, _ = ndimage.label(free)
@@ -142,10 +142,10 @@ def _assemble(
 
 @kernel
 def _trace(padded: BoolArray, corners: int) -> tuple[IntArray, BoolArray, IntArray, IntArray]:
-    """Follow every ring along the cells' borders.
+    """Trace the rings along the borders of cells.
 
-    Returns its turns as ``(n, 2)`` lattice points, whether each is a pinch, where each ring
-    starts in them (with the end appended), and a free cell (row, column) beside each ring.
+    Returns the turns as ``(n, 2)`` lattice points, whether each is a pinch, the indices where
+    rings start (with the end appended), and a free cell (row, column) beside each ring.
     """
     step_x, step_y = (1, 0, -1, 0), (0, 1, 0, -1)
     left_row, left_column = (1, 1, 0, 0), (1, 0, 0, 1)

@@ -1,4 +1,4 @@
-"""What every reader does: open a file within bounds, check its options, build the world."""
+"""Steps of all readers: open a file of bounded size, check options, build the world."""
 
 import math
 from collections.abc import Sequence
@@ -13,14 +13,14 @@ from multisrt.geometry.errors import InvalidInputError, MapFormatError
 from multisrt.geometry.numerics.kernel import BoolArray
 
 MAX_TEXT_BYTES = 64 * 2**20
-"""Largest text file that is read: 64 MiB."""
+"""Upper bound of the size of text files, in bytes (64 MiB)."""
 
 MAX_CELLS = 64_000_000
-"""Largest image or grid that is read, in pixels or cells."""
+"""Upper bound of the size of images and grids, in pixels or cells."""
 
 
 def require_file(path: Path) -> int:
-    """Give a file's size in bytes, or say why it cannot be a map.
+    """Return the size of a map file in bytes.
 
     Raises
     ------
@@ -43,7 +43,7 @@ def require_file(path: Path) -> int:
 
 
 def read_text(path: Path, *, max_bytes: int = MAX_TEXT_BYTES) -> str:
-    """Read a text file of bounded size, in UTF-8 with or without a byte order mark.
+    """Return the text of a file of bounded size, in UTF-8 with or without a byte order mark.
 
     Raises
     ------
@@ -67,12 +67,12 @@ def read_text(path: Path, *, max_bytes: int = MAX_TEXT_BYTES) -> str:
 
 
 def require_resolution(path: Path, resolution_m: float | None) -> float:
-    """Give the metres per pixel or cell of a file that does not tell its own scale.
+    """Return the given metres per pixel or cell, for a format without a scale.
 
     Raises
     ------
     MapFormatError
-        If none was given, or it is not a finite number of at least 1 mm.
+        If it is None, not finite or below 1 mm.
     """
     if resolution_m is None:
         raise MapFormatError(
@@ -88,36 +88,36 @@ def require_resolution(path: Path, resolution_m: float | None) -> float:
 
 
 def refuse_resolution(path: Path, resolution_m: float | None) -> None:
-    """Refuse a resolution for a file that is in metres or tells its own scale.
+    """Reject a resolution, for a format with a scale of its own.
 
     Raises
     ------
     MapFormatError
-        If one was given.
+        If it is not None.
     """
     if resolution_m is not None:
         raise MapFormatError(f"{path} has its own scale; leave --resolution (resolution_m) away")
 
 
 def refuse_threshold(path: Path, threshold: float | None) -> None:
-    """Refuse a threshold for a file that is no picture or states its own thresholds.
+    """Reject a threshold, for a format other than a plain image.
 
     Raises
     ------
     MapFormatError
-        If one was given.
+        If it is not None.
     """
     if threshold is not None:
         raise MapFormatError(f"{path} is not a plain image; leave --threshold (threshold) away")
 
 
 def grid_polygons(path: Path, free: BoolArray, resolution_m: float) -> MultiPolygon:
-    """Give the polygons of a file's free cells, first row at the top.
+    """Return the polygons of the free cells of a file, whose first row is at the top.
 
     Raises
     ------
     MapFormatError
-        If the grid is noise.
+        If the grid has too many corners.
     """
     try:
         return polygons_from_grid(free[::-1], resolution_m)
@@ -133,12 +133,12 @@ def build_environment(
     origin: str,
     starts: Sequence[tuple[float, float]] = (),
 ) -> Environment:
-    """Build the world that a file describes; its name is the file's without the suffix.
+    """Return the world of a file; its default name is that of the file without suffix.
 
     Raises
     ------
     MapFormatError
-        If the free space is not one that a world can have.
+        If the free space is not valid.
     """
     try:
         return Environment(path.stem if name is None else name, free, starts=starts, origin=origin)
@@ -147,7 +147,7 @@ def build_environment(
 
 
 def shown(value: object) -> str:
-    """Show a value from a file in a message: short, whatever it contains."""
+    """Return a value from a file as short text for a message."""
     if isinstance(value, list | tuple | dict | set):
         return f"a {type(value).__name__} of {len(value)}"
     text = repr(value)

@@ -1,4 +1,4 @@
-"""GeoJSON as maps: polygons in metres, told apart by a property ``kind``."""
+"""GeoJSON as maps: polygons in metres, distinguished by a property ``kind``."""
 
 import json
 import math
@@ -25,10 +25,10 @@ KINDS = {
     "obstacle": "obstacle",
     "start": "start",
 }
-"""Words of the property ``kind`` (or ``type``), and what they make of a feature."""
+"""Kinds of features, by the value of the property ``kind`` (or ``type``)."""
 
-LEAST_EXTENT_M = 0.1
-"""A smaller world is one whose coordinates are degrees."""
+MIN_EXTENT_M = 0.1
+"""Minimum extent of a world in metres; a smaller one has coordinates in degrees."""
 
 
 def read_geojson(
@@ -40,12 +40,12 @@ def read_geojson(
 ) -> Environment:
     """Read a GeoJSON file whose coordinates are metres.
 
-    Geometry, Feature and FeatureCollection are read. What a feature is says its property
-    ``kind`` or else ``type``, in capitals or not:
+    Geometry, Feature and FeatureCollection are read. The property ``kind``, or else ``type``, of a
+    feature distinguishes, in any case of letters:
 
-    - ``outline`` or ``free``, or neither property: a Polygon or MultiPolygon of free space, its
-      holes being obstacles. All of them are united.
-    - ``obstacle``: a Polygon or MultiPolygon that is taken away from free space.
+    - ``outline`` or ``free``, or neither property: a Polygon or MultiPolygon of free space with
+      obstacles as holes. Free space is the union of all of them.
+    - ``obstacle``: a Polygon or MultiPolygon that is subtracted from free space.
     - ``start``: a Point or MultiPoint where robots may start, in the order of the file.
 
     Parameters
@@ -53,7 +53,7 @@ def read_geojson(
     path : Path
         At most 64 MiB. Third coordinates are ignored.
     resolution_m, threshold
-        Refused: the file is in metres and no picture.
+        Rejected: the file is in metres and not an image.
     name : str, optional
         By default the file's name without suffix.
 
@@ -78,7 +78,7 @@ def read_geojson(
         raise root.error("there is no free space", "add a Polygon of kind outline")
     free = shapely.union_all(world.free)
     x0, y0, x1, y1 = free.bounds
-    if max(x1 - x0, y1 - y0) < LEAST_EXTENT_M:
+    if max(x1 - x0, y1 - y0) < MIN_EXTENT_M:
         raise root.error(
             f"free space is {x1 - x0:.2g} x {y1 - y0:.2g} m",
             "coordinates are metres, not degrees; project them first",
@@ -90,7 +90,7 @@ def read_geojson(
 
 @dataclass(frozen=True, slots=True)
 class _Place:
-    """Where in the file something stands."""
+    """A place in the file, for messages."""
 
     text: str
 
@@ -123,7 +123,7 @@ def _document(path: Path) -> object:
 
 
 def _refuse_degrees(place: _Place, document: object) -> None:
-    """Refuse a reference system of longitude and latitude, where a file names one."""
+    """Reject a reference system of longitude and latitude."""
     crs = document.get("crs") if isinstance(document, dict) else None
     named = json.dumps(crs) if isinstance(crs, dict) else ""
     if "CRS84" in named or "EPSG::4326" in named or "EPSG:4326" in named:

@@ -25,10 +25,10 @@ if TYPE_CHECKING:
     from PIL.Image import Image
 
 FREE_SHARE_OF_WHITE = 0.9
-"""Without a threshold, free is what is lighter than this share of the map's white."""
+"""Default threshold of free pixels, as a share of the white of the map."""
 
 WHITE_PERCENTILE = 99
-"""A map's white is the lightness that this percentage of its pixels do not exceed."""
+"""Percentile of the lightness of a map that is its white."""
 
 LUMA = (299, 587, 114)
 """Weights of red, green and blue in the lightness of a pixel (ITU-R BT.601)."""
@@ -46,7 +46,7 @@ def read_image(
 ) -> Environment:
     """Read an image whose light pixels are free space.
 
-    The image's lower left corner is the origin, y is up. Lightness is the grey value, or the
+    The lower left corner of the image is the origin, y is up. Lightness is the grey value, or the
     luma of a colour, as a share of the largest that the image's depth allows. Pixels that are
     not fully opaque are not free.
 
@@ -55,7 +55,7 @@ def read_image(
     path : Path
         PNG, PGM (and PBM, PPM), BMP, GIF, JPEG or TIFF with 1, 8 or 16 bits a channel.
     resolution_m : float
-        Side of a pixel in metres. An image does not tell; there is no default.
+        Side of a pixel in metres. Images have no scale, so it is required.
     threshold : float, optional
         In [0, 1]: a pixel is free if its lightness is greater. By default 0.9 of the map's
         white, which is the 99th percentile of lightness: it tells free space from the light
@@ -114,13 +114,13 @@ class Pixels:
 
     @property
     def opaque(self) -> BoolArray | None:
-        """Which pixels are fully opaque; None if all are."""
+        """Mask of the fully opaque pixels; None if all are."""
         return None if self.alpha is None else self.alpha == 255
 
     def weighted(self, weights: tuple[int, int, int]) -> tuple[NDArray[np.uint32], int]:
-        """Give the weighted sum of red, green and blue of each pixel, and its largest value.
+        """Return the weighted sum of red, green and blue of each pixel, and its largest value.
 
-        Of a grey image these are the grey values themselves.
+        For a grey image they are the grey values.
         """
         if self.channels.ndim == 2:
             return self.channels.astype(np.uint32), self.full
@@ -131,12 +131,12 @@ class Pixels:
 
 
 def read_pixels(path: Path) -> Pixels:
-    """Decode an image of at most 64 million pixels.
+    """Return the pixels of an image of at most 64 million pixels.
 
     Raises
     ------
     MapFormatError
-        If the file is missing, no image of a readable format, too large or damaged.
+        If the file is missing, not an image of a readable format, too large or damaged.
     """
     from PIL import Image, UnidentifiedImageError
 
@@ -173,7 +173,7 @@ def _require_size(path: Path, width: int, height: int) -> None:
 
 
 def _decoded(path: Path, image: "Image") -> Pixels:
-    """Bring any of Pillow's modes to grey or colour with 8 or 16 bits, and alpha if any."""
+    """Return the pixels of an image of any mode of Pillow, with 8 or 16 bits per channel."""
     mode = image.mode
     key = image.info.get("transparency")
     if mode.startswith("I"):
@@ -200,7 +200,7 @@ def _decoded(path: Path, image: "Image") -> Pixels:
 
 
 def _white(levels: NDArray[np.uint32], full: int, opaque: BoolArray | None) -> int:
-    """Give the level that 99 % of the opaque pixels do not exceed."""
+    """Return the level that 99 % of the opaque pixels do not exceed."""
     histogram = np.zeros(full + 1, np.int64)
     for row, line in enumerate(levels):  # by rows: counting needs eight bytes a pixel
         histogram += np.bincount(line if opaque is None else line[opaque[row]], minlength=full + 1)

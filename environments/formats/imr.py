@@ -67,7 +67,7 @@ def read_imr(
 
 
 def _sections(path: Path) -> list[tuple[int, str, list[list[float]]]]:
-    """Give each section's line number, heading and rows of numbers."""
+    """Return the line number, heading and rows of numbers of each section."""
     sections: list[tuple[int, str, list[list[float]]]] = []
     for number, line in enumerate(read_text(path).splitlines(), start=1):
         text = line.strip()

@@ -21,7 +21,7 @@ from multisrt.geometry.errors import MapFormatError
 from multisrt.geometry.numerics.kernel import BoolArray, FloatArray
 
 MAX_YAML_BYTES = 2**20
-"""Largest YAML file that is read: 1 MiB."""
+"""Upper bound of the size of YAML files, in bytes (1 MiB)."""
 
 REQUIRED_KEYS = ("image", "resolution", "origin", "negate", "occupied_thresh", "free_thresh")
 
@@ -39,8 +39,8 @@ def read_map_server(
     ``p = (255 - x) / 255``, or ``x / 255`` if ``negate`` is set. It is occupied if
     ``p > occupied_thresh``, else free if ``p < free_thresh``. Anything else is unknown in the
     mode ``trinary`` and partly occupied or, where transparent, unknown in the mode ``scale``;
-    neither is free space here. As the server does, ``trinary`` counts alpha as one more
-    channel of the mean; ``scale`` leaves it out and takes every transparent pixel for unknown.
+    neither is free space here. As in the server, ``trinary`` includes alpha as a channel of the
+    mean; ``scale`` ignores it and treats every transparent pixel as unknown.
     Pixels with 16 bits are scaled.
 
     Parameters
@@ -49,7 +49,7 @@ def read_map_server(
         The YAML file. Its ``image`` is relative to its folder or absolute; ``origin`` is the
         pose x, y, yaw of the image's lower left corner, and a yaw turns the world.
     resolution_m, threshold
-        Refused: the file states its own.
+        Rejected: the file states its own.
     name : str, optional
         By default the file's name without suffix.
 
@@ -105,7 +105,7 @@ def read_map_server(
 def _free_cells(
     pixels: Pixels, *, negate: bool, occupied_thresh: float, free_thresh: float, mode: str
 ) -> BoolArray:
-    """Tell which pixels are free."""
+    """Return the mask of free pixels."""
     levels, full = pixels.weighted((1, 1, 1))
     if mode == "trinary" and pixels.alpha is not None:
         # The server decodes grey with alpha to four channels.

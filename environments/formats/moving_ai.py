@@ -1,4 +1,4 @@
-"""Text grids of the MovingAI benchmarks: one character a cell."""
+"""Text grids of the MovingAI benchmarks, with one character per cell."""
 
 from pathlib import Path
 
@@ -17,10 +17,10 @@ from multisrt.environments.formats.files import (
 from multisrt.geometry.errors import MapFormatError
 
 FREE = ".GS"
-"""Ground, ground and swamp: what a robot may drive on."""
+"""Characters of free cells: ground, ground and swamp."""
 
 BLOCKED = "@OTW"
-"""Out of bounds, out of bounds, trees and water."""
+"""Characters of occupied cells: out of bounds, out of bounds, trees and water."""
 
 
 def read_moving_ai(
@@ -84,7 +84,7 @@ def read_moving_ai(
 
 
 def _header(path: Path, lines: list[str]) -> tuple[int, int]:
-    """Give height and width."""
+    """Return height and width in cells."""
     sizes = []
     for number, word in enumerate(("type", "height", "width", "map"), start=1):
         parts = lines[number - 1].split() if number <= len(lines) else []

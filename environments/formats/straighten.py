@@ -21,10 +21,10 @@ import numpy as np
 from multisrt.geometry.numerics.kernel import BoolArray, FloatArray, IntArray, kernel
 
 PINCH_CUT = 0.25
-"""Where two free cells touch at a corner, each loses a triangle with legs this long, in cells."""
+"""Legs of the triangles cut from two free cells that touch at a corner, in cells."""
 
 AREA_PRICE = 2.5
-"""Vertices that a cell of misplaced area is worth; above 2, a single cell stays a square."""
+"""Cost of a cell of misplaced area, in vertices; above 2, a single cell stays a square."""
 
 Cone = tuple[float, float, float, float]
 """Directions from (x, y) counter-clockwise to (x, y), by at most half a turn."""
@@ -78,7 +78,7 @@ def straighten_rings(
 def _candidates(
     turns: IntArray, pinched: BoolArray
 ) -> tuple[FloatArray, IntArray, BoolArray, FloatArray]:
-    """List the vertices to choose from, in the ring's order.
+    """Return the vertices to choose from, in the order of the ring.
 
     Returns their places relative to the ring's first turn; the run that each is the middle of
     or, for a turn, that leaves it; which are middles; and twice the area that the ring has
@@ -129,7 +129,7 @@ def _cheapest_polygon(
     start: int,
     tolerance: float,
 ) -> IntArray:
-    """Give the candidates on the cheapest polygon that has the candidate ``start``.
+    """Return the candidates on the cheapest polygon that has the candidate ``start``.
 
     Candidates are counted from ``start`` on; number n is ``start`` again. From each, the ring is
     followed for as long as some direction crosses all the windows that it has passed.
@@ -184,6 +184,13 @@ def _cheapest_polygon(
                     break
             run = (run + 1) % runs
             from_middle = False
+    return _vertices(came_from, start)
+
+
+@kernel
+def _vertices(came_from: IntArray, start: int) -> IntArray:
+    """Return the candidates on the cheapest path to the last number, in their order."""
+    n = len(came_from) - 1
     vertices = 0
     chosen = np.empty(n, np.int64)
     j = n
@@ -204,7 +211,7 @@ def _offer(
     cost: FloatArray,
     came_from: IntArray,
 ) -> None:
-    """Let the path to candidate j come from candidate i if that is cheaper."""
+    """Store the path to candidate j by way of candidate i if that is the cheapest so far."""
     n = len(places)
     a, b = (start + i) % n, (start + j) % n
     area = swept[b] - swept[a]

@@ -1,4 +1,4 @@
-"""Well-known text as maps: one polygon, or several, in metres."""
+"""Well-known text as maps: one or several polygons in metres."""
 
 from pathlib import Path
 
@@ -17,7 +17,7 @@ from multisrt.environments.formats.files import (
 from multisrt.geometry.errors import MapFormatError
 
 MAX_DEPTH = 16
-"""Deepest nesting of parentheses that is read; the parser would recurse without a bound."""
+"""Upper bound of nested parentheses, as the parser recurses without a bound."""
 
 
 def read_wkt(

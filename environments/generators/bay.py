@@ -1,4 +1,4 @@
-"""Rooms along a corridor, drawn in a frame of their own: what offices and hospitals share."""
+"""Rooms along a corridor, each drawn in a frame of its own, for offices and hospitals."""
 
 from dataclasses import dataclass
 
@@ -34,20 +34,20 @@ class Bay:
     depth_m: float
 
     def place(self, drawing: BaseGeometry) -> BaseGeometry:
-        """Move a drawing from the room's own frame into the world."""
+        """Return a drawing in the room's frame, transformed to the frame of the world."""
         (a, d), (b, e) = self.along, self.inward
         return affinity.affine_transform(drawing, [a, b, d, e, self.x, self.y])
 
     def floor(self) -> BaseGeometry:
-        """Give the room's floor in the world."""
+        """Return the room's floor in the frame of the world."""
         return self.place(box(0.0, 0.0, self.width_m, self.depth_m))
 
     def doorway(self, at_m: float, door_m: float, wall_m: float) -> BaseGeometry:
-        """Give an opening through the front wall, its middle at `at_m`, in the world."""
+        """Return an opening in the front wall around x = `at_m`, in the frame of the world."""
         return self.place(box(at_m - door_m / 2, -wall_m, at_m + door_m / 2, 0.0))
 
     def split(self, widths_m: FloatArray, wall_m: float) -> list["Bay"]:
-        """Cut the bay by walls across it into rooms of the given widths, from own x = 0 on."""
+        """Divide the bay into rooms of the given widths (m), starting at x = 0 of its frame."""
         rooms, left = [], 0.0
         for width in widths_m:
             rooms.append(
@@ -64,7 +64,7 @@ class Bay:
         return rooms
 
     def mirrored(self) -> "Bay":
-        """Give the same room with own x running the other way."""
+        """Return the same room with the x axis of its frame reversed."""
         return Bay(
             x=self.x + self.width_m * self.along[0],
             y=self.y + self.width_m * self.along[1],
@@ -76,7 +76,7 @@ class Bay:
 
 
 def shared_widths(total_m: float, shares: FloatArray, wall_m: float) -> FloatArray:
-    """Divide a length among rooms with walls between them, in proportion to `shares`.
+    """Return the widths of rooms along a length, in proportion to `shares`, with walls between.
 
     Widths are whole centimetres; the last room takes the rest.
     """
@@ -87,5 +87,5 @@ def shared_widths(total_m: float, shares: FloatArray, wall_m: float) -> FloatArr
 
 
 def clear_zone(at_m: float, door_m: float, reach_m: float) -> BaseGeometry:
-    """Floor behind a door in the front wall that furniture leaves free, in the room's frame."""
+    """Return the floor behind a door that is kept free of furniture, in the room's frame."""
     return box(at_m - door_m / 2 - 0.1, -0.1, at_m + door_m / 2 + 0.1, reach_m)

@@ -25,10 +25,10 @@ def clutter(
     passage_m: float = 1.0,
     seed: int = 0,
 ) -> Environment:
-    """Draw a square field with discs, boxes, triangles, stars and L, T and U shapes on it.
+    """Draw a square field with obstacles: discs, boxes, triangles, stars, L, T and U shapes.
 
-    Every obstacle keeps the width of a passage to the next and to the walls, so one can walk
-    around each of them.
+    Obstacles are at least a passage away from each other and from the walls, so that every one
+    can be driven around.
 
     Parameters
     ----------
@@ -37,16 +37,26 @@ def clutter(
     cover : float
         Share of the field that obstacles cover, 0.02 to 0.25.
     obstacle_m : float
-        Diameter of the greatest obstacles, 1 to 6 m; the least have a third of it.
+        Diameter of the largest obstacles, 1 to 6 m; the smallest have a third of it.
     passage_m : float
-        Least width between obstacles, 0.8 to 4 m.
+        Minimum distance between obstacles, 0.8 to 4 m.
     seed : int
-        Chooses shapes and places.
+        Seed of the shapes and places.
+
+    Returns
+    -------
+    Environment
+        The world, in metres, with suggested starts.
 
     Raises
     ------
     InvalidInputError
         If a parameter is out of range, or the obstacles do not fit.
+
+    Examples
+    --------
+    >>> clutter(size_m=15, seed=2).origin
+    'clutter(size_m=15, cover=0.12, obstacle_m=3, passage_m=1, seed=2)'
     """
     size_m = number("clutter", "size_m", size_m, 5.0, 250.0)
     cover = number("clutter", "cover", cover, 0.02, 0.25)

@@ -24,26 +24,36 @@ Planting = Callable[[float, float], BaseGeometry]
 def garden(
     *, size_m: float = 28.0, plots: int = 4, path_m: float = 1.4, seed: int = 0
 ) -> Environment:
-    """Draw a garden, its left half the mirror image of its right, with a fountain in the middle.
+    """Draw a symmetric garden with a fountain in the middle.
 
-    Every plot has paths on all sides, every hedge several gaps: each area is reached from
-    several sides.
+    The left half mirrors the right half. Every plot has paths on all sides, and every hedge has
+    several gaps, so that each area can be reached from several sides.
 
     Parameters
     ----------
     size_m : float
         Inner width and height, 10 to 150 m.
     plots : int
-        Plots in each row and column, 2 to 30, none narrower than two paths and 2.4 m.
+        Plots in each row and column, 2 to 30. A plot is at least 2.4 m and two paths wide.
     path_m : float
         Width of the paths and of the gaps in hedges, 0.9 to 3 m.
     seed : int
-        Chooses how the plots are planted.
+        Seed of the planting of the plots.
+
+    Returns
+    -------
+    Environment
+        The world, in metres, with suggested starts.
 
     Raises
     ------
     InvalidInputError
         If a parameter is out of range or the plots become too narrow.
+
+    Examples
+    --------
+    >>> garden(size_m=20, plots=2).bounds
+    (0.0, 0.0, 20.0, 20.0)
     """
     size_m = number("garden", "size_m", size_m, 10.0, 150.0)
     plots = whole("garden", "plots", plots, 2, 30)

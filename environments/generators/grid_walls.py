@@ -1,4 +1,4 @@
-"""Which walls between the cells of a grid are open: what rooms and mazes share."""
+"""Random openings between the cells of a grid, for rooms and mazes."""
 
 import numpy as np
 
@@ -9,7 +9,7 @@ Cell = tuple[int, int]
 def open_walls(
     columns: int, rows: int, loops: float, rng: np.random.Generator
 ) -> list[tuple[Cell, Cell]]:
-    """Choose openings between neighbouring cells so that all cells are connected.
+    """Return openings between neighbouring cells that connect all cells.
 
     A depth-first walk from a random cell opens a spanning tree with long branches; of the walls
     that are left, each is opened with a given chance.

@@ -40,8 +40,8 @@ def hospital(
     """Draw a hospital of parallel wings with courts between them.
 
     Each wing has a corridor with wards, single rooms and stores on both sides, a nurse station
-    open to the corridor half way along, and a day room at its end. Neighbouring day rooms may
-    be linked, which closes loops.
+    open to the corridor at half its length, and a day room at its end. Links between
+    neighbouring day rooms close loops.
 
     Parameters
     ----------
@@ -52,14 +52,24 @@ def hospital(
     door_m : float
         Width of the doors, 0.9 to 1.6 m.
     links : float
-        Chance, from 0 to 1, of a link between two neighbouring wings.
+        Probability, from 0 to 1, of a link between two neighbouring wings.
     seed : int
-        Chooses the rooms, their furniture and the links.
+        Seed of the rooms, their furniture and the links.
+
+    Returns
+    -------
+    Environment
+        The world, in metres, with suggested starts.
 
     Raises
     ------
     InvalidInputError
         If a parameter is out of range.
+
+    Examples
+    --------
+    >>> hospital(wings=1).name
+    'hospital'
     """
     wings = whole("hospital", "wings", wings, 1, 12)
     wing_length_m = number("hospital", "wing_length_m", wing_length_m, 16.0, 120.0)
@@ -104,7 +114,7 @@ def hospital(
 
 
 class _Plan:
-    """What is drawn so far: floors and openings, and the furniture on them."""
+    """An unfinished drawing: floors and openings, and the furniture on them."""
 
     def __init__(self, door_m: float, rng: np.random.Generator) -> None:
         self.door_m = door_m

@@ -12,7 +12,7 @@ from multisrt.environments.generators.passable import passable, starts_near
 from multisrt.geometry.errors import InvalidInputError
 
 WALL_M = 0.2
-NARROWEST_M = 0.8
+MIN_CORRIDOR_M = 0.8
 
 
 def maze(
@@ -25,17 +25,27 @@ def maze(
     size_m : float
         Inner width and height, 4 to 200 m.
     cells : int
-        Cells in each row and column, 2 to 100; corridors must be 0.8 m wide at least.
+        Cells in each row and column, 2 to 100. Corridors must be at least 0.8 m wide.
     loops : float
-        Chance, from 0 (one way only between any two places) to 1 (no walls left), of taking
-        away a wall that closes a loop.
+        Probability, from 0 to 1, that a wall is removed although its cells are connected
+        already. With 0 there is one path between any two places, with 1 there are no walls.
     seed : int
-        Chooses the walls.
+        Seed of the walls.
+
+    Returns
+    -------
+    Environment
+        The world, in metres, with suggested starts.
 
     Raises
     ------
     InvalidInputError
         If a parameter is out of range or the corridors become too narrow.
+
+    Examples
+    --------
+    >>> maze(size_m=10, cells=5).bounds
+    (0.0, 0.0, 10.0, 10.0)
     """
     size_m = number("maze", "size_m", size_m, 4.0, 200.0)
     cells = whole("maze", "cells", cells, 2, 100)
@@ -43,11 +53,11 @@ def maze(
     seed = seed_number("maze", seed)
     pitch = (size_m + WALL_M) / cells
     corridor = pitch - WALL_M
-    if corridor < NARROWEST_M:
-        most = int((size_m + WALL_M) / (NARROWEST_M + WALL_M))
+    if corridor < MIN_CORRIDOR_M:
+        most = int((size_m + WALL_M) / (MIN_CORRIDOR_M + WALL_M))
         raise InvalidInputError(
             f"maze: cells={cells} leaves corridors of {corridor:.2g} m, less than "
-            f"{NARROWEST_M:g} m; with size_m={size_m:g} give at most {most}, or a greater size_m"
+            f"{MIN_CORRIDOR_M:g} m; with size_m={size_m:g} give at most {most}, or a greater size_m"
         )
 
     def span(one: Cell, other: Cell) -> BaseGeometry:
@@ -75,7 +85,7 @@ def maze(
 
 
 def _without_posts(corridors: BaseGeometry) -> BaseGeometry:
-    """Take away what is left of a wall where all four walls around its end are open."""
+    """Remove the corner posts that are left where all four walls around them are open."""
     assert isinstance(corridors, Polygon)  # all cells are connected
     holes = [ring for ring in corridors.interiors if Polygon(ring).area > 2 * WALL_M**2]
     return Polygon(corridors.exterior, holes)

@@ -34,7 +34,7 @@ def office(
 ) -> Environment:
     """Draw an office floor of one or more corridors, joined by cross corridors.
 
-    Each corridor has rooms on both sides; each room has a door to its corridor, some have one
+    Each corridor has rooms on both sides; each room has a door to its corridor, some have another
     to the room beside them. A lobby without a front wall opens onto the lowest corridor.
 
     Parameters
@@ -46,14 +46,24 @@ def office(
     door_m : float
         Width of the doors, 0.8 to 1.6 m.
     connecting : float
-        Chance, from 0 to 1, of a door between neighbouring rooms.
+        Probability, from 0 to 1, of a door between neighbouring rooms.
     seed : int
-        Chooses the rooms, their furniture and their doors.
+        Seed of the rooms, their furniture and their doors.
+
+    Returns
+    -------
+    Environment
+        The world, in metres, with suggested starts.
 
     Raises
     ------
     InvalidInputError
         If a parameter is out of range or the rooms become too shallow.
+
+    Examples
+    --------
+    >>> office(width_m=20, height_m=12, seed=3).origin
+    'office(width_m=20, height_m=12, corridor_m=1.8, door_m=1, connecting=0.15, seed=3)'
     """
     width_m = number("office", "width_m", width_m, 14.0, 200.0)
     height_m = number("office", "height_m", height_m, 9.0, 200.0)
@@ -128,7 +138,7 @@ def office(
 
 
 def _crossings(width_m: float, corridor_m: float, rng: np.random.Generator) -> list[float]:
-    """Give the left sides of the cross corridors, evenly spread but for some play."""
+    """Return the left sides of the cross corridors, spread evenly with some random play."""
     count = max(1, round(width_m / CROSSING_EVERY_M))
     middles = (np.arange(count) + 0.5) * width_m / count
     middles += rng.uniform(-0.08, 0.08, count) * width_m / count
@@ -138,7 +148,7 @@ def _crossings(width_m: float, corridor_m: float, rng: np.random.Generator) -> l
 def _stretches(
     width_m: float, crossings: list[float], corridor_m: float
 ) -> list[tuple[float, float]]:
-    """Give where the rooms between the cross corridors begin and end."""
+    """Return the intervals of x between the cross corridors, which the rooms fill."""
     begins = [0.0, *(left + corridor_m + WALL_M for left in crossings)]
     ends = [*(left - WALL_M for left in crossings), width_m]
     return list(zip(begins, ends, strict=True))
@@ -196,7 +206,7 @@ def _row(
 
 
 def _connecting_door(room: Bay, door_m: float) -> BaseGeometry:
-    """Give the opening to the next room, half way into the depth."""
+    """Return the opening to the next room, half way into the depth."""
     low = 0.45 * room.depth_m - door_m / 2
     return room.place(box(room.width_m, low, room.width_m + WALL_M, low + door_m))
 
@@ -267,4 +277,4 @@ _FURNISHINGS: tuple[tuple[Callable[[float, float], list[BaseGeometry]], float, f
     (_team_office, 4.4, math.inf),
     (_team_office, 5.4, math.inf),
 )
-"""Ways to furnish a room, and the least and greatest width that each is for."""
+"""Ways to furnish a room, with the minimum and maximum width of the room."""

@@ -1,4 +1,4 @@
-"""An empty hall, with a few columns if wanted: the plainest world there is."""
+"""A hall, empty or with columns: the simplest world."""
 
 import math
 
@@ -14,13 +14,13 @@ from multisrt.geometry.numerics.kernel import FloatArray
 COLUMN_RADIUS_M = 0.35
 
 COLUMN_PITCH_M = 2.9
-"""Least distance between the centres of columns; half of that to a wall."""
+"""Minimum distance between the centres of columns, and twice that of a centre to a wall (m)."""
 
 PASSAGE_M = COLUMN_PITCH_M / 2 - COLUMN_RADIUS_M
 
 
 def open_hall(*, size_m: float = 20.0, columns: int = 0, seed: int = 0) -> Environment:
-    """Draw a square hall with round columns spread evenly over it.
+    """Draw a square hall, empty or with round columns spread evenly over it.
 
     Parameters
     ----------
@@ -29,12 +29,22 @@ def open_hall(*, size_m: float = 20.0, columns: int = 0, seed: int = 0) -> Envir
     columns : int
         Number of columns, from 0 to one per 16 m2.
     seed : int
-        Chooses where the columns stand; an empty hall does not depend on it.
+        Seed of the places of the columns; an empty hall does not depend on it.
+
+    Returns
+    -------
+    Environment
+        The world, in metres, with suggested starts.
 
     Raises
     ------
     InvalidInputError
         If a parameter is out of range.
+
+    Examples
+    --------
+    >>> open_hall(size_m=12).area_m2
+    144.0
     """
     size_m = number("open", "size_m", size_m, 5.0, 200.0)
     columns = whole("open", "columns", columns, 0, int(size_m**2 / 16.0))
@@ -54,7 +64,7 @@ def open_hall(*, size_m: float = 20.0, columns: int = 0, seed: int = 0) -> Envir
 
 
 def _spread(count: int, size_m: float, rng: np.random.Generator) -> FloatArray:
-    """Give centres in `count` cells of a square grid, each off its cell's middle by chance."""
+    """Return random centres in `count` cells of a square grid, as an ``(n, 2)`` array."""
     if count == 0:
         return np.empty((0, 2))
     cells = math.ceil(math.sqrt(count))

@@ -1,4 +1,4 @@
-"""What every generator does with its parameters: check them, and write the call down."""
+"""Checks of the parameters of generators, and the text of their calls."""
 
 import math
 import operator
@@ -6,16 +6,16 @@ import operator
 from multisrt.geometry.errors import InvalidInputError
 
 MAX_SEED = 2**63 - 1
-"""The greatest seed that a spec file can hold."""
+"""Upper bound of seeds: the largest integer that a spec file can hold."""
 
 
 def number(generator: str, name: str, value: float, low: float, high: float) -> float:
-    """Give a real parameter as a float.
+    """Return a real parameter as a float.
 
     Raises
     ------
     InvalidInputError
-        If it is no finite number from `low` to `high`.
+        If it is not a number from `low` to `high`.
     """
     try:
         checked = math.nan if isinstance(value, bool | str) else float(value)
@@ -29,12 +29,12 @@ def number(generator: str, name: str, value: float, low: float, high: float) -> 
 
 
 def whole(generator: str, name: str, value: int, low: int, high: int) -> int:
-    """Give an integer parameter as an int.
+    """Return an integer parameter as an int.
 
     Raises
     ------
     InvalidInputError
-        If it is no integer from `low` to `high`.
+        If it is not an integer from `low` to `high`.
     """
     try:
         checked = None if isinstance(value, bool) else operator.index(value)
@@ -49,12 +49,12 @@ def whole(generator: str, name: str, value: int, low: int, high: int) -> int:
 
 
 def seed_number(generator: str, seed: int) -> int:
-    """Give a seed as an int; raises as `whole` does."""
+    """Return a seed as an int from 0 to `MAX_SEED`; see `whole`."""
     return whole(generator, "seed", seed, 0, MAX_SEED)
 
 
 def call_text(generator: str, **parameters: float) -> str:
-    """Write a generator's call so that it can be repeated.
+    """Return the text of a generator's call, by which the world can be generated again.
 
     Examples
     --------

@@ -1,7 +1,7 @@
-"""The guarantee of every generator: free space is one piece that a robot can pass and see.
+"""The guarantee of every generator: free space is connected for a robot, without cracks.
 
-Closing the cracks is a morphological opening of free space with mitred corners, so that square
-rooms stay square: what no disc of 0.7 m fits into becomes solid.
+Cracks are closed by a morphological opening of free space: places where no disc of 0.7 m fits
+become solid. Corners are mitred, so that square rooms stay square.
 """
 
 from collections.abc import Sequence
@@ -12,33 +12,33 @@ from shapely.geometry.base import BaseGeometry
 from shapely.ops import nearest_points
 
 CRACK_M = 0.7
-"""Gaps narrower than this are closed: things either touch or leave room between them."""
+"""Gaps narrower than this are closed, in metres."""
 
 BODY_SHARE = 0.9
-"""A body of this share of a passage's width gets everywhere."""
+"""Width of a body that can reach everything, as a share of the narrowest passage."""
 
 GRID_M = 1e-3
-"""Coordinates are whole millimetres, so that rounding noise draws no edges."""
+"""Grid of the coordinates in metres, so that rounding errors cause no edges."""
 
 SPECK_M2 = 0.02
-"""What erosion leaves in a corner and is smaller than this is no pocket."""
+"""Area below which a remainder of the erosion is no pocket, in square metres."""
 
 
 def passable(free: BaseGeometry, passage_m: float) -> Polygon:
-    """Close cracks in free space and fill in what cannot be reached.
+    """Return free space without cracks and without parts that a robot cannot reach.
 
     Parameters
     ----------
     free : Polygon or MultiPolygon
         Free space as drawn, in metres.
     passage_m : float
-        Width of the narrowest door or passage meant to be passed, at least 0.8 m.
+        Width of the narrowest door or passage that a robot is to pass, at least 0.8 m.
 
     Returns
     -------
     Polygon
-        The largest part of `free` in which a disc of diameter ``0.9 * passage_m`` gets
-        everywhere, except into niches too small for it.
+        The largest part of `free` in which a disc of diameter ``0.9 * passage_m`` can reach
+        everything but niches too small for it.
     """
     inset = CRACK_M / 2
     while True:
@@ -53,21 +53,21 @@ def passable(free: BaseGeometry, passage_m: float) -> Polygon:
 def starts_near(
     free: Polygon, wanted: Sequence[tuple[float, float]], clearance_m: float = 0.6
 ) -> tuple[tuple[float, float], ...]:
-    """Move wanted starts to the nearest places with room for a robot.
+    """Return the places with room for a robot that are nearest to wanted starts.
 
     Parameters
     ----------
     free : Polygon
         Free space in metres.
     wanted : sequence of (x, y)
-        Where starts would be best.
+        Wanted starts in metres; they need not be free.
     clearance_m : float
-        Distance that they keep from obstacles; less if no place has as much.
+        Distance to obstacles; reduced if no place has as much.
 
     Returns
     -------
     tuple of (x, y)
-        In the order of `wanted`, without repetitions.
+        The starts in the order of `wanted`, without repetitions.
     """
     roomy = free.buffer(-clearance_m)
     while roomy.is_empty:
@@ -83,7 +83,7 @@ def _largest(free: BaseGeometry) -> Polygon:
 
 
 def _pockets(free: Polygon, body_radius_m: float) -> list[Polygon]:
-    """Parts of free space that hold a place for the body which it cannot get to."""
+    """Return the parts of free space with room for the body that it cannot reach."""
     places = shapely.get_parts(free.buffer(-body_radius_m))
     areas = shapely.area(places)
     main = int(areas.argmax())

@@ -14,7 +14,7 @@ from multisrt.geometry.numerics.kernel import FloatArray
 
 WALL_M = 0.2
 JAMB_M = 0.5
-"""Least wall between a door and the corner of its room."""
+"""Minimum width of the wall between a door and the corner of its room, in metres."""
 
 
 def rooms(
@@ -25,28 +25,38 @@ def rooms(
     loops: float = 0.5,
     seed: int = 0,
 ) -> Environment:
-    """Draw a square building that is a grid of rooms of unlike sizes.
+    """Draw a square building: a grid of rooms of different sizes with doors between them.
 
-    Every room can be reached; with `loops` above 0 most can be reached by several ways.
+    Every room can be reached; with `loops` above 0, most rooms along several routes.
 
     Parameters
     ----------
     size_m : float
         Inner width and height, 6 to 200 m.
     rooms_per_side : int
-        Rooms in each row and column, 1 to 40; each row must have 3 m at least, and room for
+        Rooms in each row and column, 1 to 40. A row must be at least 3 m wide and have room for
         its doors.
     door_m : float
         Width of the doors, 0.8 to 4 m.
     loops : float
-        Chance, from 0 to 1, of a door in a wall that needs none.
+        Probability, from 0 to 1, of a door in a wall between rooms that are connected already.
     seed : int
-        Chooses the walls' places and the doors.
+        Seed of the walls and the doors.
+
+    Returns
+    -------
+    Environment
+        The world, in metres, with suggested starts.
 
     Raises
     ------
     InvalidInputError
         If a parameter is out of range or the rooms become too narrow.
+
+    Examples
+    --------
+    >>> rooms(size_m=12, rooms_per_side=2).bounds
+    (0.0, 0.0, 12.0, 12.0)
     """
     size_m = number("rooms", "size_m", size_m, 6.0, 200.0)
     rooms_per_side = whole("rooms", "rooms_per_side", rooms_per_side, 1, 40)
@@ -93,7 +103,7 @@ def rooms(
 
 
 def _wall_lines(count: int, size_m: float, rng: np.random.Generator) -> FloatArray:
-    """Give the middles of the walls along one axis, the outer ones half a wall outside."""
+    """Return the centre lines of the walls along one axis, the outer ones included."""
     pitch = size_m / count
     inner = (np.arange(1, count) + rng.uniform(-0.14, 0.14, count - 1)) * pitch
     return np.concatenate([[-WALL_M / 2], np.round(inner, 2), [size_m + WALL_M / 2]])
@@ -109,7 +119,7 @@ def _floor(x_walls: FloatArray, y_walls: FloatArray, cell: Cell) -> BaseGeometry
 def _door(
     one: BaseGeometry, other: BaseGeometry, door_m: float, rng: np.random.Generator
 ) -> BaseGeometry:
-    """Give the opening in the wall between a room and its right or upper neighbour."""
+    """Return the opening in the wall between a room and its right or upper neighbour."""
     x0, y0, x1, y1 = one.bounds
     other_x0, other_y0, _, _ = other.bounds
     if other_x0 > x1:

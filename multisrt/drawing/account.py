@@ -1,4 +1,4 @@
-"""What stands around a picture of a run: heading, legend, and whose is whose."""
+"""The texts around a picture of a run: heading, legend, and colours of robots."""
 
 from __future__ import annotations
 
@@ -33,14 +33,14 @@ from multisrt.drawing.traces import Trace
 from multisrt.events import CameBack, Died, FellSilent, Joined
 from multisrt.recording import Recording
 
-MOST_ACCOUNTS: Final = 16
-"""A larger team's robots are not accounted for one by one."""
+MAX_ACCOUNTS: Final = 16
+"""Upper bound of the team size up to which the legend has figures of each robot."""
 
 OUTCOMES: Final = {"complete": "complete", "stalled": "stalled", "out_of_time": "out of time"}
 
 
 def heading(recording: Recording, traces: list[Trace]) -> list[str]:
-    """Say what was run, what came out, and what went wrong: the title and lines under it."""
+    """Return the title of a picture and the lines below it: the run, its outcome and its faults."""
     spec, footer = recording.spec, recording.footer
     team = f", {len(traces)} robots" if len(traces) > 1 else ""
     nodes = sum(len(trace.nodes) for trace in traces)
@@ -52,7 +52,7 @@ def heading(recording: Recording, traces: list[Trace]) -> list[str]:
     ]
     left = math.fsum(math.hypot(x1 - x0, y1 - y0) for t in traces for x0, y0, x1, y1 in t.frontier)
     if left:
-        lines[-1] += f", {left:,.1f} m of frontier left open"
+        lines[-1] += f", {left:,.1f} m of open frontier left"
     if footer.outcome == "stalled":
         lines.append(footer.reason)
     if faults := _faults(recording):
@@ -63,7 +63,7 @@ def heading(recording: Recording, traces: list[Trace]) -> list[str]:
 
 
 def description(recording: Recording) -> str:
-    """Say where a picture comes from."""
+    """Return the source of a picture: the version of the program and the digest of the run."""
     return (
         f"A run of multisrt {recording.header.versions.get('multisrt', '')}, "
         f"digest {recording.footer.digest}."
@@ -71,7 +71,7 @@ def description(recording: Recording) -> str:
 
 
 def legend(traces: list[Trace]) -> list[LegendEntry]:
-    """Explain what there is on the map, and nothing else."""
+    """Return the legend of the trees, with entries for what is on the map only."""
     team = len(traces) > 1
     styles = RobotStyles.of_any() if team else RobotStyles.of(0)
     stages = {node.stage for trace in traces for node in trace.nodes.values()}
@@ -89,14 +89,14 @@ def legend(traces: list[Trace]) -> list[LegendEntry]:
                 LegendEntry(label=label, style=styles.node, marker=marker, size_mm=NODE_MM[1])
             )
     for label, style, there in (
-        ("bridge, a way between two nodes", styles.bridge, any(t.bridges for t in traces)),
-        ("moves to support others", styles.support, any(t.supporting for t in traces)),
+        ("bridge between two nodes", styles.bridge, any(t.bridges for t in traces)),
+        ("path in support of others", styles.support, any(t.supporting for t in traces)),
         (
-            "way travelled off the tree",
+            "path off the tree",
             styles.way if team else styles.path,
             any(t.is_off_tree for t in traces),
         ),
-        ("frontier left open", FRONTIER, any(t.frontier for t in traces)),
+        ("open frontier", FRONTIER, any(t.frontier for t in traces)),
         *((f"frontier given up: {why}", style, why in reasons) for why, style in CLOSED.items()),
     ):
         if there:
@@ -107,15 +107,15 @@ def legend(traces: list[Trace]) -> list[LegendEntry]:
 def ways_legend(
     traces: list[Trace], *, goals: bool, frontier: bool, cut_off: bool
 ) -> list[LegendEntry]:
-    """Explain what there is on the map of robots that bid for frontiers."""
+    """Return the legend of frontier bidding, with entries for what is on the map only."""
     styles = RobotStyles.of_any() if len(traces) > 1 else RobotStyles.of(0)
-    entries = [LegendEntry(label="border of what the team knows", style=KNOWN)]
+    entries = [LegendEntry(label="border of the explored area", style=KNOWN)]
     if len(traces) == 1:
-        entries = [LegendEntry(label="seen", style=styles.area)]
+        entries = [LegendEntry(label="explored area", style=styles.area)]
     for label, style, there in (
-        ("way travelled", styles.edge, any(t.motions for t in traces)),
-        ("cut off from all others", CUT_OFF, cut_off),
-        ("frontier left", FRONTIER_CELLS, frontier),
+        ("path", styles.edge, any(t.motions for t in traces)),
+        ("path of an isolated robot", CUT_OFF, cut_off),
+        ("open frontier", FRONTIER_CELLS, frontier),
     ):
         if there:
             entries.append(LegendEntry(label=label, style=style))
@@ -127,7 +127,7 @@ def ways_legend(
 
 
 def marks_legend(traces: list[Trace], styles: RobotStyles) -> list[LegendEntry]:
-    """Explain what marks single places: starts, ends, and what went wrong."""
+    """Return the legend of marks at single places: starts, ends, stops, deaths and collisions."""
     team = len(traces) > 1
     start: Marker = "pin" if team else "arrow"
     late = styles.late_start if team else LATE_START
@@ -140,7 +140,7 @@ def marks_legend(traces: list[Trace], styles: RobotStyles) -> list[LegendEntry]:
             START_MM,
             not all(t.late for t in traces),
         ),
-        ("start of one switched on late", late, start, START_MM, any(t.late for t in traces)),
+        ("late start", late, start, START_MM, any(t.late for t in traces)),
         ("end", styles.end if team else END, "arrow", END_MM, away),
         ("protective stop", STOP, "octagon", STOP_MM, any(t.stops for t in traces)),
         ("death", DEATH, "cross", DEATH_MM, any(t.death for t in traces)),
@@ -154,28 +154,28 @@ def marks_legend(traces: list[Trace], styles: RobotStyles) -> list[LegendEntry]:
 
 
 def swatches(traces: list[Trace]) -> list[Swatch]:
-    """Give the robots' colours, and in a small team what each robot did."""
+    """Return the colours of the robots, in a small team with nodes and path lengths."""
     return [_swatch(trace, len(traces), _unit(traces)) for trace in traces]
 
 
 def swatches_heading(traces: list[Trace]) -> str:
-    """Say what the robots' colours stand for."""
+    """Return the heading of the colours of the robots."""
     scans = _unit(traces) == "scan"
-    made = "scans that showed something new" if scans else "nodes made"
-    account = f": {made}, metres travelled" if len(traces) <= MOST_ACCOUNTS else ""
-    return f"what each robot saw first, and its {'way' if scans else 'tree'}{account}"
+    nodes = "scans with news" if scans else "nodes"
+    account = f": {nodes}, path length" if len(traces) <= MAX_ACCOUNTS else ""
+    return f"area seen first and {'path' if scans else 'tree'} of each robot{account}"
 
 
 def _swatch(trace: Trace, robots: int, unit: str) -> Swatch:
     styles = RobotStyles.of(trace.robot)
     label = str(trace.robot)
-    if robots <= MOST_ACCOUNTS:
+    if robots <= MAX_ACCOUNTS:
         label += f": {_counted(len(trace.nodes), unit)}, {trace.distance_m:,.0f} m"
     return Swatch(label=label, area=styles.area, line=styles.edge)
 
 
 def _unit(traces: list[Trace]) -> str:
-    # What a node is called.
+    # The word for a node.
     return "scan" if any(trace.scans for trace in traces) else "node"
 
 
@@ -184,7 +184,7 @@ def _counted(nodes: int, unit: str) -> str:
 
 
 def _faults(recording: Recording) -> str:
-    # What went wrong, by robot.
+    # Deaths and failures of the radio or of the start, by robot.
     told = {
         Died: "died: {}",
         FellSilent: "fell silent: {}",

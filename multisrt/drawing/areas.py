@@ -1,4 +1,4 @@
-"""Who saw what first: the parts of a map that the robots of a team shed light on."""
+"""The areas of a map by the robot that saw them first."""
 
 from __future__ import annotations
 
@@ -18,23 +18,23 @@ Shapes = npt.NDArray[np.object_]
 def seen_first(
     regions: Sequence[BaseGeometry], robots: Sequence[int], grid_m: float
 ) -> dict[int, list[FloatArray]]:
-    """Share out the union of regions among the robots that saw its parts first.
+    """Partition the union of regions among the robots that saw its parts first.
 
     Parameters
     ----------
     regions : sequence of polygons
         In the order in which they were seen.
     robots : sequence of int
-        Who saw each.
+        The robot that saw each region.
     grid_m : float
-        Corners come to lie on a grid of this width: areas meet to within it, and what is
-        narrower is left out.
+        Width in metres of the grid that corners are rounded to. Parts narrower than it are
+        dropped.
 
     Returns
     -------
-    dict
-        The rings of every robot's area, of all its parts, without those that have none. No
-        place belongs to two areas.
+    dict from int to list of (n, 2) array
+        The rings of the area of each robot, of all its parts; robots without an area are left
+        out. Areas do not overlap.
 
     Examples
     --------
@@ -43,7 +43,7 @@ def seen_first(
     >>> [float(shapely.Polygon(areas[robot][0]).area) for robot in (7, 3)]
     [2.0, 2.0]
     """
-    # Valid and on the grid before anything is taken from anything.
+    # Differences of shapes need valid shapes with corners on the grid.
     shapes = shapely.set_precision(shapely.make_valid(np.asarray(regions, object)), grid_m)
     new = [
         _without_earlier(shapes, index, earlier) for index, earlier in _earlier_neighbours(shapes)

@@ -1,7 +1,7 @@
-"""What things look like: readable in grey, and by people who do not see red from green.
+"""Styles of pictures, which are readable in grey and without telling red from green.
 
-Nothing is told by its colour alone: kinds of lines also differ by width and dashes, kinds of
-nodes by their shape. Source of most colours: Okabe and Ito, Color Universal Design, 2008.
+Colour alone carries no information: lines also differ in width and dashes, nodes in shape.
+Source of most colours: Okabe and Ito, Color Universal Design, 2008.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ WHITE: Final = "#ffffff"
 INK: Final = "#1a1a1a"
 ANY_ROBOT: Final = "#5c5c5c"
 VERMILION: Final = "#b94600"
-"""Darker than in the source, so that it stands out in grey, too."""
+"""Darker than in the source, so that it also stands out in grey."""
 
 
 ROBOT_COLOURS: Final = (
@@ -30,7 +30,7 @@ ROBOT_COLOURS: Final = (
     "#8a5a2b",  # brown
     "#7a68d8",  # violet
 )
-"""Colours of robots, in turn. Vermilion is the frontier's, black and grey are the world's."""
+"""Colours of robots, by number. Vermilion is for the frontier, black and grey for the world."""
 
 ROBOT_DASHES_MM: Final[tuple[tuple[float, ...], ...]] = (
     (),
@@ -42,27 +42,28 @@ ROBOT_DASHES_MM: Final[tuple[tuple[float, ...], ...]] = (
     (3.0, 0.5, 0.4, 0.5, 0.4, 0.5),
     (2.4, 0.6, 0.8, 0.6),
 )
-"""Dashes of robots' trees, in turn, one further each time that all colours are used up."""
+"""Dashes of robots' trees, by number; shifted by one each time the colours repeat."""
 
 SHADES: Final = ((0.0, 0.0, 0.36), (0.55, 0.12, 0.58), (0.0, 0.0, 0.16), (0.55, 0.5, 0.3))
-"""Shares of black in the colours of a robot's lines and of its area, and strength of the area's
-tint; in turn, one further each time that all colours are used up."""
+"""Shares of black in the colours of lines and areas, and strength of the tint of areas.
+
+The next entry is used each time the colours repeat."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Style:
-    """How a shape is filled and stroked; lengths are millimetres on paper.
+    """Fill and stroke of a shape, with lengths in millimetres on paper.
 
     Attributes
     ----------
     fill, stroke : str or None
-        Colours; None: not filled, not stroked.
+        Colours as ``#rrggbb``; None for no fill or stroke.
     fill_opacity, stroke_opacity : float
-        From 0 to 1.
+        Opacities from 0 to 1.
     width_mm : float
         Width of the stroke.
     dashes_mm : tuple of float
-        Lengths of dashes and gaps; empty: a solid line.
+        Lengths of dashes and gaps in turn; empty for a solid line.
     """
 
     fill: str | None = None
@@ -73,7 +74,7 @@ class Style:
     dashes_mm: tuple[float, ...] = ()
 
     def attributes(self, mm: float) -> dict[str, str]:
-        """Give the SVG attributes where a millimetre on paper is `mm` user units."""
+        """Return the SVG attributes, for `mm` user units per millimetre on paper."""
         found = {"fill": self.fill or "none"}
         if self.fill and self.fill_opacity < 1.0:
             found["fill-opacity"] = f"{self.fill_opacity:g}"
@@ -89,7 +90,7 @@ class Style:
         return found
 
     def scaled(self, factor: float) -> Style:
-        """Give the style with a finer or a wider stroke."""
+        """Return the style with width and dashes of the stroke multiplied by a factor."""
         dashes = tuple(factor * length for length in self.dashes_mm)
         return replace(self, width_mm=factor * self.width_mm, dashes_mm=dashes)
 
@@ -100,10 +101,10 @@ FREE_SAMPLE: Final = Style(fill=WHITE, stroke=INK, width_mm=0.18)
 FRONTIER: Final = Style(stroke=VERMILION, width_mm=0.9)
 FRONTIER_CELLS: Final = Style(fill=VERMILION, stroke=VERMILION, width_mm=0.3)
 KNOWN: Final = Style(stroke=INK, width_mm=0.14)
-"""The border of what the team knows."""
+"""Border of the area that the team knows."""
 
 CUT_OFF: Final = Style(stroke="#e8a17f", width_mm=1.5, dashes_mm=(0.9, 0.6))
-"""Under the way of a robot while it was cut off from all others: vermilion, mixed with white."""
+"""Underlay of the path of an isolated robot: vermilion, mixed with white."""
 
 START: Final = Style(fill=WHITE, stroke=INK, width_mm=0.35)
 END: Final = Style(fill=INK, stroke=WHITE, width_mm=0.25)
@@ -112,7 +113,7 @@ LATE_START: Final = Style(fill="#c9c9c9", stroke=INK, width_mm=0.35)
 COLLISION: Final = Style(stroke=VERMILION, width_mm=0.8)
 DEATH: Final = Style(stroke=INK, width_mm=0.9)
 HALO: Final = Style(stroke=WHITE, width_mm=2.0)
-"""Under a cross, so that it stands out from lines."""
+"""Underlay of a cross, which separates it from lines."""
 
 STOP: Final = Style(fill=WHITE, stroke=INK, width_mm=0.25)
 
@@ -122,11 +123,11 @@ CLOSED: Final = {
     "seen from near": Style(stroke=INK, width_mm=0.7, dashes_mm=(1.4, 0.4, 0.4, 0.4)),
     "blocked by a robot": Style(stroke=INK, width_mm=0.7, dashes_mm=(2.6, 0.4, 0.4, 0.4)),
 }
-"""Arcs that were given up, by reason."""
+"""Arcs of frontier that were given up, by reason."""
 
 
 NODE_MM: Final = (0.3, 0.8)
-"""Nodes are drawn with a radius in this range: smaller where they stand close together."""
+"""Range of the radius of nodes, which are smaller where edges are short."""
 
 START_MM: Final = 2.0
 GOAL_MM: Final = 0.6
@@ -135,37 +136,37 @@ STOP_MM: Final = 0.9
 DEATH_MM: Final = 1.5
 
 BADGE_MM: Final = (0.8, 2.1)
-"""Starts of a team are drawn with a radius in this range: smaller where they are crowded."""
+"""Range of the radius of the starts of a team, which are smaller where they are crowded."""
 
 STAGES: Final[dict[Stage, tuple[Marker, str]]] = {
     "root": ("square", "root node"),
     "draw": ("disc", "node drawn at random"),
-    "approach": ("triangle", "node on the way to a frontier"),
-    "complete": ("diamond", "node for a frontier left behind"),
-    "bypass": ("wedge", "node on the way round a robot that stands"),
-    "coordinate": ("star", "node where a master sent the robot"),
+    "approach": ("triangle", "node that approaches a frontier"),
+    "complete": ("diamond", "node at a frontier left behind"),
+    "bypass": ("wedge", "node of a detour around a standing robot"),
+    "coordinate": ("star", "node assigned by the master"),
 }
-"""How nodes are marked by how the planner found their place."""
+"""Marker and label of nodes, by the stage of planning that placed them."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RobotStyles:
-    """How what belongs to one robot is drawn.
+    """Styles of the things that belong to one robot.
 
     Attributes
     ----------
     region, outline : Style
-        A local safe region of a robot that is alone, and of one among others.
+        Local safe region of a single robot, and of a robot in a team.
     area : Style
-        What it saw first among others. Areas lie side by side, so that colours never mix.
+        Area that a robot in a team saw first. Areas do not overlap, so that colours never mix.
     path, way : Style
-        Where a robot went that is alone, and one among others.
+        Path of a single robot, and of a robot in a team.
     support, bridge : Style
-        Where it went to support others; its ways between nodes off the tree.
+        Path in support of other robots, and paths between nodes that no edge joins.
     edge, node : Style
-        Its tree.
+        Edges and nodes of its tree.
     start, late_start, end : Style
-        Where it started, or was switched on late, and where it was at last, among others.
+        Start, late start and last configuration of a robot in a team.
     """
 
     region: Style
@@ -183,7 +184,7 @@ class RobotStyles:
 
     @classmethod
     def of(cls, robot: int) -> RobotStyles:
-        """Give a robot's styles; 64 robots differ, then they repeat."""
+        """Return the styles of a robot by its number; they repeat after 64 robots."""
         turn, number = divmod(robot, len(ROBOT_COLOURS))
         black, of_area, strength = SHADES[turn % len(SHADES)]
         colour = ROBOT_COLOURS[number]
@@ -193,13 +194,13 @@ class RobotStyles:
 
     @classmethod
     def of_any(cls) -> RobotStyles:
-        """Give the styles of any robot, to explain them."""
+        """Return the styles of samples in the legend of a team."""
         return cls._in(ANY_ROBOT, tint(ANY_ROBOT, SHADES[0][2]), ())
 
     @classmethod
     def _in(cls, colour: str, fill: str, dashes: tuple[float, ...]) -> RobotStyles:
         return cls(
-            # Where many regions overlap the sum is the fill itself, which is therefore light.
+            # Overlapping regions add up to the fill, which is therefore light.
             region=Style(
                 fill=fill,
                 fill_opacity=0.65,
@@ -211,7 +212,7 @@ class RobotStyles:
             area=Style(fill=fill, stroke=colour, width_mm=0.18),
             path=Style(stroke=INK, width_mm=0.14, dashes_mm=(0.5, 0.4)),
             way=Style(stroke=colour, width_mm=0.16, dashes_mm=(0.5, 0.4)),
-            # Where many go the same way the last one's is seen, not a sum of all colours.
+            # Opaque, so that paths of several robots on one line do not mix their colours.
             support=Style(stroke=tint(colour, 0.72), width_mm=1.0, dashes_mm=(1.1, 0.9)),
             bridge=Style(stroke=colour, width_mm=0.22),
             edge=Style(stroke=colour, width_mm=0.4, dashes_mm=dashes),
@@ -223,17 +224,17 @@ class RobotStyles:
 
 
 def shade(colour: str, black: float) -> str:
-    """Mix a colour, as ``#rrggbb``, with a share of black from 0 to 1."""
+    """Return a colour, ``#rrggbb``, mixed with a share of black from 0 to 1."""
     return _hex((1.0 - black) * channel for channel in _channels(colour))
 
 
 def tint(colour: str, strength: float) -> str:
-    """Mix a colour with white.
+    """Return a colour mixed with white.
 
     Parameters
     ----------
     colour : str
-        As ``#rrggbb``.
+        The colour, as ``#rrggbb``.
     strength : float
         Share of the colour, from 0 (white) to 1.
     """

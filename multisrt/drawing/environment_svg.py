@@ -1,4 +1,4 @@
-"""The picture of a world."""
+"""Pictures of worlds."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ START_MM = 1.6
 
 
 def environment_svg(environment: Environment) -> str:
-    """Draw a world: free space, obstacles and suggested starts.
+    """Return a picture of a world: free space, obstacles and suggested starts.
 
     Parameters
     ----------
@@ -24,7 +24,13 @@ def environment_svg(environment: Environment) -> str:
     Returns
     -------
     str
-        An SVG document; its user units are metres. Equal worlds give equal documents.
+        An SVG document with metres as user units. Equal worlds give equal documents.
+
+    Examples
+    --------
+    >>> from multisrt.environments import environment
+    >>> "20 m x 20 m, 400 m² free" in environment_svg(environment("open"))
+    True
     """
     x0, y0, x1, y1 = environment.bounds
     parts = len(environment.free.geoms)
@@ -56,7 +62,16 @@ def environment_svg(environment: Environment) -> str:
 
 
 def save_environment_svg(environment: Environment, path: str | Path) -> None:
-    """Draw a world into a file, wholly or not at all.
+    """Write the picture of a world to a file; see `environment_svg`.
+
+    The file appears once it is complete.
+
+    Parameters
+    ----------
+    environment : Environment
+        The world.
+    path : str or Path
+        The file, which is replaced if it exists. Its folder must exist.
 
     Raises
     ------

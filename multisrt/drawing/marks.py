@@ -1,4 +1,4 @@
-"""What pictures of all kinds of runs have in common: areas seen, starts, ends, and stops."""
+"""Marks that pictures of all kinds of runs share: areas seen, starts, ends, and stops."""
 
 from __future__ import annotations
 
@@ -30,11 +30,11 @@ from multisrt.events import Died
 from multisrt.geometry.numerics.kernel import FloatArray
 
 BADGE_SHARE: Final = 0.45
-"""Radius of a start's mark as a share of the distance to the next start, within that range."""
+"""Radius of a start as a share of the distance to the next start, clipped to `BADGE_MM`."""
 
 
 def draw_starts_and_ends(sheet: Sheet, traces: list[Trace]) -> None:
-    """Mark where every robot started and where it was at last."""
+    """Mark the start and the last position of every robot, its death and its collisions."""
     team = len(traces) > 1
     badge_mm = _badge_mm(traces, sheet.mm)
     for trace in traces:
@@ -46,7 +46,7 @@ def draw_starts_and_ends(sheet: Sheet, traces: list[Trace]) -> None:
 
 
 def draw_stops(sheet: Sheet, trace: Trace) -> None:
-    """Mark where a robot's protective stop ended a motion."""
+    """Mark the places where the protective stop of a robot ended a motion."""
     if trace.stops:
         layer = sheet.layer(f"robot {trace.robot}: protective stops", STOP)
         places = dict.fromkeys(event.configuration[:2] for event in trace.stops)
@@ -56,7 +56,7 @@ def draw_stops(sheet: Sheet, trace: Trace) -> None:
 
 
 def draw_areas(sheet: Sheet, areas: Mapping[int, list[FloatArray]], robots: int) -> None:
-    """Fill the rings of what each robot saw first with its colour."""
+    """Fill the rings of the area that each robot saw first with the colour of the robot."""
     for robot in range(robots):
         style = RobotStyles.of(robot).area
         layer = sheet.layer(f"robot {robot}: seen first", style, fill_rule="evenodd")
@@ -71,7 +71,7 @@ def _draw_start(sheet: Sheet, trace: Trace) -> None:
 
 
 def _draw_badge(sheet: Sheet, trace: Trace, badge_mm: float) -> None:
-    # Where a robot of a team started, with its number.
+    # The start of a robot in a team, with the number of the robot.
     x, y, heading = trace.start
     styles = RobotStyles.of(trace.robot)
     style = styles.late_start if trace.late else styles.start

@@ -1,7 +1,7 @@
-"""Runs of robots that bid for frontiers, for drawing: what is known, left, and cut off.
+"""Data for pictures of frontier bidding: explored cells, remaining frontier, isolated paths.
 
-Such robots scan while they drive; a scan that shows something new is a node, but no place that
-anybody chose. What tells of a run is the way driven, the goals, and the raster.
+These robots scan while they drive, and every scan with news is a node. Their pictures therefore
+show paths, goals and the raster instead of trees.
 """
 
 from __future__ import annotations
@@ -33,34 +33,34 @@ Waypoint = tuple[float, float, float, float]
 
 
 NOBODY = -1
-"""Who saw a cell first, if nobody has seen it."""
+"""Entry of a cell that no robot has seen."""
 
 
 def team_raster(recording: Recording) -> tuple[Occupancy, NDArray[np.int32]]:
-    """Paint all that the team saw into one raster, for its smallest body.
+    """Return the raster of all that the team saw, for its smallest body.
 
     Returns
     -------
-    Occupancy
+    raster : Occupancy
         The raster.
-    (rows, columns) array
-        For every cell the robot that saw it first, or `NOBODY`.
+    first : (rows, columns) array of int
+        The robot that saw each cell first, or `NOBODY`.
 
     Raises
     ------
     InvalidInputError
-        If the recording's options are no numbers.
+        If the options `cell_m` and `margin_m` of the recording are not numbers.
     """
     cell_m, margin_m = _option(recording, "cell_m"), _option(recording, "margin_m")
     if cell_m is None or margin_m is None:
-        raise InvalidInputError("options cell_m and margin_m of the recording: they are lengths")
+        raise InvalidInputError("options cell_m and margin_m of the recording must be lengths")
     bodies = [Footprint.parse(robot.footprint) for robot in recording.spec.robots]
     radius_m = min(PlanningBody(body, margin_m).ample_radius_m for body in bodies)
     nodes = [event for event in recording.events if isinstance(event, NodeAdded)]
     if not nodes:
         raster = Occupancy(cell_m, radius_m)
         return raster, np.full(raster.cells.shape, NOBODY, np.int32)
-    # Large enough from the beginning, so that rows and columns stay where they are.
+    # Large enough for all regions, so that rows and columns never shift.
     beyond_m = 2.0 * (radius_m + cell_m)
     x0, y0, x1, y1 = bounds_of(np.concatenate([node.region() for node in nodes]))
     bounds = x0 - beyond_m, y0 - beyond_m, x1 + beyond_m, y1 + beyond_m
@@ -78,18 +78,18 @@ def team_raster(recording: Recording) -> tuple[Occupancy, NDArray[np.int32]]:
 
 
 def rings_of(raster: Occupancy, mask: BoolArray) -> list[FloatArray]:
-    """Give the rings around some cells of a raster."""
+    """Return the rings around the cells of a mask, each as ``(n, 2)`` points in metres."""
     return _rings(raster, np.argwhere(mask) + np.array([raster.row, raster.column]))
 
 
 def frontier_left(raster: Occupancy, least_m: float) -> list[FloatArray]:
-    """Give the rings around the frontier groups that a body could stand at and are long enough."""
+    """Return the rings around reachable frontier groups of at least `least_m` metres."""
     groups = [group for group in raster.frontier_groups(least_m) if group.target is not None]
     return [ring for group in groups for ring in _rings(raster, group.cells)]
 
 
 def least_frontier_m(recording: Recording) -> float:
-    """Give the length below which a frontier counts for nobody."""
+    """Return the minimum length of a frontier for any robot of the team, in metres."""
     said = _option(recording, "least_frontier_m")
     if said is not None:
         return said
@@ -97,7 +97,7 @@ def least_frontier_m(recording: Recording) -> float:
 
 
 def goals_of(recording: Recording, robot: int) -> list[Point]:
-    """Give the goals that a robot went for until something else than news of the map ended it."""
+    """Return the goals that a robot drove to, without those that news of the map replaced."""
     choices = [e for e in recording.events if isinstance(e, GoalChosen) and e.robot == robot]
     ended = [*(following.because != "news" for following in choices[1:]), True]
     goals = (c.goal for c, last in zip(choices, ended, strict=False) if last and c.goal is not None)
@@ -107,7 +107,7 @@ def goals_of(recording: Recording, robot: int) -> list[Point]:
 def isolated_ways(
     recording: Recording, environment: Environment, traces: Sequence[Trace]
 ) -> dict[int, list[FloatArray]]:
-    """Give the parts of their ways that robots drove while they were cut off from all others."""
+    """Return the parts of paths that were driven in isolation, by robot, as ``(n, 2)`` points."""
     cut_off = isolation(recording, environment)
     found = {}
     for trace in traces:
@@ -144,7 +144,7 @@ def _region(node: NodeAdded, range_m: float) -> LocalSafeRegion:
 
 
 def _option(recording: Recording, name: str) -> float | None:
-    # Options may be written as text; a strategy that has no such option draws by the default.
+    # Options may be texts; for strategies without the option its default is used.
     said = recording.spec.options.get(name, getattr(FrontierOptions(), name))
     try:
         return msgspec.convert(said, float | None, strict=False)
@@ -153,7 +153,7 @@ def _option(recording: Recording, name: str) -> float | None:
 
 
 def _rings(raster: Occupancy, cells: IntArray) -> list[FloatArray]:
-    # Cells row by row become bars, of whole numbers, so that they join without gaps.
+    # The cells of each row become boxes with integer corners, which join without gaps.
     if not len(cells):
         return []
     row, column = cells.T

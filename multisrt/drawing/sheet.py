@@ -1,7 +1,7 @@
 """A sheet of paper with a map on it: heading above, scale bar and legend below.
 
-User units are metres. Whatever is on the sheet besides the map is measured in millimetres on
-paper, so that a room and a campus come out equally readable.
+User units are metres. Everything but the map is measured in millimetres on paper, so that a
+picture of a room and one of a campus are equally readable.
 """
 
 from __future__ import annotations
@@ -28,46 +28,48 @@ from multisrt.drawing.svg import (
 from multisrt.environments.environment import Environment
 from multisrt.events import Point
 
-LARGEST_MAP_MM: Final = ((265.0, 160.0), (180.0, 225.0))
-"""The map fits one of these: with heading and legend an A4 sheet, landscape or portrait."""
+MAX_MAP_MM: Final = ((265.0, 160.0), (180.0, 225.0))
+"""Width and height that bound the map: with its texts it fits A4, landscape or portrait."""
 
-NARROWEST_MM: Final = 150.0
-"""The sheet is at least this wide, for heading and legend, however narrow the map."""
+MIN_WIDTH_MM: Final = 150.0
+"""Minimum width of the sheet without margins, for heading and legend."""
 
 MARGIN_MM: Final = 8.0
 GAP_MM: Final = 2.0
 FRAME_MM: Final = 2.0
-"""How much solid surroundings are drawn beyond free space."""
+"""Width of the surroundings that are drawn around free space."""
 
 HEADING_MM: Final = 4.4
 TEXT_MM: Final = 3.1
 LINE: Final = 1.4
-"""Distance of lines, in letter sizes."""
+"""Distance of lines of text, as a multiple of their size."""
 
 SAMPLE_MM: Final = 8.0
 """Width of a sample in the legend."""
 
-LONGEST_BAR_MM: Final = 45.0
-LONGEST_HEADING: Final = 400
-"""Longer lines of the heading are cut, at this many letters."""
+MAX_BAR_MM: Final = 45.0
+"""Upper bound of the length of the scale bar."""
+
+MAX_HEADING: Final = 400
+"""Upper bound of the letters in a line of the heading; longer lines are cut."""
 
 FONT: Final = "Helvetica, Arial, 'Liberation Sans', 'DejaVu Sans', sans-serif"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LegendEntry:
-    """What a kind of thing on the map looks like.
+    """An entry of the legend.
 
     Attributes
     ----------
     label : str
-        What it is.
+        Text of the entry.
     style : Style
-        How it is drawn.
+        Style of its sample.
     marker : Marker, optional
-        Its shape, if it is a marker; else a sample of a line or an area is shown.
-    size_mm : float
-        The marker's size.
+        Shape of a marker; by default the sample is a line or an area, by the style.
+    size_mm : float, optional
+        Size of the marker.
     """
 
     label: str
@@ -78,14 +80,14 @@ class LegendEntry:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Swatch:
-    """What the things of one of many look like.
+    """The colours of one robot.
 
     Attributes
     ----------
     label : str
-        Whose they are.
+        Text beside the sample.
     area, line : Style
-        How its areas and its lines are drawn.
+        Styles of the areas and lines of the robot.
     """
 
     label: str
@@ -101,27 +103,27 @@ class Sheet:
     environment : Environment
         The world.
     heading : sequence of str
-        What is written above the map; the first line is the title.
+        Lines above the map; the first one is the title.
     description : str
-        What programs show of the document.
+        Description of the document, for programs.
 
     Attributes
     ----------
     mm : float
-        Metres of the world that are a millimetre on paper.
+        Metres of the world per millimetre on paper.
     pen : Pen
-        Writes coordinates of the world.
+        Writer of coordinates of the world.
     legend : list of LegendEntry
-        What stands below the map.
+        Entries below the map.
     swatches : list of Swatch
-        What stands below the legend, in as many columns as there is room for.
+        Colours of robots, below the legend.
     swatches_heading : str
-        What the swatches are of.
+        Heading of the swatches.
     """
 
     def __init__(self, environment: Environment, heading: Sequence[str], description: str) -> None:
         x0, y0, x1, y1 = environment.bounds
-        self.mm = 1.0 / max(min(w / (x1 - x0), h / (y1 - y0)) for w, h in LARGEST_MAP_MM)
+        self.mm = 1.0 / max(min(w / (x1 - x0), h / (y1 - y0)) for w, h in MAX_MAP_MM)
         frame = FRAME_MM * self.mm
         self.pen = Pen.for_bounds(environment.bounds)
         self.legend: list[LegendEntry] = []
@@ -129,7 +131,7 @@ class Sheet:
         self.swatches_heading = ""
         self._bounds: Bounds = (x0 - frame, y0 - frame, x1 + frame, y1 + frame)
         self._map_mm = ((x1 - x0) / self.mm + 2 * FRAME_MM, (y1 - y0) / self.mm + 2 * FRAME_MM)
-        self._width_mm = max(self._map_mm[0], NARROWEST_MM)
+        self._width_mm = max(self._map_mm[0], MIN_WIDTH_MM)
         self._root = ET.Element(
             "svg",
             {
@@ -146,19 +148,19 @@ class Sheet:
         self._y_mm = below + GAP_MM + self._map_mm[1] + GAP_MM
 
     def layer(self, label: str, style: Style | None = None, **attributes: str) -> ET.Element:
-        """Add a layer to the map, above those before; its coordinates are metres, y up."""
+        """Add a layer above all others of the map and return it; its units are metres, y up."""
         group = layer(self._map, label)
         set_attributes(group, {} if style is None else style.attributes(self.mm))
         set_attributes(group, attributes)
         return group
 
     def draw_ground(self, label: str) -> None:
-        """Draw the ground, on which what is not free comes to lie."""
+        """Draw the ground of the map, and name it in the legend."""
         child(self.layer("free space", FREE), "path", d=self._frame())
         self.legend.append(LegendEntry(label=label, style=FREE_SAMPLE))
 
     def draw_obstacles(self, environment: Environment) -> None:
-        """Draw all that is not free, over what is there already."""
+        """Draw obstacles and surroundings over what has been drawn."""
         rings = [r for part in environment.free.geoms for r in (part.exterior, *part.interiors)]
         path = self._frame() + self.pen.rings(ring.coords for ring in rings)
         child(self.layer("obstacles", OBSTACLE, fill_rule="evenodd"), "path", d=path)
@@ -167,7 +169,7 @@ class Sheet:
     def label(
         self, parent: ET.Element, text: str, place: Point, size_mm: float, halo_mm: float = 0.0
     ) -> None:
-        """Write a short text in the middle of a place, upright although y points up."""
+        """Write a short upright text, centred at a place in metres."""
         x, y = place[0] - self.pen.origin[0], place[1] - self.pen.origin[1]
         halo: dict[str, str | float] = {"stroke": "none"}
         if halo_mm:
@@ -187,7 +189,7 @@ class Sheet:
         )
 
     def svg(self) -> str:
-        """Write scale bar and legend, and give the whole document."""
+        """Add scale bar and legend, and return the document."""
         below = self._write_legend(self._write_scale_bar(self._y_mm))
         if self.swatches:
             below = self._write_swatches(below + GAP_MM)
@@ -232,7 +234,7 @@ class Sheet:
         for number, paragraph in enumerate(heading):
             size, weight = (HEADING_MM, "bold") if number == 0 else (TEXT_MM, "normal")
             for line in wrapped(paragraph, size, self._width_mm):
-                # Letters stand on y and are about 0.75 of their size high.
+                # The baseline is at y; capitals are about 0.75 of the size high.
                 child(
                     group,
                     "text",
@@ -247,7 +249,7 @@ class Sheet:
 
     def _write_scale_bar(self, top_mm: float) -> float:
         group = self._paper_layer("scale bar")
-        bar = round_length(LONGEST_BAR_MM * self.mm)
+        bar = round_length(MAX_BAR_MM * self.mm)
         x, y = MARGIN_MM + 0.3, top_mm + 2.0
         end = x + bar / self.mm
         path = f"M{plain(x)} {plain(y - 1.2)}v2.4M{plain(x)} {plain(y)}H{plain(end)}m0-1.2v2.4"
@@ -288,7 +290,7 @@ class Sheet:
 
 
 def wrapped(text: str, size: float, width: float) -> list[str]:
-    """Break text into lines that are no wider than `width`; words that are, are broken too."""
+    """Return the lines of text broken to a width; words that are wider are broken as well."""
     lines = [""]
     for word in shortened(printable(text)).split(" "):
         longer = f"{lines[-1]} {word}".strip()
@@ -305,12 +307,12 @@ def wrapped(text: str, size: float, width: float) -> list[str]:
 
 
 def shortened(text: str) -> str:
-    """Cut text that would fill the sheet."""
-    return text if len(text) <= LONGEST_HEADING else text[: LONGEST_HEADING - 1] + "…"
+    """Return text of at most `MAX_HEADING` letters; an ellipsis marks a cut."""
+    return text if len(text) <= MAX_HEADING else text[: MAX_HEADING - 1] + "…"
 
 
 def round_length(longest: float) -> float:
-    """Give the largest of 1, 2, 5, 10, ... (and 0.5, 0.2, ...) that is not above a length.
+    """Return the largest number of the form 1, 2 or 5 times a power of ten up to a length.
 
     Examples
     --------
@@ -323,7 +325,7 @@ def round_length(longest: float) -> float:
 
 
 def _sample(parent: ET.Element, entry: LegendEntry, x: float, y: float) -> None:
-    # Upright as on the map, where y points up.
+    # The y axis of samples points up, as on the map.
     drawn = entry.style.attributes(1.0)
     place = f"translate({plain(x + SAMPLE_MM / 2)} {plain(y)}) scale(1 -1)"
     half = SAMPLE_MM / 2.0

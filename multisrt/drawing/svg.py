@@ -21,12 +21,12 @@ Marker = Literal[
 ]
 
 FINEST = 1 / 5000
-"""Coordinates are rounded to a power of ten that is at most this share of the map's extent."""
+"""Coordinates are rounded to a power of ten of at most this share of the extent of the map."""
 
 FAR_M = 10_000.0
-"""Beyond this from the world's origin coordinates are written from a place near by.
+"""Coordinates beyond this (m) are written relative to a corner of the map.
 
-Browsers calculate with 24 binary digits, which leaves millimetres up to here.
+Browsers compute with 24 binary digits, which resolve millimetres up to here.
 """
 
 _CORNERS: dict[Marker, tuple[tuple[float, float], ...]] = {
@@ -43,7 +43,7 @@ _CORNERS: dict[Marker, tuple[tuple[float, float], ...]] = {
     "octagon": tuple(
         (math.cos(a), math.sin(a)) for a in (math.pi / 8 * n for n in range(1, 17, 2))
     ),
-    # A disc with a nose in the direction of the heading.
+    # A disc with a tip in the direction of the heading.
     "pin": (
         *((math.cos(a), math.sin(a)) for a in (math.pi / 16 * n for n in range(3, 30))),
         (1.6, 0.0),
@@ -54,14 +54,14 @@ _CORNERS: dict[Marker, tuple[tuple[float, float], ...]] = {
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Pen:
-    """Writes coordinates in metres as path data: rounded, in relative commands.
+    """Writer of path data from coordinates in metres: rounded, in relative commands.
 
     Attributes
     ----------
     origin : (x, y)
-        The world's place that is written as 0, 0.
+        Point that is written as 0, 0, in metres.
     decimals : int
-        How many decimals are kept.
+        Number of decimals.
     """
 
     origin: tuple[float, float] = (0.0, 0.0)
@@ -69,7 +69,7 @@ class Pen:
 
     @classmethod
     def for_bounds(cls, bounds: Bounds) -> Pen:
-        """Give the pen for a map: fine enough to zoom in, with no more digits than that needs."""
+        """Return the pen for a map, with as many decimals as zooming in needs."""
         x0, y0, x1, y1 = bounds
         extent = max(x1 - x0, y1 - y0)
         far = max(map(abs, bounds)) > FAR_M
@@ -79,26 +79,26 @@ class Pen:
         )
 
     def line(self, points: ArrayLike) -> str:
-        """Write an open line through ``(n, 2)`` points."""
+        """Return the path data of an open line through ``(n, 2)`` points."""
         return self._path(points, closed=False)
 
     def rings(self, rings: Iterable[ArrayLike]) -> str:
-        """Write closed rings of ``(n, 2)`` corners; those below the rounding are left out."""
+        """Return the path data of closed rings of ``(n, 2)`` corners, without vanishing rings."""
         return "".join(self._path(ring, closed=True) for ring in rings)
 
     def marker(self, marker: Marker, x: float, y: float, size: float, turn: float = 0.0) -> str:
-        """Write a marker around a place.
+        """Return the path data of a marker.
 
         Parameters
         ----------
         marker : Marker
-            Its shape.
+            Shape of the marker.
         x, y : float
-            Its place in metres.
+            Its centre, in metres.
         size : float
-            Radius of a disc; the other shapes look as large.
-        turn : float
-            Angle by which it is turned, in radians.
+            Radius of a disc in metres; the other shapes look equally large.
+        turn : float, optional
+            Counterclockwise rotation, in radians.
         """
         fine = Pen(origin=self.origin, decimals=max(self.decimals, 1 - _exponent(size)) + 1)
         if marker == "disc":
@@ -116,7 +116,7 @@ class Pen:
         return fine._path(corners, closed=True)
 
     def _path(self, points: ArrayLike, *, closed: bool) -> str:
-        # Rounded before it is differenced: errors do not add up along the line.
+        # Points are rounded before differences are taken, so that errors do not add up.
         places: FloatArray = np.asarray(points, np.float64).reshape(-1, 2) - self.origin
         steps = np.rint(places * 10.0**self.decimals).astype(np.int64)
         moves = np.diff(steps, axis=0)
@@ -136,7 +136,7 @@ class Pen:
 
 
 def number(steps: int, decimals: int) -> str:
-    """Write a whole number of steps of ``10**-decimals``, as short as it goes."""
+    """Return the shortest text of a whole number of steps of ``10**-decimals``."""
     whole, rest = divmod(abs(steps), 10**decimals)
     fraction = f"{rest:0{decimals}d}".rstrip("0") if rest else ""
     text = (str(whole) if whole or not fraction else "") + (f".{fraction}" if fraction else "")
@@ -144,7 +144,7 @@ def number(steps: int, decimals: int) -> str:
 
 
 def plain(value: float) -> str:
-    """Write a number with eight significant digits, without an exponent."""
+    """Return a number with eight significant digits, without an exponent."""
     if value == 0.0:
         return "0"
     decimals = max(0, 7 - _exponent(value))
@@ -152,7 +152,7 @@ def plain(value: float) -> str:
 
 
 def length(metres: float) -> str:
-    """Write a length for people.
+    """Return a length in metres as text for readers.
 
     Examples
     --------
@@ -164,7 +164,7 @@ def length(metres: float) -> str:
 
 
 def child(parent: ET.Element, tag: str, text: str = "", /, **attributes: str | float) -> ET.Element:
-    """Add an element with a text and attributes, which are set as by `set_attributes`."""
+    """Add an element with a text and attributes and return it; see `set_attributes`."""
     element = ET.SubElement(parent, tag)
     set_attributes(element, attributes)
     if text:
@@ -173,7 +173,7 @@ def child(parent: ET.Element, tag: str, text: str = "", /, **attributes: str | f
 
 
 def layer(parent: ET.Element, label: str) -> ET.Element:
-    """Add a named group that opens as a layer in Inkscape."""
+    """Add a named group that is a layer in Inkscape, and return it."""
     group = child(parent, "g", id=identifier(label))
     group.set("inkscape:groupmode", "layer")
     group.set("inkscape:label", label)
@@ -181,30 +181,30 @@ def layer(parent: ET.Element, label: str) -> ET.Element:
 
 
 def set_attributes(element: ET.Element, attributes: Mapping[str, str | float]) -> None:
-    """Set attributes: ``stroke_width`` becomes ``stroke-width``, numbers have no exponent."""
+    """Set attributes; ``stroke_width`` is written as ``stroke-width``."""
     for name, value in attributes.items():
         element.set(name.replace("_", "-"), value if isinstance(value, str) else plain(value))
 
 
 def identifier(label: str) -> str:
-    """Turn a label into an id."""
+    """Return the id of a label: lower case letters, digits and hyphens."""
     return re.sub(r"[^A-Za-z0-9]+", "-", label).strip("-").lower()
 
 
 def printable(text: str) -> str:
-    """Give text on one line, without the characters that XML has no place for."""
+    """Return text on one line, with a replacement for characters that XML does not allow."""
     text = " ".join(text.split())
     return "".join("�" if unicodedata.category(c) in ("Cc", "Cs", "Cn") else c for c in text)
 
 
 def text_width(text: str, size: float) -> float:
-    """Estimate how wide text runs, rather too wide: nobody knows which font there will be."""
+    """Return an upper estimate of the width of text, in units of `size`, for any font."""
     wide = sum(unicodedata.east_asian_width(c) in "WF" for c in text)
     return size * (0.6 * (len(text) - wide) + wide)
 
 
 def _joined(values: Iterable[int], decimals: int) -> str:
-    # A minus sign separates by itself.
+    # Before a minus sign no space is needed.
     words = (number(value, decimals) for value in values)
     return "".join(w if w[0] == "-" else f" {w}" for w in words).removeprefix(" ")
 

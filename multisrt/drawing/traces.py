@@ -1,4 +1,4 @@
-"""What each robot did in a run, sorted out for drawing."""
+"""The events of a run by robot, prepared for drawing."""
 
 from __future__ import annotations
 
@@ -31,46 +31,46 @@ from multisrt.recording import Recording
 from multisrt.spec import LateStart
 
 JOINED_M = 1e-6
-"""Segments are one line where one begins within this of the other's end."""
+"""Segments are joined if one begins within this distance (m) of the end of the other."""
 
 SUPPORTING: Final[tuple[Purpose, ...]] = ("support", "home")
-"""What a robot moves for that is done with its own tree."""
+"""Purposes of the motions of a robot that has completed its own tree."""
 
 Edge = tuple[Point, Point]
-"""The places of parent and child."""
+"""The points of parent and child, in metres."""
 
 
 @dataclass(slots=True, kw_only=True)
 class Trace:
-    """What one robot did.
+    """The events of one robot.
 
     Attributes
     ----------
     robot : int
-        Its number, from 0.
+        Number of the robot, from 0.
     start : Configuration
-        Where it started.
+        Its start.
     late : bool
         Whether it was switched on late.
-    nodes : dict
-        The nodes that it made by serial number, in the order in which they were added.
-    edges : dict
-        The edges to these nodes, by the robot at whose start their tree is rooted.
+    nodes : dict from int to NodeAdded
+        Its nodes by serial number, in the order in which they were added.
+    edges : dict from int to list of Edge
+        The edges to its nodes, by the robot that owns the root of their tree.
     motions, closed, stops, collisions : list of events
-        What else happened to it, in order.
+        Its other events, in order.
     death : Died or None
         Its death.
-    frontier : tuple of segments
-        What frontier it left open.
-    supporting : list of ``(n, 2)`` points
-        Its ways to, along and back from trees of others.
-    bridges : list of ``(n, 2)`` points
-        Its ways between nodes that no edge joins, each once.
+    frontier : tuple of Segment
+        The frontier that it left open.
+    supporting : list of (n, 2) array
+        Its paths to, along and back from the trees of other robots.
+    bridges : list of (n, 2) array
+        Its paths between nodes that no edge joins, each once.
     is_off_tree : bool
-        Whether it also went otherwise than along edges and bridges.
+        Whether it also left the edges and bridges.
     scans : bool
-        Whether it bids for frontiers and scans on its way: then its nodes are scans, which no
-        edges join, and its ways are not sorted.
+        Whether it is a robot of frontier bidding: its nodes are scans without edges, and its
+        paths are not classified.
     """
 
     robot: int
@@ -91,38 +91,38 @@ class Trace:
 
     @property
     def end(self) -> Configuration:
-        """Where it was at last."""
+        """Its last configuration."""
         if not self.motions:
             return self.start
         return Configuration(*self.motions[-1].waypoints[-1][1:])
 
     @property
     def is_away(self) -> bool:
-        """Whether it was at last not where it started, to the eye."""
+        """Whether its last configuration visibly differs from its start."""
         return self.end.distance(self.start) > 1e-3
 
     @property
     def path(self) -> FloatArray:
-        """Where it went, as ``(n, 2)`` points."""
+        """Its path, as ``(n, 2)`` points in metres."""
         points = [(self.start.x, self.start.y)]
         points += [point for motion in self.motions for point in _points(motion.waypoints)]
         return np.asarray(points)
 
     @property
     def distance_m(self) -> float:
-        """How far it went."""
+        """Length of its path in metres."""
         legs = (leg for motion in self.motions for leg in pairwise(motion.waypoints))
         return sum(leg_length(*leg) for leg in legs)
 
 
 def traces_of(recording: Recording) -> list[Trace]:
-    """Sort a recording's events by robot.
+    """Return the events of a recording by robot.
 
     Raises
     ------
     InvalidInputError
-        If an event is of a robot that is not in the team, a node's parent is not known before
-        it, or a region is none; the message names the node.
+        If an event belongs to no robot of the team, the parent of a node is added after the node,
+        or a region is malformed; the message names the node.
     """
     if len(recording.starts) != len(recording.spec.robots):
         raise InvalidInputError(
@@ -169,7 +169,7 @@ def traces_of(recording: Recording) -> list[Trace]:
 
 
 def joined(segments: tuple[Segment, ...]) -> list[list[Point]]:
-    """Join segments into lines where one begins at the other's end.
+    """Return lines made of segments that begin where the one before ends.
 
     Examples
     --------
@@ -185,7 +185,7 @@ def joined(segments: tuple[Segment, ...]) -> list[list[Point]]:
 
 
 def median_edge_m(traces: list[Trace]) -> float | None:
-    """Give the median length of all trees' edges; None if there are none."""
+    """Return the median length of the edges of all trees in metres; None if there are none."""
     edges = np.asarray([e for trace in traces for edges in trace.edges.values() for e in edges])
     if not len(edges):
         return None
@@ -193,7 +193,7 @@ def median_edge_m(traces: list[Trace]) -> float | None:
 
 
 def _hang(node: NodeAdded, traces: list[Trace], trees: dict[NodeName, int]) -> None:
-    # A tree is that of the root at the end of the parent links.
+    # The root at the end of the parent links determines the tree.
     name = (node.robot, node.serial)
     if node.parent is None:
         trees[name] = node.robot
@@ -208,7 +208,7 @@ def _hang(node: NodeAdded, traces: list[Trace], trees: dict[NodeName, int]) -> N
 
 
 def _sort_ways(traces: list[Trace]) -> None:
-    # What every robot went along: edges of any tree, bridges between nodes, or neither.
+    # Paths run along edges of any tree, along bridges between nodes, or off both.
     places = {_rounded(n.configuration) for trace in traces for n in trace.nodes.values()}
     edges = {
         frozenset(map(_rounded, edge))
@@ -231,7 +231,7 @@ def _sort_ways(traces: list[Trace]) -> None:
 
 
 def _supporting(motions: list[Motion], places: set[Point]) -> list[FloatArray]:
-    # Each way once, however often it was gone, and in whichever direction.
+    # Each path once, also if it was driven several times or in both directions.
     known: set[tuple[Point, ...]] = set()
     lines: list[FloatArray] = []
     for motion in motions:
@@ -246,7 +246,7 @@ def _supporting(motions: list[Motion], places: set[Point]) -> list[FloatArray]:
 
 
 def _sections(motion: Motion, places: set[Point]) -> Iterator[FloatArray]:
-    # A motion's way from one node's place to the next; what only turns in place is none.
+    # The path of a motion from node to node, without turns on the spot.
     section = [motion.waypoints[0]]
     for waypoint in motion.waypoints[1:]:
         section.append(waypoint)
@@ -258,7 +258,7 @@ def _sections(motion: Motion, places: set[Point]) -> Iterator[FloatArray]:
 
 
 def _points(waypoints: Sequence[Sequence[float]]) -> list[Point]:
-    # A way as points, arcs as chords, each place once.
+    # The points of a path, with chords for arcs, without repetitions.
     points = [(waypoints[0][1], waypoints[0][2])]
     for leg in pairwise(waypoints):
         points += [point for point in leg_points(*leg)[1:] if point != points[-1]]
@@ -266,7 +266,7 @@ def _points(waypoints: Sequence[Sequence[float]]) -> list[Point]:
 
 
 def _extend(lines: list[FloatArray], points: FloatArray) -> None:
-    # Dashes run on where one way begins at the other's end.
+    # Dashes continue where one path begins at the end of another.
     if lines and _rounded(lines[-1][-1]) == _rounded(points[0]):
         lines[-1] = np.vstack([lines[-1], points[1:]])
     else:

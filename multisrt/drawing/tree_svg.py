@@ -1,4 +1,4 @@
-"""The picture of a run: its exploration trees, or the ways of robots that bid for frontiers."""
+"""The picture of a run: its exploration trees, or the paths of frontier bidding."""
 
 from __future__ import annotations
 
@@ -29,38 +29,46 @@ from multisrt.geometry.numerics.kernel import FloatArray
 from multisrt.recording import Recording, written_whole
 
 NODE_SHARE: Final = 0.2
-"""A node's radius as a share of the median edge, within that range."""
+"""Radius of a node as a share of the median edge, clipped to `NODE_MM`."""
 
 SIMPLER_MM: Final = 0.015
-"""Outlines of regions are drawn to within this."""
+"""Tolerance of the outlines of regions, in millimetres on paper."""
 
 
 def tree_svg(recording: Recording) -> str:
-    """Draw a run: regions, edges and nodes of its trees, and what frontier was left.
+    """Return a picture of a run.
 
-    Of robots that bid for frontiers the ways, the goals and the raster are drawn instead.
+    It shows regions, edges and nodes of the trees and the open frontier. Of frontier bidding it
+    shows the explored cells, the paths and the goals.
 
     Parameters
     ----------
     recording : Recording
-        What happened.
+        Recording of the run.
 
     Returns
     -------
     str
-        An SVG document; its user units are metres. Every kind of thing of every robot is a
-        layer of its own in Inkscape. Equal recordings give equal documents.
+        An SVG document with metres as user units. Inkscape shows the regions, edges, nodes etc.
+        of each robot as layers. Equal recordings give equal documents.
 
     Raises
     ------
     InvalidInputError
         If the recording contradicts itself; the message says where.
+
+    Examples
+    --------
+    >>> import multisrt as ms
+    >>> run = ms.explore("open", robots=2, seed=1, max_time_s=10.0)
+    >>> tree_svg(run.recording).count("<svg")
+    1
     """
     environment = recording.environment()
     traces = traces_of(recording)
     sheet = Sheet(environment, heading(recording, traces), description(recording))
     team = len(traces) > 1
-    sheet.draw_ground("free space, not seen")
+    sheet.draw_ground("unseen free space")
     if any(trace.scans for trace in traces):
         draw_ways(sheet, recording, environment, traces)
     else:
@@ -72,7 +80,16 @@ def tree_svg(recording: Recording) -> str:
 
 
 def save_tree_svg(recording: Recording, path: str | Path) -> None:
-    """Draw a run's exploration tree into a file, wholly or not at all.
+    """Write the picture of a run to a file; see `tree_svg`.
+
+    The file appears once it is complete.
+
+    Parameters
+    ----------
+    recording : Recording
+        Recording of the run.
+    path : str or Path
+        The file, which is replaced if it exists. Its folder must exist.
 
     Raises
     ------
@@ -123,7 +140,7 @@ def _draw_regions(sheet: Sheet, trace: Trace, style: Style) -> None:
 
 
 def _region(node: NodeAdded, mm: float) -> shapely.Polygon:
-    # Round arcs have more corners than anybody can see.
+    # Arcs have more corners than are visible.
     return shapely.simplify(shapely.Polygon(node.boundary), SIMPLER_MM * mm)
 
 

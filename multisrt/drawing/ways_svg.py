@@ -1,4 +1,4 @@
-"""What is drawn of robots that bid for frontiers: their ways, goals, and what the team knows."""
+"""Pictures of frontier bidding: the paths and goals of robots, and what the team knows."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ from multisrt.recording import Recording
 def draw_ways(
     sheet: Sheet, recording: Recording, environment: Environment, traces: list[Trace]
 ) -> None:
-    """Draw what the team knows and who saw it first, and every robot's way and goals.
+    """Draw what the team knows, by the robot that saw it first, and all paths and goals.
 
     Raises
     ------
     InvalidInputError
-        If the recording's options are none of frontier bidding.
+        If the options of the recording are not those of frontier bidding.
     """
     raster, first = team_raster(recording)
     left = frontier_left(raster, least_frontier_m(recording))

@@ -1,4 +1,4 @@
-"""The papers' own experiments, their printed figures, and which of their claims hold here."""
+"""The experiments of the papers, their printed figures, and the judgement of their claims."""
 
 from __future__ import annotations
 
@@ -14,15 +14,31 @@ __all__ = ["PRESETS", "Preset", "preset_named"]
 PRESETS: dict[str, Preset] = {
     preset.name: preset for preset in (MULTI_SRT, SBX_R_PRESET, MINPOS_PRESET, ALVAREZ)
 }
+"""All presets, by name."""
 
 
 def preset_named(name: str) -> Preset:
-    """Find a preset.
+    """Return the preset of a name.
+
+    Parameters
+    ----------
+    name : str
+        A key of `PRESETS`.
+
+    Returns
+    -------
+    Preset
+        The experiment of a paper.
 
     Raises
     ------
     InvalidInputError
-        If there is none of that name; the message lists them.
+        If there is no preset of the name; the message lists them.
+
+    Examples
+    --------
+    >>> preset_named("minpos").experiment(True).strategies
+    ('closest', 'greedy', 'minpos')
     """
     if name not in PRESETS:
         raise InvalidInputError(

@@ -1,8 +1,8 @@
 """Álvarez's rules on ten maps, as in chapter 4 of the thesis, beside its Table 4.1.
 
-The thesis fits y = a x^b to the mean exploration time and the mean way of a robot in teams of x,
-for each map; a is the task's size, and b how well the team shares it: -1 would be a team without
-any loss.
+For each map the thesis fits y = a x^b to the mean exploration time and to the mean path length of
+a robot, for teams of x robots. The coefficient a measures the task, the exponent b how well the
+team shares it: -1 is a team without any loss.
 """
 
 from __future__ import annotations
@@ -17,10 +17,11 @@ import numpy as np
 from multisrt.experiments.description import EnvironmentChoice, ExperimentSpec, StartsChoice
 from multisrt.experiments.measures import Measure, measure_named
 from multisrt.experiments.results import Result, Results
+from multisrt.presets.alvarez_maps import QUICK_SCENARIOS, SCENARIOS, Scenario
 from multisrt.presets.judging import Comparison, Judged, Saying, judge, verdict
 from multisrt.presets.preset import Preset
 from multisrt.reporting.claims import Claim, PrintedTable, Verdict
-from multisrt.spec import RangeFinderSpec, Scalar, StopRule
+from multisrt.spec import RangeFinderSpec, StopRule
 from multisrt.statistics.intervals import LEVEL, Interval, wilson
 from multisrt.statistics.power_law import PowerLaw, fit_power_law
 
@@ -30,182 +31,44 @@ REPETITIONS, QUICK_REPETITIONS = 10, 7
 PAPERS_REPETITIONS = 40
 RANGE_M = 4.5
 MAX_TIME_S = 28_800.0
-"""Of the run's own clock: several times what a robot alone needs on the largest map."""
+"""Limit of a run in simulated time: several times what one robot needs on the largest map."""
 
 COVERED = 0.95
-"""Share of what can be seen that a successful run has covered at least."""
+"""Minimum share of the explorable area that a successful run has covered."""
 
 TIME_EXPONENTS, DISTANCE_EXPONENTS = (-1.02, -0.70), (-1.42, -0.74)
-"""Between these lie 99 % of all exponents, by the thesis (section 4.2.1)."""
+"""Bounds of 99 % of all exponents, by the thesis (section 4.2.1)."""
 
 M2_PER_ROBOT = 60.0
-"""More robots than one for each of this area help no more, by the thesis (section 4.2.1)."""
+"""Area per robot below which more robots do not help, by the thesis (section 4.2.1)."""
 
 TIME, DISTANCE = measure_named("exploration_time_s"), measure_named("distance_per_robot_m")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Scenario:
-    """A map of the thesis with its line of Table 4.1, and the map that stands for it here.
-
-    Attributes
-    ----------
-    number, kind : int, str
-        Its number, and what it is shown as (Figures 4.1 to 4.3).
-    area_m2, success_percent : float
-        Its area, and how many explorations succeeded.
-    time, distance : (float, float)
-        Coefficient and exponent of the two laws (s, m).
-    name, parameters : str, dict
-        Our map: as large as the thesis's over all, and of its kind.
-    """
-
-    number: int
-    kind: str
-    area_m2: float
-    success_percent: float
-    time: tuple[float, float]
-    distance: tuple[float, float]
-    name: str
-    parameters: dict[str, Scalar]
-
-    @property
-    def label(self) -> str:
-        """What tables call our map."""
-        return f"scenario {self.number} ({self.name})"
-
-
-SCENARIOS = (
-    Scenario(
-        number=1,
-        kind="rooms and corridors",
-        area_m2=600.0,
-        success_percent=97.50,
-        time=(747.31, -0.891),
-        distance=(140.97, -1.362),
-        name="office",
-        parameters={"width_m": 30.0, "height_m": 20.0},
-    ),
-    Scenario(
-        number=11,
-        kind="maze",
-        area_m2=900.0,
-        success_percent=96.56,
-        time=(1424.9, -0.886),
-        distance=(239.03, -1.154),
-        name="maze",
-        parameters={"size_m": 30.0, "cells": 15},
-    ),
-    Scenario(
-        number=10,
-        kind="rooms and corridors",
-        area_m2=1600.0,
-        success_percent=95.31,
-        time=(2615.7, -0.920),
-        distance=(460.03, -1.080),
-        name="rooms",
-        parameters={"size_m": 40.0, "rooms_per_side": 5},
-    ),
-    Scenario(
-        number=13,
-        kind="rooms and corridors",
-        area_m2=1600.0,
-        success_percent=98.13,
-        time=(1642.4, -0.861),
-        distance=(288.86, -1.000),
-        name="office",
-        parameters={"width_m": 40.0, "height_m": 40.0},
-    ),
-    Scenario(
-        number=43,
-        kind="irregular obstacles",
-        area_m2=1600.0,
-        success_percent=98.44,
-        time=(2209.4, -0.801),
-        distance=(366.41, -1.005),
-        name="clutter",
-        parameters={"size_m": 40.0},
-    ),
-    Scenario(
-        number=18,
-        kind="irregular obstacles, dense",
-        area_m2=1600.0,
-        success_percent=94.06,
-        time=(2221.9, -0.729),
-        distance=(296.85, -0.940),
-        name="clutter",
-        parameters={"size_m": 40.0, "cover": 0.16, "passage_m": 0.8},
-    ),
-    Scenario(
-        number=45,
-        kind="maze",
-        area_m2=1600.0,
-        success_percent=99.06,
-        time=(2692.6, -0.893),
-        distance=(434.44, -1.048),
-        name="maze",
-        parameters={"size_m": 40.0, "cells": 16, "loops": 0.1},
-    ),
-    Scenario(
-        number=16,
-        kind="irregular obstacles",
-        area_m2=1600.0,
-        success_percent=97.19,
-        time=(2639.0, -0.875),
-        distance=(401.84, -1.045),
-        name="clutter",
-        parameters={"size_m": 40.0, "cover": 0.08, "obstacle_m": 5.0},
-    ),
-    Scenario(
-        number=21,
-        kind="maze",
-        area_m2=3600.0,
-        success_percent=97.19,
-        time=(4745.6, -0.855),
-        distance=(772.29, -0.930),
-        name="maze",
-        parameters={"size_m": 60.0, "cells": 20},
-    ),
-    Scenario(
-        number=46,
-        kind="rooms and corridors",
-        area_m2=4378.0,
-        success_percent=96.56,
-        time=(7083.3, -0.910),
-        distance=(1180.10, -0.970),
-        name="office",
-        parameters={"width_m": 72.0, "height_m": 60.8},
-    ),
-)
-"""Table 4.1, in its order."""
-
-QUICK_SCENARIOS = (1, 11, 43)
-"""The smallest map of each kind."""
-
-LEAST_SUCCESS = min(scenario.success_percent for scenario in SCENARIOS)
+MIN_SUCCESS = min(scenario.success_percent for scenario in SCENARIOS)
 
 DEVIATIONS = (
-    "Worlds: maps of the catalogue's generators with the outer size and of the kind of the "
-    "thesis's, which are not at hand. Its areas are taken for those of the whole maps.",
+    "Worlds: generated maps with the outer size and of the kind of the thesis's maps, which are "
+    "not available. Areas in the thesis are taken as those of whole maps.",
     f"Robots: discs of 0.25 m, differential, 0.5 m/s; range finders {RANGE_M:g} m, exact; a radio "
-    "that reaches everywhere. The thesis has 0.1 m/s and the Husky A200, which is larger; times "
-    "are shorter here for that alone, so exponents and distances can be compared, not times.",
-    "Starts: places and headings drawn in each repetition, those of a team far apart from one "
-    "another. The thesis draws them, too, and says no more.",
-    f"Success: the team ended with a complete map and saw {100 * COVERED:g} % of what can be seen. "
-    "The thesis does not say how it tells success. Means are over successful runs.",
-    f"The thesis makes {PAPERS_REPETITIONS} runs of each case, here it is {REPETITIONS} unless "
-    "told otherwise.",
+    "of unlimited range. The thesis has 0.1 m/s and the Husky A200, which is larger. Times are "
+    "shorter here for this reason alone: exponents and distances can be compared, times cannot.",
+    "Starts: drawn at random in each repetition, with the robots of a team far apart. The thesis "
+    "draws starts as well, without details.",
+    f"Success: the team ended with a complete map and saw {100 * COVERED:g} % of the explorable "
+    "area. The thesis does not define success. Means are over successful runs.",
+    f"The thesis makes {PAPERS_REPETITIONS} runs of each case, this experiment {REPETITIONS} by "
+    "default.",
     "The coefficients of the thesis do not agree with its speed: at 0.1 m/s the distance of a "
-    "robot alone (a of the distance) takes longer than the time that it prints (a of the time); "
-    "they would need 0.13 to 0.19 m/s.",
-    f"The thesis finds that more robots help up to one for each {M2_PER_ROBOT:g} m2. Its smallest "
-    "map has room for ten, so that no team here, as none there, goes beyond that.",
+    "single robot (a of the distance) takes longer than the printed time (a of the time). Speeds "
+    "of 0.13 to 0.19 m/s would agree.",
+    f"The thesis finds that more robots help up to one per {M2_PER_ROBOT:g} m2. Its smallest map "
+    "has room for ten by this rule, and neither experiment has larger teams.",
 )
 
 
 def experiment(quick: bool) -> ExperimentSpec:
-    """Describe the thesis's runs."""
+    """Return the experiment of the thesis, or a quick one with fewer maps, teams and runs."""
     return ExperimentSpec(
         name="alvarez quick" if quick else "alvarez",
         about="How time and distance fall with the team by Álvarez's rules, and how many succeed",
@@ -229,7 +92,7 @@ def experiment(quick: bool) -> ExperimentSpec:
 
 
 def success(result: Result) -> bool:
-    """Whether the robots ended with a complete map, and it is one."""
+    """Return whether a run ended with a complete map that covers at least `COVERED`."""
     return (
         result.status == "complete"
         and result.metrics is not None
@@ -240,16 +103,17 @@ def success(result: Result) -> bool:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Outcome:
-    """What came out on the map that stands for a scenario.
+    """Results on the map in place of a scenario.
 
     Attributes
     ----------
     scenario : Scenario
-        Which.
+        The scenario.
     runs, successes : int
-        How many there are, and how many of them are successful.
-    time, distance : dict
-        Means over the successful runs, by team size: exploration time (s), way of a robot (m).
+        Numbers of runs and of successful runs.
+    time, distance : dict from int to float
+        Means over the successful runs by team size: exploration time (s), path length of a
+        robot (m).
     """
 
     scenario: Scenario
@@ -260,7 +124,7 @@ class Outcome:
 
 
 def outcomes(results: Results) -> list[Outcome]:
-    """Give what came out on every map of the experiment, in the thesis's order."""
+    """Return the results on every map of the experiment, in the order of the thesis."""
     asked = {
         given if isinstance(given, str) else given.label
         for given in results.experiment.environments
@@ -291,7 +155,7 @@ def _means(results: list[Result], measure: Measure) -> dict[int, float]:
 
 
 def law(means: dict[int, float], level: float = LEVEL) -> PowerLaw | None:
-    """Fit the thesis's law to means by team size; None for fewer than three sizes."""
+    """Return the power law fitted to means by team size; None for fewer than three sizes."""
     if len(means) < 3:
         return None
     return fit_power_law(list(means), list(means.values()), level=level)
@@ -301,7 +165,7 @@ def law(means: dict[int, float], level: float = LEVEL) -> PowerLaw | None:
 
 
 def claims(results: Results) -> list[Claim]:
-    """Judge what the thesis says of its results."""
+    """Return the judged claims of the thesis."""
     found = outcomes(results)
     return [
         succeeds(found),
@@ -313,7 +177,7 @@ def claims(results: Results) -> list[Claim]:
             TIME_EXPONENTS,
         ),
         exponents_between(
-            "way of a robot",
+            "path length of a robot",
             [one.distance for one in found],
             [one.scenario.label for one in found],
             [one.scenario.distance[1] for one in found],
@@ -324,20 +188,20 @@ def claims(results: Results) -> list[Claim]:
 
 
 def tables(results: Results) -> list[PrintedTable]:
-    """Put our laws and success beside Table 4.1, and list the means that they are fitted to."""
+    """Return our laws and success rates beside Table 4.1, the means, and the comparisons."""
     found = outcomes(results)
     return [
         beside(found),
         _means_table("Mean exploration time (s)", [(one, one.time) for one in found]),
-        _means_table("Mean way of a robot (m)", [(one, one.distance) for one in found]),
+        _means_table("Mean path length of a robot (m)", [(one, one.distance) for one in found]),
         *(judged.table for judged in _doublings(found)),
     ]
 
 
 def succeeds(found: list[Outcome]) -> Claim:
-    """Judge the rates of success, by Wilson's interval of all runs."""
+    """Return the judged claim on success rates, by Wilson's interval of all runs."""
     runs, good = sum(one.runs for one in found), sum(one.successes for one in found)
-    least = LEAST_SUCCESS / 100.0
+    least = MIN_SUCCESS / 100.0
     decision: Verdict = "not tested"
     grounds = ["there are no runs"]
     if runs:
@@ -355,7 +219,7 @@ def succeeds(found: list[Outcome]) -> Claim:
         else:
             decision = "holds" if share.low >= least else "not significant"
     return Claim(
-        text=f"At least {LEAST_SUCCESS:g} % of all explorations succeed.",
+        text=f"At least {MIN_SUCCESS:g} % of all explorations succeed.",
         source="Álvarez, Table 4.1 (94.06 to 99.06 % by map)",
         verdict=decision,
         grounds=tuple(grounds),
@@ -369,10 +233,23 @@ def exponents_between(
     printed: list[float],
     limits: tuple[float, float],
 ) -> Claim:
-    """Judge whether the exponents of all maps lie between the thesis's limits.
+    """Return the judged claim that the exponents of all maps lie between two limits.
 
-    A map speaks for it where the whole interval of its exponent does, and against it where none
-    of it does. The intervals hold for all maps at once (Bonferroni).
+    A map supports the claim if the whole interval of its exponent lies between the limits, and
+    contradicts it if none of the interval does. The intervals hold simultaneously (Bonferroni).
+
+    Parameters
+    ----------
+    what : str
+        The quantity that falls.
+    means : list of dict from int to float
+        Its means by team size, for each map.
+    labels : list of str
+        Labels of the maps.
+    printed : list of float
+        Exponents in the thesis.
+    limits : (float, float)
+        The limits.
     """
     low, high = limits
     level = 1.0 - (1.0 - LEVEL) / max(1, len(means))
@@ -397,9 +274,9 @@ def exponents_between(
     if 2 * len(known) > len(means):
         decision = verdict(sayings, "always")
     else:
-        grounds.append("too few runs: a fit takes three team sizes that have successful runs")
+        grounds.append("too few runs: a fit needs three team sizes with successful runs")
     return Claim(
-        text=f"The {what} falls with the team by an exponent of {low:g} to {high:g}.",
+        text=f"The {what} falls with team size by an exponent of {low:g} to {high:g}.",
         source="Álvarez, section 4.2.1 (99 % of all cases), Figures 4.16 to 4.19",
         verdict=decision,
         grounds=tuple(grounds),
@@ -433,7 +310,7 @@ def _doublings(found: list[Outcome]) -> list[Judged]:
 
 
 def doubling(text: str, measure: Measure, means: list[dict[int, float]]) -> Judged:
-    """Judge whether twice the robots help, over the means of all maps; see `M2_PER_ROBOT`."""
+    """Return the judged claim that twice the robots help, by the means of all maps."""
     sizes = sorted({robots for by_team in means for robots in by_team if robots in (1, 2, 4, 8)})
     comparisons = []
     for few, many in pairwise(sizes):
@@ -447,7 +324,7 @@ def doubling(text: str, measure: Measure, means: list[dict[int, float]]) -> Judg
             )
         )
     return judge(
-        f"{text}, up to one for each {M2_PER_ROBOT:g} m2.",
+        f"{text}, up to one per {M2_PER_ROBOT:g} m2.",
         "Álvarez, section 4.2.1",
         comparisons,
         scope="always",
@@ -462,7 +339,7 @@ def doubling(text: str, measure: Measure, means: list[dict[int, float]]) -> Judg
 
 
 def beside(found: list[Outcome]) -> PrintedTable:
-    """Put our laws and rates of success beside Table 4.1."""
+    """Return our laws and success rates beside Table 4.1."""
     rows = []
     for one in found:
         printed, (time, distance) = one.scenario, (law(one.time), law(one.distance))

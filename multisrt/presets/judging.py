@@ -1,9 +1,9 @@
-"""How a claim is judged: its comparisons are tested together, and what most of them say counts.
+"""Judgement of a claim: its comparisons are tested together, and then counted.
 
-Every comparison of a claim is between two sets of runs, of which the claim says that the first
-has the lower values. All are tested by two-sided rank tests, whose p-values are adjusted by Holm's
-procedure over the comparisons of the claim. A comparison then speaks for the claim or against it
-where p is below 5 %, and else says nothing.
+A claim makes comparisons of two sets of runs, of which the first is claimed to have the lower
+values. All are tested by two-sided rank tests, with p-values adjusted by Holm's procedure over the
+comparisons of the claim. A comparison supports or contradicts the claim if p is below 5 %;
+otherwise it is undecided.
 """
 
 from __future__ import annotations
@@ -26,38 +26,37 @@ from multisrt.statistics.summaries import median
 Saying = Literal["for", "against", "nothing"]
 
 Scope = Literal["always", "mostly", "somewhere"]
-"""How far a claim goes: without exception, in general, or in at least one case."""
+"""Scope of a claim: without exception, in general, or in at least one case."""
 
 
 class Quantity(Protocol):
-    """What is compared, for people: every `Measure` is one."""
+    """The quantity of a comparison, as tables show it; a `Measure` is one."""
 
     @property
     def heading(self) -> str:
-        """Its title with its unit."""
+        """Title with unit."""
 
     @property
     def unit(self) -> str:
-        """Its unit, or nothing."""
+        """Unit; may be empty."""
 
     @property
     def digits(self) -> int:
-        """How many digits after the point are shown."""
+        """Number of decimals in texts."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Comparison:
-    """Two sets of runs, of which a claim says that the first has the lower values.
+    """Two sets of runs, of which the first is claimed to have the lower values.
 
     Attributes
     ----------
     where : str
-        Which runs they are.
+        Name of the comparison.
     lower, higher : tuple of float
-        Their values; a run that failed has an infinite one. Empty where there are no runs.
+        Values of the two sets, infinite for failed runs; empty without runs.
     paired : bool
-        Whether the values at one place belong together: they are of one repetition, made in the
-        same world and from the same starts.
+        Whether values at the same index are of one repetition, with the same world and starts.
     """
 
     where: str
@@ -67,12 +66,12 @@ class Comparison:
 
     @property
     def has_runs(self) -> bool:
-        """Whether there is anything to compare."""
+        """Whether both sets have runs."""
         return bool(self.lower) and bool(self.higher)
 
     @property
     def least_p_value(self) -> float:
-        """The smallest p-value that so many runs can lead to; 1 without any."""
+        """Smallest p-value that this number of runs can have; 1 without runs."""
         n, m = len(self.lower), len(self.higher)
         if not self.has_runs:
             return 1.0
@@ -81,19 +80,19 @@ class Comparison:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Finding:
-    """What the test of a comparison says.
+    """Result of the test of a comparison.
 
     Attributes
     ----------
     comparison : Comparison
-        What was tested.
+        The comparison.
     p_value : float
-        Adjusted over the comparisons of the claim.
+        P-value, adjusted over the comparisons of the claim.
     is_lower : bool
-        Whether the first set is the lower one, as claimed, be it by chance.
+        Whether the first set is lower, as claimed, significantly or not.
     effect : float
-        Vargha and Delaney's A: how probable it is that a run of the first set is lower than one
-        of the second.
+        Vargha and Delaney's A: probability that a run of the first set is lower than one of the
+        second.
     """
 
     comparison: Comparison
@@ -103,7 +102,7 @@ class Finding:
 
     @property
     def saying(self) -> Saying:
-        """Whether it speaks for the claim or against it."""
+        """Whether the comparison supports the claim or contradicts it."""
         if self.p_value >= SIGNIFICANCE:
             return "nothing"
         return "for" if self.is_lower else "against"
@@ -111,7 +110,7 @@ class Finding:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Judged:
-    """A claim, judged, and the table of the comparisons behind it."""
+    """A judged claim and the table of its comparisons."""
 
     claim: Claim
     table: PrintedTable
@@ -121,12 +120,12 @@ class Judged:
 
 
 class Cells:
-    """The runs of an experiment by their condition; those that are missing too, as none.
+    """The runs of an experiment by condition; conditions without runs are included.
 
     Parameters
     ----------
     results : Results
-        What there is of the experiment.
+        Results of the experiment, which may be incomplete.
     """
 
     def __init__(self, results: Results) -> None:
@@ -137,21 +136,21 @@ class Cells:
             self._runs.setdefault(result.condition, {})[result.repetition] = result
 
     def conditions(self) -> list[Condition]:
-        """Give all that the experiment asks for, in its order."""
+        """Return all conditions of the experiment, in its order."""
         return list(self._runs)
 
     def of(self, condition: Condition) -> list[Result]:
-        """Give the runs that there are of a condition."""
+        """Return the runs of a condition."""
         return list(self._runs.get(condition, {}).values())
 
     def values(self, condition: Condition, measure: Measure) -> tuple[float, ...]:
-        """Give a measure of all of them; infinite for those that are not complete."""
+        """Return a measure of the runs of a condition; infinite for runs that are not complete."""
         return tuple(measure.values(self.of(condition)))
 
     def unpaired(
         self, where: str, *, lower: Condition, higher: Condition, measure: Measure
     ) -> Comparison:
-        """Compare the runs of two conditions."""
+        """Return the comparison of all runs of two conditions."""
         return Comparison(
             where=where, lower=self.values(lower, measure), higher=self.values(higher, measure)
         )
@@ -159,7 +158,7 @@ class Cells:
     def paired(
         self, where: str, *, lower: Condition, higher: Condition, measure: Measure
     ) -> Comparison:
-        """Compare the runs of two conditions, repetition by repetition."""
+        """Return the comparison of the repetitions that two conditions share."""
         first, second = self._runs.get(lower, {}), self._runs.get(higher, {})
         both = sorted(first.keys() & second.keys())
         return Comparison(
@@ -174,7 +173,7 @@ class Cells:
 
 
 def weigh(comparisons: Iterable[Comparison]) -> list[Finding]:
-    """Test the comparisons of one claim together; those without runs are left out."""
+    """Return the tests of the comparisons of one claim, without those that lack runs."""
     found = [comparison for comparison in comparisons if comparison.has_runs]
     tests = [(paired if c.paired else unpaired)(c.lower, c.higher) for c in found]
     return [
@@ -189,15 +188,19 @@ def weigh(comparisons: Iterable[Comparison]) -> list[Finding]:
 
 
 def verdict(sayings: Sequence[Saying], scope: Scope) -> Verdict:
-    """Say whether a claim holds, by what its comparisons say.
+    """Return the verdict on a claim by its comparisons.
 
-    - "always": it holds where more than half of them speak for it and none against it; one that
-      does is enough to refute it.
-    - "mostly": it holds where more than half speak for it, whatever others say; it does not where
-      fewer do and one speaks against it.
-    - "somewhere": it holds where one speaks for it, and does not where all speak against it.
+    - "always": holds if more than half of them support it and none contradicts it; does not hold
+      if any contradicts it.
+    - "mostly": holds if more than half support it; otherwise does not hold if any contradicts it.
+    - "somewhere": holds if any supports it; does not hold if all contradict it.
 
-    In all other cases nothing is significant enough.
+    Otherwise the verdict is "not significant".
+
+    Examples
+    --------
+    >>> verdict(["for", "for", "against"], "mostly"), verdict(["for", "for", "against"], "always")
+    ('holds', 'does not hold')
     """
     fors, againsts = sayings.count("for"), sayings.count("against")
     if scope == "somewhere":
@@ -212,7 +215,7 @@ def verdict(sayings: Sequence[Saying], scope: Scope) -> Verdict:
 
 
 def can_tell(comparisons: Sequence[Comparison], scope: Scope) -> bool:
-    """Whether there are runs enough for the claim to hold, if only they differ enough."""
+    """Return whether the claim could hold with these numbers of runs."""
     possible = holm([comparison.least_p_value for comparison in comparisons if comparison.has_runs])
     significant = int(np.count_nonzero(possible < SIGNIFICANCE))
     return significant > (0 if scope == "somewhere" else len(comparisons) // 2)
@@ -229,60 +232,89 @@ def judge(
     otherwise: str,
     sides: tuple[str, str],
 ) -> Judged:
-    """Judge a claim by its comparisons.
+    """Return a claim with its verdict and the table of its comparisons.
 
     Parameters
     ----------
     text, source : str
-        See `Claim`.
+        The claim and where the paper makes it; see `Claim`.
     comparisons : sequence of Comparison
-        What the claim says of runs; those that lack their runs too.
+        The comparisons that the claim makes, including those without runs.
     scope : {"always", "mostly", "somewhere"}
-        See `verdict`.
+        Scope of the claim; see `verdict`.
     quantity : Quantity
-        What was compared.
+        The quantity that is compared.
     so, otherwise : str
-        What is the case where a comparison goes as claimed, and where it goes the other way.
+        Clauses for a comparison with the claimed outcome, and with the opposite one.
     sides : (str, str)
-        Headings of the two sets of runs: the lower one by the claim, and the higher one.
+        Headings of the sets of runs: of the one claimed to be lower, and of the other.
+
+    Returns
+    -------
+    Judged
+        The claim, "not tested" if there are too few runs.
     """
     findings = weigh(comparisons)
     grounds = [_count(findings, so, otherwise)] if findings else []
     decision: Verdict = "not tested"
     if not comparisons:
-        grounds.append("the experiment has no runs that it speaks of")
+        grounds.append("the experiment has no runs that the claim refers to")
     elif can_tell(comparisons, scope):
         decision = verdict([finding.saying for finding in findings], scope)
     else:
-        grounds.append("too few runs: no difference could come out as significant often enough")
+        grounds.append("too few runs: too few differences can be significant")
     missing = len(comparisons) - len(findings)
     if missing:
         grounds.append(f"{missing} of {len(comparisons)} comparisons have no runs yet")
     if findings:
         grounds.append(_method(findings))
-    told = findings if len(findings) <= FEW else [f for f in findings if f.saying == "against"]
-    grounds += [_line(finding, quantity, sides) for finding in told]
+    shown = (
+        findings if len(findings) <= MAX_SHOWN else [f for f in findings if f.saying == "against"]
+    )
+    grounds += [_line(finding, quantity, sides) for finding in shown]
     return Judged(
         claim=Claim(text=text, source=source, verdict=decision, grounds=tuple(grounds)),
         table=_table(text, findings, quantity, sides),
     )
 
 
-FEW = 4
-"""So many comparisons are told one by one; of more, those that speak against the claim."""
+MAX_SHOWN = 4
+"""Upper bound of the comparisons that are all in the grounds; of more, the contradicting ones."""
 
 
 # Words --------------------------------------------------------------------------------------
 
 
 def number(value: float, digits: int) -> str:
-    """Write a value, or a word where half of the runs or more have none."""
+    """Return a value as text, and a word for an infinite one."""
     return f"{value:.{digits}f}" if math.isfinite(value) else "incomplete"
 
 
 def p_text(p_value: float) -> str:
-    """Write a p-value."""
+    """Return a p-value as text."""
     return "< 0.001" if p_value < 0.001 else f"{p_value:.3f}"
+
+
+def failed_runs(bad: Sequence[Result], limit: int) -> list[str]:
+    """Return a line for each of the first runs that failed, and one that counts the others.
+
+    Parameters
+    ----------
+    bad : sequence of Result
+        Runs that were not complete, or had a collision.
+    limit : int
+        Upper bound of the runs with a line of their own.
+    """
+    lines = [
+        f"{result.condition}, repetition {result.repetition}: "
+        + (
+            "a collision"
+            if result.status == "complete"
+            else f"{result.status.replace('_', ' ')}: {result.reason}"
+        )
+        for result in bad[:limit]
+    ]
+    return [*lines, f"and {len(bad) - limit} more"] if len(bad) > limit else lines
 
 
 def _count(findings: Sequence[Finding], so: str, otherwise: str) -> str:
@@ -306,8 +338,8 @@ def _method(findings: Sequence[Finding]) -> str:
     effect = float(median(np.array([finding.effect for finding in findings])))
     return (
         f"{' and '.join(names[kind] for kind in kinds)}, two-sided, p after Holm over "
-        f"{len(findings)} comparisons; n = {runs} each; effect size A {effect:.2f} in the median "
-        "(0.5: none, 1: always as claimed)"
+        f"{len(findings)} comparisons; n = {runs} each; median effect size A {effect:.2f} (0.5: "
+        "none, 1: always as claimed)"
     )
 
 
@@ -342,7 +374,7 @@ def _table(
     return PrintedTable(
         title=f"{text} {quantity.heading}, medians",
         source="",
-        columns=("where", *sides, "n", "p (Holm)", "A", "speaks"),
+        columns=("where", *sides, "n", "p (Holm)", "A", "evidence"),
         rows=tuple(
             (
                 finding.comparison.where,

@@ -1,8 +1,8 @@
 """MinPos against greedy and closest in mazes and a hospital, as in section V A of its paper.
 
-A gain is by how much shorter the exploration is than with the rival, in percent: the two times of
-each repetition, which has the same world and starts for both, are divided, and the mean is the
-geometric one of these ratios, which favours neither of the two.
+The gain of a strategy is the reduction of the exploration time against a rival, in percent. It is
+computed from the geometric mean of the ratios of the two times in each repetition, in which both
+have the same world and starts; this mean favours neither of the two.
 """
 
 from __future__ import annotations
@@ -36,41 +36,41 @@ REPETITIONS, QUICK_REPETITIONS = 20, 8
 MAZE_M, MAZE_CELLS = 20.0, 10
 RANGE_M = 4.0
 MAX_TIME_S = 14_400.0
-"""Of the run's own clock: several times what a robot alone needs."""
+"""Limit of a run in simulated time: several times what one robot needs."""
 
 MEAN_GAINS = {GREEDY: 8.0, MINPOS: 12.0}
-"""On average, in percent of the time with the closest frontier (section V A)."""
+"""Mean gains on closest in the paper, in percent (section V A)."""
 
 LARGEST_GAINS = {HOSPITAL: 15.0, MAZE: 20.0}
-"""Of the two better strategies, at most, in percent (section V A)."""
+"""Largest gains of greedy and minpos on closest in the paper, in percent (section V A)."""
 
-FEWEST_PAIRS = 6
-"""An interval of a gain is given from so many repetitions of each condition on."""
+MIN_PAIRS = 6
+"""Minimum number of complete pairs of each condition for an interval of a gain."""
 
 SOURCE = "MinPos, section V A, Figures 9 and 10"
 TIME = measure_named("exploration_time_s")
 
 DEVIATIONS = (
     f"Worlds: perfect mazes of {MAZE_M:g} x {MAZE_M:g} m with {MAZE_CELLS} x {MAZE_CELLS} cells, "
-    "one drawn for each repetition, and the hospital of the catalogue. The paper's mazes and its "
-    "hospital (of Player/Stage) are not at hand.",
+    "one for each repetition, and the hospital of the catalog. The paper's mazes and its hospital "
+    "(of Player/Stage) are not available.",
     f"Robots: discs of 0.25 m that drive in any direction, 0.5 m/s; range finders {RANGE_M:g} m, "
-    "exact; a radio that reaches everywhere. The paper's robots are as large as a cell of its grid "
-    "and its time is counted in steps.",
-    "Robots keep each other from passing: bodies have a size, and they give way. The paper's text "
-    "does not say whether its simulated robots do.",
-    "Starts: close together, as the paper says (section II). Where, it does not: a place and a "
-    "heading are drawn in each repetition for the first robot, and the others stand around it; all "
-    "strategies start alike, in the same world.",
-    "The paper's text does not tell its team sizes and its number of runs, and gives times as "
-    "curves only: there are no printed figures for single team sizes.",
-    "All strategies choose anew on news, at most once in a second.",
+    "exact; a radio of unlimited range. The paper's robots have the size of a grid cell and its "
+    "time is counted in steps.",
+    "Robots obstruct each other: bodies have a size, and robots give way. The paper does not say "
+    "whether its simulated robots do.",
+    "Starts: close together, as in the paper (section II), which does not say where. Here the "
+    "configuration of the first robot is drawn in each repetition and the others stand around it. "
+    "All strategies have the same starts and worlds.",
+    "The paper gives neither team sizes nor the number of runs in its text, and times as curves "
+    "only: there are no printed figures for single team sizes.",
+    "All strategies choose again on news, at most once per second.",
     "An exploration ends when one of the robots has a complete map, as in the paper (section II).",
 )
 
 
 def experiment(quick: bool) -> ExperimentSpec:
-    """Describe the paper's runs."""
+    """Return the experiment of the paper, or a quick one with fewer teams and runs."""
     return ExperimentSpec(
         name="minpos quick" if quick else "minpos",
         about="How much sooner a team is done that does not go to the closest frontier",
@@ -85,7 +85,7 @@ def experiment(quick: bool) -> ExperimentSpec:
         strategies=(CLOSEST, GREEDY, MINPOS),
         robots=QUICK_TEAMS if quick else TEAMS,
         starts=(StartsChoice(how="clustered", first="drawn"),),
-        # For a robot alone all strategies are one.
+        # For a single robot all strategies are the same.
         exclude=(Only(robots=1, strategy=(GREEDY, MINPOS)),),
         repetitions=QUICK_REPETITIONS if quick else REPETITIONS,
         drive=DriveSpec(kind="holonomic"),
@@ -103,7 +103,7 @@ class Times:
     Parameters
     ----------
     results : Results
-        What there is of the experiment.
+        Results of the experiment, which may be incomplete.
     """
 
     def __init__(self, results: Results) -> None:
@@ -114,7 +114,7 @@ class Times:
         self.teams = sorted({robots for _, _, robots in self._at if robots > 1})
 
     def compared(self, world: str, robots: int, strategy: str, rival: str) -> Comparison:
-        """Compare two strategies, repetition by repetition; the first is to be faster."""
+        """Return the comparison of a strategy with a rival, in pairs of repetitions."""
         return self.cells.paired(
             f"{world}, {robots} robots",
             lower=self._at[world, strategy, robots],
@@ -123,7 +123,7 @@ class Times:
         )
 
     def ratios(self, world: str, robots: int, strategy: str, rival: str) -> FloatArray:
-        """Logarithms of the ratio of the two times, where both runs are complete."""
+        """Return the logarithms of the ratios of both times, for pairs of complete runs."""
         pairs = self.compared(world, robots, strategy, rival)
         both = np.array([pairs.lower, pairs.higher])
         ours, rivals = np.log(both[:, np.isfinite(both).all(axis=0)])
@@ -131,12 +131,17 @@ class Times:
 
 
 def gain(strata: Iterable[FloatArray], level: float = LEVEL) -> Interval | None:
-    """Give a gain in percent with its interval; None where a condition has too few pairs.
+    """Return a gain in percent with its interval; None if a condition has too few pairs.
 
-    All pairs weigh the same.
+    Parameters
+    ----------
+    strata : iterable of (n,) array
+        Logarithms of the ratios of times, by condition. All pairs have equal weights.
+    level : float, optional
+        Confidence level of the interval.
     """
     ratios = list(strata)
-    if not ratios or min(map(len, ratios)) < FEWEST_PAIRS:
+    if not ratios or min(map(len, ratios)) < MIN_PAIRS:
         return None
     return bootstrap(ratios, _percent, level=level, rng=0)
 
@@ -146,10 +151,10 @@ def _percent(log_ratios: FloatArray) -> FloatArray:
 
 
 def reaches(found: Interval | None, printed: float) -> Verdict:
-    """Say whether a gain is as large as a printed one.
+    """Return the verdict on a printed gain.
 
-    It holds where the interval is above 0 and comes up to the printed figure, and does not where
-    all of it is below that figure.
+    It does not hold if the whole interval of our gain is below it. Otherwise it holds if the
+    interval is above 0.
     """
     if found is None:
         return "not tested"
@@ -162,7 +167,7 @@ def reaches(found: Interval | None, printed: float) -> Verdict:
 
 
 def claims(results: Results) -> list[Claim]:
-    """Judge what the paper says of its figures."""
+    """Return the judged claims of the paper."""
     times = Times(results)
     faster, others = _faster(times), _others(times)
     return [
@@ -175,7 +180,7 @@ def claims(results: Results) -> list[Claim]:
 
 
 def tables(results: Results) -> list[PrintedTable]:
-    """Put the gains beside the paper's, and list the comparisons behind the claims."""
+    """Return our gains beside the paper's, and the comparisons behind the claims."""
     times = Times(results)
     return [
         gains(times),
@@ -204,7 +209,7 @@ def _others(times: Times) -> list[Judged]:
 
 
 def mean_gain(times: Times, strategy: str) -> Claim:
-    """Judge the paper's mean gain of a strategy on closest."""
+    """Return the judged claim on the mean gain of a strategy on closest."""
     printed = MEAN_GAINS[strategy]
     found = gain(times.ratios(*at, strategy, CLOSEST) for at in _places(times))
     return Claim(
@@ -216,10 +221,10 @@ def mean_gain(times: Times, strategy: str) -> Claim:
 
 
 def largest_gain(times: Times, world: str) -> Claim:
-    """Judge the paper's largest gain in a world.
+    """Return the judged claim on the largest gain in a world.
 
-    The largest of many gains is likely to be one that came out too large: its interval is as wide
-    as one that holds for all of them at once (Bonferroni).
+    The largest of several estimates is biased upwards, so the intervals of all of them hold
+    simultaneously (Bonferroni).
     """
     printed = LARGEST_GAINS[world]
     places = [(robots, s) for robots in times.teams for s in (GREEDY, MINPOS)]
@@ -231,7 +236,7 @@ def largest_gain(times: Times, world: str) -> Claim:
     best = max(found, key=lambda at: found[at].value, default=None)
     grounds = [_told(found[best] if best else None, printed)]
     if best:
-        grounds.append(f"it is that of {best[1]} with {best[0]} robots")
+        grounds.append(f"the largest gain is that of {best[1]} with {best[0]} robots")
     return Claim(
         text=f"In the {world} the exploration gets up to {printed:g} % shorter, against closest.",
         source="MinPos, section V A",
@@ -245,7 +250,7 @@ def _at_once(many: int) -> float:
 
 
 def before_greedy(times: Times) -> Claim:
-    """Judge whether minpos is faster than greedy on average: "slightly better"."""
+    """Return the judged claim that minpos is "slightly better" than greedy on average."""
     found = gain(times.ratios(*at, MINPOS, GREEDY) for at in _places(times))
     verdict: Verdict = "not tested"
     if found is not None:
@@ -260,7 +265,7 @@ def before_greedy(times: Times) -> Claim:
 
 
 def more_with_more_robots(times: Times) -> Judged:
-    """Judge whether the gain on closest grows with the team."""
+    """Return the judged claim that the gain on closest grows with team size."""
     few, many = (times.teams[0], times.teams[-1]) if len(times.teams) > 1 else (0, 0)
     return judge(
         "The larger the team, the more greedy and minpos gain on closest.",
@@ -288,7 +293,7 @@ def _growth(times: Times, world: str, strategy: str, few: int, many: int) -> Com
 
 
 def more_in_mazes(times: Times) -> Judged:
-    """Judge whether minpos gains more on greedy in mazes than in the hospital."""
+    """Return the judged claim that minpos gains more on greedy in mazes than in the hospital."""
     return judge(
         "Minpos gains more on greedy in mazes than in the hospital.",
         SOURCE,
@@ -310,7 +315,7 @@ def more_in_mazes(times: Times) -> Judged:
 
 @dataclass(frozen=True, slots=True)
 class RatioOfTimes:
-    """The exploration time over that of the rival in the same repetition."""
+    """The quantity of comparisons of gains: a ratio of exploration times."""
 
     heading: str = "Exploration time over that of the rival"
     unit: str = ""
@@ -323,7 +328,7 @@ def _places(times: Times) -> list[tuple[str, int]]:
 
 def _told(found: Interval | None, printed: float | None) -> str:
     if found is None:
-        return f"too few runs: every condition needs {FEWEST_PAIRS} pairs that are complete"
+        return f"too few runs: every condition needs {MIN_PAIRS} complete pairs"
     papers = "" if printed is None else f"; the paper: {printed:g} %"
     return (
         f"ours: {found.value:+.1f} % (interval {found.low:+.1f} to {found.high:+.1f}, stratified "
@@ -335,7 +340,7 @@ def _told(found: Interval | None, printed: float | None) -> str:
 
 
 def gains(times: Times) -> PrintedTable:
-    """Give the gains on closest of all conditions, and the means and largest beside the paper's."""
+    """Return the gains on closest in all conditions, beside the paper's mean and largest gains."""
     both = (GREEDY, MINPOS)
     rows = [
         (
@@ -357,7 +362,7 @@ def gains(times: Times) -> PrintedTable:
         source=SOURCE,
         columns=("world", "robots", *both, "pairs"),
         rows=tuple(rows),
-        note="With 95 % intervals, over the repetitions in which both runs are complete.",
+        note="With 95 % intervals, over repetitions in which both runs are complete.",
     )
 
 

@@ -1,4 +1,4 @@
-"""Multi-SRT in the two worlds of its paper, as section 3 of it describes the simulations."""
+"""Multi-SRT in two worlds, after the simulations in section 3 of its paper."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from multisrt.experiments.crossing import Condition
 from multisrt.experiments.description import ExperimentSpec, Only, RadioChoice
 from multisrt.experiments.measures import Measure, measure_named
 from multisrt.experiments.results import Result, Results
-from multisrt.presets.judging import Cells, Judged, judge, number
+from multisrt.presets.judging import Cells, Judged, failed_runs, judge, number
 from multisrt.presets.preset import Preset
 from multisrt.reporting.claims import Claim, PrintedTable, Verdict
 from multisrt.spec import RangeFinderSpec, StopRule
@@ -23,7 +23,10 @@ TEAMS, QUICK_TEAMS = (1, 2, 4, 8, 16), (1, 2, 4)
 REPETITIONS, QUICK_REPETITIONS = 20, 10
 RANGE_M, RADIO_RANGE_M = 4.0, 15.0
 MAX_TIME_S = 14_400.0
-"""Of the run's own clock: several times what a robot alone needs."""
+"""Limit of a run in simulated time: several times what one robot needs."""
+
+MAX_LISTED = 10
+"""Upper bound of the runs that the grounds of a claim name one by one."""
 
 TIME, DISTANCE = measure_named("exploration_time_s"), measure_named("total_distance_m")
 OTHERS = tuple(map(measure_named, ("waiting_time_s", "overlap_share", "coverage", "deadlocks")))
@@ -31,24 +34,24 @@ OTHERS = tuple(map(measure_named, ("waiting_time_s", "overlap_share", "coverage"
 SOURCE = "Multi-SRT, section 3 (simulation results), Figure 7"
 
 DEVIATIONS = (
-    "Worlds: the garden and the clutter of the catalogue, with their default parameters. The "
-    "paper describes its two square worlds and shows them, but gives no sizes.",
+    "Worlds: the garden and the clutter of the catalog, with their default parameters. The paper "
+    "describes and shows its two square worlds, but gives no sizes.",
     f"Robots: discs of 0.25 m, differential, 0.5 m/s; range finders {RANGE_M:g} m, exact. The "
-    "paper gives no figures of its robots.",
-    f"Radio: unlimited, or {RADIO_RANGE_M:g} m and relayed. The paper does not tell its limited "
+    "paper does not specify its robots.",
+    f"Radio: unlimited, or {RADIO_RANGE_M:g} m and relayed. The paper does not give its limited "
     "range.",
-    "A robot alone starts where the world suggests, and once only: neither starts nor radio make "
-    "a difference to it.",
-    "The paper averages 20 runs and shows curves only: there are no printed figures to put ours "
-    "beside, and it makes no tests.",
-    "Planning has two stages more than the paper's, without which explorations end with rooms "
-    "unseen: an approach to frontiers that no draw reaches, and at the root a way back to "
+    "A single robot starts where the world suggests; its runs are made once, as neither starts "
+    "nor radio affect it.",
+    "The paper averages 20 runs and shows curves only: there are no printed figures for "
+    "comparison, and no tests.",
+    "Planning has two stages beyond the paper's, without which explorations end with unseen "
+    "rooms: an approach to frontiers that no random draw reaches, and at the root a path back to "
     "frontiers left open.",
 )
 
 
 def experiment(quick: bool) -> ExperimentSpec:
-    """Describe the paper's runs."""
+    """Return the experiment of the paper, or a quick one with fewer teams and runs."""
     limited = RadioChoice(range_m=RADIO_RANGE_M, label=f"{RADIO_RANGE_M:g} m")
     return ExperimentSpec(
         name="multi-srt quick" if quick else "multi-srt",
@@ -66,7 +69,7 @@ def experiment(quick: bool) -> ExperimentSpec:
 
 
 def claims(results: Results) -> list[Claim]:
-    """Judge what the paper says of its simulations."""
+    """Return the judged claims of the paper."""
     return [
         *(judged.claim for judged in _compared(results)),
         all_complete(results),
@@ -75,7 +78,7 @@ def claims(results: Results) -> list[Claim]:
 
 
 def tables(results: Results) -> list[PrintedTable]:
-    """Give what the paper draws by team size, what else there is to know, and the comparisons."""
+    """Return the measures by team size, and the comparisons behind the claims."""
     cells = Cells(results)
     return [
         *(_by_team(cells, measure, drawn=True) for measure in (TIME, DISTANCE)),
@@ -99,7 +102,7 @@ def _compared(results: Results) -> list[Judged]:
 
 
 def time_falls(cells: Cells) -> Judged:
-    """Judge the claim on scattered starts, by every team size and the next."""
+    """Return the judged claim on scattered starts, by neighbouring team sizes."""
     return judge(
         "With scattered starts the exploration time falls as the team grows.",
         SOURCE,
@@ -116,7 +119,7 @@ def time_falls(cells: Cells) -> Judged:
 
 
 def time_does_not_always_fall(cells: Cells) -> Judged:
-    """Judge the claim on clustered starts: "there are examples where this is not verified"."""
+    """Return the judged claim on clustered starts, which has exceptions in the paper."""
     return judge(
         "With clustered starts there are teams in which more robots take longer.",
         SOURCE,
@@ -133,7 +136,7 @@ def time_does_not_always_fall(cells: Cells) -> Judged:
 
 
 def distance_grows(cells: Cells) -> Judged:
-    """Judge the claim on the distance of all robots, by every team size and the next."""
+    """Return the judged claim on the total distance, by neighbouring team sizes."""
     return judge(
         "The total distance grows with the number of robots.",
         SOURCE,
@@ -153,8 +156,8 @@ def distance_grows(cells: Cells) -> Judged:
 
 
 def radial_is_better(cells: Cells, measure: Measure) -> Judged:
-    """Judge the claim on the two strategies, from equal starts."""
-    what = "less time" if measure is TIME else "a shorter way"
+    """Return the judged claim on the two strategies, with equal starts."""
+    what = "less time" if measure is TIME else "a shorter total distance"
     pairs: defaultdict[tuple[object, ...], dict[str, Condition]] = defaultdict(dict)
     for at in cells.conditions():
         pairs[at.environment, at.robots, at.starts, at.radio][at.strategy] = at
@@ -175,7 +178,7 @@ def radial_is_better(cells: Cells, measure: Measure) -> Judged:
 
 
 def _steps(cells: Cells, starts: str) -> list[tuple[Condition, Condition]]:
-    # Every team size and the next, in each series; all begin with the robot alone.
+    # Neighbouring team sizes in each series; every series begins with the single robot.
     series: defaultdict[tuple[str, ...], list[Condition]] = defaultdict(list)
     alone: dict[tuple[str, str], Condition] = {}
     for at in cells.conditions():
@@ -202,7 +205,7 @@ def _step(small: Condition, large: Condition) -> str:
 
 def _place(at: Condition) -> str:
     if at.robots == 1:
-        return f"{at.environment}, a robot alone"
+        return f"{at.environment}, a single robot"
     return f"{at.environment}, {at.robots} robots, {at.starts}, {at.radio} radio"
 
 
@@ -210,7 +213,7 @@ def _place(at: Condition) -> str:
 
 
 def all_complete(results: Results) -> Claim:
-    """Judge whether every exploration came to its end."""
+    """Return the judged claim that every exploration is completed."""
     bad = [result for result in results if result.status != "complete"]
     return Claim(
         text="All explorations are completed.",
@@ -219,13 +222,13 @@ def all_complete(results: Results) -> Claim:
         grounds=(
             f"{len(results) - len(bad)} of {len(results)} runs are complete, of {results.asked} "
             "asked for",
-            *_told(bad),
+            *failed_runs(bad, MAX_LISTED),
         ),
     )
 
 
 def no_collision(results: Results) -> Claim:
-    """Judge whether bodies ever touched."""
+    """Return the judged claim that there are no collisions."""
     measured = [result.metrics for result in results if result.metrics is not None]
     bad = [r for r in results if r.metrics is not None and r.metrics.collisions > 0]
     apart = [
@@ -239,7 +242,7 @@ def no_collision(results: Results) -> Claim:
     ]
     if apart:
         grounds.append(
-            f"least distance between two bodies: {min(apart):.3f} m; between a body and an "
+            f"minimum distance between two bodies: {min(apart):.3f} m; between a body and an "
             f"obstacle: {min(one.smallest_clearance_m for one in measured):.3f} m"
         )
     return Claim(
@@ -247,24 +250,15 @@ def no_collision(results: Results) -> Claim:
         source="Multi-SRT, section 3 ('guarantees that the collective motion of the robots is "
         "feasible from the collision viewpoint')",
         verdict=_of_all(results, bad),
-        grounds=(*grounds, *_told(bad)),
+        grounds=(*grounds, *failed_runs(bad, MAX_LISTED)),
     )
 
 
 def _of_all(results: Results, bad: list[Result]) -> Verdict:
-    # What is claimed of all runs is refuted by one, and holds only when all are made.
+    # One run refutes a claim on all runs; it holds only if all of them are made.
     if bad:
         return "does not hold"
     return "holds" if len(results) == results.asked > 0 else "not tested"
-
-
-def _told(bad: list[Result]) -> list[str]:
-    lines = [f"{r.condition}, repetition {r.repetition}: {r.reason}" for r in bad[:MOST_TOLD]]
-    return [*lines, f"and {len(bad) - MOST_TOLD} more"] if len(bad) > MOST_TOLD else lines
-
-
-MOST_TOLD = 10
-"""So many runs that went wrong are told one by one."""
 
 
 # Tables -------------------------------------------------------------------------------------

@@ -1,4 +1,4 @@
-"""What a preset is: a paper's experiment, and what is to be read out of its results."""
+"""The structure of a preset: the experiment of a paper and the reading of its results."""
 
 from __future__ import annotations
 
@@ -12,25 +12,26 @@ from multisrt.reporting.claims import Claim, PrintedTable
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Preset:
-    """A paper's experiment.
+    """The experiment of a paper.
 
     Attributes
     ----------
     name : str
-        What the command line calls it.
+        Name on the command line.
     about : str
-        What it compares, in a sentence.
+        What the experiment compares, in one sentence.
     paper : str
-        Authors and title.
+        Authors and title of the paper.
     experiment : callable
-        Describes the runs: ``experiment(quick)``; quick ones are of the same kind, but fewer.
+        ``experiment(quick)`` returns the `ExperimentSpec`, if `quick` a smaller one of the same
+        kind.
     claims : callable
-        Judges the paper's claims by the results.
+        ``claims(results)`` returns the judged claims of the paper, a list of `Claim`.
     tables : callable
-        Puts the results beside the paper's printed figures, and lists the comparisons behind the
-        claims.
+        ``tables(results)`` returns the results beside the printed figures of the paper and the
+        comparisons behind the claims, a list of `PrintedTable`.
     deviations : tuple of str
-        Where the experiment is not the paper's, or the paper leaves it open.
+        Where the experiment differs from that of the paper, or the paper leaves it open.
     """
 
     name: str

@@ -1,13 +1,11 @@
-"""SBX-R against Yamauchi's and Stachniss's strategies under a radio's range, as in its paper.
+"""SBX-R against Yamauchi's and Stachniss's strategies with radios of limited range.
 
-Tables I to V of the paper give medians by strategy, range of the radio and team size, each with a
-mark: + where SBX-R is significantly better than the strategy of that line, - where it is worse,
-blank where neither can be said.
+Tables I to V of the paper give medians by strategy, range of the radio and team size. A mark says
+whether SBX-R is significantly better (+) or worse (-) than the strategy of the row.
 """
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -22,45 +20,50 @@ from multisrt.experiments.description import (
     StartsChoice,
     StrategyChoice,
 )
-from multisrt.experiments.measures import Measure, measure_named
+from multisrt.experiments.measures import Measure
 from multisrt.experiments.results import Results
 from multisrt.presets.judging import Cells, Comparison, Finding, Judged, judge, number, weigh
 from multisrt.presets.preset import Preset
+from multisrt.presets.sbx_r_tables import (
+    CLOSEST,
+    NAMES,
+    OTHERS,
+    PAPER,
+    RADIO_RANGES_M,
+    SBX_R,
+    TEAMS,
+    UTILITY,
+    PaperTable,
+)
 from multisrt.reporting.claims import Claim, PrintedTable
 from multisrt.spec import RangeFinderSpec, StopRule
 from multisrt.statistics.rank_tests import Mark
 from multisrt.statistics.summaries import median
 
-CLOSEST, UTILITY, SBX_R = "closest", "utility", "self-bidding"
-OTHERS = (CLOSEST, UTILITY)
-NAMES = {CLOSEST: "Yamauchi", UTILITY: "Stachniss", SBX_R: "SBX-R"}
-"""What the paper calls our strategies."""
-
-RADIO_RANGES_M = (15, 20, 30)
-TEAMS, QUICK_TEAMS = (2, 3, 4, 5), (3,)
+QUICK_TEAMS = (3,)
 REPETITIONS, QUICK_REPETITIONS = 10, 5
 PAPERS_REPETITIONS = 31
 RANGE_M = 4.0
 DRIVE = "nearness-diagram"
 MAX_TIME_S = 14_400.0
-"""Of the run's own clock: several times what a robot alone needs."""
+"""Limit of a run in simulated time: several times what one robot needs."""
 
 DEVIATIONS = (
-    "World: an office of 50 x 25 m, as large as the paper's map, which is not at hand. Ours has "
-    "more rooms and furniture, so times and distances cannot be compared as such; the marks can.",
+    "World: an office of 50 x 25 m, the size of the paper's map, which is not available. Ours has "
+    "more rooms and furniture: marks can be compared, times and distances cannot.",
     f"Robots: discs of 0.25 m, differential, 0.5 m/s; range finders {RANGE_M:g} m, all around, "
     "exact. The paper simulates Pioneer 2-DX robots in Player/Stage, with lasers of the same range "
-    "and view. Messages are relayed; walls do not stop them.",
+    "and view. Messages are relayed; walls do not block them.",
     "Driving: all strategies drive by Smooth Nearness Diagram, as in the paper. "
-    "It slows down near obstacles: teams take more than twice as long as by following their paths.",
-    "Starts: the paper does not tell them. Here a place and a heading are drawn in each repetition "
-    "for the first robot and the others stand around it; all strategies start alike.",
-    "A robot chooses a goal when it has reached the last one, as in the paper; self-bidding also "
-    "when it is told to stop.",
-    "For a robot alone all strategies are one: it runs 'closest' once for each repetition, as in "
+    "It is slow near obstacles: teams take more than twice as long as with path following.",
+    "Starts: the paper does not give them. Here the configuration of the first robot is drawn in "
+    "each repetition and the others stand around it. All strategies have the same starts.",
+    "A robot chooses a goal when it has reached the last one, as in the paper; with self-bidding "
+    "also when it is told to stop.",
+    "For a single robot all strategies are the same: it runs 'closest' once per repetition, as in "
     "the paper.",
-    f"The paper makes {PAPERS_REPETITIONS} runs of each case, here it is {REPETITIONS} unless "
-    "told otherwise: with fewer runs fewer differences are significant.",
+    f"The paper makes {PAPERS_REPETITIONS} runs of each case, this experiment {REPETITIONS} by "
+    "default: with fewer runs fewer differences are significant.",
     "The paper does not name its test. Ours is Mann-Whitney's, two-sided at 5 %, its p-values "
     "adjusted by Holm's procedure over the 12 cells of a table against one strategy. Runs that "
     "are not complete count as worse than all others.",
@@ -68,17 +71,16 @@ DEVIATIONS = (
 )
 
 READING = (
-    "Some of the paper's signs cannot be read in print (an asterisk in Tables IV and V); each is "
-    "taken for the one that its text says, in words or by its counts. Table III prints 2.881 m "
-    "for Stachniss at 15 m with 3 robots and marks it as worse than the 6.841 m of SBX-R: one of "
-    "the two is a misprint. Of Table III the text counts 12 cases of 13, where the table marks 11 "
-    "of 12, and for Table IV against Yamauchi it counts 6 better, 1 worse and 6 neither, where "
-    "there are 12 in all."
+    "Some of the paper's signs are illegible in print (an asterisk in Tables IV and V); they are "
+    "read as its text says, in words or by its counts. Table III prints 2.881 m for Stachniss at "
+    "15 m with 3 robots and marks it as worse than the 6.841 m of SBX-R: one of the two is a "
+    "misprint. The text counts 12 of 13 cases in Table III, where the table marks 11 of 12. For "
+    "Table IV against Yamauchi it counts 6 better, 1 worse and 6 neither, of 12 in total."
 )
 
 
 def experiment(quick: bool) -> ExperimentSpec:
-    """Describe the paper's runs."""
+    """Return the experiment of the paper, or a quick one with one team size and fewer runs."""
     radios = tuple(RadioChoice(range_m=float(r), label=_radio(r)) for r in RADIO_RANGES_M)
     return ExperimentSpec(
         name="sbx-r quick" if quick else "sbx-r",
@@ -86,7 +88,7 @@ def experiment(quick: bool) -> ExperimentSpec:
         environments=(
             EnvironmentChoice(name="office", parameters={"width_m": 50.0, "height_m": 25.0}),
         ),
-        # In this paper all strategies decide at their targets, and drive alike.
+        # In this paper all strategies decide at their targets and drive in the same way.
         strategies=(
             StrategyChoice(name=CLOSEST, options={"replan": "target", "drive": DRIVE}),
             StrategyChoice(name=UTILITY, options={"drive": DRIVE}),
@@ -109,153 +111,32 @@ def _radio(range_m: int) -> str:
     return f"{range_m} m"
 
 
-# The paper's tables -------------------------------------------------------------------------
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class PaperTable:
-    """A table as the paper prints it.
-
-    Attributes
-    ----------
-    number, title : str
-        Its number, and what it shows.
-    measure : Measure
-        What that is here.
-    lines : dict
-        Its lines, by our name of the strategy and the radio's range; a field for each team of 2
-        to 5 robots, a median and its mark.
-    """
-
-    number: str
-    title: str
-    measure: Measure
-    lines: dict[tuple[str, int], str]
-
-    def median(self, strategy: str, radio_m: int, robots: int) -> str:
-        """Give the median of a cell, as printed."""
-        return self._field(strategy, radio_m, robots)[0]
-
-    def mark(self, strategy: str, radio_m: int, robots: int) -> Mark:
-        """Give its mark."""
-        return self._field(strategy, radio_m, robots)[1]
-
-    def _field(self, strategy: str, radio_m: int, robots: int) -> tuple[str, Mark]:
-        field = self.lines[strategy, radio_m].split()[TEAMS.index(robots)]
-        value, sign = re.fullmatch(r"([\d.]+)([+-]?)", field).groups()  # type: ignore[union-attr]
-        return value, "+" if sign == "+" else "-" if sign == "-" else ""
-
-
-PAPER = (
-    PaperTable(
-        number="I",
-        title="Total time out of the radio's range",
-        measure=measure_named("isolated_total_s"),
-        lines={
-            (CLOSEST, 15): "201.10+ 290.90+ 166.00+ 141.05",
-            (CLOSEST, 20): "106.55+ 207.20+ 75.10+ 65.55",
-            (CLOSEST, 30): "47.70 101.90+ 47.00+ 0.00",
-            (UTILITY, 15): "391.40+ 503.10+ 207.00+ 105.40",
-            (UTILITY, 20): "351.40+ 289.50+ 111.60+ 32.60",
-            (UTILITY, 30): "66.50+ 57.00+ 24.65+ 0.00",
-            (SBX_R, 15): "43.20 77.70 16.90 14.70",
-            (SBX_R, 20): "17.90 44.00 0.00 3.45",
-            (SBX_R, 30): "0.00 11.20 0.00 0.00",
-        },
-    ),
-    PaperTable(
-        number="II",
-        title="Longest isolation of a robot",
-        measure=measure_named("isolated_longest_s"),
-        lines={
-            (CLOSEST, 15): "162.60+ 181.90+ 135.00+ 60.65+",
-            (CLOSEST, 20): "72.80+ 145.55+ 66.00+ 56.40+",
-            (CLOSEST, 30): "39.10+ 91.65+ 47.00+ 0.00",
-            (UTILITY, 15): "191.80+ 184.00+ 137.80+ 45.30+",
-            (UTILITY, 20): "212.70+ 125.10+ 77.65+ 29.20+",
-            (UTILITY, 30): "52.30+ 57.00+ 24.65+ 0.00",
-            (SBX_R, 15): "26.40 50.30 14.70 0.35",
-            (SBX_R, 20): "16.15 33.95 0.00 1.45",
-            (SBX_R, 30): "0.00 10.10 0.00 0.00",
-        },
-    ),
-    PaperTable(
-        number="III",
-        title="Largest distance out of the radio's range",
-        measure=measure_named("beyond_range_m"),
-        lines={
-            (CLOSEST, 15): "19.478+ 26.997+ 19.725+ 7.410+",
-            (CLOSEST, 20): "10.794+ 21.946+ 9.138+ 7.828+",
-            (CLOSEST, 30): "8.830+ 12.310+ 2.284+ 0.000",
-            (UTILITY, 15): "17.499+ 2.881+ 15.408+ 5.117+",
-            (UTILITY, 20): "16.423+ 13.122+ 10.207+ 4.421+",
-            (UTILITY, 30): "4.903+ 8.800+ 2.028+ 0.000",
-            (SBX_R, 15): "4.455 6.841 1.776 1.481",
-            (SBX_R, 20): "1.514 2.846 0.000 0.154",
-            (SBX_R, 30): "0.000 1.105 0.000 0.000",
-        },
-    ),
-    PaperTable(
-        number="IV",
-        title="Exploration time",
-        measure=measure_named("exploration_time_s"),
-        lines={
-            (CLOSEST, 15): "668- 572.1 544.1+ 393.5",
-            (CLOSEST, 20): "648.3 534.65+ 466.15+ 426.35",
-            (CLOSEST, 30): "604.6 525.5+ 504.5+ 445.3+",
-            (UTILITY, 15): "820.9 582.2 467.45 386.4-",
-            (UTILITY, 20): "773.05+ 539.35+ 447.15+ 384.95",
-            (UTILITY, 30): "769.9+ 555.05+ 450+ 419.5+",
-            (SBX_R, 15): "762.25 535.3 449.6 426.55",
-            (SBX_R, 20): "655.75 462.05 391.8 395.5",
-            (SBX_R, 30): "608.8 435.9 368.2 363.4",
-        },
-    ),
-    PaperTable(
-        number="V",
-        title="Distance travelled by the team",
-        measure=measure_named("total_distance_m"),
-        lines={
-            (CLOSEST, 15): "445.03 534.86 642.52+ 544.81",
-            (CLOSEST, 20): "438.22- 517.30 566.63+ 583.50+",
-            (CLOSEST, 30): "385.48 501.63+ 584.82+ 643.11+",
-            (UTILITY, 15): "440.81- 476.46- 486.54- 487.20-",
-            (UTILITY, 20): "430.83- 440.94 458.38 485.49",
-            (UTILITY, 30): "419.30 455.45+ 479.60+ 497.29",
-            (SBX_R, 15): "512.78 512.22 523.49 592.76",
-            (SBX_R, 20): "459.24 435.25 464.05 525.48",
-            (SBX_R, 30): "402.19 391.33 387.56 466.43",
-        },
-    ),
-)
-
-
 # Claims -------------------------------------------------------------------------------------
 
 Cell = tuple[str, int, int]
-"""The strategy that SBX-R is compared with, the radio's range (m), and the team size."""
+"""The strategy that SBX-R is compared with, the range of the radio (m), and the team size."""
 
 ALL: dict[str, tuple[Cell, ...]] = {
     other: tuple((other, radio, robots) for radio in RADIO_RANGES_M for robots in TEAMS)
     for other in OTHERS
 }
-"""The cells of a table against each of the others."""
+"""The cells of a table by the strategy that SBX-R is compared with."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CellClaim:
-    """What the paper says of some cells of a table.
+    """A claim of the paper on some cells of a table.
 
     Attributes
     ----------
     text : str
         The claim.
     table : PaperTable
-        The table that it speaks of.
+        The table.
     cells : tuple of Cell
-        Its cells that are meant.
+        The cells that the claim refers to.
     better : bool
-        Whether SBX-R is said to be better there, or worse.
+        Whether SBX-R is claimed to be better, or worse.
     """
 
     text: str
@@ -316,16 +197,16 @@ def _cell_claims() -> list[CellClaim]:
 
 
 CLAIMS = _cell_claims()
-"""What section IV of the paper says in words; its own marks bear all of them out."""
+"""Claims in the text of section IV, all of which the printed marks support."""
 
 
 def claims(results: Results) -> list[Claim]:
-    """Judge what the paper says of its tables."""
+    """Return the judged claims of the paper."""
     return [judged.claim for judged in _judged(results)]
 
 
 def tables(results: Results) -> list[PrintedTable]:
-    """Put medians and marks beside Tables I to V, count the marks that agree, list comparisons."""
+    """Return our medians and marks beside Tables I to V, their agreement, and comparisons."""
     cells = Cells(results)
     return [
         *(beside(cells, table) for table in PAPER),
@@ -341,7 +222,7 @@ def _judged(results: Results) -> list[Judged]:
         judge(
             claim.text,
             f"SBX-R, section IV, Table {claim.table.number}",
-            # What a quick experiment leaves out is left out of the claim, too.
+            # Cells that a quick experiment lacks are left out.
             [
                 _compared(cells, claim.table, cell, claim.better)
                 for cell in claim.cells
@@ -377,7 +258,7 @@ def _compared(cells: Cells, table: PaperTable, cell: Cell, better: bool = True) 
 
 
 def marks(cells: Cells, table: PaperTable) -> dict[Cell, Mark]:
-    """Mark the cells of a table that have runs, each of the other strategies by itself."""
+    """Return the marks of the cells with runs; each other strategy is a family of tests."""
     places = _places(cells)
     found: dict[Cell, Mark] = {}
     for other in OTHERS:
@@ -395,7 +276,7 @@ def _mark(finding: Finding) -> Mark:
 
 
 def beside(cells: Cells, table: PaperTable) -> PrintedTable:
-    """Write a table in the paper's shape, under each line of ours that of the paper."""
+    """Return a table in the paper's layout, with each of its rows below ours."""
     places, ours = _places(cells), marks(cells, table)
     rows = []
     for strategy in (*OTHERS, SBX_R):
@@ -415,8 +296,8 @@ def beside(cells: Cells, table: PaperTable) -> PrintedTable:
         source=f"SBX-R, Table {table.number}",
         columns=("strategy", "radio", *(f"{robots} robots" for robots in TEAMS)),
         rows=tuple(rows),
-        note="Medians, and marks: + where self-bidding is significantly better than the strategy "
-        "of that line, - where it is worse." + (f" {READING}" if table.number == "I" else ""),
+        note="Medians and marks: self-bidding is significantly better (+) or worse (-) than the "
+        "strategy of the row." + (f" {READING}" if table.number == "I" else ""),
     )
 
 
@@ -427,7 +308,7 @@ def _entry(values: Sequence[float], measure: Measure, mark: Mark) -> str:
 
 
 def agreement(cells: Cells) -> PrintedTable:
-    """Count which of our marks are the paper's."""
+    """Return the table of the numbers of our marks that agree with the paper's."""
     rows = []
     for table in PAPER:
         ours = marks(cells, table)

@@ -1,4 +1,4 @@
-"""What a preset's results say, in Markdown that can be read as it is."""
+"""The summary of a preset's results, in Markdown."""
 
 from __future__ import annotations
 
@@ -6,11 +6,12 @@ from collections.abc import Iterable, Sequence
 
 from multisrt.experiments.crossing import conditions
 from multisrt.experiments.results import Results
+from multisrt.presets.judging import failed_runs
 from multisrt.presets.preset import Preset
 from multisrt.reporting.claims import Claim, PrintedTable
 
-MOST_FAILURES = 50
-"""So many runs that went wrong are listed."""
+MAX_FAILURES = 50
+"""Upper bound of the failed runs that are listed."""
 
 
 def summary(
@@ -21,18 +22,25 @@ def summary(
     claims: Sequence[Claim],
     tables: Sequence[PrintedTable],
 ) -> str:
-    """Write a paper's claims and figures beside what came out.
+    """Return the summary of a preset's results: claims, figures, deviations and failed runs.
 
     Parameters
     ----------
     preset : Preset
-        The paper's experiment.
+        The experiment of a paper.
     results : Results
-        What there is of it.
+        Its results, which may be incomplete.
     command : str
-        What made them.
-    claims, tables : sequence
-        What the preset reads out of the results.
+        The command that made them.
+    claims : sequence of Claim
+        The judged claims.
+    tables : sequence of PrintedTable
+        The figures beside the paper's, and the comparisons behind the claims.
+
+    Returns
+    -------
+    str
+        The Markdown document.
     """
     sections = [
         f"# {preset.about}",
@@ -45,10 +53,10 @@ def summary(
         *(_printed(table) for table in tables if table.source),
         "## Figures behind the claims",
         *(_printed(table) for table in tables if not table.source),
-        "## Where this is not the paper's experiment",
+        "## Differences from the paper's experiment",
         _bullets(preset.deviations),
         "## Runs that failed",
-        _bullets(_failures(results)) or "None.",
+        _bullets(failed_runs([r for r in results if r.failed], MAX_FAILURES)) or "None.",
     ]
     return "\n\n".join(section.rstrip() for section in sections if section) + "\n"
 
@@ -61,7 +69,7 @@ def _account(results: Results) -> list[str]:
     teams = sorted({at.robots for at in conditions(spec)})
     lines = [
         f"Experiment: {spec.name}; teams of {', '.join(map(str, teams))}; {spec.repetitions} "
-        "repetitions. What is said of claims is said of these.",
+        "repetitions. The verdicts refer to these.",
         f"Runs: {len(results)} of {results.asked}; {complete} complete, "
         f"{sum(result.failed for result in results)} failed.",
         f"Computing time of all runs: {seconds / 3600.0:.2f} h of one core.",
@@ -71,7 +79,7 @@ def _account(results: Results) -> list[str]:
     ]
     if len(results) < results.asked:
         lines.append(
-            f"**{results.asked - len(results)} runs are missing: the same command goes on with "
+            f"**{results.asked - len(results)} runs are missing: the same command continues with "
             "them.**"
         )
     return lines
@@ -93,7 +101,15 @@ def _printed(table: PrintedTable) -> str:
 
 
 def markdown_table(columns: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """Write a table as Markdown."""
+    """Return a table in Markdown.
+
+    Examples
+    --------
+    >>> print(markdown_table(("claim", "verdict"), [("It is faster.", "holds")]))
+    | claim | verdict |
+    | ----- | ------- |
+    | It is faster. | holds |
+    """
     lines = [columns, ["-" * max(3, len(column)) for column in columns], *rows]
     return "\n".join(
         f"| {' | '.join(field.replace('|', '/') for field in line)} |" for line in lines
@@ -102,15 +118,3 @@ def markdown_table(columns: Sequence[str], rows: Iterable[Sequence[str]]) -> str
 
 def _bullets(lines: Iterable[str]) -> str:
     return "\n".join(f"- {line}" for line in lines)
-
-
-def _failures(results: Results) -> list[str]:
-    bad = [result for result in results if result.failed]
-    lines = [
-        f"{result.condition}, repetition {result.repetition}: "
-        f"{result.status.replace('_', ' ')}: {result.reason}"
-        if result.status != "complete"
-        else f"{result.condition}, repetition {result.repetition}: a collision"
-        for result in bad[:MOST_FAILURES]
-    ]
-    return [*lines, f"and {len(bad) - MOST_FAILURES} more"] if len(bad) > MOST_FAILURES else lines

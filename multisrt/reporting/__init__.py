@@ -1,1 +1,1 @@
-"""From results to what people read: tables, figures, a page, LaTeX."""
+"""Reports of results: tables, figures, a page, LaTeX."""

@@ -1,4 +1,4 @@
-"""Runs of an experiment made again from their specs: pictures of median runs, and failures."""
+"""Runs of an experiment repeated from their specs: pictures of median runs, and failures."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from multisrt.reporting.layout import slug
 from multisrt.reporting.study import Study
 from multisrt.spec import RunSpec
 
-MOST_TREES = 12
-"""Trees in a gallery."""
+MAX_TREES = 12
+"""Upper bound of the pictures in a gallery."""
 
-MOST_FAILURES = 30
-"""Kinds of failures that are told one by one."""
+MAX_FAILURES = 30
+"""Upper bound of the kinds of failures that are shown with a spec to repeat them."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -30,15 +30,15 @@ class Tree:
     Attributes
     ----------
     name : str
-        What files call it.
+        Stem of its file name.
     result : Result
         The run.
     setting : Condition
-        Where; its strategy is empty.
+        The setting of the run; its strategy is empty.
     svg : str
         The drawing.
     same : bool
-        Whether the run made again is the run that was measured, to the byte.
+        Whether the repeated run equals the measured run, byte for byte.
     """
 
     name: str
@@ -50,16 +50,20 @@ class Tree:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Failure:
-    """Runs that failed in the same way.
+    """Runs of one strategy that failed in the same way.
 
     Attributes
     ----------
-    strategy, status, reason : str
-        Whose, how, and why: the first one's words.
+    strategy : str
+        Label of the strategy.
+    status : str
+        Status of the runs, or "collision".
+    reason : str
+        Reason of the first run.
     results : tuple of Result
-        All of them.
+        The runs.
     spec : RunSpec or None
-        That of the first; None if it cannot be built.
+        Spec of the first run; None if it cannot be built.
     """
 
     strategy: str
@@ -70,24 +74,40 @@ class Failure:
 
     @property
     def spec_name(self) -> str:
-        """Name of the file of the spec that repeats the first one."""
+        """Name of the file with the spec of the first run."""
         return f"{self.results[0].key}.toml"
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Gallery:
+    """Pictures of median runs.
+
+    Attributes
+    ----------
+    trees : tuple of Tree
+        The pictures, setting by setting.
+    notes : tuple of str
+        Which runs could not be drawn, and why: a sentence each.
+    """
+
+    trees: tuple[Tree, ...] = ()
+    notes: tuple[str, ...] = ()
+
+
 class Specs:
-    """The specs of an experiment's runs by their keys, built when they are first asked for.
+    """Specs of an experiment's runs, built on first use.
 
     Parameters
     ----------
     results : Results
-        Of the experiment.
+        Results of the experiment.
     folder : path, optional
-        What paths of its environments are relative to.
+        Folder that relative paths of environments start from.
 
     Attributes
     ----------
     problem : str
-        Why they cannot be built; empty where they can, or nobody has asked.
+        Why the specs cannot be built; empty if they can, or before the first use.
     """
 
     def __init__(self, results: Results, folder: Path | None = None) -> None:
@@ -97,7 +117,7 @@ class Specs:
         self.problem = ""
 
     def of(self, result: Result) -> RunSpec | None:
-        """Give the spec of a run; None if the experiment has no such run, or cannot be built."""
+        """Return the spec of a run; None if the experiment lacks the run or cannot be built."""
         if self._specs is None:
             self._specs = {}
             try:
@@ -108,26 +128,22 @@ class Specs:
         return self._specs.get(result.key)
 
 
-def gallery(
-    study: Study, specs: Specs, progress: Callable[[str], None] | None = None
-) -> tuple[list[Tree], list[str]]:
-    """Draw the trees of median runs, by simulating them again.
+def gallery(study: Study, specs: Specs, progress: Callable[[str], None] | None = None) -> Gallery:
+    """Simulate median runs again and draw them.
 
     Parameters
     ----------
     study : Study
         The results.
     specs : Specs
-        Of their runs.
+        Specs of their runs.
     progress : callable, optional
-        Is told what is being made.
+        Called with a line on what is being drawn.
 
     Returns
     -------
-    trees : list of Tree
-        As many as a gallery has, setting by setting.
-    notes : list of str
-        What could not be drawn, and why.
+    Gallery
+        At most `MAX_TREES` pictures.
     """
     from multisrt.drawing import tree_svg
     from multisrt.simulation.simulate import simulate
@@ -135,15 +151,15 @@ def gallery(
 
     trees, notes = [], []
     for setting in gallery_settings(study):
-        for strategy in study.here(setting)[:MOST_TREES]:
+        for strategy in study.here(setting)[:MAX_TREES]:
             what = f"{study.name(setting)}, {strategy}"
             result = median_run(study.of(setting, strategy))
             if result is None:
-                notes.append(f"{what}: no run came to an end.")
+                notes.append(f"{what}: no run has ended.")
                 continue
             spec = specs.of(result)
             if spec is None:
-                why = specs.problem or "the experiment has no such run any more"
+                why = specs.problem or "the experiment no longer has this run"
                 notes.append(f"{what}: {why}.")
                 continue
             if progress is not None:
@@ -162,12 +178,15 @@ def gallery(
                     same=recording.footer.digest == result.digest,
                 )
             )
-    return trees, notes
+    return Gallery(trees=tuple(trees), notes=tuple(notes))
 
 
 def gallery_settings(study: Study) -> list[Condition]:
-    """Choose settings for a gallery: every world first with its largest team, then smaller ones."""
-    most = max(1, MOST_TREES // max(1, len(study.strategies)))
+    """Return the settings of a gallery: every world with its largest team, then with smaller ones.
+
+    They are as many as fit into a gallery with all strategies, in the order of the study.
+    """
+    most = max(1, MAX_TREES // max(1, len(study.strategies)))
     by_scene = [list(reversed(settings)) for settings in study.scenes().values()]
     longest = max(map(len, by_scene), default=0)
     in_turn = [own[turn] for turn in range(longest) for own in by_scene if turn < len(own)]
@@ -176,7 +195,10 @@ def gallery_settings(study: Study) -> list[Condition]:
 
 
 def median_run(results: list[Result]) -> Result | None:
-    """Give the run in the middle: by its time if any was complete, else by its coverage."""
+    """Return the median run: by exploration time if any run is complete, else by coverage.
+
+    Of an even number the lower of the two in the middle is taken; None if no run has ended.
+    """
     time, coverage = measure_named("exploration_time_s"), measure_named("coverage")
     for measure, wanted in ((time, ("complete",)), (coverage, ("stalled", "out_of_time"))):
         found = [
@@ -190,7 +212,10 @@ def median_run(results: list[Result]) -> Result | None:
 
 
 def failures(study: Study, specs: Specs) -> list[Failure]:
-    """Group the runs that failed by strategy, status and reason, whatever the numbers in it."""
+    """Group failed runs by strategy, status and reason, ignoring numbers in the reason.
+
+    The largest group comes first.
+    """
     groups: dict[tuple[str, str, str], list[Result]] = defaultdict(list)
     for result in study.results:
         if result.failed:
@@ -203,7 +228,7 @@ def failures(study: Study, specs: Specs) -> list[Failure]:
             status=status,
             reason=results[0].reason,
             results=tuple(results),
-            spec=specs.of(results[0]) if number < MOST_FAILURES else None,
+            spec=specs.of(results[0]) if number < MAX_FAILURES else None,
         )
         for number, ((strategy, status, _), results) in enumerate(groups.items())
     ]

@@ -1,4 +1,4 @@
-"""What is shown of a paper beside results: its claims, judged, and its printed figures."""
+"""A paper beside results: its judged claims and its printed figures."""
 
 from __future__ import annotations
 
@@ -10,19 +10,19 @@ Verdict = Literal["holds", "does not hold", "not significant", "not tested"]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Claim:
-    """A claim, and what the results say of it.
+    """A claim of a paper with its verdict.
 
     Attributes
     ----------
     text : str
-        The claim, in a sentence.
+        The claim, in one sentence.
     source : str
-        Where it is made.
+        Where the paper makes it.
     verdict : str
-        "not significant": what was seen may be chance. "not tested": there are too few runs to
-        say anything.
+        "holds", "does not hold", "not significant" if the difference may be chance, or
+        "not tested" if there are too few runs.
     grounds : tuple of str
-        The numbers behind the verdict, a sentence each.
+        The figures behind the verdict, one sentence each.
     """
 
     text: str
@@ -33,20 +33,20 @@ class Claim:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PrintedTable:
-    """A table that puts figures beside printed ones, or lists those behind a claim.
+    """A table of figures beside printed ones, or of the comparisons behind a claim.
 
     Attributes
     ----------
     title : str
-        What it shows.
+        Title of the table.
     source : str
-        Where the printed figures are from; empty where there are none.
+        Where the printed figures are from; empty if there are none.
     columns : tuple of str
-        Their headings.
+        Headings of the columns.
     rows : tuple of tuple of str
-        As many fields each as there are columns.
+        Rows with one field per column.
     note : str
-        How to read it; may be empty.
+        How to read the table; may be empty.
     """
 
     title: str

@@ -1,10 +1,10 @@
-"""Figures of results, each small enough for a phone: many small ones, not few crowded ones."""
+"""Figures of measures in single settings, each small enough for a phone."""
 
 from __future__ import annotations
 
 import math
 import textwrap
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -12,47 +12,43 @@ from matplotlib.ticker import FixedLocator, NullLocator, PercentFormatter
 
 from multisrt.drawing.colours import INK
 from multisrt.experiments.crossing import Condition
-from multisrt.experiments.measures import Measure, measure_named
-from multisrt.geometry.numerics.arrays import FloatArray
+from multisrt.experiments.measures import Measure
 from multisrt.reporting.layout import number, slug
-from multisrt.reporting.study import SEED, Study, team_name
+from multisrt.reporting.study import Study, team_name
 from multisrt.reporting.style import (
     Picture,
     drawn,
     headline,
     in_groups,
+    label_of,
     legend_below,
     look_of,
-    short,
-    short_labels,
+    shade,
 )
-from multisrt.reporting.tables import bounded_settings, gaps_to_bounds
 from multisrt.statistics.curves import StepCurve, common_grid, curve_bands
-from multisrt.statistics.improvement import probability_of_improvement
-from multisrt.statistics.intervals import Interval, wilson
-from multisrt.statistics.profiles import performance_profile
+from multisrt.statistics.intervals import Interval
 
 CURVE_POINTS = 120
-"""Of a figure of coverage: finer is not seen."""
+"""Points of a curve of coverage."""
 
 ROW_IN = 0.23
-"""Height of a row of boxes."""
+"""Height of a row of boxes, in inches."""
 
-ROWS_AT_ONCE = 30
-"""A figure of boxes that would have more is made for one size of the team at a time."""
+MAX_ROWS = 30
+"""Upper bound of the rows in a figure of boxes; beyond, every team size has its own figure."""
 
 
-FEWEST_IN_A_BOX = 5
-"""Fewer runs are shown as they are, with their median."""
+MIN_RUNS_OF_A_BOX = 5
+"""Minimum number of runs of a box; fewer runs are shown as points with their median."""
 
 
 def box_plots(study: Study, measure: Measure) -> list[Picture]:
-    """Draw how runs are spread: a figure for each world, a box for each strategy and team."""
+    """Return box plots of a measure: a figure per world, a box per strategy and team."""
     pictures = []
     for scene, settings in study.scenes().items():
         present = [setting for setting in settings if study.has(measure, setting)]
         rows = sum(len(study.here(setting)) + 1 for setting in present)
-        parts = [present] if rows <= ROWS_AT_ONCE else [[setting] for setting in present]
+        parts = [present] if rows <= MAX_ROWS else [[setting] for setting in present]
         for part in parts:
             if any(study.finite(measure, s, name) for s in part for name in study.strategies):
                 pictures.append(_boxes(study, measure, scene, part, alone=len(parts) > 1))
@@ -60,7 +56,7 @@ def box_plots(study: Study, measure: Measure) -> list[Picture]:
 
 
 def against_team_size(study: Study, measure: Measure) -> list[Picture]:
-    """Draw medians with their intervals against the size of the team, a figure for each world."""
+    """Return medians with intervals against team size: a figure per world and group of lines."""
     pictures = []
     for scene, settings in study.scenes().items():
         present = [s for s in settings if study.has(measure, s) and not s.team]
@@ -72,7 +68,7 @@ def against_team_size(study: Study, measure: Measure) -> list[Picture]:
 
 
 def coverage_curves(study: Study) -> list[Picture]:
-    """Draw the share covered against time, a figure for each setting."""
+    """Return the coverage against time: a figure per setting and group of lines."""
     pictures = []
     for setting in study.settings:
         for number_, group in enumerate(in_groups(study.here(setting), study.baseline)):
@@ -82,85 +78,6 @@ def coverage_curves(study: Study) -> list[Picture]:
             if any(np.asarray(times)[-1] > 0.0 for times, _ in together):
                 pictures.append(_coverage(study, setting, curves, number_))
     return pictures
-
-
-def profiles(study: Study) -> list[Picture]:
-    """Draw what share of the runs were done within a multiple of the lower bound, or the best."""
-    ratios, axis = _ratios(study)
-    finite = [v for own in ratios.values() for sample in own for v in sample if math.isfinite(v)]
-    if not finite:
-        return []
-    most = max(finite)
-    thresholds = np.linspace(1.0, max(most, 1.01), 100)
-    return [
-        _profile(study, {s: ratios[s] for s in group}, thresholds, axis, number_)
-        for number_, group in enumerate(in_groups(list(ratios), study.baseline))
-    ]
-
-
-def improvement(study: Study, measure: Measure) -> list[Picture]:
-    """Draw how probably a run of each strategy is better than one of the baseline."""
-    settings = [s for s in study.shared_settings() if study.has(measure, s)]
-    if not settings or not study.rivals:
-        return []
-    found = {}
-    for strategy in study.rivals:
-        mine = [measure.values(study.of(s, strategy)) for s in settings]
-        theirs = [measure.values(study.of(s, study.baseline)) for s in settings]
-        found[strategy] = probability_of_improvement(
-            mine, theirs, lower_is_better=measure.lower_is_better, rng=SEED
-        )
-    title = f"Probability that a run is better than one of {study.baseline}: {measure.title}"
-
-    def finish(axes: Axes) -> None:
-        axes.set_xlim(-0.02, 1.02)
-        axes.axvline(0.5, color="#6a6a6a", linewidth=1.0, linestyle=(0, (4, 2)))
-        axes.set_xlabel(f"worse  {chr(8592)}  probability  {chr(8594)}  better")
-
-    return [
-        _forest(
-            study,
-            f"improvement-{slug(measure.name)}",
-            title,
-            f"{short(measure.title)}, against {_label(study, study.baseline)}",
-            found,
-            finish,
-            digits=2,
-        )
-    ]
-
-
-def gaps(study: Study) -> list[Picture]:
-    """Draw how far exploration times are above their lower bound."""
-    found = {s: v for s, v in gaps_to_bounds(study).items() if math.isfinite(v.value)}
-    if not found:
-        return []
-
-    def finish(axes: Axes) -> None:
-        axes.xaxis.set_major_formatter(PercentFormatter(1.0, decimals=0, symbol=" %"))
-        axes.set_xlim(left=0.0)
-        axes.set_xlabel("above the lower bound")
-
-    title = "Exploration time above its lower bound"
-    return [_forest(study, "gap", title, title, found, finish, digits=2)]
-
-
-def success_rates(study: Study) -> list[Picture]:
-    """Draw the rates of success of all runs of each strategy; nothing where none failed."""
-    if not any(result.failed for result in study.results):
-        return []
-    found = {}
-    for strategy in study.strategies:
-        own = [r for setting in study.settings for r in study.of(setting, strategy)]
-        found[strategy] = wilson(sum(not r.failed for r in own), len(own))
-
-    def finish(axes: Axes) -> None:
-        axes.set_xlim(-0.02, 1.02)
-        axes.xaxis.set_major_formatter(PercentFormatter(1.0, decimals=0, symbol=" %"))
-        axes.set_xlabel("complete, without a collision")
-
-    title = "Rates of success over all settings"
-    return [_forest(study, "success", title, title, found, finish, digits=2)]
 
 
 # Boxes --------------------------------------------------------------------------------------
@@ -220,7 +137,7 @@ def _box(
     values = study.finite(measure, setting, strategy)
     if not values:
         return
-    if len(values) < FEWEST_IN_A_BOX:
+    if len(values) < MIN_RUNS_OF_A_BOX:
         middle = float(np.median(values))
         axes.plot([middle, middle], [at - 0.31, at + 0.31], color=INK, linewidth=1.8)
     else:
@@ -243,16 +160,16 @@ def _box(
         at + spread,
         look.marker,
         color=look.colour,
-        markersize=2.6 if len(values) >= FEWEST_IN_A_BOX else 4.0,
+        markersize=2.6 if len(values) >= MIN_RUNS_OF_A_BOX else 4.0,
         alpha=0.75,
         markeredgewidth=0.0,
     )
 
 
 def _with_count(study: Study, measure: Measure, setting: Condition, strategy: str) -> str:
-    # A strategy's label, with how many of its runs are drawn if that is not all.
+    # The label of a strategy, with the number of runs that are drawn unless all of them are.
     drawn_, runs = len(study.finite(measure, setting, strategy)), len(study.of(setting, strategy))
-    label = _label(study, strategy)
+    label = label_of(study.strategies, strategy)
     return label if drawn_ == runs else f"{label} {drawn_}/{runs}"
 
 
@@ -289,11 +206,11 @@ def _sizes(
                 linestyle=look.dashes,
                 marker=look.marker,
                 markersize=5.0,
-                label=_label(study, strategy),
+                label=label_of(study.strategies, strategy),
             )
             bounded = [(n, p.low, p.high) for n, p in own if math.isfinite(p.high - p.low)]
             if bounded:
-                axes.fill_between(*np.array(bounded).T, color=look.colour, alpha=0.16, linewidth=0)
+                shade(axes, look, *np.array(bounded).T)
         if sizes[-1] > 2 * len(sizes):
             axes.set_xscale("log", base=2)
         axes.xaxis.set_major_locator(FixedLocator([float(size) for size in sizes]))
@@ -311,7 +228,7 @@ def _sizes(
 
 
 def _curves(study: Study, setting: Condition, strategy: str) -> list[StepCurve]:
-    # When each percent was covered; a run that was not measured has no curve.
+    # The time at which each percent was covered; runs that were not measured have no curve.
     curves: list[StepCurve] = []
     for result in study.of(setting, strategy):
         steps = [
@@ -343,21 +260,9 @@ def _coverage(
     def draw(axes: Axes) -> None:
         for strategy, band in bands.items():
             look = look_of(study.strategies.index(strategy))
-            axes.plot(
-                grid,
-                band.median,
-                color=look.colour,
-                linestyle=look.dashes,
-                label=_label(study, strategy),
-            )
-            axes.fill_between(
-                grid,
-                band.lower_quartile,
-                band.upper_quartile,
-                color=look.colour,
-                alpha=0.18,
-                linewidth=0,
-            )
+            label = label_of(study.strategies, strategy)
+            axes.plot(grid, band.median, color=look.colour, linestyle=look.dashes, label=label)
+            shade(axes, look, grid, band.lower_quartile, band.upper_quartile)
         axes.set_xlim(0.0, grid[-1])
         axes.set_ylim(0.0, 1.02)
         axes.yaxis.set_major_formatter(PercentFormatter(1.0, decimals=0, symbol=" %"))
@@ -368,113 +273,6 @@ def _coverage(
 
     name = f"coverage-{slug(where)}-{number_}"
     return drawn(name, f"Coverage against time: {where}", alt, 3.1, draw)
-
-
-def _ratios(study: Study) -> tuple[dict[str, list[FloatArray]], str]:
-    # Exploration times by strategy and setting, over what they can be compared across settings by.
-    bounded = bounded_settings(study)
-    if bounded:
-        over = measure_named("over_bound")
-        return {
-            strategy: [np.array(over.values(study.of(s, strategy))) for s in bounded]
-            for strategy in study.strategies
-        }, "exploration time over its lower bound"
-    time = measure_named("exploration_time_s")
-    found: dict[str, list[FloatArray]] = {strategy: [] for strategy in study.strategies}
-    for setting in study.shared_settings():
-        own = {s: np.array(time.values(study.of(setting, s))) for s in study.strategies}
-        best = min(float(values.min()) for values in own.values())
-        if 0.0 < best < math.inf:
-            for strategy, values in own.items():
-                found[strategy].append(values / best)
-    return {s: v for s, v in found.items() if v}, "exploration time over the setting's best"
-
-
-def _profile(
-    study: Study,
-    ratios: dict[str, list[FloatArray]],
-    thresholds: FloatArray,
-    axis: str,
-    number_: int,
-) -> Picture:
-    bands = {s: performance_profile(own, thresholds, rng=SEED) for s, own in ratios.items()}
-    settings = len(next(iter(ratios.values())))
-    middle = thresholds[len(thresholds) // 2]
-    alt = (
-        f"Share of the runs whose {axis} is at most a threshold, over {settings} settings. "
-        + "; ".join(
-            f"{strategy}: {100 * float(band.value[len(thresholds) // 2]):.0f} % within "
-            f"{middle:.1f} times"
-            for strategy, band in bands.items()
-        )
-    )
-
-    def draw(axes: Axes) -> None:
-        for strategy, band in bands.items():
-            look = look_of(study.strategies.index(strategy))
-            axes.plot(
-                band.at,
-                band.value,
-                color=look.colour,
-                linestyle=look.dashes,
-                label=_label(study, strategy),
-            )
-            axes.fill_between(
-                band.at, band.low, band.high, color=look.colour, alpha=0.16, linewidth=0
-            )
-        axes.set_xlim(1.0, thresholds[-1])
-        axes.set_ylim(0.0, 1.02)
-        axes.yaxis.set_major_formatter(PercentFormatter(1.0, decimals=0, symbol=" %"))
-        axes.set_xlabel(axis)
-        axes.set_ylabel("runs within")
-        headline(axes, "Performance profiles")
-        legend_below(axes)
-
-    return drawn(f"profiles-{number_}", "Performance profiles", alt, 3.2, draw)
-
-
-# Rows with intervals ------------------------------------------------------------------------
-
-
-def _forest(
-    study: Study,
-    name: str,
-    title: str,
-    heading: str,
-    found: dict[str, Interval],
-    finish: Callable[[Axes], None],
-    *,
-    digits: int,
-) -> Picture:
-    alt = f"{title}, with 95 % intervals. " + "; ".join(
-        f"{strategy}: {number(v.value, digits)} ({number(v.low, digits)} to "
-        f"{number(v.high, digits)})"
-        for strategy, v in found.items()
-    )
-
-    ends = [end for v in found.values() for end in (v.value, v.high) if math.isfinite(end)]
-    beyond = 1.1 * max(ends)
-
-    def draw(axes: Axes) -> None:
-        for at, (strategy, interval) in enumerate(found.items()):
-            look = look_of(study.strategies.index(strategy))
-            high = min(interval.high, beyond)
-            axes.plot([interval.low, high], [at, at], color=look.colour, linewidth=3.0)
-            if high < interval.high:
-                # Failed runs leave no upper bound.
-                axes.plot([high], [at], ">", color=look.colour, markersize=6.0)
-            axes.plot([interval.value], [at], look.marker, color=look.colour, markersize=7.0)
-        axes.set_yticks(range(len(found)), [_label(study, strategy) for strategy in found])
-        axes.set_ylim(len(found) - 0.4, -0.6)
-        axes.tick_params(axis="y", length=0)
-        headline(axes, heading)
-        finish(axes)
-
-    return drawn(name, title, alt, 1.0 + 0.28 * (len(found) + 0.5), draw)
-
-
-def _label(study: Study, strategy: str) -> str:
-    return short_labels(study.strategies)[strategy]
 
 
 def _median_text(study: Study, measure: Measure, setting: Condition, strategy: str) -> str:

@@ -1,4 +1,4 @@
-"""Tables as plain data, written out for the terminal, the page, LaTeX and spreadsheets."""
+"""Tables as plain data, with their text for the terminal, HTML, LaTeX and spreadsheets."""
 
 from __future__ import annotations
 
@@ -14,30 +14,30 @@ from typing import Final
 from multisrt.drawing.svg import printable
 
 WIDTH: Final = 100
-"""Columns of a terminal, unless told otherwise."""
+"""Default width of a terminal, in characters."""
 
-NARROWEST: Final = 12
-"""A column of labels is never cut to less."""
+MIN_LABEL_COLUMN: Final = 12
+"""Minimum width of a column of labels, in characters."""
 
 MINUS: Final = "\N{MINUS SIGN}"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Cell:
-    """A place in a table.
+    """A cell of a table.
 
     Attributes
     ----------
     text : str
-        What is read first.
+        The main text.
     detail : str
-        What is read second, smaller.
-    mark : str
-        "+", "-" or nothing.
+        Text in smaller letters.
+    mark : {"+", "-", ""}
+        Significantly better, significantly worse, or neither.
     sort : float or None
-        What rows are sorted by; None: by the text.
-    data : dict
-        What a spreadsheet gets instead of text and detail, by name.
+        Key for sorting rows; None to sort by the text.
+    data : dict or None
+        Columns of a spreadsheet in place of text and detail, by name.
     """
 
     text: str
@@ -48,7 +48,7 @@ class Cell:
 
     @property
     def line(self) -> str:
-        """All of it in a line."""
+        """Text, mark and detail in one line."""
         return " ".join(part for part in (self.text, self.mark, self.detail) if part)
 
 
@@ -59,17 +59,17 @@ class Table:
     Attributes
     ----------
     name : str
-        What files call it: letters, digits and hyphens.
+        Stem of file names: letters, digits and hyphens.
     title : str
-        What people read above it.
+        Title above the table.
     columns : tuple of str
-        Headings.
+        Headings of the columns.
     rows : tuple of tuple of Cell
-        As many cells each as there are columns.
+        Rows with one cell per column.
     labels : int
-        How many of the first columns say what a row is; the others hold numbers.
+        Number of leading columns with labels; the others have numbers.
     notes : tuple of str
-        What people read below it.
+        Paragraphs below the table.
     """
 
     name: str
@@ -80,18 +80,37 @@ class Table:
     notes: tuple[str, ...] = ()
 
     def __str__(self) -> str:
-        """Write it for the terminal."""
+        """Return the text for a terminal of default width."""
         return self.text()
 
     def text(self, width: int = WIDTH) -> str:
-        """Write it for a terminal; columns that do not fit side by side come one below another."""
+        """Return the text for a terminal.
+
+        Columns that do not fit side by side follow below the others.
+
+        Parameters
+        ----------
+        width : int, optional
+            Width of the terminal in characters.
+
+        Examples
+        --------
+        >>> rows = ((Cell(text="maze"), Cell(text="12.0")),)
+        >>> print(Table(name="t", title="Times", columns=("World", "srt"), rows=rows).text())
+        Times
+        <BLANKLINE>
+        World   srt
+        -----  ----
+        maze   12.0
+        <BLANKLINE>
+        """
         head = [_cut(column, width // 2) for column in self.columns]
         body = [[cell.line for cell in row] for row in self.rows]
         widths = [
             max(map(len, (head[i], *(row[i] for row in body)))) for i in range(len(self.columns))
         ]
         for i in range(self.labels):
-            widths[i] = min(widths[i], max(NARROWEST, width // (2 * self.labels) - 2))
+            widths[i] = min(widths[i], max(MIN_LABEL_COLUMN, width // (2 * self.labels) - 2))
         lines = [self.title, ""]
         for block in self._blocks(widths, width):
             shown = [*range(self.labels), *block]
@@ -103,7 +122,7 @@ class Table:
         return "\n".join(lines).rstrip() + "\n"
 
     def html(self) -> str:
-        """Write it as HTML; its headings are buttons that sort it where a script is at hand."""
+        """Return HTML; the headings are buttons, for a script that sorts the table."""
         head = "".join(
             f'<th scope="col"><button type="button">{_escaped(column)}</button></th>'
             for column in self.columns
@@ -122,7 +141,7 @@ class Table:
         )
 
     def latex(self) -> str:
-        """Write it as LaTeX; needs the package booktabs."""
+        """Return LaTeX, which needs the package booktabs."""
         columns = "l" * self.labels + "r" * (len(self.columns) - self.labels)
         head = " & ".join(map(latex_escaped, self.columns))
         body = "\n".join("    " + " & ".join(map(_latex_cell, row)) + r" \\" for row in self.rows)
@@ -136,7 +155,7 @@ class Table:
         )
 
     def csv(self) -> str:
-        """Write it for spreadsheets: numbers in full, a column for each."""
+        """Return CSV with unrounded numbers in columns of their own."""
         keys = [
             list(dict.fromkeys(key for row in self.rows for key in (row[i].data or {})))
             for i in range(len(self.columns))
@@ -157,7 +176,7 @@ class Table:
         return file.getvalue()
 
     def _blocks(self, widths: Sequence[int], width: int) -> list[list[int]]:
-        # Columns of numbers that fit beside the labels, together.
+        # Groups of columns that fit beside the labels.
         room = width - sum(widths[i] + 2 for i in range(self.labels))
         blocks: list[list[int]] = [[]]
         used = 0
@@ -192,7 +211,7 @@ class Table:
 
 
 def number(value: float, digits: int) -> str:
-    """Write a number for people, fewer digits after the point where there are many before it.
+    """Return a number as text for readers, without decimals from 1000 on.
 
     Examples
     --------
@@ -208,7 +227,7 @@ def number(value: float, digits: int) -> str:
 
 
 def slug(text: str) -> str:
-    """Give a name for a file: lower case letters, digits and hyphens.
+    """Return a text as part of a file name: lower case letters, digits and hyphens.
 
     Examples
     --------
@@ -219,7 +238,7 @@ def slug(text: str) -> str:
 
 
 def latex_escaped(text: str) -> str:
-    """Write text so that LaTeX prints it."""
+    """Return text with the special letters of LaTeX escaped."""
     return "".join(_LATEX.get(letter, letter) for letter in printable(text))
 
 
@@ -251,7 +270,7 @@ def _escaped(text: str) -> str:
 
 
 def _number(value: float) -> str:
-    # As scripts read it.
+    # In the notation of JavaScript.
     return ("Infinity" if value > 0 else "-Infinity") if math.isinf(value) else f"{value:.10g}"
 
 

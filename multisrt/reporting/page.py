@@ -1,4 +1,4 @@
-"""The report: one page that needs nothing but itself, with figures and tables apart beside it."""
+"""The report: a self-contained page, with its figures and tables as files beside it."""
 
 from __future__ import annotations
 
@@ -17,8 +17,9 @@ from multisrt.drawing.svg import printable
 from multisrt.experiments.measures import Measure, measure_named
 from multisrt.experiments.results import Results
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.reporting import figures, tables
-from multisrt.reporting.again import MOST_FAILURES, Failure, Specs, Tree, failures, gallery
+from multisrt.reporting import figures, overall_figures, tables
+from multisrt.reporting.again import MAX_FAILURES, Failure, Gallery, Specs, Tree, failures
+from multisrt.reporting.again import gallery as drawn_gallery
 from multisrt.reporting.claims import Claim, PrintedTable
 from multisrt.reporting.layout import Cell, Table, number, slug
 from multisrt.reporting.study import Study, chosen_measures, other_measures
@@ -28,21 +29,21 @@ from multisrt.reporting.words import HOW_TO_READ, Findings, findings, what_was_r
 PAGE_NAME: Final = "index.html"
 GENERATOR: Final = "multisrt report"
 CONTENTS: Final = {PAGE_NAME, "figures", "tables", "gallery", "failures"}
-"""What a report's folder holds; one that holds anything else is never replaced."""
+"""Names in the folder of a report; a folder with any other name is never replaced."""
 
 OF_TEAMS: Final = ("isolated_total_s", "imbalance")
-"""Measures of how a team worked together."""
+"""Measures of the cooperation of a team."""
 
-MOST_FIGURES: Final = 16
-"""Of one kind on the page; the others lie in the folder of figures."""
+MAX_FIGURES: Final = 16
+"""Upper bound of the figures of one kind on the page; it links to the files of the others."""
 
-MOST_BYTES_OF_TREES: Final = 4_000_000
-"""Trees on the page; beyond, they lie in the folder of the gallery."""
+MAX_BYTES_OF_TREES: Final = 4_000_000
+"""Upper bound of the size of all trees on the page, in bytes of SVG; it links to the others."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MeasurePart:
-    """What a page has of one measure."""
+    """The part of a page on one measure."""
 
     measure: Measure
     findings: Findings
@@ -53,7 +54,7 @@ class MeasurePart:
 
 @dataclass(slots=True, kw_only=True)
 class Contents:
-    """All that a report has, before it is written."""
+    """The contents of a report."""
 
     study: Study
     headlines: list[MeasurePart] = field(default_factory=list)
@@ -68,19 +69,18 @@ class Contents:
     coverage: list[Picture] = field(default_factory=list)
     across: list[Picture] = field(default_factory=list)
     rates: list[Picture] = field(default_factory=list)
-    trees: list[Tree] = field(default_factory=list)
-    tree_notes: list[str] = field(default_factory=list)
+    gallery: Gallery = field(default_factory=Gallery)
     failures: list[Failure] = field(default_factory=list)
 
     def tables(self) -> list[Table]:
-        """Give every table."""
+        """Return all tables."""
         parts = (*self.headlines, *self.of_teams, *self.others)
         growth = [part.growth for part in parts]
         found = [self.success, *(part.table for part in parts), *growth]
         return [t for t in (*found, self.gap, self.computing, *self.printed) if t is not None]
 
     def pictures(self) -> list[Picture]:
-        """Give every figure."""
+        """Return all figures."""
         parts = (*self.headlines, *self.of_teams)
         of_measures = [picture for part in parts for picture in part.pictures]
         return [*of_measures, *self.coverage, *self.across, *self.rates]
@@ -99,43 +99,53 @@ def write_report(
     folder: Path | None = None,
     progress: Callable[[str], None] | None = None,
 ) -> Path:
-    """Write a report: the page, figures as SVG and PDF, tables as CSV.
+    """Write a report: a page, figures as SVG and PDF, tables as CSV.
 
-    The same results give the same bytes. A report that is there already is replaced, all at once.
+    Equal results give equal bytes. A report in the same folder is replaced once the new one is
+    complete.
 
     Parameters
     ----------
     results : Results
-        What came out of an experiment.
-    out : path
-        The folder to write.
-    latex : bool
-        Whether tables are written as LaTeX, too.
-    claims : sequence of Claim
-        What a paper claims, judged.
-    comparisons : sequence of PrintedTable
-        What a paper prints, beside what came out here.
-    gallery : bool
-        Whether median runs are simulated again, to draw them.
-    measures : sequence of str
-        What to report on, by name; `study.HEADLINES` by default.
+        Results of an experiment.
+    out : str or Path
+        The folder of the report.
+    latex : bool, optional
+        Whether tables are also written as LaTeX.
+    claims : sequence of Claim, optional
+        Judged claims of a paper.
+    comparisons : sequence of PrintedTable, optional
+        Tables of a paper beside the results.
+    gallery : bool, optional
+        Whether median runs are simulated again and drawn.
+    measures : sequence of str, optional
+        Names of the measures to discuss; by default `study.HEADLINES`.
     baseline : str, optional
-        Which strategy the others are compared with; by default the first.
-    folder : path, optional
-        What paths of the experiment's environments are relative to.
+        Label of the strategy that the others are compared with; by default the first one.
+    folder : Path, optional
+        Folder that relative paths of the experiment's environments start from.
     progress : callable, optional
-        Is told what is being made.
+        Called with a line on each step.
 
     Returns
     -------
     Path
-        The page.
+        The page, ``index.html`` in the folder.
 
     Raises
     ------
     InvalidInputError
-        If there is no such measure or strategy, or the folder cannot be written or holds
-        anything but a report.
+        If a measure or the baseline is unknown, or the folder cannot be written or has other
+        contents than a report.
+
+    Examples
+    --------
+    >>> import multisrt as ms
+    >>> from tempfile import TemporaryDirectory
+    >>> compared = ms.compare("open", "closest", 1, 2, progress=False)
+    >>> with TemporaryDirectory() as folder:
+    ...     write_report(compared.results, f"{folder}/report", measures=["coverage"]).name
+    'index.html'
     """
     path = Path(out)
     say = progress or (lambda _: None)
@@ -147,7 +157,7 @@ def write_report(
         specs = Specs(results, folder)
         contents.failures = failures(study, specs)
         if gallery:
-            contents.trees, contents.tree_notes = _gallery(study, specs, say)
+            contents.gallery = drawn_gallery(study, specs, say)
         say("writing")
         _write(contents, unfinished, latex=latex)
     return path / PAGE_NAME
@@ -183,11 +193,11 @@ def _contents(study: Study, chosen: Sequence[Measure], say: Callable[[str], None
         found.gap = tables.gap_table(study)
         found.computing = tables.computing_table(study)
         found.coverage = figures.coverage_curves(study)
-        found.rates = figures.success_rates(study)
+        found.rates = overall_figures.success_rates(study)
         found.across = [
-            *figures.profiles(study),
-            *(p for measure in chosen for p in figures.improvement(study, measure)),
-            *figures.gaps(study),
+            *overall_figures.profiles(study),
+            *(p for measure in chosen for p in overall_figures.improvement(study, measure)),
+            *overall_figures.gaps(study),
         ]
     return found
 
@@ -215,9 +225,6 @@ def _printed(place: int, printed: PrintedTable) -> Table:
     )
 
 
-_gallery = gallery
-
-
 # Writing ------------------------------------------------------------------------------------
 
 
@@ -231,9 +238,9 @@ def _write(contents: Contents, folder: Path, *, latex: bool) -> None:
         (folder / "tables" / f"{table.name}.csv").write_text(table.csv(), encoding="utf-8")
         if latex:
             (folder / "tables" / f"{table.name}.tex").write_text(table.latex(), encoding="utf-8")
-    if contents.trees:
+    if contents.gallery.trees:
         (folder / "gallery").mkdir()
-    for tree in contents.trees:
+    for tree in contents.gallery.trees:
         (folder / "gallery" / f"{tree.name}.svg").write_text(tree.svg, encoding="utf-8")
     repeatable = [failure for failure in contents.failures if failure.spec is not None]
     if repeatable:
@@ -268,26 +275,26 @@ def _page(contents: Contents) -> str:
         version=study.results.provenance.versions.get("multisrt", ""),
         run=what_was_run(study),
         how_to_read=HOW_TO_READ,
-        most=MOST_FIGURES,
-        most_failures=MOST_FAILURES,
-        shown_trees=_shown(contents.trees),
+        max_figures=MAX_FIGURES,
+        max_failures=MAX_FAILURES,
+        shown_trees=_shown(contents.gallery.trees),
         style=Markup(beside.joinpath("page.css").read_text("utf-8")),
         script=Markup(beside.joinpath("page.js").read_text("utf-8")),
     )
 
 
 def _shown(trees: Sequence[Tree]) -> set[str]:
-    # Names of the trees that the page itself has room for: the smallest ones first.
+    # Names of the trees on the page: the smallest ones, as many as fit.
     shown, used = set(), 0
     for tree in sorted(trees, key=lambda tree: len(tree.svg)):
         used += len(tree.svg)
-        if used <= MOST_BYTES_OF_TREES:
+        if used <= MAX_BYTES_OF_TREES:
             shown.add(tree.name)
     return shown
 
 
 def _image(svg: bytes | str) -> str:
-    # A drawing as an address of its own: its names, styles and scripts stay inside.
+    # A data address isolates the names, styles and scripts of a drawing.
     text = svg.decode() if isinstance(svg, bytes) else svg
     text = re.sub(r"^<\?xml.*?\?>\s*(<!DOCTYPE[^>]*>\s*)?", "", text, flags=re.DOTALL)
     text = re.sub(r"\s*\n\s*", " ", text).replace("> <", "><")
@@ -295,7 +302,7 @@ def _image(svg: bytes | str) -> str:
 
 
 def _size(svg: bytes | str) -> dict[str, int]:
-    # Its sides, so that the page keeps room for it.
+    # Width and height, so that the page reserves room for the image.
     text = svg if isinstance(svg, str) else svg.decode()
     found = re.search(r'viewBox="0 0 ([\d.]+) ([\d.]+)"', text)
     assert found is not None
@@ -305,7 +312,7 @@ def _size(svg: bytes | str) -> dict[str, int]:
 
 @contextmanager
 def _replaced(path: Path) -> Iterator[Path]:
-    """Give a folder to write to, which takes the place of `path` once all is written."""
+    """Yield a folder to write to, which replaces `path` on success."""
     try:
         path = path.resolve()
         _require_replaceable(path)
@@ -342,5 +349,5 @@ def _require_replaceable(path: Path) -> None:
     strange = sorted(there - CONTENTS)
     what = f" ({strange[0]})" if strange else ""
     raise InvalidInputError(
-        f"{path} holds something that is no report of ours{what}; choose another folder"
+        f"{path} has other contents than a report of this program{what}; choose another folder"
     )

@@ -1,7 +1,7 @@
-"""Results put in order for reading: settings, strategies, and who is compared with whom.
+"""Results by setting and strategy, and comparisons of strategies with a baseline.
 
-A setting is a condition without its strategy: within one, repetition k of every strategy met the
-same world, starts, faults and draws of the radio, so that strategies are compared pair by pair.
+A setting is a condition without its strategy. In a setting, repetition k of every strategy has the
+same world, starts, faults and draws of the radio, so that strategies are compared in pairs.
 """
 
 from __future__ import annotations
@@ -30,24 +30,26 @@ from multisrt.statistics.rank_tests import (
 from multisrt.statistics.summaries import interquartile_mean, median
 
 SEED = 0
-"""Of every bootstrap, so that the same results give the same report."""
+"""Seed of every bootstrap: equal results give equal reports."""
 
 HEADLINES = ("exploration_time_s", "total_distance_m", "coverage_integral_s", "coverage")
-"""What reports speak of, unless told otherwise; the other measures are at hand in tables."""
+"""Names of the measures that reports discuss by default; the others have tables only."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Summary:
-    """The values of a measure in a condition, in a few numbers.
+    """Summary of the values of a measure in a condition.
 
     Attributes
     ----------
-    runs, measured : int
-        How many runs there are, and how many of them have a finite value.
+    runs : int
+        Number of runs.
+    measured : int
+        Number of runs with a finite value.
     median : float
-        Infinite where half of the runs or more have none.
+        Median; infinite if half of the runs or more have no value.
     middle : Interval
-        Interquartile mean with its interval.
+        Interquartile mean with its 95 % interval.
     """
 
     runs: int
@@ -58,30 +60,32 @@ class Summary:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Comparison:
-    """A strategy beside the baseline, by one measure in one setting.
+    """Comparison of a strategy with the baseline by one measure in one setting.
 
     Attributes
     ----------
     measure : Measure
-        By what.
+        The measure.
     setting : Condition
-        Where; its strategy is empty.
+        The setting; its strategy is empty.
     strategy, baseline : str
-        Who.
+        Labels of the two strategies.
     median, baseline_median : float
-        Of the pairs' runs.
+        Their medians over the pairs.
     pairs : int
-        Repetitions that both have.
+        Number of repetitions that both have.
     p_value : float
-        Of the paired rank test, corrected by Holm's procedure over all comparisons by the measure.
+        P-value of the paired rank test, adjusted by Holm's procedure over all comparisons by the
+        measure.
     better_share : float
-        Vargha and Delaney's A: probability that a run of the strategy is better, ties half.
+        Vargha and Delaney's A: probability that a run of the strategy is better, where a tie
+        counts half.
     size : str
-        Vargha and Delaney's word for it.
-    mark : str
-        "+" significantly better than the baseline, "-" worse, "" neither.
+        Vargha and Delaney's word for the effect.
+    mark : {"+", "-", ""}
+        Significantly better than the baseline, significantly worse, or neither.
     decidable : bool
-        Whether so many pairs could be significant at all, were they all to say the same.
+        Whether a difference could be significant with this number of pairs.
     """
 
     measure: Measure
@@ -99,30 +103,30 @@ class Comparison:
 
 
 class Study:
-    """Results in the order in which reports go through them.
+    """Results by setting and strategy.
 
     Parameters
     ----------
     results : Results
-        What came out.
+        Results of an experiment.
     baseline : str, optional
-        Which strategy the others are compared with; by default the first.
+        Label of the strategy that the others are compared with; by default the first one.
 
     Attributes
     ----------
     results : Results
-        As given.
+        The results.
     strategies : list of str
-        Their labels, in the experiment's order.
+        Labels of the strategies, in the order of the experiment.
     settings : list of Condition
-        Where they ran, in the experiment's order; the strategy is empty.
+        Settings with an empty strategy, in the order of the experiment.
     baseline : str
-        Empty where there are no results.
+        Label of the baseline; empty if there are no results.
 
     Raises
     ------
     InvalidInputError
-        If the baseline is none of the strategies.
+        If no strategy has the label of the baseline.
     """
 
     def __init__(self, results: Results, baseline: str | None = None) -> None:
@@ -150,19 +154,19 @@ class Study:
 
     @property
     def rivals(self) -> list[str]:
-        """The strategies that are compared with the baseline."""
+        """Labels of the strategies that are compared with the baseline."""
         return [strategy for strategy in self.strategies if strategy != self.baseline]
 
     def of(self, setting: Condition, strategy: str) -> list[Result]:
-        """Give the results of a strategy in a setting, by repetition; there may be none."""
+        """Return the results of a strategy in a setting in the order of repetitions, maybe none."""
         return self._by_condition.get(in_setting(setting, strategy), [])
 
     def here(self, setting: Condition) -> list[str]:
-        """Give the strategies that have results in a setting."""
+        """Return the labels of the strategies that have results in a setting."""
         return [strategy for strategy in self.strategies if self.of(setting, strategy)]
 
     def scenes(self) -> dict[Condition, list[Condition]]:
-        """Give the settings by all but the size of the team, from the smallest team."""
+        """Return the settings by scene, a setting without its team, from the smallest team on."""
         scenes: dict[Condition, list[Condition]] = defaultdict(list)
         for setting in self.settings:
             scenes[msgspec.structs.replace(setting, robots=0, team="")].append(setting)
@@ -172,20 +176,20 @@ class Study:
         }
 
     def shared_settings(self) -> list[Condition]:
-        """Give the settings in which all strategies have results."""
+        """Return the settings in which all strategies have results."""
         return [s for s in self.settings if len(self.here(s)) == len(self.strategies)]
 
     def name(self, setting: Condition) -> str:
-        """Name a setting, by what settings differ in."""
+        """Return the name of a setting, by the properties in which settings differ."""
         return ", ".join((self.scene_name(setting), team_name(setting)))
 
     def words(self, setting: Condition) -> str:
-        """Name a setting in a sentence."""
+        """Return the name of a setting as part of a sentence."""
         others = "".join(f", {text}" for text in self._others(setting))
         return f"in {setting.environment} with {team_name(setting)}{others}"
 
     def scene_name(self, scene: Condition) -> str:
-        """Name a setting without its team's size."""
+        """Return the name of a setting without its team."""
         return ", ".join((scene.environment, *self._others(scene)))
 
     def _others(self, setting: Condition) -> list[str]:
@@ -199,12 +203,12 @@ class Study:
     # Measures ----------------------------------------------------------------------------------
 
     def varies(self, measure: Measure) -> bool:
-        """Whether a measure tells any two runs apart."""
+        """Return whether any two runs differ in a measure."""
         values = {measure.of(result) for result in self.results} - {None}
         return len(values) > 1
 
     def has(self, measure: Measure, setting: Condition) -> bool:
-        """Whether any run in a setting has a value of a measure."""
+        """Return whether any run in a setting has a value of a measure."""
         return any(
             measure.of(result) is not None
             for strategy in self.here(setting)
@@ -212,7 +216,7 @@ class Study:
         )
 
     def summary(self, measure: Measure, setting: Condition, strategy: str) -> Summary | None:
-        """Sum up a measure in a condition; None where it has no runs, or none is measured."""
+        """Return a summary of a measure in a condition; None if no run has a value."""
         results = self.of(setting, strategy)
         if not results or not self.has(measure, setting):
             return None
@@ -227,14 +231,14 @@ class Study:
     def median_interval(
         self, measure: Measure, setting: Condition, strategy: str
     ) -> Interval | None:
-        """Median of a measure in a condition with its interval; None as in `summary`."""
+        """Return the median of a measure in a condition with its interval; None as in `summary`."""
         results = self.of(setting, strategy)
         if not results or not self.has(measure, setting):
             return None
         return bootstrap([measure.values(results)], median, rng=SEED)
 
     def finite(self, measure: Measure, setting: Condition, strategy: str) -> list[float]:
-        """Give the values of the runs that have one."""
+        """Return the finite values of a measure in a condition."""
         results = [r for r in self.of(setting, strategy) if self._counts(measure, r)]
         return measure.values(results)
 
@@ -246,9 +250,9 @@ class Study:
     # Comparing ---------------------------------------------------------------------------------
 
     def comparisons(self, measure: Measure) -> list[Comparison]:
-        """Compare every strategy with the baseline in every setting, by one measure.
+        """Return the comparisons of all strategies with the baseline in all settings.
 
-        All of them are one family of tests, which is corrected by Holm's procedure.
+        They are one family of tests, whose p-values are adjusted by Holm's procedure.
         """
         if measure.name not in self._compared:
             self._compared[measure.name] = self._compare(measure)
@@ -292,7 +296,7 @@ class Study:
         pairs: Iterable[int],
     ) -> Comparison:
         a_lower = vargha_delaney(a, b)
-        # The clearest that so many pairs can be, after all comparisons that could be clearer.
+        # The smallest adjusted p-value that this number of pairs can have.
         clearest = 2.0 ** (1 - len(a)) * sum(other <= len(a) for other in pairs)
         return Comparison(
             measure=measure,
@@ -311,32 +315,32 @@ class Study:
 
 
 def setting_of(condition: Condition) -> Condition:
-    """Give a condition without its strategy."""
+    """Return a condition without its strategy."""
     return in_setting(condition, "")
 
 
 def in_setting(setting: Condition, strategy: str) -> Condition:
-    """Give the condition of a strategy in a setting."""
+    """Return the condition of a strategy in a setting."""
     return msgspec.structs.replace(setting, strategy=strategy)
 
 
 def team_name(setting: Condition) -> str:
-    """Say how large a team is, or what it is called."""
+    """Return the name of a team, or its size."""
     return setting.team or f"{setting.robots} robot{'s' * (setting.robots != 1)}"
 
 
 def chosen_measures(names: Sequence[str] = ()) -> tuple[Measure, ...]:
-    """Give the measures of these names, or those that reports speak of.
+    """Return the measures of the given names, by default `HEADLINES`.
 
     Raises
     ------
     InvalidInputError
-        If there is none of a name.
+        If there is no measure of a name.
     """
     return tuple(map(measure_named, dict.fromkeys(names) or HEADLINES))
 
 
 def other_measures(chosen: Sequence[Measure]) -> list[Measure]:
-    """Give all measures but these."""
+    """Return all measures but the given ones."""
     names = {measure.name for measure in chosen}
     return [measure for measure in MEASURES if measure.name not in names]

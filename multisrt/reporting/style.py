@@ -1,4 +1,4 @@
-"""What figures look like: readable on a phone, in grey, and without telling red from green."""
+"""The style of figures: readable on a phone, in grey, and without telling red from green."""
 
 from __future__ import annotations
 
@@ -17,9 +17,10 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from multisrt.drawing.colours import INK, ROBOT_COLOURS, tint
 from multisrt.drawing.svg import printable
+from multisrt.geometry.numerics.arrays import FloatArray
 
 WIDTH_IN: Final = 4.2
-"""So narrow that letters stay readable where a phone shows the whole width."""
+"""Width of every figure; letters stay readable where a phone shows the whole width."""
 
 MARKERS: Final = ("o", "s", "^", "D", "v", "P", "X", "p")
 DASHES: Final[tuple[Any, ...]] = (
@@ -33,13 +34,17 @@ DASHES: Final[tuple[Any, ...]] = (
     (0, (6, 1.5, 2, 1.5)),
 )
 
-LINES_AT_ONCE: Final = 5
-"""More strategies than these are spread over several figures, with the baseline in each."""
+MAX_LINES: Final = 5
+"""Upper bound of the strategies in a figure; more are spread over several figures."""
 
-LONGEST_LABEL: Final = 26
-LONGEST_IN_TWO_COLUMNS: Final = 17
-LONGEST_HEADLINE: Final = 46
-"""Letters of a strategy's label, of one in a legend of two columns, and of a headline."""
+MAX_LABEL: Final = 26
+"""Upper bound of the letters of a strategy's label."""
+
+MAX_LABEL_OF_TWO_COLUMNS: Final = 17
+"""Upper bound of the letters of labels that a legend shows in two columns."""
+
+MAX_HEADLINE: Final = 46
+"""Upper bound of the letters of a headline."""
 
 SETTINGS: Final[dict[Any, Any]] = {
     "axes.edgecolor": "#6a6a6a",
@@ -60,7 +65,7 @@ SETTINGS: Final[dict[Any, Any]] = {
     "legend.fontsize": 8.5,
     "legend.frameon": False,
     "lines.linewidth": 1.5,
-    # TrueType, as journals want it; one face only, since each is cut out anew for every figure.
+    # Journals require TrueType. One typeface only: every figure embeds its own subset of it.
     "pdf.fonttype": 42,
     "svg.fonttype": "none",
     "svg.hashsalt": "multisrt",
@@ -78,7 +83,7 @@ SETTINGS: Final[dict[Any, Any]] = {
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Look:
-    """What belongs to one strategy looks like."""
+    """Colours, marker and dashes of one strategy."""
 
     colour: str
     light: str
@@ -88,18 +93,18 @@ class Look:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Picture:
-    """A figure, drawn.
+    """A drawn figure.
 
     Attributes
     ----------
     name : str
-        What files call it.
+        Stem of its file names.
     title : str
-        What it shows.
+        Caption.
     alt : str
-        What it says, for who cannot see it.
+        Text with the same information, for readers who cannot see the figure.
     svg, pdf : bytes
-        The drawing; the same for the same results.
+        The drawing. Equal results give equal bytes.
     """
 
     name: str
@@ -110,7 +115,7 @@ class Picture:
 
 
 def look_of(number: int) -> Look:
-    """Give the look of a strategy by its place among all."""
+    """Return the look of a strategy by its index among all strategies."""
     colour = ROBOT_COLOURS[number % len(ROBOT_COLOURS)]
     turn = number + number // len(ROBOT_COLOURS)
     return Look(
@@ -121,8 +126,8 @@ def look_of(number: int) -> Look:
     )
 
 
-def short(label: str, most: int = LONGEST_LABEL) -> str:
-    """Give a label that fits a figure: what is cut out is in the middle."""
+def short(label: str, most: int = MAX_LABEL) -> str:
+    """Return a label of at most `most` letters; an ellipsis replaces the middle of a longer one."""
     text = printable(label)
     if len(text) <= most:
         return text
@@ -130,8 +135,10 @@ def short(label: str, most: int = LONGEST_LABEL) -> str:
     return f"{text[: most - 1 - half]}…{text[-half:]}"
 
 
-def short_labels(labels: Sequence[str], most: int = LONGEST_LABEL) -> dict[str, str]:
-    """Give labels that fit a figure and still differ: what all begin with goes first.
+def short_labels(labels: Sequence[str], most: int = MAX_LABEL) -> dict[str, str]:
+    """Return labels that fit a figure and still differ, by the full labels.
+
+    The beginning that all labels share is cut first.
 
     Examples
     --------
@@ -155,12 +162,17 @@ def short_labels(labels: Sequence[str], most: int = LONGEST_LABEL) -> dict[str, 
     return dict(zip(labels, found, strict=True))
 
 
+def label_of(strategies: Sequence[str], strategy: str) -> str:
+    """Return the label of one strategy beside those of the others; see `short_labels`."""
+    return short_labels(strategies)[strategy]
+
+
 def in_groups(strategies: Sequence[str], baseline: str) -> list[list[str]]:
-    """Spread strategies over figures, in their order, with the baseline in each."""
-    if len(strategies) <= LINES_AT_ONCE:
+    """Distribute strategies over figures, in their order, with the baseline in each."""
+    if len(strategies) <= MAX_LINES:
         return [list(strategies)]
     others = [strategy for strategy in strategies if strategy != baseline]
-    step = LINES_AT_ONCE - 1
+    step = MAX_LINES - 1
     return [[baseline, *others[i : i + step]] for i in range(0, len(others), step)]
 
 
@@ -170,9 +182,9 @@ def drawn(
     """Draw a figure of one pair of axes."""
     with _settings():
         figure = Figure(figsize=(WIDTH_IN, height_in))
-        FigureCanvasSVG(figure)  # by which letters are measured
+        FigureCanvasSVG(figure)  # measures the size of text
         draw(figure.add_subplot())
-        # Once for both files: a figure that lays itself out draws all twice for each of them.
+        # The layout is computed once; with a layout engine each of the two files would redo it.
         ConstrainedLayoutEngine().execute(figure)
         svg = _saved(figure, "svg", {"Date": None, "Creator": None, "Title": printable(title)})
         return Picture(
@@ -185,14 +197,19 @@ def drawn(
 
 
 def headline(axes: Axes, text: str) -> None:
-    """Write what a figure shows above it, from its left edge."""
-    _figure(axes).suptitle(short(text, LONGEST_HEADLINE), x=0.01, ha="left", fontsize=10.5)
+    """Write the headline of a figure above its axes, flush left."""
+    _figure(axes).suptitle(short(text, MAX_HEADLINE), x=0.01, ha="left", fontsize=10.5)
+
+
+def shade(axes: Axes, look: Look, at: FloatArray, low: FloatArray, high: FloatArray) -> None:
+    """Shade the band between two lines in the colour of a strategy."""
+    axes.fill_between(at, low, high, color=look.colour, alpha=0.17, linewidth=0)
 
 
 def legend_below(axes: Axes) -> None:
-    """Explain lines below the axes, where they hide nothing."""
+    """Place the legend below the axes, where it hides nothing."""
     handles, labels = axes.get_legend_handles_labels()
-    columns = 2 if max(map(len, labels), default=0) <= LONGEST_IN_TWO_COLUMNS else 1
+    columns = 2 if max(map(len, labels), default=0) <= MAX_LABEL_OF_TWO_COLUMNS else 1
     _figure(axes).legend(handles, labels, loc="outside lower left", ncols=columns)
 
 
@@ -205,7 +222,7 @@ def _figure(axes: Axes) -> Figure:
 @contextmanager
 def _settings() -> Iterator[None]:
     with mpl.rc_context(), warnings.catch_warnings():
-        # Letters that the font for measuring lacks are the reader's font to show.
+        # The reader's font may have letters that the font for measuring lacks.
         warnings.filterwarnings("ignore", message="Glyph .* missing from")
         mpl.rcdefaults()
         mpl.rcParams.update(SETTINGS)

@@ -27,26 +27,31 @@ __all__ = [
     "summary_table",
 ]
 
-FEWEST_FOR_INTERVALS = 10
-"""Of fewer runs, intervals by resampling hold the true value clearly less often than they say."""
+MIN_RUNS_FOR_INTERVALS = 10
+"""Minimum number of runs for which bootstrap intervals have about their nominal coverage."""
 
 NOTHING = Cell(text="", sort=math.inf)
-"""Where there are no runs."""
+"""Cell of a condition without runs."""
 
 
 def summary_table(
     results: Results, measure: Measure | str, *, baseline: str | None = None
 ) -> Table:
-    """Make the table of a measure: a row for each setting, a column for each strategy.
+    """Return the table of a measure: a row for each setting, a column for each strategy.
 
     Parameters
     ----------
     results : Results
-        What came out.
+        Results of an experiment.
     measure : Measure or str
-        Of what, or its name.
+        A measure or its name.
     baseline : str, optional
-        Which strategy the marks compare with; by default the first.
+        Label of the strategy that marks compare with; by default the first one.
+
+    Returns
+    -------
+    Table
+        Medians with interquartile means and their intervals.
 
     Raises
     ------
@@ -58,7 +63,7 @@ def summary_table(
 
 
 def measure_table(study: Study, measure: Measure) -> Table:
-    """Make the table of a measure; see `summary_table`."""
+    """Return the table of a measure; see `summary_table`."""
     compared = {(c.setting, c.strategy): c for c in study.comparisons(measure)}
     rows = []
     for setting in study.settings:
@@ -75,10 +80,10 @@ def measure_table(study: Study, measure: Measure) -> Table:
     fewest = min(
         (len(study.of(s, name)) for s in study.settings for name in study.here(s)), default=0
     )
-    if 1 < fewest < FEWEST_FOR_INTERVALS:
+    if 1 < fewest < MIN_RUNS_FOR_INTERVALS:
         notes.append(
-            f"There are conditions of {fewest} runs only: resampling so few gives intervals that "
-            "are too narrow."
+            f"Some conditions have only {fewest} runs: bootstrap intervals of so few runs are too "
+            "narrow."
         )
     if study.rivals:
         notes.append(
@@ -88,8 +93,8 @@ def measure_table(study: Study, measure: Measure) -> Table:
         )
     if any("∞" in cell.line for row in rows for cell in row):
         notes.append(
-            "∞: so many runs were not complete or did not get there that there is no such value; "
-            "they count as worse than all others."
+            "∞: too many runs were not complete, or did not get there, for a finite value; they "
+            "count as worse than all others."
         )
     return Table(
         name=slug(measure.name),
@@ -102,7 +107,7 @@ def measure_table(study: Study, measure: Measure) -> Table:
 
 
 def success_table(study: Study) -> Table:
-    """Make the table of how many runs were complete, without a collision."""
+    """Return the table of the shares of runs that were complete, without a collision."""
 
     def cell(results: Sequence[Result]) -> Cell:
         good = sum(not result.failed for result in results)
@@ -125,12 +130,12 @@ def success_table(study: Study) -> Table:
         columns=("World", "Team", *study.strategies),
         rows=_rows(study, cell),
         labels=2,
-        notes=("In brackets Wilson's 95 % interval of the rate of success.",),
+        notes=("In brackets Wilson's 95 % interval of the success rate.",),
     )
 
 
 def gap_table(study: Study) -> Table | None:
-    """Make the table of gaps to the lower bound of the exploration time; None without bounds."""
+    """Return the table of gaps to the lower bound of the exploration time; None without bounds."""
     gaps = gaps_to_bounds(study)
     if not gaps:
         return None
@@ -154,15 +159,15 @@ def gap_table(study: Study) -> Table | None:
         columns=("Strategy", "Gap"),
         rows=tuple(rows),
         notes=(
-            f"Interquartile mean over all runs in {where} that all strategies met, with its 95 % "
-            "interval (stratified bootstrap). 0 % would be a time that no team of these robots "
-            "can beat, knowing the world or not; runs that were not complete count as infinite.",
+            f"Interquartile mean over all runs in {where} that all strategies share, with its 95 % "
+            "interval (stratified bootstrap). 0 % is a time that no team of these robots can beat, "
+            "even if it knows the world. Runs that were not complete count as infinite.",
         ),
     )
 
 
 def gaps_to_bounds(study: Study) -> dict[str, Interval]:
-    """Give each strategy's gap to the lower bound of the exploration time, if there are bounds."""
+    """Return the gaps to the lower bound of the exploration time, by strategy."""
     over = measure_named("over_bound")
     settings = bounded_settings(study)
     if not settings:
@@ -175,7 +180,7 @@ def gaps_to_bounds(study: Study) -> dict[str, Interval]:
 
 
 def bounded_settings(study: Study) -> list[Condition]:
-    """Give the settings that all strategies met, and whose complete runs all have a bound."""
+    """Return the settings that all strategies share and whose complete runs all have a bound."""
     over, time = measure_named("over_bound"), measure_named("exploration_time_s")
     return [
         setting
@@ -191,7 +196,7 @@ def bounded_settings(study: Study) -> list[Condition]:
 
 
 def growth_table(study: Study, measure: Measure) -> Table | None:
-    """Make the table of how a measure changes with the size of the team; None if it cannot."""
+    """Return the table of how a measure changes with team size; None if nothing can be fitted."""
     rows = []
     for scene, settings in study.scenes().items():
         cells = []
@@ -209,19 +214,19 @@ def growth_table(study: Study, measure: Measure) -> Table | None:
         return None
     return Table(
         name=f"growth-{slug(measure.name)}",
-        title=f"{measure.title}: how it changes with the size of the team",
+        title=f"{measure.title}: change with team size",
         columns=("World", *study.strategies),
         rows=tuple(rows),
         notes=(
-            "Exponent of a power law of the number of robots, fitted to all runs, with its 95 % "
-            "interval: -1 where twice the robots need half, 0 where they change nothing. "
-            "Empty where runs were not complete, or there are too few.",
+            "Exponent of a power law in the number of robots, fitted to all runs, with its 95 % "
+            "interval: with -1 twice the robots need half, with 0 team size has no effect. "
+            "Empty if runs were not complete, or there are too few of them.",
         ),
     )
 
 
 def computing_table(study: Study) -> Table:
-    """Make the table of what runs took of the computer."""
+    """Return the table of computing time and memory of runs."""
 
     def cell(results: Sequence[Result]) -> Cell:
         times = [result.computing_s for result in results]
@@ -240,12 +245,12 @@ def computing_table(study: Study) -> Table:
         columns=("World", "Team", *study.strategies),
         rows=_rows(study, cell),
         labels=2,
-        notes=("Median, and the most that any run took of time and memory.",),
+        notes=("Median, and in brackets the maximum of time and memory over all runs.",),
     )
 
 
 def _rows(study: Study, cell: Callable[[Sequence[Result]], Cell]) -> tuple[tuple[Cell, ...], ...]:
-    """Make a row for each setting, with the cell of each strategy that was run there."""
+    """Return a row for each setting, with a cell for each strategy."""
     rows = []
     for setting in study.settings:
         found = [study.of(setting, strategy) for strategy in study.strategies]
@@ -283,7 +288,7 @@ def _summary_cell(
     }
     if compared is not None:
         data |= {"mark": compared.mark, "p": compared.p_value, "A": compared.better_share}
-    # Of one run there is no interval.
+    # One run has no interval.
     detail = f"[{value}: {low} to {high}]" if found.runs > 1 else ""
     return Cell(
         text=number(found.median, measure.digits),
@@ -300,7 +305,7 @@ def _growth_cell(sizes: list[float], values: list[float]) -> Cell:
     try:
         law = fit_power_law(sizes, values).exponent
     except InvalidInputError:
-        # Too few runs, or teams of one size only.
+        # There are too few runs, or teams of one size only.
         return NOTHING
     return Cell(
         text=number(law.value, 2),

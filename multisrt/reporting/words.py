@@ -1,4 +1,4 @@
-"""What is significant and what is not, in plain sentences that claim no more than the numbers."""
+"""Sentences on what is significant, which claim no more than the tests do."""
 
 from __future__ import annotations
 
@@ -16,34 +16,34 @@ LESS_AND_MORE = {
     "makespan_s": ("is home {} sooner", "is home {} later"),
     "total_distance_m": ("drives {} less", "drives {} more"),
 }
-"""What is said of some measures where the median is lower or higher, by so many percent."""
+"""Predicates for a lower and a higher median, with room for the difference in percent."""
 
 HOW_TO_READ = (
-    "Strategies are compared run by run under the same conditions (paired Wilcoxon signed-rank "
-    "test); p-values are corrected by Holm's procedure over all comparisons by one measure, and a "
-    f"difference is called significant where p < {SIGNIFICANCE:g}. A is the probability that a run "
-    "of the one named first is better than one of the other (Vargha and Delaney), 0.5 being "
-    "neither. Runs that were not complete count as worse than all others. No significant "
-    "difference does not mean that there is none."
+    "Strategies are compared in pairs of runs under the same conditions (paired Wilcoxon "
+    "signed-rank test). P-values are adjusted by Holm's procedure over all comparisons by one "
+    f"measure; a difference is significant if p < {SIGNIFICANCE:g}. A is the probability that a "
+    "run of the first strategy is better than a run of the second (Vargha and Delaney); 0.5 means "
+    "no difference. Runs that were not complete count as worse than all others. A difference that "
+    "is not significant may still exist."
 )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Findings:
-    """What one measure says.
+    """Sentences on the comparisons by one measure.
 
     Attributes
     ----------
     measure : Measure
-        By what strategies were compared.
+        The measure.
     counts : tuple of str
-        A sentence for each strategy: in how many settings it is better or worse.
+        A sentence per strategy on the number of settings in which it is better or worse.
     significant : tuple of str
-        A sentence for each significant difference.
+        A sentence per significant difference.
     others : tuple of str
-        A sentence for each group of comparisons without one.
+        A sentence per group of comparisons without a significant difference.
     too_few : str
-        How many comparisons and runs there are, if none of them could be significant; else empty.
+        The numbers of comparisons and pairs if they are too few for any significance, else empty.
     """
 
     measure: Measure
@@ -54,7 +54,7 @@ class Findings:
 
 
 def findings(study: Study, measure: Measure) -> Findings:
-    """Say what a measure tells about the strategies, compared with the baseline."""
+    """Return the sentences on the comparisons of the strategies with the baseline."""
     compared = study.comparisons(measure)
     if not compared:
         nothing = (_nothing_compared(study),)
@@ -69,7 +69,7 @@ def findings(study: Study, measure: Measure) -> Findings:
 
 
 def difference(study: Study, found: Comparison) -> str:
-    """Say a significant difference in a sentence."""
+    """Return a sentence on a significant difference."""
     digits, unit = found.measure.digits, found.measure.unit
     of = " ".join((number(found.median, digits), unit)).strip()
     against = " ".join((number(found.baseline_median, digits), unit)).strip()
@@ -82,7 +82,7 @@ def difference(study: Study, found: Comparison) -> str:
 
 
 def p_value(p: float) -> str:
-    """Write a p-value with its sign.
+    """Return a p-value as text, with its relational sign.
 
     Examples
     --------
@@ -93,7 +93,7 @@ def p_value(p: float) -> str:
 
 
 def what_was_run(study: Study) -> str:
-    """Say in a sentence or two what was run and how it went."""
+    """Return a sentence or two on the numbers of runs, failures, strategies, worlds and teams."""
     results = study.results
     made, asked = len(results), results.asked
     worlds = len({setting.environment for setting in study.settings})
@@ -101,7 +101,7 @@ def what_was_run(study: Study) -> str:
     failed = sum(result.failed for result in results)
     text = f"{_counted(asked, 'run')} asked for, {made} made"
     if made < asked:
-        text += f" ({asked - made} still missing: what follows is of those that are there)"
+        text += f" ({asked - made} still missing; this report covers those that were made)"
     text += f"; {failed or 'none'} of them failed. "
     if study.strategies:
         text += (
@@ -117,7 +117,7 @@ def _what_differs(found: Comparison) -> str:
     lower = (found.mark == "+") == measure.lower_is_better
     title = measure.title.partition(":")[0]
     title = f"{title[0].lower()}{title[1:]}"
-    # The ranks decide; medians may be equal, or infinite, or even point the other way.
+    # The test is on ranks: medians may be equal, infinite, or even differ the other way.
     if not (math.isfinite(mine) and math.isfinite(theirs)) or theirs <= 0.0:
         better = "better" if found.mark == "+" else "worse"
         return f"{strategy} does significantly {better} than {baseline} by {title}"
@@ -139,10 +139,10 @@ def _change(mine: float, theirs: float) -> str:
 
 def _nothing_compared(study: Study) -> str:
     if len(study.strategies) < 2:
-        return "There is one strategy only, so that there is nothing to compare."
+        return "There is only one strategy, so there is nothing to compare."
     return (
-        f"No strategy has runs with such values beside {study.baseline} under the same "
-        "conditions, so that there is nothing to compare."
+        f"No strategy shares conditions with {study.baseline} in which both have such values, so "
+        "there is nothing to compare."
     )
 
 
@@ -180,8 +180,8 @@ def _groups(study: Study, unclear: Sequence[Comparison]) -> list[str]:
         if undecided:
             which = "; ".join(study.name(c.setting) for c in undecided)
             sentences.append(
-                f"Too few runs to tell {strategy} from {study.baseline}, however clear a "
-                f"difference were ({_pairs(undecided)} of runs): {which}."
+                f"Too few runs for a significant difference between {strategy} and "
+                f"{study.baseline} ({_pairs(undecided)} of runs): {which}."
             )
     return sentences
 

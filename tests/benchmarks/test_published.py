@@ -50,14 +50,14 @@ def test_a_run_that_differs_is_named(digests, tmp_path, monkeypatch, capsys):
     assert "3 of 4 runs are as published" in out
 
 
-def test_a_row_of_another_experiment_is_told(digests, tmp_path, monkeypatch, capsys):
+def test_a_row_of_another_experiment_is_reported(digests, tmp_path, monkeypatch, capsys):
     assert check({**digests, "0" * 32: "f" * 64}, tmp_path, monkeypatch, "--runs", "1") == 1
     out = capsys.readouterr().out
     assert "rows of multi-srt.csv that are no runs of its experiment: 1" in out
     assert "1 of 1 runs are as published" in out
 
 
-def test_what_is_drawn_depends_on_the_seed_alone():
+def test_the_sample_depends_on_the_seed_alone():
     assert published.draw(PLANNED, 3, 7) == published.draw(PLANNED, 3, 7)
     assert len({published.draw(PLANNED, 1, seed)[0].key for seed in range(20)}) > 1
     for count in (0, 100):
@@ -65,7 +65,7 @@ def test_what_is_drawn_depends_on_the_seed_alone():
 
 
 @pytest.mark.parametrize("page", [*published.PRESETS, published.ROBUSTNESS])
-def test_every_page_has_an_experiment_whose_runs_it_holds(page):
+def test_every_page_has_the_runs_of_its_experiment(page):
     keys = {run.key for run in runs(published.experiment(page), published.ROOT)}
     assert keys == published.read_digests(published.RESULTS / f"{page}.csv").keys()
 

@@ -162,7 +162,7 @@ def test_disc_is_round_with_few_edges():
     assert part.hausdorff_distance(shapely.Point(40.5, 40.5).buffer(36)) < 1
 
 
-def test_one_cell_diagonal_corridor_is_not_free_passage_but_a_stepped_one_is():
+def test_only_a_stepped_diagonal_corridor_is_free_passage():
     diagonal = np.eye(8, dtype=bool)
     assert len(polygons_from_grid(diagonal, 1.0).geoms) == 8
     stepped = diagonal | np.eye(8, k=1, dtype=bool)

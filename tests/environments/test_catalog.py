@@ -22,7 +22,7 @@ def test_the_catalog_lists_every_name_once_and_in_order() -> None:
     assert len(BUNDLED) >= 5
 
 
-def test_entries_say_what_the_worlds_are() -> None:
+def test_entries_describe_the_worlds() -> None:
     for entry in catalog():
         world = environment(entry.name)
         x0, y0, x1, y1 = world.bounds
@@ -103,7 +103,7 @@ def test_bundled_maps_are_worth_exploring(name: str) -> None:
     assert environment(name) == world
 
 
-def test_the_folder_of_maps_holds_what_the_catalog_names_and_little_else() -> None:
+def test_the_folder_of_maps_has_the_maps_of_the_catalog() -> None:
     stems = {path.stem for path in MAPS.iterdir()}
     assert stems == set(BUNDLED)
     assert max(path.stat().st_size for path in MAPS.iterdir()) < 300_000
@@ -115,7 +115,7 @@ def run(code: str) -> str:
     return done.stdout.strip()
 
 
-def test_importing_the_catalog_and_asking_for_names_loads_no_geometry() -> None:
+def test_the_names_of_worlds_load_no_geometry() -> None:
     printed = run(
         "import sys; from multisrt.environments.catalog import names; names(); "
         "print([name for name in ('shapely', 'numpy', 'numba') if name in sys.modules])"
@@ -132,7 +132,7 @@ def test_importing_the_catalog_and_asking_for_names_loads_no_geometry() -> None:
         "from multisrt.environments.catalog import names",
     ],
 )
-def test_the_package_gives_the_functions_whatever_was_imported_before(before: str) -> None:
+def test_the_package_exports_functions_after_any_imports(before: str) -> None:
     printed = run(
         f"{before}\n"
         "from multisrt.environments import Environment, catalog, environment, read_environment\n"

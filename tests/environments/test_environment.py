@@ -41,7 +41,7 @@ def test_free_space_is_on_the_left_of_every_edge() -> None:
 
 
 @pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf, 2e7])
-def test_coordinates_that_are_not_usable_are_named_with_their_place(bad: float) -> None:
+def test_invalid_coordinates_are_reported_with_their_place(bad: float) -> None:
     outline = _with_odd_numbers([(0, 0), (5, 0), (5, bad), (0, 5)])
     with pytest.raises(InvalidInputError, match=r"'odd': vertex 2 is \(5, "):
         Environment("odd", outline)
@@ -52,7 +52,7 @@ def test_an_obstacle_that_is_not_finite_is_refused() -> None:
         Environment.from_outline("odd", HALL, [_with_odd_numbers([(1, 1), (math.nan, 1), (2, 2)])])
 
 
-def test_an_outline_that_crosses_itself_is_refused_with_the_place() -> None:
+def test_a_self_crossing_outline_is_refused_with_the_place() -> None:
     bow_tie = Polygon([(0, 0), (4, 4), (4, 0), (0, 4)])
     with pytest.raises(InvalidInputError, match=r"'bow'.*Self-intersection\[2 2\]"):
         Environment("bow", bow_tie)
@@ -129,7 +129,7 @@ def test_clearance() -> None:
     assert hall.clearance(-1.0, 5.0) == 0.0
 
 
-def test_equal_worlds_have_equal_digests_however_they_are_drawn() -> None:
+def test_equal_worlds_drawn_differently_have_equal_digests() -> None:
     one = Environment.from_outline("hall", HALL, [box(4, 4, 6, 6), box(1, 1, 2, 2)])
     turned = Polygon([(10, 10), (10, 0), (0, 0), (0, 10)])
     other = Environment.from_outline("hall", turned, [box(1, 1, 2, 2), box(4, 4, 6, 6)])
@@ -173,5 +173,5 @@ def test_drawings_with_heights_are_read_as_flat() -> None:
     assert Environment("hall", raised).edges.shape == (4, 4)
 
 
-def test_repr_says_what_it_is() -> None:
+def test_repr_shows_name_size_and_edges() -> None:
     assert repr(Environment("hall", HALL)) == "Environment('hall', 10 x 10 m, 100 m2 free, 4 edges)"

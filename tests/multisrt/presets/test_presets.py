@@ -193,7 +193,7 @@ def test_figures_of_sbx_r_are_the_printed_ones():
         ("V", "utility", 2, 5),
     ],
 )
-def test_marks_of_sbx_r_are_as_many_as_its_text_says(number, other, better, worse):
+def test_marks_of_sbx_r_agree_with_the_counts_in_its_text(number, other, better, worse):
     (table,) = [table for table in sbx_r.PAPER if table.number == number]
     signs = Counter(table.mark(*cell) for cell in sbx_r.ALL[other])
     assert (signs["+"], signs["-"], sum(signs.values())) == (better, worse, 12)
@@ -224,7 +224,7 @@ def test_figures_of_alvarez_are_the_printed_ones():
     assert (first.time, first.distance) == ((747.31, -0.891), (140.97, -1.362))
     assert (last.area_m2, last.success_percent) == (4378.0, 96.56)
     assert (last.time, last.distance) == ((7083.3, -0.910), (1180.10, -0.970))
-    assert (dense.success_percent, alvarez.LEAST_SUCCESS) == (94.06, 94.06)
+    assert (dense.success_percent, alvarez.MIN_SUCCESS) == (94.06, 94.06)
     # Section 4.2.1: "-0.7 a -1.02 [...] y de -0.74 a -1.42"; its own exponents lie between.
     assert alvarez.TIME_EXPONENTS == (-1.02, -0.70)
     assert alvarez.DISTANCE_EXPONENTS == (-1.42, -0.74)
@@ -406,7 +406,7 @@ def test_claims_of_multi_srt_that_do_not_hold():
     )
     assert claim_on(found, "clustered").verdict == "does not hold"
     assert claim_on(found, "distance grows").verdict == "does not hold"
-    assert claim_on(found, "shorter way").verdict == "does not hold"
+    assert claim_on(found, "shorter total distance").verdict == "does not hold"
     assert claim_on(found, "collisions").verdict == "does not hold"
     assert claim_on(found, "completed").verdict == "holds"
 
@@ -432,7 +432,7 @@ def test_claims_of_multi_srt_without_runs_enough():
         assert {claim.verdict for claim in multi_srt.claims(results)} == {"not tested"}
 
 
-def test_a_run_that_was_given_up_is_told():
+def test_a_run_that_was_given_up_is_in_the_grounds():
     def values(at: Condition, repetition: int) -> dict[str, object] | None:
         lost = repetition == 1 and at.robots == 4 and at.strategy == "srt-star"
         return None if lost else srt()(at, repetition)
@@ -440,7 +440,7 @@ def test_a_run_that_was_given_up_is_told():
     claim = claim_on(multi_srt.claims(made(QUICK_SRT, values)), "completed")
     assert claim.verdict == "does not hold"
     assert "352 of 360 runs are complete" in claim.grounds[0]
-    assert "repetition 1: beyond 900 s" in claim.grounds[1]
+    assert "repetition 1: over time: beyond 900 s" in claim.grounds[1]
 
 
 def test_table_of_multi_srt_by_team_size():
@@ -486,11 +486,11 @@ def test_claims_of_sbx_r_that_may_be_chance_or_are_not_tested():
     assert {claim.verdict for claim in sbx_r.claims(none_of(FULL_SBX))} == {"not tested"}
 
 
-def test_a_quick_sbx_r_leaves_out_what_it_has_no_teams_for():
+def test_a_quick_sbx_r_omits_cells_without_teams():
     found = sbx_r.claims(made(sbx_r.experiment(True), bidding(lambda at: 0.5)))
     assert claim_on(found, "isolated for less time than with closest").verdict == "holds"
     assert claim_on(found, "Two robots").verdict == "not tested"
-    assert "no runs that it speaks of" in claim_on(found, "Two robots").grounds[0]
+    assert "no runs that the claim refers to" in claim_on(found, "Two robots").grounds[0]
 
 
 def test_marks_beside_those_of_the_paper():
@@ -548,7 +548,7 @@ def times(
     return values
 
 
-def test_gains_are_what_they_were_made():
+def test_gains_are_those_of_the_constructed_times():
     of = minpos.Times(made(FULL_MINPOS, times(10.0, 20.0, spread=0.0)))
     for strategy, percent in (("greedy", 10.0), ("minpos", 20.0)):
         found = minpos.gain([of.ratios("maze", 4, strategy, "closest")])
@@ -658,7 +658,7 @@ def laws(
     return values
 
 
-def test_laws_are_what_they_were_made():
+def test_laws_are_those_of_the_constructed_means():
     (first, *_) = alvarez.outcomes(made(FULL_ALVAREZ, laws(-0.9, -1.1, spread=0.0)))
     time, distance = alvarez.law(first.time), alvarez.law(first.distance)
     assert (time.factor.value, time.exponent.value) == pytest.approx((1000.0, -0.9))
@@ -851,7 +851,7 @@ def test_reproduce_writes_a_report_and_a_summary(call, tmp_path):
     assert "72 of 72 runs complete" in out
 
 
-def test_an_interruption_says_that_nothing_is_lost(call, monkeypatch):
+def test_an_interruption_reports_that_nothing_is_lost(call, monkeypatch):
     assert call("alvarez", "--quick", "--seeds", "1")[0] == 0
 
     def interrupted(*_: object, **__: object) -> None:

@@ -17,7 +17,7 @@ from multisrt.experiments.description import ExperimentSpec
 from multisrt.experiments.measures import measure_named
 from multisrt.experiments.provenance import provenance
 from multisrt.experiments.results import Result, Results
-from multisrt.reporting import figures
+from multisrt.reporting import figures, overall_figures
 from multisrt.reporting.study import Study
 from multisrt.reporting.style import look_of
 
@@ -66,6 +66,7 @@ def axes_of(monkeypatch):
 
         with monkeypatch.context() as patch:
             patch.setattr(figures, "drawn", kept)
+            patch.setattr(overall_figures, "drawn", kept)
             function(*given)
         return found
 
@@ -141,7 +142,7 @@ def test_coverage_curves_are_medians_and_quartiles(study, axes_of):
 
 
 def test_rates_of_success_are_over_all_settings(study, axes_of):
-    ((axes, alt),) = axes_of(figures.success_rates, study).values()
+    ((axes, alt),) = axes_of(overall_figures.success_rates, study).values()
     assert "near: 1.00" in alt
     assert f"far: {10 / 11:.2f}" in alt
     assert [label.get_text() for label in axes.get_yticklabels()] == ["near", "far"]

@@ -27,8 +27,8 @@ from multisrt.reporting.page import write_report
 from multisrt.reporting.study import Study
 from multisrt.reporting.style import (
     DASHES,
-    LONGEST_LABEL,
     MARKERS,
+    MAX_LABEL,
     Picture,
     in_groups,
     look_of,
@@ -248,7 +248,10 @@ def test_same_results_same_bytes(tmp_path):
     ("results", "said"),
     [
         (lambda: made_up(("a",), (1,), 3), "nothing to compare"),
-        (lambda: made_up(("a", "b"), (1,), 1), "Too few runs to tell"),
+        (
+            lambda: made_up(("a", "b"), (1,), 1),
+            "With these numbers of runs no difference can be significant",
+        ),
         (lambda: made_up(("a", "b"), (1, 2), 2, fail=2), "its process died"),
         (lambda: made_up((), (), 0), "no results yet"),
     ],
@@ -265,31 +268,30 @@ def test_little_is_enough_for_a_report(tmp_path, results, said):
 
 
 def test_gallery_draws_the_very_runs(real):
-    trees, notes = gallery(Study(real), Specs(real))
-    assert notes == []
+    made = gallery(Study(real), Specs(real))
+    trees, notes = made.trees, made.notes
+    assert notes == ()
     assert [tree.result.condition.strategy for tree in trees] == ["srt-radial", "near <first>"]
     assert all(tree.same for tree in trees)
     assert real.results[0].digest in trees[0].svg
 
 
 @pytest.mark.usefixtures("no_figures")
-def test_gallery_says_where_the_program_makes_another_run(real, tmp_path):
+def test_gallery_warns_if_a_run_differs_from_the_measured_one(real, tmp_path):
     changed = [msgspec.structs.replace(result, digest="0" * 64) for result in real]
     results = Results(real.experiment, changed, 2, real.provenance)
     page = Page(write_report(results, tmp_path / "r", measures=ONE).read_text())
     assert page.text.count("Not the run that was measured") == 2
 
 
-def test_gallery_says_what_it_cannot_draw(real):
+def test_gallery_lists_runs_that_cannot_be_drawn(real):
     unknown = [msgspec.structs.replace(result, key="0" * 32) for result in real]
-    trees, notes = gallery(
-        Study(Results(real.experiment, unknown, 2, real.provenance)), Specs(real)
-    )
-    assert trees == []
-    assert len(notes) == 2
+    made = gallery(Study(Results(real.experiment, unknown, 2, real.provenance)), Specs(real))
+    assert made.trees == ()
+    assert len(made.notes) == 2
     gone = msgspec.structs.replace(real.experiment, environments=("gone.yaml",))
     lost = Results(gone, real.results, 2, real.provenance)
-    _, notes = gallery(Study(lost), Specs(lost))
+    notes = gallery(Study(lost), Specs(lost)).notes
     assert "gone.yaml" in notes[0]
 
 
@@ -309,7 +311,7 @@ def test_median_run_is_in_the_middle():
     assert median_run(list(made_up(("a",), (1,), 2, fail=2))) is None
 
 
-def test_failures_come_with_what_repeats_them(report, real):
+def test_failures_come_with_a_spec_that_repeats_them(report, real):
     page = Page(report.read_text())
     (path,) = (report.parent / "failures").iterdir()
     assert f"multisrt explore --spec failures/{path.name} --out again" in page.text
@@ -320,7 +322,7 @@ def test_failures_come_with_what_repeats_them(report, real):
 
 
 @pytest.mark.usefixtures("no_figures")
-def test_failures_are_grouped_whatever_the_numbers(tmp_path):
+def test_failures_are_grouped_regardless_of_numbers(tmp_path):
     text = Page(
         write_report(made_up(fail=3), tmp_path / "r", gallery=False, measures=ONE).read_text()
     ).text
@@ -339,12 +341,14 @@ def test_a_report_is_replaced_and_nothing_else(tmp_path):
     assert not list((out / "tables").glob("*.tex"))
     assert [p.name for p in out.parent.iterdir()] == ["report"]
     (out / "notes.txt").write_text("mine")
-    with pytest.raises(InvalidInputError, match=r"no report of ours \(notes.txt\)"):
+    with pytest.raises(
+        InvalidInputError, match=r"other contents than a report of this program \(notes.txt\)"
+    ):
         write_report(results, out, gallery=False, measures=ONE)
     assert page.is_file()
     (tmp_path / "page").mkdir()
     (tmp_path / "page" / "index.html").write_text("<html>another's</html>")
-    with pytest.raises(InvalidInputError, match="no report of ours"):
+    with pytest.raises(InvalidInputError, match="other contents than a report"):
         write_report(results, tmp_path / "page", gallery=False, measures=ONE)
     (tmp_path / "file").write_text("")
     with pytest.raises(InvalidInputError, match="is a file"):
@@ -382,16 +386,16 @@ def test_labels_in_figures_fit_and_differ(labels):
     found = short_labels(labels)
     assert list(found) == labels
     assert len(set(found.values())) == len(labels)
-    assert all(len(label) <= LONGEST_LABEL for label in found.values())
+    assert all(len(label) <= MAX_LABEL for label in found.values())
 
 
-def test_labels_in_figures_keep_what_differs():
+def test_short_labels_keep_the_part_that_differs():
     labels = [f"star, alpha = {k} and all else as it is by default" for k in (1, 2, 10)]
     found = list(short_labels(labels).values())
     assert [label.split()[0] for label in found] == ["…1", "…2", "…10"]
 
 
-def test_many_strategies_are_spread_over_figures_with_the_baseline_in_each():
+def test_many_strategies_fill_figures_that_all_show_the_baseline():
     names = [f"s{k}" for k in range(11)]
     groups = in_groups(names, "s3")
     assert all(group[0] == "s3" and len(group) <= 5 for group in groups)

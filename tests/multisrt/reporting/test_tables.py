@@ -169,7 +169,7 @@ def test_failed_runs_count_as_worst(make):
 def test_intervals_of_few_runs_come_with_a_warning(make, runs, warned):
     results = make({("w", "a", 1): lognormal(1, 9.0, runs), ("w", "b", 1): lognormal(2, 9.0, 20)})
     notes = summary_table(results, TIME).notes
-    assert any(f"of {runs} runs only" in note for note in notes) is warned
+    assert any(f"only {runs} runs" in note for note in notes) is warned
 
 
 def test_conditions_without_runs_are_empty(make):
@@ -302,7 +302,7 @@ def test_runs_are_compared_pair_by_pair(make):
 # Words --------------------------------------------------------------------------------------
 
 
-def test_words_say_what_the_numbers_say(make):
+def test_sentences_agree_with_the_figures(make):
     slow, fast = [300.0 + k for k in range(20)], [200.0 + k for k in range(20)]
     study = Study(make({("garden", "srt-star", 4): slow, ("garden", "srt-radial", 4): fast}))
     (found,) = study.comparisons(TIME)
@@ -364,7 +364,7 @@ def test_holm_makes_more_runs_necessary(make):
 
 def test_single_strategy_has_nothing_to_be_compared_with(make):
     said = findings(Study(make({("w", "a", 1): [1.0, 2.0]})), TIME)
-    assert said.others == ("There is one strategy only, so that there is nothing to compare.",)
+    assert said.others == ("There is only one strategy, so there is nothing to compare.",)
 
 
 def test_missing_runs_are_said_to_be_missing(make):
@@ -373,7 +373,7 @@ def test_missing_runs_are_said_to_be_missing(make):
     assert "1 of them failed" in text
 
 
-def test_p_values_are_rounded_to_what_they_are_worth():
+def test_p_values_are_rounded_to_two_digits():
     assert (p_value(0.0321), p_value(1.0), p_value(4e-9)) == ("= 0.032", "= 1", "< 0.001")
 
 

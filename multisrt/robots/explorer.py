@@ -192,6 +192,8 @@ class TimedOut(msgspec.Struct, frozen=True):
 
 Action = Sense | Look | Move | Stop | Send | Receive | Note | Done
 Outcome = Scan | tuple[Sighting, ...] | Moved | Received | TimedOut | None
+Steps = Generator[Action, Outcome, None]
+"""What `Explorer.run` returns, and every procedure that it delegates to."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -7,6 +7,7 @@ from typing import ClassVar, Literal
 import msgspec
 
 from multisrt.planners.motion.kinematics import Kinematics
+from multisrt.planners.motion.trajectory import Trajectory, Waypoint
 from multisrt.robots.knowledge import Closing, Counts, EntriesMessage, Node, NodeId, WantMessage
 from multisrt.robots.messages import Message
 
@@ -20,6 +21,8 @@ __all__ = [
     "RobotState",
     "StateMessage",
     "WantMessage",
+    "motion_of",
+    "path_of",
 ]
 
 Phase = Literal["waiting", "perceived", "planned", "moving", "idle"]
@@ -31,6 +34,16 @@ Key = tuple[tuple[int, int], ...]
 
 Path = tuple[tuple[float, float, float, float], ...]
 """Waypoints of a motion: time from its start, x, y, heading."""
+
+
+def path_of(motion: Trajectory) -> Path:
+    """Return a motion as messages hold it."""
+    return tuple((w.time_s, w.x, w.y, w.heading) for w in motion.waypoints)
+
+
+def motion_of(path: Path) -> Trajectory:
+    """Return the motion that a message holds."""
+    return Trajectory(tuple(Waypoint(*waypoint) for waypoint in path))
 
 
 class RobotState(msgspec.Struct, frozen=True, kw_only=True):

@@ -61,6 +61,11 @@ class Ways:
         self._planned: dict[tuple[float, float], OutAndBack] = {}
 
     @property
+    def is_car(self) -> bool:
+        """Whether the body drives as a car does."""
+        return isinstance(self.me.kinematics, Car)
+
+    @property
     def can_reverse(self) -> bool:
         """Whether the body can drive its way backwards."""
         return not isinstance(self.me.kinematics, Car) or self.me.kinematics.reverse

@@ -25,7 +25,8 @@ from multisrt.planners.motion.kinematics import Differential
 from multisrt.robots.exploration_map import NodeId
 from multisrt.robots.explorer import Look, Receive, RobotSelf, Send, Sighting, TimedOut
 from multisrt.robots.multi_srt.build_srt import look
-from multisrt.robots.multi_srt.engagement import Regroup, are_coupled, build_ger, group_of
+from multisrt.robots.multi_srt.engagement import Regroup, build_ger
+from multisrt.robots.multi_srt.groups import are_coupled, group_of
 from multisrt.robots.multi_srt.messages import Order, OrdersMessage, RobotState
 from multisrt.robots.multi_srt.options import MultiSrtOptions
 from multisrt.robots.multi_srt.robot import SrtRobot
@@ -291,11 +292,11 @@ def test_a_member_whom_others_name_otherwise_is_asked_itself(theirs):
     # knows of a step that the third made meanwhile. Only the third can tell.
     robot = a_robot()
     team = robot.team
-    team.states[1] = member(1, step=3, key=theirs, phase="perceived")
-    team.states[2] = member(2, step=4)
+    team.roster.states[1] = member(1, step=3, key=theirs, phase="perceived")
+    team.roster.states[2] = member(2, step=4)
     gpr = team.gpr()
     assert gpr == (0, 1, 2)
-    team.key = team.key_of(gpr)
+    team.plan.key = team.key_of(gpr)
     meeting, outcome, asked = build_ger(robot, gpr), None, ()
     while not asked:
         action = meeting.send(outcome)
@@ -303,7 +304,7 @@ def test_a_member_whom_others_name_otherwise_is_asked_itself(theirs):
         if isinstance(action, Send):
             asked = action.message.asked
         elif isinstance(action, Receive):
-            outcome = TimedOut(robot.time_s + action.timeout_s)
+            outcome = TimedOut(robot.at.time_s + action.timeout_s)
     assert asked == (1, 2)
 
 
@@ -311,12 +312,12 @@ def test_a_member_whose_node_only_the_master_knows_is_engaged():
     # The master's orders have come before the node that the third stands at.
     robot = a_robot()
     team = robot.team
-    team.states[1] = member(1, step=3)
-    team.states[2] = msgspec.structs.replace(member(2, step=4), node=NodeId(2, 7))
-    team.key = team.key_of(team.gpr())
+    team.roster.states[1] = member(1, step=3)
+    team.roster.states[2] = msgspec.structs.replace(member(2, step=4), node=NodeId(2, 7))
+    team.plan.key = team.key_of(team.gpr())
     orders = tuple((number, Order(order="wait")) for number in (0, 1, 2))
-    team.orders[team.key] = OrdersMessage(
-        sender=2, key=team.key, orders=orders, feasible=(), unfeasible=(0, 1, 2)
+    team.orders[team.plan.key] = OrdersMessage(
+        sender=2, key=team.plan.key, orders=orders, feasible=(), unfeasible=(0, 1, 2)
     )
     meeting = build_ger(robot, (0, 1, 2))
     assert isinstance(next(meeting), Send)
@@ -341,7 +342,7 @@ def looks(robot: SrtRobot, seen: tuple[Sighting, ...]) -> tuple[tuple[int, ...],
         elif isinstance(action, Send):
             asked += action.message.asked
         elif isinstance(action, Receive):
-            outcome = TimedOut(robot.time_s + action.timeout_s)
+            outcome = TimedOut(robot.at.time_s + action.timeout_s)
 
 
 def sighting(number: int, x: float, y: float) -> Sighting:
@@ -357,31 +358,31 @@ def test_one_that_is_seen_elsewhere_than_where_it_said_to_stand_is_asked_until_i
     # The second said that it stands idle, went on unheard, and died on its way.
     robot = a_robot()
     team = robot.team
-    team.states[1] = member(1, step=3)
+    team.roster.states[1] = member(1, step=3)
     there = sighting(1, 3.0, 1.0)
-    for _ in range(team.patience):
+    for _ in range(team.roster.patience):
         assert looks(robot, (there,)) == ((1,), True)
-        assert not robot.bodies
+        assert not robot.obstacles.silent
     assert looks(robot, (there,)) == ((1,), True)
-    assert 1 in team.lost
+    assert 1 in team.roster.lost
     assert looks(robot, (there,)) == ((), False)
-    assert robot.bodies == {1: there}
+    assert robot.obstacles.silent == {1: there}
 
 
 def test_one_that_stands_where_it_said_or_moves_is_not_asked():
     robot = a_robot()
-    robot.team.states[1] = member(1, step=3)
-    robot.team.states[2] = state(2, [(4.0, 0.0), (6.0, 0.0)], moving=True)
+    robot.team.roster.states[1] = member(1, step=3)
+    robot.team.roster.states[2] = state(2, [(4.0, 0.0), (6.0, 0.0)], moving=True)
     assert looks(robot, (sighting(1, 2.0, 0.0), sighting(2, 5.0, 0.0))) == ((), False)
-    assert not robot.bodies
+    assert not robot.obstacles.silent
 
 
 def test_one_with_whom_there_is_no_agreement_is_gone_round_while_it_is_in_sight():
     robot = a_robot()
-    robot.team.states[1] = member(1, step=3, phase="perceived")
+    robot.team.roster.states[1] = member(1, step=3, phase="perceived")
     there = sighting(1, 2.0, 0.0)
     looks(robot, (there,))
     assert not robot.obstacles
-    robot.team.ignored_until_s[1] = 30.0
+    robot.team.roster.left_out_until_s[1] = 30.0
     looks(robot, (there,))
-    assert robot.obstacles == {1: there}
+    assert robot.obstacles.all == {1: there}

@@ -13,15 +13,9 @@ from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.planners.motion.sweep import Sweep
 from multisrt.planners.motion.trajectory import Trajectory, Waypoint
 from multisrt.robots.exploration_map import NodeId
-from multisrt.robots.multi_srt.organize import (
-    MOST_EXACT,
-    Conflicts,
-    Prospect,
-    best_targets,
-    motion_of,
-    organize,
-    path_of,
-)
+from multisrt.robots.multi_srt.conflicts import Conflicts, Prospect
+from multisrt.robots.multi_srt.messages import motion_of, path_of
+from multisrt.robots.multi_srt.organize import MAX_EXACT, best_targets, organize
 
 GUARD_M = 0.1
 DISC = Footprint.disc(0.25)
@@ -211,7 +205,7 @@ def test_the_best_targets_are_those_that_trying_all_finds(plans):
 
 
 @settings(max_examples=8)
-@given(teams(least=MOST_EXACT - 1, most=MOST_EXACT, side_m=14.0))
+@given(teams(least=MAX_EXACT - 1, most=MAX_EXACT, side_m=14.0))
 def test_the_best_targets_of_a_large_group(plans):
     assert best_targets(conflicts_of(plans)) == best_by_trying_all(plans)
 

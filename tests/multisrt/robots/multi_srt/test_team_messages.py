@@ -349,7 +349,7 @@ def test_before_they_meet_they_know_nothing_of_one_another(explorers):
         radio=RadioSpec(range_m=12.0),
     )
     assert [list(explorer.robot.map.entries.have()) for explorer in explorers[0]] == [[0], [1]]
-    assert [explorer.robot.team.states for explorer in explorers[0]] == [{}, {}]
+    assert [explorer.robot.team.roster.states for explorer in explorers[0]] == [{}, {}]
 
 
 @pytest.mark.parametrize("seed", range(3))

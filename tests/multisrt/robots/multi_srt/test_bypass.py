@@ -284,7 +284,9 @@ def test_nodes_at_the_very_place_are_reached_already():
     first, second, third, last = (NodeId(0, k) for k in range(4))
     assert robot.journey.past_here(KnownNode((first, last))) == KnownNode((first, last))
     assert robot.at.here == first
-    assert robot.journey.past_here(KnownNode((first, second, third, last))) == KnownNode((third, last))
+    assert robot.journey.past_here(KnownNode((first, second, third, last))) == KnownNode(
+        (third, last)
+    )
     assert robot.at.here == third
     place = NewPlace(1.0, 0.0, "complete", (third, first))
     assert robot.journey.past_here(place) == replace(place, way=(first,))

@@ -34,13 +34,14 @@ from multisrt.robots.multi_srt.engagement import Regroup, agree, build_and_wait_
 from multisrt.robots.multi_srt.messages import path_of
 from multisrt.robots.multi_srt.move_to import move_to, perceive
 from multisrt.robots.multi_srt.planner import Found, Plan, Planner
-from multisrt.robots.multi_srt.progress import MOST_TRIES, MOST_WAITS, BoxedIn
+from multisrt.robots.multi_srt.progress import BoxedIn, Event, State
 from multisrt.robots.multi_srt.robot import SrtRobot
 from multisrt.robots.multi_srt.targets import NewPlace, Step
 
 
 def build_srt(robot: SrtRobot) -> Steps:
     """BUILD_SRT: extend a tree until its frontier is explored and the robot is at its root."""
+    robot.progress.note(Event.NEW_TASK)
     supports = robot.at.tree != robot.trees.root
     yield from take_steps(robot, Planner(robot, completing=supports))
 
@@ -131,9 +132,9 @@ def decide(
     """
     team, journey, progress = robot.team, robot.journey, robot.progress
     frontier_m = total_length(frontier)
-    if progress.waits >= MOST_WAITS:
+    if team.plan.waits and progress.is_hindered:
         journey.target = None
-    if progress.troubles >= MOST_TRIES:
+    if progress.state is State.JAMMED:
         robot.avoid_those_that_stand()
     target = journey.target if _is_worth_it(robot) else None
     if target is None:
@@ -142,11 +143,11 @@ def decide(
         found = yield from plan(frontier, draws)
         choice, target = found
         if choice == "stay":
-            progress.stays += 1
+            progress.note(Event.NO_WAY)
             if progress.is_boxed_in:
                 raise BoxedIn
         elif target is not None:
-            progress.stays = 0
+            progress.note(Event.WAY)
         yield Note(_decision(robot, found, frontier_m, draws, (gpr, ger)))
         if choice == "end":
             yield from team.rest()

@@ -18,6 +18,7 @@ from multisrt.robots.multi_srt.conflicts import Conflicts, Prospect
 from multisrt.robots.multi_srt.engagement import Regroup, is_elsewhere
 from multisrt.robots.multi_srt.messages import OrdersMessage, motion_of
 from multisrt.robots.multi_srt.organize import Arrangement, organize
+from multisrt.robots.multi_srt.progress import Event
 from multisrt.robots.multi_srt.robot import SrtRobot
 from multisrt.robots.multi_srt.targets import Step
 
@@ -97,7 +98,8 @@ def coordinate(
     if order is None:
         raise AssertionError(f"robot {message.sender} left robot {team.number} out of its orders")
     after = robot.journey.step_by(order, step)
-    robot.progress.troubles += order.order != "keep"
+    if order.order != "keep":
+        robot.progress.note(Event.SETBACK)
     x, y, _ = robot.at.q_act
     yield Note(
         Coordinated(

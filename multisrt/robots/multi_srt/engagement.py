@@ -15,14 +15,10 @@ from multisrt.geometry.regions.safe_region import LocalSafeRegion
 from multisrt.robots.explorer import Action, Outcome, Steps
 from multisrt.robots.multi_srt.groups import group_of
 from multisrt.robots.multi_srt.messages import Phase, RobotState
-from multisrt.robots.multi_srt.progress import MOST_ROUNDS
 from multisrt.robots.multi_srt.robot import SrtRobot
 
 REACHED: dict[Phase, int] = {"waiting": 0, "perceived": 1, "planned": 2, "moving": 3, "idle": 0}
 """Order of the phases of a step."""
-
-IGNORED_S = 30.0
-"""For so long it then leaves them out."""
 
 
 class Regroup(Exception):
@@ -116,8 +112,7 @@ def _meet(robot: SrtRobot, group: Iterable[int], phase: Phase) -> Steps:
         if at.time_s >= deadline:
             late = [n for n in pending if not _has_come(robot, n, phase)]
             yield from team.ask(late + _disputed(robot, late))
-            robot.progress.rounds += 1
-            if robot.progress.rounds > MOST_ROUNDS:
+            if robot.progress.has_asked_enough():
                 _go_on_without(robot, late)
             deadline = at.time_s + team.period_s
 
@@ -126,9 +121,8 @@ def _go_on_without(robot: SrtRobot, late: list[int]) -> None:
     # Robots that hear one another, but not the same others, may never agree on the group. Rather
     # than wait for ever, this one goes around them, guarded by its protective stop.
     for number in late:
-        robot.team.roster.left_out_until_s[number] = robot.at.time_s + IGNORED_S
+        robot.team.roster.left_out_until_s[number] = robot.at.time_s + robot.options.left_out_s
         robot.avoid(number)
-    robot.progress.rounds = 0
 
 
 def _disputed(robot: SrtRobot, pending: list[int]) -> list[int]:

@@ -12,7 +12,7 @@ from multisrt.geometry.regions.scan import Scan
 from multisrt.planners.motion.trajectory import Trajectory
 from multisrt.robots.explorer import Action, Move, Moved, Outcome, Sense, Steps
 from multisrt.robots.multi_srt.messages import path_of
-from multisrt.robots.multi_srt.progress import MOST_STOPS, MOST_TRIES, BoxedIn
+from multisrt.robots.multi_srt.progress import BoxedIn, Event
 from multisrt.robots.multi_srt.robot import SrtRobot
 from multisrt.robots.multi_srt.targets import Step
 from multisrt.robots.multi_srt.ways import OutAndBack
@@ -43,24 +43,21 @@ def move_to(robot: SrtRobot, step: Step | None) -> Steps:
     robot.journey.came = step
     robot.journey.target = step.rest
     team.plan.step += 1
-    progress.rounds = progress.waits = team.plan.waits = 0
-    team.plan.frontier_m = 0.0
+    progress.begin_step()
+    team.plan.waits, team.plan.frontier_m = 0, 0.0
     yield from set_out(robot, step.motion)
     moved = yield from follow(robot, step)
     robot.obstacles.avoided.clear()
-    if moved.blocked_by is None:
-        robot.at.here = step.node
-        progress.stops = max(0.0, progress.stops - 0.5)
-    else:
-        progress.stops += 1.0
+    was_stopped = moved.blocked_by is not None
+    if was_stopped:
+        progress.note(Event.SETBACK)
         yield from stop_here(robot, step, moved)
+    else:
+        robot.at.here = step.node
+        if step.node is None and step.order is None:
+            progress.note(Event.NEW_PLACE)
     team.plan.path = ()
-    if robot.at.here is not None and step.order is None:
-        # Whoever is sent to and fro comes into trouble all the same.
-        progress.troubles = max(0.0, progress.troubles - 0.5)
-    stopped_again = moved.blocked_by is not None and progress.stops > MOST_STOPS
-    progress.troubles += stopped_again
-    if step.gives_way or stopped_again:
+    if step.gives_way or (was_stopped and progress.is_hindered):
         yield from stand_aside(robot)
     yield from team.begin_step()
 
@@ -69,9 +66,8 @@ def wait(robot: SrtRobot) -> Steps:
     """Make no motion in this step."""
     team = robot.team
     team.plan.step += 1
-    robot.progress.rounds = 0
-    robot.progress.waits += 1
-    team.plan.waits = robot.progress.waits
+    team.plan.waits += 1
+    robot.progress.begin_step()
     team.plan.path, team.plan.frontier_m = (), 0.0
     yield from team.announce("waiting")
     if not team.roster.is_any_moving(team.companions):
@@ -97,7 +93,7 @@ def stand_aside(robot: SrtRobot) -> Steps:
         yield from robot.trees.add(region, robot.journey.came)
     yield from robot.team.rest()
     share = 0.5 + 0.5 * robot.me.rng.random()
-    yield from robot.team.pause(robot.options.pause_s * share * (1 + robot.progress.troubles))
+    yield from robot.team.pause(robot.options.pause_s * share * robot.progress.backoff)
 
 
 def follow(robot: SrtRobot, step: Step) -> Generator[Action, Outcome, Moved]:
@@ -149,21 +145,21 @@ def stop_here(robot: SrtRobot, step: Step, moved: Moved) -> Steps:
     whole, at = step.motion, robot.at
     robot.journey.target = None
     driven_s = moved.time_s - (robot.team.plan.arrival_s - whole.duration_s)
-    for _ in range(MOST_TRIES):
-        if moved.blocked_by is not None:
-            robot.heed(moved.blocked_by)
-        if robot.ways.can_reverse or moved.blocked_by is None:
+    while moved.blocked_by is not None:
+        robot.heed(moved.blocked_by)
+        if robot.ways.can_reverse:
             break
+        robot.progress.note(Event.NO_WAY)
+        if robot.progress.is_boxed_in:
+            raise BoxedIn
         yield from pause_a_while(robot)
         motion = whole.after(driven_s)
         yield from set_out(robot, motion)
         began_s = at.time_s
         moved = yield from follow(robot, replace(step, way=OutAndBack(motion)))
         driven_s += moved.time_s - began_s
-    else:
-        robot.progress.stays = MOST_TRIES + 1
-        raise BoxedIn
     if moved.blocked_by is None:
+        robot.progress.note(Event.WAY)
         at.here = step.node
         return
     driven = whole.until(driven_s)

@@ -60,7 +60,7 @@ class SrtRobot:
     team : Team
         What it tells and is told; `team.roster` is what it knows of the others.
     progress : Progress
-        Whether it gets on.
+        Whether it gets on, and what it does when it does not.
     """
 
     def __init__(self, me: RobotSelf, shape: Shape, options: MultiSrtOptions) -> None:
@@ -86,7 +86,7 @@ class SrtRobot:
         self.bypass = Bypass(me, body, self.routes)
         self.views = Views(me, self.planner, self.bypass, options.max_views)
         self.journey = Journey(self.at, self.map, self.ways)
-        self.progress = Progress()
+        self.progress = Progress(options)
         roster = Roster(me, options, self.at, self.obstacles)
         self.team = Team(me, options, self.at, self.map, roster)
 

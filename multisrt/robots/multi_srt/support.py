@@ -19,17 +19,8 @@ from multisrt.robots.multi_srt.build_srt import as_far_as_it_gets, build_srt, ta
 from multisrt.robots.multi_srt.messages import Order
 from multisrt.robots.multi_srt.move_to import move_to
 from multisrt.robots.multi_srt.planner import PlanOutcome, on_the_way
-from multisrt.robots.multi_srt.progress import MOST_WAITS
+from multisrt.robots.multi_srt.progress import Event
 from multisrt.robots.multi_srt.robot import SrtRobot
-
-CHECK_S = 30.0
-"""A robot that waits for others asks them after this time whether they are still there."""
-
-MOMENT_S = 1.0
-"""News that come within this time are looked at together."""
-
-AWAY_S = 5.0
-"""A robot that gave way and is out of sight of its home goes there again after this time."""
 
 
 @dataclass(slots=True)
@@ -183,6 +174,7 @@ def transfer_to(robot: SrtRobot, end: NodeId, tree: NodeId | None) -> Steps:
         return on_the_way(robot, end, "transfer")
 
     robot.journey.target = None
+    robot.progress.note(Event.NEW_TASK)
     yield from robot.team.begin_step()
     yield from take_steps(robot, way_on)
 
@@ -194,7 +186,7 @@ def is_near_enough(robot: SrtRobot, way: list[NodeId]) -> bool:
     if the end is within sensing range and the robot does not get on.
     """
     length_m = robot.routes.length_m(way)
-    if robot.progress.troubles >= MOST_WAITS and length_m <= robot.me.range_m:
+    if robot.progress.is_hindered and length_m <= robot.me.range_m:
         return True
     end = robot.map[way[-1]].configuration
     reach_m = 2.0 * robot.planner.body.outer_radius_m + robot.options.guard_m
@@ -218,18 +210,18 @@ def exploration_running(robot: SrtRobot) -> bool:
 
 def wait_for_news(robot: SrtRobot) -> Steps:
     """Stand by until there is news; now and then ask robots that were not heard of for long."""
-    team, at = robot.team, robot.at
+    team, at, check_s = robot.team, robot.at, robot.options.check_period_s
     roster = team.roster
     if robot.is_unlimited:
-        until_s = at.time_s + CHECK_S
+        until_s = at.time_s + check_s
     else:
-        until_s = max(at.time_s, _next_take_over_s(robot)) + MOMENT_S
+        until_s = max(at.time_s, _next_take_over_s(robot)) + robot.options.settle_s
     yield from stand_by(robot, until_s)
     if robot.is_unlimited and at.time_s >= until_s:
         yield from team.ask(
             n
             for n in team.others
-            if n not in roster.lost and roster.heard_s.get(n, 0.0) <= at.time_s - CHECK_S
+            if n not in roster.lost and roster.heard_s.get(n, 0.0) <= at.time_s - check_s
         )
 
 
@@ -241,7 +233,7 @@ def stand_by(robot: SrtRobot, until_s: float) -> Steps:
         yield from obey(robot)
         if robot.team.news() != news:
             # More of it may follow at once.
-            yield from robot.team.pause(MOMENT_S)
+            yield from robot.team.pause(robot.options.settle_s)
             yield from obey(robot)
             return
 
@@ -261,7 +253,7 @@ def _give_way(robot: SrtRobot, order: Order) -> Steps:
         return
     way = robot.routes.way(robot.at.here, root)
     if way is not None and robot.routes.length_m(way) > robot.me.range_m:
-        yield from robot.team.pause(AWAY_S)
+        yield from robot.team.pause(robot.options.home_after_s)
         yield from transfer_to(robot, root, None)
         yield from robot.team.rest()
 

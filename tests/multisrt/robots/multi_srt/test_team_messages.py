@@ -1,6 +1,7 @@
 """What robots share: nothing but messages, which have a size and bring their maps together."""
 
 import dataclasses
+import enum
 import gc
 import types
 from itertools import combinations
@@ -82,7 +83,7 @@ def run(world, count, *, seed=0, max_time_s=300.0, **more):
 
 # Nothing is shared ---------------------------------------------------------------------------
 
-PROGRAM = (types.ModuleType, type, types.BuiltinFunctionType, types.MethodDescriptorType)
+PROGRAM = (types.ModuleType, type, types.BuiltinFunctionType, types.MethodDescriptorType, enum.Enum)
 ATOMS = (str, bytes, int, float, complex, bool, type(None), np.generic, np.dtype, range)
 VALUES = (Footprint, shapely.Geometry)
 """Immutable by their contract; what they keep of themselves is the same for whoever asks."""

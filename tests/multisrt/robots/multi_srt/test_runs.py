@@ -317,7 +317,7 @@ def test_the_living_pass_the_dead_and_explore_the_rest(strategy, seed):
             assert event.stage != "root" or event.serial == 0
 
 
-def test_robots_whose_ways_cross_do_not_stop_one_another_for_ever():
+def test_robots_whose_ways_cross_do_not_stop_each_other_for_ever():
     # Balls that do not overlap are not coordinated, but the ways to their parents may cross.
     spec = RunSpec(
         environment=CatalogEnvironment(name="open"),

@@ -39,10 +39,19 @@ from multisrt.robots.multi_srt.robot import SrtRobot
 from multisrt.robots.multi_srt.targets import NewPlace, Step
 
 
-def build_srt(robot: SrtRobot) -> Steps:
-    """BUILD_SRT: extend a tree until its frontier is explored and the robot is at its root."""
+def build_srt(robot: SrtRobot, *, supports: bool = False) -> Steps:
+    """BUILD_SRT: extend a tree until its frontier is explored and the robot is at its root.
+
+    Parameters
+    ----------
+    robot : SrtRobot
+        The robot; `robot.at.tree` is the tree.
+    supports : bool
+        Whether the tree is extended in support, where the third stage of the planner begins at
+        once.
+    """
     robot.progress.note(Event.NEW_TASK)
-    supports = robot.at.tree != robot.trees.root
+    robot.journey.begin("support" if supports else "explore")
     yield from take_steps(robot, Planner(robot, completing=supports))
 
 
@@ -69,6 +78,7 @@ def take_steps(robot: SrtRobot, plan: Plan) -> Steps:
                 region = yield from perceive(robot)
                 yield from robot.trees.add(region, robot.journey.came)
                 robot.journey.resume()
+            robot.journey.been.add(robot.at.node)
             yield from look(robot)
             ger = yield from build_ger(robot, gpr)
             frontier = local_frontier(robot)

@@ -7,7 +7,7 @@ from dataclasses import replace
 from multisrt.events import Purpose
 from multisrt.geometry.numerics.kernel import FloatArray
 from multisrt.robots.exploration_map import ExplorationMap
-from multisrt.robots.knowledge import Node
+from multisrt.robots.knowledge import Node, NodeId
 from multisrt.robots.multi_srt.messages import Order, motion_of
 from multisrt.robots.multi_srt.targets import KnownNode, NewPlace, Step, Target
 from multisrt.robots.multi_srt.ways import OutAndBack, Ways
@@ -34,15 +34,24 @@ class Journey:
         The last step made.
     purpose : Purpose
         Why the robot moves, for the record.
+    been : set of NodeId
+        Nodes at which the robot has been in this task.
     """
 
     def __init__(self, at: Whereabouts, known: ExplorationMap, ways: Ways) -> None:
         self.target: Target | None = None
         self.came: Step | None = None
         self.purpose: Purpose = "explore"
+        self.been: set[NodeId] = set()
         self._at = at
         self._map = known
         self._ways = ways
+
+    def begin(self, purpose: Purpose) -> None:
+        """Begin a task: to extend a tree, or to go to a node."""
+        self.target = None
+        self.purpose = purpose
+        self.been.clear()
 
     def place_of(self, target: Target | None) -> tuple[float, float] | None:
         """Return the position of a target in metres; None for none."""

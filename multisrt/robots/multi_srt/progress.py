@@ -1,8 +1,9 @@
 """Whether a robot gets on, and what it does when it does not: one state machine.
 
 A *setback* is a step that did not go as planned: a master ordered something else, or the
-protective stop ended the motion. Setbacks are counted since the robot last got to a place where
-no node was, by a plan of its own, or began a new task. The count alone leads along the first row:
+protective stop ended the motion. Setbacks are counted since the robot, by a plan of its own, last
+got to a place where it had not been in its present task: to extend one tree, or to go to one
+node. The count alone leads along the first row:
 
 ::
 
@@ -36,8 +37,9 @@ STUCK      waits, and looks for a way again
 BOXED_IN   gives up its task
 =========  =====================================================================================
 
-The count falls to zero, not little by little: a robot that is sent to and fro between known
-nodes makes no progress, however many motions it completes.
+The count falls to zero, not little by little: a robot that is sent to and fro between the same
+nodes makes no progress, however many motions it completes. As there are finitely many places to
+get to in a task, a robot cannot go on for ever without being jammed.
 """
 
 from __future__ import annotations
@@ -61,7 +63,7 @@ class Event(Enum):
     """What changes the state."""
 
     NEW_TASK = "begins to extend a tree, or to go to a node"
-    NEW_PLACE = "has reached a place without a node by its own plan"
+    NEW_PLACE = "has reached, by its own plan, a place where it had not been in its task"
     SETBACK = "was ordered otherwise by a master, or stopped"
     NO_WAY = "has found no way to anywhere"
     WAY = "has found a way"

@@ -61,8 +61,7 @@ def support_others(robot: SrtRobot, supported: Supported) -> Steps:
 def support(robot: SrtRobot, tree: NodeId) -> Steps:
     """Go to the root of another robot's tree, and extend it."""
     yield from transfer_to(robot, tree, tree)
-    robot.journey.purpose = "support"
-    yield from build_srt(robot)
+    yield from build_srt(robot, supports=True)
 
 
 def select(robot: SrtRobot, supported: Supported) -> Generator[Action, Outcome, NodeId | None]:
@@ -162,7 +161,6 @@ def transfer_to(robot: SrtRobot, end: NodeId, tree: NodeId | None) -> Steps:
         Root of the tree in which the robot counts as active meanwhile.
     """
     robot.at.tree = tree
-    robot.journey.purpose = "home" if end == robot.trees.root else "support"
 
     def way_on(frontier: FloatArray, draws: Draws) -> PlanOutcome:
         here = robot.at.node
@@ -173,8 +171,8 @@ def transfer_to(robot: SrtRobot, end: NodeId, tree: NodeId | None) -> Steps:
             return "end", None
         return on_the_way(robot, end, "transfer")
 
-    robot.journey.target = None
     robot.progress.note(Event.NEW_TASK)
+    robot.journey.begin("home" if end == robot.trees.root else "support")
     yield from robot.team.begin_step()
     yield from take_steps(robot, way_on)
 

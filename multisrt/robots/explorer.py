@@ -1,22 +1,102 @@
 """The contract of an explorer: a plain object that is told what happens and says what to do.
 
-`Explorer.run` is a generator. It yields actions and is sent back their outcomes. It does no
-input or output, reads no clock but the one it is told, and cannot reach the world: it knows its
-scans, its messages and its own configuration, and that is all. The same explorer can be driven
-by the simulation, by a test by hand, or by a real robot.
+An explorer decides for one robot. Its method `run` is a generator that yields actions and is sent
+back their outcomes, as if it commanded a robot and read the answers:
 
-=============  ==========================================  ================================
-action         what is done                                what is sent back
-=============  ==========================================  ================================
-`Sense`        the range finder looks round                `Scan`
-`Look`         other robots' bodies in sight are noticed   tuple of `Sighting`
-`Move`         the body follows a trajectory               `Moved`, or `Received` (see there)
-`Stop`         a motion that goes on ends here and now     `Moved`
-`Send`         a message goes out by radio                 None
-`Receive`      waits for messages, or for a motion's end   `Received`, `Moved` or `TimedOut`
-`Note`         an event is put on record                   None
-`Done`         nothing more; the robot stays where it is   nothing, or `Received` (see there)
-=============  ==========================================  ================================
+>>> class OneScan:
+...     '''Takes one scan, and ends.'''
+...
+...     def __init__(self, me, options):
+...         self.me = me
+...
+...     def run(self):
+...         scan = yield Sense()
+...         yield Done(complete=False, reason=f"has looked around at {scan.time_s} s")
+
+It does no input or output, reads no clock but the times that it is told, and cannot reach the
+world: it knows its scans, its messages and its own configuration, and nothing else. So the same
+explorer can be driven by the simulation, by hand in a test, or by the driver of a real robot.
+
+=========  ==========================================  =========================================
+action     effect                                      outcome that is sent back
+=========  ==========================================  =========================================
+`Sense`    the range finder takes a scan               `Scan`
+`Look`     bodies of other robots are detected         tuple of `Sighting`
+`Move`     the body follows a trajectory               `Moved`; while listening, or `Received`
+`Stop`     the present motion ends here and now        `Moved`
+`Send`     a message goes out by radio                 None
+`Receive`  waits for messages, or for a motion's end   `Received`, `Moved` or `TimedOut`
+`Note`     an event is put on record                   None
+`Done`     the robot stays where it is                 nothing; on call, `Received`
+=========  ==========================================  =========================================
+
+Time passes in `Move` and `Receive` only. Lengths are in metres, times in seconds since the run
+began, angles in radians counter-clockwise from the x axis; all robots share one frame.
+
+To make an explorer a strategy, give its class, or a function that builds it, to a `Strategy` with
+a frozen structure of options. This one drives back and forth, as a complete example:
+
+>>> import msgspec
+>>> import multisrt as ms
+>>> from multisrt.geometry.configuration import Configuration
+>>> from multisrt.planners.motion.steering import turn_and_drive
+
+>>> class Options(msgspec.Struct, frozen=True, kw_only=True):
+...     '''How far to drive in metres, and how often.'''
+...
+...     length_m: float = 2.0
+...     times: int = 3
+
+>>> class BackAndForth:
+...     '''Scans at both ends of a straight line.'''
+...
+...     def __init__(self, me: RobotSelf, options: Options) -> None:
+...         self.me = me
+...         self.options = options
+...
+...     def run(self) -> "Steps":
+...         at = self.me.start
+...         ends = [Configuration(at.x + self.options.length_m, at.y, 0.0), at]
+...         for k in range(self.options.times):
+...             yield Sense()
+...             goal = ends[k % 2]
+...             way = turn_and_drive(self.me.kinematics, at, goal.x, goal.y)
+...             moved = yield Move(trajectory=way, guard_m=0.1)
+...             at = moved.configuration
+...             if moved.blocked_by is not None:
+...                 yield Done(complete=False, reason="another robot is in the way")
+...                 return
+...         yield Done(complete=False, reason=f"has driven {self.options.times} times")
+
+>>> strategy = ms.Strategy(
+...     name="back-and-forth",
+...     summary="Drives to and fro on a straight line",
+...     options=Options,
+...     explorer=BackAndForth,
+... )
+
+`check_explorer` runs a strategy and says what is wrong with it; `ms.register` makes it known by
+its name to `ms.explore`, to experiments and to the command line. A test drives it by hand:
+
+>>> import numpy as np
+>>> from multisrt.geometry.bodies.footprint import Footprint
+>>> from multisrt.planners.motion.kinematics import Differential
+>>> me = RobotSelf(
+...     robot=0,
+...     start=Configuration(1.0, 1.0, 0.0),
+...     footprint=Footprint.disc(0.25),
+...     kinematics=Differential(),
+...     range_m=4.0,
+...     rng=np.random.default_rng(0),
+... )
+>>> steps = strategy.explorer(me, Options(times=1)).run()
+>>> next(steps)
+Sense()
+>>> move = steps.send(None)  # the scan: this explorer does not read it
+>>> move.trajectory.end.x
+3.0
+>>> steps.send(Moved(configuration=move.trajectory.end, time_s=move.trajectory.duration_s)).reason
+'has driven 1 times'
 """
 
 from __future__ import annotations
@@ -36,33 +116,41 @@ from multisrt.planners.motion.kinematics import Kinematics
 from multisrt.planners.motion.trajectory import Trajectory
 from multisrt.robots.messages import Message
 
+# Actions ------------------------------------------------------------------------------------
+
 
 class Sense(msgspec.Struct, frozen=True):
-    """Look round from where the robot is, also while it moves."""
+    """Take a scan from the current configuration, also during a motion; answered by `Scan`."""
 
 
 class Look(msgspec.Struct, frozen=True):
-    """Notice the bodies of other robots that are in sight and within range."""
+    """Detect the bodies of other robots in sight and within sensing range.
+
+    Answered by a tuple of `Sighting`, empty if there are none.
+    """
 
 
 class Move(msgspec.Struct, frozen=True, kw_only=True):
-    """Follow a trajectory, which begins where the robot is.
+    """Follow a trajectory.
+
+    Answered by `Moved` when the motion ends.
 
     Attributes
     ----------
     trajectory : Trajectory
-        The motion.
-    purpose : str
-        Why, for the record.
+        The motion; it begins at the current configuration.
+    purpose : Purpose
+        Why the robot moves, for the record.
     guard_m : float or None
-        The protective stop: the motion ends where another body that is in sight would come
-        nearer than this. One that is nearer already when the motion begins stops it where the
-        distance would fall below half of what it was, or below a quarter of this; one that is
-        nearer than that, where it would fall at all. None: no such stop.
+        Guard distance of the protective stop in metres: the motion ends where another body in
+        sight would come nearer than this. A body that is nearer already when the motion begins
+        stops it where the distance would fall below half of that, or below a quarter of the
+        guard distance; one that is nearer than that quarter, where the distance would fall at
+        all. None: no protective stop.
     listen : bool
-        Whether to be told of messages on the way: `Received` is sent back when one comes that
-        wakes (see `Message`), while the motion goes on; `Receive` waits for what comes next,
-        and at last gives `Moved`.
+        Whether messages are delivered during the motion: `Received` is sent back when one comes
+        that wakes (see `Message.wakes`), and the motion goes on; `Receive` then waits for what
+        comes next, and at last is answered by `Moved`.
     """
 
     trajectory: Trajectory
@@ -72,18 +160,18 @@ class Move(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class Stop(msgspec.Struct, frozen=True):
-    """End the motion that goes on."""
+    """End the present motion; answered by `Moved`."""
 
 
 class Send(msgspec.Struct, frozen=True):
-    """Send a message to whoever the radio reaches, or to one robot.
+    """Send a message by radio.
 
     Attributes
     ----------
     message : Message
-        What is sent.
+        The message.
     to : int or None
-        The robot that it is for; None: all.
+        Number of the robot that it is for; None: all that the radio reaches.
     """
 
     message: Message
@@ -91,40 +179,48 @@ class Send(msgspec.Struct, frozen=True):
 
 
 class Receive(msgspec.Struct, frozen=True):
-    """Wait for messages, or for the end of the motion that goes on.
+    """Wait for messages, or for the end of the present motion.
+
+    Answered by `Received`, by `Moved` if a motion ended, or by `TimedOut`.
 
     Attributes
     ----------
     timeout_s : float or None
-        For how long; 0: until nothing more comes at this moment; None: for ever. While a motion
-        goes on, only messages that wake end the waiting before its time; what else has come is
-        received when it is over.
+        Longest time to wait; 0: until nothing more comes at this moment; None: no limit. During
+        a motion only messages that wake end the waiting; the others are received when the motion
+        is over.
     """
 
     timeout_s: float | None = None
 
 
 class Note(msgspec.Struct, frozen=True):
-    """Put an event on record. It changes nothing and takes no time."""
+    """Put an event on record. It changes nothing and takes no time.
+
+    Attributes
+    ----------
+    event : Event
+        The event.
+    """
 
     event: AnyEvent
 
 
 class Done(msgspec.Struct, frozen=True):
-    """The robot has finished.
+    """End: the robot stays where it is.
 
     Attributes
     ----------
     complete : bool
-        Whether all that it knew how to explore is explored.
+        Whether it has explored all that it knew how to explore.
     reason : str
         Why it ended, in words.
     frontier : tuple of (x0, y0, x1, y1)
-        What frontier it leaves open.
+        Frontier segments that it leaves open, in metres.
     on_call : bool
-        Whether to be told of messages that still come: `Received` is sent back, and the robot
-        may act until it is done again. The run ends when all robots are done and no message
-        is on its way.
+        Whether messages are still delivered: `Received` is sent back when one comes, and the
+        robot may act until it yields `Done` again. The run ends when all robots are done and no
+        message is on its way.
     """
 
     complete: bool
@@ -133,15 +229,18 @@ class Done(msgspec.Struct, frozen=True):
     on_call: bool = False
 
 
+# Outcomes -----------------------------------------------------------------------------------
+
+
 class Sighting(msgspec.Struct, frozen=True, kw_only=True):
-    """Another robot's body, as the range finder sees it.
+    """The body of another robot, as the range finder sees it.
 
     Attributes
     ----------
     robot : int
-        Which; robots can be told apart.
+        Number of that robot; robots can be told apart.
     configuration : Configuration
-        Where it is.
+        Its configuration.
     footprint : Footprint
         Its outline.
     """
@@ -152,16 +251,17 @@ class Sighting(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class Moved(msgspec.Struct, frozen=True, kw_only=True):
-    """Where and when a motion ended.
+    """The end of a motion.
 
     Attributes
     ----------
     configuration : Configuration
-        Where.
+        Where it ended.
     time_s : float
-        When.
+        When it ended.
     blocked_by : Sighting or None
-        The body before which the protective stop ended it.
+        The body before which the protective stop ended it; None if it was completed, or ended
+        by `Stop`.
     """
 
     configuration: Configuration
@@ -177,7 +277,7 @@ class Received(msgspec.Struct, frozen=True):
     messages : tuple of Message
         At least one.
     time_s : float
-        When the last one came.
+        When the last of them came.
     """
 
     messages: tuple[Message, ...]
@@ -185,32 +285,43 @@ class Received(msgspec.Struct, frozen=True):
 
 
 class TimedOut(msgspec.Struct, frozen=True):
-    """Nothing came in time."""
+    """Nothing came in the time that `Receive` allowed.
+
+    Attributes
+    ----------
+    time_s : float
+        The time now.
+    """
 
     time_s: float
 
 
 Action = Sense | Look | Move | Stop | Send | Receive | Note | Done
 Outcome = Scan | tuple[Sighting, ...] | Moved | Received | TimedOut | None
+Steps = Generator[Action, Outcome, None]
+"""What `Explorer.run` returns, and what procedures return to which it delegates by yield from."""
+
+
+# What a robot is told before it begins -------------------------------------------------------
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RadioSelf:
-    """What a robot knows of its radio: its data sheet.
+    """What a robot knows of its radio: the data sheet.
 
     Attributes
     ----------
     range_m : float
-        How far it reaches in the open; inf: unlimited.
+        Range in the open, in metres; inf: unlimited.
     latency_s : float
-        A message comes within this time, or never.
+        Longest time that a message takes; one that has not come by then never comes.
     loss : float
-        Share of messages that never come.
+        Share of messages that are lost, from 0 to 1.
     multi_hop : bool
         Whether robots in between relay messages.
     reaches_all : bool
-        Whether every message comes to everybody: nothing limits the range, stands in the way,
-        or loses it.
+        Whether every message reaches every robot: nothing limits the range, blocks the radio, or
+        loses messages.
     """
 
     range_m: float = float("inf")
@@ -229,23 +340,23 @@ class RobotSelf:
     robot : int
         Its number, from 0.
     start : Configuration
-        Where it stands.
+        Its configuration at the beginning.
     footprint : Footprint
-        Its body.
+        The outline of its body about the reference point.
     kinematics : Kinematics
         How it moves.
     range_m : float
-        How far its range finder reaches.
+        Sensing range in metres.
     rng : numpy.random.Generator
-        Its own stream of random numbers.
+        Its own stream of random numbers: the only source of chance, so that runs are repeatable.
     team : int
-        How many robots the team has.
+        Number of robots in the team, this one included.
     radio : RadioSelf
         What its radio can do.
     time_s : float
         When it begins.
     team_range_m : float or None
-        How far any range finder of the team reaches; None: as far as its own.
+        Largest sensing range in the team; None: its own.
     """
 
     robot: int
@@ -261,13 +372,17 @@ class RobotSelf:
 
     @property
     def longest_range_m(self) -> float:
-        """How far the best range finder of the team reaches."""
+        """Largest sensing range in the team, in metres."""
         return self.range_m if self.team_range_m is None else self.team_range_m
 
 
 class Explorer(Protocol):
     """What decides for one robot."""
 
-    def run(self) -> Generator[Action, Outcome, None]:
-        """Yield actions and be sent their outcomes; the last action is `Done`."""
+    def run(self) -> Steps:
+        """Yield actions and be sent their outcomes.
+
+        The last action is `Done`. A generator that returns without it, or raises, is an error of
+        the explorer; `multisrt.testing.check_explorer` finds most of them.
+        """
         ...

@@ -1,35 +1,99 @@
-"""The protective stop: how near a motion may come to another body, and how to plan for it."""
+"""The protective stop: when a motion is ended before another body, and how to plan around that.
+
+A motion ends where another body in sight comes nearer than the guard distance. A body that is
+nearer already as the motion begins may stay near, but not come much nearer (`stop_within`).
+Planned ways keep a little more distance than that (`least_gap`), so that no motion that was
+planned with the other body in mind is ended by its protective stop.
+"""
 
 from __future__ import annotations
 
+from multisrt.planners.motion.sweep import Sweep
+
 LEAST_SHARE = 0.25
-"""Whoever stands nearer than this share of the guard to another body is stopped at once."""
+"""Share of the guard distance below which a body may not come nearer at all."""
 
 NO_NEARER = 0.999
-"""Where it is stopped then, as a share of its distance: what is left keeps a stop from coming
-before the motion begins, as it would for who leaves."""
+"""Share of the initial distance at which such a body is stopped: less than 1, so that rounding
+does not stop a body that moves away."""
 
 BEYOND_GUARD = 1.2
-"""Paths keep this share of the guard distance between them, so that none is stopped by it."""
+"""Distance that planned ways keep from other bodies, as a share of the guard distance."""
 
 
 def stop_within(distance_m: float, guard_m: float) -> float:
-    """Give at what distance a body stops a motion that was nearer than the guard as it began.
+    """Return the distance at which a body stops a motion that began within the guard distance.
 
-    At half of the distance that it had then, but not within `LEAST_SHARE` of the guard.
+    Half of the distance at the beginning, but at least `LEAST_SHARE` of the guard distance; and
+    never more than the distance at the beginning.
+
+    Parameters
+    ----------
+    distance_m : float
+        Distance between the two bodies as the motion begins, in metres; less than `guard_m`.
+    guard_m : float
+        Guard distance in metres.
+
+    Examples
+    --------
+    >>> stop_within(0.08, guard_m=0.1)
+    0.04
+    >>> stop_within(0.03, guard_m=0.1)
+    0.025
     """
     return max(0.5 * distance_m, min(NO_NEARER * distance_m, LEAST_SHARE * guard_m))
 
 
-def least_gap(now_m: float, guard_m: float) -> float:
-    """Give how near to one another ways may be planned of two bodies that are so far apart now.
+def max_gap(guard_m: float) -> float:
+    """Return the largest value of `least_gap`, whatever the distance between two bodies."""
+    return BEYOND_GUARD * guard_m
 
-    So that no protective stop ends them: farther than the guard, where they are; for bodies that
-    are nearer already, half way from there to where they would be stopped.
+
+def least_gap(now_m: float, guard_m: float) -> float:
+    """Return the distance that the planned ways of two bodies have to keep.
+
+    It lies beyond the distance at which the protective stop would end a motion: the guard
+    distance and a margin where the bodies are farther apart than that, the guard distance where
+    they are within the margin; and for bodies that are nearer already, half way between their
+    present distance and that of their stop.
+
+    Parameters
+    ----------
+    now_m : float
+        Distance between the two bodies now, in metres.
+    guard_m : float
+        Guard distance in metres.
+
+    Examples
+    --------
+    >>> least_gap(1.0, guard_m=0.1)
+    0.12
+    >>> least_gap(0.11, guard_m=0.1)
+    0.1
+    >>> least_gap(0.08, guard_m=0.1)
+    0.06
     """
-    beyond = BEYOND_GUARD * guard_m
+    beyond = max_gap(guard_m)
     if now_m >= beyond:
         return beyond
     if now_m > guard_m:
         return guard_m
     return 0.5 * (now_m + stop_within(now_m, guard_m))
+
+
+def conflict(way_a: Sweep, body_a: Sweep, way_b: Sweep, body_b: Sweep, guard_m: float) -> bool:
+    """Return whether two ways come nearer to one another than `least_gap` allows.
+
+    Parameters
+    ----------
+    way_a, way_b : Sweep
+        What each body sweeps; for a body that stays, what it covers where it stands.
+    body_a, body_b : Sweep
+        What each body covers now.
+    guard_m : float
+        Guard distance in metres.
+    """
+    apart_m = way_a.distance_to(way_b)
+    if apart_m >= max_gap(guard_m):
+        return False
+    return apart_m < least_gap(body_a.distance_to(body_b), guard_m)

@@ -1,6 +1,6 @@
-"""The registry of strategies: from a name to what builds a robot's explorer.
+"""The registry of strategies: from a name to the factory of a robot's explorer.
 
-Other packages add their own by an entry point in the group `multisrt.strategies` that gives a
+Other packages add their own by an entry point in the group ``multisrt.strategies`` that names a
 `Strategy`, or by `register`.
 """
 
@@ -40,20 +40,22 @@ from multisrt.validation_errors import explained
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Strategy:
-    """A way to explore.
+    """A strategy of exploration: a named factory of explorers.
 
     Attributes
     ----------
     name : str
-        What specs and the command line call it.
+        Its name in specs and on the command line.
     summary : str
         One line for lists.
     options : type
-        A frozen msgspec structure with the strategy's parameters and their defaults.
+        A frozen msgspec structure: the parameters of the strategy and their defaults.
     explorer : callable
-        Builds one robot's explorer from what the robot knows of itself, and the options.
+        Builds the `Explorer` of one robot from its `RobotSelf` and the options.
     fits : callable or None
-        Raises `InvalidInputError` if a spec is not for this strategy.
+        Takes a `RunSpec`, and raises `InvalidInputError` if the strategy cannot make that run.
+
+    See `multisrt.robots.explorer` for a complete example.
     """
 
     name: str
@@ -63,23 +65,47 @@ class Strategy:
     fits: Callable[[RunSpec], None] | None = None
 
     def require_fit(self, spec: RunSpec) -> None:
-        """Check that a run is one for this strategy.
+        """Check that this strategy can make a run.
+
+        Parameters
+        ----------
+        spec : RunSpec
+            The run.
 
         Raises
         ------
         InvalidInputError
-            If it is not; the message says why.
+            If it cannot; the message says why.
         """
         if self.fits is not None:
             self.fits(spec)
 
     def parse_options(self, options: Mapping[str, object]) -> msgspec.Struct:
-        """Check a strategy's parameters, which may be written as text, and fill in defaults.
+        """Check values for the strategy's parameters, and fill in the defaults.
+
+        Parameters
+        ----------
+        options : mapping of str to object
+            Values by the name of the parameter; they may be written as text.
+
+        Returns
+        -------
+        msgspec.Struct
+            An instance of the strategy's `options`.
 
         Raises
         ------
         InvalidInputError
             If a parameter is unknown or its value is not allowed; the message names it.
+
+        Examples
+        --------
+        >>> strategy("srt-star").parse_options({"cones": "8"}).cones
+        8
+        >>> strategy("srt-star").parse_options({"cone": 8})  # doctest: +ELLIPSIS
+        Traceback (most recent call last):
+        ...
+        multisrt.geometry.errors.InvalidInputError: srt-star has no option 'cone' ...
         """
         known = {field.name: field for field in msgspec.structs.fields(self.options)}
         for key in options:
@@ -102,12 +128,24 @@ class Strategy:
 
 
 def register(strategy: Strategy) -> None:
-    """Add a strategy.
+    """Add a strategy for this process.
+
+    Parameters
+    ----------
+    strategy : Strategy
+        The strategy.
 
     Raises
     ------
     InvalidInputError
-        If there is one of that name.
+        If there is a strategy of that name already.
+
+    Examples
+    --------
+    >>> register(strategy("minpos"))
+    Traceback (most recent call last):
+    ...
+    multisrt.geometry.errors.InvalidInputError: there is a strategy 'minpos' already
     """
     registered = _registry()
     if strategy.name in registered:
@@ -116,17 +154,33 @@ def register(strategy: Strategy) -> None:
 
 
 def strategies() -> tuple[Strategy, ...]:
-    """Give all strategies, our own first."""
+    """Return all strategies: those of this package first, then those of others.
+
+    Examples
+    --------
+    >>> [strategy.name for strategy in strategies()][:3]
+    ['srt-ball', 'srt-star', 'srt-radial']
+    """
     return tuple(_registry().values())
 
 
 def strategy(name: str) -> Strategy:
-    """Find a strategy by its name.
+    """Return the strategy of a name.
+
+    Parameters
+    ----------
+    name : str
+        Its name.
 
     Raises
     ------
     InvalidInputError
-        If there is none; the message lists them.
+        If there is none; the message lists all.
+
+    Examples
+    --------
+    >>> strategy("minpos").summary
+    'To the frontier where fewest are nearer'
     """
     registered = _registry()
     if name not in registered:
@@ -144,7 +198,7 @@ def strategy(name: str) -> Strategy:
 
 
 def broken_strategies() -> Mapping[str, str]:
-    """Give the entry points that could not be loaded, with the reason of each."""
+    """Return why entry points of other packages could not be loaded, by name."""
     return _from_entry_points()[1]
 
 
@@ -161,7 +215,7 @@ def _registry() -> dict[str, Strategy]:
 
 
 def _from_entry_points() -> tuple[dict[str, Strategy], dict[str, str]]:
-    # One package that is broken does not take the strategies of all others away.
+    # A broken package does not take away the strategies of the others.
     loaded: dict[str, Strategy] = {}
     broken: dict[str, str] = {}
     for entry in sorted(entry_points(group="multisrt.strategies"), key=lambda e: e.name):
@@ -191,7 +245,8 @@ def _srt(shape: Shape, summary: str) -> Strategy:
 
 
 def _require_reach(spec: RunSpec) -> None:
-    # Whoever may become engaged must be heard before: R_c >= 3 R_p (Multi-SRT, section 2).
+    # Robots that may become engaged have to hear one another before: R_c >= 3 R_p (Multi-SRT,
+    # section 2).
     reach, ranges = spec.radio.range_m, [robot.range_finder.range_m for robot in spec.robots]
     least = 3.0 * max(ranges)
     if len(spec.robots) == 1 or reach is None or math.isclose(reach, least):
@@ -236,7 +291,7 @@ def _require_no_car(spec: RunSpec) -> None:
 
 
 def _require_talk(spec: RunSpec) -> None:
-    # Who assigns, bids for others or swaps goals has to hear of them.
+    # Assigning, bidding for others and swapping goals need their positions.
     if len(spec.robots) > 1 and spec.radio.range_m == 0.0:
         raise InvalidInputError(
             f"{spec.strategy} needs robots that hear one another, and the radio range is 0; "

@@ -1,20 +1,18 @@
-"""BUILD_MULTI_SRT: what one robot of a team does from beginning to end (paper 003, Figure 1)."""
+"""BUILD_MULTI_SRT: what one robot of a team does from beginning to end (Multi-SRT, Figure 1)."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Generator
 
 from multisrt.geometry.numerics.kernel import FloatArray
 from multisrt.geometry.regions.frontier_arcs import total_length
 from multisrt.geometry.regions.safe_region import Shape
-from multisrt.robots.explorer import Action, Done, Outcome, RobotSelf
+from multisrt.robots.explorer import Done, RobotSelf, Steps
 from multisrt.robots.multi_srt.build_srt import as_far_as_it_gets, build_srt
 from multisrt.robots.multi_srt.options import MultiSrtOptions
-from multisrt.robots.multi_srt.robot import SrtRobot, segments_of
-from multisrt.robots.multi_srt.support import obey, support_others
-
-Steps = Generator[Action, Outcome, None]
+from multisrt.robots.multi_srt.robot import SrtRobot
+from multisrt.robots.multi_srt.support import Supported, obey, support_others
+from multisrt.robots.multi_srt.trees import segments_of
 
 
 class SrtExplorer:
@@ -34,30 +32,26 @@ class SrtExplorer:
         self.robot = SrtRobot(me, shape, options)
 
     def run(self) -> Steps:
-        """BUILD_MULTI_SRT: the own tree, then those of others; and stand by at the end."""
-        robot = self.robot
+        """BUILD_MULTI_SRT: extend the own tree, then those of others; then stand by."""
+        robot, supported = self.robot, Supported()
         yield from robot.team.begin_step()
         yield from as_far_as_it_gets(robot, build_srt(robot))
-        yield from self.finish_tree()
+        robot.at.tree = None
+        yield from robot.team.rest()
         while True:
             if not robot.team.is_alone:
-                yield from support_others(robot)
+                yield from support_others(robot, supported)
             outcome = yield self.done()
             yield from robot.team.take(outcome)
             yield from obey(robot)
 
-    def finish_tree(self) -> Steps:
-        """Tell that this robot does nothing more in any tree."""
-        self.robot.tree = None
-        yield from self.robot.team.rest()
-
     def done(self) -> Done:
-        """Say how it ended: by what is known, all explored, or what was left and why."""
+        """Return how it ended: all that it knows of is explored, or what was left and why."""
         robot = self.robot
-        nodes = robot.map.open_nodes(robot.root)
+        nodes = robot.map.open_nodes(robot.trees.root)
         frontier = [robot.map.frontier(node) for node in nodes]
-        if robot.is_boxed_in:
-            around = sorted(robot.obstacles)
+        if robot.progress.is_boxed_in:
+            around = sorted(robot.obstacles.all)
             reason = "boxed in" + (f" by robots {around}, which do not give way" if around else "")
             if nodes:
                 reason += f", with {_length(frontier):.1f} m of frontier left open"

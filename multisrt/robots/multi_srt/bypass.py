@@ -1,9 +1,9 @@
-"""Ways through what is known where the roadmap has none.
+"""Ways through the known space where the roadmap has none.
 
-The paper's robots never die, and its roadmap joins all trees. Here whoever stands for good may
-block a way where there is room to pass, and trees may touch where no two nodes see each other.
-The way is found on a raster of what is known, without bodies; its first straight piece becomes
-the next edge of the tree.
+The paper's robots never die, and its roadmap joins all trees. Here the body of a robot that does
+not answer may block an edge of the roadmap where there is room to pass, and trees may touch where
+no two nodes see each other. Such a way is found on a raster of the known space, without the
+bodies; its first straight piece becomes the next edge of the tree.
 """
 
 from __future__ import annotations
@@ -11,83 +11,50 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.spatial import cKDTree
 
-from multisrt.geometry.bodies.clearance import keep_off
 from multisrt.geometry.grids.distance_field import DistanceField
 from multisrt.geometry.grids.raster import eroded
 from multisrt.geometry.numerics.kernel import BoolArray, FloatArray, IntArray
-from multisrt.robots.exploration_map import NodeId
-
-if TYPE_CHECKING:
-    from multisrt.robots.multi_srt.robot import SrtRobot
+from multisrt.planners.motion.body import PlanningBody
+from multisrt.robots.exploration_map import ExplorationMap
+from multisrt.robots.explorer import RobotSelf
+from multisrt.robots.knowledge import NodeId
+from multisrt.robots.multi_srt.obstacles import Obstacles
+from multisrt.robots.multi_srt.routes import Routes
+from multisrt.robots.multi_srt.targets import KnownNode, NewPlace, Target
 
 CELLS_PER_RADIUS = 5.0
-"""Cells of the raster that make up a body's radius."""
+"""Cells of the raster along the circumscribed radius of the body."""
 
 BEYOND_CELLS = 0.1
-"""Cells that are so much further off a body than a way has to be have clear ways between them."""
+"""Margin in cells around bodies: straight ways between cells beyond it keep off the bodies."""
 
+Wanted = Callable[[NodeId], bool]
+"""Whether a node is one of those that are looked for."""
 
-def first_leg(
-    robot: SrtRobot,
-    wanted: Callable[[NodeId], bool] | None = None,
-    goal: tuple[float, float] | None = None,
-) -> tuple[NodeId, NodeId | tuple[float, float]] | None:
-    """Find the straight way off the roadmap with which the way to a wanted node, or place, begins.
-
-    Parameters
-    ----------
-    robot : SrtRobot
-        Who goes. A car has no such way: it would need its own curves.
-    wanted : callable or None
-        Whether a node is one of those looked for; None: none is.
-    goal : (x, y) or None
-        A place that is looked for instead.
-
-    Returns
-    -------
-    start : NodeId
-        Where it begins; the roadmap leads there.
-    end : NodeId or (x, y)
-        Where it ends: at a node from which the roadmap leads on, or at a place without a node.
-    None, if there is none.
-    """
-    if robot.here is None or robot.is_car:
-        return None
-    for find in (_rest_of_the_way, _search):
-        track = find(robot, wanted, goal)
-        clear = 0 if track is None else _clear_places(robot, track)
-        if track is not None and clear:
-            if clear == len(track.along) and track.end is not None:
-                robot.track = None
-                return track.start, track.end
-            robot.track = replace(track, gone=clear)
-            x, y = track.along[clear - 1].tolist()
-            return track.start, (x, y)
-    robot.track = None
-    return None
+Leg = tuple[NodeId, NodeId | tuple[float, float]]
+"""A straight way off the roadmap: the node at which it begins, and the node or place at its end."""
 
 
 @dataclass(frozen=True, slots=True)
 class Track:
-    """A way off the roadmap that was found, and is gone piece by piece.
+    """A way off the roadmap that was found, and is followed piece by piece.
 
     Attributes
     ----------
     found_at : NodeId
-        Where the robot was.
+        The node at which the robot was when it found the way.
     start : NodeId
-        The node at which it leaves the roadmap.
+        The node at which the way leaves the roadmap.
     along : (n, 2) array
-        Places along it, cell by cell.
+        Places along it, cell by cell, in metres.
     end : NodeId or None
         The node at its end; None: it ends at a place.
     gone : int
-        How many of the places lie on its first piece.
+        Number of places that lie on its first straight piece.
     """
 
     found_at: NodeId
@@ -97,78 +64,172 @@ class Track:
     gone: int = 0
 
 
-def _rest_of_the_way(
-    robot: SrtRobot,
-    wanted: Callable[[NodeId], bool] | None,
-    goal: tuple[float, float] | None,
-) -> Track | None:
-    # Of the way found last, if it leads to what is looked for still.
-    track, here = robot.track, robot.here
-    if track is None or here is None:
-        return None
-    if tuple(track.along[track.gone - 1]) == robot.q_act[:2]:
-        track = Track(here, here, track.along[track.gone :], track.end)
-    elif here != track.found_at or robot.way(here, track.start) is None:
-        return None
-    if not len(track.along):
-        return None
-    if track.end is None or wanted is None:
-        leads = track.end is None and goal == tuple(track.along[-1])
-    else:
-        leads = robot.ways.to_nearest(track.end, wanted, robot.is_passable) is not None
-    return track if leads else None
+class Bypass:
+    """Finds ways off the roadmap for one robot, and remembers the last one.
 
+    A car has no such ways: it would need curves of its own.
 
-def _clear_places(robot: SrtRobot, track: Track) -> int:
-    # How many places of a way lie on the longest straight piece with which it may begin.
-    start = np.array(robot.map[track.start].configuration[:2])
-    clear = np.flatnonzero(_goes_straight(robot, start, track.along))
-    return int(clear[-1]) + 1 if len(clear) else 0
+    Parameters
+    ----------
+    me : RobotSelf
+        What the robot knows of itself.
+    body : PlanningBody
+        Its body.
+    routes : Routes
+        Its routes over the roadmap.
+    """
 
+    def __init__(self, me: RobotSelf, body: PlanningBody, routes: Routes) -> None:
+        self.me = me
+        self.body = body
+        self.routes = routes
+        self.at = routes.at
+        self.map = routes.map
+        self._track: Track | None = None
 
-def _search(
-    robot: SrtRobot,
-    wanted: Callable[[NodeId], bool] | None,
-    goal: tuple[float, float] | None,
-) -> Track | None:
-    # The shortest way off the roadmap.
-    assert robot.here is not None
-    looked_for = [] if wanted is None else [n.id for n in robot.map.nodes if wanted(n.id)]
-    if goal is None and not looked_for:
+    def to(self, wanted: Wanted) -> Target | None:
+        """Return the target that leads on to the nearest wanted node, or None.
+
+        Where the way off the roadmap is one straight line to a node, it becomes an edge of the
+        roadmap, and the target is the wanted node; else the target is the end of its first piece.
+        """
+        leg = self.first_leg(wanted)
+        if leg is None:
+            return None
+        start, end = leg
+        if not isinstance(end, NodeId):
+            return self._place(start, end)
+        self.routes.ways.join(start, end)
+        way = self.routes.to_nearest(self.at.node, wanted)
+        return None if way is None else KnownNode(tuple(way))
+
+    def to_place(self, x: float, y: float, aim: NodeId) -> NewPlace | None:
+        """Return the target that leads on to a place from which `aim`'s frontier is seen."""
+        leg = self.first_leg(goal=(x, y))
+        if leg is None or isinstance(leg[1], NodeId):
+            return None
+        place = self._place(*leg)
+        if place is None:
+            return None
+        if (place.x, place.y) != (x, y):
+            return replace(place, aim=aim)
+        return replace(place, stage="complete", aim=aim, is_interim=False)
+
+    def _place(self, start: NodeId, place: tuple[float, float]) -> NewPlace | None:
+        way = self.routes.way(self.at.node, start)
+        if way is None:
+            return None
+        return NewPlace(*place, "bypass", tuple(way), roomy=True, is_interim=True)
+
+    def first_leg(
+        self, wanted: Wanted | None = None, goal: tuple[float, float] | None = None
+    ) -> Leg | None:
+        """Return the straight piece with which the shortest way off the roadmap begins.
+
+        Parameters
+        ----------
+        wanted : callable or None
+            Whether a node is one of those that are looked for; None: none is.
+        goal : (x, y) or None
+            A place that is looked for instead.
+
+        Returns
+        -------
+        start : NodeId
+            The node at which it begins; the roadmap leads there.
+        end : NodeId or (x, y)
+            Its end: a node from which the roadmap leads on, or a place without a node.
+        None, if there is no way.
+        """
+        if self.at.here is None or self.routes.ways.is_car:
+            return None
+        for find in (self._rest_of_the_track, self._search):
+            track = find(wanted, goal)
+            clear = 0 if track is None else self._clear_places(track)
+            if track is not None and clear:
+                if clear == len(track.along) and track.end is not None:
+                    self._track = None
+                    return track.start, track.end
+                self._track = replace(track, gone=clear)
+                x, y = track.along[clear - 1].tolist()
+                return track.start, (x, y)
+        self._track = None
         return None
-    robot.ways.extend()
-    grid, roadmap = _Grid(robot), robot.ways.roadmap
-    starts = roadmap.lengths([robot.here], robot.is_passable)
-    begins = grid.with_room([*starts])
-    beyond = roadmap.lengths(looked_for, robot.is_passable)
-    ends = grid.with_room([node for node in beyond if node not in starts])
-    spots = grid.cells(_places(robot, begins))
-    places = _places(robot, ends) if goal is None else np.array([goal])
-    if not len(begins) or not grid.has_room(places).any():
-        return None
-    field = DistanceField(grid.room, grid.cell_m, places, x0=grid.x0, y0=grid.y0)
-    best = _best_start(field, spots, np.array([starts[node] for node in begins]))
-    if best is None:
-        return None
-    cells = field.descent(spots[best])
-    last = int(np.hypot(*(places - grid.places(cells[-1:])).T).argmin())
-    along = np.vstack([grid.places(cells[1:]), places[last]])
-    return Track(robot.here, begins[best], along, ends[last] if goal is None else None)
+
+    def _rest_of_the_track(
+        self, wanted: Wanted | None, goal: tuple[float, float] | None
+    ) -> Track | None:
+        # The remainder of the last track, where it still leads to what is looked for.
+        track, here = self._track, self.at.node
+        if track is None:
+            return None
+        if tuple(track.along[track.gone - 1]) == self.at.q_act[:2]:
+            track = Track(here, here, track.along[track.gone :], track.end)
+        elif here != track.found_at or self.routes.way(here, track.start) is None:
+            return None
+        if not len(track.along):
+            return None
+        if track.end is None or wanted is None:
+            leads = track.end is None and goal == tuple(track.along[-1])
+        else:
+            leads = self.routes.to_nearest(track.end, wanted) is not None
+        return track if leads else None
+
+    def _clear_places(self, track: Track) -> int:
+        # The number of places of a track on the longest straight piece with which it may begin.
+        start = np.array(self.map[track.start].configuration[:2])
+        clear = np.flatnonzero(self._goes_straight(start, track.along))
+        return int(clear[-1]) + 1 if len(clear) else 0
+
+    def _search(self, wanted: Wanted | None, goal: tuple[float, float] | None) -> Track | None:
+        # The shortest way off the roadmap, on a raster.
+        here, routes = self.at.node, self.routes
+        looked_for = [] if wanted is None else [n.id for n in self.map.nodes if wanted(n.id)]
+        if goal is None and not looked_for:
+            return None
+        routes.ways.extend()
+        grid, roadmap = _Grid(self.body, self.map, routes.obstacles), routes.ways.roadmap
+        starts = roadmap.lengths([here], routes.is_passable)
+        begins = grid.with_room([*starts])
+        beyond = roadmap.lengths(looked_for, routes.is_passable)
+        ends = grid.with_room([node for node in beyond if node not in starts])
+        spots = grid.cells(_places(self.map, begins))
+        places = _places(self.map, ends) if goal is None else np.array([goal])
+        if not len(begins) or not grid.has_room(places).any():
+            return None
+        field = DistanceField(grid.room, grid.cell_m, places, x0=grid.x0, y0=grid.y0)
+        best = _best_start(field, spots, np.array([starts[node] for node in begins]))
+        if best is None:
+            return None
+        cells = field.descent(spots[best])
+        last = int(np.hypot(*(places - grid.places(cells[-1:])).T).argmin())
+        along = np.vstack([grid.places(cells[1:]), places[last]])
+        return Track(here, begins[best], along, ends[last] if goal is None else None)
+
+    def _goes_straight(self, start: FloatArray, ends: FloatArray) -> BoolArray:
+        # Whether the body gets straight from a place with room to others within sensing range.
+        x, y = start.tolist()
+        ways = np.hstack([np.broadcast_to(start, ends.shape), ends])
+        known = self.map.known_space(x, y, self.me.range_m + self.body.outer_radius_m)
+        clear: BoolArray = np.hypot(*(ends - start).T) <= self.me.range_m
+        clear[clear] = known.passes(ways[clear], self.body.roomy_radius_m)
+        clear[clear] = self.routes.obstacles.are_passed_by(ways[clear])
+        return clear
 
 
 class _Grid:
-    """Where a robot's body has room in what is known, off all bodies: on a raster."""
+    """A raster of where the body has room in the known space, off all obstacles."""
 
-    def __init__(self, robot: SrtRobot) -> None:
-        self.cell_m = robot.body.outer_radius_m / CELLS_PER_RADIUS
-        raster = robot.map.raster(self.cell_m)
+    def __init__(self, body: PlanningBody, known: ExplorationMap, obstacles: Obstacles) -> None:
+        self.cell_m = body.outer_radius_m / CELLS_PER_RADIUS
+        raster = known.raster(self.cell_m)
         self.x0, self.y0 = raster.x0, raster.y0
         # The border runs anywhere between a cell that is known and its neighbour that is not.
-        least = robot.body.roomy_radius_m / self.cell_m + math.sqrt(0.5)
+        least = body.roomy_radius_m / self.cell_m + math.sqrt(0.5)
         self.room: BoolArray = eroded(raster.cells, least)
-        self._robot = robot
+        self._map = known
         xs, ys = raster.centres()
-        for x, y, berth_m in robot.berths.tolist():
+        for x, y, berth_m in obstacles.berths.tolist():
             reach = berth_m + BEYOND_CELLS * self.cell_m
             columns = np.flatnonzero(np.abs(xs - x) < reach)
             rows = np.flatnonzero(np.abs(ys - y) < reach)
@@ -176,30 +237,30 @@ class _Grid:
             self.room[np.ix_(rows, columns)] &= ~near
 
     def cells(self, places: FloatArray) -> IntArray:
-        """Give the rows and columns in which places lie."""
+        """Return the row and column in which each place lies, ``(n, 2)``."""
         cells: IntArray = np.floor((places - (self.x0, self.y0)) / self.cell_m).astype(np.int64)
         return cells[:, ::-1]
 
     def places(self, cells: IntArray) -> FloatArray:
-        """Give the middles of cells."""
+        """Return the centres of cells, ``(n, 2)``."""
         places: FloatArray = (cells[:, ::-1] + 0.5) * self.cell_m + np.array([self.x0, self.y0])
         return places
 
     def has_room(self, places: FloatArray) -> BoolArray:
-        """Tell at which places the body has room; all lie in what is known."""
+        """Return at which places, all of them in the known space, the body has room."""
         rows, columns = self.cells(places).T
         room: BoolArray = self.room[rows, columns]
         return room
 
     def with_room(self, nodes: list[NodeId]) -> list[NodeId]:
-        """Give the nodes at which the body has room."""
-        room = self.has_room(_places(self._robot, nodes))
+        """Return the nodes at which the body has room."""
+        room = self.has_room(_places(self._map, nodes))
         return [node for node, has_room in zip(nodes, room.tolist(), strict=True) if has_room]
 
 
 def _best_start(field: DistanceField, spots: IntArray, before_m: FloatArray) -> int | None:
-    # Of the cells in which a way may leave the roadmap the one with the shortest way in all. The
-    # front goes only so far as may be shorter than the way over the first that it comes to.
+    # The cell at which to leave the roadmap for the shortest way in total. The front of the field
+    # advances only as far as a way may be shorter than that over the first cell it reaches.
     nearest = field.first(spots)
     if nearest is None:
         return None
@@ -213,16 +274,5 @@ def _best_start(field: DistanceField, spots: IntArray, before_m: FloatArray) -> 
     return int(promising[np.argmin(lengths)])
 
 
-def _places(robot: SrtRobot, nodes: list[NodeId]) -> FloatArray:
-    return np.array([robot.map[node].configuration[:2] for node in nodes]).reshape(-1, 2)
-
-
-def _goes_straight(robot: SrtRobot, start: FloatArray, ends: FloatArray) -> BoolArray:
-    # Whether the body gets straight from a place with room to others, no farther than it sees.
-    x, y = start.tolist()
-    ways = np.hstack([np.broadcast_to(start, ends.shape), ends])
-    known = robot.map.known_space(x, y, robot.me.range_m + robot.body.outer_radius_m)
-    clear: BoolArray = np.hypot(*(ends - start).T) <= robot.me.range_m
-    clear[clear] = known.passes(ways[clear], robot.body.roomy_radius_m)
-    clear[clear] = keep_off(ways[clear], robot.berths)
-    return clear
+def _places(known: ExplorationMap, nodes: list[NodeId]) -> FloatArray:
+    return np.array([known[node].configuration[:2] for node in nodes]).reshape(-1, 2)

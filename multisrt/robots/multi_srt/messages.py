@@ -1,4 +1,4 @@
-"""What Multi-SRT robots say to one another."""
+"""Messages between Multi-SRT robots."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from typing import ClassVar, Literal
 import msgspec
 
 from multisrt.planners.motion.kinematics import Kinematics
+from multisrt.planners.motion.trajectory import Trajectory, Waypoint
 from multisrt.robots.knowledge import Closing, Counts, EntriesMessage, Node, NodeId, WantMessage
 from multisrt.robots.messages import Message
 
@@ -20,54 +21,66 @@ __all__ = [
     "RobotState",
     "StateMessage",
     "WantMessage",
+    "motion_of",
+    "path_of",
 ]
 
 Phase = Literal["waiting", "perceived", "planned", "moving", "idle"]
-"""What a robot is at: waits for its GPR; has perceived, and then planned, with that group; moves
-to its target; or has nothing to do and stands."""
+"""Phase of a step: waits for the GPR; has perceived, and then planned, with that group; moves to
+the target. Idle: stands and has nothing to do."""
 
 Key = tuple[tuple[int, int], ...]
-"""A group that steps together: for every member, which of its steps."""
+"""Name of a group that steps together: (robot, number of its step) of every member, by robot."""
 
 Path = tuple[tuple[float, float, float, float], ...]
-"""Waypoints of a motion: time from its start, x, y, heading."""
+"""Waypoints of a motion: time from its start, x, y, heading; in seconds, metres and radians."""
+
+
+def path_of(motion: Trajectory) -> Path:
+    """Return a motion as messages hold it."""
+    return tuple((w.time_s, w.x, w.y, w.heading) for w in motion.waypoints)
+
+
+def motion_of(path: Path) -> Trajectory:
+    """Return the motion that a message holds."""
+    return Trajectory(tuple(Waypoint(*waypoint) for waypoint in path))
 
 
 class RobotState(msgspec.Struct, frozen=True, kw_only=True):
-    """What a robot says of itself; a newer one replaces an older one.
+    """What a robot tells of itself; a newer state replaces an older one.
 
     Attributes
     ----------
     robot : int
-        Who.
+        Its number.
     said : int
-        Number of this saying among the robot's.
+        Number of this state among all that it has told: the larger is the newer.
     step : int
-        How many steps it has made.
+        Number of steps that it has made.
     phase : Phase
-        What it is at.
+        Phase of its present step.
     key : Key
         The group with which it makes this step; empty before there is one.
     path : Path
-        Its planned or ongoing motion; where it stands, if it plans none.
+        Its planned or ongoing motion; a single waypoint where it stands.
     arrival_s : float
         When the ongoing motion ends.
     node : NodeId or None
-        The node that it stands at, or left last.
+        The node at which it stands, or that it left last.
     frontier_m : float
-        Length of its local frontier, as far as it plans to go there.
+        Length of the local frontier that it goes for, in metres; 0 if it goes elsewhere.
     waited : int
-        How often in a row it was told to wait.
+        How many times in a row it had to wait.
     tree : NodeId or None
-        Root of the tree that it is active in; None while it has nothing to do.
+        Root of the tree in which it is active; None while it is in none.
     footprint : str
         Its body.
     kinematics : Kinematics
         How it moves.
     range_m : float
-        How far it sees (paper: R_p).
+        Its sensing range in metres (paper: R_p).
     have : tuple of (robot, nodes, closings)
-        What it knows.
+        How many nodes and closings of every robot it knows.
     """
 
     robot: int
@@ -88,28 +101,28 @@ class RobotState(msgspec.Struct, frozen=True, kw_only=True):
 
     @property
     def place(self) -> tuple[float, float, float]:
-        """Where it stands, or where its ongoing motion began."""
+        """Its configuration, or that at the beginning of its ongoing motion."""
         return self.path[0][1:]
 
     @property
     def target(self) -> tuple[float, float]:
-        """Where it goes: its own place, unless it moves."""
+        """Position of its target: the end of its motion, or its own place while it stands."""
         return self.path[-1 if self.phase == "moving" else 0][1:3]
 
 
 class StateMessage(Message, frozen=True, kw_only=True):
-    """The sender's state, those of others that it vouches for, and entries of its map.
+    """The sender's state, states of others that it passes on, and entries of its map.
 
     Attributes
     ----------
     states : tuple of RobotState
         The sender's own first.
     ask : bool
-        Whether those are to answer who may meet the sender in their next step.
+        Whether robots that may meet the sender in their next step are to answer.
     asked : tuple of int
-        Who is to answer in any case.
+        Robots that are to answer in any case.
     entries : tuple of Node or Closing
-        What is new in its map.
+        Entries of its map that it has not told yet.
     """
 
     kind: ClassVar[str] = "state"
@@ -121,21 +134,21 @@ class StateMessage(Message, frozen=True, kw_only=True):
 
     @property
     def wakes(self) -> bool:
-        """Questions reach also a robot that moves."""
+        """Whether it is a question: those are answered during a motion, too."""
         return self.ask or bool(self.asked)
 
 
 class Order(msgspec.Struct, frozen=True, kw_only=True):
-    """What a master tells one robot.
+    """What a master orders one robot to do in this step.
 
     Attributes
     ----------
     order : {"keep", "wait", "new target", "give way"}
-        Go where it planned, stay, or go elsewhere.
+        Make the planned motion, stay, go elsewhere, or clear another robot's way.
     path : Path
         The motion, for a new target or to give way.
     node : NodeId or None
-        The node at its end, if there is one.
+        The node at the end of that motion, if there is one.
     """
 
     order: Literal["keep", "wait", "new target", "give way"]
@@ -144,16 +157,16 @@ class Order(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class OrdersMessage(Message, frozen=True, kw_only=True):
-    """A master's word to its group (paper: the signal that ends the waiting phase).
+    """The orders of a master to its group (paper: the signal that ends the waiting phase).
 
     Attributes
     ----------
     key : Key
-        The group and its step.
+        The group, and its step.
     orders : tuple of (robot, Order)
-        What everyone shall do.
+        The order for every robot.
     feasible, unfeasible : tuple of int
-        Robots whose planned ways conflicted with nobody's, and the rest.
+        Robots whose planned motions conflicted with no other, and the rest.
     """
 
     kind: ClassVar[str] = "orders"
@@ -164,10 +177,10 @@ class OrdersMessage(Message, frozen=True, kw_only=True):
     unfeasible: tuple[int, ...]
 
     def order_for(self, robot: int) -> Order | None:
-        """Give what one robot shall do; None if it is not of the group."""
+        """Return the order for a robot; None if it is not of the group."""
         return next((order for number, order in self.orders if number == robot), None)
 
     @property
     def wakes(self) -> bool:
-        """An idle robot may have to give way."""
+        """Whether it is delivered during a motion: it is."""
         return True

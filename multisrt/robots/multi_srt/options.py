@@ -8,6 +8,20 @@ from typing import Literal
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.planners.srt import SrtOptions
 
+_POSITIVE = (
+    "guard_m",
+    "take_over_after_s",
+    "ask_period_s",
+    "sense_period_s",
+    "pause_s",
+    "left_out_s",
+    "check_period_s",
+    "settle_s",
+    "home_after_s",
+)
+_POSITIVE_IF_GIVEN = ("support_m", "silence_timeout_s")
+_AT_LEAST_ONE = ("crowded_after", "jammed_after", "boxed_in_after", "max_rounds")
+
 
 class MultiSrtOptions(SrtOptions, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Parameters of a Multi-SRT explorer: those of `SrtOptions`, and of the team.
@@ -15,31 +29,54 @@ class MultiSrtOptions(SrtOptions, frozen=True, kw_only=True, forbid_unknown_fiel
     Attributes
     ----------
     guard_m : float
-        A robot stops before another's body comes nearer than this; paths that come nearer to
-        one another conflict.
+        Distance in metres to another body at which the protective stop ends a motion; paths that
+        come nearer to one another conflict.
     support : bool
-        Whether a robot that is done with its own tree supports others (with an unlimited radio).
+        Whether a robot that is done with its own tree supports others.
     support_m : float or None
-        A tree may need support if its open frontier is at least this long for each robot that
-        is active in it (paper: F bar); None: the range of the range finder.
+        A tree may need support if its open frontier is at least this long, in metres, for each
+        robot that is active in it (paper: F bar); None: the sensing range.
     select : {"closest_root", "most_recent"}
         Which of these trees is supported: the one whose root is the shortest way off, or the
         one that was extended last.
     take_over_after_s : float
-        With a limited radio, a robot that is done with its own tree takes over the frontier of
-        a robot that it has not heard of for so long.
+        With a limited radio, time after which a robot that is done with its own tree takes over
+        the frontier of a robot that it has not heard of.
     ask_period_s : float
-        A robot that waits for another asks it again after this time; latency comes on top.
+        Time after which a robot that waits for another asks it again; latency comes on top.
     silence_timeout_s : float or None
-        A robot that does not answer for so long is taken as lost; None: as long as it takes
-        until so many answers in a row would hardly be lost by the radio alone.
+        A robot that does not answer for this long is taken as lost; None: as long as it takes
+        until the radio alone would hardly lose that many answers in a row.
     sense : {"targets", "moving"}
-        Whether the range finder looks round at targets only, as in the paper, or also on the way
-        to new places.
+        Whether scans are taken at targets only, as in the paper, or also on the way to new
+        places.
     sense_period_s : float
-        How often it does so on the way.
+        Time between two scans on the way.
     pause_s : float
-        Robots that could not be let go try again after up to this time, each its own.
+        Longest pause of robots that could not go, before they try again; each draws its own, so
+        that the same robots do not try the same again.
+    crowded_after : int
+        Setbacks without progress after which a robot insists on its target no longer; see
+        `multisrt.robots.multi_srt.progress`. A robot waits for a group in which each other robot
+        goes first about this often.
+    jammed_after : int
+        Setbacks without progress after which a robot plans around robots that stand idle: they
+        have not cleared its way however often a master ordered them to.
+    boxed_in_after : int
+        Number of times in a row that a robot finds no way at all before it gives up its task:
+        with `pause_s` between them, time for a body that blocks the way to go on.
+    max_rounds : int
+        Rounds of questions within one step after which a robot goes on without those that do not
+        agree on the group. Robots that hear one another, but not the same others, may never.
+    left_out_s : float
+        Time for which it then leaves them out of its groups.
+    check_period_s : float
+        Time after which a robot that waits for the end of the exploration asks robots that it
+        has not heard of whether they are still there.
+    settle_s : float
+        News that come within this time are looked at together by a robot that waits.
+    home_after_s : float
+        Time after which a robot that gave way and is out of sight of its root goes back there.
     """
 
     guard_m: float = 0.1
@@ -52,13 +89,28 @@ class MultiSrtOptions(SrtOptions, frozen=True, kw_only=True, forbid_unknown_fiel
     sense: Literal["targets", "moving"] = "targets"
     sense_period_s: float = 2.0
     pause_s: float = 2.0
+    crowded_after: int = 3
+    jammed_after: int = 12
+    boxed_in_after: int = 12
+    max_rounds: int = 40
+    left_out_s: float = 30.0
+    check_period_s: float = 30.0
+    settle_s: float = 1.0
+    home_after_s: float = 5.0
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        for name in ("guard_m", "take_over_after_s", "ask_period_s", "sense_period_s", "pause_s"):
-            if not 0.0 < getattr(self, name) < math.inf:
-                raise InvalidInputError(f"{name} is {getattr(self, name)}; it must be positive")
-        for name in ("support_m", "silence_timeout_s"):
+        for name in (*_POSITIVE, *_POSITIVE_IF_GIVEN):
             value = getattr(self, name)
-            if value is not None and not 0.0 < value < math.inf:
+            if value is None and name in _POSITIVE_IF_GIVEN:
+                continue
+            if not 0.0 < value < math.inf:
                 raise InvalidInputError(f"{name} is {value}; it must be positive")
+        for name in _AT_LEAST_ONE:
+            if getattr(self, name) < 1:
+                raise InvalidInputError(f"{name} is {getattr(self, name)}; it must be at least 1")
+        if self.jammed_after < self.crowded_after:
+            raise InvalidInputError(
+                f"jammed_after is {self.jammed_after}; it must be at least crowded_after, which is "
+                f"{self.crowded_after}"
+            )

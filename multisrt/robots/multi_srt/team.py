@@ -1,19 +1,18 @@
-"""What a robot knows of its team, and how it listens and answers."""
+"""How a robot talks to its team: what it tells of itself, and what it answers."""
 
 from __future__ import annotations
 
-import math
-import weakref
 from collections.abc import Iterable
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
 
 from multisrt.events import TakenAsLost
 from multisrt.geometry.bodies.footprint import Footprint
-from multisrt.robots.explorer import Note, Send, Sighting
+from multisrt.robots.exploration_map import ExplorationMap
+from multisrt.robots.explorer import Note, RobotSelf, Send
 from multisrt.robots.knowledge import Entry, NodeId
 from multisrt.robots.listening import Listener, Talk
 from multisrt.robots.messages import Message
-from multisrt.robots.multi_srt.engagement import are_coupled, group_of
+from multisrt.robots.multi_srt.groups import are_coupled, group_of
 from multisrt.robots.multi_srt.messages import (
     EntriesMessage,
     Key,
@@ -25,215 +24,227 @@ from multisrt.robots.multi_srt.messages import (
     StateMessage,
     WantMessage,
 )
+from multisrt.robots.multi_srt.options import MultiSrtOptions
+from multisrt.robots.multi_srt.roster import Roster
+from multisrt.robots.multi_srt.whereabouts import Whereabouts
 
-if TYPE_CHECKING:
-    from multisrt.robots.multi_srt.robot import SrtRobot
 
-ALMOST_NEVER = 1e-4
-"""A robot is taken as lost when its silence has at most this probability by the radio's loss."""
+@dataclass(slots=True)
+class Plan:
+    """What a robot is doing, as its team is told; see `RobotState` for the fields."""
 
-SAME_PLACE_M = 0.001
-"""A robot that is seen so near to where it said that it stands, stands there."""
+    step: int = 0
+    phase: Phase = "waiting"
+    key: Key = ()
+    path: Path = ()
+    arrival_s: float = 0.0
+    frontier_m: float = 0.0
+    waits: int = 0
 
 
 class Team(Listener):
-    """One robot's side of all talk: its own state as others know it, and theirs as it knows it.
+    """One robot's side of all talk.
 
     Parameters
     ----------
-    robot : SrtRobot
-        Whose.
+    me : RobotSelf
+        What the robot knows of itself.
+    options : MultiSrtOptions
+        Its parameters.
+    at : Whereabouts
+        Where it is; its clock is set by what is heard.
+    known : ExplorationMap
+        Its map.
+    roster : Roster
+        What it knows of the others.
+
+    Attributes
+    ----------
+    plan : Plan
+        What it tells of itself.
+    orders : dict of Key to OrdersMessage
+        The newest orders of a master, by the group and its step.
     """
 
     ends_pauses_on_time = False
 
-    def __init__(self, robot: SrtRobot) -> None:
-        # The robot holds its team: were it held in turn, both would outlive their run.
-        self.robot: SrtRobot = weakref.proxy(robot)
-        super().__init__(self.robot, robot.me, robot.map.entries, robot.options.ask_period_s)
-        self.states: dict[int, RobotState] = {}
-        self.heard_s: dict[int, float] = {}
-        self.lost: dict[int, None] = {}
-        self.unanswered: dict[int, int] = {}
+    def __init__(
+        self,
+        me: RobotSelf,
+        options: MultiSrtOptions,
+        at: Whereabouts,
+        known: ExplorationMap,
+        roster: Roster,
+    ) -> None:
+        super().__init__(at, me, known.entries, options.ask_period_s)
+        self.me = me
+        self.at = at
+        self.roster = roster
+        self.plan = Plan()
         self.orders: dict[Key, OrdersMessage] = {}
-        self.footprints: dict[str, Footprint] = {}
-        self.step = 0
-        self.phase: Phase = "waiting"
-        self.key: Key = ()
-        self.path: Path = ()
-        self.arrival_s = 0.0
-        self.frontier_m = 0.0
-        self.waited = 0
-        self.troubles = 0.0
+        self._map = known
         self._said = 0
         self._told: tuple[int, int] = (0, 0)
-        self._footprint = str(robot.me.footprint)
-        self.rounds = 0
-        self.ignored_until_s: dict[int, float] = {}
-        self._spoke_s: dict[int, float] = {}
-        radio, options = robot.me.radio, robot.options
-        if options.silence_timeout_s is not None:
-            self.patience = math.ceil(options.silence_timeout_s / self.period_s)
-        else:
-            unheard = 1.0 - (1.0 - radio.loss) ** 2
-            self.patience = (
-                math.ceil(math.log(ALMOST_NEVER) / math.log(unheard)) if unheard > 0.0 else 1
-            )
 
     @property
     def hears_all(self) -> bool:
         """Whether every robot hears all that any other says."""
-        return self.robot.me.radio.reaches_all
+        return self.me.radio.reaches_all
 
     @property
     def others(self) -> list[int]:
         """The numbers of all other robots."""
         return [number for number in range(self.size) if number != self.number]
 
+    @property
+    def companions(self) -> list[int]:
+        """The numbers of the other robots of the group of this step."""
+        return [number for number, _ in self.plan.key if number != self.number]
+
+    # The group ---------------------------------------------------------------------------
+
     def state_of(self, number: int) -> RobotState:
-        """Give what is known of a robot's state; of this one, what it is."""
-        return self.state() if number == self.number else self.states[number]
+        """Return the last known state of a robot; of this one, the present state."""
+        return self.state() if number == self.number else self.roster.states[number]
 
     def footprint(self, number: int) -> Footprint:
-        """Give a robot's body."""
-        if number == self.number:
-            return self.robot.me.footprint
-        text = self.states[number].footprint
-        if text not in self.footprints:
-            self.footprints[text] = Footprint.parse(text)
-        return self.footprints[text]
+        """Return the footprint of a robot."""
+        return self.me.footprint if number == self.number else self.roster.footprint(number)
 
     def gpr(self) -> tuple[int, ...]:
-        """Give the group of pre-engaged robots, this one among them."""
-        present = self.states.copy()
-        for number in (*self.lost, *self.ignored_until_s):
-            if self.is_out(number):
-                present.pop(number, None)
-        present[self.number] = self.state()
-        return group_of(self.number, present, are_coupled)
-
-    def is_out(self, number: int) -> bool:
-        """Whether a robot is not stepped with: it is lost, or the two could not agree."""
-        return number in self.lost or self.ignored_until_s.get(number, 0.0) > self.robot.time_s
-
-    def is_news(self, sighting: Sighting) -> bool:
-        """Whether a robot that answers is seen elsewhere than where it said that it stands."""
-        state = self.states.get(sighting.robot)
-        if state is None or sighting.robot in self.lost or state.phase == "moving":
-            return False
-        return math.dist(state.place[:2], sighting.configuration[:2]) > SAME_PLACE_M
+        """Return the group of pre-engaged robots, this one among them."""
+        return group_of(
+            self.number, {**self.roster.present(), self.number: self.state()}, are_coupled
+        )
 
     def key_of(self, group: Iterable[int]) -> Key:
-        """Name a group and the step that it is about to make."""
-        steps = {number: state.step for number, state in self.states.items()}
-        steps[self.number] = self.step
-        return tuple((number, steps[number]) for number in sorted(group))
+        """Return the name of a group for the step that it is about to make."""
+        states = self.roster.states
+        return tuple(
+            (number, self.plan.step if number == self.number else states[number].step)
+            for number in sorted(group)
+        )
+
+    def has_regrouped(self) -> bool:
+        """Whether the GPR, or the step of a member, has changed since the key was set."""
+        return self.key_of(self.gpr()) != self.plan.key
+
+    @property
+    def order_message(self) -> OrdersMessage | None:
+        """The orders for the step that the group is about to make, if they have come."""
+        return self.orders.get(self.plan.key)
+
+    def order_for_me(self) -> Order | None:
+        """Return what a master has ordered this robot for its present step, or None."""
+        for key, orders in self.orders.items():
+            if (self.number, self.plan.step) in key:
+                return orders.order_for(self.number)
+        return None
+
+    # What is said ------------------------------------------------------------------------
 
     def state(self) -> RobotState:
-        """Give this robot's own state."""
-        robot = self.robot
+        """Return this robot's own state."""
+        plan, at = self.plan, self.at
         return RobotState(
             robot=self.number,
             said=self._said,
-            step=self.step,
-            phase=self.phase,
-            key=self.key,
-            path=self.path or ((0.0, *robot.q_act),),
-            arrival_s=self.arrival_s,
-            node=robot.here,
-            frontier_m=self.frontier_m,
-            waited=self.waited,
-            tree=robot.tree,
-            footprint=self._footprint,
-            kinematics=robot.me.kinematics,
-            range_m=robot.me.range_m,
+            step=plan.step,
+            phase=plan.phase,
+            key=plan.key,
+            path=plan.path or ((0.0, *at.q_act),),
+            arrival_s=plan.arrival_s,
+            node=at.here,
+            frontier_m=plan.frontier_m,
+            waited=plan.waits,
+            tree=at.tree,
+            footprint=str(self.me.footprint),
+            kinematics=self.me.kinematics,
+            range_m=self.me.range_m,
             have=self._entries.counts(),
         )
 
     def announce(self, phase: Phase) -> Talk:
-        """Tell all who hear it what this robot is at, and what is new in its map."""
-        self.phase = phase
+        """Tell the team which phase of its step this robot has reached, and what its map gained."""
+        self.plan.phase = phase
         if not self.is_alone:
             yield from self.say()
 
     def rest(self) -> Talk:
-        """Tell that this robot has nothing to do and stands."""
-        self.path, self.frontier_m = (), 0.0
+        """Tell that this robot stands and has nothing to do."""
+        self.plan.path, self.plan.frontier_m = (), 0.0
         yield from self.announce("idle")
 
     def say(self, *, to: int | None = None, ask: bool = False, asked: tuple[int, ...] = ()) -> Talk:
-        """Send the own state; to all, with the entries that were not told yet."""
+        """Send the own state, to all with the entries of the map that were not told yet.
+
+        Parameters
+        ----------
+        to : int or None
+            The robot to tell; None: all.
+        ask : bool
+            Whether robots that this one may meet in its next step are to answer.
+        asked : tuple of int
+            Robots that are to answer in any case.
+        """
         self._said += 1
         entries: tuple[Entry, ...] = ()
         if to is None:
             known = self._entries.have()
             entries = self._entries.lacks({**known, self.number: self._told})
             self._told = known.get(self.number, (0, 0))
-        states = self._vouched(to)
+        # A robot that asks may have been out of reach: it is told of the whole group. Where
+        # nobody relays, robots always tell of one another.
+        relayed = self.hears_all or (to is None and self.me.radio.multi_hop)
+        others = () if relayed else self.roster.vouched(self.companions)
         yield Send(
-            StateMessage(sender=self.number, states=states, ask=ask, asked=asked, entries=entries),
+            StateMessage(
+                sender=self.number,
+                states=(self.state(), *others),
+                ask=ask,
+                asked=asked,
+                entries=entries,
+            ),
             to,
         )
 
     def begin_step(self) -> Talk:
-        """Tell that this robot is about to make a step; one that comes late asks everybody."""
-        late = not self.states and self.robot.time_s > 0.0
-        self.path = ()
-        self.phase = "waiting"
+        """Tell that this robot is about to make a step; a robot that comes late asks everybody."""
+        is_late = not self.roster.states and self.at.time_s > 0.0
+        self.plan.path = ()
+        self.plan.phase = "waiting"
         if not self.is_alone:
-            yield from self.say(ask=not self.hears_all, asked=tuple(self.others) if late else ())
-            # What came meanwhile is heard first, and who was asked has time to answer.
-            yield from self.pause(0.0 if self.hears_all and not late else self.round_trip_s)
+            asked = tuple(self.others) if is_late else ()
+            yield from self.say(ask=not self.hears_all, asked=asked)
+            # Messages that have come are read first, and robots that are asked have time to answer.
+            yield from self.pause(0.0 if self.hears_all and not is_late else self.round_trip_s)
 
     def ask(self, pending: Iterable[int]) -> Talk:
-        """Ask those who have not said what is waited for; who never answers is taken as lost."""
+        """Ask robots for their states; those that never answer are taken as lost."""
         asked = tuple(pending)
         for number in asked:
-            self.unanswered[number] = self.unanswered.get(number, 0) + 1
-            if self.unanswered[number] > self.patience:
-                self.unanswered[number] = 0
-                self.lost[number] = None
-                yield Note(TakenAsLost(time_s=self.robot.time_s, robot=self.number, other=number))
+            if self.roster.is_lost_when_asked(number):
+                yield Note(TakenAsLost(time_s=self.at.time_s, robot=self.number, other=number))
         yield from self.say(asked=asked)
 
     def news(self) -> tuple[object, ...]:
-        """Give something that changes when another robot's doing or the map has changed."""
-        doing = tuple((n, self.states[n].tree, n in self.lost) for n in sorted(self.states))
-        return doing, self._entries.counts()
+        """Return a value that changes with the trees of other robots and with the map."""
+        states, lost = self.roster.states, self.roster.lost
+        return (
+            tuple((n, states[n].tree, n in lost) for n in sorted(states)),
+            self._entries.counts(),
+        )
 
-    def order_for_me(self) -> Order | None:
-        """Give what a master told this robot for the step that it is about to make."""
-        for key, orders in self.orders.items():
-            if (self.number, self.step) in key:
-                return orders.order_for(self.number)
-        return None
+    # What is heard -----------------------------------------------------------------------
 
     def _merge(self, entries: tuple[Entry, ...]) -> tuple[NodeId, ...]:
-        return self.robot.map.merge(entries)
-
-    def _vouched(self, to: int | None) -> tuple[RobotState, ...]:
-        # Who asks may have been out of reach for a while: it is told of all members of the
-        # group. Where nobody relays, they always tell of one another.
-        own = self.state()
-        if self.hears_all or (to is None and self.robot.me.radio.multi_hop):
-            return (own,)
-        # Nobody vouches for whom it has not itself heard lately: the dead would live on.
-        lately = self.robot.time_s - self.patience * self.period_s
-        members = (number for number, _ in self.key if number != self.number)
-        return (
-            own,
-            *(
-                self.states[n]
-                for n in members
-                if n not in self.lost and self._spoke_s.get(n, -math.inf) >= lately
-            ),
-        )
+        return self._map.merge(entries)
 
     def _take_message(self, message: Message) -> Talk:
         match message:
             case StateMessage():
                 for state in message.states:
-                    self._take_state(state, message.sender)
+                    self.roster.take(state, message.sender)
                 if message.entries:
                     yield from self.learn(message.entries)
                 own = message.states[0]
@@ -244,32 +255,13 @@ class Team(Listener):
             case WantMessage():
                 yield from self._answer_want(message)
             case EntriesMessage():
-                self._heard(message.sender)
+                self.roster.hear_of(message.sender)
                 yield from self.learn(message.entries)
             case OrdersMessage():
-                self._heard(message.sender)
+                self.roster.hear_of(message.sender)
                 concerns_me = message.order_for(self.number) is not None
-                if (self.number, self.step) in message.key and concerns_me:
+                if (self.number, self.plan.step) in message.key and concerns_me:
                     self.orders = {message.key: message}
-
-    def _take_state(self, state: RobotState, sender: int) -> None:
-        number = state.robot
-        if number == self.number:
-            return
-        if number == sender:
-            self._spoke_s[number] = self.robot.time_s
-        known = self.states.get(number)
-        if known is None or state.said >= known.said:
-            self.states[number] = state
-            self._heard(number)
-            if state.phase == "moving":
-                self.robot.avoided.pop(number, None)
-
-    def _heard(self, number: int) -> None:
-        self.heard_s[number] = self.robot.time_s
-        self.lost.pop(number, None)
-        self.unanswered[number] = 0
-        self.robot.bodies.pop(number, None)
 
     def _concerns_me(self, asker: RobotState) -> bool:
         return any(number == self.number for number, _ in asker.key) or are_coupled(

@@ -1,4 +1,4 @@
-"""The ways that one robot's body can go: between nodes, and from a node to a new place."""
+"""Motions of one robot's body: between nodes of its roadmap, and from a node to a new place."""
 
 from __future__ import annotations
 
@@ -23,29 +23,42 @@ Passable = Callable[[NodeId, NodeId], bool]
 
 
 class OutAndBack(NamedTuple):
-    """A way to a place without a node, and the way back; None: it comes back otherwise."""
+    """A motion to a place, and the motion back.
+
+    Attributes
+    ----------
+    out : Trajectory
+        The motion to the place.
+    back : Trajectory or None
+        The motion back, for a body that has to retrace its way; None: the roadmap has one.
+    """
 
     out: Trajectory
     back: Trajectory | None = None
 
 
 class Ways:
-    """One robot's roadmap, and how its body follows it.
+    """The roadmap of one robot, and how its body follows the edges.
 
-    Where there is room for any heading, a body turns and drives straight. In a narrow place a
-    body that is no disc retraces the way on which it first came. A car stands at every node as
-    it came there first, and keeps for every edge the ways in both directions: one that cannot
-    turn round goes back as it came, and one that cannot reverse goes only where it knows a way
-    back.
+    Where the body fits in any heading, it turns and drives straight. In a narrow place a body
+    that is no disc retraces the motion on which it first came. A car stands at every node in the
+    heading in which it first came there, and keeps for every edge the motions in both
+    directions: a car that cannot turn round goes back as it came, and one that cannot reverse
+    goes only where it knows a way back.
 
     Parameters
     ----------
     me : RobotSelf
-        Whose.
+        What the robot knows of itself.
     body : PlanningBody
         Its body.
     known : ExplorationMap
-        Its knowledge.
+        Its map.
+
+    Attributes
+    ----------
+    roadmap : Roadmap of NodeId
+        Nodes, and edges between those that the body can go between.
     """
 
     def __init__(self, me: RobotSelf, body: PlanningBody, known: ExplorationMap) -> None:
@@ -61,14 +74,29 @@ class Ways:
         self._planned: dict[tuple[float, float], OutAndBack] = {}
 
     @property
+    def is_car(self) -> bool:
+        """Whether the body moves as a car does."""
+        return isinstance(self.me.kinematics, Car)
+
+    @property
     def can_reverse(self) -> bool:
-        """Whether the body can drive its way backwards."""
+        """Whether the body can retrace a motion backwards."""
         return not isinstance(self.me.kinematics, Car) or self.me.kinematics.reverse
 
     # The roadmap -------------------------------------------------------------------------
 
     def add(self, node: Node, way: OutAndBack | None, roomy: bool) -> None:
-        """Add a node that the robot made, and the way on which it came from the parent."""
+        """Add a node of the robot's own, and the edge from its parent.
+
+        Parameters
+        ----------
+        node : Node
+            The node.
+        way : OutAndBack or None
+            The motion on which the robot came from the parent; None at a root.
+        roomy : bool
+            Whether the body fits in any heading all along that motion.
+        """
         self.roadmap.add(node.id)
         self._planned.clear()
         if self.body.has_room(node.region.boundary, node.configuration):
@@ -86,18 +114,18 @@ class Ways:
             self._join(parent.id, node.id)
 
     def extend(self) -> None:
-        """Add bridges: straight ways from node to node that stay in their regions.
+        """Add bridges for the nodes that are new in the map: straight ways from node to node.
 
-        The body goes as far as it gets in the one's region, and from there in the other's. So
-        trees of other robots are joined, too: their edges are such ways. No hop is longer than
-        a robot sees: who may meet in a step is told by that.
+        On a bridge the body goes as far as it gets in the region of one node, and on in that of
+        the other. Trees of other robots are joined, too: their edges are such ways. No bridge is
+        longer than the sensing range, by which groups of robots that may meet are found.
         """
         if len(self.map) == self._seen:
             return
         nodes = self.map.nodes
         for node in nodes[self._seen :]:
             self.roadmap.add(node.id)
-        # Every pair is looked at once, when the later of the two is.
+        # Every pair is considered once, when the later of the two nodes is new.
         pairs = self.map.pairs_near(self._seen, self.me.range_m)
         self._seen = len(nodes)
         unknown = [not self._knows_way(nodes[a].id, nodes[b].id) for a, b in pairs.tolist()]
@@ -109,13 +137,13 @@ class Ways:
     def way(
         self, start: NodeId, end: NodeId, passable: Passable | None = None
     ) -> list[NodeId] | None:
-        """Find the shortest way between two nodes."""
+        """Return the shortest route between two nodes, both included, or None."""
         return self.roadmap.way(start, end, passable)
 
     def to_nearest(
         self, start: NodeId, wanted: Callable[[NodeId], bool], passable: Passable | None = None
     ) -> list[NodeId] | None:
-        """Find the way to the nearest of the wanted nodes."""
+        """Return the shortest route to any of the wanted nodes, or None."""
         return self.roadmap.way_to_nearest(start, wanted, passable)
 
     def _knows_way(self, a: NodeId, b: NodeId) -> bool:
@@ -132,13 +160,13 @@ class Ways:
             self.join(a.id, b.id)
 
     def join(self, a: NodeId, b: NodeId) -> None:
-        """Add a straight way on which there is room for any heading."""
+        """Add an edge: a straight way on which the body fits in any heading."""
         self._join(a, b)
         length = self.map[a].configuration.distance(self.map[b].configuration)
         self.roadmap.connect(a, b, length)
 
     def _curve(self, a: Node, b: Node) -> Trajectory | None:
-        # A car's shortest curve between two nodes, in what is seen from them.
+        # The shortest curve of a car between two nodes that stays in their regions.
         assert isinstance(self.me.kinematics, Car)
         region = a.region.polygon().union(b.region.polygon())
         start, goal = a.configuration, b.configuration
@@ -153,7 +181,19 @@ class Ways:
     def to_place(
         self, at: Configuration, boundary: FloatArray, x: float, y: float, roomy: bool = False
     ) -> OutAndBack | None:
-        """Give the way to a place that lies in a region; None where the body does not get there."""
+        """Return the motion to a place in a region; None where the body does not get there.
+
+        Parameters
+        ----------
+        at : Configuration
+            Where the motion begins.
+        boundary : (n, 2) array
+            Boundary of the region, in metres.
+        x, y : float
+            The place.
+        roomy : bool
+            Whether it is known that the body fits in any heading all along.
+        """
         drive = self.me.kinematics
         if isinstance(drive, Car):
             if (x, y) not in self._planned and not self._plans(at, boundary, x, y):
@@ -165,7 +205,7 @@ class Ways:
         return None if motion is None else OutAndBack(motion)
 
     def leads(self, node: Node, known: BaseGeometry, x: float, y: float) -> bool:
-        """Whether a car gets from a node to a place and back, in a part of the known region."""
+        """Whether a car gets from a node to a place and back within a part of the known space."""
         return self._plans(node.configuration, known, x, y)
 
     def _plans(
@@ -180,7 +220,7 @@ class Ways:
         return True
 
     def hop(self, at: Configuration, a: NodeId, b: NodeId) -> Trajectory:
-        """Give the way between two nodes that are joined, from how the body stands at the first."""
+        """Return the motion along an edge from node `a` to `b`, from the configuration at `a`."""
         driven = self._driven.get((a, b))
         if driven is not None:
             return driven
@@ -209,13 +249,13 @@ class Ways:
         return motion
 
     def knows_hop(self, a: NodeId, b: NodeId) -> bool:
-        """Whether the body can go straight from one node to another."""
+        """Whether there is a motion from one node straight to another; see `hop`."""
         if isinstance(self.me.kinematics, Car):
             return (a, b) in self._driven
         return self.body.is_disc or b in self.roadmap.neighbours(a)
 
     def _is_wide(self, a: Node, b: Node) -> bool:
-        # Whether the tree's way between two nodes has room for any heading.
+        # Whether the body fits in any heading on the edge of the tree between two nodes.
         if a.id not in self._has_room or b.id not in self._has_room:
             return False
         parent, child = (a, b) if b.parent == a.id else (b, a)

@@ -1,3 +1,5 @@
+"""The registry: strategies by name, their options, and those of other packages."""
+
 import math
 
 import msgspec
@@ -19,7 +21,7 @@ class Options(msgspec.Struct, frozen=True, kw_only=True):
 
 @pytest.fixture
 def own(monkeypatch):
-    """A registry of its own, so that nothing stays registered."""
+    """A strategy, and a registry that is gone after the test."""
     known = dict(registry._registry())
     monkeypatch.setattr(registry, "_registry", lambda: known)
     return Strategy(name="own", summary="mine", options=Options, explorer=lambda me, options: None)
@@ -58,7 +60,7 @@ def test_options_have_defaults(own):
     assert own.parse_options({}) == Options()
     given = strategy("srt-star").parse_options({})
     assert given == MultiSrtOptions()
-    # A robot of a team explores its own tree as one that is alone.
+    # In its own tree, a robot of a team explores like a robot that is alone.
     assert msgspec.structs.asdict(SrtOptions()).items() <= msgspec.structs.asdict(given).items()
 
 
@@ -136,7 +138,7 @@ def test_other_packages_add_strategies_by_entry_points(own, monkeypatch):
         fresh()
 
 
-def test_an_entry_point_that_fails_does_not_take_the_others_away(own, monkeypatch):
+def test_a_broken_entry_point_does_not_hide_the_others(own, monkeypatch):
     monkeypatch.undo()
 
     class Broken(EntryPoint):

@@ -1,4 +1,4 @@
-"""ORGANIZE: against brute force and shapely, and in small worlds worked out by hand."""
+"""ORGANIZE: against all sets of targets and shapely, and in small worlds by hand."""
 
 import itertools
 import math
@@ -13,15 +13,9 @@ from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.planners.motion.sweep import Sweep
 from multisrt.planners.motion.trajectory import Trajectory, Waypoint
 from multisrt.robots.exploration_map import NodeId
-from multisrt.robots.multi_srt.organize import (
-    MOST_EXACT,
-    Conflicts,
-    Prospect,
-    best_targets,
-    motion_of,
-    organize,
-    path_of,
-)
+from multisrt.robots.multi_srt.conflicts import Conflicts, Prospect
+from multisrt.robots.multi_srt.messages import motion_of, path_of
+from multisrt.robots.multi_srt.organize import MAX_EXACT, best_targets, organize
 
 GUARD_M = 0.1
 DISC = Footprint.disc(0.25)
@@ -47,7 +41,7 @@ def prospect(robot, *places, frontier_m=1.0, body=DISC, heading=0.0, waited=0) -
 
 
 class ByHand:
-    """Knows what it was told: other targets, ways around, and ways aside with their lengths."""
+    """Alternatives given by hand: other targets, detours, and ways aside with their lengths."""
 
     def __init__(self, targets=None, around=None, aside=None, bodies=None):
         self.targets = targets or {}
@@ -56,8 +50,8 @@ class ByHand:
         self.bodies = bodies or {}
         self.asked = []
 
-    def new_targets(self, robot):
-        yield from self.targets.get(robot, ())
+    def new_target(self, robot, is_clear):
+        return next(filter(is_clear, self.targets.get(robot, ())), None)
 
     def detours(self, robot, gap_m, prospects):
         self.asked.append((robot, gap_m))
@@ -74,7 +68,7 @@ class ByHand:
 
 
 class Plan:
-    """One robot of a random team: its body, and the places that it goes along."""
+    """One robot of a random team: its body, and the positions along its path."""
 
     def __init__(self, number, body, heading, places, frontier_m, waited):
         self.number, self.body, self.heading = number, body, heading
@@ -91,7 +85,7 @@ class Plan:
         )
 
     def covered(self, places):
-        """What the body covers on straight lines, by shapely alone, and how far beyond."""
+        """What the body covers on straight lines, by shapely, and the radius to buffer it by."""
         if self.body.is_disc:
             way = shapely.LineString(places) if len(places) > 1 else shapely.Point(places[0])
             return way, self.body.radius_m
@@ -140,7 +134,7 @@ def conflicts_of(plans, order=None) -> Conflicts:
 
 
 def gap_between(a, b) -> float:
-    """How near two robots may come to one another, by their distance now."""
+    """The distance that two robots have to keep, from their distance now."""
     now = apart(a.covered(a.places[:1]), b.covered(b.places[:1]))
     if now <= GUARD_M:
         return max(0.75 * now, min(0.9995 * now, 0.3 * GUARD_M))
@@ -148,7 +142,7 @@ def gap_between(a, b) -> float:
 
 
 def is_feasible(plans, ways, exact=True) -> bool:
-    """Whether all can go their ways (places; one place: it stays) at once."""
+    """Whether all can follow their paths (one position: it stays) at once."""
     slack = 0.0 if exact else 1e-6
     for a, b in itertools.combinations(plans, 2):
         if len(ways[a.number]) == len(ways[b.number]) == 1:
@@ -160,7 +154,7 @@ def is_feasible(plans, ways, exact=True) -> bool:
 
 
 def conflict_tables(plans):
-    """For every pair whether their ways conflict, and whether one's body is in another's way."""
+    """For every pair: whether the ways conflict, and whether a body is in the other's way."""
     count = len(plans)
     ways = [plan.covered(plan.places) for plan in plans]
     bodies = [plan.covered(plan.places[:1]) for plan in plans]
@@ -169,7 +163,7 @@ def conflict_tables(plans):
         gap = gap_between(plans[i], plans[j])
         for table, other in ((both, ways[j]), (body, bodies[j])):
             distance = apart(ways[i], other)
-            # What is decided by the last digit is not looked at.
+            # Cases that rounding decides are left out.
             assume(abs(distance - gap) > 1e-7)
             table[i, j] = distance < gap
     return both, body
@@ -196,7 +190,7 @@ def best_by_trying_all(plans) -> tuple[int, ...]:
     st.sampled_from(BODIES),
     st.lists(st.tuples(st.floats(-3, 3), st.floats(-3, 3), st.floats(-3, 3)), max_size=4),
 )
-def test_a_prospect_covers_nothing_beyond_its_bounds(body, legs):
+def test_a_prospect_stays_within_its_bounds(body, legs):
     waypoints = [Waypoint(0.0, 0.0, 0.0, 0.3)]
     for dx, dy, turn in legs:
         at = waypoints[-1]
@@ -206,19 +200,19 @@ def test_a_prospect_covers_nothing_beyond_its_bounds(body, legs):
 
 
 @given(teams())
-def test_the_best_targets_are_those_that_trying_all_finds(plans):
+def test_best_targets_are_those_of_all_sets_tried(plans):
     assert best_targets(conflicts_of(plans)) == best_by_trying_all(plans)
 
 
 @settings(max_examples=8)
-@given(teams(least=MOST_EXACT - 1, most=MOST_EXACT, side_m=14.0))
-def test_the_best_targets_of_a_large_group(plans):
+@given(teams(least=MAX_EXACT - 1, most=MAX_EXACT, side_m=14.0))
+def test_best_targets_of_a_large_group(plans):
     assert best_targets(conflicts_of(plans)) == best_by_trying_all(plans)
 
 
 @settings(max_examples=10)
 @given(teams(least=24, most=30, side_m=25.0))
-def test_a_very_large_group_gets_feasible_targets_that_no_other_fits(plans):
+def test_greedy_targets_are_feasible_and_maximal(plans):
     conflicts = conflicts_of(plans)
     chosen = best_targets(conflicts)
     ways = {p.number: p.places if p.number in chosen else p.places[:1] for p in plans}
@@ -245,7 +239,7 @@ def test_conflicts_are_those_of_shapely(plans):
 
 
 class InThePlane:
-    """Other targets and ways aside in an open plane: every robot tries the same directions."""
+    """Alternatives in an open plane: every robot tries the same directions."""
 
     def __init__(self, plans):
         self.plans = plans
@@ -259,9 +253,8 @@ class InThePlane:
                 to = (x + length * math.cos(angle), y + length * math.sin(angle))
                 yield length, line((x, y), to, heading=plan.heading)
 
-    def new_targets(self, robot):
-        for _, motion in self._goes(robot, (2.0,)):
-            yield motion
+    def new_target(self, robot, is_clear):
+        return next((motion for _, motion in self._goes(robot, (2.0,)) if is_clear(motion)), None)
 
     def detours(self, robot, gap_m, prospects):
         for _, motion in self._goes(robot, (1.0, 3.0)):
@@ -279,7 +272,7 @@ class InThePlane:
 
 
 def driven(plan, order) -> list[tuple[float, float]]:
-    """The places along which a robot really goes by its order."""
+    """The positions along which a robot goes by its order."""
     if order.order == "keep":
         return plan.places
     if order.order == "wait":
@@ -289,7 +282,7 @@ def driven(plan, order) -> list[tuple[float, float]]:
 
 @settings(max_examples=200)
 @given(teams(side_m=6.0))
-def test_what_everybody_is_told_is_feasible_together(plans):
+def test_orders_are_jointly_feasible(plans):
     conflicts = conflicts_of(plans)
     arrangement = organize(conflicts, InThePlane(plans))
     assert list(arrangement.orders) == list(range(len(plans)))
@@ -315,7 +308,7 @@ def test_what_everybody_is_told_is_feasible_together(plans):
 
 @settings(max_examples=100)
 @given(teams(side_m=5.0), st.data())
-def test_the_arrangement_does_not_depend_on_the_order_of_robots(plans, data):
+def test_arrangements_do_not_depend_on_the_order_of_robots(plans, data):
     order = data.draw(st.permutations(range(len(plans))))
     wits = InThePlane(plans)
     once = organize(conflicts_of(plans), wits)
@@ -324,12 +317,12 @@ def test_the_arrangement_does_not_depend_on_the_order_of_robots(plans, data):
     assert organize(conflicts_of(plans), wits) == once
 
 
-def test_bodies_that_stay_never_conflict_however_near():
+def test_bodies_that_stay_never_conflict():
     near = {0: prospect(0, (0, 0)), 1: prospect(1, (0.501, 0))}
     assert Conflicts(near, GUARD_M).pairs == ()
 
 
-def test_a_path_is_read_as_it_was_written():
+def test_paths_survive_a_message():
     motion = line((0, 0), (3, 4), (3, 6), heading=0.7)
     assert path_of(motion) == ((0.0, 0, 0, 0.7), (5.0, 3, 4, 0.7), (7.0, 3, 6, 0.7))
     assert motion_of(path_of(motion)) == motion
@@ -357,7 +350,7 @@ def orders_of(arrangement) -> dict[int, str]:
         (2.0, 2.0, {0: "keep", 1: "wait"}),
     ],
 )
-def test_of_two_that_cross_the_one_with_the_longer_frontier_goes(first_m, second_m, orders):
+def test_of_two_that_cross_the_longer_frontier_goes(first_m, second_m, orders):
     conflicts = crossing(first_m, second_m)
     assert conflicts.pairs == ((0, 1),)
     arrangement = organize(conflicts, ByHand())
@@ -367,14 +360,14 @@ def test_of_two_that_cross_the_one_with_the_longer_frontier_goes(first_m, second
     assert arrangement.targets[waits] == (2, -2) if waits else (0, 0)
 
 
-def test_of_two_equal_ones_the_one_goes_that_waited_longer():
+def test_of_two_equal_robots_the_one_that_waited_goes():
     east = prospect(0, (0, 0), (4, 0), waited=1)
     north = prospect(1, (2, -2), (2, 2), waited=2)
     arrangement = organize(Conflicts({0: east, 1: north}, GUARD_M), ByHand())
     assert orders_of(arrangement) == {0: "wait", 1: "keep"}
 
 
-def test_the_other_gets_the_first_new_target_that_is_clear():
+def test_the_other_gets_the_first_clear_new_target():
     across, aside = line((2, -2), (3, 1)), line((2, -2), (2, -5))
     wits = ByHand(targets={1: [across, aside, line((2, -2), (5, -2))]})
     arrangement = organize(crossing(3.0, 1.0), wits)
@@ -383,7 +376,7 @@ def test_the_other_gets_the_first_new_target_that_is_clear():
     assert arrangement.targets == {0: (4, 0), 1: (2, -5)}
 
 
-def test_who_goes_for_no_frontier_gets_no_new_target():
+def test_without_a_frontier_there_is_no_new_target():
     wits = ByHand(targets={1: [line((2, -2), (2, -5))]})
     assert orders_of(organize(crossing(3.0, 0.0), wits))[1] == "wait"
 
@@ -399,14 +392,14 @@ def test_two_small_frontiers_together_beat_a_large_one():
 
 
 def head_on(frontiers=(1.0, 1.0)) -> Conflicts:
-    """Two in a corridor, each on its way to where the other stands."""
+    """Two robots in a corridor, each on its way to where the other stands."""
     east = prospect(0, (0, 0), (4, 0), frontier_m=frontiers[0])
     west = prospect(1, (4, 0), (0, 0), frontier_m=frontiers[1])
     return Conflicts({0: east, 1: west}, GUARD_M)
 
 
 @pytest.mark.parametrize(("near", "far"), [(0, 1), (1, 0)])
-def test_head_on_the_one_with_the_shorter_way_aside_gives_way(near, far):
+def test_head_on_the_shorter_way_aside_decides(near, far):
     start = {0: (0, 0), 1: (4, 0)}
     niche = {robot: line(start[robot], (start[robot][0], -2)) for robot in (0, 1)}
     node = NodeId(near, 7)
@@ -420,7 +413,7 @@ def test_head_on_the_one_with_the_shorter_way_aside_gives_way(near, far):
         assert not arrangement.is_deadlock
 
 
-def test_a_way_aside_through_the_other_is_none():
+def test_a_way_aside_through_the_other_does_not_count():
     through = line((0, 0), (6, 0))
     wits = ByHand(aside={0: [(1.0, through, None)], 1: [(9.0, line((4, 0), (13, 0)), None)]})
     assert orders_of(organize(head_on(), wits)) == {0: "wait", 1: "give way"}
@@ -446,7 +439,7 @@ def test_a_robot_that_stands_in_the_way_gives_way():
     assert organize(conflicts, ByHand()).is_deadlock
 
 
-def test_who_waits_for_another_does_not_drive_it_away_when_it_has_a_new_target():
+def test_a_robot_with_a_new_target_drives_no_other_away():
     prospects = {0: prospect(0, (0, 0), (4, 0)), 1: prospect(1, (2, 0), frontier_m=0.0)}
     back = line((0, 0), (-3, 0))
     wits = ByHand(targets={0: [back]}, aside={1: [(1.0, line((2, 0), (2, 1)), None)]})
@@ -461,7 +454,7 @@ def blocked(frontier_m=1.0) -> Conflicts:
 
 
 @pytest.mark.parametrize("frontier_m", [0.0, 1.0])
-def test_who_can_go_around_does_not_drive_the_other_away(frontier_m):
+def test_a_robot_with_a_detour_drives_no_other_away(frontier_m):
     # Also a robot that goes for no frontier: it is on its way home, or to a tree.
     through, around = line((0, 0), (6, 0)), line((0, 0), (0, 3), (4, 3))
     wits = ByHand(
@@ -476,7 +469,7 @@ def test_who_can_go_around_does_not_drive_the_other_away(frontier_m):
     assert wits.asked == [(0, blocked().gap(0, 1))] == [(0, 1.2 * GUARD_M)]
 
 
-def test_a_new_target_is_better_than_a_way_around():
+def test_a_new_target_comes_before_a_detour():
     back = line((0, 0), (-3, 0))
     wits = ByHand(targets={0: [back]}, around={0: [line((0, 0), (0, 3))]})
     arrangement = organize(blocked(), wits)
@@ -484,21 +477,21 @@ def test_a_new_target_is_better_than_a_way_around():
     assert wits.asked == []
 
 
-def test_who_finds_no_way_around_has_the_other_clear_the_way():
+def test_without_a_detour_the_other_clears_the_way():
     wits = ByHand(
         around={0: [line((0, 0), (3, 0.5))]}, aside={1: [(1.0, line((2, 0), (2, 1)), None)]}
     )
     assert orders_of(organize(blocked(), wits)) == {0: "wait", 1: "give way"}
 
 
-def test_only_who_is_blocked_by_a_body_looks_for_a_way_around():
+def test_only_a_body_in_the_way_is_reason_for_a_detour():
     # Robot 1 waits for robot 0 to pass; nothing stands in its own way.
     wits = ByHand(around={1: [line((2, -2), (2, -5))]})
     assert orders_of(organize(crossing(3.0, 1.0), wits)) == {0: "keep", 1: "wait"}
     assert wits.asked == []
 
 
-def test_a_way_around_keeps_clear_of_those_that_go():
+def test_a_detour_keeps_clear_of_moving_robots():
     # Robot 2 goes its way above; a way around through that is none, below is free.
     prospects = {
         0: prospect(0, (0, 0), (4, 0)),
@@ -512,7 +505,7 @@ def test_a_way_around_keeps_clear_of_those_that_go():
     assert arrangement.orders[0].path == path_of(below)
 
 
-def test_three_in_a_cycle():
+def test_three_robots_in_a_cycle():
     corners = [(0.0, 0.0), (4.0, 0.0), (2.0, 3.0)]
     prospects = {k: prospect(k, corners[k], corners[(k + 1) % 3]) for k in range(3)}
     conflicts = Conflicts(prospects, GUARD_M)
@@ -536,7 +529,7 @@ def test_the_end_of_a_line_goes_first():
 @pytest.mark.parametrize(
     ("to", "meet"), [((-3, 0), False), ((0, 3), False), ((0.2, 1), False), ((0.3, 1), True)]
 )
-def test_bodies_that_stand_next_to_one_another_may_part(to, meet):
+def test_bodies_next_to_one_another_may_part(to, meet):
     # They are 50 mm apart, nearer than the guard distance: 37.5 mm is what must be left. Towards
     # (0.2, 1) the centre passes by the other's at 0.55 / sqrt(1.04) m = 539 mm, so 39 mm are
     # left; towards (0.3, 1) at 0.55 / sqrt(1.09) m = 527 mm, which leaves 27 mm.

@@ -1,6 +1,7 @@
-"""What robots share: nothing but messages, which have a size and bring their maps together."""
+"""Messages: robots share nothing else; their sizes, and how they bring maps together."""
 
 import dataclasses
+import enum
 import gc
 import types
 from itertools import combinations
@@ -24,7 +25,6 @@ from multisrt.robots.multi_srt.messages import (
     EntriesMessage,
     Order,
     OrdersMessage,
-    RobotState,
     StateMessage,
     WantMessage,
 )
@@ -41,7 +41,7 @@ CORRIDOR = Environment("corridor", shapely.box(0, 0, 30, 2))
 
 @pytest.fixture
 def explorers(monkeypatch):
-    """Every explorer of a run, in the order of the robots, and all that they sent."""
+    """Every explorer of a run, in the order of the robots, and all their messages."""
     built, sent = [], []
 
     class Listened:
@@ -82,10 +82,10 @@ def run(world, count, *, seed=0, max_time_s=300.0, **more):
 
 # Nothing is shared ---------------------------------------------------------------------------
 
-PROGRAM = (types.ModuleType, type, types.BuiltinFunctionType, types.MethodDescriptorType)
+PROGRAM = (types.ModuleType, type, types.BuiltinFunctionType, types.MethodDescriptorType, enum.Enum)
 ATOMS = (str, bytes, int, float, complex, bool, type(None), np.generic, np.dtype, range)
 VALUES = (Footprint, shapely.Geometry)
-"""Immutable by their contract; what they keep of themselves is the same for whoever asks."""
+"""Immutable by their contract; what they cache of themselves is the same for every caller."""
 
 
 def is_frozen_struct(thing: object) -> bool:
@@ -98,7 +98,7 @@ def is_frozen_dataclass(thing: object) -> bool:
 
 
 def inside(root: object) -> dict[int, object]:
-    """Every object that belongs to a robot, by id; not the program, nor what cannot change."""
+    """Every object reachable from a robot, by id, but for the program and immutable atoms."""
     found: dict[int, object] = {}
     waiting = [root]
     while waiting:
@@ -116,7 +116,7 @@ def inside(root: object) -> dict[int, object]:
 
 
 def may_be_shared(thing: object) -> bool:
-    """Whether a thing itself cannot be changed; what it holds is looked at on its own."""
+    """Whether an object itself is immutable; what it holds is checked on its own."""
     if isinstance(thing, np.ndarray):
         whole = thing.base if isinstance(thing.base, np.ndarray) else thing
         return not thing.flags.writeable and not whole.flags.writeable
@@ -142,7 +142,7 @@ class _Sealed:
 
 
 @pytest.mark.parametrize("wrap", [lambda x: [x], lambda x: {1: x}, lambda x: (x,), _Sealed])
-def test_the_walk_finds_what_two_share(wrap):
+def test_the_search_finds_shared_objects(wrap):
     one = [1.0]
     assert shared(wrap(one), {"b": one}) == [one]
     array = np.zeros(3)
@@ -157,7 +157,7 @@ def test_the_walk_finds_what_two_share(wrap):
 
 @pytest.mark.parametrize("strategy", ["srt-radial", "srt-star"])
 @pytest.mark.parametrize("max_time_s", [0.01, 40.0, 2000.0])
-def test_robots_share_nothing_that_can_change(explorers, strategy, max_time_s):
+def test_robots_share_nothing_mutable(explorers, strategy, max_time_s):
     run(ROOMS, 3, strategy=strategy, max_time_s=max_time_s)
     robots = [explorer.robot for explorer in explorers[0]]
     assert len(robots) == 3
@@ -168,7 +168,7 @@ def test_robots_share_nothing_that_can_change(explorers, strategy, max_time_s):
         assert shared(a, b) == []
 
 
-def test_what_was_sent_stays_as_it_was(explorers):
+def test_messages_do_not_change_after_they_are_sent(explorers):
     before: list[tuple[Message, bytes]] = []
 
     def keep(event):
@@ -196,25 +196,16 @@ def encoded(message: Message) -> bytes:
 # Sizes ---------------------------------------------------------------------------------------
 
 
-def state(**more) -> RobotState:
-    given = {
-        "robot": 1,
-        "said": 3,
-        "step": 2,
-        "phase": "waiting",
-        "key": (),
-        "path": ((0.0, 1.0, 2.0, 0.5),),
-        "arrival_s": 0.0,
-        "node": NodeId(1, 4),
-        "frontier_m": 2.5,
-        "waited": 0,
-        "tree": NodeId(1, 0),
-        "footprint": "disc:0.25",
-        "kinematics": Differential(),
-        "range_m": 4.0,
-        "have": ((0, 1, 0), (1, 5, 0)),
-    }
-    return RobotState(**given | more)
+@pytest.fixture
+def state(robot_state):
+    """Build a state of robot 1 with a node, and entries known of two robots."""
+
+    def state(**more):
+        given = {"said": 3, "step": 2, "path": ((1.0, 2.0),), "node": NodeId(1, 4)}
+        given |= {"frontier_m": 2.5, "tree": NodeId(1, 0), "have": ((0, 1, 0), (1, 5, 0))}
+        return robot_state(**given | more)
+
+    return state
 
 
 def a_node(explorers) -> Node:
@@ -222,11 +213,11 @@ def a_node(explorers) -> Node:
     return explorers[0][0].robot.map.nodes[0]
 
 
-def test_the_size_of_a_state_is_what_it_says():
+def test_the_size_of_a_state_follows_from_its_fields(state):
     message = StateMessage(sender=1, states=(state(),))
     # 15 fields whose names and few numbers are written out: some hundreds of bytes.
     assert 200 < message.size_bytes < 500
-    longer = StateMessage(sender=1, states=(state(path=((0.0, 1.0, 2.0, 0.5),) * 11),))
+    longer = StateMessage(sender=1, states=(state(path=((1.0, 2.0),) * 11),))
     # Ten more waypoints of four doubles of 9 bytes, each in an array with a head of one.
     assert longer.size_bytes == message.size_bytes + 10 * (4 * 9 + 1)
     two = StateMessage(sender=1, states=(state(), state(robot=2)))
@@ -234,11 +225,11 @@ def test_the_size_of_a_state_is_what_it_says():
 
 
 @pytest.mark.parametrize("kinematics", [Differential(), Holonomic(), Car()])
-def test_every_drive_can_be_told(kinematics):
+def test_every_drive_can_be_sent(state, kinematics):
     assert StateMessage(sender=0, states=(state(kinematics=kinematics),)).size_bytes > 100
 
 
-def test_a_node_weighs_what_its_boundary_does(explorers):
+def test_the_size_of_a_node_is_that_of_its_boundary(state, explorers):
     node = a_node(explorers)
     bare = StateMessage(sender=1, states=(state(),))
     with_node = StateMessage(sender=1, states=(state(),), entries=(node,))
@@ -249,7 +240,7 @@ def test_a_node_weighs_what_its_boundary_does(explorers):
     assert entries.size_bytes > 2 * corners
 
 
-def test_questions_and_orders_wake_and_news_do_not():
+def test_questions_and_orders_wake_and_news_does_not(state):
     said = (state(),)
     assert not StateMessage(sender=0, states=said).wakes
     assert StateMessage(sender=0, states=said, ask=True).wakes
@@ -267,7 +258,7 @@ def test_questions_and_orders_wake_and_news_do_not():
     assert orders.size_bytes > 20
 
 
-def test_what_a_message_cannot_hold_is_refused():
+def test_a_message_refuses_what_it_cannot_encode():
     class Odd(Message, frozen=True, kw_only=True):
         kind: ClassVar[str] = "odd"
         what: object = None
@@ -276,7 +267,7 @@ def test_what_a_message_cannot_hold_is_refused():
         _ = Odd(sender=0, what=object()).size_bytes
 
 
-def test_all_that_a_team_sends_is_weighed(explorers):
+def test_the_size_of_every_message_is_on_record(explorers):
     recording = run(ROOMS, 3)
     sent = [event for event in recording.events if isinstance(event, Sent)]
     assert [event.size_bytes for event in sent] == [m.size_bytes for m in explorers[1]]
@@ -290,7 +281,7 @@ def test_all_that_a_team_sends_is_weighed(explorers):
 
 @pytest.mark.parametrize("latency_s", [0.0, 1.0])
 @pytest.mark.parametrize("seed", [0, 1])
-def test_with_an_unlimited_radio_all_know_all_in_the_end(explorers, latency_s, seed):
+def test_with_an_unlimited_radio_all_maps_are_equal_at_the_end(explorers, latency_s, seed):
     radio = RadioSpec(latency_s=latency_s)
     recording = run(ROOMS, 3, seed=seed, max_time_s=2000.0, radio=radio)
     assert recording.footer.outcome == "complete"
@@ -303,7 +294,7 @@ def test_with_an_unlimited_radio_all_know_all_in_the_end(explorers, latency_s, s
 
 @pytest.mark.parametrize("seed", range(3))
 @pytest.mark.parametrize("multi_hop", [True, False])
-def test_robots_that_come_into_range_learn_all_that_the_other_knows(explorers, seed, multi_hop):
+def test_robots_that_meet_learn_all_that_the_other_knows(explorers, seed, multi_hop):
     # Their starts are 26 m apart, the radio reaches 12 m: each explores its half, and somewhere
     # between they meet. From then on both know all that either knew at that time.
     recording = run(
@@ -340,7 +331,7 @@ def test_robots_that_come_into_range_learn_all_that_the_other_knows(explorers, s
     assert have[0] == have[1]
 
 
-def test_before_they_meet_they_know_nothing_of_one_another(explorers):
+def test_robots_that_have_not_met_know_nothing_of_each_other(explorers):
     run(
         CORRIDOR,
         2,
@@ -349,7 +340,7 @@ def test_before_they_meet_they_know_nothing_of_one_another(explorers):
         radio=RadioSpec(range_m=12.0),
     )
     assert [list(explorer.robot.map.entries.have()) for explorer in explorers[0]] == [[0], [1]]
-    assert [explorer.robot.team.states for explorer in explorers[0]] == [{}, {}]
+    assert [explorer.robot.team.roster.states for explorer in explorers[0]] == [{}, {}]
 
 
 @pytest.mark.parametrize("seed", range(3))

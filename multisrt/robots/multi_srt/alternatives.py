@@ -1,0 +1,215 @@
+"""Other motions for the robots of a group, from what their master knows of them."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+
+from multisrt.geometry.configuration import Configuration
+from multisrt.planners.motion.body import PlanningBody
+from multisrt.planners.motion.kinematics import Car
+from multisrt.planners.motion.steering import reach_fan, steer, turn_and_drive
+from multisrt.planners.motion.sweep import Sweep
+from multisrt.planners.motion.trajectory import Trajectory, Waypoint, standing_at
+from multisrt.planners.srt import SrtPlanner
+from multisrt.robots.knowledge import NodeId
+from multisrt.robots.multi_srt.conflicts import Prospect
+from multisrt.robots.multi_srt.messages import RobotState
+from multisrt.robots.multi_srt.organize import IsClear
+from multisrt.robots.multi_srt.robot import SrtRobot
+
+ASIDE_DIRECTIONS = 24
+"""Number of directions in which a place out of another's way is looked for."""
+
+ASIDE_SHARES = (0.25, 0.5, 0.75, 1.0)
+"""Distances of such places, as shares of how far the robot gets in a direction."""
+
+
+class KnownAlternatives:
+    """Finds other targets, detours and ways aside for the robots of a group.
+
+    A car is given none: only itself can tell how it would come back.
+
+    Parameters
+    ----------
+    robot : SrtRobot
+        The master.
+    """
+
+    def __init__(self, robot: SrtRobot) -> None:
+        self._robot = robot
+        self._map = robot.map
+        self._team = robot.team
+        self._bodies = {robot.team.number: robot.planner.body}
+
+    def sweep(self, robot: int, motion: Trajectory) -> Sweep:
+        """Return what a robot's body sweeps on a motion."""
+        return Sweep(self._body(robot).footprint, motion)
+
+    def new_target(self, robot: int, is_clear: IsClear) -> Trajectory | None:
+        """Draw another target towards a robot's local frontier; at most `max_draws` (paper: I_max).
+
+        Parameters
+        ----------
+        robot : int
+            The robot.
+        is_clear : callable
+            Whether a motion conflicts with no other robot.
+        """
+        state, options, body = self._team.state_of(robot), self._robot.options, self._body(robot)
+        if state.node is None or isinstance(state.kinematics, Car):
+            return None
+        frontier = self._map.frontier(state.node)
+        if not len(frontier):
+            return None
+        at = Configuration(*state.place)
+        d_min = options.d_min_m if options.d_min_m is not None else body.footprint.width_m
+
+        def refuse(x: float, y: float) -> str | None:
+            motion = self._straight(robot, x, y)
+            return None if motion is not None and is_clear(motion) else "conflict"
+
+        place, _ = SrtPlanner(body, state.kinematics, options, d_min).draw(
+            at,
+            self._map[state.node].region,
+            frontier,
+            self._map.places_near(at.x, at.y, state.range_m + d_min),
+            [],
+            self._robot.me.rng,
+            accept=refuse,
+        )
+        return None if place is None else self._straight(robot, *place)
+
+    def detours(
+        self, robot: int, gap_m: float, prospects: Mapping[int, Prospect]
+    ) -> Iterator[Trajectory]:
+        """Find places in a robot's region from which its target is reached straight.
+
+        From there the way passes the bodies where they stand at a distance of `gap_m`.
+        """
+        state, body = self._team.state_of(robot), self._body(robot)
+        if state.node is None or isinstance(state.kinematics, Car):
+            return
+        boundary, target = self._map[state.node].region.boundary, prospects[robot].target
+        bodies = [other.body for number, other in prospects.items() if number != robot]
+        options = []
+        for _, x, y in self._fan(robot, state, gap_m):
+            onwards = math.dist((x, y), target)
+            if body.disc_reach(boundary, x, y, *target) >= onwards:
+                options.append((math.dist(state.place[:2], (x, y)) + onwards, x, y))
+        for _, x, y in sorted(options):
+            at = Configuration(x, y, 0.0)
+            rest = Sweep(body.footprint, _line(at, Configuration(*target, 0.0)))
+            if all(rest.distance_to(other) >= gap_m for other in bodies):
+                motion = self._straight(robot, x, y)
+                if motion is not None:
+                    yield motion
+
+    def ways_aside(
+        self, robot: int, way: Sweep, gap_m: float, prospects: Mapping[int, Prospect]
+    ) -> Iterator[tuple[float, Trajectory, NodeId | None]]:
+        """Find where a robot could leave another's way, the nearest place first.
+
+        First straight in its region, then the nearest node of the roadmap that is out of the
+        way, towards which it makes one hop.
+
+        Yields
+        ------
+        length_m : float
+            Length of the way to there.
+        motion : Trajectory
+            The first step.
+        node : NodeId or None
+            The node at its end.
+        """
+        state = self._team.state_of(robot)
+        if state.node is None:
+            return
+        yield from self._places_aside(robot, state, way, gap_m)
+        yield from self._nodes_aside(robot, state, way, gap_m, prospects)
+
+    def _places_aside(
+        self, robot: int, state: RobotState, way: Sweep, gap_m: float
+    ) -> Iterator[tuple[float, Trajectory, NodeId | None]]:
+        if isinstance(state.kinematics, Car):
+            return
+        body, heading = self._body(robot), state.place[2]
+        for length, x, y in self._fan(robot, state, gap_m):
+            place = Sweep(body.footprint, standing_at(Configuration(x, y, heading)))
+            if place.distance_to(way) >= gap_m:
+                motion = self._straight(robot, x, y)
+                if motion is not None:
+                    yield length, motion, None
+
+    def _nodes_aside(
+        self,
+        robot: int,
+        state: RobotState,
+        way: Sweep,
+        gap_m: float,
+        prospects: Mapping[int, Prospect],
+    ) -> Iterator[tuple[float, Trajectory, NodeId | None]]:
+        assert state.node is not None
+        known, ways, footprint = self._map, self._robot.ways, self._body(robot).footprint
+        ways.extend()
+        others = [other for number, other in prospects.items() if number != robot]
+
+        def is_aside(node: NodeId) -> bool:
+            body = Sweep(footprint, standing_at(known[node].configuration))
+            return body.distance_to(way) >= gap_m
+
+        def is_passable(a: NodeId, b: NodeId) -> bool:
+            sweep = Sweep(footprint, _line(known[a].configuration, known[b].configuration))
+            return all(sweep.distance_to(other.body) >= gap_m for other in others)
+
+        route = ways.to_nearest(state.node, is_aside, is_passable)
+        if route is None or len(route) < 2:
+            return
+        places = [known[node].configuration for node in route]
+        length = math.fsum(a.distance(b) for a, b in itertools.pairwise(places))
+        yield length, _line(Configuration(*state.place), places[1]), route[1]
+
+    def _fan(self, robot: int, state: RobotState, gap_m: float) -> list[tuple[float, float, float]]:
+        # Places that a robot reaches straight, the nearest first: their distance, x and y.
+        assert state.node is not None
+        body, at = self._body(robot), Configuration(*state.place)
+        boundary = self._map[state.node].region.boundary
+        directions = np.linspace(0.0, 2.0 * math.pi, ASIDE_DIRECTIONS, endpoint=False)
+        limits = reach_fan(body, state.kinematics, boundary, at, directions, state.range_m)
+        options = sorted(
+            (share * limit, k)
+            for k, limit in enumerate(limits.tolist())
+            for share in ASIDE_SHARES
+            if share * limit > 2.0 * gap_m
+        )
+        return [
+            (
+                length,
+                at.x + length * math.cos(directions[k]),
+                at.y + length * math.sin(directions[k]),
+            )
+            for length, k in options
+        ]
+
+    def _straight(self, robot: int, x: float, y: float) -> Trajectory | None:
+        state, body = self._team.state_of(robot), self._body(robot)
+        assert state.node is not None
+        at = Configuration(*state.place)
+        assert not isinstance(state.kinematics, Car)
+        if body.is_disc:
+            return turn_and_drive(state.kinematics, at, x, y)
+        boundary = self._map[state.node].region.boundary
+        return steer(body, state.kinematics, boundary, at, x, y)
+
+    def _body(self, robot: int) -> PlanningBody:
+        if robot not in self._bodies:
+            footprint = self._team.footprint(robot)
+            self._bodies[robot] = PlanningBody(footprint, self._robot.options.margin_m)
+        return self._bodies[robot]
+
+
+def _line(a: Configuration, b: Configuration) -> Trajectory:
+    return Trajectory((Waypoint(0.0, *a), Waypoint(1.0, b.x, b.y, a.heading)))

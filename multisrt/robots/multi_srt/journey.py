@@ -1,0 +1,176 @@
+"""The way of one robot to its target, step by step."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from multisrt.events import Purpose
+from multisrt.geometry.numerics.kernel import FloatArray
+from multisrt.robots.exploration_map import ExplorationMap
+from multisrt.robots.knowledge import Node, NodeId
+from multisrt.robots.multi_srt.messages import Order, motion_of
+from multisrt.robots.multi_srt.targets import KnownNode, NewPlace, Step, Target
+from multisrt.robots.multi_srt.ways import OutAndBack, Ways
+from multisrt.robots.multi_srt.whereabouts import Whereabouts
+
+
+class Journey:
+    """The current target of a robot, and the motions that lead there.
+
+    Parameters
+    ----------
+    at : Whereabouts
+        Where the robot is.
+    known : ExplorationMap
+        Its map.
+    ways : Ways
+        Its roadmap.
+
+    Attributes
+    ----------
+    target : Target or None
+        The target of which some way is left.
+    came : Step or None
+        The last step made.
+    purpose : Purpose
+        Why the robot moves, for the record.
+    been : set of NodeId
+        Nodes at which the robot has been in this task.
+    """
+
+    def __init__(self, at: Whereabouts, known: ExplorationMap, ways: Ways) -> None:
+        self.target: Target | None = None
+        self.came: Step | None = None
+        self.purpose: Purpose = "explore"
+        self.been: set[NodeId] = set()
+        self._at = at
+        self._map = known
+        self._ways = ways
+
+    def begin(self, purpose: Purpose) -> None:
+        """Begin a task: to extend a tree, or to go to a node."""
+        self.target = None
+        self.purpose = purpose
+        self.been.clear()
+
+    def place_of(self, target: Target | None) -> tuple[float, float] | None:
+        """Return the position of a target in metres; None for none."""
+        if target is None:
+            return None
+        if isinstance(target, NewPlace):
+            return target.x, target.y
+        x, y, _ = self._map[target.way[-1]].configuration
+        return x, y
+
+    def past_here(self, target: Target) -> Target | None:
+        """Return the remainder of a target after the nodes at the very place of the robot.
+
+        These count as reached: a motion without length cannot be told from standing, and no
+        master would let the robot go. None, if the target itself is one of them.
+        """
+        at = self._at
+        while len(target.way) > 1:
+            a, b = target.way[:2]
+            is_here = self._map[b].configuration[:2] == at.q_act[:2]
+            if not is_here or len(self._ways.hop(at.q_act, a, b).waypoints) > 1:
+                return target
+            at.here = b
+            target = replace(target, way=target.way[1:])
+        return None if isinstance(target, KnownNode) else target
+
+    def step_to(self, target: Target, frontier_m: float = 0.0) -> Step:
+        """Return the next step towards a target, made for a frontier of this length."""
+        a = target.way[0]
+        if len(target.way) > 1:
+            b = target.way[1]
+            is_last = isinstance(target, KnownNode) and len(target.way) == 2
+            return Step(
+                way=OutAndBack(self._ways.hop(self._at.q_act, a, b)),
+                node=b,
+                rest=None if is_last else replace(target, way=target.way[1:]),
+                parent=a,
+                frontier_m=frontier_m,
+            )
+        assert isinstance(target, NewPlace)
+        boundary = self._map[a].region.boundary
+        way = self._ways.to_place(self._at.q_act, boundary, target.x, target.y, target.roomy)
+        if way is None:
+            raise AssertionError(f"no way to ({target.x}, {target.y}), which was found free")
+        return Step(
+            way=way,
+            node=None,
+            parent=a,
+            stage=target.stage,
+            roomy=target.roomy,
+            frontier_m=frontier_m,
+        )
+
+    def step_by(self, order: Order, planned: Step | None) -> Step | None:
+        """Return the step that carries out a master's order; None: the robot waits.
+
+        Parameters
+        ----------
+        order : Order
+            The order.
+        planned : Step or None
+            What the robot itself has planned.
+        """
+        here = self._at.here
+        if order.order == "keep":
+            return planned
+        if order.order == "wait" or here is None:
+            return None
+        if order.node is not None:
+            if not self._ways.knows_hop(here, order.node):
+                return None
+            return Step(
+                way=OutAndBack(self._ways.hop(self._at.q_act, here, order.node)),
+                node=order.node,
+                parent=here,
+                order=order.order,
+            )
+        # A detour: from the new place the robot goes on to where it was going.
+        target = self.target
+        rest = None
+        if order.order == "new target" and target is not None:
+            rest = target if len(target.way) == 1 else replace(target, way=target.way[1:])
+        return Step(
+            way=OutAndBack(motion_of(order.path)),
+            node=None,
+            rest=rest,
+            parent=here,
+            stage="coordinate",
+            order=order.order,
+        )
+
+    def resume(self) -> None:
+        """At a new node on a detour, go on to the old target where a straight way leads to it."""
+        target, here = self.target, self._at.node
+        if target is None or target.way[0] == here:
+            return
+        self.target = None
+        node = self._map[here]
+        seen = [n.region.boundary for n in (node, *self._parent(node))]
+        if isinstance(target, NewPlace) and len(target.way) == 1:
+            # Where the new node has a frontier, the planner chooses anew.
+            if self._map.has_frontier(here) or self._ways.is_car:
+                return
+            if any(self._goes_straight(around, target.x, target.y) for around in seen):
+                self.target = replace(target, way=(here,), roomy=True)
+            return
+        self._ways.extend()
+        following = target.way[0]
+        if following not in self._ways.roadmap.neighbours(here) and not self._ways.is_car:
+            x, y, _ = self._map[following].configuration
+            if any(self._goes_straight(around, x, y) for around in seen):
+                self._ways.join(here, following)
+        if following in self._ways.roadmap.neighbours(here):
+            self.target = replace(target, way=(here, *target.way))
+
+    def _parent(self, node: Node) -> list[Node]:
+        return [] if node.parent is None else [self._map[node.parent]]
+
+    def _goes_straight(self, boundary: FloatArray, x: float, y: float) -> bool:
+        # In the region of any node, in any heading.
+        q = self._at.q_act
+        return self._ways.body.disc_travel(boundary, q.x, q.y, x, y)

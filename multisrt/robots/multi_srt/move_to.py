@@ -1,0 +1,174 @@
+"""MOVE_TO: how a robot makes a step, and what it does when it is stopped or told to wait."""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from dataclasses import replace
+from typing import cast
+
+from multisrt.events import Purpose
+from multisrt.geometry.regions.safe_region import LocalSafeRegion, local_safe_region
+from multisrt.geometry.regions.scan import Scan
+from multisrt.planners.motion.trajectory import Trajectory
+from multisrt.robots.explorer import Action, Move, Moved, Outcome, Sense, Steps
+from multisrt.robots.multi_srt.messages import path_of
+from multisrt.robots.multi_srt.progress import BoxedIn, Event
+from multisrt.robots.multi_srt.robot import SrtRobot
+from multisrt.robots.multi_srt.targets import Step
+from multisrt.robots.multi_srt.ways import OutAndBack
+
+
+def perceive(robot: SrtRobot) -> Generator[Action, Outcome, LocalSafeRegion]:
+    """PERCEIVE: take a scan, and reconstruct the local safe region from it."""
+    scan = cast(Scan, (yield Sense()))
+    robot.at.time_s = scan.time_s
+    return local_safe_region(
+        scan,
+        robot.shape,
+        cones=robot.options.cones,
+        contact_tolerance_m=robot.options.contact_tolerance_m,
+    )
+
+
+def move_to(robot: SrtRobot, step: Step | None) -> Steps:
+    """MOVE_TO: follow the motion of a step, and answer questions meanwhile.
+
+    Without a step the robot waits: until the others of its group have gone; or if none of them
+    goes, for a random time, so that the same robots do not try the same again.
+    """
+    if step is None:
+        yield from wait(robot)
+        return
+    team, progress = robot.team, robot.progress
+    robot.journey.came = step
+    robot.journey.target = step.rest
+    team.plan.step += 1
+    progress.begin_step()
+    team.plan.waits, team.plan.frontier_m = 0, 0.0
+    yield from set_out(robot, step.motion)
+    moved = yield from follow(robot, step)
+    robot.obstacles.avoided.clear()
+    was_stopped = moved.blocked_by is not None
+    if was_stopped:
+        progress.note(Event.SETBACK)
+        yield from stop_here(robot, step, moved)
+    else:
+        robot.at.here = step.node
+        if step.order is None and step.node not in robot.journey.been:
+            progress.note(Event.NEW_PLACE)
+    team.plan.path = ()
+    if step.gives_way or (was_stopped and progress.is_hindered):
+        yield from stand_aside(robot)
+    yield from team.begin_step()
+
+
+def wait(robot: SrtRobot) -> Steps:
+    """Make no motion in this step."""
+    team = robot.team
+    team.plan.step += 1
+    team.plan.waits += 1
+    robot.progress.begin_step()
+    team.plan.path, team.plan.frontier_m = (), 0.0
+    yield from team.announce("waiting")
+    if not team.roster.is_any_moving(team.companions):
+        yield from pause_a_while(robot)
+
+
+def set_out(robot: SrtRobot, motion: Trajectory) -> Steps:
+    """Tell the team that a motion begins."""
+    plan = robot.team.plan
+    plan.path, plan.arrival_s = path_of(motion), robot.at.time_s + motion.duration_s
+    yield from robot.team.announce("moving")
+
+
+def pause_a_while(robot: SrtRobot) -> Steps:
+    """Let a random part of `pause_s` pass, and listen meanwhile."""
+    yield from robot.team.pause(robot.options.pause_s * (0.25 + 0.75 * robot.me.rng.random()))
+
+
+def stand_aside(robot: SrtRobot) -> Steps:
+    """Stand idle for a while, so that another robot passes without asking this one to step."""
+    if robot.at.here is None:
+        region = yield from perceive(robot)
+        yield from robot.trees.add(region, robot.journey.came)
+    yield from robot.team.rest()
+    share = 0.5 + 0.5 * robot.me.rng.random()
+    yield from robot.team.pause(robot.options.pause_s * share * robot.progress.backoff)
+
+
+def follow(robot: SrtRobot, step: Step) -> Generator[Action, Outcome, Moved]:
+    """Make the motion of a step; on the way to a new place also take scans, where wanted."""
+    whole, began_s = step.motion, robot.at.time_s
+    sections = [whole]
+    if robot.options.sense == "moving" and step.node is None:
+        sections = whole.sections(robot.options.sense_period_s)
+    for number, section in enumerate(sections):
+        if number:
+            region = yield from perceive(robot)
+            driven = whole.until(robot.at.time_s - began_s)
+            yield from robot.trees.add_passing(region, step, driven)
+        purpose: Purpose = "give way" if step.gives_way else robot.journey.purpose
+        moved = yield from drive(robot, section, purpose)
+        if moved.blocked_by is not None:
+            break
+    return moved
+
+
+def drive(
+    robot: SrtRobot, motion: Trajectory, purpose: Purpose
+) -> Generator[Action, Outcome, Moved]:
+    """Make one motion, and listen meanwhile."""
+    alone = robot.team.is_alone
+    outcome = yield Move(
+        trajectory=motion,
+        purpose=purpose,
+        guard_m=None if alone else robot.options.guard_m,
+        listen=not alone,
+    )
+    moved = yield from robot.team.take(outcome)
+    while moved is None:
+        moved = yield from robot.team.hear(None)
+    robot.at.q_act, robot.at.time_s = moved.configuration, moved.time_s
+    return moved
+
+
+def stop_here(robot: SrtRobot, step: Step, moved: Moved) -> Steps:
+    """After a protective stop, plan anew from where the robot stands.
+
+    A car that cannot reverse has no way back from there: it waits, and goes on.
+
+    Raises
+    ------
+    BoxedIn
+        If the way stays blocked for such a car.
+    """
+    whole, at = step.motion, robot.at
+    robot.journey.target = None
+    driven_s = moved.time_s - (robot.team.plan.arrival_s - whole.duration_s)
+    while moved.blocked_by is not None:
+        robot.heed(moved.blocked_by)
+        if robot.ways.can_reverse:
+            break
+        robot.progress.note(Event.NO_WAY)
+        if robot.progress.is_boxed_in:
+            raise BoxedIn
+        yield from pause_a_while(robot)
+        motion = whole.after(driven_s)
+        yield from set_out(robot, motion)
+        began_s = at.time_s
+        moved = yield from follow(robot, replace(step, way=OutAndBack(motion)))
+        driven_s += moved.time_s - began_s
+    if moved.blocked_by is None:
+        robot.progress.note(Event.WAY)
+        at.here = step.node
+        return
+    driven = whole.until(driven_s)
+    if driven.length_m > 0.0 or at.q_act != whole.start:
+        back = driven.reversed() if robot.ways.is_car else None
+        came = replace(step, way=OutAndBack(driven, back), stage="coordinate")
+        robot.journey.came, at.here = came, None
+        return
+    # The motion was stopped before it began: let some time pass, and plan around that body.
+    robot.obstacles.avoided[moved.blocked_by.robot] = moved.blocked_by
+    yield from robot.team.rest()
+    yield from pause_a_while(robot)

@@ -1,0 +1,105 @@
+"""Bodies of other robots that a robot plans around."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from multisrt.geometry.bodies.clearance import keep_off
+from multisrt.geometry.configuration import Configuration
+from multisrt.geometry.numerics.distances import inside
+from multisrt.geometry.numerics.kernel import BoolArray, FloatArray
+from multisrt.planners.motion.body import PlanningBody
+from multisrt.planners.motion.sweep import Sweep
+from multisrt.planners.motion.trajectory import Trajectory, standing_at
+from multisrt.robots.explorer import Sighting
+from multisrt.robots.protective_stop import conflict, max_gap
+
+SAME_PLACE_M = 0.001
+"""Two positions of a body that are at most this far apart, in metres, count as the same."""
+
+
+class Obstacles:
+    """Robots that are treated as obstacles, where they were last seen.
+
+    Robots that answer are no obstacles: they take part in the coordination of a step, and may be
+    asked to give way.
+
+    Parameters
+    ----------
+    body : PlanningBody
+        The robot's own body.
+    guard_m : float
+        Distance of its protective stop, in metres.
+
+    Attributes
+    ----------
+    silent : dict of int to Sighting
+        Robots that do not answer.
+    avoided : dict of int to Sighting
+        Robots that answer but did not clear the way; forgotten after the next step.
+    """
+
+    def __init__(self, body: PlanningBody, guard_m: float) -> None:
+        self.silent: dict[int, Sighting] = {}
+        self.avoided: dict[int, Sighting] = {}
+        self._body = body
+        self._guard_m = guard_m
+
+    def __bool__(self) -> bool:
+        return bool(self.silent or self.avoided)
+
+    @property
+    def all(self) -> dict[int, Sighting]:
+        """All bodies to plan around, by the number of the robot."""
+        return {**self.silent, **self.avoided}
+
+    def forget_gone(self, seen: tuple[Sighting, ...], view: FloatArray | None) -> None:
+        """Remove the bodies that are not where they were seen last.
+
+        Parameters
+        ----------
+        seen : tuple of Sighting
+            All bodies in sight now.
+        view : (n, 2) array or None
+            Boundary of the region in which a body would be seen now.
+        """
+        in_sight = {sighting.robot: sighting for sighting in seen}
+        for standing in (self.silent, self.avoided):
+            for number, sighting in list(standing.items()):
+                x, y, _ = place = sighting.configuration
+                if number in in_sight:
+                    is_gone = place.distance(in_sight[number].configuration) > SAME_PLACE_M
+                else:
+                    is_gone = view is not None and inside(view, x, y)
+                if is_gone:
+                    del standing[number]
+
+    def blocking(self, at: Configuration, motion: Trajectory) -> int | None:
+        """Return a robot whose body would stop a motion that begins at `at`, or None."""
+        bodies = self.all
+        if not bodies:
+            return None
+        way = Sweep(self._body.footprint, motion)
+        own_body = Sweep(self._body.footprint, standing_at(at))
+        for number, sighting in bodies.items():
+            body = Sweep(sighting.footprint, standing_at(sighting.configuration))
+            if conflict(way, own_body, body, body, self._guard_m):
+                return number
+        return None
+
+    @property
+    def berths(self) -> FloatArray:
+        """Position of every body and the least distance of the own centre from it, ``(n, 3)``.
+
+        For straight ways in any heading; x, y and distance in metres.
+        """
+        own = self._body.outer_radius_m + max_gap(self._guard_m)
+        rows = [
+            (*sighting.configuration[:2], own + sighting.footprint.circumscribed_radius_m)
+            for sighting in self.all.values()
+        ]
+        return np.array(rows).reshape(-1, 3)
+
+    def are_passed_by(self, ways: FloatArray) -> BoolArray:
+        """Return which straight ways ``(n, 4)`` keep off all bodies, in any heading."""
+        return keep_off(ways, self.berths)

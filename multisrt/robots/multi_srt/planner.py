@@ -1,0 +1,173 @@
+"""PLANNER: the next target of a robot, by its three stages.
+
+Source: Multi-SRT, paper section 2, "Planner"; differs in: the paper has the first stage, *draw*,
+and the return to the parent. The stages *approach* and *complete* are needed for an exploration
+to finish; which of them found a target is on record.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Generator
+from typing import Literal
+
+from multisrt.events import Choice
+from multisrt.geometry.numerics.kernel import FloatArray
+from multisrt.planners.srt import Draws
+from multisrt.robots.explorer import Action, Outcome
+from multisrt.robots.knowledge import NodeId
+from multisrt.robots.multi_srt.robot import SrtRobot
+from multisrt.robots.multi_srt.targets import KnownNode, NewPlace, Target
+
+Found = tuple[Choice, Target | None]
+"""What a planner chose: how, for the record, and the target; None: to end, or to stay for now."""
+
+PlanOutcome = Generator[Action, Outcome, Found]
+
+Plan = Callable[[FloatArray, Draws], PlanOutcome]
+"""Chooses the next target for the local frontier ``(m, 4)``; draws are counted in the second."""
+
+
+class Planner:
+    """PLANNER for one tree: from its first node to its completion.
+
+    Parameters
+    ----------
+    robot : SrtRobot
+        The robot that extends the tree.
+    completing : bool
+        Whether the third stage is reached already, as in the tree of another robot. Before, a
+        robot without a target goes back to the parent of its node, as in the paper; from then
+        on it goes over the roadmap.
+    """
+
+    def __init__(self, robot: SrtRobot, *, completing: bool = False) -> None:
+        self._robot = robot
+        self._completing = completing
+
+    def __call__(self, frontier: FloatArray, draws: Draws) -> PlanOutcome:
+        """Choose the next target from the current node.
+
+        Parameters
+        ----------
+        frontier : (m, 4) array
+            The local frontier.
+        draws : Draws
+            Filled with the candidates drawn.
+
+        Returns
+        -------
+        choice : Choice
+            How the target was found.
+        target : Target or None
+            The target; None, if there is nothing left to do or no way to get anywhere.
+        """
+        robot = self._robot
+        here = robot.at.node
+        found = self._draw_or_approach(here, frontier, draws)
+        if found is not None:
+            return found
+        parent = robot.map[here].parent
+        steps_back = robot.options.backtrack == "parent" and not self._completing
+        if steps_back and parent is not None and here != robot.at.tree:
+            way = robot.routes.way(here, parent)
+            if way is not None:
+                return "parent", KnownNode(tuple(way))
+        return (yield from self._complete(here))
+
+    def _draw_or_approach(self, here: NodeId, frontier: FloatArray, draws: Draws) -> Found | None:
+        robot, node = self._robot, self._robot.map[here]
+        options, sensing_m = robot.options, robot.me.range_m
+        biased = options.frontier_bias
+        if biased and not len(frontier):
+            return None
+        x, y, _ = node.configuration
+        others = robot.map.places_near(x, y, sensing_m + robot.planner.d_min_m)
+        near = [] if biased else robot.map.near(x, y, 2.0 * sensing_m)
+        place, drawn = robot.planner.draw(
+            robot.at.q_act,
+            node.region,
+            frontier,
+            others,
+            [other.region for other in near if other.id != here],
+            robot.me.rng,
+            accept=robot.refuse,
+        )
+        draws.drawn, draws.refused, draws.candidates = (
+            drawn.drawn,
+            drawn.refused,
+            drawn.candidates,
+        )
+        if place is not None:
+            return "draw", NewPlace(*place, "draw", (here,))
+        if not options.approach or not len(frontier):
+            return None
+        place = robot.planner.approach(
+            robot.at.q_act,
+            node.region,
+            robot.map.frontier_arcs(here),
+            others,
+            accept=robot.refuse,
+            draws=draws,
+        )
+        return None if place is None else ("approach", NewPlace(*place, "approach", (here,)))
+
+    def _complete(self, here: NodeId) -> PlanOutcome:
+        # Over the roadmap: to a node with a frontier, or to a place that sees one; at last home.
+        robot = self._robot
+        tree, drawn_out = robot.at.tree, robot.views.drawn_out
+        assert tree is not None
+        drawn_out.add(here)
+        robot.ways.extend()
+        supports = tree != robot.trees.root
+        if robot.options.backtrack == "nearest_open" or (supports and not robot.options.complete):
+            way = robot.routes.to_nearest(
+                here, lambda n: n not in drawn_out and robot.trees.may_extend(n)
+            )
+            if way is not None:
+                return "nearest_open", KnownNode(tuple(way), way[-1])
+        if robot.options.complete:
+            self._completing = True
+            found = yield from self._view_or_close(here, tree)
+            if found is not None:
+                return found
+            yield from robot.trees.tell_when_complete()
+        if here == tree or supports:
+            return "end", None
+        return on_the_way(robot, tree, "home")
+
+    def _view_or_close(
+        self, here: NodeId, tree: NodeId
+    ) -> Generator[Action, Outcome, Found | None]:
+        # A target that leads to a view of an arc; arcs of which there is no view are closed.
+        robot = self._robot
+        trees, routes = robot.trees, robot.routes
+        while (way := routes.to_nearest(here, trees.may_extend)) is not None:
+            node = way[-1]
+            for arc in robot.map.frontier_arcs(node):
+                found = robot.views.viewing_place(node, arc)
+                if isinstance(found, NewPlace):
+                    return ("bypass" if found.is_interim else "complete"), found
+                if node not in robot.views.drawn_out:
+                    # A node of another robot, at which this one has drawn no candidate yet.
+                    return "nearest_open", KnownNode(tuple(way), node)
+                yield from trees.close(node, arc, found)
+        past_bodies = robot.bypass.to(trees.may_extend)
+        if past_bodies is not None:
+            return "bypass", past_bodies
+        for node in robot.map.open_nodes(tree):
+            # Robots that answer do not stand in the way for long; these do.
+            joined = robot.ways.way(here, node) is not None
+            for arc in robot.map.frontier_arcs(node):
+                yield from trees.close(
+                    node, arc, "blocked by a robot" if joined else "not reachable"
+                )
+        return None
+
+
+def on_the_way(robot: SrtRobot, end: NodeId, choice: Literal["home", "transfer"]) -> Found:
+    """Choose a node as the target: over the roadmap, or past bodies off it; or stay for now."""
+    way = robot.routes.way(robot.at.node, end)
+    if way is not None:
+        return choice, KnownNode(tuple(way))
+    past_bodies = robot.bypass.to(lambda node: node == end)
+    return ("stay", None) if past_bodies is None else ("bypass", past_bodies)

@@ -1,0 +1,162 @@
+"""Whether a robot gets on, and what it does when it does not: one state machine.
+
+A *setback* is a step that did not go as planned: a master ordered something else, or the
+protective stop ended the motion. Setbacks are counted since the robot, by a plan of its own, last
+got to a place where it had not been in its present task: to extend one tree, or to go to one
+node. The count alone leads along the first row:
+
+::
+
+       crowded_after setbacks          jammed_after setbacks
+    +-------+              +---------+              +--------+
+    | CLEAR | -----------> | CROWDED | -----------> | JAMMED |
+    +-------+              +---------+              +--------+
+        ^                       |                       |
+        +----- new place -------+------ new place ------+
+        |      new task                 new task
+        |
+        |     from each of these where the planner finds no way at all:
+        |                       |
+        |                       v       no way, more than
+        |     a way        +-------+    boxed_in_after times   +----------+
+        | <--------------- | STUCK | ------------------------> | BOXED_IN |
+        |    new task      +-------+    in a row               +----------+
+        |                                                           |
+        +---------------------------- a way ------------------------+
+
+    "a way" leads back to the state that the count of setbacks says, CLEAR or beyond.
+
+=========  =====================================================================================
+state      what the robot does
+=========  =====================================================================================
+CLEAR      follows its target until it is reached, also where it has to wait
+CROWDED    chooses a new target when it had to wait; stands aside for a while when it was stopped;
+           takes a place within sensing range of the end of a transfer as near enough
+JAMMED     in addition plans around the robots of its group that stand idle
+STUCK      waits, and looks for a way again
+BOXED_IN   gives up its task
+=========  =====================================================================================
+
+The count falls to zero, not little by little: a robot that is sent to and fro between the same
+nodes makes no progress, however many motions it completes. As there are finitely many places to
+get to in a task, a robot cannot go on for ever without being jammed.
+"""
+
+from __future__ import annotations
+
+from enum import Enum
+
+from multisrt.robots.multi_srt.options import MultiSrtOptions
+
+
+class State(Enum):
+    """How well a robot gets on."""
+
+    CLEAR = "clear"
+    CROWDED = "crowded"
+    JAMMED = "jammed"
+    STUCK = "stuck"
+    BOXED_IN = "boxed in"
+
+
+class Event(Enum):
+    """What changes the state."""
+
+    NEW_TASK = "begins to extend a tree, or to go to a node"
+    NEW_PLACE = "has reached, by its own plan, a place where it had not been in its task"
+    SETBACK = "was ordered otherwise by a master, or stopped"
+    NO_WAY = "has found no way to anywhere"
+    WAY = "has found a way"
+
+
+class BoxedIn(Exception):
+    """The robot gives up its task: bodies that do not give way stand all around."""
+
+
+class Progress:
+    """The state machine of one robot.
+
+    Parameters
+    ----------
+    options : MultiSrtOptions
+        The limits.
+
+    Attributes
+    ----------
+    state : State
+        The present state.
+    setbacks : int
+        Number of setbacks since the last new place or new task.
+
+    Examples
+    --------
+    >>> progress = Progress(MultiSrtOptions(crowded_after=2))
+    >>> progress.note(Event.SETBACK)
+    >>> progress.note(Event.SETBACK)
+    >>> progress.state
+    <State.CROWDED: 'crowded'>
+    >>> progress.note(Event.NEW_PLACE)
+    >>> progress.state
+    <State.CLEAR: 'clear'>
+    """
+
+    def __init__(self, options: MultiSrtOptions) -> None:
+        self.state = State.CLEAR
+        self.setbacks = 0
+        self._no_ways = 0
+        self._rounds = 0
+        self._options = options
+
+    @property
+    def is_hindered(self) -> bool:
+        """Whether the robot no longer insists on its target: it is crowded or jammed."""
+        return self.state in (State.CROWDED, State.JAMMED)
+
+    @property
+    def is_boxed_in(self) -> bool:
+        """Whether the robot has given up."""
+        return self.state is State.BOXED_IN
+
+    @property
+    def backoff(self) -> int:
+        """Factor by which a robot that stands aside pauses longer."""
+        return 1 + min(self.setbacks, self._options.jammed_after)
+
+    def note(self, event: Event) -> None:
+        """Go to the state to which an event leads."""
+        match self.state, event:
+            case _, Event.NO_WAY:
+                self._no_ways += 1
+                is_last = self._no_ways > self._options.boxed_in_after
+                self.state = State.BOXED_IN if is_last else State.STUCK
+            case State.STUCK | State.BOXED_IN, Event.SETBACK:
+                pass  # what a master orders or a body stops is no news to it
+            case State.BOXED_IN, Event.NEW_TASK:
+                self.setbacks = 0  # there is no way for this task either, until one is found
+            case _:
+                self._no_ways = 0
+                self._count(event)
+                self.state = self._by_setbacks()
+
+    def _count(self, event: Event) -> None:
+        if event is Event.SETBACK:
+            self.setbacks += 1
+        elif event in (Event.NEW_PLACE, Event.NEW_TASK):
+            self.setbacks = 0
+
+    def _by_setbacks(self) -> State:
+        if self.setbacks >= self._options.jammed_after:
+            return State.JAMMED
+        return State.CROWDED if self.setbacks >= self._options.crowded_after else State.CLEAR
+
+    def begin_step(self) -> None:
+        """Begin a step: no member of its group has been asked in vain yet."""
+        self._rounds = 0
+
+    def has_asked_enough(self) -> bool:
+        """Count a round of questions within a step; return whether it goes on without answers."""
+        self._rounds += 1
+        if self._rounds <= self._options.max_rounds:
+            return False
+        self._rounds = 0
+        return True

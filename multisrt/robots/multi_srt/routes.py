@@ -1,0 +1,71 @@
+"""Routes over the roadmap that keep off the bodies of other robots."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable
+
+import numpy as np
+
+from multisrt.planners.motion.trajectory import Trajectory, Waypoint
+from multisrt.robots.exploration_map import ExplorationMap
+from multisrt.robots.knowledge import NodeId
+from multisrt.robots.multi_srt.obstacles import Obstacles
+from multisrt.robots.multi_srt.ways import Ways
+from multisrt.robots.multi_srt.whereabouts import Whereabouts
+
+
+class Routes:
+    """Shortest routes between nodes, as far as no other body blocks them.
+
+    Parameters
+    ----------
+    at : Whereabouts
+        Where the robot is.
+    known : ExplorationMap
+        Its map.
+    ways : Ways
+        Its roadmap.
+    obstacles : Obstacles
+        Bodies to keep off.
+    """
+
+    def __init__(
+        self, at: Whereabouts, known: ExplorationMap, ways: Ways, obstacles: Obstacles
+    ) -> None:
+        self.at = at
+        self.map = known
+        self.ways = ways
+        self.obstacles = obstacles
+
+    def way(self, start: NodeId, end: NodeId) -> list[NodeId] | None:
+        """Return the shortest route between two nodes, both included, or None."""
+        own = self.ways.me.robot
+        if start.robot != own or end.robot != own:
+            self.ways.extend()
+        return self.ways.way(start, end, self.is_passable)
+
+    def to_nearest(self, start: NodeId, wanted: Callable[[NodeId], bool]) -> list[NodeId] | None:
+        """Return the route to the nearest wanted node of the roadmap, or None."""
+        return self.ways.to_nearest(start, wanted, self.is_passable)
+
+    def length_m(self, way: list[NodeId]) -> float:
+        """Return the length of a route in metres."""
+        places = [self.map[node].configuration for node in way]
+        return math.fsum(a.distance(b) for a, b in itertools.pairwise(places))
+
+    def is_passable(self, a: NodeId, b: NodeId) -> bool:
+        """Whether no body blocks the straight way between two nodes."""
+        if not self.obstacles:
+            return True
+        (ax, ay, _), (bx, by, _) = self.map[a].configuration, self.map[b].configuration
+        if a == self.at.here:
+            return self.goes_straight(bx, by)
+        return bool(self.obstacles.are_passed_by(np.array([[ax, ay, bx, by]]))[0])
+
+    def goes_straight(self, x: float, y: float) -> bool:
+        """Whether no body blocks the straight way from the current configuration to a place."""
+        q = self.at.q_act
+        line = Trajectory((Waypoint(0.0, *q), Waypoint(1.0, x, y, q.heading)))
+        return self.obstacles.blocking(q, line) is None

@@ -1,0 +1,120 @@
+"""The trees that a robot knows: its own, and those of others (paper: T and all T_i)."""
+
+from __future__ import annotations
+
+from multisrt.events import ArcClosed, MapComplete, Segment
+from multisrt.geometry.numerics.kernel import FloatArray
+from multisrt.geometry.regions.safe_region import LocalSafeRegion
+from multisrt.planners.motion.trajectory import Trajectory
+from multisrt.robots.exploration_map import ExplorationMap
+from multisrt.robots.explorer import Note, RobotSelf, Steps
+from multisrt.robots.knowledge import Closing, ClosingId, Node, NodeId
+from multisrt.robots.multi_srt.targets import Step
+from multisrt.robots.multi_srt.views import GivenUp
+from multisrt.robots.multi_srt.ways import OutAndBack, Ways
+from multisrt.robots.multi_srt.whereabouts import Whereabouts
+
+
+class Trees:
+    """What a robot adds to its map, and which frontier is left in it.
+
+    Every change is put on record: the methods that make one are procedures of an explorer.
+
+    Parameters
+    ----------
+    me : RobotSelf
+        What the robot knows of itself.
+    at : Whereabouts
+        Where it is.
+    known : ExplorationMap
+        Its map.
+    ways : Ways
+        Its roadmap.
+    """
+
+    def __init__(self, me: RobotSelf, at: Whereabouts, known: ExplorationMap, ways: Ways) -> None:
+        self.me = me
+        self.at = at
+        self.map = known
+        self.ways = ways
+        self.root = NodeId(me.robot, 0)
+        self._nodes = 0
+        self._closings = 0
+        self._told_complete = False
+
+    def add(self, region: LocalSafeRegion, came: Step | None) -> Steps:
+        """ADD: the current configuration and its region as a node, which is where the robot is.
+
+        Parameters
+        ----------
+        region : LocalSafeRegion
+            The region perceived.
+        came : Step or None
+            The step that led there; None at the root.
+        """
+        node = self._new_node(region, None if came is None else came.parent)
+        self.at.here = node.id
+        self.ways.add(node, None if came is None else came.way, came is not None and came.roomy)
+        yield Note(node.added("root" if came is None else came.stage))
+        yield from self.tell_when_complete()
+
+    def add_passing(self, region: LocalSafeRegion, step: Step, driven: Trajectory) -> Steps:
+        """ADD: a scan taken on the way to a new place as a node; the robot goes on."""
+        node = self._new_node(region, step.parent)
+        back = driven.reversed() if self.ways.is_car and self.ways.can_reverse else None
+        self.ways.add(node, OutAndBack(driven, back), step.roomy)
+        yield Note(node.added("passed"))
+
+    def _new_node(self, region: LocalSafeRegion, parent: NodeId | None) -> Node:
+        node = Node(
+            id=NodeId(self.me.robot, self._nodes),
+            configuration=self.at.q_act,
+            region=region,
+            parent=parent,
+            time_s=self.at.time_s,
+        )
+        self._nodes += 1
+        self.map.add(node)
+        return node
+
+    def close(self, node: NodeId, arc: FloatArray, reason: GivenUp) -> Steps:
+        """Give up a frontier arc ``(k, 4)`` of a node for a reason."""
+        self.map.close(
+            Closing(
+                id=ClosingId(self.me.robot, self._closings),
+                node=node,
+                arc=arc,
+                reason=reason,
+                width_m=self.me.footprint.width_m,
+            )
+        )
+        self._closings += 1
+        yield Note(
+            ArcClosed(
+                time_s=self.at.time_s,
+                robot=self.me.robot,
+                node=node,
+                reason=reason,
+                arc=segments_of(arc),
+            )
+        )
+
+    def tell_when_complete(self) -> Steps:
+        """Record, once, that there is no frontier left in the map."""
+        here = self.at.here
+        if self._told_complete or (here is not None and self.map.has_frontier(here)):
+            return
+        if self.map.is_complete():
+            self._told_complete = True
+            yield Note(MapComplete(time_s=self.at.time_s, robot=self.me.robot))
+
+    def may_extend(self, node: NodeId) -> bool:
+        """Whether a node has a local frontier and belongs to the tree that the robot extends."""
+        if self.at.tree is None or not self.map.has_frontier(node):
+            return False
+        return self.map.tree(node) == self.map.tree(self.at.tree)
+
+
+def segments_of(segments: FloatArray) -> tuple[Segment, ...]:
+    """Return segments ``(k, 4)`` as events hold them."""
+    return tuple((x0, y0, x1, y1) for x0, y0, x1, y1 in segments.tolist())

@@ -1,0 +1,131 @@
+"""Places from which a robot sees the frontier arcs that it could not draw a target for."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Callable
+from typing import Literal
+
+import numpy as np
+from shapely.geometry.base import BaseGeometry
+
+from multisrt.geometry.numerics.kernel import FloatArray
+from multisrt.planners.viewing import CLOSE_BY, Refusal, SrtPlanner, Way, arc_points
+from multisrt.robots.explorer import RobotSelf
+from multisrt.robots.knowledge import Node, NodeId
+from multisrt.robots.multi_srt.bypass import Bypass
+from multisrt.robots.multi_srt.targets import NewPlace
+
+GivenUp = Refusal | Literal["blocked by a robot"]
+"""Why an arc is given up."""
+
+
+class Views:
+    """Finds places that see a frontier arc, and counts how often every spot was looked at.
+
+    Parameters
+    ----------
+    me : RobotSelf
+        What the robot knows of itself.
+    planner : SrtPlanner
+        Its planner.
+    bypass : Bypass
+        Its ways off the roadmap.
+    max_views : int
+        How many times arcs in one spot are looked at before they are given up.
+
+    Attributes
+    ----------
+    drawn_out : set of NodeId
+        Nodes at which the robot has stood and found no target by drawing or approaching.
+    """
+
+    def __init__(self, me: RobotSelf, planner: SrtPlanner, bypass: Bypass, max_views: int) -> None:
+        self.drawn_out: set[NodeId] = set()
+        self._me = me
+        self._planner = planner
+        self._bypass = bypass
+        self._routes = bypass.routes
+        self._map = bypass.map
+        self._max_views = max_views
+        self._looked: Counter[tuple[int, int]] = Counter()
+        self._last_choice: tuple[tuple[int, int], NodeId] | None = None
+
+    def viewing_place(self, node: NodeId, arc: FloatArray) -> NewPlace | GivenUp:
+        """Return a place from which an arc can be seen, or why there is none.
+
+        Parameters
+        ----------
+        node : NodeId
+            The node whose frontier the arc is part of.
+        arc : (k, 4) array
+            Its segments x0, y0, x1, y1 in metres.
+        """
+        here, routes = self._bypass.at.node, self._routes
+        spot_m = self._planner.d_min_m
+        x, y, *_ = arc_points(arc, spot_m)[0]
+        spot = round(x / spot_m), round(y / spot_m)
+        if self._looked[spot] >= self._max_views:
+            return "seen from near"
+        found = self._view(arc, x, y)
+        if isinstance(found, str) and routes.obstacles:
+            found = self._view(arc, x, y, past_bodies=True)
+        if isinstance(found, str):
+            return found
+        place, start = found
+        way = routes.way(here, start)
+        last = np.array([[*self._map[start].configuration[:2], place.x, place.y]])
+        # A robot that had to wait may choose the same again: it has not looked meanwhile.
+        again = self._last_choice == (spot, here)
+        self._last_choice = spot, here
+        if way is not None and routes.obstacles.are_passed_by(last)[0]:
+            self._looked[spot] += not again
+            return NewPlace(place.x, place.y, "complete", tuple(way), place.roomy, node)
+        target = self._bypass.to_place(place.x, place.y, node)
+        if target is None:
+            return "blocked by a robot" if routes.ways.way(here, start) else "not reachable"
+        self._looked[spot] += not target.is_interim and not again
+        return target
+
+    def _view(
+        self, arc: FloatArray, x: float, y: float, *, past_bodies: bool = False
+    ) -> tuple[Way, NodeId] | Refusal:
+        # A place that sees an arc around x, y, and the node from which it is reached.
+        obstacles = self._routes.obstacles
+        refusal: Refusal = "too narrow"
+        for window in self._windows():
+            near = self._map.near(x, y, math.sqrt(2.0) * window)
+            if window < self._me.range_m and not self._planner.may_find_way(x, y, window, near):
+                continue
+            found = self._planner.viewing_place(
+                arc,
+                self._map.known_space(x, y, window),
+                min(window, self._me.range_m),
+                near,
+                self._leads(near, self._map.local_union(x, y, window))
+                if self._routes.ways.is_car
+                else None,
+                obstacles.berths if obstacles else None,
+                past_bodies=past_bodies,
+            )
+            # A window wider than the sensing range holds no more places, only more ways.
+            if not isinstance(found, str):
+                return found, near[found.node].id
+            refusal = found
+            if refusal != "not reachable" and window >= self._me.range_m:
+                break
+        return refusal
+
+    def _leads(self, near: list[Node], known: BaseGeometry) -> Callable[[int, float, float], bool]:
+        return lambda k, x, y: self._routes.ways.leads(near[k], known, x, y)
+
+    def _windows(self) -> list[float]:
+        # Half widths of the windows in which a place is looked for: near the arc first, which is
+        # cheap and mostly enough; at last wide enough for the way to a place at sensing range.
+        outer_m = self._planner.body.outer_radius_m
+        widest = 1.5 * self._me.range_m + outer_m
+        windows = [CLOSE_BY * outer_m]
+        while windows[-1] < widest:
+            windows.append(2.0 * windows[-1])
+        return [min(window, widest) for window in windows]

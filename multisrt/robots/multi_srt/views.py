@@ -11,7 +11,8 @@ import numpy as np
 from shapely.geometry.base import BaseGeometry
 
 from multisrt.geometry.numerics.kernel import FloatArray
-from multisrt.planners.viewing import CLOSE_BY, Refusal, SrtPlanner, Way, arc_points
+from multisrt.planners.srt import SrtPlanner
+from multisrt.planners.viewing import CLOSE_BY, Refusal, Way, arc_points
 from multisrt.robots.explorer import RobotSelf
 from multisrt.robots.knowledge import Node, NodeId
 from multisrt.robots.multi_srt.bypass import Bypass

@@ -263,7 +263,7 @@ def decision_in_large_map(near_m: float = 12.0, far_m: float = 24.0) -> Claim:
     goals: dict[int, list[tuple[float, float] | None]] = {id(small): [], id(large): []}
 
     def decide(robot: FrontierRobot, node: Node) -> None:
-        robot.merge((node,))
+        robot.map.merge((node,))
         for note in choose_closest(robot, "news"):
             assert isinstance(note, Note)
             assert isinstance(note.event, GoalChosen)
@@ -368,7 +368,7 @@ def _robot_at(start: np.ndarray, index: EdgeIndex, places: np.ndarray) -> Fronti
         FrontierOptions(cell_m=CELL_M),
     )
     all_places = [start.tolist(), *places.tolist()]
-    robot.merge(tuple(_node(index, x, y, NodeId(1, i)) for i, (x, y) in enumerate(all_places)))
+    robot.map.merge(tuple(_node(index, x, y, NodeId(1, i)) for i, (x, y) in enumerate(all_places)))
     return robot
 
 

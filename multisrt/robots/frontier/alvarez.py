@@ -33,7 +33,6 @@ from multisrt.planners.navigation.path_following import ahead
 from multisrt.planners.navigation.right_of_way import Party, right_of_way
 from multisrt.robots.explorer import Action, Note, Outcome, RobotSelf, Send, Sighting
 from multisrt.robots.frontier.alvarez_goals import (
-    Place,
     Survey,
     Way,
     is_open,
@@ -43,17 +42,19 @@ from multisrt.robots.frontier.alvarez_goals import (
     way_cost,
     way_to,
 )
-from multisrt.robots.frontier.driving import REACHED_M, Reason, drive, drive_leg
+from multisrt.robots.frontier.driving import REACHED_M, Driven, drive, drive_leg
 from multisrt.robots.frontier.explore import FrontierExplorer
+from multisrt.robots.frontier.goal import Goal, Place, length_of
 from multisrt.robots.frontier.messages import InaccessibleMessage, SwapMessage
 from multisrt.robots.frontier.options import RulesOptions
-from multisrt.robots.frontier.robot import FrontierRobot, Goal, length_of
+from multisrt.robots.frontier.progress import Event
+from multisrt.robots.frontier.robot import FrontierRobot
 from multisrt.robots.frontier.rules import Choice, nearest_only, settle_on
 
 SCORES_KEPT = 10
 """So many of the best cells are put on record with a choice."""
 
-ANEW = ("start", "news", "called on", "blocked")
+ANEW = (Event.START, Event.NEWS, Event.CALLED_ON, Event.BLOCKED)
 """Why a robot chooses another cell though its own is unexplored still."""
 
 MOST_FAILURES = 2
@@ -100,13 +101,13 @@ class Rules:
 
     # Choosing -----------------------------------------------------------------------------
 
-    def choose(self, robot: FrontierRobot, because: str) -> Choice:
+    def choose(self, robot: FrontierRobot, because: Event) -> Choice:
         """Keep the aim until it is explored, then choose the best cell; say how to get there."""
         tried = self.remember(robot, because)
         team = robot.team
         with robot.around_bodies():
-            drawn = survey(robot, team.tried, agreed(robot))
-            aim = None if because in ANEW else team.aim
+            drawn = survey(robot, team.cells.tried, agreed(robot))
+            aim = None if because in ANEW else team.cells.aim
             way = None if aim is None else way_to(robot, drawn, aim)
             unreached: list[Place] = []
             scores: Scores = ()
@@ -114,8 +115,8 @@ class Rules:
                 aim, scores, unreached = best_cell(robot, drawn)
                 way = None if aim is None else way_to(robot, drawn, aim)
             goal = None if way is None else goal_of(robot, way)
-        team.aim = None if goal is None else aim
-        yield from tell_inaccessible(robot, [] if robot.bodies else unreached, tried)
+        team.cells.aim = None if goal is None else aim
+        yield from tell_inaccessible(robot, [] if len(robot.bodies) else unreached, tried)
         if self.vain >= robot_options(robot).random_goal_after and goal is not None:
             return (yield from self.wander(robot, because))
         if goal is None or way is None:
@@ -128,28 +129,28 @@ class Rules:
         yield Note(chosen(robot, "rules", because, aim, way.cost_m, scores))
         return goal
 
-    def remember(self, robot: FrontierRobot, because: str) -> tuple[Place, ...]:
+    def remember(self, robot: FrontierRobot, because: Event) -> tuple[Place, ...]:
         """Take note of what came of the last goal; give its place if it was so for others, too."""
         place, self.place, self.wanders = self.place, None, False
-        self.vain = self.vain + 1 if because in ("no way", "blocked") else 0
+        self.vain = self.vain + 1 if because in (Event.NO_WAY, Event.BLOCKED) else 0
         if place is None:
             return ()
         is_left = robot.is_frontier(*place) or is_open(robot.raster, place)
-        in_vain = because == "reached" and is_left
-        if because == "no way":
+        in_vain = because == Event.REACHED and is_left
+        if because == Event.NO_WAY:
             self.failures[place] += 1
             in_vain = self.failures[place] >= MOST_FAILURES or self.stuck_at == robot.at[:2]
             self.stuck_at = robot.at[:2]
         if not in_vain:
             return ()
-        robot.team.tried[place] = None
-        robot.give_up(place)
+        robot.team.cells.tried[place] = None
+        robot.frontiers.give_up(place)
         # Where a car finds no way others may.
-        return () if because == "no way" and robot.car is not None else (place,)
+        return () if because == Event.NO_WAY and robot.car is not None else (place,)
 
-    def wander(self, robot: FrontierRobot, because: str) -> Choice:
+    def wander(self, robot: FrontierRobot, because: Event) -> Choice:
         """RANDOM GOAL: go to any place that is known, to try from there."""
-        robot.team.aim = None
+        robot.team.cells.aim = None
         self.vain, goal = 0, None
         with robot.around_bodies():
             field = robot.own_field()
@@ -165,11 +166,9 @@ class Rules:
 
     # Driving ------------------------------------------------------------------------------
 
-    def drive(
-        self, robot: FrontierRobot, goal: Goal
-    ) -> Generator[Action, Outcome, Reason | Sighting]:
+    def drive(self, robot: FrontierRobot, goal: Goal) -> Driven:
         """MOTION: drive until the aim is explored or the way to it changes, leg by leg."""
-        aim = robot.team.aim
+        aim = robot.team.cells.aim
         if aim is None and not self.wanders:
             return (yield from drive(robot, goal))
         path = goal.path
@@ -182,21 +181,21 @@ class Rules:
                 if (yield from self.waits_for_others(robot, path)):
                     continue
                 if (yield from self.swaps(robot)):
-                    return "interrupted"
+                    return Event.INTERRUPTED
             ended = yield from drive_leg(robot, path, "explore")
             if ended is not None:
                 return ended
 
-    def reason_to_end(self, robot: FrontierRobot, goal: Goal, aim: Place | None) -> Reason | None:
+    def reason_to_end(self, robot: FrontierRobot, goal: Goal, aim: Place | None) -> Event | None:
         """Whether there is a reason not to drive on."""
         team, raster = robot.team, robot.raster
-        if team.is_interrupted or team.aim != aim:
-            return "interrupted"
+        if team.requests.any_pending or team.cells.aim != aim:
+            return Event.INTERRUPTED
         if aim is not None and (raster.is_known(*aim) or not is_open(raster, goal.place)):
-            return "nothing left"
+            return Event.NOTHING_LEFT
         if math.dist(robot.at[:2], goal.place) <= REACHED_M:
-            return "reached"
-        return "news" if aim is not None and robot.may_choose_anew() else None
+            return Event.REACHED
+        return Event.NEWS if aim is not None and robot.may_choose_anew() else None
 
     def waits_for_others(
         self, robot: FrontierRobot, path: FloatArray
@@ -205,13 +204,13 @@ class Rules:
         team, options = robot.team, robot_options(robot)
         if options.conflict_radius_m == 0.0:
             return False
-        seen = yield from robot.look()
+        seen = yield from robot.bodies.look()
         me = Party(
             robot=robot.me.robot,
             configuration=facing(robot.at, path),
             path=path,
             radius_m=robot.body.outer_radius_m,
-            leader=team.leader,
+            leader=team.cells.leader,
         )
         ruling = right_of_way(
             me,
@@ -219,8 +218,8 @@ class Rules:
             options.conflict_radius_m,
             margin_m=options.guard_m,
         )
-        if ruling.leader != team.leader:
-            team.leader = ruling.leader
+        if ruling.leader != team.cells.leader:
+            team.cells.leader = ruling.leader
             yield from team.report()
         if ruling.action != "wait":
             self.waits = 0
@@ -235,14 +234,14 @@ class Rules:
         """EXCHANGE: take another's aim and give it the own one; tell whether it did."""
         team = robot.team
         mates = [report for report in team.present() if report.aim is not None]
-        now = (team.aim, *((mate.robot, mate.aim) for mate in mates))
-        if team.aim is None or not robot_options(robot).exchange or now == self.compared:
+        now = (team.cells.aim, *((mate.robot, mate.aim) for mate in mates))
+        if team.cells.aim is None or not robot_options(robot).exchange or now == self.compared:
             return False
         self.compared = now
         with robot.around_bodies():
-            drawn = survey(robot, team.tried, agreed(robot))
+            drawn = survey(robot, team.cells.tried, agreed(robot))
             here = robot.at[:2]
-            own = way_cost(robot, drawn, here, team.aim)
+            own = way_cost(robot, drawn, here, team.cells.aim)
             owners, asked = [own], [math.inf]
             for mate in mates:
                 assert mate.aim is not None
@@ -255,10 +254,10 @@ class Rules:
             if partner is None:
                 return False
             mate = mates[partner - 1]
-            swapped = asked[partner] + way_cost(robot, drawn, mate.place[:2], team.aim)
+            swapped = asked[partner] + way_cost(robot, drawn, mate.place[:2], team.cells.aim)
         if mate.aim is None or swapped > own + owners[partner] + robot.options.cell_m:
             return False
-        given, team.aim = team.aim, mate.aim
+        given, team.cells.aim = team.cells.aim, mate.aim
         yield Send(SwapMessage(sender=robot.me.robot, taken=mate.aim, given=given), mate.robot)
         return True
 
@@ -295,7 +294,7 @@ def goal_of(robot: FrontierRobot, way: Way) -> Goal | None:
 def chosen(
     robot: FrontierRobot,
     rule: str,
-    because: str,
+    because: Event,
     goal: Place | None,
     cost_m: float,
     scores: Scores,
@@ -318,7 +317,7 @@ def chosen(
 def agreed(robot: FrontierRobot) -> list[Place]:
     """Give the cells that this robot and all that are reckoned with found inaccessible."""
     everybody = {robot.me.robot, *(report.robot for report in robot.team.present())}
-    said = robot.team.inaccessible.items()
+    said = robot.team.cells.inaccessible.items()
     return [cell for cell, by in said if everybody <= by.keys()]
 
 
@@ -327,9 +326,9 @@ def tell_inaccessible(
 ) -> Generator[Action, Outcome, None]:
     """INACCESSIBLE CELLS: say to which no way leads, if not said yet, and what was in vain."""
     team, me = robot.team, robot.me.robot
-    new = [cell for cell in cells if me not in team.inaccessible.get(cell, {})]
+    new = [cell for cell in cells if me not in team.cells.inaccessible.get(cell, {})]
     for cell in new:
-        team.inaccessible.setdefault(cell, {})[me] = None
+        team.cells.inaccessible.setdefault(cell, {})[me] = None
     if (new or tried) and not team.is_alone:
         yield Send(
             InaccessibleMessage(

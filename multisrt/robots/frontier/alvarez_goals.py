@@ -26,10 +26,11 @@ from multisrt.geometry.grids.occupancy import UNKNOWN, Occupancy
 from multisrt.geometry.numerics.kernel import BoolArray, FloatArray, IntArray
 from multisrt.planners.assignment.rules import GoalChoice, cells_ahead, choose_cell
 from multisrt.planners.grid_search import DIAGONAL, a_star, reachable, ring_search
+from multisrt.robots.frontier.fields import NEAR_BY_CELLS
+from multisrt.robots.frontier.goal import Place
 from multisrt.robots.frontier.options import RulesOptions
-from multisrt.robots.frontier.robot import NEAR_BY_CELLS, FrontierRobot
+from multisrt.robots.frontier.robot import FrontierRobot
 
-Place = tuple[float, float]
 Cell = tuple[int, int]
 
 SAMPLES = 4
@@ -122,7 +123,7 @@ def survey(robot: FrontierRobot, tried: Iterable[Place], inaccessible: Iterable[
     ways[inner] = raster.passable[held]
     ways |= unknown & ~_closed(robot, tried, (row, column), shape)
 
-    start = robot.first_cell()
+    start = robot.ways.first_cell()
     reached = np.zeros(shape, np.bool_)
     if start is not None:
         start = start[0] - row, start[1] - column
@@ -173,7 +174,7 @@ def _closed(
 ) -> NDArray[np.bool_]:
     # Unknown cells that touch a frontier too narrow for the body, or a place entered in vain.
     raster = robot.raster
-    wide = {id(group) for group in robot.groups() if group.target is not None}
+    wide = {id(group) for group in robot.frontiers.groups() if group.target is not None}
     closed = np.zeros(shape, np.bool_)
     for group in raster.frontier_groups(0.0):
         if id(group) not in wide:

@@ -6,13 +6,12 @@ from typing import ClassVar, Literal
 
 import msgspec
 
+from multisrt.robots.frontier.goal import Place
 from multisrt.robots.knowledge import Closing, Counts, Node
 from multisrt.robots.messages import Message
 
 Phase = Literal["choosing", "driving", "idle"]
 """What a robot is at: it has no goal yet, is on its way to one, or has nothing to do."""
-
-Place = tuple[float, float]
 
 
 class RobotReport(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):

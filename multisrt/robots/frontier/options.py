@@ -52,6 +52,25 @@ class FrontierOptions(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
         Robots that stand in each other's way try again after up to this time, each its own.
     patience : int
         How often a robot asks another to give way before it looks for another way or goal.
+    max_waits : int
+        How often, with nothing new in its map, a robot waits for others to leave the ways to the
+        last frontiers before it is done. Each wait takes about `pause_s`, so the default is a
+        minute: longer than robots need to pass each other in a corridor.
+    max_jams : int
+        How often, at one place and with nothing new in its map, a robot and others may fail to
+        let each other pass before it is done. Crowds in narrow places need many attempts.
+    max_instant_goals : int
+        How many goals in a row may end at the moment they were chosen before a robot pauses, so
+        that robots that stop each other at once do not choose without end.
+    detour_factor : float
+        A detour round another robot may be longer than the path by this factor...
+    detour_extra_m : float
+        ... and this length in metres; otherwise asking it to give way takes less time.
+    aside_m : float
+        How far, in x and y, a robot looks for a place to give way.
+    max_vain_motions : int
+        Cars: how many motions to a goal that bring the car no nearer are tried until the map
+        changes.
     """
 
     cell_m: float = 0.1
@@ -71,6 +90,13 @@ class FrontierOptions(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
     ask_period_s: float = 0.5
     pause_s: float = 2.0
     patience: int = 4
+    max_waits: int = 30
+    max_jams: int = 100
+    max_instant_goals: int = 5
+    detour_factor: float = 1.5
+    detour_extra_m: float = 3.0
+    aside_m: float = 15.0
+    max_vain_motions: int = 4
 
     def __post_init__(self) -> None:
         for name in (
@@ -82,11 +108,15 @@ class FrontierOptions(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
             "guard_m",
             "ask_period_s",
             "pause_s",
+            "aside_m",
         ):
             self.require(name, 0.0 < getattr(self, name) < math.inf, "positive")
-        self.require("margin_m", 0.0 <= self.margin_m < math.inf, "0 or more")
+        for name in ("margin_m", "detour_extra_m"):
+            self.require(name, 0.0 <= getattr(self, name) < math.inf, "0 or more")
         self.require("cones", self.cones >= 3, "at least 3")
-        self.require("patience", self.patience >= 1, "at least 1")
+        for name in ("patience", "max_waits", "max_jams", "max_instant_goals", "max_vain_motions"):
+            self.require(name, getattr(self, name) >= 1, "at least 1")
+        self.require("detour_factor", 1.0 <= self.detour_factor < math.inf, "at least 1")
         least = self.least_frontier_m
         self.require("least_frontier_m", least is None or 0.0 <= least < math.inf, "0 or more")
 

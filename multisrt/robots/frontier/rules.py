@@ -24,7 +24,9 @@ from multisrt.geometry.numerics.kernel import FloatArray, IntArray
 from multisrt.planners.assignment.closest import closest
 from multisrt.planners.assignment.minpos import positions
 from multisrt.robots.explorer import Action, Note, Outcome
-from multisrt.robots.frontier.robot import NEAR_BY_CELLS, FrontierRobot, Goal
+from multisrt.robots.frontier.fields import NEAR_BY_CELLS
+from multisrt.robots.frontier.goal import Goal
+from multisrt.robots.frontier.robot import FrontierRobot
 
 NEARER_FACTOR: Final = 1.05
 NEARER_CELLS: Final = 3.0

@@ -275,7 +275,7 @@ def decision_in_large_map(near_m: float = 12.0, far_m: float = 24.0) -> Claim:
         repeats=1,
     )
     same = goals[id(small)] == goals[id(large)] and None not in goals[id(small)]
-    groups = len(small.groups()), len(large.groups())
+    groups = len(small.frontiers.groups()), len(large.frontiers.groups())
     return Claim(
         text="decision of closest, map 4 times as large",
         ours_us=times["large"],

@@ -33,8 +33,7 @@ YIELDING: it makes room, as it was asked to. WAITING: only bodies that may still
 to the last frontiers. BOXED_IN, COMPLETE: it is done, until it hears something new.
 
 What ends a state is an `Event`; `TRANSITIONS` says where it leads. Attempts that fail are counted
-only as long as nothing changes (`Standstill`): a robot that has moved, or whose map has changed,
-starts again with every patience. The limits are options:
+only as long as nothing changes (`Standstill`), and the limits are options:
 
 ====================  ============================================================================
 `patience`            times a robot asks another to give way, in MEETING, before it takes the body
@@ -157,7 +156,7 @@ TRANSITIONS: Final[Mapping[State, Mapping[Event, State]]] = MappingProxyType(
 
 @dataclass(slots=True)
 class Standstill:
-    """What a robot has tried in vain since it last moved or its map changed.
+    """What a robot has tried in vain since it last moved.
 
     Attributes
     ----------
@@ -166,7 +165,8 @@ class Standstill:
     revision : int
         Revision of its raster.
     jams : dict of int to int
-        How often each other robot and this one could not let each other pass.
+        How often each other robot and this one could not let each other pass, since the map last
+        changed.
     has_detoured : bool
         Whether it has tried a detour.
     found_no_path : bool
@@ -240,11 +240,12 @@ class Progress:
 
     @property
     def standstill(self) -> Standstill:
-        """What was tried in vain here; begun anew once the robot has moved or knows more."""
+        """What was tried in vain here; a new one once the robot has moved."""
         here, revision = self._course.at[:2], self._raster.revision
-        old = self._standstill
-        if revision != old.revision or math.dist(here, old.place) > MOVED_M:
+        if math.dist(here, self._standstill.place) > MOVED_M:
             self._standstill = Standstill(here, revision)
+        elif revision != self._standstill.revision:
+            self._standstill.revision, self._standstill.jams = revision, {}
         return self._standstill
 
     def note_jam(self, other: int) -> None:

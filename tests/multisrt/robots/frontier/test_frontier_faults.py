@@ -185,7 +185,7 @@ def test_robots_that_are_in_range_in_the_end_know_the_same(explored, name):
     _, crew = explored(name, radio=RadioSpec(range_m=6.0), seed=1)
     for one, other in itertools.combinations(crew, 2):
         if math.dist(one.at[:2], other.at[:2]) <= 6.0:
-            assert one.entries.have() == other.entries.have()
+            assert one.map.entries.have() == other.map.entries.have()
             assert knowledge(one.raster) == knowledge(other.raster)
 
 
@@ -276,7 +276,7 @@ def going_to(places):
         x, y = places[robot.me.robot]
         if math.dist(robot.at[:2], (x, y)) < 0.3:
             return None
-        yield from robot.look()
+        yield from robot.bodies.look()
         with robot.around_bodies():
             field = robot.own_field()
             spots = robot.raster.passable_centres(*robot.at[:2], 20.0)

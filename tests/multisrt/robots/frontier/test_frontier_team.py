@@ -33,7 +33,8 @@ from multisrt.robots.frontier.messages import (
     StopMessage,
 )
 from multisrt.robots.frontier.options import FrontierOptions, SelfBiddingOptions
-from multisrt.robots.frontier.robot import MOST_JAMS, MOVED_M, BodyInTheWay, FrontierRobot
+from multisrt.robots.frontier.progress import Event
+from multisrt.robots.frontier.robot import FrontierRobot
 from multisrt.robots.frontier.rules import (
     Bids,
     bid_table,
@@ -105,13 +106,18 @@ def robot_at(places, mates=(), options=None):
     """A robot at the first of some places from all of which it has seen the plaza."""
     me = self_at(*places[0], team=1 + len(mates))
     robot = FrontierRobot(me, options or FrontierOptions())
+    paint(robot, places)
+    for number, place in enumerate(mates, start=1):
+        robot.team.mates.take(report_of(number, place))
+    return robot
+
+
+def paint(robot, places):
+    """Show a robot what is seen of the plaza from some places."""
     index = edges_of(PLAZA)
     for x, y in places:
         scan = take_scan(index, Configuration(x, y), 0.0, 4.0)
         robot.raster.add(local_safe_region(scan, "radial"))
-    for number, place in enumerate(mates, start=1):
-        robot.team._take_report(report_of(number, place))
-    return robot
 
 
 def report_of(number, place, goal=None):
@@ -198,7 +204,7 @@ def situation(seed):
 
 
 def only_choice(rule, robot):
-    (act,), goal = acts_of(rule(robot, "start"))
+    (act,), goal = acts_of(rule(robot, Event.START))
     assert isinstance(act, Note)
     assert act.event.goal == goal.place
     assert act.event.frontiers == tuple(map(tuple, robot.targets().tolist()))
@@ -278,10 +284,10 @@ def team_at(places, members):
     team = []
     for number, place in enumerate(members):
         robot = FrontierRobot(self_at(*place, number=number, team=len(members)), FrontierOptions())
-        robot.raster = robot_at(places).raster
+        paint(robot, places)
         for mate, other in enumerate(members):
             if mate != number:
-                robot.team._take_report(report_of(mate, other))
+                robot.team.mates.take(report_of(mate, other))
         team.append(robot)
     return team
 
@@ -324,8 +330,8 @@ def test_idle_and_long_silent_mates_are_not_reckoned_with():
     places = places_drawn(3, 4)
     robot = robot_at(places, places[1:3])
     assert bid_table(robot).robots == (0, 1, 2)
-    robot.time_s = robot.options.forget_after_s + 1.0
-    robot.team.heard_s[2] = robot.time_s
+    robot.course.time_s = robot.options.forget_after_s + 1.0
+    robot.team.mates.heard_s[2] = robot.time_s
     assert bid_table(robot).robots == (0, 2)
 
 
@@ -336,7 +342,7 @@ def test_those_are_told_to_stop_whose_goal_is_explored():
     robot = robot_at([(3, 7), (6, 7)], [(10, 10)])
     (edge, *_) = robot.targets().tolist()
     for goal, told in ((None, False), (tuple(edge), False), ((25.0, 1.0), False), ((4, 7), True)):
-        robot.team.reports[1] = report_of(1, (10, 10), goal)
+        robot.team.mates.reports[1] = report_of(1, (10, 10), goal)
         acts, _ = acts_of(tell_who_may_stop(robot))
         assert acts == ([Send(StopMessage(sender=0, goal=goal), 1)] if told else [])
     assert acts_of(tell_who_may_stop(robot))[0] == []  # once is enough
@@ -349,11 +355,11 @@ def test_a_stop_signal_counts_for_the_goal_that_a_robot_has():
     explorer.robot = mapped
     mapped.set_goal(goal)
     acts_of(mapped.team._take_message(StopMessage(sender=1, goal=(1.0, 1.0))))
-    assert not mapped.team.is_interrupted
+    assert not mapped.team.requests.any_pending
     acts_of(mapped.team._take_message(StopMessage(sender=1, goal=goal.place)))
-    assert mapped.team.is_interrupted
-    assert acts_of(explorer.follow_up(goal, "interrupted")) == ([], "stop signal")
-    assert not mapped.team.is_interrupted
+    assert mapped.team.requests.any_pending
+    assert explorer.request() is Event.STOP_SIGNAL
+    assert not mapped.team.requests.any_pending
 
 
 class Stopper:
@@ -417,28 +423,6 @@ def test_a_robot_that_can_neither_pass_nor_give_way_is_done_at_last(name, monkey
         (False, "boxed in by robots 1, which do not give way")
     ]
     assert run.footer.outcome == "stalled"
-
-
-def test_a_robot_is_jammed_where_it_stands_and_with_what_it_knows():
-    def jammed():
-        robot = robot_at([(5.0, 4.2)], [(6.0, 4.2), (5.0, 5.2)])
-        for _ in range(MOST_JAMS - 1):
-            robot.note_jam(1)
-        assert not robot.is_jammed
-        robot.note_jam(2)
-        assert robot.is_jammed
-        assert robot.jammed_by == {1: MOST_JAMS - 1, 2: 1}
-        return robot
-
-    robot = jammed()
-    robot.at = Configuration(5.0, 4.2 + 2.0 * MOVED_M, 0.0)
-    assert not robot.is_jammed
-    robot.note_jam(2)
-    assert robot.jammed_by == {2: 1}
-    robot = jammed()
-    scan = take_scan(edges_of(PLAZA), Configuration(9.0, 6.0), 0.0, 4.0)
-    robot.raster.add(local_safe_region(scan, "radial"))
-    assert not robot.is_jammed
 
 
 # Options ---------------------------------------------------------------------------------------
@@ -607,7 +591,7 @@ def test_ways_begin_where_they_lead_on_and_no_body_stops_the_robot(body, pocket,
     robot = robot_at([(10.0, 7.0)])
     raster, cell = robot.raster, robot.raster.cell_of(10.0, 7.0)
     scan = take_scan(edges_of(PLAZA), Configuration(10.0, 7.0), 0.0, 4.0)
-    robot.region = local_safe_region(scan, "radial")
+    robot.map.view(scan)
     expected = {
         "west": (cell[0], cell[1] - 5),
         "pocket": (cell[0] + pocket, cell[1]),
@@ -618,12 +602,12 @@ def test_ways_begin_where_they_lead_on_and_no_body_stops_the_robot(body, pocket,
         seen = Sighting(
             robot=1, configuration=Configuration(*body, 0.0), footprint=Footprint.parse("disc:0.25")
         )
-        robot.bodies[1] = BodyInTheWay(seen, math.inf)
+        robot.bodies.add(seen)
         row, column = cell[0] - raster.row, cell[1] - raster.column
         raster.passable[row - 12 : row + 13, column - west : column + 13] = False
         raster.passable[row + pocket, column] = True
     with robot.around_bodies():
-        assert robot.first_cell() == expected[begins_in]
+        assert robot.ways.first_cell() == expected[begins_in]
 
 
 @pytest.mark.parametrize(
@@ -640,11 +624,11 @@ def test_a_goal_is_reached_in_sight_within_half_the_range(reached, place, seen):
     robot = robot_at([(5.0, 4.2), (7.0, 6.0)], options=FrontierOptions(reached=reached))
     # Its range is 4 m; the pillar stands at x from 6 to 7 and y from 3 to 4.
     assert robot.me.range_m == 4.0
-    robot.at = Configuration(6.5, 2.7, 0.0) if place == (7.0, 4.5) else robot.at
+    robot.course.at = Configuration(6.5, 2.7, 0.0) if place == (7.0, 4.5) else robot.at
     is_near = math.dist(robot.at[:2], place) <= 2.0
     assert is_near == (place != (5.0, 6.3))
     scan = take_scan(edges_of(PLAZA), robot.at, 0.0, 4.0)
-    robot.region = local_safe_region(scan, "radial")
+    robot.map.view(scan)
     goal = robot.goal_at(robot.own_field(), *place)
     assert robot.sees_at_half_range(goal) == seen
 
@@ -652,15 +636,15 @@ def test_a_goal_is_reached_in_sight_within_half_the_range(reached, place, seen):
 def test_a_goal_at_which_nothing_was_learnt_from_afar_is_gone_to():
     robot = robot_at([(5.0, 4.2)], options=FrontierOptions(reached="sight"))
     scan = take_scan(edges_of(PLAZA), robot.at, 0.0, 4.0)
-    robot.region = local_safe_region(scan, "radial")
+    robot.map.view(scan)
     field = robot.own_field()
     costs = field.distance(robot.indices_of(robot.targets()))
     x, y = robot.targets()[int(np.argmin(costs))].tolist()
     goal = robot.goal_at(field, x, y)
     # Half way there it is in sight, and still a frontier.
     half_way = goal.path[0] + 0.7 * (goal.path[-1] - goal.path[0])
-    robot.at = Configuration(*half_way.tolist(), 0.0)
+    robot.course.at = Configuration(*half_way.tolist(), 0.0)
     assert robot.sees_at_half_range(goal)
-    robot.judge(goal, "reached")
+    robot.frontiers.note_reached(goal.place, robot.at[:2])
     assert not robot.sees_at_half_range(goal)
     assert any((place == goal.place).all() for place in robot.targets())

@@ -81,7 +81,7 @@ def tell(robot, *reports):
 
 
 def acts_of(steps, outcome=None):
-    """Everything that was done, and what came out in the end."""
+    """Run some steps to their end; return the actions and the result."""
     acts = []
     try:
         while True:
@@ -99,7 +99,7 @@ def test_cells_of_the_search_are_the_same_for_all_robots():
         assert drawn.centres / 0.5 % 1.0 == pytest.approx(np.full(drawn.centres.shape, 0.5))
 
 
-def test_cells_are_what_the_raster_is_at_their_centres():
+def test_cells_are_classified_by_the_raster_at_the_centre():
     robot = robot_in(TWO_ROOMS, 3, 3)
     drawn = survey(robot, (), ())
     known = np.array([[robot.raster.is_known(x, y) for x, y in row] for row in drawn.centres])
@@ -115,7 +115,7 @@ def test_cells_are_what_the_raster_is_at_their_centres():
     assert not drawn.obstacle[known & inner & (depth > 0.4) & (x < 5.0)].any()
 
 
-def test_the_rectangle_ends_one_cell_beyond_what_was_seen():
+def test_the_map_extends_one_cell_beyond_what_was_seen():
     drawn = survey(robot_in(HALL, 15, 5), (), ())
     x, y = drawn.centres.transpose(2, 0, 1)
     # Seen is a disc of 4 m around (15, 5).
@@ -133,7 +133,7 @@ def test_inaccessible_cells_are_obstacles():
     assert after.unexplored.sum() == before.unexplored.sum() - 1
 
 
-def test_behind_a_wall_nothing_is_reached_but_through_the_door():
+def test_cells_behind_a_wall_are_reached_through_the_door():
     robot = robot_in(TWO_ROOMS, 3, 3, seen_from=[(3, 1.2), (3, 4.8), (5, 1.2), (5, 4.8)])
     drawn = survey(robot, (), ())
     assert drawn.can_reach(robot.raster, (6.75, 3.25))
@@ -150,7 +150,7 @@ def test_behind_a_wall_nothing_is_reached_but_through_the_door():
     assert not closed.can_reach(robot.raster, (-0.25, 3.25))
 
 
-def test_the_way_ends_at_the_edge_of_what_is_known():
+def test_the_goal_is_at_the_edge_of_the_known_area():
     robot = robot_in(HALL, 15, 5)
     drawn = survey(robot, (), ())
     way = way_to(robot, drawn, (19.25, 5.25))
@@ -167,14 +167,14 @@ def test_the_way_ends_at_the_edge_of_what_is_known():
     [("110 010", 1), ("100 010", 0), ("100 110", 1), ("110 000", 0)],
     ids=["round one side", "round neither", "round the other", "unknown at once"],
 )
-def test_a_way_is_known_up_to_a_step_that_is_not(known, last):
+def test_a_path_is_known_up_to_its_first_unknown_step(known, last):
     cells = np.array([[c == "1" for c in row] for row in known.split()])
     way = np.array([(0, 0), (1, 1), (1, 2)])
     assert last_known(cells, way) == last
 
 
 @given(arrays(bool, (7, 7)), st.integers(0, 1000))
-def test_what_is_known_of_a_way_is_joined_without_cutting_corners(known, seed):
+def test_the_known_part_of_a_path_cuts_no_corners(known, seed):
     rng = np.random.default_rng(seed)
     steps = rng.integers(-1, 2, (12, 2))
     way = np.clip(np.cumsum([(3, 3), *steps.tolist()], axis=0), 0, 6)
@@ -188,7 +188,7 @@ def test_what_is_known_of_a_way_is_joined_without_cutting_corners(known, seed):
     assert not known[after] or not any(known[cell] for cell in beside)
 
 
-def test_the_cost_of_a_way_is_that_of_a_star():
+def test_the_cost_of_a_path_is_that_of_a_star():
     robot = robot_in(HALL, 15, 5)
     drawn = survey(robot, (), ())
     assert way_cost(robot, drawn, (15, 5), (19.25, 5.25)) == pytest.approx(4.35, abs=0.15)
@@ -208,7 +208,7 @@ def test_a_ring_finds_a_share_of_all_cells():
 
 
 @pytest.mark.parametrize("heading", [0.0, math.pi / 2, math.pi, -math.pi / 2])
-def test_of_a_round_view_the_cell_ahead_is_the_best(heading):
+def test_in_an_open_hall_the_cell_ahead_is_the_best(heading):
     robot = robot_in(HALL, 15, 5, heading, enough_share=1.0)
     acts, goal = acts_of(Rules().choose(robot, Event.START))
     note = acts[-1].event
@@ -241,7 +241,7 @@ def test_a_robot_keeps_its_aim_until_it_is_explored():
     assert robot.team.cells.aim[0] > 15
 
 
-def test_where_all_is_explored_there_is_no_goal():
+def test_there_is_no_goal_when_all_is_explored():
     small = Environment("small", shapely.box(0, 0, 3, 3))
     robot = robot_in(small, 1.5, 1.5)
     acts, goal = acts_of(Rules().choose(robot, Event.START))
@@ -264,7 +264,7 @@ def test_after_some_failures_a_robot_goes_to_a_random_place():
     assert acts_of(rules.choose(robot, Event.REACHED))[0][-1].event.rule == "rules"
 
 
-def test_a_place_reached_in_vain_is_told_and_not_tried_again():
+def test_a_place_reached_in_vain_is_reported_and_given_up():
     robot = robot_in(HALL, 15, 5, team=2)
     rules = Rules()
     _, first = acts_of(rules.choose(robot, Event.START))
@@ -277,7 +277,7 @@ def test_a_place_reached_in_vain_is_told_and_not_tried_again():
     assert list(mate.team.cells.tried) == [first.place]
 
 
-def test_a_cell_is_an_obstacle_once_all_said_that_no_way_leads_there():
+def test_a_cell_that_no_robot_can_reach_is_an_obstacle():
     robot = robot_in(HALL, 15, 5, team=3)
     others = [robot_in(HALL, 14 + k, 4, number=k, team=3) for k in (1, 2)]
     tell(robot, *(report_of(other) for other in others))
@@ -336,13 +336,13 @@ def test_without_exchange_goals_stay():
 # The right of way ------------------------------------------------------------------------------
 
 
-def test_a_path_says_where_a_robot_faces():
+def test_a_robot_faces_along_its_path():
     at = Configuration(1.0, 1.0, 0.3)
     assert facing(at, np.array([[1.0, 1.0], [1.0, 4.0]])).heading == pytest.approx(math.pi / 2)
     assert facing(at, np.array([[1.0, 1.0]])) == at
 
 
-def test_who_was_not_heard_of_is_inactive():
+def test_a_mate_that_was_not_heard_of_is_inactive():
     robot = robot_in(HALL, 15, 5, team=2)
     mate = robot_in(HALL, 17, 5, number=1, team=2)
     sighting = Sighting(robot=1, configuration=mate.at, footprint=mate.me.footprint)
@@ -400,6 +400,6 @@ def test_a_team_that_hears_nothing_is_refused(name):
         {"random_goal_after": 0},
     ],
 )
-def test_parameters_that_make_no_sense_are_refused(wrong):
+def test_invalid_parameters_are_refused(wrong):
     with pytest.raises(InvalidInputError, match=next(iter(wrong))):
         RulesOptions(**wrong)

@@ -1,4 +1,4 @@
-"""Cars in frontier bidding: they get where a raster's way leads, and are never caught."""
+"""Cars in frontier bidding: they reach their goals, and are never caught."""
 
 import contextlib
 import itertools
@@ -139,7 +139,7 @@ def test_a_car_that_only_drives_forwards_stays_out_of_dead_ends():
 
 
 @pytest.mark.parametrize("name", ["minpos", "utility"])
-def test_cars_and_others_explore_together(name):
+def test_cars_and_other_robots_explore_together(name):
     run = simulated(name, car(), RobotSpec(), car("dubins"), world=HALL, seed=2)
     assert_ended_well(run)
     assert measure(run, HALL).coverage > 0.99
@@ -163,11 +163,11 @@ def test_the_nearness_diagram_drives_no_car(kind):
         assert "\n" not in str(bad.value)
 
 
-# What leads on ---------------------------------------------------------------------------------
+# The exit --------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("kind", ["reeds-shepp", "dubins"])
-def test_a_car_always_knows_a_free_way_on(kind, monkeypatch):
+def test_a_car_always_has_a_free_exit(kind, monkeypatch):
     body = Footprint.parse(BOX)
     world = CollisionWorld(HALL.free)
     solid = world.body(body)
@@ -215,7 +215,7 @@ def robot_in(world, x, y, kind="reeds-shepp", mates=0):
 
 
 def acts_of(steps, outcome):
-    """Do what is left of some steps, of which only the first has an outcome."""
+    """Run some steps to their end; only the first action has an outcome."""
     with contextlib.suppress(StopIteration):
         while True:
             steps.send(outcome)
@@ -234,7 +234,7 @@ def way_along(robot, path, seen=()):
 
 
 def drive(robot, motion, duration_s):
-    """Let a car drive so much of a motion."""
+    """Let a car drive a motion for some time."""
     duration_s = min(duration_s, motion.duration_s)
     robot.course.at = motion.at(duration_s)
     robot.course.time_s += duration_s
@@ -248,7 +248,7 @@ def new_driver(robot):
     return CarDriver(robot.me, robot.me.kinematics, *parts)
 
 
-def test_a_way_is_kept_until_its_end():
+def test_a_motion_is_kept_until_its_end():
     robot = robot_in(HALL, 2.0, 2.0)
     path = [(2.0, 2.0), (4.0, 3.0)]
     whole = way_along(robot, path)
@@ -261,7 +261,7 @@ def test_a_way_is_kept_until_its_end():
 
 
 @pytest.mark.parametrize("kind", ["reeds-shepp", "dubins"])
-def test_a_new_goal_has_a_new_way_and_the_old_way_still_leads_on(kind):
+def test_a_new_goal_has_a_new_motion_and_keeps_the_exit(kind):
     robot = robot_in(HALL, 2.0, 2.0, kind)
     first = way_along(robot, [(2.0, 2.0), (4.0, 3.0)])
     drive(robot, first, 1.0)
@@ -276,7 +276,7 @@ def test_a_new_goal_has_a_new_way_and_the_old_way_still_leads_on(kind):
 
 
 @pytest.mark.parametrize("kind", ["reeds-shepp", "dubins"])
-def test_a_car_leaves_anothers_way_by_what_leads_on(kind):
+def test_a_car_makes_room_along_its_exit(kind):
     robot = robot_in(HALL, 2.0, 2.0, kind)
     drive(robot, way_along(robot, [(2.0, 2.0), (4.0, 2.0)]), 3.0)
     barred = np.array([(robot.at.x, 0.0), (robot.at.x, 4.0)])
@@ -295,7 +295,7 @@ def test_a_car_leaves_anothers_way_by_what_leads_on(kind):
     assert robot.car.leave_by_exit(barred, 100.0) is None
 
 
-def test_bodies_beside_the_path_are_gone_round_and_those_on_it_are_not():
+def test_a_car_drives_round_bodies_beside_its_path_only():
     robot = robot_in(HALL, 2.0, 3.0, mates=1)
     disc = Footprint.parse("disc:0.25")
     around = [(2.0, 3.0), (3.0, 4.2), (4.5, 3.0)]
@@ -313,7 +313,7 @@ def test_bodies_beside_the_path_are_gone_round_and_those_on_it_are_not():
     assert nearest_m(way_along(robot, [around[0], around[-1]], [mate])) == 0.0
 
 
-def test_ways_that_lead_no_nearer_are_given_up():
+def test_motions_that_lead_no_nearer_are_given_up():
     robot = robot_in(HALL, 2.0, 2.0)
     path = [(2.0, 2.0), (4.0, 3.0)]
     for _ in range(1 + robot.options.max_vain_motions):

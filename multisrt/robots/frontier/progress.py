@@ -2,35 +2,39 @@
 
 ::
 
-                          +-------------------------------------------------+
-        START             |      reached, news, nothing left, no way,       |
-          |               v               stop signal, assigned             |
-          |  no way   +----------+          goal           +---------+      |
-          +---------->|          |------------------------>| DRIVING |------+
-             +--------| CHOOSING |                         +---------+
-             +------->|          |<-------+                 |  ^    |
-                      +----------+        | blocked,    met |  |    |
-           barred      |  |  |  ^         | stop signal,    v  |    |
-          +------------+  |  |  |         | assigned  +---------+   |
-          v               |  |  |         +-----------| MEETING |   |
-     +---------+ blocked  |  |  |            detour   +---------+   |
-     | WAITING |----------|--|--+          (up to DRIVING)  |       | asked
-     +---------+          |  |  ^                     asked |       |
-          | asked   jammed|  |  | gave way   +----------+   |       |
-          |      boxed in |  |  +------------| YIELDING |<--+-------+
-          |               |  |               +----------+
-          +---------------|--|--------------------^  ^
-                          v  | explored              | asked
-              +----------+   |   +----------+        |
-              | BOXED_IN |   +-->| COMPLETE |        |
-              +----------+       +----------+        |
-                    |  called on (to CHOOSING)  |    |
-                    +---------------------------+----+
+                       goal               met
+    START --> CHOOSING ------> DRIVING ----------> MEETING
+              ^  |  ^ ^         | |  ^               | | |
+              |  |  | +---(a)---+ |  +----detour-----+ | |
+              |  |  +-------------|-------(b)----------+ |
+              |  |                | asked                | asked
+              |  |                v                      |
+              |  |             YIELDING <----------------+
+              |  |              |  ^
+              |  |   gave way   |  | asked
+              |<-|--------------+  +------------------+
+              |  |                                    |
+              |  +-- barred ------------> WAITING ----+
+              |  +-- jammed, boxed in --> BOXED_IN ---+
+              |  +-- explored ----------> COMPLETE ---+
+              |                                       |
+              +-- blocked (from WAITING), ------------+
+                  called on (from the other two)
 
-CHOOSING: the rule chooses a goal. DRIVING: the robot drives to it. MEETING: the protective stop has
-ended a motion before another body; the robot looks for a detour, or asks the other to give way.
-YIELDING: it makes room, as it was asked to. WAITING: only bodies that may still leave bar the ways
-to the last frontiers. BOXED_IN, COMPLETE: it is done, until it hears something new.
+    (a) reached, news, nothing left, no way, stop signal, assigned
+    (b) blocked, stop signal, assigned
+
+============  ======================================================================================
+CHOOSING      The rule chooses a goal. If there is none, goals given up for want of a path are tried
+              again once more is known (``no way``, back to CHOOSING).
+DRIVING       The robot drives to its goal.
+MEETING       The protective stop has ended a motion before another body. The robot looks for a
+              detour, or asks the other to give way.
+YIELDING      The robot makes room, as it was asked to.
+WAITING       Only bodies that may still leave bar the ways to the last frontiers.
+BOXED_IN      Bodies that do not leave bar them; the robot is done until it hears something new.
+COMPLETE      No frontier is left; the robot is done until it hears something new.
+============  ======================================================================================
 
 What ends a state is an `Event`; `TRANSITIONS` says where it leads. Attempts that fail are counted
 only as long as nothing changes (`Standstill`), and the limits are options:

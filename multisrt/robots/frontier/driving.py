@@ -24,7 +24,9 @@ Drive = Callable[[FrontierRobot, Goal], Driven]
 """Drives to a goal."""
 
 
-def drive(robot: FrontierRobot, goal: Goal, purpose: Purpose = "explore") -> Driven:
+def drive(
+    robot: FrontierRobot, goal: Goal, purpose: Purpose = "explore", *, to_see: bool = True
+) -> Driven:
     """Follow the path to a goal until there is a reason to end.
 
     Every leg lies in the region of the last scan, so the robot drives through nothing that it has
@@ -37,8 +39,10 @@ def drive(robot: FrontierRobot, goal: Goal, purpose: Purpose = "explore") -> Dri
     goal : Goal
         Where to.
     purpose : str
-        Purpose of the motions, for the record. For others than ``"explore"`` only arrival, an
-        obstacle or a request ends the drive.
+        Purpose of the motions, for the record.
+    to_see : bool
+        Whether the robot goes there to see what is unknown. If so, the drive also ends where that
+        is seen from afar, nothing is left to be seen, or the map has changed.
 
     Returns
     -------
@@ -48,7 +52,7 @@ def drive(robot: FrontierRobot, goal: Goal, purpose: Purpose = "explore") -> Dri
     """
     path = goal.path
     while True:
-        reason = reason_to_end(robot, goal, purpose)
+        reason = reason_to_end(robot, goal, to_see=to_see)
         if reason is not None:
             return reason
         path = ahead(path, robot.at)
@@ -126,13 +130,13 @@ def carry_out(
     return moved
 
 
-def reason_to_end(robot: FrontierRobot, goal: Goal, purpose: Purpose) -> Event | None:
-    """Return the reason not to drive on to a goal; None if there is none."""
+def reason_to_end(robot: FrontierRobot, goal: Goal, *, to_see: bool) -> Event | None:
+    """Return the reason not to drive on to a goal, as in `drive`; None if there is none."""
     if robot.team.requests.any_pending:
         return Event.INTERRUPTED
     if math.dist(robot.at[:2], goal.place) <= REACHED_M:
         return Event.REACHED
-    if purpose != "explore":
+    if not to_see:
         return None
     if robot.sees_at_half_range(goal):
         return Event.REACHED

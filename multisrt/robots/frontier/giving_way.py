@@ -90,7 +90,7 @@ def give_way(robot: FrontierRobot) -> Steps:
     aside = yield from find_place_aside(robot, asked)
     if aside is not None and aside.cost_m > REACHED_M:
         robot.set_goal(aside)
-        if (yield from drive(robot, aside, "give way")) is Event.NO_WAY:
+        if (yield from drive(robot, aside, "give way", to_see=False)) is Event.NO_WAY:
             yield from leave_by_exit(robot, asked)
         robot.set_goal(None)
         yield from team.report()
@@ -114,7 +114,7 @@ def leave_by_exit(robot: FrontierRobot, asked: GiveWayMessage) -> Generator[Acti
     x, y, _ = motion.end
     goal = Goal(x, y, np.array([robot.at[:2], (x, y)]), motion.length_m)
     robot.set_goal(goal)
-    yield from drive(robot, goal, "give way")
+    yield from drive(robot, goal, "give way", to_see=False)
     robot.set_goal(None)
     yield from robot.team.report()
     return True

@@ -54,7 +54,7 @@ def drive_as_wanted(robot: FrontierRobot, goal: Goal) -> Driven:
     path = goal.path
     nearest_m, since_s = math.inf, robot.time_s
     while True:
-        reason = reason_to_end(robot, goal, "explore")
+        reason = reason_to_end(robot, goal, to_see=True)
         if reason is not None:
             return reason
         path = ahead(path, robot.at)

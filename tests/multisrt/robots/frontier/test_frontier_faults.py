@@ -3,6 +3,7 @@
 import dataclasses
 import itertools
 import math
+from functools import partial
 
 import msgspec
 import numpy as np
@@ -298,7 +299,7 @@ def test_robots_that_meet_in_a_corridor_pass_by_giving_way(monkeypatch, seed):
             summary="",
             options=FrontierOptions,
             explorer=lambda me, options: FrontierExplorer(
-                me, options, going_to(places), lambda robot, goal: drive(robot, goal, "home")
+                me, options, going_to(places), partial(drive, purpose="home", to_see=False)
             ),
         ),
     )

@@ -219,7 +219,7 @@ class Team(Listener):
             yield from self.learn(message.entries)
         self.requests.goal |= message.wants_goal
         own = message.reports[0]
-        if message.asks or self._has_to_offer(own):
+        if message.asks or self._owes_report(own):
             yield from self.report(to=message.sender)
         if own.have != self._entries.counts():
             yield from self._ask_for_what_lacks(own.robot, own.have)
@@ -242,7 +242,7 @@ class Team(Listener):
         has_asked = self.asked_s.get(asked.sender, -math.inf) >= lately_s
         return has_asked and self.number < asked.sender and not asked.firm
 
-    def _has_to_offer(self, report: RobotReport) -> bool:
+    def _owes_report(self, report: RobotReport) -> bool:
         """Whether to report to a robot that lacks nodes, and record that it is done.
 
         A robot with nothing to do does not report by itself, so the other would not hear of them.

@@ -1,4 +1,4 @@
-"""RULES: which cells are goals, how robots get there, and what they tell one another."""
+"""RULES: which cells are goals, how robots get there, and what they tell each other."""
 
 import math
 

@@ -21,6 +21,8 @@ from multisrt.planners.motion.kinematics import Differential
 from multisrt.robots.explorer import Note, RobotSelf, Send, Sighting
 from multisrt.robots.frontier.explore import FrontierExplorer
 from multisrt.robots.frontier.messages import (
+    GiveWayMessage,
+    ReportMessage,
     RobotReport,
     StopMessage,
 )
@@ -286,6 +288,26 @@ def test_a_stop_signal_counts_for_the_present_goal_only():
     assert mapped.team.requests.any_pending
     assert explorer.request() is Event.STOP_SIGNAL
     assert not mapped.team.requests.any_pending
+
+
+# Requests --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("asked_s", "firm", "yields"),
+    [(None, False, True), (99.9, False, False), (99.9, True, True), (90.0, False, True)],
+    ids=["did not ask", "both asked", "the other is cornered", "asked long ago"],
+)
+def test_of_two_that_both_ask_the_lower_number_goes_first(asked_s, firm, yields):
+    robot = robot_at([(5.0, 4.2)], [(6.0, 4.2)])
+    robot.course.time_s = 100.0
+    if asked_s is not None:
+        robot.team.asked_s[1] = asked_s
+    asked = GiveWayMessage(sender=1, path=((6.0, 4.2), (5.0, 4.2)), radius_m=0.25, firm=firm)
+    acts, _ = acts_of(robot.team._take_message(asked))
+    assert (robot.team.requests.way is asked) == yields
+    # Either way the other hears that it was understood.
+    assert [(type(act.message), act.to) for act in acts] == [(ReportMessage, 1)]
 
 
 # Paths and goals -----------------------------------------------------------------------------

@@ -150,7 +150,7 @@ class FrontierExplorer:
         robot, goal, met = self.robot, self.robot.goal, self._met
         assert goal is not None
         assert met is not None
-        detour = yield from find_detour(robot, goal, self.progress.standstill)
+        detour = yield from find_detour(robot, goal, self.progress)
         if detour is None:
             yield from ask_to_leave(robot, goal, met)
         if met.robot in robot.bodies:

@@ -19,30 +19,29 @@ from multisrt.robots.frontier.bodies import has_moved
 from multisrt.robots.frontier.driving import REACHED_M, drive
 from multisrt.robots.frontier.goal import Goal
 from multisrt.robots.frontier.messages import GiveWayMessage
-from multisrt.robots.frontier.progress import Event, Standstill
+from multisrt.robots.frontier.progress import Event, Progress
 from multisrt.robots.frontier.robot import FrontierRobot, Steps
 
 
 def find_detour(
-    robot: FrontierRobot, goal: Goal, here: Standstill
+    robot: FrontierRobot, goal: Goal, progress: Progress
 ) -> Generator[Action, Outcome, Goal | None]:
     """Look for a path to a goal round the robots in sight.
 
     Returns
     -------
     Goal or None
-        None if no path is short enough, or a detour was already tried from here: the robot was
-        stopped as soon as it began.
+        None if no path is short enough, or the last detour began here.
     """
     seen = yield from robot.bodies.look()
-    if here.has_detoured:
+    if progress.has_detoured:
         return None
     options = robot.options
     limit_m = options.detour_factor * goal.cost_m + options.detour_extra_m
     around = robot.ways.detour_to(goal, seen, limit_m)
     if around is None or around.cost_m <= REACHED_M:
         return None
-    here.has_detoured = True
+    progress.note_detour()
     return around
 
 

@@ -171,8 +171,6 @@ class Standstill:
     jams : dict of int to int
         How often each other robot and this one could not let each other pass, since the map last
         changed.
-    has_detoured : bool
-        Whether it has tried a detour.
     found_no_path : bool
         Whether the path to a goal turned out not to be free.
     """
@@ -180,7 +178,6 @@ class Standstill:
     place: Place
     revision: int
     jams: dict[int, int] = field(default_factory=dict)
-    has_detoured: bool = False
     found_no_path: bool = False
 
 
@@ -215,6 +212,7 @@ class Progress:
         self._course = course
         self._raster = raster
         self._standstill = Standstill(course.at[:2], raster.revision)
+        self._detoured_at: Place | None = None
         self._waits = 0
         self._waits_revision = raster.revision
         # When the last drive began, until what came of it is dealt with.
@@ -251,6 +249,19 @@ class Progress:
         elif revision != self._standstill.revision:
             self._standstill.revision, self._standstill.jams = revision, {}
         return self._standstill
+
+    def note_detour(self) -> None:
+        """Record that a detour begins here."""
+        self._detoured_at = self._course.at[:2]
+
+    @property
+    def has_detoured(self) -> bool:
+        """Whether the last detour began here.
+
+        So it does also for a robot that has come back since: the detour led it nowhere.
+        """
+        at = self._detoured_at
+        return at is not None and math.dist(at, self._course.at[:2]) <= MOVED_M
 
     def note_jam(self, other: int) -> None:
         """Count that another robot did not let this one pass, or could not be let pass."""

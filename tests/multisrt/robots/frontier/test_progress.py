@@ -80,13 +80,16 @@ def test_jams_count_for_one_place_and_one_map():
     assert progress.standstill.jams == {}
 
 
-def test_detours_are_tried_anew_from_another_place_only():
+def test_a_detour_is_tried_anew_from_another_place_only():
     progress, course = progress_with()
-    progress.standstill.has_detoured = True
+    assert not progress.has_detoured
+    progress.note_detour()
     learn(progress)
-    assert progress.standstill.has_detoured
+    assert progress.has_detoured
     course.at = Configuration(2.0 * MOVED_M, 0.0, 0.0)
-    assert not progress.standstill.has_detoured
+    assert not progress.has_detoured
+    course.at = Configuration(0.0, 0.0, 0.0)
+    assert progress.has_detoured
 
 
 def test_waits_count_until_the_map_changes():

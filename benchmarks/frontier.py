@@ -275,7 +275,7 @@ def decision_in_large_map(near_m: float = 12.0, far_m: float = 24.0) -> Iterator
     goals: dict[int, list[tuple[float, float] | None]] = {id(small): [], id(large): []}
 
     def decide(robot: FrontierRobot, node: Node) -> None:
-        robot.merge((node,))
+        robot.map.merge((node,))
         for note in choose_closest(robot, "news"):
             assert isinstance(note, Note)
             assert isinstance(note.event, GoalChosen)
@@ -287,7 +287,7 @@ def decision_in_large_map(near_m: float = 12.0, far_m: float = 24.0) -> Iterator
         repeats=1,
     )
     same = goals[id(small)] == goals[id(large)] and None not in goals[id(small)]
-    groups = len(small.groups()), len(large.groups())
+    groups = len(small.frontiers.groups()), len(large.frontiers.groups())
     yield Claim(
         text="decision of closest, map 4 times as large: the small map",
         ours=times["large"],
@@ -380,7 +380,7 @@ def _robot_at(start: np.ndarray, index: EdgeIndex, places: np.ndarray) -> Fronti
         FrontierOptions(cell_m=CELL_M),
     )
     all_places = [start.tolist(), *places.tolist()]
-    robot.merge(tuple(_node(index, x, y, NodeId(1, i)) for i, (x, y) in enumerate(all_places)))
+    robot.map.merge(tuple(_node(index, x, y, NodeId(1, i)) for i, (x, y) in enumerate(all_places)))
     return robot
 
 

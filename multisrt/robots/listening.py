@@ -1,7 +1,7 @@
-"""How a robot listens while time passes, and how robots fill each other's gaps.
+"""Listening while time passes, and exchanging the nodes that one robot has and another lacks.
 
-What all strategies have in common that share nodes by messages: each message that says how much
-its sender has lets the others ask for what they lack, and answer who asks.
+All strategies whose robots share nodes by messages have this in common. Some messages say how many
+entries of the map their sender has; a robot that lacks some of them asks for these, and gets them.
 """
 
 from __future__ import annotations
@@ -39,36 +39,40 @@ Heard = Generator[Action, Outcome, Moved | None]
 
 
 class Clocked(Protocol):
-    """A robot that knows what time it is."""
+    """Something that keeps the time."""
 
     time_s: float
 
 
 class Listener(ABC):
-    """One robot's ear: it takes in what comes while time passes, and answers.
+    """Receives messages for one robot, and answers them.
 
     Parameters
     ----------
     robot : Clocked
-        Whose; its clock is set by what is heard.
+        The clock, which is set to the time of every outcome.
     me : RobotSelf
-        What that robot knows of itself.
+        What the robot knows of itself.
     entries : Entries
-        What it knows of the world.
+        The entries of its map.
     ask_period_s : float
-        After how long it asks again; a message's way there and back comes on top.
+        Time after which a question is repeated, in seconds, besides the round trip.
 
     Attributes
     ----------
-    number, size : int
-        The robot's number, and how many robots the team has.
-    round_trip_s, period_s : float
-        How long an answer takes at least, and after how long it is asked for again.
+    number : int
+        Number of the robot.
+    size : int
+        Number of robots in its team.
+    round_trip_s : float
+        Latency of a question and its answer in seconds.
+    period_s : float
+        Time after which a question is repeated, in seconds.
     """
 
     ends_pauses_on_time: ClassVar[bool]
-    """Whether a pause is over at its end also where something was heard at that very moment; else
-    it goes on until nothing more comes."""
+    """Whether a pause ends on time even if something was heard at that very moment. If not, it goes
+    on until nothing more comes."""
 
     def __init__(
         self, robot: Clocked, me: RobotSelf, entries: Entries, ask_period_s: float
@@ -87,18 +91,23 @@ class Listener(ABC):
         return self.size == 1
 
     def hear(self, timeout_s: float | None = 0.0) -> Heard:
-        """Receive until a motion ends, something was heard, or time is up; answer questions.
+        """Receive until the motion ends, something is heard, or time is up; answer questions.
+
+        Parameters
+        ----------
+        timeout_s : float or None
+            Time in seconds; None: no limit.
 
         Returns
         -------
         Moved or None
-            The end of the motion that went on.
+            The end of the motion in progress; None if it has not ended.
         """
         outcome = yield Receive(timeout_s)
         return (yield from self.take(outcome))
 
     def take(self, outcome: Outcome) -> Heard:
-        """Take in what came, and answer."""
+        """Take an outcome, and answer the messages in it; return it if a motion ended."""
         if isinstance(outcome, Received):
             self._clock.time_s = outcome.time_s
             for message in outcome.messages:
@@ -111,7 +120,13 @@ class Listener(ABC):
         return None
 
     def pause(self, seconds: float) -> Talk:
-        """Let time pass, and listen meanwhile; no time: until all has come that comes now."""
+        """Let time pass, listening.
+
+        Parameters
+        ----------
+        seconds : float
+            How long; 0: until nothing more comes at this moment.
+        """
         until = self._clock.time_s + seconds
         on_time = self.ends_pauses_on_time and seconds > 0.0
         while True:
@@ -121,27 +136,27 @@ class Listener(ABC):
                 return
 
     def learn(self, entries: tuple[Entry, ...]) -> Talk:
-        """Take in what others know."""
+        """Add entries of others to the map, and put on record which nodes were new."""
         new = self._merge(entries)
         if new:
             yield Note(Learned(time_s=self._clock.time_s, robot=self.number, nodes=new))
 
     @abstractmethod
     def _merge(self, entries: tuple[Entry, ...]) -> tuple[NodeId, ...]:
-        # Take in entries; give the nodes that were new.
-        ...
+        """Add entries to the map; return the nodes that were new."""
 
     @abstractmethod
     def _take_message(self, message: Message) -> Talk:
-        # Take in one message, and answer.
-        ...
+        """Take one message, and answer it."""
 
     def _answer_want(self, message: WantMessage) -> Talk:
+        """Send the entries that the sender of a question lacks."""
         entries = self._entries.lacks(have_of(message.have))
         if entries:
             yield Send(EntriesMessage(sender=self.number, entries=entries), message.sender)
 
     def _ask_for_what_lacks(self, other: int, theirs: Counts) -> Talk:
+        """Ask another robot for the entries that it has and this one lacks, if not done lately."""
         mine = self._entries.have()
         for robot, nodes, closings in theirs:
             known = mine.get(robot, (0, 0))
@@ -154,5 +169,11 @@ class Listener(ABC):
 
 
 def have_of(counts: Counts) -> Have:
-    """Read what a message says of how much its sender has."""
+    """Return the counts in a message as a dictionary from robots to (nodes, closings).
+
+    Examples
+    --------
+    >>> have_of(((0, 7, 1), (2, 3, 0)))
+    {0: (7, 1), 2: (3, 0)}
+    """
     return {robot: (nodes, closings) for robot, nodes, closings in counts}

@@ -1,4 +1,4 @@
-"""Messages between robots: typed, immutable, and with a size."""
+"""The base class of messages between robots: typed, immutable, and with a size."""
 
 from __future__ import annotations
 
@@ -9,30 +9,38 @@ import numpy as np
 
 
 class Message(msgspec.Struct, frozen=True, kw_only=True):
-    """What one robot says to others; derive a class for every type of message.
+    """A message from one robot to others; derive a class for every kind of message.
 
-    Fields are numbers, strings, tuples, other structures, immutable dataclasses and read-only
-    numpy arrays. A message is not copied when it is sent: nothing in it may be changed.
+    Fields may be numbers, strings, tuples, other structures, immutable dataclasses and read-only
+    numpy arrays. A message is not copied when it is sent, so nothing in it may change.
 
     Attributes
     ----------
     sender : int
-        Who says it.
+        Number of the robot that sends it.
+
+    Examples
+    --------
+    >>> class Hello(Message, frozen=True, kw_only=True):
+    ...     kind = "hello"
+    ...     text: str
+    >>> Hello(sender=0, text="here I am").size_bytes
+    24
     """
 
     sender: int
 
     kind: ClassVar[str] = "message"
-    """What recordings call this type."""
+    """Name of this kind of message in recordings."""
 
     @property
     def wakes(self) -> bool:
-        """Whether a robot that moves and listens is told at once."""
+        """Whether a robot that listens while it moves receives it at once."""
         return False
 
     @property
     def size_bytes(self) -> int:
-        """Size on the air: that of its MessagePack encoding."""
+        """Size on the air in bytes: that of its MessagePack encoding."""
         return len(_ENCODER.encode(self))
 
 

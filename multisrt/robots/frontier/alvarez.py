@@ -1,19 +1,19 @@
-"""RULES: robots score unexplored cells, give way to one another, and swap goals.
+"""RULES: robots score unexplored cells, give way to each other, and swap goals.
 
 Source: J. A. Álvarez Jáuregui, Algoritmo descentralizado para la exploración multi-robot de
-escenarios 2D (Universidad de Guanajuato, 2018), section 3.2. A goal is a cell that nobody has
-seen, here called the robot's *aim*; its `Goal` is the place where the way there leaves what is
-known, and the way to that place is the shortest one, not one from cell to cell. Differs in:
+escenarios 2D (Universidad de Guanajuato, 2018), section 3.2. A goal is a cell that no robot has
+seen, here called the robot's *aim*; its `Goal` is the place where the path to the aim leaves the
+known area, and the path to that place is the shortest one, not one from cell to cell. Differs in:
 
-- Where no unexplored cell is reachable and frontiers are left, which are smaller than a cell of
-  the search, the nearest frontier is the goal. So a run is complete as with all strategies.
-- Only mates in sight make a robot wait, and not for longer than it asks others to give way
+- Where no unexplored cell can be reached and frontiers are left, which are smaller than a cell of
+  the search, the nearest frontier is the goal. So runs are complete as with all strategies.
+- A robot waits only for others in sight, and at most as often as it asks others to give way
   (`patience`); then the protective stop and `giving_way` decide.
-- Goals are compared whenever one is new, and swapped only if the two ways together do not get
-  longer, but for a cell's width. As a swap shortens the shorter of the two ways, robots do not
+- Goals are compared whenever one is new, and swapped only if the sum of the two paths does not grow
+  by more than the width of a cell. As a swap shortens the shorter of the two paths, robots do not
   swap for ever.
-- Robots tell each other also where they came to the edge of what is known in vain.
-- A robot that was stuck goes to a random place (the thesis's own next step).
+- Robots also report the places at the edge of the known area that they reached in vain.
+- A robot that was stuck goes to a random place (proposed in the thesis as future work).
 """
 
 from __future__ import annotations
@@ -33,7 +33,6 @@ from multisrt.planners.navigation.path_following import ahead
 from multisrt.planners.navigation.right_of_way import Party, right_of_way
 from multisrt.robots.explorer import Action, Note, Outcome, RobotSelf, Send, Sighting
 from multisrt.robots.frontier.alvarez_goals import (
-    Place,
     Survey,
     Way,
     is_open,
@@ -43,70 +42,70 @@ from multisrt.robots.frontier.alvarez_goals import (
     way_cost,
     way_to,
 )
-from multisrt.robots.frontier.driving import REACHED_M, Reason, drive, drive_leg
+from multisrt.robots.frontier.driving import REACHED_M, Driven, drive, drive_leg
 from multisrt.robots.frontier.explore import FrontierExplorer
+from multisrt.robots.frontier.goal import Goal, Place, length_of
 from multisrt.robots.frontier.messages import InaccessibleMessage, SwapMessage
 from multisrt.robots.frontier.options import RulesOptions
-from multisrt.robots.frontier.robot import FrontierRobot, Goal, length_of
+from multisrt.robots.frontier.progress import Event
+from multisrt.robots.frontier.robot import FrontierRobot
 from multisrt.robots.frontier.rules import Choice, choose_closest
 
 SCORES_KEPT = 10
-"""So many of the best cells are put on record with a choice."""
+"""Number of the best cells that are put on record with a choice."""
 
-ANEW = ("start", "news", "called on", "blocked")
-"""Why a robot chooses another cell though its own is unexplored still."""
-
-MOST_FAILURES = 2
-"""A place to which so often no way led is not tried again."""
+ANEW = (Event.START, Event.NEWS, Event.CALLED_ON, Event.BLOCKED)
+"""Events after which a robot chooses another cell even if its own is still unexplored."""
 
 Scores = tuple[tuple[float, float, float, float, float, float], ...]
+"""x, y, score, and the terms of the score (distance, turn, others) of the best cells."""
 
 
 def explorer_by_rules(me: RobotSelf, options: RulesOptions) -> FrontierExplorer:
-    """Build the explorer of one robot."""
+    """Return the explorer of one robot."""
     rules = Rules()
     return FrontierExplorer(me, options, rules.choose, rules.drive)
 
 
 class Rules:
-    """What one robot decides by the rules, and remembers for it.
+    """The decisions of one robot by the rules, and what it remembers for them.
 
     Attributes
     ----------
     place : (x, y) or None
-        The goal that it chose last.
+        Its last goal.
     failures : counter of (x, y)
-        How often no way led to a goal.
+        How often no path led to each goal.
     stuck_at : (x, y) or None
-        Where it stood when no way led to its goal.
-    vain : int
-        How many goals in a row it could not drive to.
+        Where it stood when no path led to its goal.
+    in_vain : int
+        Number of goals in a row that it could not drive to.
     wanders : bool
         Whether its goal is a random place.
     waits : int
         How often in a row it has waited for others.
     compared : tuple
-        The goals of the team that it has compared last.
+        The aims of the team when it last looked for a swap.
     """
 
     def __init__(self) -> None:
         self.place: Place | None = None
         self.failures: Counter[Place] = Counter()
         self.stuck_at: Place | None = None
-        self.vain = 0
+        self.in_vain = 0
         self.wanders = False
         self.waits = 0
         self.compared: tuple[object, ...] = ()
 
     # Choosing -----------------------------------------------------------------------------
 
-    def choose(self, robot: FrontierRobot, because: str) -> Choice:
-        """Keep the aim until it is explored, then choose the best cell; say how to get there."""
+    def choose(self, robot: FrontierRobot, because: Event) -> Choice:
+        """Keep the aim until it is explored, then choose the best cell; return a goal for it."""
         tried = self.remember(robot, because)
         team = robot.team
         with robot.around_bodies():
-            drawn = survey(robot, team.tried, agreed(robot))
-            aim = None if because in ANEW else team.aim
+            drawn = survey(robot, team.cells.tried, agreed(robot))
+            aim = None if because in ANEW else team.cells.aim
             way = None if aim is None else way_to(robot, drawn, aim)
             unreached: list[Place] = []
             scores: Scores = ()
@@ -114,9 +113,9 @@ class Rules:
                 aim, scores, unreached = best_cell(robot, drawn)
                 way = None if aim is None else way_to(robot, drawn, aim)
             goal = None if way is None else goal_of(robot, way)
-        team.aim = None if goal is None else aim
-        yield from tell_inaccessible(robot, [] if robot.bodies else unreached, tried)
-        if self.vain >= robot_options(robot).random_goal_after and goal is not None:
+        team.cells.aim = None if goal is None else aim
+        yield from tell_inaccessible(robot, [] if len(robot.bodies) else unreached, tried)
+        if self.in_vain >= robot_options(robot).random_goal_after and goal is not None:
             return (yield from self.wander(robot, because))
         if goal is None or way is None:
             goal = yield from choose_closest(robot, because)
@@ -126,29 +125,32 @@ class Rules:
         yield Note(chosen(robot, "rules", because, aim, way.cost_m, scores))
         return goal
 
-    def remember(self, robot: FrontierRobot, because: str) -> tuple[Place, ...]:
-        """Take note of what came of the last goal; give its place if it was so for others, too."""
+    def remember(self, robot: FrontierRobot, because: Event) -> tuple[Place, ...]:
+        """Record what became of the last goal; return its place if others need not try it."""
         place, self.place, self.wanders = self.place, None, False
-        self.vain = self.vain + 1 if because in ("no way", "blocked") else 0
+        self.in_vain = self.in_vain + 1 if because in (Event.NO_WAY, Event.BLOCKED) else 0
         if place is None:
             return ()
         is_left = robot.is_frontier(*place) or is_open(robot.raster, place)
-        in_vain = because == "reached" and is_left
-        if because == "no way":
+        in_vain = because == Event.REACHED and is_left
+        if because == Event.NO_WAY:
             self.failures[place] += 1
-            in_vain = self.failures[place] >= MOST_FAILURES or self.stuck_at == robot.at[:2]
+            in_vain = (
+                self.failures[place] >= robot_options(robot).max_failures
+                or self.stuck_at == robot.at[:2]
+            )
             self.stuck_at = robot.at[:2]
         if not in_vain:
             return ()
-        robot.team.tried[place] = None
-        robot.give_up(place)
-        # Where a car finds no way others may.
-        return () if because == "no way" and robot.car is not None else (place,)
+        robot.team.cells.tried[place] = None
+        robot.frontiers.give_up(place)
+        # Other robots may find a path where a car does not.
+        return () if because == Event.NO_WAY and robot.car is not None else (place,)
 
-    def wander(self, robot: FrontierRobot, because: str) -> Choice:
-        """RANDOM GOAL: go to any place that is known, to try from there."""
-        robot.team.aim = None
-        self.vain, goal = 0, None
+    def wander(self, robot: FrontierRobot, because: Event) -> Choice:
+        """RANDOM GOAL: choose a random place that is known, to go on from there."""
+        robot.team.cells.aim = None
+        self.in_vain, goal = 0, None
         with robot.around_bodies():
             field = robot.own_field()
             if field is not None:
@@ -163,11 +165,9 @@ class Rules:
 
     # Driving ------------------------------------------------------------------------------
 
-    def drive(
-        self, robot: FrontierRobot, goal: Goal
-    ) -> Generator[Action, Outcome, Reason | Sighting]:
-        """MOTION: drive until the aim is explored or the way to it changes, leg by leg."""
-        aim = robot.team.aim
+    def drive(self, robot: FrontierRobot, goal: Goal) -> Driven:
+        """MOTION: drive, leg by leg, until the aim is explored or the path to it changes."""
+        aim = robot.team.cells.aim
         if aim is None and not self.wanders:
             return (yield from drive(robot, goal))
         path = goal.path
@@ -180,36 +180,36 @@ class Rules:
                 if (yield from self.waits_for_others(robot, path)):
                     continue
                 if (yield from self.swaps(robot)):
-                    return "interrupted"
+                    return Event.INTERRUPTED
             ended = yield from drive_leg(robot, path, "explore")
             if ended is not None:
                 return ended
 
-    def reason_to_end(self, robot: FrontierRobot, goal: Goal, aim: Place | None) -> Reason | None:
-        """Whether there is a reason not to drive on."""
+    def reason_to_end(self, robot: FrontierRobot, goal: Goal, aim: Place | None) -> Event | None:
+        """Return the reason not to drive on; None if there is none."""
         team, raster = robot.team, robot.raster
-        if team.is_interrupted or team.aim != aim:
-            return "interrupted"
+        if team.requests.any_pending or team.cells.aim != aim:
+            return Event.INTERRUPTED
         if aim is not None and (raster.is_known(*aim) or not is_open(raster, goal.place)):
-            return "nothing left"
+            return Event.NOTHING_LEFT
         if math.dist(robot.at[:2], goal.place) <= REACHED_M:
-            return "reached"
-        return "news" if aim is not None and robot.may_choose_anew() else None
+            return Event.REACHED
+        return Event.NEWS if aim is not None and robot.may_choose_anew() else None
 
     def waits_for_others(
         self, robot: FrontierRobot, path: FloatArray
     ) -> Generator[Action, Outcome, bool]:
-        """CONFLICTS: wait while a mate is ahead, unless this robot leads; tell whether it did."""
+        """CONFLICTS: wait if a mate is ahead, unless this robot leads; return whether it did."""
         team, options = robot.team, robot_options(robot)
         if options.conflict_radius_m == 0.0:
             return False
-        seen = yield from robot.look()
+        seen = yield from robot.bodies.look()
         me = Party(
             robot=robot.me.robot,
             configuration=facing(robot.at, path),
             path=path,
             radius_m=robot.body.outer_radius_m,
-            leader=team.leader,
+            leader=team.cells.leader,
         )
         ruling = right_of_way(
             me,
@@ -217,8 +217,8 @@ class Rules:
             options.conflict_radius_m,
             margin_m=options.guard_m,
         )
-        if ruling.leader != team.leader:
-            team.leader = ruling.leader
+        if ruling.leader != team.cells.leader:
+            team.cells.leader = ruling.leader
             yield from team.report()
         if ruling.action != "wait":
             self.waits = 0
@@ -230,17 +230,17 @@ class Rules:
         return True
 
     def swaps(self, robot: FrontierRobot) -> Generator[Action, Outcome, bool]:
-        """EXCHANGE: take another's aim and give it the own one; tell whether it did."""
+        """EXCHANGE: swap aims with another robot if that is shorter; return whether it did."""
         team = robot.team
         mates = [report for report in team.present() if report.aim is not None]
-        now = (team.aim, *((mate.robot, mate.aim) for mate in mates))
-        if team.aim is None or not robot_options(robot).exchange or now == self.compared:
+        now = (team.cells.aim, *((mate.robot, mate.aim) for mate in mates))
+        if team.cells.aim is None or not robot_options(robot).exchange or now == self.compared:
             return False
         self.compared = now
         with robot.around_bodies():
-            drawn = survey(robot, team.tried, agreed(robot))
+            drawn = survey(robot, team.cells.tried, agreed(robot))
             here = robot.at[:2]
-            own = way_cost(robot, drawn, here, team.aim)
+            own = way_cost(robot, drawn, here, team.cells.aim)
             owners, asked = [own], [math.inf]
             for mate in mates:
                 assert mate.aim is not None
@@ -253,16 +253,16 @@ class Rules:
             if partner is None:
                 return False
             mate = mates[partner - 1]
-            swapped = asked[partner] + way_cost(robot, drawn, mate.place[:2], team.aim)
+            swapped = asked[partner] + way_cost(robot, drawn, mate.place[:2], team.cells.aim)
         if mate.aim is None or swapped > own + owners[partner] + robot.options.cell_m:
             return False
-        given, team.aim = team.aim, mate.aim
+        given, team.cells.aim = team.cells.aim, mate.aim
         yield Send(SwapMessage(sender=robot.me.robot, taken=mate.aim, given=given), mate.robot)
         return True
 
 
 def best_cell(robot: FrontierRobot, drawn: Survey) -> tuple[Place | None, Scores, list[Place]]:
-    """Find the best cell that can be reached; give the scores, and the cells that cannot be."""
+    """Return the best cell that can be reached, the scores, and the better cells that cannot be."""
     goals = [r.goal if r.aim is None else r.aim for r in robot.team.present()]
     places = np.array([goal for goal in goals if goal is not None]).reshape(-1, 2)
     unreached: dict[Place, None] = {}
@@ -278,14 +278,14 @@ def best_cell(robot: FrontierRobot, drawn: Survey) -> tuple[Place | None, Scores
 
 
 def best_scores(cells: FloatArray, given: GoalChoice, order: list[int]) -> Scores:
-    """Give the best cells with their scores and the terms of these."""
+    """Return the best cells with their scores and the terms of these."""
     best = order[:SCORES_KEPT]
     terms = (given.scores, given.distance, given.turn, given.others)
     return tuple(zip(*cells[best].T.tolist(), *(t[best].tolist() for t in terms), strict=True))
 
 
 def goal_of(robot: FrontierRobot, way: Way) -> Goal | None:
-    """Make the place where a way leaves what is known the goal."""
+    """Return the place where a path leaves the known area as a goal."""
     field = robot.own_field()
     return None if field is None else robot.goal_at(field, *way.edge)
 
@@ -293,12 +293,12 @@ def goal_of(robot: FrontierRobot, way: Way) -> Goal | None:
 def chosen(
     robot: FrontierRobot,
     rule: str,
-    because: str,
+    because: Event,
     goal: Place | None,
     cost_m: float,
     scores: Scores,
 ) -> GoalChosen:
-    """Put on record what was chosen."""
+    """Return the record of a choice."""
     mates = [report.robot for report in robot.team.present()]
     return GoalChosen(
         time_s=robot.time_s,
@@ -314,20 +314,20 @@ def chosen(
 
 
 def agreed(robot: FrontierRobot) -> list[Place]:
-    """Give the cells that this robot and all that are reckoned with found inaccessible."""
+    """Return the cells that this robot and all that are present found inaccessible."""
     everybody = {robot.me.robot, *(report.robot for report in robot.team.present())}
-    said = robot.team.inaccessible.items()
+    said = robot.team.cells.inaccessible.items()
     return [cell for cell, by in said if everybody <= by.keys()]
 
 
 def tell_inaccessible(
     robot: FrontierRobot, cells: list[Place], tried: tuple[Place, ...]
 ) -> Generator[Action, Outcome, None]:
-    """INACCESSIBLE CELLS: say to which no way leads, if not said yet, and what was in vain."""
+    """INACCESSIBLE CELLS: report cells to which no path leads, and places tried in vain."""
     team, me = robot.team, robot.me.robot
-    new = [cell for cell in cells if me not in team.inaccessible.get(cell, {})]
+    new = [cell for cell in cells if me not in team.cells.inaccessible.get(cell, {})]
     for cell in new:
-        team.inaccessible.setdefault(cell, {})[me] = None
+        team.cells.inaccessible.setdefault(cell, {})[me] = None
     if (new or tried) and not team.is_alone:
         yield Send(
             InaccessibleMessage(
@@ -337,9 +337,9 @@ def tell_inaccessible(
 
 
 def as_party(robot: FrontierRobot, mate: Sighting) -> Party:
-    """Give a mate in sight as it matters for the right of way: its place as seen, the rest as told.
+    """Return a mate in sight as a party to the right of way: its place as seen, the rest as told.
 
-    Who is not reckoned with, or has nothing to do, is inactive.
+    A mate that is not present, or has nothing to do, is inactive.
     """
     at = mate.configuration
     told = {report.robot: report for report in robot.team.present()}.get(mate.robot)
@@ -357,7 +357,7 @@ def as_party(robot: FrontierRobot, mate: Sighting) -> Party:
 
 
 def facing(at: Configuration, path: FloatArray) -> Configuration:
-    """Turn a configuration to where its path leads."""
+    """Return a configuration with the heading in which its path leads."""
     if length_of(path) <= REACHED_M:
         return at
     x, y = next(corner for corner in path.tolist() if math.dist(corner, at[:2]) > 0.0)

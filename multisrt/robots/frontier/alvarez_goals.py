@@ -1,13 +1,13 @@
-"""RULES: the map as cells, which of them is the best goal, and the way there.
+"""RULES: the map as cells of the search, their scores, and the path to one of them.
 
 Source: J. A. Álvarez Jáuregui, Algoritmo descentralizado para la exploración multi-robot de
 escenarios 2D, sections 3.2.3 to 3.2.5. Differs in:
 
-- The size of the map is not known: what is searched is the rectangle around all that has been
-  seen, and one cell more on every side.
-- A* runs over the raster that the body moves on, not over the larger cells of the search: those
-  would close a door that is not much wider than the body. It keeps the body's radius from what
-  was seen, and enters what was not seen only where a frontier is wide enough for the body.
+- The size of the map is not known: searched is the bounding rectangle of the known area, grown by
+  one cell on every side.
+- A* runs over the raster that the body moves on, not over the larger cells of the search, which
+  would close a door not much wider than the body. It keeps the body's radius from known obstacles,
+  and enters the unknown only where a frontier is wide enough for the body.
 """
 
 from __future__ import annotations
@@ -27,14 +27,15 @@ from multisrt.geometry.numerics.kernel import BoolArray, FloatArray, IntArray
 from multisrt.planners.assignment.cell_choice import GoalChoice, choose_cell
 from multisrt.planners.grid_search import DIAGONAL, a_star, reachable, ring_search
 from multisrt.planners.navigation.sector import cells_ahead
+from multisrt.robots.frontier.fields import NEAR_BY_CELLS
+from multisrt.robots.frontier.goal import Place
 from multisrt.robots.frontier.options import RulesOptions
-from multisrt.robots.frontier.robot import NEAR_BY_CELLS, FrontierRobot
+from multisrt.robots.frontier.robot import FrontierRobot
 
-Place = tuple[float, float]
 Cell = tuple[int, int]
 
 SAMPLES = 4
-"""So many places are looked at on a line as it passes through a cell."""
+"""Number of points sampled on a line for each cell that it crosses."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -46,17 +47,17 @@ class Survey:
     row, column : int
         Where the first row and column of the raster's cells lie in the lattice.
     unknown, ways : (rows, columns) array of bool
-        Which cells of the raster nobody has seen, and over which A* may lead.
+        Which cells of the raster are unknown, and which ones A* may pass.
     reachable : (rows, columns) array of bool
-        Which of them a way leads to from where the robot stands.
+        Which of these can be reached from where the robot stands.
     start : (row, column) or None
-        The cell at which its ways begin; None: it stands nowhere passable.
+        The cell at which its paths begin; None if none is passable near the robot.
     centres : (n, m, 2) array
         Centres of the cells of the search in metres.
     unexplored, obstacle : (n, m) array of bool
-        What these cells are, by the raster's cell at their centre.
+        Which of these are unexplored, and which are obstacles, by the raster's cell at the centre.
     diagonal_m : float
-        Of the map.
+        Diagonal of the map in metres.
     """
 
     row: int
@@ -71,27 +72,27 @@ class Survey:
     diagonal_m: float
 
     def index_of(self, raster: Occupancy, place: Place) -> Cell | None:
-        """Give where the raster's cell of a place is in the arrays; None: it is outside."""
+        """Return the indices of the raster's cell of a place; None if it is outside the arrays."""
         row, column = raster.cell_of(*place)
         row, column = row - self.row, column - self.column
         rows, columns = self.unknown.shape
         return (row, column) if 0 <= row < rows and 0 <= column < columns else None
 
     def can_reach(self, raster: Occupancy, place: Place) -> bool:
-        """Whether a way leads from the robot to a place."""
+        """Whether a path leads from the robot to a place."""
         index = self.index_of(raster, place)
         return index is not None and bool(self.reachable[index])
 
 
 class Way(NamedTuple):
-    """A way to an unexplored cell.
+    """A path to an unexplored cell.
 
     Attributes
     ----------
     edge : (x, y)
-        The last place on it that is known, where the body can stand.
+        The last known place on it, where the body can stand.
     cost_m : float
-        Its length.
+        Its length in metres.
     """
 
     edge: Place
@@ -99,16 +100,16 @@ class Way(NamedTuple):
 
 
 def survey(robot: FrontierRobot, tried: Iterable[Place], inaccessible: Iterable[Place]) -> Survey:
-    """Draw up the map for one choice.
+    """Return the map of one robot for one choice.
 
     Parameters
     ----------
     robot : FrontierRobot
-        Whose map; call within `around_bodies`, then bodies are obstacles too.
+        The robot. In `around_bodies`, bodies in its way are obstacles too.
     tried : iterable of (x, y)
-        Where the robot entered, or tried to, what nobody has seen, in vain.
+        Places at the edge of the known area that were tried in vain.
     inaccessible : iterable of (x, y)
-        Cells of the search that all robots found inaccessible: obstacles from then on.
+        Cells of the search that all robots found inaccessible; they are obstacles.
     """
     raster, width = robot.raster, robot_options(robot).search_cell_m
     seen = raster.cells != UNKNOWN
@@ -123,7 +124,7 @@ def survey(robot: FrontierRobot, tried: Iterable[Place], inaccessible: Iterable[
     ways[inner] = raster.passable[held]
     ways |= unknown & ~_closed(robot, tried, (row, column), shape)
 
-    start = robot.first_cell()
+    start = robot.ways.first_cell()
     reached = np.zeros(shape, np.bool_)
     if start is not None:
         start = start[0] - row, start[1] - column
@@ -157,13 +158,16 @@ def survey(robot: FrontierRobot, tried: Iterable[Place], inaccessible: Iterable[
 
 
 def robot_options(robot: FrontierRobot) -> RulesOptions:
-    """Give a robot's parameters, which are those of the rules."""
+    """Return the parameters of a robot that goes by the rules."""
     assert isinstance(robot.options, RulesOptions)
     return robot.options
 
 
 def _middles(low: float, high: float, width: float) -> FloatArray:
-    # Cells of the search have their borders at multiples of their width: for all robots alike.
+    """Return the centres, along one axis, of the cells whose centres lie between two values.
+
+    The borders are at multiples of the width, so that all robots have the same cells.
+    """
     first, last = math.ceil(low / width - 0.5), math.floor(high / width - 0.5)
     middles: FloatArray = (np.arange(first, last + 1, dtype=np.float64) + 0.5) * width
     return middles
@@ -172,9 +176,9 @@ def _middles(low: float, high: float, width: float) -> FloatArray:
 def _closed(
     robot: FrontierRobot, tried: Iterable[Place], corner: Cell, shape: tuple[int, int]
 ) -> NDArray[np.bool_]:
-    # Unknown cells that touch a frontier too narrow for the body, or a place entered in vain.
+    """Return the unknown cells next to a frontier too narrow for the body, or a place tried."""
     raster = robot.raster
-    wide = {id(group) for group in robot.groups() if group.target is not None}
+    wide = {id(group) for group in robot.frontiers.groups() if group.target is not None}
     closed = np.zeros(shape, np.bool_)
     for group in raster.frontier_groups(0.0):
         if id(group) not in wide:
@@ -200,17 +204,19 @@ def search(
 
     Parameters
     ----------
-    robot, drawn
-        The robot and its map.
+    robot : FrontierRobot
+        The robot.
+    drawn : Survey
+        Its map.
     goals : (g, 2) array
-        The goals of the other robots that have one.
+        Goals of the other robots in metres.
     everywhere : bool
-        Whether to take all unexplored cells, not only as many as a ring finds.
+        Whether to score all unexplored cells, not only those that the growing ring finds.
 
     Returns
     -------
     cells : (k, 2) array
-        Centres of the cells.
+        Centres of the cells in metres.
     GoalChoice
         Their scores.
     """
@@ -243,9 +249,9 @@ def search(
 
 
 def way_to(robot: FrontierRobot, drawn: Survey, aim: Place) -> Way | None:
-    """Find the way to an unexplored cell; None: there is none, or the cell has been seen.
+    """Return the path to an unexplored cell; None if there is none, or the cell has been seen.
 
-    LOOK AHEAD: where no obstacle lies ahead, the way is straight. PLAN: else it is that of A*.
+    LOOK AHEAD: where no obstacle lies ahead, the path is straight. PLAN: otherwise by A*.
     """
     raster, width = robot.raster, robot_options(robot).search_cell_m
     goal = drawn.index_of(raster, aim)
@@ -268,9 +274,19 @@ def way_to(robot: FrontierRobot, drawn: Survey, aim: Place) -> Way | None:
 
 
 def last_known(known: BoolArray, way: IntArray) -> int:
-    """Give up to where a way, ``(n, 2)``, to a cell that is not known leads over such that are.
+    """Return the index of the last cell of a path before its first step into unknown cells.
 
-    A step across a corner counts if the way round it by one side is known.
+    Parameters
+    ----------
+    known : (rows, columns) array of bool
+        Which cells are known.
+    way : (n, 2) array of int
+        The path as rows and columns; its last cell is not known.
+
+    Returns
+    -------
+    int
+        Index into the path. A diagonal step counts as known if one of the two cells beside it is.
     """
     rows, columns = way.T
     beside = known[rows[:-1], columns[1:]] | known[rows[1:], columns[:-1]]
@@ -278,7 +294,7 @@ def last_known(known: BoolArray, way: IntArray) -> int:
 
 
 def way_cost(robot: FrontierRobot, drawn: Survey, place: Place, aim: Place) -> float:
-    """Give the length in metres of the way of A* from a place to a cell; inf: there is none."""
+    """Return the length in metres of the path of A* from a place to a cell; inf without one."""
     start = robot.raster.passable_near(*place, NEAR_BY_CELLS)
     goal = drawn.index_of(robot.raster, aim)
     if start is None or goal is None:
@@ -288,12 +304,13 @@ def way_cost(robot: FrontierRobot, drawn: Survey, place: Place, aim: Place) -> f
 
 
 def _length(way: IntArray) -> float:
+    """Return the length of a path of cells, in cells."""
     steps = np.abs(np.diff(way, axis=0)).sum(axis=1)
     return float((steps == 1).sum() + DIAGONAL * (steps == 2).sum())
 
 
 def is_open(raster: Occupancy, place: Place) -> bool:
-    """Whether one of the cells around that of a place is one that nobody has seen."""
+    """Whether the raster's cell of a place has an unknown neighbour."""
     row, column = raster.cell_of(*place)
     return any(
         not raster.is_known(*raster.centre_of(r, c))

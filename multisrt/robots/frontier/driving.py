@@ -1,43 +1,58 @@
-"""Driving to a goal, with the range finder looking round on the way."""
+"""Driving along paths, sensing on the way."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Generator
-from typing import Literal
+from collections.abc import Callable, Generator
 
 from multisrt.events import Purpose
 from multisrt.geometry.numerics.kernel import FloatArray
 from multisrt.planners.motion.trajectory import Trajectory
 from multisrt.planners.navigation.path_following import ahead, follow
 from multisrt.robots.explorer import Action, Move, Moved, Outcome, Sighting, Stop
-from multisrt.robots.frontier.robot import FrontierRobot, Goal
-
-Reason = Literal["reached", "news", "nothing left", "interrupted", "no way"]
-"""Why driving ended: the goal is reached; the map has changed, so that a goal may be chosen
-anew; nothing is left to be seen at the goal; another robot said something that asks for it; or
-the way turns out not to be free."""
+from multisrt.robots.frontier.goal import Goal
+from multisrt.robots.frontier.progress import Event
+from multisrt.robots.frontier.robot import FrontierRobot
 
 REACHED_M = 0.01
-"""A robot that near to its goal is there."""
+"""A robot this close to its goal is there."""
+
+Driven = Generator[Action, Outcome, Event | Sighting]
+"""Returns why a drive ended: an event, or the robot before which the protective stop ended it."""
+
+Drive = Callable[[FrontierRobot, Goal], Driven]
+"""Drives to a goal."""
 
 
 def drive(
-    robot: FrontierRobot, goal: Goal, purpose: Purpose = "explore"
-) -> Generator[Action, Outcome, Reason | Sighting]:
-    """Follow a goal's path until there is a reason to end.
+    robot: FrontierRobot, goal: Goal, purpose: Purpose = "explore", *, to_see: bool = True
+) -> Driven:
+    """Follow the path to a goal until there is a reason to end.
 
-    Every leg lies in the region that was seen last, so that nothing is driven through that was
+    Every leg lies in the region of the last scan, so the robot drives through nothing that it has
     not sensed to be free.
+
+    Parameters
+    ----------
+    robot : FrontierRobot
+        The robot.
+    goal : Goal
+        Where to.
+    purpose : str
+        Purpose of the motions, for the record.
+    to_see : bool
+        Whether the robot goes there to see what is unknown. If so, the drive also ends where that
+        is seen from afar, nothing is left to be seen, or the map has changed.
 
     Returns
     -------
-    Reason or Sighting
-        Why it ended; a sighting: of the robot before which the protective stop ended it.
+    Event or Sighting
+        `REACHED`, `NEWS`, `NOTHING_LEFT`, `INTERRUPTED` or `NO_WAY`; or the robot before which
+        the protective stop ended the drive.
     """
     path = goal.path
     while True:
-        reason = reason_to_end(robot, goal, purpose)
+        reason = reason_to_end(robot, goal, to_see=to_see)
         if reason is not None:
             return reason
         path = ahead(path, robot.at)
@@ -48,24 +63,34 @@ def drive(
 
 def drive_leg(
     robot: FrontierRobot, path: FloatArray, purpose: Purpose
-) -> Generator[Action, Outcome, Reason | Sighting | None]:
-    """Follow a path until the next look round, and look; a car by curves of its own.
+) -> Generator[Action, Outcome, Event | Sighting | None]:
+    """Follow a path until the next scan, and take it.
+
+    Parameters
+    ----------
+    robot : FrontierRobot
+        The robot. A car follows curves of its own along the path.
+    path : (n, 2) array
+        The path in metres, from where the robot is.
+    purpose : str
+        Purpose of the motion, for the record.
 
     Returns
     -------
-    Reason or Sighting or None
-        Why driving ended there, as `drive` has it; None: the way goes on.
+    Event or Sighting or None
+        Why driving ended, as `drive` returns it; None if it goes on.
     """
     car = robot.car
     if car is None:
-        motion = follow(robot.driven_body(), robot.me.kinematics, robot.boundary, robot.at, path)
+        kinematics, boundary = robot.me.kinematics, robot.map.boundary
+        motion = follow(robot.driven_body(), kinematics, boundary, robot.at, path)
     else:
-        motion = yield from car.way_along(path)
+        motion = yield from car.motion_along(path)
     if motion is None:
-        return "no way"
+        return Event.NO_WAY
     moved = yield from carry_out(robot, motion.until(robot.options.sense_period_s), purpose)
     if car is not None:
-        car.has_driven(moved, robot.set_out_s)
+        car.note_driven(moved, robot.course.set_out_s)
     yield from robot.perceive(maps=robot.options.sense == "moving")
     return moved.blocked_by
 
@@ -73,10 +98,16 @@ def drive_leg(
 def carry_out(
     robot: FrontierRobot, motion: Trajectory, purpose: Purpose
 ) -> Generator[Action, Outcome, Moved]:
-    """Make a motion, and listen meanwhile; whoever wants it stopped is obeyed at once."""
+    """Make a motion, listening; stop at once for a request.
+
+    Returns
+    -------
+    Moved
+        Where and when the motion ended.
+    """
     team = robot.team
     team.phase = "driving"
-    robot.motion, robot.set_out_s = motion, robot.time_s
+    robot.course.set_out(motion)
     outcome: Outcome = yield Move(
         trajectory=motion,
         purpose=purpose,
@@ -85,33 +116,32 @@ def carry_out(
     )
     moved = yield from team.take(outcome)
     while moved is None:
-        if team.is_interrupted:
+        if team.requests.any_pending:
             outcome = yield Stop()
             assert isinstance(outcome, Moved)
             moved = outcome
         else:
             moved = yield from team.hear(None)
-    robot.motion = None
-    robot.at, robot.time_s = moved.configuration, moved.time_s
+    robot.course.arrive(moved.configuration, moved.time_s)
     if not team.is_alone:
         yield from team.hear()
-        if robot.time_s >= team.told_s + robot.options.report_period_s:
+        if robot.time_s >= team.reported_s + robot.options.report_period_s:
             yield from team.report()
     return moved
 
 
-def reason_to_end(robot: FrontierRobot, goal: Goal, purpose: Purpose) -> Reason | None:
-    """Whether there is a reason not to drive on to a goal."""
-    if robot.team.is_interrupted:
-        return "interrupted"
+def reason_to_end(robot: FrontierRobot, goal: Goal, *, to_see: bool) -> Event | None:
+    """Return the reason not to drive on to a goal, as in `drive`; None if there is none."""
+    if robot.team.requests.any_pending:
+        return Event.INTERRUPTED
     if math.dist(robot.at[:2], goal.place) <= REACHED_M:
-        return "reached"
-    if purpose != "explore":
+        return Event.REACHED
+    if not to_see:
         return None
     if robot.sees_at_half_range(goal):
-        return "reached"
+        return Event.REACHED
     if robot.options.sense == "moving" and not robot.is_frontier(*goal.place):
-        return "nothing left"
+        return Event.NOTHING_LEFT
     if robot.may_choose_anew():
-        return "news"
+        return Event.NEWS
     return None

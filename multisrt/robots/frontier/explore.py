@@ -1,4 +1,4 @@
-"""What one robot that bids for frontiers does from beginning to end."""
+"""What one robot that goes to frontiers does from beginning to end."""
 
 from __future__ import annotations
 
@@ -6,26 +6,22 @@ import math
 from collections.abc import Callable, Generator, Iterable
 
 from multisrt.robots.explorer import Action, Done, Outcome, RobotSelf, Sighting
-from multisrt.robots.frontier.driving import Reason, drive
-from multisrt.robots.frontier.giving_way import give_way, settle
+from multisrt.robots.frontier.bodies import MOVED_M
+from multisrt.robots.frontier.driving import Drive, drive
+from multisrt.robots.frontier.giving_way import ask_to_leave, find_detour, give_way
+from multisrt.robots.frontier.goal import Goal
 from multisrt.robots.frontier.options import FrontierOptions
-from multisrt.robots.frontier.robot import MOVED_M, FrontierRobot, Goal, Watch
+from multisrt.robots.frontier.progress import Event, Progress, State
+from multisrt.robots.frontier.robot import FrontierRobot, Steps, Watch
 
-MOST_WAITS = 30
-"""So often a robot waits for others to leave its way; then it is done."""
+Rule = Callable[[FrontierRobot, Event], Generator[Action, Outcome, Goal | None]]
+"""Chooses a goal, given why one is chosen; returns None if there is nothing to go to."""
 
-MOST_AT_ONCE = 5
-"""So many goals a robot takes and drops at one moment; then it waits a little."""
-
-Steps = Generator[Action, Outcome, None]
-Rule = Callable[[FrontierRobot, str], Generator[Action, Outcome, Goal | None]]
-"""Chooses a goal, given why one is chosen; None: there is nothing to go to."""
-
-Drive = Callable[[FrontierRobot, Goal], Generator[Action, Outcome, Reason | Sighting]]
+Act = Generator[Action, Outcome, Event]
 
 
 class FrontierExplorer:
-    """Explores by going to frontiers that a rule chooses, alone or in a team.
+    """Explores by driving to frontiers that a rule chooses, alone or in a team.
 
     Parameters
     ----------
@@ -38,7 +34,14 @@ class FrontierExplorer:
     drive : callable
         Drives to them.
     watch : callable, optional
-        Done whenever the robot has seen something new.
+        Called after every scan that showed something new.
+
+    Attributes
+    ----------
+    robot : FrontierRobot
+        The robot and what it knows.
+    progress : Progress
+        Its state.
     """
 
     def __init__(
@@ -50,95 +53,160 @@ class FrontierExplorer:
         watch: Watch | None = None,
     ) -> None:
         self.robot = FrontierRobot(me, options, watch)
-        self.rule = rule
-        self.drive = drive
+        self.progress = Progress(options, self.robot.course, self.robot.raster)
+        self._rule = rule
+        self._drive = drive
+        self._met: Sighting | None = None
 
     def run(self) -> Steps:
-        """Choose a goal and drive to it, until there is none; then stand by."""
-        robot = self.robot
-        yield from robot.begin()
-        because, hasty = "start", 0
+        """Perceive; choose a goal and drive to it until no frontier is left; then stand by."""
+        yield from self.robot.begin()
         while True:
-            goal, robot.detour = robot.detour, None
-            if goal is None and (robot.team.has_to_choose or not robot.is_jammed):
-                robot.team.phase = "choosing"
-                goal = yield from self.rule(robot, because)
-            robot.set_goal(goal)
-            if goal is None:
-                because = yield from self.stand_by()
-                continue
-            if not robot.team.is_alone:
-                yield from robot.team.report()
-            began_s = robot.time_s
-            reason = yield from self.drive(robot, goal)
-            because = yield from self.follow_up(goal, reason)
-            hasty = hasty + 1 if robot.time_s == began_s else 0
-            if hasty > MOST_AT_ONCE:
-                # Others go on meanwhile, and what kept this one from its goals may be over.
+            event = yield from self.act()
+            self.progress.advance(event)
+            if self.progress.is_hasty:
+                robot = self.robot
                 yield from robot.team.pause(robot.options.pause_s * robot.me.rng.random())
 
-    def follow_up(self, goal: Goal, reason: str | Sighting) -> Generator[Action, Outcome, str]:
-        """Do what the end of a drive asks for; say why the next goal is chosen."""
-        robot, team = self.robot, self.robot.team
-        if isinstance(reason, Sighting):
-            yield from settle(robot, goal, reason)
-            if reason.robot in robot.bodies:
-                robot.note_jam(reason.robot)
-            reason = "interrupted" if team.is_interrupted else "blocked"
-        if reason == "interrupted":
-            if team.asked_way is not None:
-                asked_by, place = team.asked_way.sender, robot.at[:2]
-                yield from give_way(robot)
-                if math.dist(robot.at[:2], place) <= MOVED_M:
-                    robot.note_jam(asked_by)
-                return "gave way"
-            if team.stopped:
-                team.stopped = False
-                return "stop signal"
-            return "assigned"
-        if reason == "reached" and robot.options.sense == "targets":
-            yield from robot.perceive()
-        robot.judge(goal, reason)
-        return reason
+    def act(self) -> Act:
+        """Do what the present state is for; return what ends it."""
+        match self.progress.state:
+            case State.CHOOSING:
+                return (yield from self.choose())
+            case State.DRIVING:
+                return (yield from self.drive())
+            case State.MEETING:
+                return (yield from self.meet())
+            case State.YIELDING:
+                return (yield from self.give_way())
+            case State.WAITING:
+                return (yield from self.wait())
+            case State.BOXED_IN | State.COMPLETE:
+                return (yield from self.stand_by())
 
-    def stand_by(self) -> Generator[Action, Outcome, str]:
-        """Be done until something new is heard; or wait until a robot that is in the way leaves."""
-        robot, team = self.robot, self.robot.team
-        robot.note_progress()
-        if robot.try_again():
-            return "no way"
-        if robot.is_jammed:
-            done = self.boxed_in(robot.jammed_by)
-        elif robot.blocked_frontiers():
-            if robot.waits < MOST_WAITS and not robot.only_lost_bodies():
-                robot.waits += 1
-                yield from team.pause(robot.options.pause_s * (0.5 + robot.me.rng.random()))
-                yield from robot.look()
-                if team.asked_way is not None:
-                    yield from give_way(robot)
-                return "blocked"
-            done = self.boxed_in(robot.bodies)
-        else:
+    def choose(self) -> Act:
+        """Choose a goal by the rule, unless it is clear that none can be reached."""
+        robot, team, goal = self.robot, self.robot.team, None
+        if team.requests.a_choice_is_due or not self.progress.is_jammed:
+            team.phase = "choosing"
+            goal = yield from self._rule(robot, self.progress.because)
+        robot.set_goal(goal)
+        return Event.GOAL if goal is not None else self.why_no_goal()
+
+    def why_no_goal(self) -> Event:
+        """Return what a robot without a goal is to do."""
+        robot, progress = self.robot, self.progress
+        if robot.frontiers.reopen():
+            return Event.NO_WAY
+        if progress.is_jammed:
+            return Event.JAMMED
+        if not robot.blocked_frontiers():
+            return Event.EXPLORED
+        if progress.may_wait and not robot.bodies.all_are_lost():
+            return Event.BARRED
+        return Event.BOXED_IN
+
+    def drive(self) -> Act:
+        """Drive to the goal, and judge what came of it."""
+        robot, goal = self.robot, self.robot.goal
+        assert goal is not None
+        if not robot.team.is_alone:
+            yield from robot.team.report()
+        ended = yield from self._drive(robot, goal)
+        if isinstance(ended, Sighting):
+            self._met = ended
+            return Event.MET
+        if ended is Event.INTERRUPTED:
+            return self.request()
+        if ended is Event.REACHED and robot.options.sense == "targets":
+            yield from robot.perceive()
+        if ended is Event.REACHED:
+            robot.frontiers.note_reached(goal.place, robot.at[:2])
+        elif ended is Event.NO_WAY:
+            self.judge_no_way(goal)
+        return ended
+
+    def judge_no_way(self, goal: Goal) -> None:
+        """Give a goal up if it is the second to which the path was not free from here."""
+        robot, here = self.robot, self.progress.standstill
+        if robot.car is not None:
+            robot.frontiers.note_no_path(goal.place)
+        if here.found_no_path:
+            robot.frontiers.give_up(goal.place)
+        here.found_no_path = True
+
+    def request(self) -> Event:
+        """Return what the others want from this robot, the most urgent first."""
+        requests = self.robot.team.requests
+        if requests.way is not None:
+            return Event.ASKED
+        if requests.stop:
+            requests.stop = False
+            return Event.STOP_SIGNAL
+        return Event.ASSIGNED
+
+    def meet(self) -> Act:
+        """Go round a robot before which the protective stop ended a motion, or ask it to leave."""
+        robot, goal, met = self.robot, self.robot.goal, self._met
+        assert goal is not None
+        assert met is not None
+        detour = yield from find_detour(robot, goal, self.progress)
+        if detour is None:
+            yield from ask_to_leave(robot, goal, met)
+        if met.robot in robot.bodies:
+            self.progress.note_jam(met.robot)
+        if robot.team.requests.any_pending:
+            return self.request()
+        if detour is None:
+            return Event.BLOCKED
+        robot.set_goal(detour)
+        return Event.DETOUR
+
+    def give_way(self) -> Act:
+        """Make room for a robot that asked for it."""
+        robot, asked = self.robot, self.robot.team.requests.way
+        assert asked is not None
+        place = robot.at[:2]
+        yield from give_way(robot)
+        if math.dist(robot.at[:2], place) <= MOVED_M:
+            self.progress.note_jam(asked.sender)
+        return Event.GAVE_WAY
+
+    def wait(self) -> Act:
+        """Wait a little for the robots in the way to leave."""
+        robot = self.robot
+        self.progress.note_wait()
+        yield from robot.team.pause(robot.options.pause_s * (0.5 + robot.me.rng.random()))
+        yield from robot.bodies.look()
+        return Event.BLOCKED if robot.team.requests.way is None else Event.ASKED
+
+    def stand_by(self) -> Act:
+        """Be done until something new is heard."""
+        robot, team, progress = self.robot, self.robot.team, self.progress
+        if progress.state is State.COMPLETE:
             yield from robot.tell_when_complete()
             done = Done(
                 complete=True,
                 reason="no frontier is left that it can reach",
                 on_call=not team.is_alone,
             )
+        else:
+            is_jammed = progress.because is Event.JAMMED
+            done = self.boxed_in(progress.standstill.jams if is_jammed else robot.bodies.numbers())
         team.phase = "idle"
         if not team.is_alone:
             yield from team.report()
         known = robot.raster.revision
-        while robot.raster.revision == known and not team.is_interrupted:
+        while robot.raster.revision == known and not team.requests.any_pending:
             outcome = yield done
             yield from team.take(outcome)
-        if team.asked_way is not None:
-            yield from give_way(robot)
-        team.stopped = False
-        return "called on"
+        if team.requests.way is not None:
+            return Event.ASKED
+        team.requests.stop = False
+        return Event.CALLED_ON
 
     def boxed_in(self, by: Iterable[int]) -> Done:
-        """Be done because other robots stand in all ways."""
+        """Return the end of a robot in all of whose ways others stand."""
         return Done(
             complete=False,
             reason=f"boxed in by robots {', '.join(map(str, sorted(by)))}, which do not give way",

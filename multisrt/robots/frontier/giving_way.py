@@ -1,13 +1,12 @@
-"""Robots that stand in each other's way: detours, asking, and giving way.
+"""Robots that stand in each other's way: detours, asking, and making room.
 
 Source: Álvarez, section "Conflicts between robots": of robots that meet, the first to notice
-leads and goes on, and the others pause. Where a pause is not enough, in a passage no wider than
-one body, ours has the other leave the leader's way.
+leads and goes on, and the others pause. Differs in: where a pause is not enough, as in a passage no
+wider than one body, the other leaves the leader's path.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Generator
 
 import numpy as np
@@ -16,114 +15,123 @@ from multisrt.events import TakenAsLost
 from multisrt.planners.navigation.path_following import ahead
 from multisrt.planners.navigation.right_of_way import place_aside
 from multisrt.robots.explorer import Action, Note, Outcome, Send, Sighting
+from multisrt.robots.frontier.bodies import has_moved
 from multisrt.robots.frontier.driving import REACHED_M, drive
+from multisrt.robots.frontier.goal import Goal
 from multisrt.robots.frontier.messages import GiveWayMessage
-from multisrt.robots.frontier.robot import (
-    MOVED_M,
-    BodyInTheWay,
-    FrontierRobot,
-    Goal,
-    has_moved,
-)
-
-Steps = Generator[Action, Outcome, None]
-
-DETOUR_SHARE = 1.5
-"""A way around another robot may be longer than the way through it by this factor..."""
-
-DETOUR_M = 3.0
-"""... and this much; else it is better to wait."""
-
-ASIDE_M = 15.0
-"""How far a robot goes to give way."""
+from multisrt.robots.frontier.progress import Event, Progress
+from multisrt.robots.frontier.robot import FrontierRobot, Steps
 
 
-def settle(robot: FrontierRobot, goal: Goal, met: Sighting) -> Steps:
-    """Do something about a robot before which the protective stop ended a motion.
+def find_detour(
+    robot: FrontierRobot, goal: Goal, progress: Progress
+) -> Generator[Action, Outcome, Goal | None]:
+    """Look for a path to a goal round the robots in sight.
 
-    It goes round, if that is not far. Else it asks the other to give way, waits, and asks again;
-    at last it takes the other for an obstacle for a while.
+    Returns
+    -------
+    Goal or None
+        None if no path is short enough, or the last detour began here.
+    """
+    seen = yield from robot.bodies.look()
+    if progress.has_detoured:
+        return None
+    options = robot.options
+    limit_m = options.detour_factor * goal.cost_m + options.detour_extra_m
+    around = robot.ways.detour_to(goal, seen, limit_m)
+    if around is None or around.cost_m <= REACHED_M:
+        return None
+    progress.note_detour()
+    return around
+
+
+def ask_to_leave(robot: FrontierRobot, goal: Goal, met: Sighting) -> Steps:
+    """Ask another robot, again and again, to give way, until it moves or patience is out.
+
+    Ends early when this robot is itself asked to give way. A robot that does not leave is taken
+    as an obstacle for a while; one that does not answer, as lost.
+
+    Parameters
+    ----------
+    robot : FrontierRobot
+        The robot that asks.
+    goal : Goal
+        Where it is going.
+    met : Sighting
+        The other robot, before which the protective stop ended a motion.
     """
     team, other = robot.team, met.robot
-    seen = yield from robot.look()
-    if robot.detoured_at is None or math.dist(robot.at[:2], robot.detoured_at) > MOVED_M:
-        # Who was stopped on a detour as soon as it began need not try it again.
-        around = robot.goal_around(goal, seen, DETOUR_SHARE * goal.cost_m + DETOUR_M)
-        if around is not None and around.cost_m > REACHED_M:
-            robot.detour, robot.detoured_at = around, robot.at[:2]
-            return
     began_s = robot.time_s
     for _ in range(robot.options.patience):
-        asked_s = team.asks_s[other] = robot.time_s
-        yield Send(ask_for_way(robot, goal), other)
+        asked_s = team.asked_s[other] = robot.time_s
+        yield Send(request_for(robot, goal), other)
         yield from team.pause(team.period_s)
-        if team.asked_way is None and team.heard_s.get(other, -math.inf) >= asked_s:
+        if team.requests.way is None and team.mates.last_heard_s(other) >= asked_s:
             yield from team.pause(robot.options.pause_s * robot.me.rng.random())
-        if team.asked_way is not None:
+        if team.requests.way is not None:
             return
-        now = {sighting.robot: sighting for sighting in (yield from robot.look())}
+        now = {sighting.robot: sighting for sighting in (yield from robot.bodies.look())}
         if other not in now or has_moved(now[other], met):
             return
-    if team.heard_s.get(other, -math.inf) < began_s:
-        # It does not answer: its body is an obstacle until it is heard of, or seen elsewhere.
-        robot.bodies[other] = BodyInTheWay(met, math.inf)
+    if team.mates.last_heard_s(other) < began_s:
+        robot.bodies.add(met)
         yield Note(TakenAsLost(time_s=robot.time_s, robot=robot.me.robot, other=other))
         return
     share = 0.5 + robot.me.rng.random()
-    until_s = robot.time_s + share * robot.options.forget_after_s
-    robot.bodies[other] = BodyInTheWay(met, until_s)
+    robot.bodies.add(met, robot.time_s + share * robot.options.forget_after_s)
 
 
 def give_way(robot: FrontierRobot) -> Steps:
-    """Leave the way of a robot that asked for it, and wait until it has passed."""
+    """Leave the path of the robot that asked for it, and wait until it has passed."""
     team, pause_s = robot.team, robot.options.pause_s
-    asked, team.asked_way = team.asked_way, None
+    asked, team.requests.way = team.requests.way, None
     assert asked is not None
     aside = yield from find_place_aside(robot, asked)
     if aside is not None and aside.cost_m > REACHED_M:
         robot.set_goal(aside)
-        if (yield from drive(robot, aside, "give way")) == "no way":
-            yield from go_on(robot, asked)
+        if (yield from drive(robot, aside, "give way", to_see=False)) is Event.NO_WAY:
+            yield from leave_by_exit(robot, asked)
         robot.set_goal(None)
         yield from team.report()
-    elif aside is None and not (yield from go_on(robot, asked)):
-        # Whoever can go somewhere has to.
+    elif aside is None and not (yield from leave_by_exit(robot, asked)):
+        # The robot that asked may have a place to go to.
         if not asked.firm and robot.goal is not None:
-            yield Send(ask_for_way(robot, robot.goal, firm=True), asked.sender)
+            yield Send(request_for(robot, robot.goal, firm=True), asked.sender)
         yield from team.pause(pause_s * robot.me.rng.random())
         return
     yield from team.pause(pause_s * (0.5 + robot.me.rng.random()))
 
 
-def go_on(robot: FrontierRobot, asked: GiveWayMessage) -> Generator[Action, Outcome, bool]:
-    """Let a car that finds no way aside leave another's way by what leads on; tell if it does."""
+def leave_by_exit(robot: FrontierRobot, asked: GiveWayMessage) -> Generator[Action, Outcome, bool]:
+    """Let a car that finds no place aside leave along its exit; return whether it does."""
     if robot.car is None:
         return False
-    on = robot.car.set_out_on(np.array(asked.path).reshape(-1, 2), apart_m(robot, asked))
-    if on is None:
+    path = np.array(asked.path).reshape(-1, 2)
+    motion = robot.car.leave_by_exit(path, apart_m(robot, asked))
+    if motion is None:
         return False
-    x, y, _ = on.end
-    goal = Goal(x, y, np.array([robot.at[:2], (x, y)]), on.length_m)
+    x, y, _ = motion.end
+    goal = Goal(x, y, np.array([robot.at[:2], (x, y)]), motion.length_m)
     robot.set_goal(goal)
-    yield from drive(robot, goal, "give way")
+    yield from drive(robot, goal, "give way", to_see=False)
     robot.set_goal(None)
     yield from robot.team.report()
     return True
 
 
-def ask_for_way(robot: FrontierRobot, goal: Goal, firm: bool = False) -> GiveWayMessage:
-    """Say where this robot wants to go along."""
-    left = ahead(goal.path, robot.at)
+def request_for(robot: FrontierRobot, goal: Goal, firm: bool = False) -> GiveWayMessage:
+    """Return the request to leave the rest of the path to a goal."""
+    rest = ahead(goal.path, robot.at)
     return GiveWayMessage(
         sender=robot.me.robot,
-        path=tuple((x, y) for x, y in left.tolist()),
+        path=tuple((x, y) for x, y in rest.tolist()),
         radius_m=robot.body.outer_radius_m,
         firm=firm,
     )
 
 
 def apart_m(robot: FrontierRobot, asked: GiveWayMessage) -> float:
-    """Give how far from another's way a place aside is."""
+    """Return how far from the other robot's path a place aside must be, in metres."""
     return (
         robot.body.outer_radius_m
         + asked.radius_m
@@ -135,20 +143,21 @@ def apart_m(robot: FrontierRobot, asked: GiveWayMessage) -> float:
 def find_place_aside(
     robot: FrontierRobot, asked: GiveWayMessage
 ) -> Generator[Action, Outcome, Goal | None]:
-    """Find the nearest place out of another's way, not past those who stand around.
+    """Return the nearest place off another robot's path.
 
-    If there is none, they are asked to give way in turn when they are met.
+    Preferred is a place that can be reached without passing any robot in sight. If there is none,
+    only the robot that asked is not to be passed: the others will be asked to give way in turn.
     """
-    seen = yield from robot.look()
-    way = np.array(asked.path).reshape(-1, 2)
+    seen = yield from robot.bodies.look()
+    path = np.array(asked.path).reshape(-1, 2)
     for bodies in (seen, [s for s in seen if s.robot == asked.sender]):
         with robot.around_bodies(bodies):
             field = robot.own_field()
             if field is None:
                 continue
-            places = robot.raster.passable_centres(*robot.at[:2], ASIDE_M)
+            places = robot.raster.passable_centres(*robot.at[:2], robot.options.aside_m)
             costs = field.distance(robot.indices_of(places))
-            place = place_aside(places, costs, way, apart_m(robot, asked))
+            place = place_aside(places, costs, path, apart_m(robot, asked))
             if place is not None:
                 return robot.goal_at(field, *place)
     return None

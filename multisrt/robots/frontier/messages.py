@@ -1,4 +1,4 @@
-"""What robots that bid for frontiers say to one another."""
+"""Messages between robots that go to frontiers."""
 
 from __future__ import annotations
 
@@ -6,42 +6,41 @@ from typing import ClassVar, Literal
 
 import msgspec
 
+from multisrt.robots.frontier.goal import Place
 from multisrt.robots.knowledge import Closing, Counts, Node
 from multisrt.robots.messages import Message
 
 Phase = Literal["choosing", "driving", "idle"]
-"""What a robot is at: it has no goal yet, is on its way to one, or has nothing to do."""
-
-Place = tuple[float, float]
+"""What a robot is doing: it has no goal yet, is on its way to one, or has nothing to do."""
 
 
 class RobotReport(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
-    """What a robot says of itself; a newer one replaces an older one.
+    """What a robot says of itself; a later report replaces an earlier one.
 
     Attributes
     ----------
     robot : int
-        Who.
+        Number of the robot.
     said : int
-        Number of this saying among the robot's.
+        Serial number of the report among those of the robot.
     time_s : float
-        When it was said.
-    phase : Phase
-        What it is at.
+        When it was made.
+    phase : {"choosing", "driving", "idle"}
+        What the robot is doing.
     place : (x, y, heading)
         Where it is.
     goal : (x, y) or None
-        Where it goes.
+        Where it is going.
     remaining_m : float
-        How far it still is to there.
+        Length of the rest of its path in metres.
     path : tuple of (x, y)
-        The way there.
+        The path, from where the goal was chosen.
     footprint : str
         Its body.
     have : tuple of (robot, nodes, closings)
-        What it knows.
+        How many entries of each robot's map it knows.
     aim : (x, y) or None
-        `rules`: the unexplored cell for whose sake it goes there.
+        `rules`: the unexplored cell for whose sake it goes to its goal.
     leader : bool
         `rules`: whether it goes first where robots meet.
     """
@@ -68,11 +67,11 @@ class ReportMessage(Message, frozen=True, kw_only=True):
     reports : tuple of RobotReport
         The sender's own first.
     asks : bool
-        Whether whoever hears it is to answer.
+        Whether to answer with a report.
     wants_goal : bool
-        Whether it wants a goal from its leader.
+        Whether the sender wants a goal from its leader.
     entries : tuple of Node
-        What is new in its map.
+        The nodes that the sender has added since its last report.
     """
 
     kind: ClassVar[str] = "report"
@@ -84,21 +83,21 @@ class ReportMessage(Message, frozen=True, kw_only=True):
 
     @property
     def wakes(self) -> bool:
-        """Questions reach also a robot that moves."""
+        """Whether it is a question: these also reach a robot that moves."""
         return self.asks or self.wants_goal
 
 
 class GiveWayMessage(Message, frozen=True, kw_only=True):
-    """Asks a robot that stands in the sender's way to leave it.
+    """Asks a robot to leave the sender's path.
 
     Attributes
     ----------
     path : tuple of (x, y)
-        Where the sender wants to go along.
+        The rest of the sender's path.
     radius_m : float
-        Radius of its body.
+        Radius of its body in metres.
     firm : bool
-        Whether the sender was asked itself, and has no place to go to.
+        Whether the sender was asked to give way itself, and has no place to go to.
     """
 
     kind: ClassVar[str] = "give way"
@@ -109,17 +108,17 @@ class GiveWayMessage(Message, frozen=True, kw_only=True):
 
     @property
     def wakes(self) -> bool:
-        """It reaches also a robot that moves."""
+        """True: it also reaches a robot that moves."""
         return True
 
 
 class StopMessage(Message, frozen=True, kw_only=True):
-    """Tells a robot that its goal is a frontier no more (SBX-R: stop signal).
+    """Tells a robot that its goal is no longer a frontier (SBX-R: stop signal).
 
     Attributes
     ----------
     goal : (x, y)
-        The goal that is meant.
+        The goal.
     """
 
     kind: ClassVar[str] = "stop"
@@ -128,17 +127,17 @@ class StopMessage(Message, frozen=True, kw_only=True):
 
     @property
     def wakes(self) -> bool:
-        """It reaches also a robot that moves."""
+        """True: it also reaches a robot that moves."""
         return True
 
 
 class AssignmentMessage(Message, frozen=True, kw_only=True):
-    """The leader's word on who goes where (Stachniss and Burgard: central assignment).
+    """The leader's assignment of goals (Stachniss and Burgard: central assignment).
 
     Attributes
     ----------
     goals : tuple of (robot, (x, y) or None)
-        Everybody's goal.
+        The goal of every robot.
     """
 
     kind: ClassVar[str] = "assignment"
@@ -147,21 +146,21 @@ class AssignmentMessage(Message, frozen=True, kw_only=True):
 
     @property
     def wakes(self) -> bool:
-        """It reaches also a robot that moves."""
+        """True: it also reaches a robot that moves."""
         return True
 
 
 class InaccessibleMessage(Message, frozen=True, kw_only=True):
-    """Says to which unexplored cells the sender finds no way (Álvarez: inaccessible cells).
+    """Lists the unexplored cells to which the sender finds no path (Álvarez: inaccessible cells).
 
     Attributes
     ----------
     cells : tuple of (x, y)
         Their centres.
     tried : tuple of (x, y)
-        Where it was at the edge of what is known, or could not get to, and learnt nothing.
+        Places at the edge of the known area that it reached, or could not reach, in vain.
     radius_m : float
-        Radius of its body: no larger one need try there.
+        Radius of its body in metres: no larger robot need try there.
     """
 
     kind: ClassVar[str] = "inaccessible"
@@ -172,7 +171,7 @@ class InaccessibleMessage(Message, frozen=True, kw_only=True):
 
 
 class SwapMessage(Message, frozen=True, kw_only=True):
-    """The sender takes a robot's goal and gives it its own (Álvarez: exchange of goals).
+    """Takes over a robot's goal in exchange for the sender's (Álvarez: exchange of goals).
 
     Attributes
     ----------

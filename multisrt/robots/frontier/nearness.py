@@ -1,4 +1,4 @@
-"""Driving by Smooth Nearness Diagram, as in SBX-R; other robots are obstacles to it."""
+"""Driving by Smooth Nearness Diagram, as in SBX-R, with other robots as obstacles."""
 
 from __future__ import annotations
 
@@ -7,38 +7,40 @@ import math
 from collections.abc import Generator
 from typing import cast
 
-import numpy as np
-
 from multisrt.geometry.numerics.kernel import FloatArray
 from multisrt.planners.motion.kinematics import Differential, Holonomic
 from multisrt.planners.navigation.beams import in_frame_of, nearer, region_ranges
 from multisrt.planners.navigation.held_command import known_clearance, motion, safe_time
 from multisrt.planners.navigation.nearness_diagram import command
 from multisrt.planners.navigation.path_following import ahead
-from multisrt.robots.explorer import Action, Outcome, Sighting
-from multisrt.robots.frontier.driving import Reason, carry_out, drive, reason_to_end
+from multisrt.robots.explorer import Action, Outcome
+from multisrt.robots.frontier.bodies import discs_of
+from multisrt.robots.frontier.driving import Driven, carry_out, drive, reason_to_end
+from multisrt.robots.frontier.goal import Goal, Place, length_of
 from multisrt.robots.frontier.options import BiddingOptions
-from multisrt.robots.frontier.robot import FrontierRobot, Goal, length_of
+from multisrt.robots.frontier.robot import FrontierRobot
 
 STUCK_S = 5.0
-"""Without progress for so long the robot follows its path instead."""
+"""A robot without progress for this long follows its path instead."""
 
 PROGRESS_M = 0.1
-"""Less is none."""
+"""Least decrease of the remaining length that counts as progress."""
 
-SHORTEST_S = 0.02
-"""A command that may not be held for so long is none."""
+MIN_HELD_S = 0.02
+"""A command that may not be held for this long is not given."""
 
 NEAR_GOAL_M = 0.5
-"""So near to its goal the robot follows its path: the diagram stops short of walls."""
+"""A robot this near to its goal follows its path: the diagram stops short of walls."""
+
+MIN_MARGIN_M = 0.004
+"""Distance that the diagram always keeps."""
 
 
-def drive_as_wanted(
-    robot: FrontierRobot, goal: Goal
-) -> Generator[Action, Outcome, Reason | Sighting]:
-    """Follow a goal's path, or let the diagram lead the body along it, as the options say.
+def drive_as_wanted(robot: FrontierRobot, goal: Goal) -> Driven:
+    """Follow a goal's path, or steer along it by the diagram, as the option `drive` says.
 
-    Where the diagram gets nowhere, the path is followed.
+    Where the diagram makes no progress, the path is followed. Parameters and result are those of
+    `driving.drive`.
     """
     options = cast(BiddingOptions, robot.options)
     if options.drive == "path" or options.sense == "targets":
@@ -46,7 +48,7 @@ def drive_as_wanted(
     path = goal.path
     nearest_m, since_s = math.inf, robot.time_s
     while True:
-        reason = reason_to_end(robot, goal, "explore")
+        reason = reason_to_end(robot, goal, to_see=True)
         if reason is not None:
             return reason
         path = ahead(path, robot.at)
@@ -56,31 +58,40 @@ def drive_as_wanted(
         if left_m < NEAR_GOAL_M or robot.time_s > since_s + STUCK_S:
             return (yield from drive(robot, goal))
         held_s = yield from steer(robot, lead(robot, path, options.lookahead_m), options)
-        if held_s < SHORTEST_S:
+        if held_s < MIN_HELD_S:
             return (yield from drive(robot, goal))
 
 
 def steer(
-    robot: FrontierRobot, towards: tuple[float, float], options: BiddingOptions
+    robot: FrontierRobot, towards: Place, options: BiddingOptions
 ) -> Generator[Action, Outcome, float]:
-    """Hold one command of the diagram, and look round; give for how long it was held.
+    """Hold one command of the diagram, and take a scan.
 
-    That may be hardly any time, where another body stands so near that it is stopped at once.
+    Parameters
+    ----------
+    robot : FrontierRobot
+        The robot.
+    towards : (x, y)
+        Where to, in metres.
+    options : BiddingOptions
+        Its parameters.
+
+    Returns
+    -------
+    float
+        For how long it was held, in seconds; hardly any time if a body is so near that the
+        protective stop ends the motion at once.
     """
     kinematics = cast(Differential | Holonomic, robot.me.kinematics)
-    assert robot.region is not None
-    bodies = np.array(
-        [
-            (*s.configuration[:2], s.footprint.circumscribed_radius_m)
-            for s in (yield from robot.look())
-        ]
-    ).reshape(-1, 3)
+    region = robot.map.region
+    assert region is not None
+    bodies = discs_of((yield from robot.bodies.look()))
     around = bodies.copy()
     for body in around:
         body[:2] = in_frame_of(robot.at, body[0], body[1])
     radius = robot.body.outer_radius_m
     chosen = command(
-        nearer(region_ranges(robot.region, robot.at), around),
+        nearer(region_ranges(region, robot.at), around),
         robot.body.ample_radius_m,
         in_frame_of(robot.at, *towards),
         kinematics.speed_m_s,
@@ -92,11 +103,11 @@ def steer(
         chosen.speed_m_s == 0.0 and abs(chosen.turn_rate_rad_s) < 1e-6
     ):
         return 0.0
-    clearance = known_clearance(robot.region.boundary, robot.at, bodies)
+    clearance = known_clearance(region.boundary, robot.at, bodies)
     held_s = min(
-        options.control_period_s, safe_time(chosen, clearance, radius, margin_m=LEAST_MARGIN_M)
+        options.control_period_s, safe_time(chosen, clearance, radius, margin_m=MIN_MARGIN_M)
     )
-    if held_s < SHORTEST_S:
+    if held_s < MIN_HELD_S:
         return held_s
     began_s = robot.time_s
     moved = yield from carry_out(robot, motion(chosen, kinematics, robot.at, held_s), "explore")
@@ -104,10 +115,9 @@ def steer(
     return moved.time_s - began_s
 
 
-def lead(robot: FrontierRobot, path: FloatArray, lookahead_m: float) -> tuple[float, float]:
-    """Give the place on a path, at most so far ahead, to which the body could go straight."""
-    assert robot.region is not None
-    boundary, (x, y, _) = robot.region.boundary, robot.at
+def lead(robot: FrontierRobot, path: FloatArray, lookahead_m: float) -> Place:
+    """Return the farthest place on a path, up to the lookahead, to which the way is straight."""
+    boundary, (x, y, _) = robot.map.boundary, robot.at
     best = path[min(1, len(path) - 1)].tolist()
     for place in points_along(path, lookahead_m):
         if not robot.body.disc_travel(boundary, x, y, *place):
@@ -117,7 +127,7 @@ def lead(robot: FrontierRobot, path: FloatArray, lookahead_m: float) -> tuple[fl
 
 
 def points_along(path: FloatArray, limit_m: float) -> list[list[float]]:
-    """Give the corners of a path up to a length, and where that length ends."""
+    """Return the corners of a path up to a length, and the place where that length ends."""
     points, left = [], limit_m
     for a, b in itertools.pairwise(path):
         step = float(math.dist(a, b))
@@ -127,7 +137,3 @@ def points_along(path: FloatArray, limit_m: float) -> list[list[float]]:
         points.append(b.tolist())
         left -= step
     return points
-
-
-LEAST_MARGIN_M = 0.004
-"""The diagram keeps this much free at least."""

@@ -1,4 +1,4 @@
-"""Parameters of frontier bidding."""
+"""Parameters of the strategies that go to frontiers."""
 
 from __future__ import annotations
 
@@ -12,46 +12,67 @@ from multisrt.geometry.regions.safe_region import Shape
 
 
 class FrontierOptions(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What all strategies that bid for frontiers have in common.
+    """Parameters that all strategies of the family share.
 
     Attributes
     ----------
     cell_m : float
-        Width of the raster's cells; never above the body's width.
+        Width of the raster's cells in metres; at most the body's width.
     margin_m : float
-        How far the body stays away from what is not surely free.
+        Distance in metres that the body keeps from what is not known to be free.
     shape : {"ball", "star", "radial"}
-        Shape of the regions that are painted into the raster.
+        Shape of the local safe regions that are painted into the raster.
     cones : int
-        How many equal cones a star has.
+        Number of equal cones of a star.
     sense : {"moving", "targets"}
-        Whether the range finder looks round while the robot drives, or at its goals only.
+        Whether the robot takes scans while it drives, or at its goals only.
     sense_period_s : float
-        How often it does so while driving.
+        Time between two scans while driving, in seconds.
     least_frontier_m : float or None
-        A group of frontier cells that is shorter is dropped; None: the body's width.
+        Groups of frontier cells that are shorter than this are dropped; None: the body's width.
     replan : {"news", "target"}
         Whether a goal is chosen anew whenever the map has changed, or only when the last one is
         reached or nothing is left to be seen there.
     replan_period_s : float
-        With `news`: at most once in this time.
+        Least time between two choices because of news, in seconds.
     reached : {"cell", "sight"}
         Whether a goal is reached at its cell, or where it is in sight within half the range.
     paths : {"march", "eedt"}
-        Whether paths to goals come from a fast march, or from the exact Euclidean distances that
-        SBX-R uses.
+        Whether paths to goals come from a fast march, or from the exact Euclidean distance
+        transform that SBX-R uses.
     report_period_s : float
-        How often a robot that drives tells where it is, if it has nothing else to tell.
+        Time after which a robot that drives reports its position, if it has reported nothing
+        else, in seconds.
     forget_after_s : float
-        A robot that drives and was not heard of for so long is no longer reckoned with.
+        A robot that has not been heard of for this long is no longer reckoned with.
     guard_m : float
-        A robot stops before another's body comes nearer than this.
+        Distance between two bodies, in metres, at which the protective stop ends a motion.
     ask_period_s : float
-        A robot that waits for another's answer asks again after this time; latency comes on top.
+        Time after which a question without an answer is repeated, in seconds; the latency of the
+        radio is added.
     pause_s : float
-        Robots that stand in each other's way try again after up to this time, each its own.
+        Scale of the random times after which robots in each other's way try again, in seconds.
     patience : int
-        How often a robot asks another to give way before it looks for another way or goal.
+        How often a robot asks another to give way before it looks for another path or goal.
+    max_waits : int
+        How often, with nothing new in its map, a robot waits for others to leave the ways to the
+        last frontiers before it is done. A wait takes about `pause_s`, so the default is about a
+        minute: longer than two robots need to pass each other in a corridor.
+    max_jams : int
+        How often, at one place and with nothing new in its map, a robot and others may fail to
+        let each other pass before it is done. Crowds in narrow places need many attempts.
+    max_instant_goals : int
+        How many goals in a row may end at the moment they were chosen before a robot pauses.
+        Without pauses, robots that stop each other at once would choose for ever.
+    detour_factor : float
+        A detour round another robot may be longer than the path by this factor...
+    detour_extra_m : float
+        ... and this length in metres. Beyond that, asking the other to give way is quicker.
+    aside_m : float
+        How far, along x and y, a robot looks for a place to give way, in metres.
+    max_vain_motions : int
+        Cars: how many motions to a goal that bring the car no nearer are tried until the map
+        changes.
     """
 
     cell_m: float = 0.1
@@ -71,6 +92,13 @@ class FrontierOptions(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
     ask_period_s: float = 0.5
     pause_s: float = 2.0
     patience: int = 4
+    max_waits: int = 30
+    max_jams: int = 100
+    max_instant_goals: int = 5
+    detour_factor: float = 1.5
+    detour_extra_m: float = 3.0
+    aside_m: float = 15.0
+    max_vain_motions: int = 4
 
     def __post_init__(self) -> None:
         for name in (
@@ -82,21 +110,34 @@ class FrontierOptions(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
             "guard_m",
             "ask_period_s",
             "pause_s",
+            "aside_m",
         ):
             self.require(name, 0.0 < getattr(self, name) < math.inf, "positive")
-        self.require("margin_m", 0.0 <= self.margin_m < math.inf, "0 or more")
+        for name in ("margin_m", "detour_extra_m"):
+            self.require(name, 0.0 <= getattr(self, name) < math.inf, "0 or more")
         self.require("cones", self.cones >= 3, "at least 3")
-        self.require("patience", self.patience >= 1, "at least 1")
+        for name in ("patience", "max_waits", "max_jams", "max_instant_goals", "max_vain_motions"):
+            self.require(name, getattr(self, name) >= 1, "at least 1")
+        self.require("detour_factor", 1.0 <= self.detour_factor < math.inf, "at least 1")
         least = self.least_frontier_m
         self.require("least_frontier_m", least is None or 0.0 <= least < math.inf, "0 or more")
 
     def require(self, name: str, holds: bool, allowed: str) -> None:
-        """Refuse a value that is not allowed.
+        """Raise an error unless a condition on a parameter holds.
+
+        Parameters
+        ----------
+        name : str
+            Name of the parameter.
+        holds : bool
+            The condition.
+        allowed : str
+            The values allowed, for the message.
 
         Raises
         ------
         InvalidInputError
-            The message says what is.
+            If the condition does not hold.
         """
         if not holds:
             raise InvalidInputError(f"{name} is {getattr(self, name)}; it must be {allowed}")
@@ -108,12 +149,12 @@ class BiddingOptions(FrontierOptions, frozen=True, kw_only=True, forbid_unknown_
     Attributes
     ----------
     drive : {"path", "nearness-diagram"}
-        Whether the robot follows its path, or drives by Smooth Nearness Diagram along it, which
+        Whether the robot follows its path, or steers along it by Smooth Nearness Diagram, which
         slows down near obstacles.
     control_period_s : float
-        How long a command of the nearness diagram is held.
+        How long a command of the nearness diagram is held, in seconds.
     lookahead_m : float
-        How far ahead on its path the nearness diagram is led.
+        How far ahead on the path the nearness diagram aims, in metres.
     """
 
     drive: Literal["path", "nearness-diagram"] = "path"
@@ -134,7 +175,7 @@ class UtilityOptions(BiddingOptions, frozen=True, kw_only=True, forbid_unknown_f
     replan : {"target", "news"}
         As above; in the paper goals are given anew whenever a robot needs one.
     beta : float
-        Weight of the distance against the utility (Burgard et al.: beta).
+        Weight of the path length against the utility (Burgard et al.: beta).
     """
 
     replan: Literal["news", "target"] = "target"
@@ -157,9 +198,9 @@ class SelfBiddingOptions(BiddingOptions, frozen=True, kw_only=True, forbid_unkno
     paths : {"march", "eedt"}
         As above.
     phi_factor : float
-        The first radius of cohesion, in ranges of the radio (paper: j).
+        First radius of cohesion, in ranges of the radio (paper: j).
     phi_step : float
-        By how much the factor grows while the robot has no finite bid.
+        Increase of the factor while the robot has no finite bid.
     drive : {"nearness-diagram", "path"}
         As above.
     """
@@ -185,18 +226,21 @@ class RulesOptions(FrontierOptions, frozen=True, kw_only=True, forbid_unknown_fi
     replan : {"target", "news"}
         As above; in the thesis a robot keeps its goal until that cell is explored.
     search_cell_m : float
-        Width of the cells that are goals; never below `cell_m`.
+        Width in metres of the cells that are goals; at least `cell_m`.
     enough_share : float
-        The search for goals widens until so large a share of all cells is found unexplored.
+        Share of all cells that the search for goals must find unexplored before it ends.
     distance_weight, turn_weight, others_weight : float
-        What a cell's distance, the turn towards it and its distance from the others' goals
-        weigh in its score (thesis: 45, 25 and 30).
+        Weights of the distance to a cell, of the turn towards it, and of its distance from the
+        goals of other robots (thesis: 45, 25 and 30).
     conflict_radius_m : float
-        How far ahead a robot looks for others that it has to wait for; 0: it does not.
+        How far ahead, in metres, a robot looks for others to wait for; 0: it does not.
     exchange : bool
         Whether robots swap goals.
     random_goal_after : int
-        After so many goals in a row to which it could not drive, a robot goes to a random place.
+        Number of goals in a row that a robot could not drive to after which it goes to a random
+        place.
+    max_failures : int
+        How often no path leads to a goal before it is not tried again.
     """
 
     replan: Literal["news", "target"] = "target"
@@ -208,6 +252,7 @@ class RulesOptions(FrontierOptions, frozen=True, kw_only=True, forbid_unknown_fi
     conflict_radius_m: float = 1.5
     exchange: bool = True
     random_goal_after: int = 3
+    max_failures: int = 2
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -216,4 +261,5 @@ class RulesOptions(FrontierOptions, frozen=True, kw_only=True, forbid_unknown_fi
         self.require("enough_share", 0.0 < self.enough_share <= 1.0, "above 0 and at most 1")
         for name in ("distance_weight", "turn_weight", "others_weight", "conflict_radius_m"):
             self.require(name, 0.0 <= getattr(self, name) < math.inf, "0 or more")
-        self.require("random_goal_after", self.random_goal_after >= 1, "at least 1")
+        for name in ("random_goal_after", "max_failures"):
+            self.require(name, getattr(self, name) >= 1, "at least 1")

@@ -18,7 +18,8 @@ from multisrt.planners.assignment.costs import UNASSIGNED
 from multisrt.planners.assignment.greedy import greedy
 from multisrt.planners.assignment.minpos import UNCOUNTED, minpos
 from multisrt.robots.explorer import Action, Note, Outcome
-from multisrt.robots.frontier.robot import FrontierRobot, Goal
+from multisrt.robots.frontier.goal import Goal
+from multisrt.robots.frontier.robot import FrontierRobot
 from multisrt.robots.frontier.wavefront_costs import Table, WavefrontCosts
 
 Choice = Generator[Action, Outcome, Goal | None]

@@ -55,7 +55,7 @@ class _Prospect:
 def choose_by_self_bidding(robot: FrontierRobot, because: str) -> Choice:
     """CHOOSE TARGET: ask the robots in range where they go, and bid for all of them."""
     team, options = robot.team, cast(SelfBiddingOptions, robot.options)
-    robot.goal = None
+    robot.set_goal(None)
     if not team.is_alone:
         yield from team.report(asks=True)
         yield from team.pause(team.round_trip_s)

@@ -1,157 +1,173 @@
-"""What a robot that bids for frontiers knows of its team, and how it listens and answers."""
+"""One robot's side of the conversation: what it says of itself, and what it does when it hears."""
 
 from __future__ import annotations
 
 import math
-import weakref
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, field
 
-from multisrt.robots.explorer import Send
+from multisrt.robots.explorer import RobotSelf, Send
+from multisrt.robots.frontier.bodies import Bodies
+from multisrt.robots.frontier.course import Course
+from multisrt.robots.frontier.frontiers import Frontiers
+from multisrt.robots.frontier.goal import Place
+from multisrt.robots.frontier.mates import Mates
 from multisrt.robots.frontier.messages import (
     AssignmentMessage,
     GiveWayMessage,
     InaccessibleMessage,
     Phase,
-    Place,
     ReportMessage,
     RobotReport,
     StopMessage,
     SwapMessage,
 )
+from multisrt.robots.frontier.options import FrontierOptions
+from multisrt.robots.frontier.requests import Requests
+from multisrt.robots.frontier.scan_map import ScanMap
 from multisrt.robots.knowledge import EntriesMessage, Entry, Node, NodeId, WantMessage
 from multisrt.robots.listening import Listener, Talk, have_of
 from multisrt.robots.messages import Message
 
-if TYPE_CHECKING:
-    from multisrt.robots.frontier.robot import FrontierRobot
+SAME_GOAL_M = 1e-9
+"""Goals closer than this are the same."""
 
 
-class Team(Listener):
-    """One robot's side of all talk.
-
-    Parameters
-    ----------
-    robot : FrontierRobot
-        Whose.
+@dataclass(slots=True)
+class SharedCells:
+    """What robots that go by the rules of Álvarez agree on.
 
     Attributes
     ----------
-    reports : dict of int to RobotReport
-        What every other robot said of itself last.
-    asked_way : GiveWayMessage or None
-        Who wants this robot to give way, if it has not yet.
-    stopped : bool
-        Whether a stop signal came for the goal that it has.
-    wanted : bool
-        Whether somebody wants a goal from this robot.
-    deaf_since_s : dict of int to float
-        Since when robots have not answered.
-    assignment : AssignmentMessage or None
-        The leader's last word, until it is followed.
     aim : (x, y) or None
-        The unexplored cell for whose sake the robot goes where it goes.
+        The unexplored cell for whose sake this robot goes where it goes.
     leader : bool
-        Whether it goes first where robots meet.
+        Whether it leads where robots meet.
     inaccessible : dict of (x, y) to dict of int
-        Who said that there is no way to a cell.
+        For every cell, the robots that found no path to it.
     tried : dict of (x, y)
-        Where this robot, or one no larger, learnt nothing at the edge of what is known.
+        Places at the edge of the known area where this robot, or one no larger, learnt nothing.
+    """
+
+    aim: Place | None = None
+    leader: bool = False
+    inaccessible: dict[Place, dict[int, None]] = field(default_factory=dict)
+    tried: dict[Place, None] = field(default_factory=dict)
+
+
+class Team(Listener):
+    """Messages of one robot to its team, and from it.
+
+    Parameters
+    ----------
+    me : RobotSelf
+        What the robot knows of itself.
+    options : FrontierOptions
+        Its parameters.
+    course : Course
+        Where it is; its clock is set by what is heard.
+    map : ScanMap
+        What it knows; extended by what others send.
+    bodies : Bodies
+        The bodies in its way; those that are heard of are no longer lost.
+    frontiers : Frontiers
+        Its targets; places that others tried in vain are given up.
+
+    Attributes
+    ----------
+    mates : Mates
+        The reports of the others.
+    requests : Requests
+        What the others want from this robot.
+    cells : SharedCells
+        What is agreed on by the rules of Álvarez.
+    phase : {"choosing", "driving", "idle"}
+        What this robot says that it is doing.
+    asked_s : dict of int to float
+        When this robot last asked others to give way.
+    reported_s : float
+        When it last reported to all.
+    told_to_stop : dict of int to (x, y)
+        Self-bidding: the goals for which it sent stop signals.
     """
 
     ends_pauses_on_time = True
 
-    def __init__(self, robot: FrontierRobot) -> None:
-        # The robot holds its team: were it held in turn, both would outlive their run.
-        self.robot: FrontierRobot = weakref.proxy(robot)
-        super().__init__(self.robot, robot.me, robot.entries, robot.options.ask_period_s)
-        self.reports: dict[int, RobotReport] = {}
-        self.heard_s: dict[int, float] = {}
-        self.asked_way: GiveWayMessage | None = None
-        self.asks_s: dict[int, float] = {}
-        self.stopped = False
-        self.wanted = False
-        self.deaf_since_s: dict[int, float] = {}
-        self.assignment: AssignmentMessage | None = None
-        self.aim: Place | None = None
-        self.leader = False
-        self.inaccessible: dict[Place, dict[int, None]] = {}
-        self.tried: dict[Place, None] = {}
+    def __init__(
+        self,
+        me: RobotSelf,
+        options: FrontierOptions,
+        course: Course,
+        map: ScanMap,
+        bodies: Bodies,
+        frontiers: Frontiers,
+    ) -> None:
+        super().__init__(course, me, map.entries, options.ask_period_s)
+        self.mates = Mates(me.robot, options.forget_after_s)
+        self.requests = Requests()
+        self.cells = SharedCells()
         self.phase: Phase = "choosing"
-        self.told_s = -math.inf
-        self.told_to_stop: dict[int, tuple[float, float]] = {}
-        self._said = 0
-        self._told = 0
-        self._offered: dict[int, float] = {}
+        self.asked_s: dict[int, float] = {}
+        self.reported_s = -math.inf
+        self.told_to_stop: dict[int, Place] = {}
+        self._me = me
+        self._course = course
+        self._map = map
+        self._bodies = bodies
+        self._frontiers = frontiers
+        self._reports_made = 0
+        # Serial number of the first node of its own that is not yet part of a report.
+        self._unreported = 0
+        self._offered_s: dict[int, float] = {}
 
     def present(self) -> list[RobotReport]:
-        """Give the reports of the others that are reckoned with, by number.
-
-        Those are left out that have nothing to do, and those that ought to have been heard of.
-        """
-        since = self.robot.time_s - self.robot.options.forget_after_s
-        return [
-            report
-            for number, report in sorted(self.reports.items())
-            if report.phase != "idle" and self.heard_s[number] >= since
-        ]
+        """Return the reports of the robots to reckon with, by number; see `Mates.present`."""
+        return self.mates.present(self._course.time_s)
 
     def own_report(self) -> RobotReport:
-        """Give what this robot says of itself."""
-        robot = self.robot
-        at = robot.now_at()
-        goal = robot.goal
-        path = () if goal is None else tuple(map(tuple, goal.path.tolist()))
-        done = (
-            0.0
-            if robot.motion is None
-            else robot.motion.until(robot.time_s - robot.set_out_s).length_m
-        )
+        """Return what this robot says of itself."""
+        course = self._course
+        goal = course.goal
         return RobotReport(
             robot=self.number,
-            said=self._said,
-            time_s=robot.time_s,
+            said=self._reports_made,
+            time_s=course.time_s,
             phase=self.phase,
-            place=(*at,),
+            place=(*course.now_at(),),
             goal=None if goal is None else goal.place,
-            remaining_m=0.0 if goal is None else max(0.0, goal.cost_m - done),
-            path=path,
-            footprint=str(robot.me.footprint),
+            remaining_m=course.remaining_m(),
+            path=() if goal is None else tuple(map(tuple, goal.path.tolist())),
+            footprint=str(self._me.footprint),
             have=self._entries.counts(),
-            aim=self.aim,
-            leader=self.leader,
+            aim=self.cells.aim,
+            leader=self.cells.leader,
         )
-
-    @property
-    def is_interrupted(self) -> bool:
-        """Whether something was heard for which a robot that drives stops."""
-        return self.asked_way is not None or self.stopped or self.has_to_choose
-
-    @property
-    def has_to_choose(self) -> bool:
-        """Whether a goal is wanted from this robot, or its leader gave it one."""
-        return self.wanted or self.assignment is not None
-
-    def is_deaf(self, report: RobotReport) -> bool:
-        """Whether a robot has not been heard of since it did not answer."""
-        since = self.deaf_since_s.get(report.robot)
-        return since is not None and self.heard_s[report.robot] <= since
 
     def report(
         self, *, asks: bool = False, wants_goal: bool = False, to: int | None = None
     ) -> Talk:
-        """Tell how it stands; all, with what is new in the map."""
-        self._said += 1
+        """Send a report.
+
+        Parameters
+        ----------
+        asks : bool
+            Whether to ask for reports in return.
+        wants_goal : bool
+            Whether to ask the leader for a goal.
+        to : int or None
+            The robot that it is for. None: all; the report then carries the new nodes.
+        """
+        self._reports_made += 1
         entries: tuple[Node, ...] = ()
         if to is None:
             own = self._entries
-            have = {**own.have(), self.number: (self._told, 0)}
+            have = {**own.have(), self.number: (self._unreported, 0)}
             entries = tuple(e for e in own.lacks(have) if isinstance(e, Node))
-            self._told = own.have().get(self.number, (0, 0))[0]
-            self.told_s = self.robot.time_s
+            self._unreported = own.have().get(self.number, (0, 0))[0]
+            self.reported_s = self._course.time_s
         yield Send(
             ReportMessage(
                 sender=self.number,
-                reports=(self.own_report(), *self._passed_on()),
+                reports=(self.own_report(), *self._relayed()),
                 asks=asks,
                 wants_goal=wants_goal,
                 entries=entries,
@@ -160,80 +176,82 @@ class Team(Listener):
         )
 
     def _merge(self, entries: tuple[Entry, ...]) -> tuple[NodeId, ...]:
-        return self.robot.merge(entries)
+        return self._map.merge(entries)
 
-    def _passed_on(self) -> tuple[RobotReport, ...]:
-        # Where nobody relays messages, robots tell of one another.
-        radio = self.robot.me.radio
+    def _relayed(self) -> tuple[RobotReport, ...]:
+        """Return the reports of others to pass on: all, where no radio relays messages."""
+        radio = self._me.radio
         if radio.multi_hop or math.isinf(radio.range_m):
             return ()
         return tuple(self.present())
 
     def _take_message(self, message: Message) -> Talk:
-        self.heard_s[message.sender] = self.robot.time_s
-        body = self.robot.bodies.get(message.sender)
-        if body is not None and body.is_lost:
-            # It is not.
-            del self.robot.bodies[message.sender]
+        self.mates.heard_s[message.sender] = self._course.time_s
+        self._bodies.note_heard(message.sender)
         match message:
             case ReportMessage():
-                for report in message.reports:
-                    self._take_report(report)
-                if message.entries:
-                    yield from self.learn(message.entries)
-                self.wanted |= message.wants_goal
-                if message.asks or self._has_to_offer(message.reports[0]):
-                    yield from self.report(to=message.sender)
-                own = message.reports[0]
-                if own.have != self._entries.counts():
-                    yield from self._ask_for_what_lacks(own.robot, own.have)
+                yield from self._take_reports(message)
             case WantMessage():
                 yield from self._answer_want(message)
             case EntriesMessage():
                 yield from self.learn(message.entries)
             case GiveWayMessage():
-                self._take_asked_way(message)
+                if not self._goes_first(message):
+                    self.requests.way = message
                 yield from self.report(to=message.sender)
             case StopMessage():
-                goal = self.robot.goal
-                if goal is not None and math.dist(goal.place, message.goal) < 1e-9:
-                    self.stopped = True
+                goal = self._course.goal
+                if goal is not None and math.dist(goal.place, message.goal) < SAME_GOAL_M:
+                    self.requests.stop = True
             case AssignmentMessage():
                 if self.number in dict(message.goals):
-                    self.assignment = message
+                    self.requests.assignment = message
             case InaccessibleMessage():
-                for cell in message.cells:
-                    self.inaccessible.setdefault(cell, {})[message.sender] = None
-                if message.radius_m <= self.robot.body.outer_radius_m:
-                    for place in message.tried:
-                        self.tried[place] = None
-                        self.robot.give_up(place)
+                self._take_inaccessible(message)
             case SwapMessage():
-                if self.aim == message.taken:
-                    self.aim = message.given
+                if self.cells.aim == message.taken:
+                    self.cells.aim = message.given
 
-    def _take_report(self, report: RobotReport) -> None:
-        known = self.reports.get(report.robot)
-        if report.robot != self.number and (known is None or report.said >= known.said):
-            self.reports[report.robot] = report
-            self.heard_s[report.robot] = max(
-                self.heard_s.get(report.robot, -math.inf), report.time_s
-            )
+    def _take_reports(self, message: ReportMessage) -> Talk:
+        for report in message.reports:
+            self.mates.take(report)
+        if message.entries:
+            yield from self.learn(message.entries)
+        self.requests.goal |= message.wants_goal
+        own = message.reports[0]
+        if message.asks or self._owes_report(own):
+            yield from self.report(to=message.sender)
+        if own.have != self._entries.counts():
+            yield from self._ask_for_what_lacks(own.robot, own.have)
 
-    def _take_asked_way(self, message: GiveWayMessage) -> None:
-        # Of two that ask one another the first goes first; at one moment, the lower number.
-        lately = self.robot.time_s - 2.0 * self.period_s
-        asked_s = self.asks_s.get(message.sender, -math.inf)
-        if asked_s >= lately and self.number < message.sender and not message.firm:
-            return
-        self.asked_way = message
+    def _take_inaccessible(self, message: InaccessibleMessage) -> None:
+        for cell in message.cells:
+            self.cells.inaccessible.setdefault(cell, {})[message.sender] = None
+        if message.radius_m <= self._me.footprint.circumscribed_radius_m:
+            for place in message.tried:
+                self.cells.tried[place] = None
+                self._frontiers.give_up(place)
 
-    def _has_to_offer(self, report: RobotReport) -> bool:
-        # Who has nothing to do does not report by itself: others would not learn what they lack.
+    def _goes_first(self, asked: GiveWayMessage) -> bool:
+        """Whether this robot, of two that asked each other to give way, goes first.
+
+        The robot that asked first does; of two that asked at about the same time, the one of the
+        lower number, unless the other has no place to give way to.
+        """
+        lately_s = self._course.time_s - 2.0 * self.period_s
+        has_asked = self.asked_s.get(asked.sender, -math.inf) >= lately_s
+        return has_asked and self.number < asked.sender and not asked.firm
+
+    def _owes_report(self, report: RobotReport) -> bool:
+        """Whether to report to a robot that lacks nodes, and record that it is done.
+
+        A robot with nothing to do does not report by itself, so the other would not hear of them.
+        """
         if self.phase != "idle":
             return False
-        lately = self.robot.time_s < self._offered.get(report.robot, -math.inf) + self.period_s
+        offered_s = self._offered_s.get(report.robot, -math.inf)
+        lately = self._course.time_s < offered_s + self.period_s
         if lately or not self._entries.more_than(have_of(report.have)):
             return False
-        self._offered[report.robot] = self.robot.time_s
+        self._offered_s[report.robot] = self._course.time_s
         return True

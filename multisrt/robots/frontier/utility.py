@@ -32,18 +32,20 @@ def choose_utility(robot: FrontierRobot, because: str) -> Choice:
     """Go where the leader says, or assign targets as the leader."""
     team = robot.team
     while True:
-        leader = min([robot.me.robot, *(r.robot for r in team.present() if not team.is_deaf(r))])
+        leader = min(
+            [robot.me.robot, *(r.robot for r in team.present() if not team.mates.is_deaf(r.robot))]
+        )
         if leader == robot.me.robot:
             return (yield from assign(robot, because))
         for _ in range(MAX_REQUESTS):
-            if team.assignment is not None:
+            if team.requests.assignment is not None:
                 break
             yield from team.report(wants_goal=True, to=leader)
             yield from team.pause(team.period_s)
-        word, team.assignment = team.assignment, None
+        word, team.requests.assignment = team.requests.assignment, None
         if word is not None:
             return (yield from obey(robot, word, because))
-        team.deaf_since_s[leader] = robot.time_s
+        team.mates.note_deaf(leader, robot.time_s)
 
 
 def assign(robot: FrontierRobot, because: str) -> Choice:
@@ -51,7 +53,8 @@ def assign(robot: FrontierRobot, because: str) -> Choice:
     options = cast(UtilityOptions, robot.options)
     table = full_table(robot)
     # An assignment by an earlier leader is void.
-    robot.team.wanted, robot.team.assignment = False, None
+    requests = robot.team.requests
+    requests.goal, requests.assignment = False, None
     given = utility(
         table.costs,
         apart(table.targets),

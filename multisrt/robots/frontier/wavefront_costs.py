@@ -19,7 +19,8 @@ import numpy as np
 from multisrt.geometry.grids.distance_field import DistanceField
 from multisrt.geometry.numerics.arrays import FloatArray, IntArray
 from multisrt.planners.assignment.positions import positions
-from multisrt.robots.frontier.robot import NEAR_BY_CELLS, FrontierRobot
+from multisrt.robots.frontier.fields import NEAR_BY_CELLS
+from multisrt.robots.frontier.robot import FrontierRobot
 
 BOUND_FACTOR: Final = 1.05
 BOUND_CELLS: Final = 3.0

@@ -1,4 +1,4 @@
-"""RULES: which cells are goals, how robots get there, and what they tell one another."""
+"""RULES: which cells are goals, how robots get there, and what they tell each other."""
 
 import math
 
@@ -32,6 +32,7 @@ from multisrt.robots.frontier.alvarez_goals import (
 )
 from multisrt.robots.frontier.messages import InaccessibleMessage, SwapMessage
 from multisrt.robots.frontier.options import RulesOptions
+from multisrt.robots.frontier.progress import Event
 from multisrt.robots.frontier.robot import FrontierRobot
 from multisrt.robots.registry import strategy
 from multisrt.simulation.worlds import inline
@@ -69,18 +70,18 @@ def robot_in(world, x, y, heading=0.0, *, number=0, team=1, seen_from=(), **opti
 
 def report_of(robot, aim=None):
     """What a robot says of itself."""
-    robot.team.aim = aim
+    robot.team.cells.aim = aim
     robot.team.phase = "driving"
     return robot.team.own_report()
 
 
 def tell(robot, *reports):
     for report in reports:
-        robot.team._take_report(report)
+        robot.team.mates.take(report)
 
 
 def acts_of(steps, outcome=None):
-    """Everything that was done, and what came out in the end."""
+    """Run some steps to their end; return the actions and the result."""
     acts = []
     try:
         while True:
@@ -98,7 +99,7 @@ def test_cells_of_the_search_are_the_same_for_all_robots():
         assert drawn.centres / 0.5 % 1.0 == pytest.approx(np.full(drawn.centres.shape, 0.5))
 
 
-def test_cells_are_what_the_raster_is_at_their_centres():
+def test_cells_are_classified_by_the_raster_at_the_centre():
     robot = robot_in(TWO_ROOMS, 3, 3)
     drawn = survey(robot, (), ())
     known = np.array([[robot.raster.is_known(x, y) for x, y in row] for row in drawn.centres])
@@ -114,7 +115,7 @@ def test_cells_are_what_the_raster_is_at_their_centres():
     assert not drawn.obstacle[known & inner & (depth > 0.4) & (x < 5.0)].any()
 
 
-def test_the_rectangle_ends_one_cell_beyond_what_was_seen():
+def test_the_map_extends_one_cell_beyond_what_was_seen():
     drawn = survey(robot_in(HALL, 15, 5), (), ())
     x, y = drawn.centres.transpose(2, 0, 1)
     # Seen is a disc of 4 m around (15, 5).
@@ -132,7 +133,7 @@ def test_inaccessible_cells_are_obstacles():
     assert after.unexplored.sum() == before.unexplored.sum() - 1
 
 
-def test_behind_a_wall_nothing_is_reached_but_through_the_door():
+def test_cells_behind_a_wall_are_reached_through_the_door():
     robot = robot_in(TWO_ROOMS, 3, 3, seen_from=[(3, 1.2), (3, 4.8), (5, 1.2), (5, 4.8)])
     drawn = survey(robot, (), ())
     assert drawn.can_reach(robot.raster, (6.75, 3.25))
@@ -149,7 +150,7 @@ def test_behind_a_wall_nothing_is_reached_but_through_the_door():
     assert not closed.can_reach(robot.raster, (-0.25, 3.25))
 
 
-def test_the_way_ends_at_the_edge_of_what_is_known():
+def test_the_goal_is_at_the_edge_of_the_known_area():
     robot = robot_in(HALL, 15, 5)
     drawn = survey(robot, (), ())
     way = way_to(robot, drawn, (19.25, 5.25))
@@ -166,14 +167,14 @@ def test_the_way_ends_at_the_edge_of_what_is_known():
     [("110 010", 1), ("100 010", 0), ("100 110", 1), ("110 000", 0)],
     ids=["round one side", "round neither", "round the other", "unknown at once"],
 )
-def test_a_way_is_known_up_to_a_step_that_is_not(known, last):
+def test_a_path_is_known_up_to_its_first_unknown_step(known, last):
     cells = np.array([[c == "1" for c in row] for row in known.split()])
     way = np.array([(0, 0), (1, 1), (1, 2)])
     assert last_known(cells, way) == last
 
 
 @given(arrays(bool, (7, 7)), st.integers(0, 1000))
-def test_what_is_known_of_a_way_is_joined_without_cutting_corners(known, seed):
+def test_the_known_part_of_a_path_cuts_no_corners(known, seed):
     rng = np.random.default_rng(seed)
     steps = rng.integers(-1, 2, (12, 2))
     way = np.clip(np.cumsum([(3, 3), *steps.tolist()], axis=0), 0, 6)
@@ -187,7 +188,7 @@ def test_what_is_known_of_a_way_is_joined_without_cutting_corners(known, seed):
     assert not known[after] or not any(known[cell] for cell in beside)
 
 
-def test_the_cost_of_a_way_is_that_of_a_star():
+def test_the_cost_of_a_path_is_that_of_a_star():
     robot = robot_in(HALL, 15, 5)
     drawn = survey(robot, (), ())
     assert way_cost(robot, drawn, (15, 5), (19.25, 5.25)) == pytest.approx(4.35, abs=0.15)
@@ -207,15 +208,15 @@ def test_a_ring_finds_a_share_of_all_cells():
 
 
 @pytest.mark.parametrize("heading", [0.0, math.pi / 2, math.pi, -math.pi / 2])
-def test_of_a_round_view_the_cell_ahead_is_the_best(heading):
+def test_in_an_open_hall_the_cell_ahead_is_the_best(heading):
     robot = robot_in(HALL, 15, 5, heading, enough_share=1.0)
-    acts, goal = acts_of(Rules().choose(robot, "start"))
+    acts, goal = acts_of(Rules().choose(robot, Event.START))
     note = acts[-1].event
     assert note.rule == "rules"
     bearing = math.atan2(goal.y - 5, goal.x - 15)
     assert abs(math.remainder(bearing - heading, math.tau)) < math.radians(20)
     assert note.scores == tuple(sorted(note.scores, key=lambda row: -row[2]))
-    assert note.goal == robot.team.aim == note.scores[0][:2]
+    assert note.goal == robot.team.cells.aim == note.scores[0][:2]
     x, y, score, distance, turn, others = note.scores[0]
     diagonal = survey(robot, (), ()).diagonal_m
     assert distance == pytest.approx(45 * math.dist((15, 5), (x, y)) / diagonal)
@@ -226,26 +227,26 @@ def test_of_a_round_view_the_cell_ahead_is_the_best(heading):
 def test_a_cell_far_from_anothers_goal_is_better():
     me = robot_in(HALL, 15, 5, turn_weight=0.0, team=2)
     tell(me, report_of(robot_in(HALL, 15, 5, number=1, team=2), aim=(19.25, 5.25)))
-    _, goal = acts_of(Rules().choose(me, "start"))
+    _, goal = acts_of(Rules().choose(me, Event.START))
     assert goal.x < 13
 
 
 def test_a_robot_keeps_its_aim_until_it_is_explored():
     robot = robot_in(HALL, 15, 5, 0.0)
-    robot.team.aim = (10.75, 5.25)
+    robot.team.cells.aim = (10.75, 5.25)
     rules = Rules()
-    acts_of(rules.choose(robot, "nothing left"))
-    assert robot.team.aim == (10.75, 5.25)
-    acts_of(rules.choose(robot, "blocked"))
-    assert robot.team.aim[0] > 15
+    acts_of(rules.choose(robot, Event.NOTHING_LEFT))
+    assert robot.team.cells.aim == (10.75, 5.25)
+    acts_of(rules.choose(robot, Event.BLOCKED))
+    assert robot.team.cells.aim[0] > 15
 
 
-def test_where_all_is_explored_there_is_no_goal():
+def test_there_is_no_goal_when_all_is_explored():
     small = Environment("small", shapely.box(0, 0, 3, 3))
     robot = robot_in(small, 1.5, 1.5)
-    acts, goal = acts_of(Rules().choose(robot, "start"))
+    acts, goal = acts_of(Rules().choose(robot, Event.START))
     assert goal is None
-    assert robot.team.aim is None
+    assert robot.team.cells.aim is None
     assert isinstance(acts[-1], Note)
     assert acts[-1].event.goal is None
 
@@ -254,34 +255,34 @@ def test_after_some_failures_a_robot_goes_to_a_random_place():
     robot = robot_in(HALL, 15, 5, random_goal_after=3)
     rules = Rules()
     picked = []
-    for because in ("start", "blocked", "no way", "blocked"):
+    for because in (Event.START, Event.BLOCKED, Event.NO_WAY, Event.BLOCKED):
         acts, goal = acts_of(rules.choose(robot, because))
         picked.append(acts[-1].event.rule)
     assert picked == ["rules", "rules", "rules", "random"]
     assert rules.wanders
     assert robot.raster.is_known(*goal.place)
-    assert acts_of(rules.choose(robot, "reached"))[0][-1].event.rule == "rules"
+    assert acts_of(rules.choose(robot, Event.REACHED))[0][-1].event.rule == "rules"
 
 
-def test_a_place_reached_in_vain_is_told_and_not_tried_again():
+def test_a_place_reached_in_vain_is_reported_and_given_up():
     robot = robot_in(HALL, 15, 5, team=2)
     rules = Rules()
-    _, first = acts_of(rules.choose(robot, "start"))
-    acts, second = acts_of(rules.choose(robot, "reached"))
+    _, first = acts_of(rules.choose(robot, Event.START))
+    acts, second = acts_of(rules.choose(robot, Event.REACHED))
     assert math.dist(first.place, second.place) > 0.25
     told = [act.message for act in acts if isinstance(act, Send)]
     assert [message.tried for message in told] == [(first.place,)]
     mate = robot_in(HALL, 15, 5, number=1, team=2)
     acts_of(mate.team._take_message(told[0]))
-    assert list(mate.team.tried) == [first.place]
+    assert list(mate.team.cells.tried) == [first.place]
 
 
-def test_a_cell_is_an_obstacle_once_all_said_that_no_way_leads_there():
+def test_a_cell_that_no_robot_can_reach_is_an_obstacle():
     robot = robot_in(HALL, 15, 5, team=3)
     others = [robot_in(HALL, 14 + k, 4, number=k, team=3) for k in (1, 2)]
     tell(robot, *(report_of(other) for other in others))
     cell = (10.75, 0.75)
-    robot.team.inaccessible[cell] = {0: None}
+    robot.team.cells.inaccessible[cell] = {0: None}
     for other in others:
         assert agreed(robot) == []
         said = InaccessibleMessage(
@@ -300,7 +301,7 @@ def crossed(exchange=True):
     right = robot_in(HALL, 14, 5, number=1, team=2, seen_from=[(10, 5)])
     near_left, near_right = (5.75, 5.25), (18.25, 5.25)
     tell(left, report_of(right, aim=near_left))
-    left.team.aim = near_right
+    left.team.cells.aim = near_right
     return left, right, near_left, near_right
 
 
@@ -308,15 +309,15 @@ def test_robots_with_crossed_goals_swap_them():
     left, right, near_left, near_right = crossed()
     acts, done = acts_of(Rules().swaps(left))
     assert done
-    assert left.team.aim == near_left
+    assert left.team.cells.aim == near_left
     assert [act.message for act in acts] == [
         SwapMessage(sender=0, taken=near_left, given=near_right)
     ]
     acts_of(right.team._take_message(acts[0].message))
-    assert right.team.aim == near_right
+    assert right.team.cells.aim == near_right
     # Who has another goal by now keeps it.
     acts_of(right.team._take_message(acts[0].message))
-    assert right.team.aim == near_right
+    assert right.team.cells.aim == near_right
 
 
 def test_a_swap_is_not_taken_back():
@@ -335,13 +336,13 @@ def test_without_exchange_goals_stay():
 # The right of way ------------------------------------------------------------------------------
 
 
-def test_a_path_says_where_a_robot_faces():
+def test_a_robot_faces_along_its_path():
     at = Configuration(1.0, 1.0, 0.3)
     assert facing(at, np.array([[1.0, 1.0], [1.0, 4.0]])).heading == pytest.approx(math.pi / 2)
     assert facing(at, np.array([[1.0, 1.0]])) == at
 
 
-def test_who_was_not_heard_of_is_inactive():
+def test_a_mate_that_was_not_heard_of_is_inactive():
     robot = robot_in(HALL, 15, 5, team=2)
     mate = robot_in(HALL, 17, 5, number=1, team=2)
     sighting = Sighting(robot=1, configuration=mate.at, footprint=mate.me.footprint)
@@ -399,6 +400,6 @@ def test_a_team_that_hears_nothing_is_refused(name):
         {"random_goal_after": 0},
     ],
 )
-def test_parameters_that_make_no_sense_are_refused(wrong):
+def test_invalid_parameters_are_refused(wrong):
     with pytest.raises(InvalidInputError, match=next(iter(wrong))):
         RulesOptions(**wrong)

@@ -1,4 +1,4 @@
-"""Cars in frontier bidding: they get where a raster's way leads, and are never caught."""
+"""Cars in frontier bidding: they reach their goals, and are never caught."""
 
 import contextlib
 import itertools
@@ -21,10 +21,12 @@ from multisrt.geometry.regions.scan import take_scan
 from multisrt.planners.motion.kinematics import Car
 from multisrt.planners.motion.trajectory import leg_length
 from multisrt.robots.explorer import Look, Moved, RobotSelf, Sighting
-from multisrt.robots.frontier import car_driving
-from multisrt.robots.frontier.car_driving import CarDriver, ends_of, points_along
+from multisrt.robots.frontier.car_driving import CarDriver
+from multisrt.robots.frontier.car_planning import MIN_LENGTH_M, ends_of, points_along
+from multisrt.robots.frontier.explore import FrontierExplorer
+from multisrt.robots.frontier.goal import Goal
 from multisrt.robots.frontier.options import FrontierOptions
-from multisrt.robots.frontier.robot import FrontierRobot, Goal
+from multisrt.robots.frontier.robot import FrontierRobot
 from multisrt.simulation.simulate import simulate
 from multisrt.simulation.worlds import inline
 from multisrt.spec import DriveSpec, RobotSpec, RunSpec, StopRule
@@ -137,7 +139,7 @@ def test_a_car_that_only_drives_forwards_stays_out_of_dead_ends():
 
 
 @pytest.mark.parametrize("name", ["minpos", "utility"])
-def test_cars_and_others_explore_together(name):
+def test_cars_and_other_robots_explore_together(name):
     run = simulated(name, car(), RobotSpec(), car("dubins"), world=HALL, seed=2)
     assert_ended_well(run)
     assert measure(run, HALL).coverage > 0.99
@@ -161,20 +163,20 @@ def test_the_nearness_diagram_drives_no_car(kind):
         assert "\n" not in str(bad.value)
 
 
-# What leads on ---------------------------------------------------------------------------------
+# The exit --------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("kind", ["reeds-shepp", "dubins"])
-def test_a_car_always_knows_a_free_way_on(kind, monkeypatch):
+def test_a_car_always_has_a_free_exit(kind, monkeypatch):
     body = Footprint.parse(BOX)
     world = CollisionWorld(HALL.free)
     solid = world.body(body)
-    has_driven, looked = CarDriver.has_driven, []
+    note_driven, looked = CarDriver.note_driven, []
 
     def checked(driver, moved, set_out_s):
-        has_driven(driver, moved, set_out_s)
+        note_driven(driver, moved, set_out_s)
         at = moved.configuration
-        for piece in reversed(driver._way_on()):
+        for piece in reversed(driver.route.exit()):
             assert piece.start == pytest.approx(at, abs=1e-6)
             for a, b in itertools.pairwise(piece.waypoints):
                 assert (
@@ -186,7 +188,7 @@ def test_a_car_always_knows_a_free_way_on(kind, monkeypatch):
         assert at[:2] == pytest.approx((2.0, 2.0), abs=1e-6)
         looked.append(moved)
 
-    monkeypatch.setattr(CarDriver, "has_driven", checked)
+    monkeypatch.setattr(CarDriver, "note_driven", checked)
     simulated("closest", car(kind), world=HALL, options={"replan_period_s": 3.0}, max_time_s=40.0)
     assert len(looked) > 20
 
@@ -213,7 +215,7 @@ def robot_in(world, x, y, kind="reeds-shepp", mates=0):
 
 
 def acts_of(steps, outcome):
-    """Do what is left of some steps, of which only the first has an outcome."""
+    """Run some steps to their end; only the first action has an outcome."""
     with contextlib.suppress(StopIteration):
         while True:
             steps.send(outcome)
@@ -221,7 +223,7 @@ def acts_of(steps, outcome):
 
 
 def way_along(robot, path, seen=()):
-    steps = robot.car.way_along(np.array(path, float))
+    steps = robot.car.motion_along(np.array(path, float))
     try:
         action = next(steps)
         assert isinstance(action, Look)
@@ -232,15 +234,21 @@ def way_along(robot, path, seen=()):
 
 
 def drive(robot, motion, duration_s):
-    """Let a car drive so much of a motion."""
+    """Let a car drive a motion for some time."""
     duration_s = min(duration_s, motion.duration_s)
-    robot.at = motion.at(duration_s)
-    robot.time_s += duration_s
+    robot.course.at = motion.at(duration_s)
+    robot.course.time_s += duration_s
     moved = Moved(configuration=robot.at, time_s=robot.time_s)
-    robot.car.has_driven(moved, robot.time_s - duration_s)
+    robot.car.note_driven(moved, robot.time_s - duration_s)
 
 
-def test_a_way_is_kept_until_its_end():
+def new_driver(robot):
+    """A driver that has planned nothing yet."""
+    parts = robot.options, robot.course, robot.map, robot.bodies
+    return CarDriver(robot.me, robot.me.kinematics, *parts)
+
+
+def test_a_motion_is_kept_until_its_end():
     robot = robot_in(HALL, 2.0, 2.0)
     path = [(2.0, 2.0), (4.0, 3.0)]
     whole = way_along(robot, path)
@@ -253,7 +261,7 @@ def test_a_way_is_kept_until_its_end():
 
 
 @pytest.mark.parametrize("kind", ["reeds-shepp", "dubins"])
-def test_a_new_goal_has_a_new_way_and_the_old_way_still_leads_on(kind):
+def test_a_new_goal_has_a_new_motion_and_keeps_the_exit(kind):
     robot = robot_in(HALL, 2.0, 2.0, kind)
     first = way_along(robot, [(2.0, 2.0), (4.0, 3.0)])
     drive(robot, first, 1.0)
@@ -261,18 +269,18 @@ def test_a_new_goal_has_a_new_way_and_the_old_way_still_leads_on(kind):
     assert second.start == pytest.approx(robot.at)
     assert second.end[:2] == pytest.approx((2.5, 4.0))
     at = second.end
-    for piece in reversed(robot.car._legs[0].on_from_end()):
+    for piece in reversed(robot.car.route._legs[0].exit_from_end()):
         assert piece.start == pytest.approx(at)
         at = piece.end
     assert at == pytest.approx(first.start)
 
 
 @pytest.mark.parametrize("kind", ["reeds-shepp", "dubins"])
-def test_a_car_leaves_anothers_way_by_what_leads_on(kind):
+def test_a_car_makes_room_along_its_exit(kind):
     robot = robot_in(HALL, 2.0, 2.0, kind)
     drive(robot, way_along(robot, [(2.0, 2.0), (4.0, 2.0)]), 3.0)
     barred = np.array([(robot.at.x, 0.0), (robot.at.x, 4.0)])
-    on = robot.car.set_out_on(barred, 0.4)
+    on = robot.car.leave_by_exit(barred, 0.4)
     assert on.start == pytest.approx(robot.at)
     # Back as it came, or on to where it was going.
     beyond = on.end.x - robot.at.x
@@ -280,14 +288,14 @@ def test_a_car_leaves_anothers_way_by_what_leads_on(kind):
     drive(robot, on, 100.0)
     assert robot.at == pytest.approx(on.end)
     at = on.end
-    for piece in reversed(robot.car._way_on()):
+    for piece in reversed(robot.car.route.exit()):
         assert piece.start == pytest.approx(at)
         at = piece.end
     assert at[:2] == pytest.approx((2.0, 2.0))
-    assert robot.car.set_out_on(barred, 100.0) is None
+    assert robot.car.leave_by_exit(barred, 100.0) is None
 
 
-def test_bodies_beside_the_path_are_gone_round_and_those_on_it_are_not():
+def test_a_car_drives_round_bodies_beside_its_path_only():
     robot = robot_in(HALL, 2.0, 3.0, mates=1)
     disc = Footprint.parse("disc:0.25")
     around = [(2.0, 3.0), (3.0, 4.2), (4.5, 3.0)]
@@ -299,16 +307,16 @@ def test_bodies_beside_the_path_are_gone_round_and_those_on_it_are_not():
         return min(robot.me.footprint.placed(motion.at(t)).distance(solid) for t in times)
 
     assert nearest_m(way_along(robot, around)) == 0.0
-    robot.car = CarDriver(robot, robot.me.kinematics)
+    robot.car = new_driver(robot)
     assert nearest_m(way_along(robot, around, [mate])) >= robot.options.guard_m
-    robot.car = CarDriver(robot, robot.me.kinematics)
+    robot.car = new_driver(robot)
     assert nearest_m(way_along(robot, [around[0], around[-1]], [mate])) == 0.0
 
 
-def test_ways_that_lead_no_nearer_are_given_up():
+def test_motions_that_lead_no_nearer_are_given_up():
     robot = robot_in(HALL, 2.0, 2.0)
     path = [(2.0, 2.0), (4.0, 3.0)]
-    for _ in range(1 + car_driving.MOST_VAIN):
+    for _ in range(1 + robot.options.max_vain_motions):
         assert way_along(robot, path) is not None
         robot.car._aim = None
     assert way_along_refused(robot, path)
@@ -318,21 +326,29 @@ def test_ways_that_lead_no_nearer_are_given_up():
 
 def way_along_refused(robot, path):
     with pytest.raises(StopIteration) as end:
-        next(robot.car.way_along(np.array(path, float)))
+        next(robot.car.motion_along(np.array(path, float)))
     return end.value.value is None
 
 
-def test_a_goal_without_a_way_is_tried_again_when_more_is_known():
+def test_a_goal_without_a_path_is_tried_again_on_news():
     robot = robot_in(HALL, 2.0, 2.0)
-    goal = Goal(4.0, 3.0, np.array([(2.0, 2.0), (4.0, 3.0)]), 2.24)
+    explorer = FrontierExplorer(robot.me, robot.options, rule=None)
+    explorer.robot = robot
+    (x, y), *_ = robot.targets().tolist()
+    goal = Goal(x, y, np.array([(2.0, 2.0), (x, y)]), 2.24)
+
+    def is_target():
+        return [x, y] in robot.targets().tolist()
+
     for _ in range(2):
-        robot.judge(goal, "no way")
-    assert goal.place in robot._given_up
-    assert not robot.try_again()
+        assert is_target()
+        explorer.judge_no_way(goal)
+    assert not is_target()
+    assert not robot.frontiers.reopen()
     robot.raster.revision += 1
-    assert robot.try_again()
-    assert goal.place not in robot._given_up
-    assert not robot.try_again()
+    assert robot.frontiers.reopen()
+    assert is_target()
+    assert not robot.frontiers.reopen()
 
 
 # Places along a path ---------------------------------------------------------------------------
@@ -343,7 +359,7 @@ def test_points_along_a_path():
     points = points_along(path, 10.0)
     assert points[0].tolist() == [0.0, 0.0, 0.0, 0.0]
     assert points[-1] == pytest.approx([1.0, 2.0, 0.5 * math.pi, 3.0])
-    assert np.diff(points[:, 3]).max() <= car_driving.LEAST_M + 1e-9
+    assert np.diff(points[:, 3]).max() <= MIN_LENGTH_M + 1e-9
     line = shapely.LineString(path)
     for x, y, heading, along in points.tolist():
         assert line.project(shapely.Point(x, y)) == pytest.approx(along, abs=1e-9)
@@ -358,6 +374,6 @@ def test_ends_are_where_a_body_has_room_the_farthest_first():
     ends = ends_of(points, rings_of(region), 0.5)
     assert [x for x, *_ in ends] == sorted((x for x, *_ in ends), reverse=True)
     assert 1.4 < ends[0][0] <= 1.5 + 1e-9
-    assert all(along >= car_driving.LEAST_M for *_, along in ends)
+    assert all(along >= MIN_LENGTH_M for *_, along in ends)
     nearby = points_along(np.array([(0.9, 1.0), (0.95, 1.0)]), 10.0)
     assert [x for x, *_ in ends_of(nearby, rings_of(region), 0.5)] == [0.95]

@@ -3,6 +3,7 @@
 import dataclasses
 import itertools
 import math
+from functools import partial
 
 import msgspec
 import numpy as np
@@ -50,7 +51,7 @@ WALLS = shapely.union_all(
 THREE_ROOMS = Environment("three rooms", shapely.box(0, 0, 15.4, 5).difference(WALLS))
 STARTS = [(1.0, 1.0), (1.0, 2.5), (1.0, 4.0)]
 
-# Two rooms, and between them a corridor in which two bodies cannot pass one another.
+# Two rooms, and between them a corridor in which two bodies cannot pass each other.
 NARROW = Environment(
     "narrow",
     shapely.union_all(
@@ -61,7 +62,7 @@ NARROW = Environment(
 
 @pytest.fixture
 def explored(monkeypatch):
-    """Run a team; give the recording and the robots with what they know."""
+    """Run a team; return the recording and the robots."""
 
     def run(name, starts=STARTS, *, world=THREE_ROOMS, options=None, max_time_s=1500.0, **spec):
         own, crew = strategy(name), []
@@ -97,7 +98,7 @@ def last_end(recording, robot):
 
 
 def knowledge(raster):
-    """All that is known, whatever the window."""
+    """The known cells of a raster, whatever its window."""
     known = np.argwhere(raster.cells != UNKNOWN)
     return (
         (known + np.array([raster.row, raster.column])).tolist(),
@@ -107,7 +108,7 @@ def knowledge(raster):
 
 
 def raster_from_record(recording, robot, like):
-    """Paint the regions that a robot saw or learned of, by the events alone."""
+    """Paint the regions that a robot saw or received, from the events alone."""
     seen = {(e.robot, e.serial): e for e in events(recording, NodeAdded)}
     names = [(robot, e.serial) for e in events(recording, NodeAdded, robot)]
     names += [name for e in events(recording, Learned, robot) for name in e.nodes]
@@ -134,7 +135,7 @@ def sent(recording, kind, robot=None):
 
 
 @pytest.mark.parametrize("name", FAMILY)
-def test_a_robot_knows_what_it_saw_or_was_told_and_no_more(explored, name):
+def test_a_robot_knows_only_what_it_saw_or_was_told(explored, name):
     radio = RadioSpec(range_m=3.0, loss=0.6)
     recording, crew = explored(name, radio=radio, seed=3, max_time_s=10.0)
     assert recording.footer.outcome == "out_of_time"
@@ -151,7 +152,7 @@ def test_a_robot_knows_what_it_saw_or_was_told_and_no_more(explored, name):
 
 
 @pytest.mark.parametrize("name", FAMILY)
-def test_what_was_lost_is_asked_for(explored, name):
+def test_lost_nodes_are_asked_for(explored, name):
     recording, _ = explored(name, radio=RadioSpec(loss=0.4, latency_s=0.05), seed=1)
     assert recording.footer.outcome == "complete"
     assert not events(recording, Collision)
@@ -161,7 +162,7 @@ def test_what_was_lost_is_asked_for(explored, name):
 
 
 @pytest.mark.parametrize("name", FAMILY)
-def test_maps_are_one_again_after_a_silence(explored, name):
+def test_maps_are_equal_again_after_a_silence(explored, name):
     recording, crew = explored(
         name, STARTS[:2], faults=(Silence(robot=1, time_s=3.0, duration_s=15.0),), seed=2
     )
@@ -181,11 +182,11 @@ def test_a_short_radio_range_is_enough(explored, name, multi_hop):
 
 
 @pytest.mark.parametrize("name", FAMILY)
-def test_robots_that_are_in_range_in_the_end_know_the_same(explored, name):
+def test_robots_in_range_at_the_end_have_the_same_map(explored, name):
     _, crew = explored(name, radio=RadioSpec(range_m=6.0), seed=1)
     for one, other in itertools.combinations(crew, 2):
         if math.dist(one.at[:2], other.at[:2]) <= 6.0:
-            assert one.entries.have() == other.entries.have()
+            assert one.map.entries.have() == other.map.entries.have()
             assert knowledge(one.raster) == knowledge(other.raster)
 
 
@@ -225,7 +226,7 @@ def test_when_the_leader_dies_another_leads(explored):
 
 
 @pytest.mark.parametrize("name", FAMILY)
-def test_nobody_touches_a_dead_body_in_the_only_way(explored, name):
+def test_no_robot_touches_a_dead_one_in_the_only_passage(explored, name):
     recording, crew = explored(
         name,
         [(7.0, 2.5), (2.0, 1.5), (2.0, 3.5)],
@@ -242,7 +243,7 @@ def test_nobody_touches_a_dead_body_in_the_only_way(explored, name):
 
 
 @pytest.mark.parametrize("name", FAMILY)
-def test_a_dead_body_in_the_only_way_boxes_the_others_in(explored, name):
+def test_a_dead_robot_in_the_only_passage_boxes_others_in(explored, name):
     recording, _ = explored(
         name,
         [(7.0, 2.5), (2.0, 1.5), (2.0, 3.5)],
@@ -276,7 +277,7 @@ def going_to(places):
         x, y = places[robot.me.robot]
         if math.dist(robot.at[:2], (x, y)) < 0.3:
             return None
-        yield from robot.look()
+        yield from robot.bodies.look()
         with robot.around_bodies():
             field = robot.own_field()
             spots = robot.raster.passable_centres(*robot.at[:2], 20.0)
@@ -298,7 +299,7 @@ def test_robots_that_meet_in_a_corridor_pass_by_giving_way(monkeypatch, seed):
             summary="",
             options=FrontierOptions,
             explorer=lambda me, options: FrontierExplorer(
-                me, options, going_to(places), lambda robot, goal: drive(robot, goal, "home")
+                me, options, going_to(places), partial(drive, purpose="home", to_see=False)
             ),
         ),
     )
@@ -322,7 +323,7 @@ def test_robots_that_meet_in_a_corridor_pass_by_giving_way(monkeypatch, seed):
 
 
 @pytest.mark.parametrize("name", FAMILY)
-def test_robots_that_begin_in_a_crowd_do_not_creep_up_to_one_another(name):
+def test_robots_in_a_crowd_do_not_creep_up_to_each_other(name):
     # In this drawn maze they begin close together: with any rule some stop before others, and
     # look for ways round them where there are none.
     crowd = next(

@@ -1,0 +1,135 @@
+"""Bodies of other robots that bar the way and do not leave."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Generator, Iterable
+from dataclasses import dataclass
+from typing import cast
+
+import numpy as np
+
+from multisrt.geometry.numerics.distances import inside
+from multisrt.geometry.numerics.kernel import FloatArray
+from multisrt.robots.explorer import Action, Look, Outcome, Sighting
+from multisrt.robots.frontier.course import Course
+from multisrt.robots.frontier.scan_map import ScanMap
+
+MOVED_M = 0.05
+"""A robot seen farther than this from where it was has moved."""
+
+
+@dataclass(frozen=True, slots=True)
+class BodyInTheWay:
+    """A robot that bars the way and does not leave.
+
+    Attributes
+    ----------
+    sighting : Sighting
+        Where it was seen.
+    until_s : float
+        Until when it counts as an obstacle; ``inf`` if it does not answer: then until it is heard
+        of or seen elsewhere.
+    """
+
+    sighting: Sighting
+    until_s: float
+
+    @property
+    def is_lost(self) -> bool:
+        """Whether the robot is taken as lost."""
+        return math.isinf(self.until_s)
+
+
+class Bodies:
+    """The bodies that one robot takes as obstacles.
+
+    Parameters
+    ----------
+    course : Course
+        The robot's clock.
+    map : ScanMap
+        What it saw last.
+    """
+
+    def __init__(self, course: Course, map: ScanMap) -> None:
+        self._course = course
+        self._map = map
+        self._standing: dict[int, BodyInTheWay] = {}
+
+    def __len__(self) -> int:
+        return len(self._standing)
+
+    def __contains__(self, robot: int) -> bool:
+        return robot in self._standing
+
+    def numbers(self) -> list[int]:
+        """Return the numbers of the robots, in the order in which they were added."""
+        return list(self._standing)
+
+    def sightings(self) -> list[Sighting]:
+        """Return where each was seen."""
+        return [body.sighting for body in self._standing.values()]
+
+    def add(self, sighting: Sighting, until_s: float = math.inf) -> None:
+        """Take a robot as an obstacle until a time, or as lost."""
+        self._standing[sighting.robot] = BodyInTheWay(sighting, until_s)
+
+    def note_heard(self, robot: int) -> None:
+        """Drop a robot that was taken as lost: it was heard of."""
+        body = self._standing.get(robot)
+        if body is not None and body.is_lost:
+            del self._standing[robot]
+
+    def all_are_lost(self) -> bool:
+        """Whether none of the robots answers; true if there is none."""
+        return all(body.is_lost for body in self._standing.values())
+
+    def look(self) -> Generator[Action, Outcome, tuple[Sighting, ...]]:
+        """Notice the bodies in sight, and drop those that are not where they were seen.
+
+        Yields
+        ------
+        Look
+
+        Returns
+        -------
+        tuple of Sighting
+            All bodies in sight.
+        """
+        seen = cast(tuple[Sighting, ...], (yield Look()))
+        places = {sighting.robot: sighting for sighting in seen}
+        for number, body in list(self._standing.items()):
+            if number in places:
+                has_left = has_moved(places[number], body.sighting)
+            else:
+                x, y, _ = body.sighting.configuration
+                has_left = inside(self._map.boundary, x, y)
+            if has_left or self._course.time_s >= body.until_s:
+                del self._standing[number]
+        return seen
+
+
+def has_moved(now: Sighting, then: Sighting) -> bool:
+    """Whether a robot is farther than `MOVED_M` from where it was."""
+    return now.configuration.distance(then.configuration) > MOVED_M
+
+
+def discs_of(sightings: Iterable[Sighting], grown_by_m: float = 0.0) -> FloatArray:
+    """Return discs around bodies.
+
+    Parameters
+    ----------
+    sightings : iterable of Sighting
+        The bodies.
+    grown_by_m : float
+        Added to the radius of each.
+
+    Returns
+    -------
+    (k, 3) array
+        x, y and radius of each in metres.
+    """
+    return np.array(
+        [(*s.configuration[:2], grown_by_m + s.footprint.circumscribed_radius_m) for s in sightings]
+    ).reshape(-1, 3)

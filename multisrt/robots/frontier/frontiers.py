@@ -1,0 +1,183 @@
+"""Targets: the frontiers that are worth going to, and what became of attempts to go there."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from multisrt.geometry.grids.distance_field import DistanceField
+from multisrt.geometry.grids.occupancy import FrontierGroup, Occupancy
+from multisrt.geometry.numerics.distances import nearest_points
+from multisrt.geometry.numerics.kernel import FloatArray
+from multisrt.robots.frontier.fields import indices_of
+from multisrt.robots.frontier.goal import Place
+
+
+class Frontiers:
+    """Frontier groups of a raster, the place to go to for each, and the places given up.
+
+    Parameters
+    ----------
+    raster : Occupancy
+        The raster.
+    width_m : float
+        Width of the body in metres.
+    min_length_m : float
+        Groups of frontier cells that are shorter than this are dropped.
+    """
+
+    def __init__(self, raster: Occupancy, width_m: float, min_length_m: float) -> None:
+        self._raster = raster
+        self._width_m = width_m
+        self._min_length_m = min_length_m
+        self._given_up: dict[Place, None] = {}
+        # Places to which a car found no path, with the revision of the raster by which it did.
+        self._no_path: dict[Place, int] = {}
+        # By identity, as groups are kept until their cells change; the values keep them alive.
+        self._unreachable: dict[int, FrontierGroup] = {}
+        self._substitutes: dict[int, tuple[FrontierGroup, Place]] = {}
+        self._seen_in_vain: dict[Place, None] = {}
+
+    def groups(self) -> list[FrontierGroup]:
+        """Return the groups of frontier cells that are long enough."""
+        return self._raster.frontier_groups(self._min_length_m)
+
+    def targets(self) -> FloatArray:
+        """Return the places to go to: one for each group where the body can stand.
+
+        Groups found unreachable are left out until they change; see `look_closer`.
+
+        Returns
+        -------
+        (m, 2) array
+            Metres.
+        """
+        groups = [g for g in self.groups() if id(g) not in self._unreachable]
+        if not self._substitutes and not self._given_up:
+            # In the common case the raster converts the targets of all groups at once.
+            return self._raster.centres_of([g.target for g in groups if g.target is not None])
+        places = [self._target(group) for group in groups]
+        return np.array([place for place in places if place is not None]).reshape(-1, 2)
+
+    def look_closer(self, field: DistanceField, *, blocked: bool) -> bool:
+        """Look for other targets in groups whose own one cannot be reached.
+
+        The cells of a group need not be connected by passable cells: it may begin behind a gap
+        too narrow for the body and end in the open. Groups without any target in reach are
+        unreachable until they change.
+
+        Parameters
+        ----------
+        field : DistanceField
+            Distances from where the robot stands.
+        blocked : bool
+            Whether bodies block cells of the field. Groups out of reach are then not taken as
+            unreachable, as the bodies may leave.
+
+        Returns
+        -------
+        bool
+            Whether `targets` has gained or changed any.
+        """
+        found = False
+        known, self._unreachable, substitutes = self._unreachable, {}, {}
+        for group in self.groups():
+            place = self._target(group)
+            if place is None:
+                continue
+            if id(group) in self._substitutes:
+                substitutes[id(group)] = self._substitutes[id(group)]
+            if np.isfinite(field.distance(indices_of(self._raster, np.array([place])))[0]):
+                found |= id(group) in known
+                continue
+            cells = self._open_cells(group)
+            costs = field.distance(indices_of(self._raster, cells)) if len(cells) else np.empty(0)
+            cells = cells[np.isfinite(costs)]
+            if len(cells):
+                substitutes[id(group)] = group, self._most_central(group, cells)
+                found = True
+            elif not blocked:
+                self._unreachable[id(group)] = group
+        self._substitutes = substitutes
+        return found
+
+    def is_frontier(self, x: float, y: float) -> bool:
+        """Whether a frontier cell lies within half the body's width of a place."""
+        return self._raster.has_frontier_near(x, y, 0.5 * self._width_m)
+
+    # What became of goals -----------------------------------------------------------------
+
+    def note_reached(self, place: Place, at: Place) -> None:
+        """Record that a goal counts as reached with the robot at `at`.
+
+        If it is still a frontier, it was reached in vain: it is given up if the robot stands
+        there, and otherwise can be reached only by driving all the way.
+        """
+        if not self.is_frontier(*place):
+            return
+        if math.dist(at, place) < 0.5 * self._width_m:
+            self.give_up(place)
+        self._seen_in_vain[place] = None
+
+    def was_seen_in_vain(self, place: Place) -> bool:
+        """Whether a place was reached and still was a frontier."""
+        return place in self._seen_in_vain
+
+    def give_up(self, place: Place) -> None:
+        """Exclude a place, and all within half the body's width, from the targets for good."""
+        self._given_up[place] = None
+
+    def note_no_path(self, place: Place) -> None:
+        """Record that a car found no path to a place; see `reopen`."""
+        self._no_path[place] = self._raster.revision
+
+    def reopen(self) -> bool:
+        """Return to the targets the places to which a car found no path, if the map has changed.
+
+        Whether there is a path for a car depends on its configuration, and on the space that it
+        knows for turning round.
+
+        Returns
+        -------
+        bool
+            Whether there were any.
+        """
+        again = [p for p, known in self._no_path.items() if known != self._raster.revision]
+        for place in again:
+            del self._no_path[place]
+            self._given_up.pop(place, None)
+        return len(again) > 0
+
+    def _target(self, group: FrontierGroup) -> Place | None:
+        """Return the place to go to for a group; None if there is none."""
+        if group.target is None:
+            return None
+        place = self._raster.centre_of(*group.target)
+        if id(group) in self._substitutes:
+            place = self._substitutes[id(group)][1]
+        if not self._given_up:
+            return place
+        # Another of its cells may show what could not be seen from a place given up.
+        cells = self._open_cells(group)
+        if not len(cells):
+            return None
+        if any(place == (x, y) for x, y in cells.tolist()):
+            return place
+        return self._most_central(group, cells)
+
+    def _open_cells(self, group: FrontierGroup) -> FloatArray:
+        """Return the centres of a group's passable cells that are not near a place given up."""
+        centres = self._raster.centres_of(group.cells)
+        cells = centres[self._raster.passable[self._raster.indices_of(group.cells)]]
+        if not self._given_up or not len(cells):
+            return cells
+        apart = nearest_points(np.array(list(self._given_up)), cells)
+        far: FloatArray = cells[apart > 0.5 * self._width_m]
+        return far
+
+    def _most_central(self, group: FrontierGroup, places: FloatArray) -> Place:
+        """Return the place nearest to the centroid of a group."""
+        middle = self._raster.centres_of(group.cells).mean(axis=0)
+        x, y = places[int(np.argmin(np.hypot(*(places - middle).T)))].tolist()
+        return x, y

@@ -1,0 +1,64 @@
+"""What one robot knows of the other robots of its team, from their reports."""
+
+from __future__ import annotations
+
+import math
+
+from multisrt.robots.frontier.messages import RobotReport
+
+
+class Mates:
+    """The latest reports of the other robots.
+
+    Parameters
+    ----------
+    number : int
+        Number of the robot that keeps the reports.
+    forget_after_s : float
+        A robot not heard of for this long is no longer reckoned with.
+
+    Attributes
+    ----------
+    reports : dict of int to RobotReport
+        The latest report of each robot.
+    heard_s : dict of int to float
+        When each robot was last heard of.
+    """
+
+    def __init__(self, number: int, forget_after_s: float) -> None:
+        self._number = number
+        self._forget_after_s = forget_after_s
+        self.reports: dict[int, RobotReport] = {}
+        self.heard_s: dict[int, float] = {}
+        self._deaf_since_s: dict[int, float] = {}
+
+    def present(self, now_s: float) -> list[RobotReport]:
+        """Return the reports of the robots to reckon with, by number.
+
+        Robots that have nothing to do, and robots not heard of for too long, are left out.
+        """
+        return [
+            report
+            for number, report in sorted(self.reports.items())
+            if report.phase != "idle" and self.heard_s[number] >= now_s - self._forget_after_s
+        ]
+
+    def take(self, report: RobotReport) -> None:
+        """Keep a report of another robot, unless a later one is known."""
+        known = self.reports.get(report.robot)
+        if report.robot != self._number and (known is None or report.said >= known.said):
+            self.reports[report.robot] = report
+            self.heard_s[report.robot] = max(self.last_heard_s(report.robot), report.time_s)
+
+    def last_heard_s(self, robot: int) -> float:
+        """Return when a robot was last heard of; ``-inf`` if never."""
+        return self.heard_s.get(robot, -math.inf)
+
+    def note_deaf(self, robot: int, now_s: float) -> None:
+        """Record that a robot did not answer."""
+        self._deaf_since_s[robot] = now_s
+
+    def is_deaf(self, robot: int) -> bool:
+        """Whether a robot has not been heard of since it did not answer."""
+        since_s = self._deaf_since_s.get(robot)
+        return since_s is not None and self.last_heard_s(robot) <= since_s

@@ -1,0 +1,291 @@
+"""The state machine of a robot that goes to frontiers.
+
+::
+
+                       goal               met
+    START --> CHOOSING ------> DRIVING ----------> MEETING
+              ^  |  ^ ^         | |  ^               | | |
+              |  |  | +---(a)---+ |  +----detour-----+ | |
+              |  |  +-------------|-------(b)----------+ |
+              |  |                | asked                | asked
+              |  |                v                      |
+              |  |             YIELDING <----------------+
+              |  |              |  ^
+              |  |   gave way   |  | asked
+              |<-|--------------+  +------------------+
+              |  |                                    |
+              |  +-- barred ------------> WAITING ----+
+              |  +-- jammed, boxed in --> BOXED_IN ---+
+              |  +-- explored ----------> COMPLETE ---+
+              |                                       |
+              +-- blocked (from WAITING), ------------+
+                  called on (from the other two)
+
+    (a) reached, news, nothing left, no way, stop signal, assigned
+    (b) blocked, stop signal, assigned
+
+============  ======================================================================================
+CHOOSING      The rule chooses a goal. If there is none, goals given up for want of a path are tried
+              again once more is known (``no way``, back to CHOOSING).
+DRIVING       The robot drives to its goal.
+MEETING       The protective stop has ended a motion before another body. The robot looks for a
+              detour, or asks the other to give way.
+YIELDING      The robot makes room, as it was asked to.
+WAITING       Only bodies that may still leave bar the ways to the last frontiers.
+BOXED_IN      Bodies that do not leave bar them; the robot is done until it hears something new.
+COMPLETE      No frontier is left; the robot is done until it hears something new.
+============  ======================================================================================
+
+What ends a state is an `Event`; `TRANSITIONS` says where it leads. Attempts that fail are counted
+only as long as nothing changes (`Standstill`), and the limits are options:
+
+====================  ============================================================================
+`patience`            times a robot asks another to give way, in MEETING, before it takes the body
+                      as an obstacle
+`max_waits`           times a robot enters WAITING before it is boxed in
+`max_jams`            times a robot could not pass another, or make room for it, before it is
+                      boxed in
+`max_instant_goals`   goals in a row that end at the moment they were chosen, before it pauses
+====================  ============================================================================
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import Enum, StrEnum, auto
+from types import MappingProxyType
+from typing import Final
+
+from multisrt.geometry.errors import InvalidInputError
+from multisrt.geometry.grids.occupancy import Occupancy
+from multisrt.robots.frontier.bodies import MOVED_M
+from multisrt.robots.frontier.course import Course
+from multisrt.robots.frontier.goal import Place
+from multisrt.robots.frontier.options import FrontierOptions
+
+
+class State(Enum):
+    """What a robot is doing; see the drawing above."""
+
+    CHOOSING = auto()
+    DRIVING = auto()
+    MEETING = auto()
+    YIELDING = auto()
+    WAITING = auto()
+    BOXED_IN = auto()
+    COMPLETE = auto()
+
+
+class Event(StrEnum):
+    """What ends a state. The value is the reason on record of a choice that follows."""
+
+    START = "start"
+    """The robot has looked round for the first time."""
+    REACHED = "reached"
+    """The goal is reached."""
+    NEWS = "news"
+    """The map has changed, so that a goal may be chosen anew."""
+    NOTHING_LEFT = "nothing left"
+    """Nothing is left to be seen at the goal."""
+    NO_WAY = "no way"
+    """The path turned out not to be free; or goals given up for that may be tried again."""
+    BLOCKED = "blocked"
+    """Another robot stands in the way."""
+    GAVE_WAY = "gave way"
+    """The robot has made room for another, or tried to."""
+    STOP_SIGNAL = "stop signal"
+    """Another robot said that the goal is no longer a frontier."""
+    ASSIGNED = "assigned"
+    """Another robot gave this one a goal, or wants one from it."""
+    CALLED_ON = "called on"
+    """The robot was done, and heard something new."""
+
+    GOAL = "goal"
+    """A goal was chosen."""
+    MET = "met"
+    """The protective stop ended a motion."""
+    DETOUR = "detour"
+    """There is a path round the other robot."""
+    ASKED = "asked"
+    """Another robot wants this one to give way."""
+    BARRED = "barred"
+    """Frontiers are left, and only bodies that may leave bar the ways to them."""
+    BOXED_IN = "boxed in"
+    """Frontiers are left, and bodies that do not leave bar the ways to them."""
+    JAMMED = "jammed"
+    """The robot and others have too often failed to let each other pass."""
+    EXPLORED = "explored"
+    """No frontier is left that the robot can reach."""
+    INTERRUPTED = "interrupted"
+    """Something was heard for which a robot stops driving."""
+
+
+TRANSITIONS: Final[Mapping[State, Mapping[Event, State]]] = MappingProxyType(
+    {
+        State.CHOOSING: {
+            Event.GOAL: State.DRIVING,
+            Event.NO_WAY: State.CHOOSING,
+            Event.BARRED: State.WAITING,
+            Event.BOXED_IN: State.BOXED_IN,
+            Event.JAMMED: State.BOXED_IN,
+            Event.EXPLORED: State.COMPLETE,
+        },
+        State.DRIVING: {
+            Event.REACHED: State.CHOOSING,
+            Event.NEWS: State.CHOOSING,
+            Event.NOTHING_LEFT: State.CHOOSING,
+            Event.NO_WAY: State.CHOOSING,
+            Event.STOP_SIGNAL: State.CHOOSING,
+            Event.ASSIGNED: State.CHOOSING,
+            Event.MET: State.MEETING,
+            Event.ASKED: State.YIELDING,
+        },
+        State.MEETING: {
+            Event.DETOUR: State.DRIVING,
+            Event.BLOCKED: State.CHOOSING,
+            Event.STOP_SIGNAL: State.CHOOSING,
+            Event.ASSIGNED: State.CHOOSING,
+            Event.ASKED: State.YIELDING,
+        },
+        State.YIELDING: {Event.GAVE_WAY: State.CHOOSING},
+        State.WAITING: {Event.BLOCKED: State.CHOOSING, Event.ASKED: State.YIELDING},
+        State.BOXED_IN: {Event.CALLED_ON: State.CHOOSING, Event.ASKED: State.YIELDING},
+        State.COMPLETE: {Event.CALLED_ON: State.CHOOSING, Event.ASKED: State.YIELDING},
+    }
+)
+"""Where each event leads from each state."""
+
+
+@dataclass(slots=True)
+class Standstill:
+    """What a robot has tried in vain since it last moved.
+
+    Attributes
+    ----------
+    place : (x, y)
+        Where it stands.
+    revision : int
+        Revision of its raster.
+    jams : dict of int to int
+        How often each other robot and this one could not let each other pass, since the map last
+        changed.
+    found_no_path : bool
+        Whether the path to a goal turned out not to be free.
+    """
+
+    place: Place
+    revision: int
+    jams: dict[int, int] = field(default_factory=dict)
+    found_no_path: bool = False
+
+
+class Progress:
+    """The state of one robot, and what it has tried in vain.
+
+    Parameters
+    ----------
+    options : FrontierOptions
+        The limits.
+    course : Course
+        Where the robot is.
+    raster : Occupancy
+        What it knows.
+
+    Attributes
+    ----------
+    state : State
+        What it is doing.
+    because : Event
+        What ended the state before.
+    is_hasty : bool
+        Whether too many goals in a row have ended at the moment they were chosen. The robot then
+        pauses: others go on meanwhile, and what kept it from its goals may be over.
+    """
+
+    def __init__(self, options: FrontierOptions, course: Course, raster: Occupancy) -> None:
+        self.state = State.CHOOSING
+        self.because = Event.START
+        self.is_hasty = False
+        self._options = options
+        self._course = course
+        self._raster = raster
+        self._standstill = Standstill(course.at[:2], raster.revision)
+        self._detoured_at: Place | None = None
+        self._waits = 0
+        self._waits_revision = raster.revision
+        # When the last drive began, until what came of it is dealt with.
+        self._set_out_s: float | None = None
+        self._instant_goals = 0
+
+    def advance(self, event: Event) -> None:
+        """Go on to the next state.
+
+        Raises
+        ------
+        InvalidInputError
+            If the event cannot end the present state.
+        """
+        following = TRANSITIONS[self.state].get(event)
+        if following is None:
+            raise InvalidInputError(f"{event.value!r} cannot end {self.state.name}")
+        self.state, self.because = following, event
+        self.is_hasty = False
+        if following in (State.CHOOSING, State.DRIVING) and self._set_out_s is not None:
+            took_no_time = self._course.time_s == self._set_out_s
+            self._instant_goals = self._instant_goals + 1 if took_no_time else 0
+            self.is_hasty = self._instant_goals > self._options.max_instant_goals
+            self._set_out_s = None
+        if following is State.DRIVING:
+            self._set_out_s = self._course.time_s
+
+    @property
+    def standstill(self) -> Standstill:
+        """What was tried in vain here; a new one once the robot has moved."""
+        here, revision = self._course.at[:2], self._raster.revision
+        if math.dist(here, self._standstill.place) > MOVED_M:
+            self._standstill = Standstill(here, revision)
+        elif revision != self._standstill.revision:
+            self._standstill.revision, self._standstill.jams = revision, {}
+        return self._standstill
+
+    def note_detour(self) -> None:
+        """Record that a detour begins here."""
+        self._detoured_at = self._course.at[:2]
+
+    @property
+    def has_detoured(self) -> bool:
+        """Whether the last detour began here.
+
+        So it does also for a robot that has come back since: the detour led it nowhere.
+        """
+        at = self._detoured_at
+        return at is not None and math.dist(at, self._course.at[:2]) <= MOVED_M
+
+    def note_jam(self, other: int) -> None:
+        """Count that another robot did not let this one pass, or could not be let pass."""
+        jams = self.standstill.jams
+        jams[other] = jams.get(other, 0) + 1
+
+    @property
+    def is_jammed(self) -> bool:
+        """Whether neither asking nor giving way leads any further here."""
+        return sum(self.standstill.jams.values()) >= self._options.max_jams
+
+    def note_wait(self) -> None:
+        """Count a wait."""
+        self._waits = self._waits_here() + 1
+        self._waits_revision = self._raster.revision
+
+    @property
+    def may_wait(self) -> bool:
+        """Whether the robot has waited fewer times than allowed since its map last changed.
+
+        Moving does not give it new patience: robots that make room for each other by turns would
+        wait for ever.
+        """
+        return self._waits_here() < self._options.max_waits
+
+    def _waits_here(self) -> int:
+        return self._waits if self._raster.revision == self._waits_revision else 0

@@ -20,7 +20,7 @@ _POSITIVE = (
     "home_after_s",
 )
 _POSITIVE_IF_GIVEN = ("support_m", "silence_timeout_s")
-_AT_LEAST_ONE = ("crowded_after", "jammed_after", "boxed_in_after", "max_rounds")
+_AT_LEAST_ONE = ("max_new_targets", "crowded_after", "jammed_after", "boxed_in_after", "max_rounds")
 
 
 class MultiSrtOptions(SrtOptions, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -55,6 +55,9 @@ class MultiSrtOptions(SrtOptions, frozen=True, kw_only=True, forbid_unknown_fiel
     pause_s : float
         Longest pause of robots that could not go, before they try again; each draws its own, so
         that the same robots do not try the same again.
+    max_new_targets : int
+        Number of other targets that a master draws for a robot whose path conflicts, until one
+        conflicts with no other robot; each of them takes up to `max_draws` candidates.
     crowded_after : int
         Setbacks without progress after which a robot insists on its target no longer; see
         `multisrt.robots.multi_srt.progress`. A robot waits for a group in which each other robot
@@ -89,6 +92,7 @@ class MultiSrtOptions(SrtOptions, frozen=True, kw_only=True, forbid_unknown_fiel
     sense: Literal["targets", "moving"] = "targets"
     sense_period_s: float = 2.0
     pause_s: float = 2.0
+    max_new_targets: int = 10
     crowded_after: int = 3
     jammed_after: int = 12
     boxed_in_after: int = 12

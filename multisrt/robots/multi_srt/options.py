@@ -60,14 +60,13 @@ class MultiSrtOptions(SrtOptions, frozen=True, kw_only=True, forbid_unknown_fiel
         conflicts with no other robot; each of them takes up to `max_draws` candidates.
     crowded_after : int
         Setbacks without progress after which a robot insists on its target no longer; see
-        `multisrt.robots.multi_srt.progress`. A robot waits for a group in which each other robot
-        goes first about this often.
+        `multisrt.robots.multi_srt.progress`. The default lets three other robots go first.
     jammed_after : int
         Setbacks without progress after which a robot plans around robots that stand idle: they
         have not cleared its way however often a master ordered them to.
     boxed_in_after : int
-        Number of times in a row that a robot finds no way at all before it gives up its task:
-        with `pause_s` between them, time for a body that blocks the way to go on.
+        Number of times in a row that a robot may find no way at all; after one more it gives up
+        its task. The pauses between them give a body that blocks the way time to leave.
     max_rounds : int
         Rounds of questions within one step after which a robot goes on without those that do not
         agree on the group. Robots that hear one another, but not the same others, may never.

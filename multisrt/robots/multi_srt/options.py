@@ -20,7 +20,14 @@ _POSITIVE = (
     "home_after_s",
 )
 _POSITIVE_IF_GIVEN = ("support_m", "silence_timeout_s")
-_AT_LEAST_ONE = ("max_new_targets", "crowded_after", "jammed_after", "boxed_in_after", "max_rounds")
+_AT_LEAST_ONE = (
+    "max_waits",
+    "max_new_targets",
+    "crowded_after",
+    "jammed_after",
+    "boxed_in_after",
+    "max_rounds",
+)
 
 
 class MultiSrtOptions(SrtOptions, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -58,9 +65,13 @@ class MultiSrtOptions(SrtOptions, frozen=True, kw_only=True, forbid_unknown_fiel
     max_new_targets : int
         Number of other targets that a master draws for a robot whose path conflicts, until one
         conflicts with no other robot; each of them takes up to `max_draws` candidates.
+    max_waits : int
+        Steps in a row that a robot waits before it chooses its target anew. The default lets
+        three other robots go first.
     crowded_after : int
-        Setbacks without progress after which a robot insists on its target no longer; see
-        `multisrt.robots.multi_srt.progress`. The default lets three other robots go first.
+        Setbacks without progress after which a robot stands aside when it is stopped, and takes
+        a place near the end of a transfer as its end; see `multisrt.robots.multi_srt.progress`.
+        Two robots may stop one another a few times before the way of one of them is free.
     jammed_after : int
         Setbacks without progress after which a robot plans around robots that stand idle: they
         have not cleared its way however often a master ordered them to.
@@ -92,6 +103,7 @@ class MultiSrtOptions(SrtOptions, frozen=True, kw_only=True, forbid_unknown_fiel
     sense_period_s: float = 2.0
     pause_s: float = 2.0
     max_new_targets: int = 10
+    max_waits: int = 3
     crowded_after: int = 3
     jammed_after: int = 12
     boxed_in_after: int = 12

@@ -29,9 +29,9 @@ no way at all, those of the second row follow:
 =========  =====================================================================================
 state      what the robot does
 =========  =====================================================================================
-CLEAR      follows its target until it is reached, also where it has to wait
-CROWDED    chooses a new target when it had to wait; stands aside for a while when it was stopped;
-           takes a place within sensing range of the end of a transfer as near enough
+CLEAR      follows its target; after `max_waits` waits in a row, as in any state, a new one
+CROWDED    stands aside for a while when it was stopped, and takes a place within sensing range of
+           the end of a transfer as near enough
 JAMMED     in addition plans around the robots of its group that stand idle
 STUCK      waits, and looks for a way again
 BOXED_IN   gives up its task
@@ -109,7 +109,7 @@ class Progress:
 
     @property
     def is_hindered(self) -> bool:
-        """Whether the robot no longer insists on its target: it is crowded or jammed."""
+        """Whether setbacks call for other measures: the robot is crowded or jammed."""
         return self.state in (State.CROWDED, State.JAMMED)
 
     @property

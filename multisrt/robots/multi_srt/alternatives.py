@@ -18,7 +18,6 @@ from multisrt.planners.srt import SrtPlanner
 from multisrt.robots.knowledge import NodeId
 from multisrt.robots.multi_srt.conflicts import Prospect
 from multisrt.robots.multi_srt.messages import RobotState
-from multisrt.robots.multi_srt.organize import IsClear
 from multisrt.robots.multi_srt.robot import SrtRobot
 
 ASIDE_DIRECTIONS = 24
@@ -49,39 +48,26 @@ class KnownAlternatives:
         """Return what a robot's body sweeps on a motion."""
         return Sweep(self._body(robot).footprint, motion)
 
-    def new_target(self, robot: int, is_clear: IsClear) -> Trajectory | None:
-        """Draw another target towards a robot's local frontier; at most `max_draws` (paper: I_max).
-
-        Parameters
-        ----------
-        robot : int
-            The robot.
-        is_clear : callable
-            Whether a motion conflicts with no other robot.
-        """
+    def new_targets(self, robot: int) -> Iterator[Trajectory]:
+        """Draw other targets towards a robot's local frontier, at most `max_new_targets`."""
         state, options, body = self._team.state_of(robot), self._robot.options, self._body(robot)
         if state.node is None or isinstance(state.kinematics, Car):
-            return None
+            return
+        region = self._map[state.node].region
         frontier = self._map.frontier(state.node)
         if not len(frontier):
-            return None
+            return
         at = Configuration(*state.place)
         d_min = options.d_min_m if options.d_min_m is not None else body.footprint.width_m
-
-        def refuse(x: float, y: float) -> str | None:
-            motion = self._straight(robot, x, y)
-            return None if motion is not None and is_clear(motion) else "conflict"
-
-        place, _ = SrtPlanner(body, state.kinematics, options, d_min).draw(
-            at,
-            self._map[state.node].region,
-            frontier,
-            self._map.places_near(at.x, at.y, state.range_m + d_min),
-            [],
-            self._robot.me.rng,
-            accept=refuse,
-        )
-        return None if place is None else self._straight(robot, *place)
+        planner = SrtPlanner(body, state.kinematics, options, d_min)
+        others = self._map.places_near(at.x, at.y, state.range_m + d_min)
+        for _ in range(options.max_new_targets):
+            place, _ = planner.draw(at, region, frontier, others, [], self._robot.me.rng)
+            if place is None:
+                return
+            motion = self._straight(robot, *place)
+            if motion is not None:
+                yield motion
 
     def detours(
         self, robot: int, gap_m: float, prospects: Mapping[int, Prospect]

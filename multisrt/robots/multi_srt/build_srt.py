@@ -142,7 +142,7 @@ def decide(
     """
     team, journey, progress = robot.team, robot.journey, robot.progress
     frontier_m = total_length(frontier)
-    if team.plan.waits and progress.is_hindered:
+    if team.plan.waits >= robot.options.max_waits:
         journey.target = None
     if progress.state is State.JAMMED:
         robot.avoid_those_that_stand()

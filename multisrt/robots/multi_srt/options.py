@@ -20,7 +20,14 @@ _POSITIVE = (
     "home_after_s",
 )
 _POSITIVE_IF_GIVEN = ("support_m", "silence_timeout_s")
-_AT_LEAST_ONE = ("crowded_after", "jammed_after", "boxed_in_after", "max_rounds")
+_AT_LEAST_ONE = (
+    "max_waits",
+    "max_new_targets",
+    "crowded_after",
+    "jammed_after",
+    "boxed_in_after",
+    "max_rounds",
+)
 
 
 class MultiSrtOptions(SrtOptions, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -55,16 +62,22 @@ class MultiSrtOptions(SrtOptions, frozen=True, kw_only=True, forbid_unknown_fiel
     pause_s : float
         Longest pause of robots that could not go, before they try again; each draws its own, so
         that the same robots do not try the same again.
+    max_new_targets : int
+        Number of other targets that a master draws for a robot whose path conflicts, until one
+        conflicts with no other robot; each of them takes up to `max_draws` candidates.
+    max_waits : int
+        Steps in a row that a robot waits before it chooses its target anew. The default lets
+        three other robots go first.
     crowded_after : int
-        Setbacks without progress after which a robot insists on its target no longer; see
-        `multisrt.robots.multi_srt.progress`. A robot waits for a group in which each other robot
-        goes first about this often.
+        Setbacks without progress after which a robot stands aside when it is stopped, and takes
+        a place near the end of a transfer as its end; see `multisrt.robots.multi_srt.progress`.
+        Two robots may stop one another a few times before the way of one of them is free.
     jammed_after : int
         Setbacks without progress after which a robot plans around robots that stand idle: they
         have not cleared its way however often a master ordered them to.
     boxed_in_after : int
-        Number of times in a row that a robot finds no way at all before it gives up its task:
-        with `pause_s` between them, time for a body that blocks the way to go on.
+        Number of times in a row that a robot may find no way at all; after one more it gives up
+        its task. The pauses between them give a body that blocks the way time to leave.
     max_rounds : int
         Rounds of questions within one step after which a robot goes on without those that do not
         agree on the group. Robots that hear one another, but not the same others, may never.
@@ -89,6 +102,8 @@ class MultiSrtOptions(SrtOptions, frozen=True, kw_only=True, forbid_unknown_fiel
     sense: Literal["targets", "moving"] = "targets"
     sense_period_s: float = 2.0
     pause_s: float = 2.0
+    max_new_targets: int = 10
+    max_waits: int = 3
     crowded_after: int = 3
     jammed_after: int = 12
     boxed_in_after: int = 12

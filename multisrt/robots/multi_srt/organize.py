@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -64,15 +64,11 @@ def best_targets(conflicts: Conflicts) -> tuple[int, ...]:
     return best[3]
 
 
-IsClear = Callable[[Trajectory], bool]
-"""Whether a motion of a robot conflicts with no other robot of its group."""
-
-
 class Alternatives(Protocol):
     """What a master knows of other motions that the robots of its group could make."""
 
-    def new_target(self, robot: int, is_clear: IsClear) -> Trajectory | None:
-        """Draw another target for a robot until the motion is clear, or give up."""
+    def new_targets(self, robot: int) -> Iterator[Trajectory]:
+        """Draw other targets for a robot, in the order in which they are to be tried."""
 
     def detours(
         self, robot: int, gap_m: float, prospects: Mapping[int, Prospect]
@@ -137,11 +133,11 @@ def organize(conflicts: Conflicts, alternatives: Alternatives) -> Arrangement:
     rest.sort(key=lambda i: (-prospects[i].frontier_m, i))
     for i in rest:
         if prospects[i].frontier_m > 0.0:
-            grants.redirect_to_new_target(i)
+            grants.redirect(i, alternatives.new_targets(i))
     for i in rest:
         if i not in grants.orders and (standing := conflicts.in_the_way(i)):
             gap_m = max(conflicts.gap(i, j) for j in standing)
-            grants.redirect_around(i, gap_m)
+            grants.redirect(i, alternatives.detours(i, gap_m, prospects))
     for i in rest:
         if i not in grants.orders:
             grants.clear_the_way(i)
@@ -171,23 +167,12 @@ class _Grants:
         ways = self._ways
         return not any(self._conflicts.meet(i, way, j, ways[j]) for j in ways if j != i)
 
-    def redirect_to_new_target(self, i: int) -> None:
-        motion = self._alternatives.new_target(i, lambda motion: self._is_clear_motion(i, motion))
-        if motion is not None:
-            self._grant_new_target(i, motion)
-
-    def redirect_around(self, i: int, gap_m: float) -> None:
-        # To the first place of a way around the bodies that the robot reaches without conflict.
-        for motion in self._alternatives.detours(i, gap_m, self._conflicts.prospects):
-            if self._is_clear_motion(i, motion):
-                return self._grant_new_target(i, motion)
-
-    def _is_clear_motion(self, i: int, motion: Trajectory) -> bool:
-        return self.is_clear(i, self._alternatives.sweep(i, motion))
-
-    def _grant_new_target(self, i: int, motion: Trajectory) -> None:
-        order = Order(order="new target", path=path_of(motion))
-        self.grant(i, order, motion, self._alternatives.sweep(i, motion))
+    def redirect(self, i: int, motions: Iterable[Trajectory]) -> None:
+        # To the first of some places that the robot reaches without conflict.
+        for motion in motions:
+            way = self._alternatives.sweep(i, motion)
+            if self.is_clear(i, way):
+                return self.grant(i, Order(order="new target", path=path_of(motion)), motion, way)
 
     def clear_the_way(self, i: int) -> None:
         # Bodies stand in the way of i. Where two robots block one another, the one with the

@@ -1,9 +1,10 @@
-"""Whether a robot gets on, and what it does when it does not: one state machine.
+"""Whether a robot makes progress, and what it does where it does not: one state machine.
 
 A *setback* is a step that did not go as planned: a master ordered something else, or the
-protective stop ended the motion. Setbacks are counted since the robot, by a plan of its own, last
-got to a place where it had not been in its present task: to extend one tree, or to go to one
-node. The count alone leads along the first row:
+protective stop ended the motion. *Progress* is to reach, by a plan of its own, a place where the
+robot has not been in its present task, which is to extend one tree or to go to one node. The
+number of setbacks since the last progress determines the states of the first row; where there is
+no way at all, those of the second row follow:
 
 ::
 
@@ -12,34 +13,33 @@ node. The count alone leads along the first row:
     | CLEAR | -----------> | CROWDED | -----------> | JAMMED |
     +-------+              +---------+              +--------+
         ^                       |                       |
-        +----- new place -------+------ new place ------+
-        |      new task                 new task
-        |
-        |     from each of these where the planner finds no way at all:
-        |                       |
-        |                       v       no way, more than
-        |     a way        +-------+    boxed_in_after times   +----------+
-        | <--------------- | STUCK | ------------------------> | BOXED_IN |
-        |    new task      +-------+    in a row               +----------+
-        |                                                           |
-        +---------------------------- a way ------------------------+
-
-    "a way" leads back to the state that the count of setbacks says, CLEAR or beyond.
+        +------ progress -------+------- progress ------+
+               new task         |       new task
+                                |
+         any of the three:      | no way
+                                v       no way, more than
+                           +-------+    boxed_in_after times   +----------+
+                           | STUCK | ------------------------> | BOXED_IN |
+                           +-------+    in a row               +----------+
+                                |                                   |
+                                | a way, new task                   | a way
+                                v                                   v
+         back to the first row, by the number of setbacks: CLEAR, CROWDED or JAMMED
 
 =========  =====================================================================================
 state      what the robot does
 =========  =====================================================================================
-CLEAR      follows its target until it is reached, also where it has to wait
-CROWDED    chooses a new target when it had to wait; stands aside for a while when it was stopped;
-           takes a place within sensing range of the end of a transfer as near enough
+CLEAR      follows its target; after `max_waits` waits in a row, as in any state, a new one
+CROWDED    stands aside for a while when it was stopped, and takes a place within sensing range of
+           the end of a transfer as near enough
 JAMMED     in addition plans around the robots of its group that stand idle
 STUCK      waits, and looks for a way again
 BOXED_IN   gives up its task
 =========  =====================================================================================
 
-The count falls to zero, not little by little: a robot that is sent to and fro between the same
-nodes makes no progress, however many motions it completes. As there are finitely many places to
-get to in a task, a robot cannot go on for ever without being jammed.
+A robot that is sent to and fro between the same nodes makes no progress, however many motions it
+completes. The nodes to visit in a task are finitely many; so a robot that meets setbacks for ever
+is jammed at last.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ from multisrt.robots.multi_srt.options import MultiSrtOptions
 
 
 class State(Enum):
-    """How well a robot gets on."""
+    """Whether a robot makes progress; see the module for what it does in each state."""
 
     CLEAR = "clear"
     CROWDED = "crowded"
@@ -86,7 +86,7 @@ class Progress:
     state : State
         The present state.
     setbacks : int
-        Number of setbacks since the last new place or new task.
+        Number of setbacks since the last progress or new task.
 
     Examples
     --------
@@ -109,7 +109,7 @@ class Progress:
 
     @property
     def is_hindered(self) -> bool:
-        """Whether the robot no longer insists on its target: it is crowded or jammed."""
+        """Whether setbacks call for other measures: the robot is crowded or jammed."""
         return self.state in (State.CROWDED, State.JAMMED)
 
     @property
@@ -130,9 +130,9 @@ class Progress:
                 is_last = self._no_ways > self._options.boxed_in_after
                 self.state = State.BOXED_IN if is_last else State.STUCK
             case State.STUCK | State.BOXED_IN, Event.SETBACK:
-                pass  # what a master orders or a body stops is no news to it
+                pass  # where there is no way, a setback says nothing new
             case State.BOXED_IN, Event.NEW_TASK:
-                self.setbacks = 0  # there is no way for this task either, until one is found
+                self.setbacks = 0  # no way was found for the last task, and none for this one yet
             case _:
                 self._no_ways = 0
                 self._count(event)

@@ -60,7 +60,7 @@ class SrtRobot:
     team : Team
         What it tells and is told; `team.roster` is what it knows of the others.
     progress : Progress
-        Whether it gets on, and what it does when it does not.
+        Whether it makes progress, and what it does where it does not.
     """
 
     def __init__(self, me: RobotSelf, shape: Shape, options: MultiSrtOptions) -> None:

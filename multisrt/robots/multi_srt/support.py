@@ -181,7 +181,7 @@ def is_near_enough(robot: SrtRobot, way: list[NodeId]) -> bool:
     """Whether the remainder of a way may be left out.
 
     It may if another robot stands at its end and has nothing to do that would take it away; or
-    if the end is within sensing range and the robot does not get on.
+    if the end is within sensing range and the robot makes no progress.
     """
     length_m = robot.routes.length_m(way)
     if robot.progress.is_hindered and length_m <= robot.me.range_m:

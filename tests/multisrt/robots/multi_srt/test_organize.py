@@ -50,8 +50,8 @@ class ByHand:
         self.bodies = bodies or {}
         self.asked = []
 
-    def new_target(self, robot, is_clear):
-        return next(filter(is_clear, self.targets.get(robot, ())), None)
+    def new_targets(self, robot):
+        yield from self.targets.get(robot, ())
 
     def detours(self, robot, gap_m, prospects):
         self.asked.append((robot, gap_m))
@@ -253,8 +253,9 @@ class InThePlane:
                 to = (x + length * math.cos(angle), y + length * math.sin(angle))
                 yield length, line((x, y), to, heading=plan.heading)
 
-    def new_target(self, robot, is_clear):
-        return next((motion for _, motion in self._goes(robot, (2.0,)) if is_clear(motion)), None)
+    def new_targets(self, robot):
+        for _, motion in self._goes(robot, (2.0,)):
+            yield motion
 
     def detours(self, robot, gap_m, prospects):
         for _, motion in self._goes(robot, (1.0, 3.0)):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 
+from multisrt.planners.navigation.right_of_way import Claim, leader_of
 from multisrt.robots.explorer import RobotSelf, Send
 from multisrt.robots.frontier.bodies import Bodies
 from multisrt.robots.frontier.course import Course
@@ -240,7 +241,9 @@ class Team(Listener):
         """
         lately_s = self._course.time_s - 2.0 * self.period_s
         has_asked = self.asked_s.get(asked.sender, -math.inf) >= lately_s
-        return has_asked and self.number < asked.sender and not asked.firm
+        own = Claim(self.number, leader=has_asked)
+        other = Claim(asked.sender, leader=True, cornered=asked.firm)
+        return leader_of([own, other]) == self.number
 
     def _owes_report(self, report: RobotReport) -> bool:
         """Whether to report to a robot that lacks nodes, and record that it is done.

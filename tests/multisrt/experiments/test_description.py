@@ -370,4 +370,4 @@ def test_the_schema_describes_every_field():
                 assert told.get("description"), (name, field)
                 assert "None" not in told["description"]
     radio = made["definitions"]["RadioChoice"]["properties"]
-    assert "reaches" in radio["range_m"]["description"]
+    assert "R_c" in radio["range_m"]["description"]

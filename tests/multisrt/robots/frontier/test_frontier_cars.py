@@ -320,7 +320,7 @@ def test_motions_that_lead_no_nearer_are_given_up():
         assert way_along(robot, path) is not None
         robot.car._aim = None
     assert way_along_refused(robot, path)
-    robot.raster.revision += 1
+    robot.raster._changes.revision += 1
     assert way_along(robot, path) is not None
 
 
@@ -345,7 +345,7 @@ def test_a_goal_without_a_path_is_tried_again_on_news():
         explorer.judge_no_way(goal)
     assert not is_target()
     assert not robot.frontiers.reopen()
-    robot.raster.revision += 1
+    robot.raster._changes.revision += 1
     assert robot.frontiers.reopen()
     assert is_target()
     assert not robot.frontiers.reopen()

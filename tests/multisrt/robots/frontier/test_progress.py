@@ -18,7 +18,7 @@ def progress_with(**options):
 
 
 def learn(progress):
-    progress._raster.revision += 1
+    progress._raster._changes.revision += 1
 
 
 def test_every_state_can_be_left_and_reached():

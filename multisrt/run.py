@@ -60,11 +60,12 @@ class Run:
     ('complete', 'robot 0: every frontier arc is explored or closed')
     >>> run.spec.seed
     1
-    >>> run.save_svg("tree.svg")  # doctest: +SKIP
+    >>> run.save_svg("tree.svg")
 
     A saved recording can be measured and drawn again:
 
-    >>> again = ms.Run(ms.Recording.load("recording.jsonl"))  # doctest: +SKIP
+    >>> run.recording.save("recording.jsonl")
+    >>> again = ms.Run(ms.Recording.load("recording.jsonl"))
     """
 
     def __init__(self, recording: Recording, environment: Environment | None = None) -> None:

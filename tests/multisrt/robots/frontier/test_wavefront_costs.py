@@ -72,12 +72,15 @@ def situations(draw):
     return passable, robots, targets
 
 
+def has_ties(costs):
+    """Whether two targets are equally far from a robot: a wave finds either of them first."""
+    return any(len(np.unique(row[np.isfinite(row)])) < np.isfinite(row).sum() for row in costs)
+
+
 @given(situations())
 def test_greedy_assigns_as_on_the_full_table(situation):
     dense = DenseCosts(full_table(GridRobot(*situation)).costs)
-    # Of targets at exactly the same distance a wave finds either first.
-    for row in dense.table:
-        assume(len(np.unique(row[np.isfinite(row)])) == np.isfinite(row).sum())
+    assume(not has_ties(dense.table))
     for robot in range(len(situation[1])):
         lazy = WavefrontCosts(GridRobot(*situation))
         assert greedy(lazy, until=robot).rounds == greedy(dense, until=robot).rounds
@@ -101,6 +104,7 @@ def test_minpos_chooses_as_on_the_full_table(situation):
     columns = np.sort(table.costs, axis=0)
     with np.errstate(invalid="ignore"):
         assume(not (np.diff(columns, axis=0) < 0.5).any())
+    assume(not has_ties(table.costs))
     lazy = WavefrontCosts(GridRobot(*situation))
     assert minpos(lazy, 0).choice == minpos(DenseCosts(table.costs), 0).choice
 

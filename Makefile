@@ -13,7 +13,7 @@ MULTISRT_MAPS ?= ../shared/maps
 help:
 	@echo "make demo     a team of four explores the museum with SRT-Radial and SRT-Star; pictures in $(OUT)/demo"
 	@echo "make test     run the tests"
-	@echo "make check    run the quick tests, in under a minute"
+	@echo "make check    run the tests that are not marked slow"
 	@echo "make golden   make the golden runs and write their digests, when their behaviour is meant to change"
 	@echo "make plan     draw docs/pictures/plan.svg from the imports"
 	@echo "make lint     check style, types and import rules"

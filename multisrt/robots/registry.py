@@ -158,8 +158,8 @@ def strategies() -> tuple[Strategy, ...]:
 
     Examples
     --------
-    >>> [strategy.name for strategy in strategies()][:3]
-    ['srt-ball', 'srt-star', 'srt-radial']
+    >>> "srt-radial" in {strategy.name for strategy in strategies()}
+    True
     """
     return tuple(_registry().values())
 

@@ -223,7 +223,7 @@ class DistanceField:
         self._march.march_to(rows, columns, all_of_them=False, limit=at_most_m / self.cell_m)
         arrays = self._march.arrays
         at = self._march.numbers_of(rows, columns)
-        first = first_accepted(at, arrays.state, arrays.heap.places)
+        first = first_accepted(at, arrays.state, arrays.places)
         if first < 0:
             return None
         return first, float(arrays.distance[at[first]] * self.cell_m)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.geometry.grids.cell_heap import CellHeap, drop_first, push
+from multisrt.geometry.grids.cell_heap import drop_first, push
 from multisrt.geometry.grids.field_inputs import checked_cells, checked_sources
 from multisrt.geometry.grids.sight import in_sight
 from multisrt.geometry.numerics.arrays import (
@@ -120,11 +120,9 @@ class EuclideanField:
             state=np.zeros(size, np.uint8),
             distance=np.zeros(size),
             parent=np.zeros(size, np.int32),
-            heap=CellHeap(
-                cells=np.empty(size + 1, np.int32),
-                keys=np.empty(size + 1),
-                places=np.zeros(size, np.int32),
-            ),
+            cells=np.empty(size + 1, np.int32),
+            keys=np.empty(size + 1),
+            places=np.zeros(size, np.int32),
         )
         first = int(y) * passable.shape[1] + int(x)
         start = math.hypot(int(x) + 0.5 - x, int(y) + 0.5 - y)
@@ -134,7 +132,8 @@ class EuclideanField:
         if order == "sweeps":
             _sweep(self._transform)
         else:
-            self._held = push(self._transform.heap, 0, start, first)
+            front = self._transform
+            self._held = push(front.cells, front.keys, front.places, 0, start, first)
 
     def distance(self, cells: ArrayLike) -> FloatArray:
         """Return the length of the path to the centre of each of some cells.
@@ -202,7 +201,8 @@ class _Transform(NamedTuple):
     """The grid, the source in widths of a cell, and the arrays of a transform.
 
     Cells are numbered row by row. A parent is the number of a cell plus one; 0 is the source,
-    which need not be the centre of its cell.
+    which need not be the centre of its cell. The cells that are open are a heap of `cells`, `keys`
+    and `places`, see `cell_heap.push`.
     """
 
     passable: BoolArray
@@ -211,26 +211,29 @@ class _Transform(NamedTuple):
     state: ByteArray
     distance: FloatArray
     parent: Int32Array
-    heap: CellHeap
+    cells: Int32Array
+    keys: FloatArray
+    places: Int32Array
 
 
 @kernel
 def _march(transform: _Transform, held: int, asked: int) -> int:
     # Finalize cells in the order of distance until one that is asked for is final. Return the
     # number of cells in the heap.
-    passable, state, heap = transform.passable, transform.state, transform.heap
+    passable, state, distance = transform.passable, transform.state, transform.distance
+    cells, keys, places = transform.cells, transform.keys, transform.places
     columns = passable.shape[1]
     while held > 0 and state[asked] != FINAL:
-        u = int(heap.cells[1])
-        held = drop_first(heap, held)
-        heap.places[u] = 0
+        u = int(cells[1])
+        held = drop_first(cells, keys, places, held)
+        places[u] = 0
         state[u] = FINAL
         for k in range(8):
             r, c = u // columns + NEIGHBOURS[k][0], u % columns + NEIGHBOURS[k][1]
             if _leads(passable, u // columns, u % columns, r, c):
                 v = r * columns + c
                 if state[v] != FINAL and _relax(transform, u, r, c):
-                    held = push(heap, held, transform.distance[v], v)
+                    held = push(cells, keys, places, held, distance[v], v)
     return held
 
 

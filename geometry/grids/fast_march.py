@@ -14,7 +14,7 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from multisrt.geometry.grids.cell_heap import CellHeap, drop_first, push
+from multisrt.geometry.grids.cell_heap import drop_first, push
 from multisrt.geometry.grids.sight import in_sight
 from multisrt.geometry.numerics.arrays import (
     BoolArray,
@@ -23,7 +23,7 @@ from multisrt.geometry.numerics.arrays import (
     Int32Array,
     IntArray,
 )
-from multisrt.geometry.numerics.kernel import kernel
+from multisrt.geometry.numerics.kernel import inlined_kernel, kernel, unsigned
 
 EXACT_CELLS: Final = 10
 """Cells in sight of a source and within this many rows and columns start with exact distances.
@@ -63,9 +63,9 @@ class March(NamedTuple):
         Values of the accepted cells in widths of a cell, ``inf`` elsewhere.
     order : (n,) array of int32
         Numbers of the accepted cells in the order in which they were accepted.
-    heap : CellHeap
-        The front: cells with values that are not final, which are the keys; key 0 is ``inf``.
-        The place of an accepted cell is its index in `order`.
+    cells, keys, places : arrays
+        The front as a heap, see `cell_heap.push`: cells with values that are not final, which
+        are the keys; key 0 is ``inf``. The place of an accepted cell is its index in `order`.
     """
 
     width: int
@@ -73,7 +73,9 @@ class March(NamedTuple):
     marks: ByteArray
     distance: FloatArray
     order: Int32Array
-    heap: CellHeap
+    cells: Int32Array
+    keys: FloatArray
+    places: Int32Array
 
 
 @kernel
@@ -95,6 +97,7 @@ def seed(free: BoolArray, starts: FloatArray, march: March) -> int:
         Number of cells on the front.
     """
     rows, columns = free.shape
+    cells, keys, places = march.cells, march.keys, march.places
     held = 0
     for k in range(starts.shape[0]):
         x, y = starts[k, 0], starts[k, 1]
@@ -102,9 +105,9 @@ def seed(free: BoolArray, starts: FloatArray, march: March) -> int:
             for c in range(max(0, int(x) - EXACT_CELLS), min(columns, int(x) + EXACT_CELLS + 1)):
                 straight = np.hypot(c + 0.5 - x, r + 0.5 - y)
                 u = (r + 2) * march.width + c + 2
-                if straight < march.heap.keys[march.heap.places[u]] and in_sight(free, x, y, c, r):
+                if straight < keys[places[u]] and in_sight(free, x, y, c, r):
                     march.state[u] = EXACT
-                    held = push(march.heap, held, straight, u)
+                    held = push(cells, keys, places, held, straight, u)
     return held
 
 
@@ -136,26 +139,26 @@ def advance(
         Whether the next cell lies on the rim.
     """
     state, marks, distance, order = march.state, march.marks, march.distance, march.order
-    cells, keys, places = march.heap
-    width = march.width
+    cells, keys, places = march.cells, march.keys, march.places
+    one, width = unsigned(1), unsigned(march.width)
     while held > 0 and remaining != 0:
-        u, value = int(cells[1]), keys[1]
+        u, value = unsigned(cells[1]), keys[1]
         if value > limit:
             return held, count, False
         if marks[u] != 0:
             if marks[u] & RIM:
                 return held, count, True
             remaining -= 1
-        held = drop_first(march.heap, held)
+        held = drop_first(cells, keys, places, held)
         state[u], distance[u] = ACCEPTED, value
         places[u], order[count] = count, u
         count += 1
-        for v in (u + 1, u - 1, u + width, u - width):
+        for v in (u + one, u - one, u + width, u - width):
             if state[v] == FREE or state[v] == EXACT:
                 value = _upwind(distance, v, width)
-                if _is_lower(value, keys[places[v]], state[v]):
+                if _is_lower(value, keys[unsigned(places[v])], state[v]):
                     state[v] = FREE
-                    held = push(march.heap, held, value, v)
+                    held = push(cells, keys, places, held, value, v)
     return held, count, False
 
 
@@ -340,8 +343,8 @@ def take_back(
     """
     # A cell that is blocked now had no share in anything accepted before it, and one that is
     # free now can have none in anything accepted before its first neighbour.
-    state, distance, order = march.state, march.distance, march.order
-    places, width = march.heap.places, march.width
+    state, distance, order, width = march.state, march.distance, march.order, march.width
+    cells, keys, places = march.cells, march.keys, march.places
     kept = count
     for w in changed:
         if state[w] == ACCEPTED:
@@ -351,7 +354,7 @@ def take_back(
                 if state[w + step] == ACCEPTED:
                     kept = min(kept, places[w + step] + 1)
     # The rest is forgotten, and so is the front.
-    front = march.heap.cells[1 : held + 1]
+    front = cells[1 : held + 1]
     loose = np.concatenate((front, order[kept:count], changed.astype(np.int32)))
     for u in loose:
         if state[u] != BLOCKED:
@@ -364,7 +367,7 @@ def take_back(
         u = seeds[k]
         if state[u] != ACCEPTED:
             state[u] = EXACT
-            held = push(march.heap, held, seed_values[k], u)
+            held = push(cells, keys, places, held, seed_values[k], u)
     # The front of that moment.
     around = np.full(25, np.inf)
     for u in loose:
@@ -379,7 +382,7 @@ def _restore(v: int, march: March, held: int, around: FloatArray) -> int:
     # accepted. They are offered again in that order, each from what was accepted by then, which
     # is laid out in the 5 x 5 cells of `around`.
     state, distance, width = march.state, march.distance, march.width
-    keys, places = march.heap.keys, march.heap.places
+    cells, keys, places = march.cells, march.keys, march.places
     done = -1
     while True:
         rank = np.iinfo(np.int32).max
@@ -393,23 +396,23 @@ def _restore(v: int, march: March, held: int, around: FloatArray) -> int:
                 w = v + away * step
                 by_then = state[w] == ACCEPTED and places[w] <= rank
                 around[12 + away * here] = distance[w] if by_then else np.inf
-        value = _upwind(around, 12, 5)
+        value = _upwind(around, unsigned(12), unsigned(5))
         if _is_lower(value, keys[places[v]], state[v]):
             state[v] = FREE
-            held = push(march.heap, held, value, v)
+            held = push(cells, keys, places, held, value, v)
         done = rank
 
 
-@kernel
+@inlined_kernel
 def _is_lower(value: float, own: float, state: int) -> bool:
     # Whether a cell takes a value that it is offered instead of its own.
     return value < own - (EXACT_SLACK_CELLS if state == EXACT else 0.0)
 
 
-@kernel
+@inlined_kernel
 def _upwind(distance: FloatArray, v: int, width: int) -> float:
     # Solve sum over the axes of weight * (value - base)^2 = 1 with the accepted cells upwind.
-    base_x, weight_x = _one_sided(distance, v, 1)
+    base_x, weight_x = _one_sided(distance, v, unsigned(1))
     base_y, weight_y = _one_sided(distance, v, width)
     if base_x < np.inf and base_y < np.inf:
         a = weight_x + weight_y
@@ -424,7 +427,7 @@ def _upwind(distance: FloatArray, v: int, width: int) -> float:
     return min(base_x + 1.0 / math.sqrt(weight_x), base_y + 1.0 / math.sqrt(weight_y))
 
 
-@kernel
+@inlined_kernel
 def _one_sided(distance: FloatArray, v: int, step: int) -> tuple[float, float]:
     # The difference along one axis as sqrt(weight) * (value - base); base is inf if no value is
     # known. Selections instead of branches: which neighbours are known is hard to predict.

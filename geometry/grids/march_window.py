@@ -8,7 +8,6 @@ from typing import Final, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from multisrt.geometry.grids.cell_heap import CellHeap
 from multisrt.geometry.grids.fast_march import (
     BLOCKED,
     RIM,
@@ -71,8 +70,8 @@ class MarchWindow:
             np.ascontiguousarray(passable[r0:r1, c0:c1]), starts - (c0, r0), self.arrays
         )
         self._count = 0
-        self._seeds: Int32Array = self.arrays.heap.cells[1 : self._held + 1].copy()
-        self._seed_values: FloatArray = self.arrays.heap.keys[1 : self._held + 1].copy()
+        self._seeds: Int32Array = self.arrays.cells[1 : self._held + 1].copy()
+        self._seed_values: FloatArray = self.arrays.keys[1 : self._held + 1].copy()
 
     def numbers_of(self, rows: IntArray, columns: IntArray) -> IntArray:
         """Return the numbers of cells in the present window, 0 for those outside of it."""
@@ -182,15 +181,15 @@ class MarchWindow:
         ]
         _inner(new.state, new.width)[part] = _inner(old.state, old.width)
         _inner(new.distance, new.width)[part] = _inner(old.distance, old.width)
-        _inner(new.heap.places, new.width)[part] = _inner(old.heap.places, old.width)
+        _inner(new.places, new.width)[part] = _inner(old.places, old.width)
 
         def moved(cells: Int32Array) -> Int32Array:
             return moved_cells(cells, old.width, new.width, below, left)
 
         count, end = self._count, self._held + 1
         new.order[:count] = moved(old.order[:count])
-        new.heap.cells[1:end] = moved(old.heap.cells[1:end])
-        new.heap.keys[1:end] = old.heap.keys[1:end]
+        new.cells[1:end] = moved(old.cells[1:end])
+        new.keys[1:end] = old.keys[1:end]
         self._seeds = moved(self._seeds)
         self.arrays, self.window = new, window
 
@@ -208,7 +207,9 @@ def _new_arrays(passable: BoolArray, window: Corners) -> March:
         marks=np.zeros(size, np.uint8),
         distance=np.full(size, np.inf),
         order=np.empty(size, np.int32),
-        heap=CellHeap(cells=np.empty(size, np.int32), keys=keys, places=np.zeros(size, np.int32)),
+        cells=np.empty(size, np.int32),
+        keys=keys,
+        places=np.zeros(size, np.int32),
     )
     _inner(march.state, width)[:] = passable[r0:r1, c0:c1]
     rim = _inner(march.marks, width)

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from contextlib import nullcontext
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import chain
@@ -106,11 +105,13 @@ class WavefrontCosts:
         self.targets = self.robot.targets()
         self._indices = self.robot.indices_of(self.targets)
         self.costs = np.full((len(self.robots), len(self.targets)), np.inf)
+        self._own_nearest: tuple[float, int] | None = None
 
     def _are_in_reach(self, whole: bool) -> bool:
         """Whether the deciding robot can reach any of the targets, or with `whole` all of them."""
         if not whole:
-            return self.nearest(self.row, np.arange(len(self.targets))) is not None
+            self._own_nearest = self._first(self.row, np.arange(len(self.targets)), math.inf)
+            return self._own_nearest is not None
         self._compute_row(self.row)
         return len(self.targets) > 0 and bool(np.isfinite(self.costs[self.row]).all())
 
@@ -144,11 +145,17 @@ class WavefrontCosts:
 
         The wave from the robot stops at the first of them, or at the limit.
         """
+        if robot != self.row:
+            return self._first(robot, frontiers, limit_m)
+        known = self._own_nearest
+        if known is not None and known[1] in frontiers:
+            return known
+        with self.robot.around_bodies():
+            return self._first(robot, frontiers, limit_m)
+
+    def _first(self, robot: int, frontiers: IntArray, limit_m: float) -> tuple[float, int] | None:
         field = self._field_from(robot)
-        if field is None:
-            return None
-        with self.robot.around_bodies() if robot == self.row else nullcontext():
-            found = field.first(self._indices[frontiers], limit_m)
+        found = None if field is None else field.first(self._indices[frontiers], limit_m)
         if found is None:
             return None
         place, cost = found

@@ -12,7 +12,7 @@ from multisrt.geometry.regions.frontier_arcs import (
     arc_ends,
     arc_labels,
     in_long_arcs,
-    joined_lengths,
+    is_wide_chain,
 )
 from multisrt.geometry.regions.frontier_update import (
     FrontierChanges,
@@ -250,9 +250,11 @@ def _wide_enough(
             others = arc_ends(pieces[spans[k, 2] : spans[k, 3]])
             ends[count : count + others.shape[0]] = others
             count += others.shape[0]
-    lengths = joined_lengths(ends[:count])
+    is_wide = np.empty(own.shape[0], np.bool_)
+    for k in range(own.shape[0]):
+        is_wide[k] = is_wide_chain(ends[:count], k, min_length)
     labels, _ = arc_labels(arcs)
     kept = np.empty(arcs.shape[0], np.bool_)
     for i in range(arcs.shape[0]):
-        kept[i] = lengths[labels[i]] >= min_length
+        kept[i] = is_wide[labels[i]]
     return arcs[kept]

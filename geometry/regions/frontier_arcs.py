@@ -173,46 +173,40 @@ def in_long_arcs(segments: FloatArray, min_length_m: float) -> BoolArray:
 
 
 @kernel
-def joined_lengths(ends: FloatArray) -> FloatArray:
-    """Return for every arc the total length of the chain of arcs that it is joined to.
+def is_wide_chain(ends: FloatArray, first: int, min_length_m: float) -> bool:
+    """Return whether an arc, with all that it is joined to, has at least some length.
 
     Parameters
     ----------
     ends : (k, 5) array
         Arcs of one or of many nodes, as `arc_ends` returns them. One is joined to another where
         it ends within `ENDS_MEET_M` of the other's begin.
-
-    Returns
-    -------
-    (k,) array
-        Lengths in metres, each arc's own included.
+    first : int
+        The arc.
+    min_length_m : float
+        The length in metres.
     """
-    n = ends.shape[0]
-    parent = np.arange(n)
-    # Begins from left to right: each end is compared only with those beside it.
-    order = np.argsort(ends[:, 0])
-    begins = ends[order, 0]
-    for i in range(n):
-        k = np.searchsorted(begins, ends[i, 2] - ENDS_MEET_M)
-        while k < n and begins[k] <= ends[i, 2] + ENDS_MEET_M:
-            j = order[k]
-            k += 1
-            if i != j and abs(ends[i, 3] - ends[j, 1]) <= ENDS_MEET_M:
-                a, b = _root(parent, i), _root(parent, j)
-                parent[max(a, b)] = min(a, b)
-    lengths = np.zeros(n)
-    roots = np.empty(n, np.int64)
-    for i in range(n):
-        roots[i] = _root(parent, i)
-        lengths[roots[i]] += ends[i, 4]
-    return lengths[roots]
+    chain = np.empty(ends.shape[0], np.int64)
+    is_in = np.zeros(ends.shape[0], np.bool_)
+    chain[0], is_in[first] = first, True
+    count, done, length = 1, 0, ends[first, 4]
+    while length < min_length_m and done < count:
+        i = chain[done]
+        done += 1
+        for j in range(ends.shape[0]):
+            if not is_in[j] and (_follows(ends, i, j) or _follows(ends, j, i)):
+                chain[count], is_in[j] = j, True
+                count += 1
+                length += ends[j, 4]
+    return bool(length >= min_length_m)
 
 
 @kernel
-def _root(parent: IntArray, i: int) -> int:
-    while parent[i] != i:
-        i = parent[i]
-    return i
+def _follows(ends: FloatArray, i: int, j: int) -> bool:
+    # Whether arc j begins where arc i ends.
+    return (
+        abs(ends[i, 2] - ends[j, 0]) <= ENDS_MEET_M and abs(ends[i, 3] - ends[j, 1]) <= ENDS_MEET_M
+    )
 
 
 def total_length(segments: FloatArray) -> float:

@@ -7,6 +7,7 @@ import numpy as np
 from multisrt.geometry.numerics.arrays import grown
 from multisrt.geometry.numerics.kernel import FloatArray, IntArray, kernel
 from multisrt.geometry.numerics.rings import RingArrays
+from multisrt.geometry.regions.boundary import TagArray
 from multisrt.geometry.regions.frontier_arcs import (
     MIN_ARC_M,
     arc_ends,
@@ -110,18 +111,13 @@ class ArcPieces:
         (c,) array of int
             The regions whose pieces changed, the new one first.
         """
-        changes = frontier_changes(
-            index,
-            region.boundary,
-            region.tags,
-            include_gaps,
-            neighbours,
-            ids,
-            rings,
-            self.arrays,
-        )
-        self.replace(changes)
-        return changes.owners
+        new = index, region.boundary, region.tags, include_gaps, neighbours, ids, rings
+        owners, end = _add(*new, self.arrays, self._end)
+        if end > len(self.arrays.pieces):
+            self._compact(end - self._end)
+            owners, end = _add(*new, self.arrays, self._end)
+        self._end = end
+        return owners
 
     def replace(self, changes: FrontierChanges) -> None:
         """Replace the pieces of some regions; none of the new ones is given up."""
@@ -167,38 +163,47 @@ class ArcPieces:
         return _wide_enough(index, near, self.arrays.spans, self.arrays.pieces, min_length_m)
 
     def _write(self, changes: FrontierChanges, *, given_up: bool) -> None:
-        end = self._end + len(changes.pieces)
-        if end > len(self.arrays.pieces):
-            self.arrays, self._end = _compacted(self.arrays, len(changes.pieces))
-            end = self._end + len(changes.pieces)
-        self.arrays.pieces[self._end : end] = changes.pieces
-        self.arrays.wholes[self._end : end] = changes.wholes
-        _note_spans(
-            changes.owners,
-            changes.begins,
-            changes.pieces,
-            given_up,
-            self._end,
-            self.arrays.spans,
-            self.arrays.lengths_m,
-        )
-        self._end = end
+        if self._end + len(changes.pieces) > len(self.arrays.pieces):
+            self._compact(len(changes.pieces))
+        self._end = _write(changes, given_up, self.arrays, self._end)
+
+    def _compact(self, more: int) -> None:
+        """Move the pieces in use into arrays with room for more."""
+        self.arrays, self._end = _compacted(self.arrays, more)
 
 
 @kernel
-def _note_spans(
-    owners: IntArray,
-    begins: IntArray,
-    pieces: FloatArray,
-    given_up: bool,
+def _add(
+    index: int,
+    boundary: FloatArray,
+    tags: TagArray,
+    include_gaps: bool,
+    neighbours: IntArray,
+    ids: IntArray,
+    rings: RingArrays,
+    held: PieceArrays,
     end: int,
-    spans: IntArray,
-    lengths: FloatArray,
-) -> None:
-    # Write where the new pieces of owners begin and end, and how long their arcs are, after the
-    # pieces were written behind row `end`. After something was given up only open ones are new.
-    for k in range(owners.shape[0]):
-        owner = owners[k]
+) -> tuple[IntArray, int]:
+    # Compute the changes and write them behind row `end`. Return whose pieces change, and the
+    # row behind the last; if there is no room up to it, nothing was written.
+    changes = frontier_changes(index, boundary, tags, include_gaps, neighbours, ids, rings, held)
+    if end + changes.pieces.shape[0] > held.pieces.shape[0]:
+        return changes.owners, end + changes.pieces.shape[0]
+    return changes.owners, _write(changes, False, held, end)
+
+
+@kernel
+def _write(changes: FrontierChanges, given_up: bool, held: PieceArrays, end: int) -> int:
+    # Write new pieces behind row `end`, where they are, and how long their arcs are. Return the
+    # row behind the last. After something was given up only open ones are new.
+    begins, pieces = changes.begins, changes.pieces
+    for i in range(pieces.shape[0]):
+        for c in range(4):
+            held.pieces[end + i, c] = pieces[i, c]
+            held.wholes[end + i, c] = changes.wholes[i, c]
+    spans, lengths = held.spans, held.lengths_m
+    for k in range(changes.owners.shape[0]):
+        owner = changes.owners[k]
         spans[owner, 2], spans[owner, 3] = end + begins[k], end + begins[k + 1]
         if not given_up:
             spans[owner, :2] = spans[owner, 2:]
@@ -206,6 +211,7 @@ def _note_spans(
         if begins[k + 1] > begins[k]:
             arcs = arc_ends(pieces[begins[k] : begins[k + 1]])
             lengths[owner, 0], lengths[owner, 1] = arcs[:, 4].min(), arcs[:, 4].max()
+    return end + pieces.shape[0]
 
 
 @kernel

@@ -11,7 +11,14 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from multisrt.geometry.numerics.kernel import BoolArray, FloatArray, IntArray, kernel, unsigned
+from multisrt.geometry.numerics.kernel import (
+    BoolArray,
+    FloatArray,
+    IntArray,
+    inlined_kernel,
+    kernel,
+    unsigned,
+)
 from multisrt.geometry.numerics.rings import STRETCH, RingArrays, first_stretch
 
 OUTWARD_M: Final = 1e-6
@@ -121,7 +128,7 @@ def uncovered(
         room = kept
 
 
-@kernel
+@inlined_kernel
 def _covered_by_rings(
     line: _Line,
     line_end: tuple[float, float],
@@ -159,7 +166,7 @@ def _covered_by_rings(
     return count
 
 
-@kernel
+@inlined_kernel
 def _crossings(line: _Line, rings: RingArrays, index: int, crossings: FloatArray) -> int:
     # Note where a ring crosses a line, in metres along it, ascending; return the number.
     ux, uy = line.ux, line.uy
@@ -247,7 +254,7 @@ def beside(
         room = kept
 
 
-@kernel
+@inlined_kernel
 def _covered_by_lines(
     line: _Line,
     line_end: tuple[float, float],
@@ -281,7 +288,7 @@ def _covered_by_lines(
     return count
 
 
-@kernel
+@inlined_kernel
 def _insert(intervals: _Intervals, count: int, begin: float, end: float) -> int:
     # Insert an interval into those that are sorted by their lower ends; return the new number.
     low, high = intervals.low, intervals.high
@@ -293,7 +300,7 @@ def _insert(intervals: _Intervals, count: int, begin: float, end: float) -> int:
     return count + 1
 
 
-@kernel
+@inlined_kernel
 def _add_remainders(
     segments: FloatArray,
     i: int,

@@ -378,7 +378,7 @@ def node_at(index: EdgeIndex, x: float, y: float, node_id: NodeId) -> Node:
 
 def map_of(index: EdgeIndex, places: np.ndarray) -> ExplorationMap:
     """Return a map with a node at every place, with a raster."""
-    known = ExplorationMap(reach_m=R, shortest_arc_m=0.3)
+    known = ExplorationMap(reach_m=R, min_arc_m=0.3)
     known.raster(CELL)
     for serial, (x, y) in enumerate(places.tolist()):
         known.add(node_at(index, x, y, NodeId(0, serial)))

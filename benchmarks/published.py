@@ -18,7 +18,7 @@ from multiprocessing import get_context
 from pathlib import Path
 
 from multisrt.experiments.crossing import PlannedRun, runs
-from multisrt.experiments.description import ExperimentSpec
+from multisrt.experiments.spec import ExperimentSpec
 from multisrt.presets import PRESETS
 from multisrt.simulation.simulate import simulate
 from multisrt.terminal import LiveLine

@@ -9,8 +9,8 @@ from pathlib import Path
 
 from benchmarks.harness import Benchmark, Claim
 from benchmarks.yardstick import yardstick_at_once_s
-from multisrt.experiments.description import ExperimentSpec
 from multisrt.experiments.runner import Progress, run_experiment
+from multisrt.experiments.spec import ExperimentSpec
 from multisrt.experiments.store import Store
 
 MISSIONS = 40

@@ -31,7 +31,7 @@ class NearestFrontier:
     def __init__(self, me, options):
         self.me, self.options, self.at = me, options, me.start
         self.body = PlanningBody(me.footprint, options.margin_m)
-        self.map = ExplorationMap(reach_m=me.range_m, shortest_arc_m=me.footprint.width_m)
+        self.map = ExplorationMap(reach_m=me.range_m, min_arc_m=me.footprint.width_m)
 
     def run(self):
         """Extend the tree towards the nearest frontier; without one, return to the parent."""

@@ -25,9 +25,9 @@ if TYPE_CHECKING:
     from multisrt.environments.catalog import catalog, environment
     from multisrt.environments.environment import Environment
     from multisrt.environments.formats import read_environment
-    from multisrt.experiments.description import ExperimentSpec
     from multisrt.experiments.frames import load_results
     from multisrt.experiments.results import Result, Results
+    from multisrt.experiments.spec import ExperimentSpec
     from multisrt.geometry.bodies.footprint import Footprint
     from multisrt.geometry.errors import InvalidInputError, MultiSrtError
     from multisrt.recording import Recording
@@ -55,7 +55,7 @@ _HOMES = {
     "Death": "spec",
     "DriveSpec": "spec",
     "Environment": "environments.environment",
-    "ExperimentSpec": "experiments.description",
+    "ExperimentSpec": "experiments.spec",
     "FileEnvironment": "spec",
     "Footprint": "geometry.bodies.footprint",
     "InlineEnvironment": "spec",

@@ -12,7 +12,10 @@ from typing import TYPE_CHECKING, Any
 import msgspec
 
 from multisrt.environments.environment import Environment
-from multisrt.experiments.description import (
+from multisrt.experiments.live import LiveProgress
+from multisrt.experiments.results import Results
+from multisrt.experiments.runner import run_experiment
+from multisrt.experiments.spec import (
     EnvironmentChoice,
     ExperimentSpec,
     FaultsChoice,
@@ -21,9 +24,6 @@ from multisrt.experiments.description import (
     StrategyChoice,
     TeamChoice,
 )
-from multisrt.experiments.live import LiveProgress
-from multisrt.experiments.results import Results
-from multisrt.experiments.runner import run_experiment
 from multisrt.experiments.store import Store
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.reporting.layout import Table
@@ -313,7 +313,7 @@ class Comparison:
     def __repr__(self) -> str:
         """Return the table of the first measure, and how many runs are complete."""
         complete = sum(result.status == "complete" for result in self.results)
-        return f"{self.table()}\n{complete} of {self.results.asked} runs complete\n"
+        return f"{self.table()}\n{complete} of {self.results.planned} runs complete\n"
 
 
 class ShownTable(Table):

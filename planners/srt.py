@@ -20,7 +20,7 @@ import msgspec
 import numpy as np
 from numpy.random import Generator
 
-from multisrt.geometry.bodies.clearance import keep_off
+from multisrt.geometry.bodies.clearance import paths_keep_clear
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.numerics.arrays import FloatArray
@@ -401,7 +401,7 @@ class SrtPlanner:
             narrower = (room >= self.body.roomy_radius_m) & ~ample
             places = np.vstack([places[ample], places[narrower]])
             if bodies is not None:
-                places = places[keep_off(np.hstack([places, places]), bodies)]
+                places = places[paths_keep_clear(np.hstack([places, places]), bodies)]
             in_the_way = None if past_bodies else bodies
             found = self._ways.first_place(places, known, nodes, leads, in_the_way)
             if not isinstance(found, str):

@@ -9,7 +9,7 @@ from typing import Final, Literal, NamedTuple, Protocol
 
 import numpy as np
 
-from multisrt.geometry.bodies.clearance import keep_off
+from multisrt.geometry.bodies.clearance import paths_keep_clear
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.numerics.arrays import FloatArray
 from multisrt.geometry.numerics.distances import nearest_points
@@ -169,7 +169,7 @@ class WayFinder:
             ways = np.dstack([spots[nearest], np.repeat(some[:, None], nearest.shape[1], 1)])
             clear = known.passes(ways.reshape(-1, 4), radius_m)
             if bodies is not None:
-                clear &= keep_off(ways.reshape(-1, 4), bodies)
+                clear &= paths_keep_clear(ways.reshape(-1, 4), bodies)
             clear = clear.reshape(nearest.shape) & roomy[nearest]
             for i in np.flatnonzero(clear.any(axis=1) | ~roomy[nearest].all(axis=1)).tolist():
                 x, y = some[i].tolist()

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from multisrt.experiments.crossing import runs
-from multisrt.experiments.description import ExperimentSpec
+from multisrt.experiments.spec import ExperimentSpec
 from multisrt.robots import registry
 
 EXAMPLES = Path(__file__).parent.parent / "examples"

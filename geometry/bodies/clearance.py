@@ -79,7 +79,7 @@ def disc_clearance(boundary: FloatArray, x: float, y: float) -> float:
 
 
 @kernel
-def keep_off(ways: FloatArray, discs: FloatArray) -> BoolArray:
+def paths_keep_clear(ways: FloatArray, discs: FloatArray) -> BoolArray:
     """Return which straight paths keep clear of all discs.
 
     Parameters
@@ -97,7 +97,7 @@ def keep_off(ways: FloatArray, discs: FloatArray) -> BoolArray:
     Examples
     --------
     >>> ways = np.array([(0.0, 0.0, 4.0, 0.0), (0.0, 2.0, 4.0, 2.0)])
-    >>> keep_off(ways, np.array([(2.0, 0.5, 1.0)])).tolist()
+    >>> paths_keep_clear(ways, np.array([(2.0, 0.5, 1.0)])).tolist()
     [False, True]
     """
     off = np.ones(ways.shape[0], np.bool_)

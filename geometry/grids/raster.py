@@ -16,7 +16,7 @@ from multisrt.geometry.numerics.kernel import kernel
 MAX_CELLS = 400_000_000
 """Largest size of a raster in bytes, which for one byte per cell is its number of cells."""
 
-FARTHEST_CELL = 2.0**52
+MAX_CELL_INDEX = 2.0**52
 """Largest distance from the origin, in cells, at which floats tell neighbouring cells apart."""
 
 OFFSET = 0.3819660112501051
@@ -197,11 +197,11 @@ def refuse_cell_width(cell_m: float) -> None:
 
 
 def refuse_corners(boundary: FloatArray, cell_m: float) -> None:
-    """Raise an `InvalidInputError` for corners not finite or beyond `FARTHEST_CELL`."""
-    if not all_below(boundary, FARTHEST_CELL * cell_m):
+    """Raise an `InvalidInputError` for corners not finite or beyond `MAX_CELL_INDEX`."""
+    if not all_below(boundary, MAX_CELL_INDEX * cell_m):
         raise InvalidInputError(
             f"the corners of a polygon are finite numbers of metres, with cells of {cell_m:g} m "
-            f"below {FARTHEST_CELL * cell_m:g}"
+            f"below {MAX_CELL_INDEX * cell_m:g}"
         )
 
 

@@ -42,7 +42,7 @@ def all_below(points: FloatArray, limit: float) -> bool:
 
 
 @kernel
-def boxes_meeting(
+def intersecting_boxes(
     boxes: FloatArray,
     slacks: FloatArray,
     box: tuple[float, float, float, float],
@@ -71,7 +71,7 @@ def boxes_meeting(
     >>> import numpy as np
     >>> boxes = np.array([(0.0, 0.0, 1.0, 1.0), (5.0, 5.0, 6.0, 6.0), (2.5, 0.0, 3.0, 1.0)])
     >>> found = np.empty(3, np.int64)
-    >>> count = boxes_meeting(boxes, np.full(3, 0.5), (1.0, 0.0, 2.0, 1.0), found)
+    >>> count = intersecting_boxes(boxes, np.full(3, 0.5), (1.0, 0.0, 2.0, 1.0), found)
     >>> found[:count].tolist()
     [0, 2]
     """

@@ -197,6 +197,7 @@ def _write(changes: FrontierChanges, given_up: bool, held: PieceArrays, end: int
     # Write new pieces behind row `end`, where they are, and how long their arcs are. Return the
     # row behind the last. After something was given up only open ones are new.
     begins, pieces = changes.begins, changes.pieces
+    after: int = end + pieces.shape[0]
     for i in range(pieces.shape[0]):
         for c in range(4):
             held.pieces[end + i, c] = pieces[i, c]
@@ -211,7 +212,7 @@ def _write(changes: FrontierChanges, given_up: bool, held: PieceArrays, end: int
         if begins[k + 1] > begins[k]:
             arcs = arc_ends(pieces[begins[k] : begins[k + 1]])
             lengths[owner, 0], lengths[owner, 1] = arcs[:, 4].min(), arcs[:, 4].max()
-    return end + pieces.shape[0]
+    return after
 
 
 @kernel

@@ -204,7 +204,7 @@ def is_wide_chain(ends: FloatArray, first: int, min_length_m: float) -> bool:
 @kernel
 def _follows(ends: FloatArray, i: int, j: int) -> bool:
     # Whether arc j begins where arc i ends.
-    return (
+    return bool(
         abs(ends[i, 2] - ends[j, 0]) <= ENDS_MEET_M and abs(ends[i, 3] - ends[j, 1]) <= ENDS_MEET_M
     )
 

@@ -62,7 +62,7 @@ def _team_map(recording: Recording) -> ExplorationMap:
     widths = [Footprint.parse(robot.footprint).width_m for robot in spec.robots]
     team_map = ExplorationMap(
         reach_m=max(robot.range_finder.range_m for robot in spec.robots),
-        shortest_arc_m=min(widths),
+        min_arc_m=min(widths),
         # Arcs that are too narrow for any of them count as closed.
         width_m=max(widths),
         gaps_count=_gaps_count(spec.options),

@@ -140,7 +140,7 @@ def _print_results(results: Results, path: Path) -> None:
 
     complete = sum(result.status == "complete" for result in results)
     click.echo(
-        f"{results.experiment.name}: {complete} of {results.asked} runs complete, in {path}\n"
+        f"{results.experiment.name}: {complete} of {results.planned} runs complete, in {path}\n"
     )
     if complete:
         click.echo(summary_table(results, "exploration_time_s").text(_width()))

@@ -13,9 +13,9 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from multisrt.experiments.crossing import Condition, PlannedRun
-    from multisrt.experiments.description import ExperimentSpec, Limits
     from multisrt.experiments.estimate import Estimate
     from multisrt.experiments.results import Result
+    from multisrt.experiments.spec import ExperimentSpec, Limits
 
 MAX_ROWS = 24
 """Longest table of conditions; a longer one is cut."""

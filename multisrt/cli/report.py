@@ -71,4 +71,4 @@ def report(
             progress=live.say,
         )
     if not quiet:
-        click.echo(f"{page}: {len(found)} of {found.asked} runs")
+        click.echo(f"{page}: {len(found)} of {found.planned} runs")

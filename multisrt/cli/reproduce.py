@@ -136,7 +136,7 @@ def _print_verdicts(preset: Preset, results: Results, claims: list[Claim]) -> No
     from multisrt.cli.tables import show, table
 
     complete = sum(result.status == "complete" for result in results)
-    click.echo(f"{preset.name}: {complete} of {results.asked} runs complete")
+    click.echo(f"{preset.name}: {complete} of {results.planned} runs complete")
     verdicts = table("claim", "verdict")
     for claim in claims:
         verdicts.add_row(claim.text, claim.verdict)

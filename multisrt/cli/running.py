@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 import click
 
 if TYPE_CHECKING:
-    from multisrt.experiments.description import ExperimentSpec
     from multisrt.experiments.results import Results
+    from multisrt.experiments.spec import ExperimentSpec
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -142,7 +142,7 @@ def make_runs(
                         progress=live,
                     )
             except KeyboardInterrupt:
-                stored = f"{opened.done} of {opened.asked} runs are stored in {path}"
+                stored = f"{opened.done} of {opened.planned} runs are stored in {path}"
                 click.echo(f"{stored}; the same command continues", err=True)
                 raise click.Abort from None
             except InvalidInputError:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, TypeVar
 from multisrt.geometry.errors import InvalidInputError
 
 if TYPE_CHECKING:
-    from multisrt.experiments.description import ExperimentSpec
+    from multisrt.experiments.spec import ExperimentSpec
     from multisrt.spec import RunSpec
 
 Spec = TypeVar("Spec")
@@ -56,7 +56,7 @@ def read_experiment(path: Path) -> ExperimentSpec:
     InvalidInputError
         If the file cannot be read or holds no experiment; the message names the file.
     """
-    from multisrt.experiments.description import ExperimentSpec
+    from multisrt.experiments.spec import ExperimentSpec
 
     return _read(path, ExperimentSpec.from_toml, ExperimentSpec.from_json)
 

@@ -17,7 +17,15 @@ from typing import Any, TypeVar
 
 import msgspec
 
-from multisrt.experiments.description import (
+from multisrt.experiments.run_specs import (
+    Choices,
+    forget_worlds,
+    is_file,
+    run_spec,
+    starts_label,
+    written_out,
+)
+from multisrt.experiments.spec import (
     Block,
     BodyChoice,
     EnvironmentChoice,
@@ -28,14 +36,6 @@ from multisrt.experiments.description import (
     StartsChoice,
     StrategyChoice,
     TeamChoice,
-)
-from multisrt.experiments.run_specs import (
-    Choices,
-    forget_worlds,
-    is_file,
-    run_spec,
-    starts_label,
-    written_out,
 )
 from multisrt.geometry.errors import InvalidInputError, did_you_mean
 from multisrt.spec import FileEnvironment, RobotSpec, RunSpec
@@ -127,7 +127,7 @@ def conditions(spec: ExperimentSpec) -> list[Condition]:
 
     Examples
     --------
-    >>> from multisrt.experiments.description import ExperimentSpec
+    >>> from multisrt.experiments.spec import ExperimentSpec
     >>> spec = ExperimentSpec(
     ...     name="x", environments=("open", "maze"), strategies=("srt-star",), robots=(1, 2)
     ... )
@@ -162,7 +162,7 @@ def runs(spec: ExperimentSpec, folder: Path | None = None) -> list[PlannedRun]:
 
     Examples
     --------
-    >>> from multisrt.experiments.description import ExperimentSpec
+    >>> from multisrt.experiments.spec import ExperimentSpec
     >>> spec = ExperimentSpec(
     ...     name="x", environments=("open",), strategies=("srt-star", "minpos"), repetitions=2
     ... )

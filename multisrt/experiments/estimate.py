@@ -17,8 +17,8 @@ import msgspec
 import numpy as np
 
 from multisrt.experiments.crossing import Condition, PlannedRun
-from multisrt.experiments.description import ExperimentSpec, Limits
 from multisrt.experiments.results import ENDED, Result
+from multisrt.experiments.spec import ExperimentSpec, Limits
 from multisrt.geometry.numerics.arrays import FloatArray
 
 MAX_PROBES = 16

@@ -5,9 +5,9 @@ from __future__ import annotations
 import msgspec
 
 from multisrt.experiments.crossing import Condition, PlannedRun
-from multisrt.experiments.description import Limits
 from multisrt.experiments.provenance import Provenance
 from multisrt.experiments.results import Result, Status
+from multisrt.experiments.spec import Limits
 from multisrt.spec import RunSpec
 
 

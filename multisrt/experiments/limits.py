@@ -21,8 +21,8 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import FrameType
 
-from multisrt.experiments.description import Limits
 from multisrt.experiments.memory import counted_bytes
+from multisrt.experiments.spec import Limits
 
 GRACE_S = 5.0
 """Computing time beyond the limit after which compiled code is ended with its process (s)."""

@@ -9,8 +9,8 @@ import msgspec
 
 from multisrt.analysis.metrics import Metrics
 from multisrt.experiments.crossing import Condition
-from multisrt.experiments.description import ExperimentSpec
 from multisrt.experiments.provenance import Provenance
+from multisrt.experiments.spec import ExperimentSpec
 
 Status = Literal[
     "complete", "stalled", "out_of_time", "over_time", "over_memory", "crashed", "refused", "error"
@@ -80,7 +80,7 @@ class Results:
         The experiment.
     results : iterable of Result
         The results, in the order of the experiment's runs.
-    asked : int
+    planned : int
         Number of runs of the experiment.
     provenance : Provenance
         Versions and machine that made the results.
@@ -90,12 +90,12 @@ class Results:
         self,
         experiment: ExperimentSpec,
         results: Iterable[Result],
-        asked: int,
+        planned: int,
         provenance: Provenance,
     ) -> None:
         self.experiment = experiment
         self.results = tuple(results)
-        self.asked = asked
+        self.planned = planned
         self.provenance = provenance
 
     def __len__(self) -> int:

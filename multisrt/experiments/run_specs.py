@@ -17,7 +17,7 @@ import numpy as np
 
 from multisrt.environments.catalog import names
 from multisrt.environments.environment import Environment
-from multisrt.experiments.description import (
+from multisrt.experiments.spec import (
     BodyChoice,
     EnvironmentChoice,
     ExperimentSpec,

@@ -11,10 +11,10 @@ from contextlib import closing
 from dataclasses import dataclass
 
 from multisrt.experiments.crossing import PlannedRun
-from multisrt.experiments.description import ExperimentSpec
 from multisrt.experiments.job import Job
 from multisrt.experiments.modules import import_modules
 from multisrt.experiments.results import Result
+from multisrt.experiments.spec import ExperimentSpec
 from multisrt.experiments.store import Store
 from multisrt.experiments.worker import StoppedError, Worker
 from multisrt.geometry.errors import InvalidInputError
@@ -104,7 +104,7 @@ def run_experiment(
         raise InvalidInputError("give workers or a cluster, not both: a cluster has its own")
     import_modules(modules)
     missing = store.missing()
-    total, failed = store.asked, store.failed
+    total, failed = store.planned, store.failed
     earlier = total - len(missing)
     begin = time.perf_counter()
 

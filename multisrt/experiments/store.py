@@ -23,10 +23,10 @@ import msgspec
 
 from multisrt.analysis.metrics import Metrics
 from multisrt.experiments.crossing import Condition, PlannedRun, runs
-from multisrt.experiments.description import ExperimentSpec
 from multisrt.experiments.lock import WriteLock
 from multisrt.experiments.provenance import Provenance, differences, provenance
 from multisrt.experiments.results import Result, Results, Status
+from multisrt.experiments.spec import ExperimentSpec
 from multisrt.experiments.store_file import (
     begin,
     connect,
@@ -59,14 +59,14 @@ class Store:
         Folder that relative paths of environments refer to.
     provenance : Provenance
         Versions and machine that make the results.
-    asked : int
+    planned : int
         Number of runs of the experiment.
 
     Examples
     --------
     >>> from multisrt.experiments.store import Store
     >>> with Store.open("star.sqlite") as store:  # doctest: +SKIP
-    ...     print(store.done, "of", store.asked)
+    ...     print(store.done, "of", store.planned)
     12 of 320
     """
 
@@ -83,7 +83,7 @@ class Store:
             self.experiment = ExperimentSpec.from_json(meta["experiment"])
             self.folder = Path(meta["folder"])
             self.provenance = msgspec.json.decode(meta["provenance"], type=Provenance)
-            self.asked = int(meta["asked"])
+            self.planned = int(meta["asked"])
         except (KeyError, ValueError, msgspec.MsgspecError) as error:
             raise InvalidInputError(f"{path}: a damaged file of results: {error}") from None
 
@@ -275,7 +275,10 @@ class Store:
                 f"SELECT {', '.join(_COLUMNS)} FROM runs ORDER BY position"
             ).fetchall()
         return Results(
-            self.experiment, map(self._result, rows), asked=self.asked, provenance=self.provenance
+            self.experiment,
+            map(self._result, rows),
+            planned=self.planned,
+            provenance=self.provenance,
         )
 
     @property
@@ -374,7 +377,7 @@ class Store:
                 "UPDATE meta SET value = ? WHERE name = ?",
                 [(value, name) for name, value in _meta(spec, folder, len(plan))],
             )
-        self.experiment, self.folder, self.asked = spec, folder, len(plan)
+        self.experiment, self.folder, self.planned = spec, folder, len(plan)
         self.provenance = provenance()
         self._clear_recordings()
 

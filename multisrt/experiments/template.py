@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from multisrt.experiments.description import ExperimentSpec, schema
+from multisrt.experiments.spec import ExperimentSpec, schema
 from multisrt.geometry.errors import InvalidInputError
 
 SCHEMA_NAME = "experiment.schema.json"

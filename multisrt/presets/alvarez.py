@@ -14,9 +14,9 @@ from itertools import pairwise
 
 import numpy as np
 
-from multisrt.experiments.description import EnvironmentChoice, ExperimentSpec, StartsChoice
 from multisrt.experiments.measures import Measure, measure_named
 from multisrt.experiments.results import Result, Results
+from multisrt.experiments.spec import EnvironmentChoice, ExperimentSpec, StartsChoice
 from multisrt.presets.alvarez_maps import QUICK_SCENARIOS, SCENARIOS, Scenario
 from multisrt.presets.judging import Comparison, Judged, Saying, judge, verdict
 from multisrt.presets.preset import Preset

@@ -13,14 +13,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from multisrt.experiments.crossing import Condition
-from multisrt.experiments.description import (
+from multisrt.experiments.measures import measure_named
+from multisrt.experiments.results import Results
+from multisrt.experiments.spec import (
     EnvironmentChoice,
     ExperimentSpec,
     Only,
     StartsChoice,
 )
-from multisrt.experiments.measures import measure_named
-from multisrt.experiments.results import Results
 from multisrt.geometry.numerics.arrays import FloatArray
 from multisrt.presets.judging import Cells, Comparison, Judged, judge
 from multisrt.presets.preset import Preset

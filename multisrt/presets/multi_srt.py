@@ -8,9 +8,9 @@ from itertools import pairwise
 import numpy as np
 
 from multisrt.experiments.crossing import Condition
-from multisrt.experiments.description import ExperimentSpec, Only, RadioChoice
 from multisrt.experiments.measures import Measure, measure_named
 from multisrt.experiments.results import Result, Results
+from multisrt.experiments.spec import ExperimentSpec, Only, RadioChoice
 from multisrt.presets.judging import Cells, Judged, failed_runs, judge, number
 from multisrt.presets.preset import Preset
 from multisrt.reporting.claims import Claim, PrintedTable, Verdict
@@ -220,7 +220,7 @@ def all_complete(results: Results) -> Claim:
         source="Multi-SRT, section 2 (robots return to their roots when no frontier is left)",
         verdict=_of_all(results, bad),
         grounds=(
-            f"{len(results) - len(bad)} of {len(results)} runs are complete, of {results.asked} "
+            f"{len(results) - len(bad)} of {len(results)} runs are complete, of {results.planned} "
             "asked for",
             *failed_runs(bad, MAX_LISTED),
         ),
@@ -238,7 +238,7 @@ def no_collision(results: Results) -> Claim:
     ]
     grounds = [
         f"collisions in {len(bad)} of {len(measured)} runs that were measured, of "
-        f"{results.asked} asked for"
+        f"{results.planned} asked for"
     ]
     if apart:
         grounds.append(
@@ -258,7 +258,7 @@ def _of_all(results: Results, bad: list[Result]) -> Verdict:
     # One run refutes a claim on all runs; it holds only if all of them are made.
     if bad:
         return "does not hold"
-    return "holds" if len(results) == results.asked > 0 else "not tested"
+    return "holds" if len(results) == results.planned > 0 else "not tested"
 
 
 # Tables -------------------------------------------------------------------------------------

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from multisrt.experiments.description import ExperimentSpec
 from multisrt.experiments.results import Results
+from multisrt.experiments.spec import ExperimentSpec
 from multisrt.reporting.claims import Claim, PrintedTable
 
 

@@ -12,7 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from multisrt.experiments.crossing import Condition
-from multisrt.experiments.description import (
+from multisrt.experiments.measures import Measure
+from multisrt.experiments.results import Results
+from multisrt.experiments.spec import (
     EnvironmentChoice,
     ExperimentSpec,
     Only,
@@ -20,8 +22,6 @@ from multisrt.experiments.description import (
     StartsChoice,
     StrategyChoice,
 )
-from multisrt.experiments.measures import Measure
-from multisrt.experiments.results import Results
 from multisrt.presets.judging import Cells, Comparison, Finding, Judged, judge, number, weigh
 from multisrt.presets.preset import Preset
 from multisrt.presets.sbx_r_tables import (

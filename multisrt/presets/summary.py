@@ -70,16 +70,16 @@ def _account(results: Results) -> list[str]:
     lines = [
         f"Experiment: {spec.name}; teams of {', '.join(map(str, teams))}; {spec.repetitions} "
         "repetitions. The verdicts refer to these.",
-        f"Runs: {len(results)} of {results.asked}; {complete} complete, "
+        f"Runs: {len(results)} of {results.planned}; {complete} complete, "
         f"{sum(result.failed for result in results)} failed.",
         f"Computing time of all runs: {seconds / 3600.0:.2f} h of one core.",
         f"Versions: {', '.join(f'{name} {versions[name]}' for name in versions)}; "
         f"{results.provenance.system}, {results.provenance.machine}.",
         f"Digest of the program's source: {results.provenance.program}.",
     ]
-    if len(results) < results.asked:
+    if len(results) < results.planned:
         lines.append(
-            f"**{results.asked - len(results)} runs are missing: the same command continues with "
+            f"**{results.planned - len(results)} runs are missing: the same command continues with "
             "them.**"
         )
     return lines

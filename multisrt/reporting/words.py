@@ -95,13 +95,13 @@ def p_value(p: float) -> str:
 def what_was_run(study: Study) -> str:
     """Return a sentence or two on the numbers of runs, failures, strategies, worlds and teams."""
     results = study.results
-    made, asked = len(results), results.asked
+    made, planned = len(results), results.planned
     worlds = len({setting.environment for setting in study.settings})
     teams = list(dict.fromkeys(team_name(setting) for setting in study.settings))
     failed = sum(result.failed for result in results)
-    text = f"{_counted(asked, 'run')} asked for, {made} made"
-    if made < asked:
-        text += f" ({asked - made} still missing; this report covers those that were made)"
+    text = f"{_counted(planned, 'run')} asked for, {made} made"
+    if made < planned:
+        text += f" ({planned - made} still missing; this report covers those that were made)"
     text += f"; {failed or 'none'} of them failed. "
     if study.strategies:
         text += (

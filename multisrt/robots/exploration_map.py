@@ -41,13 +41,13 @@ class ExplorationMap:
     ----------
     reach_m : float
         Largest range of the team's range finders in metres.
-    shortest_arc_m : float, default 0.0
+    min_arc_m : float, default 0.0
         Least length in metres of frontier, joined over all nodes: the body cannot pass through a
         narrower opening.
     gaps_count : bool, default True
         Whether radial pieces behind corners are frontier.
     width_m : float, optional
-        Width of the robot's own body in metres; default: `shortest_arc_m`. What was too narrow
+        Width of the robot's own body in metres; default: `min_arc_m`. What was too narrow
         for another robot is closed if the own body is no narrower.
     robot : int, optional
         The robot whose map this is: arcs that other robots could not reach, or found blocked by a
@@ -72,7 +72,7 @@ class ExplorationMap:
     >>> place = Configuration(1.0, 1.0)
     >>> region = LocalSafeRegion(x=1.0, y=1.0, range_m=2.0, boundary=corners, tags=tags)
     >>> root = Node(id=NodeId(0, 0), configuration=place, region=region, parent=None, time_s=0.0)
-    >>> known = ExplorationMap(reach_m=2.0, shortest_arc_m=0.5)
+    >>> known = ExplorationMap(reach_m=2.0, min_arc_m=0.5)
     >>> known.add(root), known.add(root)
     (True, False)
     >>> known.frontier(root.id).tolist(), known.open_frontier_m()
@@ -85,7 +85,7 @@ class ExplorationMap:
     True
     >>> known.is_complete()
     True
-    >>> other = ExplorationMap(reach_m=2.0, shortest_arc_m=0.3, robot=1)
+    >>> other = ExplorationMap(reach_m=2.0, min_arc_m=0.3, robot=1)
     >>> other.merge(known.entries.lacks(other.entries.have()))
     (NodeId(robot=0, serial=0),)
     >>> other.is_complete()
@@ -107,17 +107,17 @@ class ExplorationMap:
         self,
         *,
         reach_m: float,
-        shortest_arc_m: float = 0.0,
+        min_arc_m: float = 0.0,
         gaps_count: bool = True,
         width_m: float | None = None,
         robot: int | None = None,
     ) -> None:
-        self._width_m = shortest_arc_m if width_m is None else width_m
+        self._width_m = min_arc_m if width_m is None else width_m
         self._robot = robot
         self.entries = Entries()
         self._regions = NodeRegions(reach_m)
         self._trees = Trees()
-        self._frontiers = LocalFrontiers(self._regions, shortest_arc_m - ROUNDING_M, gaps_count)
+        self._frontiers = LocalFrontiers(self._regions, min_arc_m - ROUNDING_M, gaps_count)
         self._open = OpenFrontiers(self._regions, self._frontiers, self._trees)
         self._raster: Raster | None = None
 

@@ -371,7 +371,7 @@ class RobotSelf:
     team_range_m: float | None = None
 
     @property
-    def longest_range_m(self) -> float:
+    def max_range_m(self) -> float:
         """Largest sensing range in the team, in metres."""
         return self.range_m if self.team_range_m is None else self.team_range_m
 

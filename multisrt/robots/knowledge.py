@@ -18,7 +18,7 @@ from multisrt.robots.messages import Message
 REASONS: Final = ("too narrow", "seen from near", "not reachable", "blocked by a robot")
 """Reasons for which an arc is given up, as recordings have them."""
 
-Have = Mapping[int, tuple[int, int]]
+CountsByRobot = Mapping[int, tuple[int, int]]
 """By robot, how many of its nodes and of its closings are known without a gap from its first."""
 
 Counts = tuple[tuple[int, int, int], ...]
@@ -264,7 +264,7 @@ class Entries:
             self._counts = (*self._lines.values(),)
         return self._counts
 
-    def lacks(self, theirs: Have) -> tuple[Entry, ...]:
+    def lacks(self, theirs: CountsByRobot) -> tuple[Entry, ...]:
         """Return the entries that another robot lacks.
 
         Parameters
@@ -287,7 +287,7 @@ class Entries:
                 beyond += [self.closings[ClosingId(robot, n)] for n in known]
         return tuple(beyond)
 
-    def more_than(self, theirs: Have) -> bool:
+    def has_more_than(self, theirs: CountsByRobot) -> bool:
         """Whether another robot, which has these counts, lacks anything."""
         for robot, (nodes, closings) in self._makers.items():
             node_count, closing_count = theirs.get(robot, (0, 0))

@@ -25,10 +25,10 @@ from multisrt.robots.explorer import (
 )
 from multisrt.robots.knowledge import (
     Counts,
+    CountsByRobot,
     Entries,
     EntriesMessage,
     Entry,
-    Have,
     NodeId,
     WantMessage,
 )
@@ -168,7 +168,7 @@ class Listener(ABC):
                 return
 
 
-def have_of(counts: Counts) -> Have:
+def have_of(counts: Counts) -> CountsByRobot:
     """Return the counts in a message as a dictionary from robots to (nodes, closings).
 
     Examples

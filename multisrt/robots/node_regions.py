@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from shapely.geometry.base import BaseGeometry
 
 from multisrt.geometry.numerics.arrays import grown
-from multisrt.geometry.numerics.boxes import boxes_meeting
+from multisrt.geometry.numerics.boxes import intersecting_boxes
 from multisrt.geometry.numerics.kernel import IntArray
 from multisrt.geometry.numerics.point_hash import PointHash
 from multisrt.geometry.numerics.rings import Rings
@@ -90,7 +90,7 @@ class NodeRegions:
         near = self.places.within(x, y, math.sqrt(2.0) * half_width_m + self.reach_m)
         found = np.empty_like(near)
         boxes = self.rings.arrays.boxes[near]
-        near = near[found[: boxes_meeting(boxes, np.zeros(len(near)), window, found)]]
+        near = near[found[: intersecting_boxes(boxes, np.zeros(len(near)), window, found)]]
         return window, np.array(sorted(near.tolist(), key=self.ids.__getitem__), np.int64)
 
     def _polygons(self, numbers: IntArray) -> NDArray[np.object_]:

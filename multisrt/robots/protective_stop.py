@@ -2,7 +2,7 @@
 
 A motion ends where another body in sight comes nearer than the guard distance. A body that is
 nearer already as the motion begins may stay near, but not come much nearer (`stop_within`).
-Planned ways keep a little more distance than that (`least_gap`), so that no motion that was
+Planned ways keep a little more distance than that (`planned_gap`), so that no motion that was
 planned with the other body in mind is ended by its protective stop.
 """
 
@@ -10,10 +10,10 @@ from __future__ import annotations
 
 from multisrt.planners.motion.sweep import Sweep
 
-LEAST_SHARE = 0.25
+MIN_SHARE = 0.25
 """Share of the guard distance below which a body may not come nearer at all."""
 
-NO_NEARER = 0.999
+LEAVING_SHARE = 0.999
 """Share of the initial distance at which such a body is stopped: less than 1, so that rounding
 does not stop a body that moves away."""
 
@@ -24,7 +24,7 @@ BEYOND_GUARD = 1.2
 def stop_within(distance_m: float, guard_m: float) -> float:
     """Return the distance at which a body stops a motion that began within the guard distance.
 
-    Half of the distance at the beginning, but at least `LEAST_SHARE` of the guard distance; and
+    Half of the distance at the beginning, but at least `MIN_SHARE` of the guard distance; and
     never more than the distance at the beginning.
 
     Parameters
@@ -41,15 +41,15 @@ def stop_within(distance_m: float, guard_m: float) -> float:
     >>> stop_within(0.03, guard_m=0.1)
     0.025
     """
-    return max(0.5 * distance_m, min(NO_NEARER * distance_m, LEAST_SHARE * guard_m))
+    return max(0.5 * distance_m, min(LEAVING_SHARE * distance_m, MIN_SHARE * guard_m))
 
 
 def max_gap(guard_m: float) -> float:
-    """Return the largest value of `least_gap`, whatever the distance between two bodies."""
+    """Return the largest value of `planned_gap`, whatever the distance between two bodies."""
     return BEYOND_GUARD * guard_m
 
 
-def least_gap(now_m: float, guard_m: float) -> float:
+def planned_gap(now_m: float, guard_m: float) -> float:
     """Return the distance that the planned ways of two bodies have to keep.
 
     It lies beyond the distance at which the protective stop would end a motion: the guard
@@ -66,11 +66,11 @@ def least_gap(now_m: float, guard_m: float) -> float:
 
     Examples
     --------
-    >>> least_gap(1.0, guard_m=0.1)
+    >>> planned_gap(1.0, guard_m=0.1)
     0.12
-    >>> least_gap(0.11, guard_m=0.1)
+    >>> planned_gap(0.11, guard_m=0.1)
     0.1
-    >>> least_gap(0.08, guard_m=0.1)
+    >>> planned_gap(0.08, guard_m=0.1)
     0.06
     """
     beyond = max_gap(guard_m)
@@ -82,7 +82,7 @@ def least_gap(now_m: float, guard_m: float) -> float:
 
 
 def conflict(way_a: Sweep, body_a: Sweep, way_b: Sweep, body_b: Sweep, guard_m: float) -> bool:
-    """Return whether two ways come nearer to one another than `least_gap` allows.
+    """Return whether two ways come nearer to one another than `planned_gap` allows.
 
     Parameters
     ----------
@@ -96,4 +96,4 @@ def conflict(way_a: Sweep, body_a: Sweep, way_b: Sweep, body_b: Sweep, guard_m: 
     apart_m = way_a.distance_to(way_b)
     if apart_m >= max_gap(guard_m):
         return False
-    return apart_m < least_gap(body_a.distance_to(body_b), guard_m)
+    return apart_m < planned_gap(body_a.distance_to(body_b), guard_m)

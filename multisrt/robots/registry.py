@@ -19,9 +19,9 @@ from multisrt.geometry.errors import InvalidInputError, did_you_mean
 from multisrt.geometry.regions.safe_region import Shape
 from multisrt.planners.motion.kinematics import Car
 from multisrt.robots.explorer import Explorer, RobotSelf
-from multisrt.robots.frontier.alvarez import explorer_by_rules
+from multisrt.robots.frontier.alvarez import rules_explorer
 from multisrt.robots.frontier.explore import FrontierExplorer, Rule
-from multisrt.robots.frontier.nearness import drive_as_wanted
+from multisrt.robots.frontier.nearness import drive_by_option
 from multisrt.robots.frontier.options import (
     BiddingOptions,
     RulesOptions,
@@ -268,7 +268,7 @@ def _bids(
     fits: Callable[[RunSpec], None] | None = None,
 ) -> Strategy:
     def explorer(me: RobotSelf, options: BiddingOptions) -> Explorer:
-        return FrontierExplorer(me, options, rule, drive_as_wanted, watch)
+        return FrontierExplorer(me, options, rule, drive_by_option, watch)
 
     def require_fit(spec: RunSpec) -> None:
         if spec.options.get("drive", options().drive) == "nearness-diagram":
@@ -325,7 +325,7 @@ _OWN = (
         name="rules",
         summary="Álvarez: scores of unexplored cells, right of way, and swaps of goals",
         options=RulesOptions,
-        explorer=explorer_by_rules,
+        explorer=rules_explorer,
         fits=_require_talk,
     ),
 )

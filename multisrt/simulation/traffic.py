@@ -15,7 +15,7 @@ import shapely
 from multisrt.geometry.bodies.collision import Body, body_distance
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.geometry.numerics.boxes import boxes_meeting
+from multisrt.geometry.numerics.boxes import intersecting_boxes
 from multisrt.geometry.numerics.kernel import FloatArray
 from multisrt.geometry.regions.edge_index import EdgeIndex
 from multisrt.geometry.regions.line_of_sight import line_of_sight
@@ -236,7 +236,7 @@ class Traffic:
         return [other for other in self._meeting(box, slack) if other != robot]
 
     def _meeting(self, box: Box, slack: FloatArray) -> list[int]:
-        count = boxes_meeting(self._boxes, slack, box, self._found)
+        count = intersecting_boxes(self._boxes, slack, box, self._found)
         found: list[int] = self._found[:count].tolist()
         return found
 

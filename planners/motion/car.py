@@ -35,7 +35,7 @@ FAN = tuple(k * math.pi / 4.0 for k in (0, 1, -1, 2, -2, 3, -3, 4))
 MAX_PLANS = 2
 """Bounds the headings at a place for which a sampling-based plan is made."""
 
-MOST_SEED = 2**31 - 1
+MAX_SEED = 2**31 - 1
 """Maximum seed of OMPL; the minimum is 1."""
 
 
@@ -47,7 +47,7 @@ def car_way(
     goal: Configuration,
     seed: int,
     *,
-    most_checks: int = MAX_CHECKS,
+    max_checks: int = MAX_CHECKS,
 ) -> Trajectory | None:
     """Return a motion from one configuration to another inside a region.
 
@@ -61,7 +61,7 @@ def car_way(
         Ends of the motion.
     seed : int
         Seed of the sampling-based planner, 0 or more.
-    most_checks : int
+    max_checks : int
         Maximum number of motions that the planner checks; 0 to try the shortest curve only.
 
     Returns
@@ -83,7 +83,7 @@ def car_way(
     if room is None:
         return None
     return shortest_way(car, room, start, goal) or _planned(
-        car, room, start, goal, seed, _Budget(most_checks)
+        car, room, start, goal, seed, _Budget(max_checks)
     )
 
 
@@ -96,7 +96,7 @@ def car_ways(
     y: float,
     seed: int,
     *,
-    most_checks: int = MAX_CHECKS,
+    max_checks: int = MAX_CHECKS,
 ) -> tuple[Trajectory, Trajectory] | None:
     """Return a motion to a place and one back, both inside a region.
 
@@ -115,7 +115,7 @@ def car_ways(
         The place in metres.
     seed : int
         Seed of the sampling-based planner, 0 or more.
-    most_checks : int
+    max_checks : int
         Maximum number of motions that all plans together check; 0 to try shortest curves only.
 
     Returns
@@ -138,7 +138,7 @@ def car_ways(
         found.append((goal, out, back))
     # Headings for which one direction is known already come first.
     found.sort(key=lambda ways: ways[1] is None and ways[2] is None)
-    budget = _Budget(most_checks)
+    budget = _Budget(max_checks)
     for goal, out, back in found[:MAX_PLANS]:
         out = out or _planned(car, room, start, goal, seed, budget)
         if car.reverse:
@@ -199,7 +199,7 @@ def _planned(
     from ompl import base, geometric, util
 
     util.setLogLevel(util.LogLevel.LOG_NONE)
-    util.RNG.setSeed(seed % MOST_SEED + 1)
+    util.RNG.setSeed(seed % MAX_SEED + 1)
     space = state_space(car.reverse, car.turning_radius_m)
     x0, y0, x1, y1 = room.bounds
     bounds = base.RealVectorBounds(2)

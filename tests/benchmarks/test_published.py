@@ -5,7 +5,7 @@ import pytest
 
 from benchmarks import published
 from multisrt.experiments.crossing import runs
-from multisrt.experiments.description import ExperimentSpec
+from multisrt.experiments.spec import ExperimentSpec
 from multisrt.simulation.simulate import simulate
 
 EXPERIMENT = ExperimentSpec(

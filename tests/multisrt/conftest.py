@@ -12,7 +12,7 @@ from multisrt.experiments.mission import make_run
 
 RUNNER = """
 import sys
-from multisrt.experiments.description import ExperimentSpec
+from multisrt.experiments.spec import ExperimentSpec
 from multisrt.experiments.runner import run_experiment
 from multisrt.experiments.store import Store
 from multisrt.geometry.errors import InvalidInputError

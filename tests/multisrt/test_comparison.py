@@ -12,7 +12,8 @@ import shapely
 import multisrt as ms
 from multisrt import comparison
 from multisrt.comparison import Comparison, compare
-from multisrt.experiments.description import (
+from multisrt.experiments.mission import make_run
+from multisrt.experiments.spec import (
     EnvironmentChoice,
     ExperimentSpec,
     MemberChoice,
@@ -21,7 +22,6 @@ from multisrt.experiments.description import (
     StrategyChoice,
     TeamChoice,
 )
-from multisrt.experiments.mission import make_run
 from multisrt.experiments.store import Store
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.reporting import page
@@ -206,7 +206,7 @@ def test_a_named_store_is_kept(asked, tmp_path):
     compare("open", TWO, seeds=2, store=tmp_path / "kept.sqlite", recordings="failed")
     with Store.open(tmp_path / "kept.sqlite") as store:
         assert store.experiment == asked[0][0]
-        assert store.asked == 4
+        assert store.planned == 4
 
 
 def test_without_a_store_no_file_is_left(asked, tmp_path, monkeypatch):
@@ -227,7 +227,7 @@ def found(here, tmp_path, monkeypatch) -> Comparison:
 
 
 def test_tables_figures_and_frames(found, tmp_path):
-    assert len(found.results) == found.results.asked == 8
+    assert len(found.results) == found.results.planned == 8
     table = found.table("total_distance_m")
     assert repr(table) == str(table) == table.text()
     assert [row[0].text for row in table.rows] == ["two rooms", "two rooms"]

@@ -6,7 +6,7 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from multisrt.geometry.grids.raster import FARTHEST_CELL, OFFSET, Window, moved, window_over
+from multisrt.geometry.grids.raster import MAX_CELL_INDEX, OFFSET, Window, moved, window_over
 from multisrt.geometry.numerics.arrays import BoolArray, ByteArray, FloatArray, Int32Array
 from multisrt.geometry.numerics.boxes import bounds_of
 from multisrt.geometry.numerics.kernel import kernel
@@ -122,10 +122,10 @@ def holds_region(layers: Layers, boundary: FloatArray, margin_m: float) -> bool:
     Returns
     -------
     bool
-        False also if a corner is not finite or beyond `FARTHEST_CELL`.
+        False also if a corner is not finite or beyond `MAX_CELL_INDEX`.
     """
     cell = layers.cell_m
-    farthest = FARTHEST_CELL * cell
+    farthest = MAX_CELL_INDEX * cell
     for i in range(boundary.shape[0]):
         if not (abs(boundary[i, 0]) < farthest and abs(boundary[i, 1]) < farthest):
             return False

@@ -61,7 +61,7 @@ Scores = tuple[tuple[float, float, float, float, float, float], ...]
 """x, y, score, and the terms of the score (distance, turn, others) of the best cells."""
 
 
-def explorer_by_rules(me: RobotSelf, options: RulesOptions) -> FrontierExplorer:
+def rules_explorer(me: RobotSelf, options: RulesOptions) -> FrontierExplorer:
     """Return the explorer of one robot."""
     rules = Rules()
     return FrontierExplorer(me, options, rules.choose, rules.drive)

@@ -20,7 +20,7 @@ from multisrt.geometry.configuration import Configuration, wrap_angle
 from multisrt.geometry.numerics.distances import inside
 from multisrt.geometry.numerics.kernel import FloatArray
 from multisrt.planners.motion.body import PlanningBody
-from multisrt.planners.motion.car import FAN, MOST_SEED, car_ways, shortest_way
+from multisrt.planners.motion.car import FAN, MAX_SEED, car_ways, shortest_way
 from multisrt.planners.motion.curves import curve_length
 from multisrt.planners.motion.kinematics import Car
 from multisrt.planners.motion.room import Room
@@ -143,9 +143,9 @@ class CarPlanner:
     def _sampled(self, here: Trajectory, rings: FloatArray, ends: list[End]) -> Plan | None:
         """Plan by sampling, out and back to here."""
         for x, y, _, _ in ends:
-            seed = int(self._me.rng.integers(1, MOST_SEED))
+            seed = int(self._me.rng.integers(1, MAX_SEED))
             ways = car_ways(
-                self._body, self._car, rings, here.end, x, y, seed, most_checks=MAX_CHECKS
+                self._body, self._car, rings, here.end, x, y, seed, max_checks=MAX_CHECKS
             )
             if ways is not None:
                 return Plan(here, *ways, 0.0)

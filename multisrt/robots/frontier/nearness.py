@@ -36,7 +36,7 @@ MIN_MARGIN_M = 0.004
 """Distance that the diagram always keeps."""
 
 
-def drive_as_wanted(robot: FrontierRobot, goal: Goal) -> Driven:
+def drive_by_option(robot: FrontierRobot, goal: Goal) -> Driven:
     """Follow a goal's path, or steer along it by the diagram, as the option `drive` says.
 
     Where the diagram makes no progress, the path is followed. Parameters and result are those of

@@ -254,7 +254,7 @@ class Team(Listener):
             return False
         offered_s = self._offered_s.get(report.robot, -math.inf)
         lately = self._course.time_s < offered_s + self.period_s
-        if lately or not self._entries.more_than(have_of(report.have)):
+        if lately or not self._entries.has_more_than(have_of(report.have)):
             return False
         self._offered_s[report.robot] = self._course.time_s
         return True

@@ -9,7 +9,7 @@ from contextlib import contextmanager
 import numpy as np
 from scipy import ndimage
 
-from multisrt.geometry.bodies.clearance import keep_off
+from multisrt.geometry.bodies.clearance import paths_keep_clear
 from multisrt.geometry.grids.distance_field import DistanceField
 from multisrt.geometry.grids.euclidean_field import EuclideanField
 from multisrt.geometry.grids.grid_path import shortest_path
@@ -21,7 +21,7 @@ from multisrt.robots.frontier.fields import NEAR_BY_CELLS, DistanceFields, indic
 from multisrt.robots.frontier.goal import Goal, Place, length_of
 from multisrt.robots.frontier.options import FrontierOptions
 from multisrt.robots.frontier.scan_map import ScanMap
-from multisrt.robots.protective_stop import least_gap
+from multisrt.robots.protective_stop import planned_gap
 
 ROUNDING_M = 1e-9
 """Distances that differ by less than this are equal."""
@@ -189,6 +189,6 @@ class Ways:
         guard_m, discs = self._options.guard_m, self._discs.copy()
         for disc in discs:
             apart, radii = math.dist(disc[:2], (x, y)), disc[2]
-            gap = min(guard_m, least_gap(max(0.0, apart - radii), guard_m))
+            gap = min(guard_m, planned_gap(max(0.0, apart - radii), guard_m))
             disc[2] = min(apart - ROUNDING_M, radii + gap)
-        return bool(keep_off(np.array([[x, y, *place]]), discs)[0])
+        return bool(paths_keep_clear(np.array([[x, y, *place]]), discs)[0])

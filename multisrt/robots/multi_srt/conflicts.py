@@ -11,7 +11,7 @@ from functools import cached_property
 from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.planners.motion.sweep import SAGITTA_M, Sweep
 from multisrt.planners.motion.trajectory import Trajectory
-from multisrt.robots.protective_stop import conflict, least_gap, max_gap
+from multisrt.robots.protective_stop import conflict, max_gap, planned_gap
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -113,7 +113,7 @@ class Conflicts:
     def gap(self, i: int, j: int) -> float:
         """Return the distance in metres that the ways of two robots have to keep."""
         apart_m = self.prospects[i].body.distance_to(self.prospects[j].body)
-        return least_gap(apart_m, self.guard_m)
+        return planned_gap(apart_m, self.guard_m)
 
     def meet(self, i: int, way_i: Sweep, j: int, way_j: Sweep) -> bool:
         """Return whether ways of two robots conflict; those that both stay never do."""

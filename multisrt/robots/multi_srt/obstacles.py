@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from multisrt.geometry.bodies.clearance import keep_off
+from multisrt.geometry.bodies.clearance import paths_keep_clear
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.numerics.distances import inside
 from multisrt.geometry.numerics.kernel import BoolArray, FloatArray
@@ -102,4 +102,4 @@ class Obstacles:
 
     def are_passed_by(self, ways: FloatArray) -> BoolArray:
         """Return which straight ways ``(n, 4)`` keep off all bodies, in any heading."""
-        return keep_off(ways, self.berths)
+        return paths_keep_clear(ways, self.berths)

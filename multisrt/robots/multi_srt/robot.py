@@ -72,8 +72,8 @@ class SrtRobot:
         self.options = options
         self.planner = SrtPlanner(body, me.kinematics, options, d_min_m)
         self.map = ExplorationMap(
-            reach_m=me.longest_range_m,
-            shortest_arc_m=width_m,
+            reach_m=me.max_range_m,
+            min_arc_m=width_m,
             gaps_count=options.gaps_count,
             robot=me.robot,
         )

@@ -11,7 +11,7 @@ from shapely.geometry.base import BaseGeometry
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.numerics.kernel import FloatArray
 from multisrt.planners.motion.body import PlanningBody
-from multisrt.planners.motion.car import MOST_SEED, car_way, car_ways
+from multisrt.planners.motion.car import MAX_SEED, car_way, car_ways
 from multisrt.planners.motion.kinematics import Car, Holonomic, turns_between
 from multisrt.planners.motion.roadmap import Roadmap
 from multisrt.planners.motion.steering import steer, turn_and_drive
@@ -170,7 +170,7 @@ class Ways:
         assert isinstance(self.me.kinematics, Car)
         region = a.region.polygon().union(b.region.polygon())
         start, goal = a.configuration, b.configuration
-        return car_way(self.body, self.me.kinematics, region, start, goal, 1, most_checks=0)
+        return car_way(self.body, self.me.kinematics, region, start, goal, 1, max_checks=0)
 
     def _join(self, a: NodeId, b: NodeId) -> None:
         self._roomy.update(((a, b), (b, a)))
@@ -212,7 +212,7 @@ class Ways:
         self, at: Configuration, region: FloatArray | BaseGeometry, x: float, y: float
     ) -> bool:
         assert isinstance(self.me.kinematics, Car)
-        seed = int(self.me.rng.integers(1, MOST_SEED))
+        seed = int(self.me.rng.integers(1, MAX_SEED))
         found = car_ways(self.body, self.me.kinematics, region, at, x, y, seed)
         if found is None:
             return False

@@ -5,7 +5,7 @@ import shapely
 from hypothesis import given
 from hypothesis import strategies as st
 
-from multisrt.geometry.numerics.boxes import all_below, bounds_of, boxes_meeting
+from multisrt.geometry.numerics.boxes import all_below, bounds_of, intersecting_boxes
 
 # Multiples of a quarter, so that borders often touch and nothing is rounded.
 numbers = st.integers(-20, 20).map(lambda n: n / 4.0)
@@ -27,7 +27,7 @@ def test_boxes_that_meet_agree_with_shapely(many, one):
         )
     ]
     found = np.empty(len(many), np.int64)
-    assert found[: boxes_meeting(given_boxes, slacks, one, found)].tolist() == expected
+    assert found[: intersecting_boxes(given_boxes, slacks, one, found)].tolist() == expected
 
 
 coordinates = st.floats(-20.0, 20.0) | st.sampled_from([np.nan, np.inf, -np.inf, 10.0, -10.0])

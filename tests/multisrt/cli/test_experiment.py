@@ -16,11 +16,11 @@ from multisrt import cli
 from multisrt.cli.experiment_check import MAX_ROWS
 from multisrt.experiments import runner, template, worker
 from multisrt.experiments.crossing import runs
-from multisrt.experiments.description import ExperimentSpec, schema
 from multisrt.experiments.live import LiveProgress, duration, note_of
 from multisrt.experiments.mission import make_run
 from multisrt.experiments.results import Result
 from multisrt.experiments.runner import Progress
+from multisrt.experiments.spec import ExperimentSpec, schema
 from multisrt.experiments.store import Store
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.presets import PRESETS

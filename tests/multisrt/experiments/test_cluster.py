@@ -12,8 +12,8 @@ from pathlib import Path
 import msgspec
 import pytest
 
-from multisrt.experiments.description import ExperimentSpec
 from multisrt.experiments.runner import run_experiment
+from multisrt.experiments.spec import ExperimentSpec
 from multisrt.experiments.store import Store
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.recording import Recording

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from multisrt.environments.environment import Environment
 from multisrt.experiments import run_specs
 from multisrt.experiments.crossing import Condition, conditions, key_of, runs
-from multisrt.experiments.description import ExperimentSpec
+from multisrt.experiments.spec import ExperimentSpec
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.simulation.starts import starts_of
 from multisrt.simulation.worlds import build_environment

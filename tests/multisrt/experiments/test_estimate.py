@@ -7,9 +7,9 @@ import pytest
 
 from multisrt.experiments import estimate as module
 from multisrt.experiments.crossing import runs
-from multisrt.experiments.description import ExperimentSpec
 from multisrt.experiments.estimate import MAX_PROBES, estimate
 from multisrt.experiments.results import Result
+from multisrt.experiments.spec import ExperimentSpec
 
 WORLD = {"open": 1.0, "garden": 3.0, "museum": 0.5}
 WAY = {"srt-star": 1.0, "srt-radial": 0.4, "minpos": 6.0}

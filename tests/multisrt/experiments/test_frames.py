@@ -12,11 +12,11 @@ import pytest
 import multisrt as ms
 from multisrt.analysis.metrics import Metrics
 from multisrt.experiments.crossing import runs
-from multisrt.experiments.description import ExperimentSpec, Limits
 from multisrt.experiments.frames import columns, export, frame_of, load_results, rows
 from multisrt.experiments.measures import MEASURES
 from multisrt.experiments.mission import make_run
 from multisrt.experiments.results import Result
+from multisrt.experiments.spec import ExperimentSpec, Limits
 from multisrt.experiments.store import Store
 from multisrt.geometry.errors import InvalidInputError
 

@@ -11,7 +11,7 @@ from pathlib import Path
 import msgspec
 import pytest
 
-from multisrt.experiments.description import ExperimentSpec
+from multisrt.experiments.spec import ExperimentSpec
 from multisrt.experiments.store import Store
 from multisrt.geometry.errors import InvalidInputError
 

@@ -14,8 +14,8 @@ from multisrt.environments.catalog import environment
 from multisrt.events import NodeAdded
 from multisrt.experiments import limits as limits_module
 from multisrt.experiments.crossing import PlannedRun, runs
-from multisrt.experiments.description import ExperimentSpec, Limits, StartsChoice
 from multisrt.experiments.mission import make_run, world_of
+from multisrt.experiments.spec import ExperimentSpec, Limits, StartsChoice
 from multisrt.recording import Recording
 from multisrt.robots.registry import Strategy, _registry
 from multisrt.simulation.simulate import simulate

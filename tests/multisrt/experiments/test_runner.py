@@ -11,11 +11,11 @@ import msgspec
 import pytest
 
 from multisrt.experiments.crossing import runs
-from multisrt.experiments.description import ExperimentSpec, Limits
 from multisrt.experiments.mission import make_run
 from multisrt.experiments.provenance import provenance
 from multisrt.experiments.results import Result
 from multisrt.experiments.runner import cores, job_of, run_experiment
+from multisrt.experiments.spec import ExperimentSpec, Limits
 from multisrt.experiments.store import Store
 from multisrt.experiments.worker import StoppedError, Worker
 from multisrt.geometry.errors import InvalidInputError

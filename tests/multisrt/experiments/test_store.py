@@ -6,9 +6,9 @@ import msgspec
 import pytest
 
 from multisrt.experiments.crossing import runs
-from multisrt.experiments.description import ExperimentSpec, Limits
 from multisrt.experiments.mission import make_run
 from multisrt.experiments.results import Result
+from multisrt.experiments.spec import ExperimentSpec, Limits
 from multisrt.experiments.store import Store
 from multisrt.experiments.store_file import FORMAT
 from multisrt.geometry.errors import InvalidInputError
@@ -58,12 +58,12 @@ def test_results_are_read_back_unchanged(path):
         store.add(crashed)
         store.add(made)
         assert store.results().results == (made, crashed)
-        assert (store.done, store.failed, store.asked) == (2, 1, 16)
+        assert (store.done, store.failed, store.planned) == (2, 1, 16)
     with Store.open(path) as store:
         results = store.results()
     assert results.results == (made, crashed)
     assert results.experiment == SPEC
-    assert results.asked == 16
+    assert results.planned == 16
     assert results.provenance.program == store.provenance.program
 
 
@@ -165,7 +165,7 @@ def test_an_experiment_may_grow(filled, more):
         assert len(store.missing()) == len(runs(spec)) - 3
     with Store.open(filled) as store:
         assert store.experiment == spec
-        assert store.asked == len(runs(spec))
+        assert store.planned == len(runs(spec))
         order = [run.key for run in runs(spec)]
         keys = [result.key for result in store.results()]
         assert keys == sorted(keys, key=order.index)

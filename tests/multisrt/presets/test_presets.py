@@ -12,9 +12,9 @@ import pytest
 from multisrt import cli
 from multisrt.analysis.metrics import Metrics
 from multisrt.experiments.crossing import Condition, conditions, runs
-from multisrt.experiments.description import ExperimentSpec
 from multisrt.experiments.provenance import provenance
 from multisrt.experiments.results import Result, Results
+from multisrt.experiments.spec import ExperimentSpec
 from multisrt.experiments.store import Store
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.presets import PRESETS, alvarez, minpos, multi_srt, preset_named, sbx_r
@@ -42,7 +42,7 @@ Values = Callable[[Condition, int], dict[str, object] | None]
 QUICK_SRT = multi_srt.experiment(True)
 
 
-def made(spec: ExperimentSpec, values: Values, asked: int | None = None) -> Results:
+def made(spec: ExperimentSpec, values: Values, planned: int | None = None) -> Results:
     """Results of all runs of an experiment; None for one that was given up."""
     found = []
     for repetition in range(spec.repetitions):
@@ -58,7 +58,7 @@ def made(spec: ExperimentSpec, values: Values, asked: int | None = None) -> Resu
                     metrics=None if given is None else msgspec.structs.replace(PLAIN, **given),
                 )
             )
-    return Results(spec, found, asked or len(found), provenance())
+    return Results(spec, found, planned or len(found), provenance())
 
 
 def none_of(spec: ExperimentSpec) -> Results:
@@ -318,7 +318,7 @@ def test_half_of_the_comparisons_is_not_enough():
 def test_pairs_are_of_one_repetition_also_where_runs_are_missing():
     whole = made(QUICK_SRT, lambda at, k: {"exploration_time_s": 100.0 * at.robots + k})
     left = [r for r in whole if (r.condition.robots, r.repetition) not in {(1, 0), (1, 5), (2, 3)}]
-    cells = Cells(Results(whole.experiment, left, whole.asked, whole.provenance))
+    cells = Cells(Results(whole.experiment, left, whole.planned, whole.provenance))
     alone, two = (next(at for at in cells.conditions() if at.robots == n) for n in (1, 2))
     pairs = cells.paired("there", lower=alone, higher=two, measure=multi_srt.TIME)
     assert pairs.lower == (101.0, 102.0, 104.0, 106.0, 107.0, 108.0, 109.0)
@@ -427,7 +427,7 @@ def test_claims_of_multi_srt_that_may_be_chance():
 def test_claims_of_multi_srt_without_runs_enough():
     for results in (
         none_of(QUICK_SRT),
-        made(msgspec.structs.replace(QUICK_SRT, repetitions=2), srt(), asked=10_000),
+        made(msgspec.structs.replace(QUICK_SRT, repetitions=2), srt(), planned=10_000),
     ):
         assert {claim.verdict for claim in multi_srt.claims(results)} == {"not tested"}
 
@@ -751,8 +751,8 @@ def test_a_summary_has_everything(name):
         for deviation in preset.deviations:
             assert deviation in text
         assert f"{preset.experiment(True).repetitions} repetitions" in text
-        assert f"Runs: {len(results)} of {results.asked}" in text
-        assert ("runs are missing" in text) == (len(results) < results.asked)
+        assert f"Runs: {len(results)} of {results.planned}" in text
+        assert ("runs are missing" in text) == (len(results) < results.planned)
 
 
 def test_a_summary_lists_runs_that_failed():

@@ -13,10 +13,10 @@ from matplotlib.patches import PathPatch
 import multisrt as ms
 from multisrt.drawing.colours import INK
 from multisrt.experiments.crossing import Condition
-from multisrt.experiments.description import ExperimentSpec
 from multisrt.experiments.measures import measure_named
 from multisrt.experiments.provenance import provenance
 from multisrt.experiments.results import Result, Results
+from multisrt.experiments.spec import ExperimentSpec
 from multisrt.reporting import figures, overall_figures
 from multisrt.reporting.study import Study
 from multisrt.reporting.style import look_of

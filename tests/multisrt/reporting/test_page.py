@@ -15,9 +15,9 @@ import multisrt as ms
 from multisrt.cli import cli
 from multisrt.drawing.svg import printable
 from multisrt.experiments.crossing import Condition, runs
-from multisrt.experiments.description import ExperimentSpec, StrategyChoice
 from multisrt.experiments.provenance import provenance
 from multisrt.experiments.results import Result, Results
+from multisrt.experiments.spec import ExperimentSpec, StrategyChoice
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.reporting import figures
 from multisrt.reporting import page as page_module

@@ -17,10 +17,10 @@ import multisrt as ms
 from multisrt.analysis.metrics import Metrics
 from multisrt.drawing.svg import printable
 from multisrt.experiments.crossing import Condition
-from multisrt.experiments.description import ExperimentSpec
 from multisrt.experiments.measures import MEASURES, measure_named
 from multisrt.experiments.provenance import provenance
 from multisrt.experiments.results import Result, Results
+from multisrt.experiments.spec import ExperimentSpec
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.reporting.layout import Cell, Table, latex_escaped, number, slug
 from multisrt.reporting.study import Study, chosen_measures
@@ -47,7 +47,7 @@ def measured() -> Metrics:
 
 @pytest.fixture(scope="module")
 def make(measured: Metrics) -> Make:
-    def results(times, *, asked: int | None = None) -> Results:
+    def results(times, *, planned: int | None = None) -> Results:
         # Times by (environment, strategy, robots); None is a run that crashed.
         found = [
             result_of(Condition(environment=environment, strategy=strategy, robots=robots), k, time)
@@ -55,7 +55,7 @@ def make(measured: Metrics) -> Make:
             for k, time in enumerate(own)
         ]
         spec = ExperimentSpec(name="made up", environments=("open",), strategies=("srt-star",))
-        return Results(spec, found, len(found) if asked is None else asked, provenance())
+        return Results(spec, found, len(found) if planned is None else planned, provenance())
 
     def result_of(condition: Condition, repetition: int, time: float | None) -> Result:
         key = f"{condition}-{repetition}"
@@ -368,7 +368,7 @@ def test_single_strategy_has_nothing_to_be_compared_with(make):
 
 
 def test_missing_runs_are_said_to_be_missing(make):
-    text = what_was_run(Study(make({("w", "a", 1): [1.0, None]}, asked=5)))
+    text = what_was_run(Study(make({("w", "a", 1): [1.0, None]}, planned=5)))
     assert "5 runs asked for, 2 made (3 still missing" in text
     assert "1 of them failed" in text
 

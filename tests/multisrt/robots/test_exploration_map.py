@@ -45,7 +45,7 @@ def box_node(serial: int, x0: float, y0: float, x1: float, y1: float, open_sides
 
 
 def new_map(**options) -> ExplorationMap:
-    return ExplorationMap(**{"reach_m": REACH, "shortest_arc_m": WIDTH} | options)
+    return ExplorationMap(**{"reach_m": REACH, "min_arc_m": WIDTH} | options)
 
 
 def map_of(nodes, **options) -> ExplorationMap:
@@ -198,10 +198,10 @@ def test_an_opening_may_narrow_far_from_its_node():
         box_node(0, 0.0, 0.0, 4.0, 0.3, "above"),
         box_node(1, -4.0, 0.0, 0.0, 0.3, "above"),
     ]
-    known = map_of(parts, shortest_arc_m=7.0)
+    known = map_of(parts, min_arc_m=7.0)
     assert known.open_nodes() == [NodeId(0, 0), NodeId(0, 1)]
     known.add(box_node(2, -8.0, 0.2, -2.2, 1.0, ""))
-    assert known.open_nodes() == map_of([*known.nodes], shortest_arc_m=7.0).open_nodes() == []
+    assert known.open_nodes() == map_of([*known.nodes], min_arc_m=7.0).open_nodes() == []
 
 
 def closing(number: int, arc, serial: int = 0, **fields) -> Closing:
@@ -361,10 +361,10 @@ def check_against_a_map_without_history(known: ExplorationMap, **options) -> Non
 @pytest.mark.parametrize("source", ["rooms", "starry_office"])
 def test_queries_between_additions_make_no_difference(source, width, request):
     # Everything is asked, and so remembered, after every addition.
-    known = new_map(shortest_arc_m=width)
+    known = new_map(min_arc_m=width)
     for each in request.getfixturevalue(source):
         known.add(each)
-        check_against_a_map_without_history(known, shortest_arc_m=width)
+        check_against_a_map_without_history(known, min_arc_m=width)
 
 
 @given(st.randoms(use_true_random=False))
@@ -388,7 +388,7 @@ def test_the_order_of_additions_makes_no_difference(rooms, random):
 @pytest.mark.parametrize("source", ["rooms", "starry_office"])
 def test_a_frontier_is_on_its_boundary_and_in_no_other_region(source, request):
     nodes = request.getfixturevalue(source)
-    known = map_of(nodes, shortest_arc_m=0.0)
+    known = map_of(nodes, min_arc_m=0.0)
     seen = 0
     for each in nodes:
         segments = known.frontier(each.id)
@@ -407,7 +407,7 @@ def test_a_frontier_is_on_its_boundary_and_in_no_other_region(source, request):
 @pytest.mark.parametrize("source", ["rooms", "starry_office"])
 def test_nothing_that_is_open_is_forgotten(source, request):
     nodes = request.getfixturevalue(source)
-    known = map_of(nodes, shortest_arc_m=0.0)
+    known = map_of(nodes, min_arc_m=0.0)
     for each in nodes:
         candidates = frontier_candidates(each.region.boundary, each.region.tags)
         lines = shapely.multilinestrings(shapely.linestrings(candidates.reshape(-1, 2, 2)))

@@ -27,13 +27,13 @@ WORLDS = ("apartment", "cave", "office")
 SHAPES = ("radial", "star", "ball")
 
 
-def new_map(robot: int | None = None, shortest_arc_m: float = 0.3) -> ExplorationMap:
+def new_map(robot: int | None = None, min_arc_m: float = 0.3) -> ExplorationMap:
     width = min(WIDTHS) if robot is None else WIDTHS[robot]
-    return ExplorationMap(reach_m=REACH, shortest_arc_m=shortest_arc_m, width_m=width, robot=robot)
+    return ExplorationMap(reach_m=REACH, min_arc_m=min_arc_m, width_m=width, robot=robot)
 
 
-def map_of(entries, robot: int | None = None, shortest_arc_m: float = 0.3) -> ExplorationMap:
-    known = new_map(robot, shortest_arc_m)
+def map_of(entries, robot: int | None = None, min_arc_m: float = 0.3) -> ExplorationMap:
+    known = new_map(robot, min_arc_m)
     known.merge(entries)
     return known
 
@@ -165,7 +165,7 @@ def test_lost_entries_are_asked_for_again(teams, team, data, random):
     known.merge(lacking)
     assert_same(known, source)
     assert source.entries.lacks(known.entries.have()) == ()
-    assert not source.entries.more_than(known.entries.have())
+    assert not source.entries.has_more_than(known.entries.have())
 
 
 @given(TEAMS, st.data())
@@ -175,7 +175,7 @@ def test_robots_that_exchange_what_they_lack_know_the_same(teams, team, data):
     shares = st.lists(st.sampled_from(entries), max_size=len(entries))
     one, other = map_of(data.draw(shares), 0), map_of(data.draw(shares), 1)
     for each, else_ in ((one, other), (other, one)):
-        assert each.entries.more_than(else_.entries.have()) == (
+        assert each.entries.has_more_than(else_.entries.have()) == (
             len(each.entries.lacks(else_.entries.have())) > 0
         )
     for_one, for_other = (
@@ -255,8 +255,8 @@ def test_missing_entries_come_by_robot_kind_and_number():
     assert lacking({}) == [*one, ClosingId(1, 5), *three, ClosingId(3, 0)]
     assert lacking({1: (1, 0), 3: (1, 1), 8: (9, 9)}) == [one[1], ClosingId(1, 5), three[1]]
     assert lacking({1: (2, 6), 3: (3, 1)}) == []
-    assert known.entries.more_than({1: (2, 5), 3: (3, 1)})
-    assert not known.entries.more_than({1: (2, 6), 3: (3, 1)})
+    assert known.entries.has_more_than({1: (2, 5), 3: (3, 1)})
+    assert not known.entries.has_more_than({1: (2, 6), 3: (3, 1)})
 
 
 @pytest.mark.parametrize("entry", [plain_node(0, -1), plain_closing(0, -1)])
@@ -353,7 +353,7 @@ def test_a_frontier_lies_in_no_known_region(teams, team, random, count):
     # Points a little outside of every frontier arc are in no region at all.
     nodes = [e for e in teams[team] if isinstance(e, Node)]
     random.shuffle(nodes)
-    known = map_of(nodes[:count], shortest_arc_m=0.0)
+    known = map_of(nodes[:count], min_arc_m=0.0)
     regions = [n.region.polygon().buffer(-1e-4) for n in nodes[:count]]
     for node in nodes[:count]:
         arcs = known.frontier(node.id)
@@ -376,7 +376,7 @@ def test_all_frontier_is_the_border_of_the_union_and_counts_once(teams, team, ra
     nodes = [e for e in teams[team] if isinstance(e, Node)]
     random.shuffle(nodes)
     nodes = nodes[:count]
-    known = map_of(nodes, shortest_arc_m=0.0)
+    known = map_of(nodes, min_arc_m=0.0)
     candidates = np.vstack([frontier_candidates(n.region.boundary, n.region.tags) for n in nodes])
     border = shapely.union_all([n.region.polygon() for n in nodes]).boundary
     expected = border.intersection(lines(candidates).buffer(1e-6))
@@ -404,12 +404,12 @@ def test_boxes_that_share_borders_have_the_border_of_their_union(boxes, random):
         for k, (x, y, w, h) in enumerate(boxes)
     ]
     shuffled = random.sample(nodes, len(nodes))
-    known = map_of(shuffled, shortest_arc_m=0.0)
+    known = map_of(shuffled, min_arc_m=0.0)
     border = shapely.union_all([n.region.polygon() for n in nodes]).boundary
     assert known.open_frontier_m() == pytest.approx(border.length, abs=1e-3)
     found = lines(np.vstack([known.frontier(n.id) for n in nodes]))
     assert border.difference(found.buffer(1e-5)).length < 1e-3
-    assert_same(known, map_of(nodes, shortest_arc_m=0.0))
+    assert_same(known, map_of(nodes, min_arc_m=0.0))
 
 
 def test_two_scans_at_one_place_share_their_frontier(worlds):

@@ -8,11 +8,11 @@ from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.planners.motion.sweep import Sweep
 from multisrt.planners.motion.trajectory import Trajectory, Waypoint
 from multisrt.robots.protective_stop import (
-    LEAST_SHARE,
-    NO_NEARER,
+    LEAVING_SHARE,
+    MIN_SHARE,
     conflict,
-    least_gap,
     max_gap,
+    planned_gap,
     stop_within,
 )
 
@@ -34,17 +34,17 @@ def test_bodies_within_the_guard_stop_at_half_but_not_a_quarter(now, stop):
 def test_the_stop_is_below_the_distance_and_above_a_quarter(now, guard):
     stop = stop_within(now, guard)
     assert 0.0 < stop < now
-    assert stop >= NO_NEARER * min(now, LEAST_SHARE * guard)
+    assert stop >= LEAVING_SHARE * min(now, MIN_SHARE * guard)
 
 
 @given(st.just(0.0) | distances, guards)
 def test_planned_ways_keep_beyond_the_protective_stop(now, guard):
-    gap = least_gap(now, guard)
+    gap = planned_gap(now, guard)
     assert gap <= now
     stop = guard if now > guard else stop_within(now, guard)
     assert gap > stop or now == 0.0 or gap == stop == guard
-    assert least_gap(now + 0.1, guard) >= gap
-    assert gap <= max_gap(guard) == least_gap(1e9, guard)
+    assert planned_gap(now + 0.1, guard) >= gap
+    assert gap <= max_gap(guard) == planned_gap(1e9, guard)
 
 
 def swept(*places) -> Sweep:

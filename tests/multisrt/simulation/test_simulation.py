@@ -1072,7 +1072,7 @@ def test_an_explorer_is_given_its_team(monkeypatch):
     simulate(RunSpec(environment=inline(HALL), strategy="team", robots=robots, radio=radio), HALL)
     assert [me.robot for me in selves] == [0, 1, 2]
     assert [me.range_m for me in selves] == [2.0, 5.0, 3.0]
-    assert {(me.team, me.longest_range_m) for me in selves} == {(3, 5.0)}
+    assert {(me.team, me.max_range_m) for me in selves} == {(3, 5.0)}
     assert selves[0].radio.latency_s == 0.75
     assert (selves[0].radio.range_m, selves[0].radio.loss) == (9.0, 0.1)
     assert not selves[0].radio.multi_hop

@@ -53,7 +53,7 @@ def assert_drivable(way, car: Car, body: PlanningBody, region) -> None:
 @pytest.mark.parametrize("car", [BACK, NO_BACK])
 def test_without_obstacles_the_way_is_the_shortest_curve(car):
     start, goal = Configuration(3.0, 3.0, 0.2), Configuration(5.0, 5.0, -2.0)
-    way = car_way(BODY, car, ring(HALL), start, goal, 0, most_checks=0)
+    way = car_way(BODY, car, ring(HALL), start, goal, 0, max_checks=0)
     assert way.length_m == pytest.approx(curve_length(car, start, goal))
     assert way.start == start
     assert way.end == pytest.approx(goal)
@@ -64,7 +64,7 @@ def test_without_obstacles_the_way_is_the_shortest_curve(car):
 @pytest.mark.parametrize("body", [BODY, DISC])
 def test_another_way_is_found_if_a_wall_blocks_the_curve(car, body):
     start, goal = Configuration(2.0, 0.6, 0.0), Configuration(6.0, 0.6, 0.0)
-    assert car_way(body, car, ring(ROOMS), start, goal, 1, most_checks=0) is None
+    assert car_way(body, car, ring(ROOMS), start, goal, 1, max_checks=0) is None
     for region in (ring(ROOMS), ROOMS):
         way = car_way(body, car, region, start, goal, 1)
         assert way.start == start
@@ -151,8 +151,8 @@ places = st.tuples(st.floats(0.5, 7.5), st.floats(0.5, 7.5), st.floats(-3.1, 3.1
 def test_ways_stay_in_the_region(obstacles, body, car, start, goal, seed):
     region = HALL.difference(shapely.union_all(obstacles))
     start, goal = Configuration(*start), Configuration(*goal)
-    ways = car_ways(body, car, region, start, goal.x, goal.y, seed, most_checks=200) or ()
-    way = car_way(body, car, region, start, goal, seed, most_checks=200)
+    ways = car_ways(body, car, region, start, goal.x, goal.y, seed, max_checks=200) or ()
+    way = car_way(body, car, region, start, goal, seed, max_checks=200)
     for motion in (*ways, *(() if way is None else (way,))):
         assert_drivable(motion, car, body, region)
         for time in np.linspace(0.0, motion.duration_s, 100):

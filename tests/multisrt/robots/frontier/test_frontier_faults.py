@@ -33,7 +33,7 @@ from multisrt.robots import registry
 from multisrt.robots.frontier.driving import drive
 from multisrt.robots.frontier.explore import FrontierExplorer
 from multisrt.robots.frontier.options import FrontierOptions
-from multisrt.robots.protective_stop import LEAST_SHARE
+from multisrt.robots.protective_stop import MIN_SHARE
 from multisrt.robots.registry import Strategy, strategy
 from multisrt.simulation.simulate import simulate
 from multisrt.simulation.worlds import inline
@@ -343,5 +343,5 @@ def test_robots_in_a_crowd_do_not_creep_up_to_each_other(name):
         if later.time_s - earlier.time_s < 1e-3
     ]
     assert len(at_once) <= 3
-    least_m = LEAST_SHARE * FrontierOptions().guard_m
+    least_m = MIN_SHARE * FrontierOptions().guard_m
     assert smallest_distance_between_robots(recording) > 0.95 * least_m

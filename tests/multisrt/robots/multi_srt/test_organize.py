@@ -48,13 +48,13 @@ class ByHand:
         self.around = around or {}
         self.aside = aside or {}
         self.bodies = bodies or {}
-        self.asked = []
+        self.planned = []
 
     def new_targets(self, robot):
         yield from self.targets.get(robot, ())
 
     def detours(self, robot, gap_m, prospects):
-        self.asked.append((robot, gap_m))
+        self.planned.append((robot, gap_m))
         yield from self.around.get(robot, ())
 
     def ways_aside(self, robot, way, gap_m, prospects):

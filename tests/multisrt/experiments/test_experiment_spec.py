@@ -8,7 +8,7 @@ import pytest
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
-from multisrt.experiments.description import (
+from multisrt.experiments.spec import (
     Block,
     BodyChoice,
     EnvironmentChoice,

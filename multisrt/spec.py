@@ -7,7 +7,6 @@ from functools import cache
 from typing import Any, Literal, cast
 
 import msgspec
-import numpy as np
 
 from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.geometry.errors import InvalidInputError
@@ -35,7 +34,7 @@ class CatalogEnvironment(_Spec, frozen=True, kw_only=True, tag_field="from", tag
     Attributes
     ----------
     name : str
-        Its name in the catalogue.
+        Name in the catalogue.
     parameters : dict
         Parameters of a generator that are not its defaults.
     seed : int or None
@@ -80,7 +79,7 @@ class InlineEnvironment(_Spec, frozen=True, kw_only=True, tag_field="from", tag=
     wkt : str
         Free space as well-known text, in metres.
     starts : tuple of (x, y)
-        Suggested starts.
+        Suggested starts, in metres.
     """
 
     name: str
@@ -235,11 +234,9 @@ class RadioSpec(_Spec, frozen=True, kw_only=True):
     loss : float
         Probability, from 0 to below 1, that a message is lost; drawn for each receiver.
     walls : {"pass", "block", "weaken"}
-        Whether walls between two robots have no effect on the link, break it, or weaken the
-        signal by `wall_loss_db` each.
+        Whether a wall between two robots does nothing, breaks the link, or weakens the signal.
     path_loss_exponent : float
-        Exponent of the path loss where walls weaken, 2 in free space. At `range_m` without a
-        wall the signal is just strong enough.
+        Exponent of the path loss where walls weaken; at `range_m` the signal just suffices.
     wall_loss_db : float
         Attenuation by one wall where walls weaken, in decibels.
 
@@ -302,7 +299,7 @@ class Death(_Spec, frozen=True, kw_only=True, tag_field="fault", tag="death"):
 
 
 class Silence(_Spec, frozen=True, kw_only=True, tag_field="fault", tag="silence"):
-    """The radio of a robot fails for a while; the robot goes on.
+    """The radio of a robot fails for a while.
 
     Attributes
     ----------
@@ -311,7 +308,7 @@ class Silence(_Spec, frozen=True, kw_only=True, tag_field="fault", tag="silence"
     time_s : float
         When it fails, in seconds from the start of the run.
     duration_s : float
-        For how long, in seconds.
+        For how long.
     """
 
     robot: int
@@ -356,9 +353,7 @@ class StopRule(_Spec, frozen=True, kw_only=True):
 
     def __post_init__(self) -> None:
         if not 0.0 < self.max_time_s < math.inf:
-            raise InvalidInputError(
-                f"max_time_s is a positive number of seconds, not {self.max_time_s:g}"
-            )
+            raise InvalidInputError(f"max_time_s is a positive time, not {self.max_time_s:g} s")
 
 
 class RunSpec(_Spec, frozen=True, kw_only=True):
@@ -375,7 +370,7 @@ class RunSpec(_Spec, frozen=True, kw_only=True):
     robots : tuple of RobotSpec
         The team.
     starts : {"scattered", "clustered"}
-        Where robots without a `start` are placed: far apart, or close together. A single robot
+        Where robots without a `start` are placed: far apart or close together. A single robot
         starts where the environment suggests, or at a random place.
     radio : RadioSpec
         How messages travel.
@@ -417,7 +412,8 @@ class RunSpec(_Spec, frozen=True, kw_only=True):
 
     def _check_faults(self) -> None:
         for number, fault in enumerate(self.faults):
-            what = f"fault {number + 1} ({_FAULTS[type(fault)]} of robot {fault.robot})"
+            name = str(fault.__struct_config__.tag).replace("_", " ")
+            what = f"fault {number + 1} ({name} of robot {fault.robot})"
             if not 0 <= fault.robot < len(self.robots):
                 raise InvalidInputError(
                     f"{what}: there is no such robot; the {len(self.robots)} count from 0"
@@ -427,9 +423,8 @@ class RunSpec(_Spec, frozen=True, kw_only=True):
                     f"{what}: at {fault.time_s:g} s, which is not within the run; it ends at "
                     f"{self.stop.max_time_s:g} s (stop.max_time_s)"
                 )
-        late = [fault.robot for fault in self.faults if isinstance(fault, LateStart)]
-        dead = [fault.robot for fault in self.faults if isinstance(fault, Death)]
-        for name, robots in (("late_start", late), ("death", dead)):
+        for name, kind in (("late_start", LateStart), ("death", Death)):
+            robots = [fault.robot for fault in self.faults if isinstance(fault, kind)]
             for robot in sorted(set(robots)):
                 if robots.count(robot) > 1:
                     raise InvalidInputError(f"robot {robot} has more than one fault {name}")
@@ -503,26 +498,3 @@ def _less_defaults(part: Any) -> Any:
 @cache
 def _defaults(kind: type[_Spec]) -> dict[str, Any]:
     return {field.name: field.default for field in msgspec.structs.fields(kind)}
-
-
-_FAULTS = {Death: "death", Silence: "silence", LateStart: "late start"}
-
-
-STREAMS = {"starts": 0, "radio": 1, "faults": 2, "robots": 3}
-"""Keys of the independent random streams of a run."""
-
-
-def random_stream(seed: int, stream: str, number: int = 0) -> np.random.Generator:
-    """Return a random stream of a run, independent of all its others.
-
-    Parameters
-    ----------
-    seed : int
-        Seed of the run.
-    stream : {"starts", "radio", "faults", "robots"}
-        What draws from it.
-    number : int
-        The robot, where each has its own.
-    """
-    key = (STREAMS[stream], number)
-    return np.random.default_rng(np.random.SeedSequence(seed, spawn_key=key))

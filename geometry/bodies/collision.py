@@ -47,7 +47,6 @@ from multisrt.geometry.bodies.footprint import (
 from multisrt.geometry.bodies.meetings import (
     bodies_collide,
     body_distance,
-    first_contact_between,
     first_meeting,
 )
 from multisrt.geometry.bodies.motion import Motion
@@ -70,7 +69,6 @@ __all__ = [
     "Motion",
     "bodies_collide",
     "body_distance",
-    "first_contact_between",
     "first_meeting",
 ]
 

@@ -183,32 +183,6 @@ def first_meeting(
     )
 
 
-def first_contact_between(
-    body_a: Body,
-    start_a: Sequence[float],
-    end_a: Sequence[float],
-    body_b: Body,
-    start_b: Sequence[float],
-    end_b: Sequence[float],
-    *,
-    turn_a: float | None = None,
-    turn_b: float | None = None,
-    arc_a: bool = False,
-    arc_b: bool = False,
-    gap_m: float = 0.0,
-    resolution_m: float = RESOLUTION_M,
-) -> float | None:
-    """Find when two bodies first meet: `first_meeting` of motions between configurations."""
-    return first_meeting(
-        body_a,
-        Motion.between(start_a, end_a, turn_a, arc=arc_a),
-        body_b,
-        Motion.between(start_b, end_b, turn_b, arc=arc_b),
-        gap_m=gap_m,
-        resolution_m=resolution_m,
-    )
-
-
 def _apart(body_a: Body, pose_a: Configuration, body_b: Body, pose_b: Configuration) -> float:
     if body_a.footprint.is_disc and body_b.footprint.is_disc:
         between = math.hypot(pose_b[0] - pose_a[0], pose_b[1] - pose_a[1])

@@ -51,7 +51,7 @@ MAX_WORLDS_KEPT = 512
 """Environments that are kept built while an experiment's runs are planned."""
 
 DRAWN_STARTS, DRAWN_FAULTS = 10, 11
-"""Streams of an experiment's draws, distinct from those of its runs (`spec.STREAMS`)."""
+"""Streams of an experiment's draws, distinct from those of its runs (`random_streams.STREAMS`)."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -21,6 +21,7 @@ from multisrt.robots.explorer import (
     Received,
     RobotSelf,
     Send,
+    Steps,
     TimedOut,
 )
 from multisrt.robots.knowledge import (
@@ -34,7 +35,6 @@ from multisrt.robots.knowledge import (
 )
 from multisrt.robots.messages import Message
 
-Talk = Generator[Action, Outcome, None]
 Heard = Generator[Action, Outcome, Moved | None]
 
 
@@ -119,7 +119,7 @@ class Listener(ABC):
         self._clock.time_s = outcome.time_s
         return None
 
-    def pause(self, seconds: float) -> Talk:
+    def pause(self, seconds: float) -> Steps:
         """Let time pass, listening.
 
         Parameters
@@ -135,7 +135,7 @@ class Listener(ABC):
             if isinstance(outcome, TimedOut) or (on_time and self._clock.time_s >= until):
                 return
 
-    def learn(self, entries: tuple[Entry, ...]) -> Talk:
+    def learn(self, entries: tuple[Entry, ...]) -> Steps:
         """Add entries of others to the map, and put on record which nodes were new."""
         new = self._merge(entries)
         if new:
@@ -146,16 +146,16 @@ class Listener(ABC):
         """Add entries to the map; return the nodes that were new."""
 
     @abstractmethod
-    def _take_message(self, message: Message) -> Talk:
+    def _take_message(self, message: Message) -> Steps:
         """Take one message, and answer it."""
 
-    def _answer_want(self, message: WantMessage) -> Talk:
+    def _answer_want(self, message: WantMessage) -> Steps:
         """Send the entries that the sender of a question lacks."""
         entries = self._entries.lacks(have_of(message.have))
         if entries:
             yield Send(EntriesMessage(sender=self.number, entries=entries), message.sender)
 
-    def _ask_for_what_lacks(self, other: int, theirs: Counts) -> Talk:
+    def _ask_for_what_lacks(self, other: int, theirs: Counts) -> Steps:
         """Ask another robot for the entries that it has and this one lacks, if not done lately."""
         mine = self._entries.have()
         for robot, nodes, closings in theirs:

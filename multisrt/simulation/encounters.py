@@ -18,8 +18,9 @@ from multisrt.geometry.bodies.collision import (
     RESOLUTION_M,
     Body,
     body_distance,
-    first_contact_between,
+    first_meeting,
 )
+from multisrt.geometry.bodies.motion import Motion
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.numerics.kernel import FloatArray, kernel
 from multisrt.geometry.regions.edge_index import EdgeIndex
@@ -143,25 +144,21 @@ class _Span:
 
     def _first_within(self, begin_s: float, distance_m: float) -> float | None:
         (body_a, body_b), (a, b) = self._bodies, self._courses
-        start_a, end_a = a.stretch(begin_s, self._until_s)
-        start_b, end_b = b.stretch(begin_s, self._until_s)
         # A step that is short beside the distance does not step over it into a contact.
         resolution = RESOLUTION_M if distance_m == 0.0 else max(MIN_RESOLUTION_M, 0.4 * distance_m)
-        fraction = first_contact_between(
+        fraction = first_meeting(
             body_a,
-            start_a,
-            end_a,
+            self._motion(a, begin_s),
             body_b,
-            start_b,
-            end_b,
-            turn_a=end_a[2] - start_a[2],
-            turn_b=end_b[2] - start_b[2],
-            arc_a=True,
-            arc_b=True,
+            self._motion(b, begin_s),
             gap_m=distance_m,
             resolution_m=min(RESOLUTION_M, resolution),
         )
         return None if fraction is None else begin_s + fraction * (self._until_s - begin_s)
+
+    def _motion(self, course: Course, begin_s: float) -> Motion:
+        start, end = course.stretch(begin_s, self._until_s)
+        return Motion.between(start, end, end[2] - start[2], arc=True)
 
     def _distance(self, time_s: float) -> float:
         (body_a, body_b), (a, b) = self._bodies, self._courses

@@ -28,12 +28,13 @@ from multisrt.simulation.journal import Journal, Watcher
 from multisrt.simulation.mail import Mail
 from multisrt.simulation.motions import Motions
 from multisrt.simulation.radio import Radio
+from multisrt.simulation.random_streams import random_stream
 from multisrt.simulation.robot import Robot
 from multisrt.simulation.sensing import Sensing
 from multisrt.simulation.starts import starts_of
 from multisrt.simulation.traffic import Traffic
 from multisrt.simulation.worlds import build_environment
-from multisrt.spec import RunSpec, random_stream
+from multisrt.spec import RunSpec
 
 
 def simulate(

@@ -18,7 +18,8 @@ from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import ClearanceError, InvalidInputError
 from multisrt.geometry.numerics.kernel import BoolArray, FloatArray
-from multisrt.spec import RunSpec, random_stream
+from multisrt.simulation.random_streams import random_stream
+from multisrt.spec import RunSpec
 
 GAP_M = 0.25
 """Distance in metres between the circumscribed circles of two bodies that are placed."""

@@ -17,8 +17,9 @@ from multisrt.recording import Recording, RunOutcome
 from multisrt.robots import registry
 from multisrt.robots.explorer import Action, Explorer, Move, Outcome, RobotSelf
 from multisrt.robots.registry import Strategy
+from multisrt.simulation.random_streams import random_stream
 from multisrt.simulation.simulate import simulate
-from multisrt.spec import RunSpec, random_stream
+from multisrt.spec import RunSpec
 from multisrt.testing.defects import ExplorerDefect, brief
 from multisrt.testing.fingerprint import fingerprint
 from multisrt.testing.hidden_truth import named_by_code

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from multisrt.environments.environment import Environment
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.planners.motion.kinematics import Differential, Holonomic
+from multisrt.simulation.random_streams import random_stream
 from multisrt.simulation.worlds import build_environment, environment_spec, inline
 from multisrt.spec import (
     CatalogEnvironment,
@@ -22,7 +23,6 @@ from multisrt.spec import (
     RunSpec,
     Silence,
     StopRule,
-    random_stream,
 )
 
 positive = st.floats(min_value=1e-6, max_value=1e6)

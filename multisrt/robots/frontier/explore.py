@@ -5,14 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Generator, Iterable
 
-from multisrt.robots.explorer import Action, Done, Outcome, RobotSelf, Sighting
+from multisrt.robots.explorer import Action, Done, Outcome, RobotSelf, Sighting, Steps
 from multisrt.robots.frontier.bodies import MOVED_M
 from multisrt.robots.frontier.driving import Drive, drive
 from multisrt.robots.frontier.giving_way import ask_to_leave, find_detour, give_way
 from multisrt.robots.frontier.goal import Goal
 from multisrt.robots.frontier.options import FrontierOptions
 from multisrt.robots.frontier.progress import Event, Progress, State
-from multisrt.robots.frontier.robot import FrontierRobot, Steps, Watch
+from multisrt.robots.frontier.robot import FrontierRobot, Watch
 
 Rule = Callable[[FrontierRobot, Event], Generator[Action, Outcome, Goal | None]]
 """Chooses a goal, given why one is chosen; returns None if there is nothing to go to."""

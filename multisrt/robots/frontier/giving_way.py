@@ -14,13 +14,13 @@ import numpy as np
 from multisrt.events import TakenAsLost
 from multisrt.planners.navigation.path_following import ahead
 from multisrt.planners.navigation.right_of_way import place_aside
-from multisrt.robots.explorer import Action, Note, Outcome, Send, Sighting
+from multisrt.robots.explorer import Action, Note, Outcome, Send, Sighting, Steps
 from multisrt.robots.frontier.bodies import has_moved
 from multisrt.robots.frontier.driving import REACHED_M, drive
 from multisrt.robots.frontier.goal import Goal
 from multisrt.robots.frontier.messages import GiveWayMessage
 from multisrt.robots.frontier.progress import Event, Progress
-from multisrt.robots.frontier.robot import FrontierRobot, Steps
+from multisrt.robots.frontier.robot import FrontierRobot
 
 
 def find_detour(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Generator, Iterable
+from collections.abc import Callable, Iterable
 from contextlib import AbstractContextManager
 from typing import cast
 
@@ -19,7 +19,7 @@ from multisrt.geometry.numerics.kernel import FloatArray, IntArray
 from multisrt.geometry.regions.scan import Scan
 from multisrt.planners.motion.body import PlanningBody
 from multisrt.planners.motion.kinematics import Car
-from multisrt.robots.explorer import Action, Note, Outcome, RobotSelf, Sense, Sighting
+from multisrt.robots.explorer import Note, RobotSelf, Sense, Sighting, Steps
 from multisrt.robots.frontier.bodies import Bodies
 from multisrt.robots.frontier.car_driving import CarDriver
 from multisrt.robots.frontier.course import Course
@@ -31,7 +31,6 @@ from multisrt.robots.frontier.scan_map import ScanMap
 from multisrt.robots.frontier.team import Team
 from multisrt.robots.frontier.ways import Ways
 
-Steps = Generator[Action, Outcome, None]
 Watch = Callable[["FrontierRobot"], Steps]
 """Called after every scan that showed something new."""
 

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass, field
 
 from multisrt.planners.navigation.right_of_way import Claim, leader_of
-from multisrt.robots.explorer import RobotSelf, Send
+from multisrt.robots.explorer import RobotSelf, Send, Steps
 from multisrt.robots.frontier.bodies import Bodies
 from multisrt.robots.frontier.course import Course
 from multisrt.robots.frontier.frontiers import Frontiers
@@ -26,7 +26,7 @@ from multisrt.robots.frontier.options import FrontierOptions
 from multisrt.robots.frontier.requests import Requests
 from multisrt.robots.frontier.scan_map import ScanMap
 from multisrt.robots.knowledge import EntriesMessage, Entry, Node, NodeId, WantMessage
-from multisrt.robots.listening import Listener, Talk, have_of
+from multisrt.robots.listening import Listener, have_of
 from multisrt.robots.messages import Message
 
 SAME_GOAL_M = 1e-9
@@ -145,7 +145,7 @@ class Team(Listener):
 
     def report(
         self, *, asks: bool = False, wants_goal: bool = False, to: int | None = None
-    ) -> Talk:
+    ) -> Steps:
         """Send a report.
 
         Parameters
@@ -186,7 +186,7 @@ class Team(Listener):
             return ()
         return tuple(self.present())
 
-    def _take_message(self, message: Message) -> Talk:
+    def _take_message(self, message: Message) -> Steps:
         self.mates.heard_s[message.sender] = self._course.time_s
         self._bodies.note_heard(message.sender)
         match message:
@@ -213,7 +213,7 @@ class Team(Listener):
                 if self.cells.aim == message.taken:
                     self.cells.aim = message.given
 
-    def _take_reports(self, message: ReportMessage) -> Talk:
+    def _take_reports(self, message: ReportMessage) -> Steps:
         for report in message.reports:
             self.mates.take(report)
         if message.entries:

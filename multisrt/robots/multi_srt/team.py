@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from multisrt.events import TakenAsLost
 from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.robots.exploration_map import ExplorationMap
-from multisrt.robots.explorer import Note, RobotSelf, Send
+from multisrt.robots.explorer import Note, RobotSelf, Send, Steps
 from multisrt.robots.knowledge import Entry, NodeId
-from multisrt.robots.listening import Listener, Talk
+from multisrt.robots.listening import Listener
 from multisrt.robots.messages import Message
 from multisrt.robots.multi_srt.groups import are_coupled, group_of
 from multisrt.robots.multi_srt.messages import (
@@ -164,18 +164,20 @@ class Team(Listener):
             have=self._entries.counts(),
         )
 
-    def announce(self, phase: Phase) -> Talk:
+    def announce(self, phase: Phase) -> Steps:
         """Tell the team which phase of its step this robot has reached, and what its map gained."""
         self.plan.phase = phase
         if not self.is_alone:
             yield from self.say()
 
-    def rest(self) -> Talk:
+    def rest(self) -> Steps:
         """Tell that this robot stands and has nothing to do."""
         self.plan.path, self.plan.frontier_m = (), 0.0
         yield from self.announce("idle")
 
-    def say(self, *, to: int | None = None, ask: bool = False, asked: tuple[int, ...] = ()) -> Talk:
+    def say(
+        self, *, to: int | None = None, ask: bool = False, asked: tuple[int, ...] = ()
+    ) -> Steps:
         """Send the own state, to all with the entries of the map that were not told yet.
 
         Parameters
@@ -208,7 +210,7 @@ class Team(Listener):
             to,
         )
 
-    def begin_step(self) -> Talk:
+    def begin_step(self) -> Steps:
         """Tell that this robot is about to make a step; a robot that comes late asks everybody."""
         is_late = not self.roster.states and self.at.time_s > 0.0
         self.plan.path = ()
@@ -219,7 +221,7 @@ class Team(Listener):
             # Messages that have come are read first, and robots that are asked have time to answer.
             yield from self.pause(0.0 if self.hears_all and not is_late else self.round_trip_s)
 
-    def ask(self, pending: Iterable[int]) -> Talk:
+    def ask(self, pending: Iterable[int]) -> Steps:
         """Ask robots for their states; those that never answer are taken as lost."""
         asked = tuple(pending)
         for number in asked:
@@ -240,7 +242,7 @@ class Team(Listener):
     def _merge(self, entries: tuple[Entry, ...]) -> tuple[NodeId, ...]:
         return self._map.merge(entries)
 
-    def _take_message(self, message: Message) -> Talk:
+    def _take_message(self, message: Message) -> Steps:
         match message:
             case StateMessage():
                 for state in message.states:
@@ -268,7 +270,7 @@ class Team(Listener):
             asker, self.state()
         )
 
-    def _answer(self, asker: RobotState) -> Talk:
+    def _answer(self, asker: RobotState) -> Steps:
         yield from self.say(to=asker.robot)
         orders = self.orders.get(asker.key)
         if orders is not None and orders.sender == self.number:

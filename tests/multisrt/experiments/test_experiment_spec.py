@@ -242,7 +242,7 @@ START = 'name = "x"\nenvironments = ["open"]\nstrategies = ["srt-star"]\n'
             START + "[range_finder]\nrange_m = -1",
             "range_finder: the range of a range finder is a positive number of metres",
         ),
-        (START + "[stop]\nmax_time_s = 0", "stop: max_time_s is a positive number of seconds"),
+        (START + "[stop]\nmax_time_s = 0", "stop: max_time_s is a positive time"),
         ("name = ", "Invalid value (at end of document)"),
         ("name = 3", "name: Expected `str`, got `int`"),
         ("", "missing field `name`"),

@@ -12,9 +12,10 @@ from multisrt.environments.environment import Environment
 from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import ClearanceError, InvalidInputError
+from multisrt.simulation.random_streams import random_stream
 from multisrt.simulation.starts import starts_of
 from multisrt.simulation.worlds import inline
-from multisrt.spec import DriveSpec, RobotSpec, RunSpec, random_stream
+from multisrt.spec import DriveSpec, RobotSpec, RunSpec
 
 HALL = Environment("hall", shapely.box(0, 0, 12, 8))
 BODIES = ["disc:0.25", "disc:0.4", "box:0.6x0.4", "polygon:-0.2,-0.2 0.6,-0.2 0.1,0.5 -0.2,0.5"]

@@ -161,7 +161,7 @@ def swatches(traces: list[Trace]) -> list[Swatch]:
 def swatches_heading(traces: list[Trace]) -> str:
     """Return the heading of the colours of the robots."""
     scans = _unit(traces) == "scan"
-    nodes = "scans with news" if scans else "nodes"
+    nodes = "informative scans" if scans else "nodes"
     account = f": {nodes}, path length" if len(traces) <= MAX_ACCOUNTS else ""
     return f"area seen first and {'path' if scans else 'tree'} of each robot{account}"
 

@@ -1,6 +1,6 @@
 """Data for pictures of frontier bidding: explored cells, remaining frontier, isolated paths.
 
-These robots scan while they drive, and every scan with news is a node. Their pictures therefore
+These robots scan while they drive, and every informative scan is a node. Their pictures therefore
 show paths, goals and the raster instead of trees.
 """
 

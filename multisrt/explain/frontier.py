@@ -128,7 +128,7 @@ class _BidStory:
 
     def knowledge(self) -> Iterator[str]:
         own = sum(isinstance(event, NodeAdded) for event in self.before)
-        yield f"its map had {many(own, 'scan')} that it had taken and that showed something new"
+        yield f"its map had {many(own, 'scan')} of its own that showed something new"
         learned = [event for event in self.before if isinstance(event, Learned)]
         names = [name for event in learned for name in event.nodes]
         if names:

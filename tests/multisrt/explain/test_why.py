@@ -403,7 +403,7 @@ def test_knowledge_and_reason_of_a_bidder_are_explained(bidding):
     assert text.startswith("Robot 1 at 1.20 s: it last chose a goal at 1.00 s.\n")
     assert "at (5.50, 1.00)" in part(text, "Where it stood")
     knew = part(text, "What it knew")
-    assert "its map had 2 scans that it had taken" in knew
+    assert "its map had 2 scans of its own" in knew
     assert "learned 2 scans of others: 1 of robot 0, 1 of robot 2; last at 0.50 s" in knew
     assert "these other robots: 0; not 2" in knew
     why = part(text, "Why it chose again")

@@ -30,7 +30,7 @@ def change(package: Path, file: str, old: str, new: str) -> None:
 
 def test_comments_and_docstrings_keep_the_digest(package):
     before = digest(package)
-    change(package, "spec.py", '"""One robot.', '"""A robot of the team.')
+    change(package, "spec/robots.py", '"""One robot.', '"""A robot of the team.')
     change(package, "simulation/radio.py", "from __future__", "# Why it is so.\n\nfrom __future__")
     assert digest(package) == before
 
@@ -38,7 +38,7 @@ def test_comments_and_docstrings_keep_the_digest(package):
 @pytest.mark.parametrize(
     ("file", "old", "new"),
     [
-        ("spec.py", "range_m: float = 4.0", "range_m: float = 4.5"),
+        ("spec/robots.py", "range_m: float = 4.0", "range_m: float = 4.5"),
         ("environments/generators/maze.py", "import", "import sys\nimport"),
         ("geometry/numerics/segments.py", "-(ax * ex + ay * ey)", "-(ax * ex - ay * ey)"),
     ],

@@ -1,0 +1,70 @@
+"""What goes wrong in a run."""
+
+from __future__ import annotations
+
+import math
+from typing import Literal
+
+from multisrt.geometry.errors import InvalidInputError
+from multisrt.spec.part import Part
+
+
+class Death(Part, frozen=True, kw_only=True, tag_field="fault", tag="death"):
+    """A robot dies; its body stays where it is.
+
+    Attributes
+    ----------
+    robot : int
+        The robot, from 0.
+    time_s : float
+        The earliest time, in seconds from the start of the run.
+    when : {"any", "moving", "waiting", "master"}
+        What the robot is doing when it dies: anything, or the first time from `time_s` on that
+        it moves, waits, or organises a group as its master.
+    """
+
+    robot: int
+    time_s: float
+    when: Literal["any", "moving", "waiting", "master"] = "any"
+
+
+class Silence(Part, frozen=True, kw_only=True, tag_field="fault", tag="silence"):
+    """The radio of a robot fails for a while.
+
+    Attributes
+    ----------
+    robot : int
+        The robot, from 0.
+    time_s : float
+        When it fails, in seconds from the start of the run.
+    duration_s : float
+        For how long.
+    """
+
+    robot: int
+    time_s: float
+    duration_s: float
+
+    def __post_init__(self) -> None:
+        if not 0.0 < self.duration_s < math.inf:
+            raise InvalidInputError(
+                f"a silence lasts a positive number of seconds, not {self.duration_s:g}"
+            )
+
+
+class LateStart(Part, frozen=True, kw_only=True, tag_field="fault", tag="late_start"):
+    """A robot stands switched off at its start and begins late.
+
+    Attributes
+    ----------
+    robot : int
+        The robot, from 0.
+    time_s : float
+        When it begins, in seconds from the start of the run.
+    """
+
+    robot: int
+    time_s: float
+
+
+Fault = Death | Silence | LateStart

@@ -1,0 +1,70 @@
+"""How messages travel."""
+
+from __future__ import annotations
+
+import math
+from typing import Literal
+
+from multisrt.geometry.errors import InvalidInputError
+from multisrt.spec.part import Part
+
+
+class RadioSpec(Part, frozen=True, kw_only=True):
+    """How messages travel.
+
+    Attributes
+    ----------
+    range_m : float or None
+        Range of the radio without walls, in metres (paper: R_c); None for an unlimited one.
+    multi_hop : bool
+        Whether robots relay messages.
+    latency_s : float
+        Time that a message takes, relayed or not.
+    jitter_s : float
+        Upper bound of an additional time, drawn uniformly for each message and receiver.
+    loss : float
+        Probability, from 0 to below 1, that a message is lost; drawn for each receiver.
+    walls : {"pass", "block", "weaken"}
+        Whether a wall between two robots does nothing, breaks the link, or weakens the signal.
+    path_loss_exponent : float
+        Exponent of the path loss where walls weaken; at `range_m` the signal just suffices.
+    wall_loss_db : float
+        Attenuation by one wall where walls weaken, in decibels.
+
+    Raises
+    ------
+    InvalidInputError
+        If a number is outside of its bounds, or walls weaken a signal without a range.
+
+    Examples
+    --------
+    >>> RadioSpec(range_m=12.0, walls="block", loss=0.1).multi_hop
+    True
+    """
+
+    range_m: float | None = None
+    multi_hop: bool = True
+    latency_s: float = 0.0
+    jitter_s: float = 0.0
+    loss: float = 0.0
+    walls: Literal["pass", "block", "weaken"] = "pass"
+    path_loss_exponent: float = 2.0
+    wall_loss_db: float = 5.0
+
+    def __post_init__(self) -> None:
+        for name, ok, allowed in (
+            ("range_m", self.range_m is None or 0.0 <= self.range_m < math.inf, "0 or more"),
+            ("latency_s", 0.0 <= self.latency_s < math.inf, "0 or more"),
+            ("jitter_s", 0.0 <= self.jitter_s < math.inf, "0 or more"),
+            ("loss", 0.0 <= self.loss < 1.0, "from 0 to below 1"),
+            ("path_loss_exponent", 1.0 <= self.path_loss_exponent <= 10.0, "from 1 to 10"),
+            ("wall_loss_db", 0.0 <= self.wall_loss_db < math.inf, "0 or more"),
+        ):
+            if not ok:
+                raise InvalidInputError(
+                    f"{name} of a radio is {getattr(self, name)}; it must be {allowed}"
+                )
+        if self.walls == "weaken" and self.range_m is None:
+            raise InvalidInputError(
+                "walls weaken a signal that has a range: give range_m, or let walls pass or block"
+            )

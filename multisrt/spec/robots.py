@@ -1,0 +1,147 @@
+"""One robot of a team: its body, its drive and its range finder."""
+
+from __future__ import annotations
+
+import math
+from typing import Literal
+
+import msgspec
+
+from multisrt.geometry.bodies.footprint import Footprint
+from multisrt.geometry.errors import InvalidInputError
+from multisrt.planners.motion.kinematics import Car, Differential, Holonomic, Kinematics
+from multisrt.spec.part import Part
+
+MIN_RANGE_M, MAX_RANGE_M = 0.01, 1e6
+"""Bounds of the range of a range finder, in metres."""
+
+MIN_BEAMS, MAX_BEAMS = 5, 100_000
+"""Bounds of the number of beams of a laser; far more would exhaust the memory."""
+
+
+class DriveSpec(Part, frozen=True, kw_only=True):
+    """How a body moves.
+
+    Attributes
+    ----------
+    kind : {"differential", "holonomic", "reeds-shepp", "dubins"}
+        A differential drive turns in place and drives along its heading; a holonomic one drives
+        in any direction and keeps its heading; a Reeds-Shepp car drives forwards and backwards, a
+        Dubins car forwards only.
+    speed_m_s : float
+        The maximum speed.
+    turn_rate_rad_s : float
+        The maximum turn rate of a differential drive.
+    turning_radius_m : float
+        The minimum turning radius of a car.
+
+    Raises
+    ------
+    InvalidInputError
+        If a number is not positive and finite.
+
+    Examples
+    --------
+    >>> DriveSpec(kind="dubins", turning_radius_m=0.4).kinematics().reverse
+    False
+    """
+
+    kind: Literal["differential", "holonomic", "reeds-shepp", "dubins"] = "differential"
+    speed_m_s: float = 0.5
+    turn_rate_rad_s: float = math.pi / 2
+    turning_radius_m: float = 0.6
+
+    def __post_init__(self) -> None:
+        Differential(speed_m_s=self.speed_m_s, turn_rate_rad_s=self.turn_rate_rad_s)
+        Car(speed_m_s=self.speed_m_s, turning_radius_m=self.turning_radius_m)
+
+    def kinematics(self) -> Kinematics:
+        """Return the kinematics that this describes."""
+        if self.kind == "holonomic":
+            return Holonomic(speed_m_s=self.speed_m_s)
+        if self.kind == "differential":
+            return Differential(speed_m_s=self.speed_m_s, turn_rate_rad_s=self.turn_rate_rad_s)
+        return Car(
+            speed_m_s=self.speed_m_s,
+            turning_radius_m=self.turning_radius_m,
+            reverse=self.kind == "reeds-shepp",
+        )
+
+
+class RangeFinderSpec(Part, frozen=True, kw_only=True):
+    """The range finder of a robot.
+
+    Attributes
+    ----------
+    range_m : float
+        Its range in metres (paper: R_p), from 0.01 to 1e6.
+    beams : int or None
+        Number of beams of a laser, from 5 to 100,000; None for the exact visibility polygon.
+
+    Raises
+    ------
+    InvalidInputError
+        If a number is outside of its bounds.
+
+    Examples
+    --------
+    >>> RangeFinderSpec(range_m=3.0, beams=180).beams
+    180
+    """
+
+    range_m: float = 4.0
+    beams: int | None = None
+
+    def __post_init__(self) -> None:
+        if not MIN_RANGE_M <= self.range_m <= MAX_RANGE_M:
+            raise InvalidInputError(
+                "the range of a range finder is a positive number of metres, from "
+                f"{MIN_RANGE_M:g} to {MAX_RANGE_M:g}, not {self.range_m:g}"
+            )
+        if self.beams is not None and not MIN_BEAMS <= self.beams <= MAX_BEAMS:
+            raise InvalidInputError(
+                f"a laser has {MIN_BEAMS} to {MAX_BEAMS} beams, not {self.beams}"
+            )
+
+
+class RobotSpec(Part, frozen=True, kw_only=True):
+    """One robot.
+
+    Attributes
+    ----------
+    start : (x, y) or (x, y, heading) or None
+        Where it starts, in metres and radians; None to let the run place it, see `RunSpec.starts`.
+    footprint : str
+        Its body, as `Footprint.parse` reads it: ``disc:0.25``, ``box:0.5x0.3`` or
+        ``polygon:x,y x,y x,y``.
+    drive : DriveSpec
+        How it moves.
+    range_finder : RangeFinderSpec
+        Its range finder.
+
+    Raises
+    ------
+    InvalidInputError
+        If the footprint is none, or the start is not finite.
+
+    Examples
+    --------
+    >>> RobotSpec(start=(1, 2), footprint="box:0.5x0.3").start
+    (1.0, 2.0)
+    """
+
+    start: tuple[float, ...] | None = None
+    footprint: str = "disc:0.25"
+    drive: DriveSpec = DriveSpec()
+    range_finder: RangeFinderSpec = RangeFinderSpec()
+
+    def __post_init__(self) -> None:
+        Footprint.parse(self.footprint)
+        if self.start is None:
+            return
+        if len(self.start) not in (2, 3):
+            raise InvalidInputError(f"a start is (x, y) or (x, y, heading), not {self.start!r}")
+        numbers = tuple(map(float, self.start))
+        if not all(map(math.isfinite, numbers)):
+            raise InvalidInputError(f"a start is finite, not {numbers}")
+        msgspec.structs.force_setattr(self, "start", numbers)

@@ -1,0 +1,177 @@
+"""The spec of a run."""
+
+from __future__ import annotations
+
+import math
+from functools import cache
+from typing import Any, Literal, cast
+
+import msgspec
+
+from multisrt.geometry.errors import InvalidInputError
+from multisrt.spec.environments import EnvironmentSpec
+from multisrt.spec.faults import Death, Fault, LateStart
+from multisrt.spec.part import Part, Scalar
+from multisrt.spec.radio import RadioSpec
+from multisrt.spec.robots import RobotSpec
+from multisrt.validation_errors import explained
+
+
+class StopRule(Part, frozen=True, kw_only=True):
+    """When a run ends although its robots would go on.
+
+    Attributes
+    ----------
+    max_time_s : float
+        The maximum duration of the run, in the time of the run.
+    """
+
+    max_time_s: float = 86_400.0
+
+    def __post_init__(self) -> None:
+        if not 0.0 < self.max_time_s < math.inf:
+            raise InvalidInputError(f"max_time_s is a positive time, not {self.max_time_s:g} s")
+
+
+class RunSpec(Part, frozen=True, kw_only=True):
+    """Everything that a run depends on.
+
+    Attributes
+    ----------
+    environment : CatalogEnvironment, FileEnvironment or InlineEnvironment
+        The world.
+    strategy : str
+        Name of a registered strategy; `multisrt.strategies` lists them.
+    options : dict
+        Options of the strategy that are not its defaults.
+    robots : tuple of RobotSpec
+        The team.
+    starts : {"scattered", "clustered"}
+        Where robots without a `start` are placed: far apart or close together. A single robot
+        starts where the environment suggests, or at a random place.
+    radio : RadioSpec
+        How messages travel.
+    faults : tuple of Death, Silence or LateStart
+        What goes wrong.
+    stop : StopRule
+        When the run ends although its robots would go on.
+    seed : int
+        Seed of all random streams of the run, 0 or positive.
+
+    Raises
+    ------
+    InvalidInputError
+        If the team is empty, the seed is negative, or a fault does not fit the team and the run.
+
+    Examples
+    --------
+    >>> spec = RunSpec(environment=CatalogEnvironment(name="rooms"), seed=7)
+    >>> RunSpec.from_toml(spec.to_toml()) == spec
+    True
+    """
+
+    environment: EnvironmentSpec
+    strategy: str = "srt-radial"
+    options: dict[str, Scalar] = {}
+    robots: tuple[RobotSpec, ...] = (RobotSpec(),)
+    starts: Literal["scattered", "clustered"] = "scattered"
+    radio: RadioSpec = RadioSpec()
+    faults: tuple[Fault, ...] = ()
+    stop: StopRule = StopRule()
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        if not self.robots:
+            raise InvalidInputError("a team has at least one robot")
+        if self.seed < 0:
+            raise InvalidInputError(f"a seed is 0 or a positive whole number, not {self.seed}")
+        self._check_faults()
+
+    def _check_faults(self) -> None:
+        for number, fault in enumerate(self.faults):
+            name = str(fault.__struct_config__.tag).replace("_", " ")
+            what = f"fault {number + 1} ({name} of robot {fault.robot})"
+            if not 0 <= fault.robot < len(self.robots):
+                raise InvalidInputError(
+                    f"{what}: there is no such robot; the {len(self.robots)} count from 0"
+                )
+            if not 0.0 <= fault.time_s < self.stop.max_time_s:
+                raise InvalidInputError(
+                    f"{what}: at {fault.time_s:g} s, which is not within the run; it ends at "
+                    f"{self.stop.max_time_s:g} s (stop.max_time_s)"
+                )
+        for name, kind in (("late_start", LateStart), ("death", Death)):
+            robots = [fault.robot for fault in self.faults if isinstance(fault, kind)]
+            for robot in sorted(set(robots)):
+                if robots.count(robot) > 1:
+                    raise InvalidInputError(f"robot {robot} has more than one fault {name}")
+
+    def canonical(self) -> RunSpec:
+        """Return the equal spec whose written form is the same for all specs equal to it.
+
+        Examples
+        --------
+        >>> world = CatalogEnvironment(name="rooms")
+        >>> same = RunSpec(environment=world, stop=StopRule(max_time_s=86400))
+        >>> same.canonical().to_json() == RunSpec(environment=world).canonical().to_json()
+        True
+        """
+        return cast(RunSpec, _less_defaults(RunSpec.from_json(msgspec.json.encode(self))))
+
+    def to_json(self) -> str:
+        """Return the spec as indented JSON."""
+        return msgspec.json.format(msgspec.json.encode(self), indent=2).decode()
+
+    def to_toml(self) -> str:
+        """Return the spec as TOML."""
+        return msgspec.toml.encode(self).decode()
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the spec as dictionaries, lists and scalars."""
+        return cast(dict[str, Any], msgspec.to_builtins(self))
+
+    @classmethod
+    def from_json(cls, text: str | bytes) -> RunSpec:
+        """Read a spec from JSON.
+
+        Raises
+        ------
+        InvalidInputError
+            If the text is not JSON, or a field is unknown or invalid; the message names it.
+        """
+        try:
+            return msgspec.json.decode(text, type=cls)
+        except (msgspec.MsgspecError, UnicodeDecodeError) as error:
+            raise InvalidInputError(f"not a run spec: {explained(error, cls)}") from None
+
+    @classmethod
+    def from_toml(cls, text: str) -> RunSpec:
+        """Read a spec from TOML.
+
+        Raises
+        ------
+        InvalidInputError
+            If the text is not TOML, or a field is unknown or invalid; the message names it.
+        """
+        try:
+            return msgspec.toml.decode(text, type=cls)
+        except (msgspec.MsgspecError, RecursionError) as error:
+            raise InvalidInputError(f"not a run spec: {explained(error, cls)}") from None
+
+
+def _less_defaults(part: Any) -> Any:
+    # Encoding omits a field only if it is the default object itself: equal values become that.
+    if isinstance(part, tuple):
+        return tuple(map(_less_defaults, part))
+    if not isinstance(part, Part):
+        return part
+    defaults = _defaults(type(part))
+    given = {name: getattr(part, name) for name in defaults}
+    return type(part)(
+        **{name: _less_defaults(v) for name, v in given.items() if v != defaults[name]}
+    )
+
+
+@cache
+def _defaults(kind: type[Part]) -> dict[str, Any]:
+    return {field.name: field.default for field in msgspec.structs.fields(kind)}

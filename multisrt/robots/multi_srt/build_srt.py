@@ -78,7 +78,7 @@ def take_steps(robot: SrtRobot, plan: Plan) -> Steps:
                 region = yield from perceive(robot)
                 yield from robot.trees.add(region, robot.journey.came)
                 robot.journey.resume()
-            robot.journey.been.add(robot.at.node)
+            robot.journey.note_here()
             yield from look(robot)
             ger = yield from build_ger(robot, gpr)
             frontier = local_frontier(robot)

@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
+from typing import Final
 
 from multisrt.events import Purpose
 from multisrt.geometry.numerics.kernel import FloatArray
 from multisrt.robots.exploration_map import ExplorationMap
-from multisrt.robots.knowledge import Node, NodeId
+from multisrt.robots.knowledge import Node
 from multisrt.robots.multi_srt.messages import Order, motion_of
 from multisrt.robots.multi_srt.targets import KnownNode, NewPlace, Step, Target
 from multisrt.robots.multi_srt.ways import OutAndBack, Ways
 from multisrt.robots.multi_srt.whereabouts import Whereabouts
+
+SAME_PLACE_M: Final = 0.05
+"""Places nearer to each other than this, in metres, are one place of a task."""
 
 
 class Journey:
@@ -34,15 +39,13 @@ class Journey:
         The last step made.
     purpose : Purpose
         Why the robot moves, for the record.
-    been : set of NodeId
-        Nodes at which the robot has been in this task.
     """
 
     def __init__(self, at: Whereabouts, known: ExplorationMap, ways: Ways) -> None:
         self.target: Target | None = None
         self.came: Step | None = None
         self.purpose: Purpose = "explore"
-        self.been: set[NodeId] = set()
+        self._been: list[tuple[float, float]] = []
         self._at = at
         self._map = known
         self._ways = ways
@@ -51,7 +54,22 @@ class Journey:
         """Begin a task: to extend a tree, or to go to a node."""
         self.target = None
         self.purpose = purpose
-        self.been.clear()
+        self._been.clear()
+
+    def note_here(self) -> None:
+        """Record that the robot has been here in this task."""
+        if self.is_at_new_place:
+            self._been.append(self._at.q_act[:2])
+
+    @property
+    def is_at_new_place(self) -> bool:
+        """Whether the robot has not been here in this task.
+
+        Places count, not nodes: a robot that is sent back from the same place again and again
+        may add a node there each time.
+        """
+        here = self._at.q_act[:2]
+        return all(math.dist(here, place) >= SAME_PLACE_M for place in self._been)
 
     def place_of(self, target: Target | None) -> tuple[float, float] | None:
         """Return the position of a target in metres; None for none."""

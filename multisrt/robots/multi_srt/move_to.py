@@ -54,7 +54,7 @@ def move_to(robot: SrtRobot, step: Step | None) -> Steps:
         yield from stop_here(robot, step, moved)
     else:
         robot.at.here = step.node
-        if step.order is None and step.node not in robot.journey.been:
+        if step.order is None and robot.journey.is_at_new_place:
             progress.note(Event.NEW_PLACE)
     team.plan.path = ()
     if step.gives_way or (was_stopped and progress.is_hindered):

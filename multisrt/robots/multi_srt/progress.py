@@ -37,9 +37,9 @@ STUCK      waits, and looks for a way again
 BOXED_IN   gives up its task
 =========  =====================================================================================
 
-A robot that is sent to and fro between the same nodes makes no progress, however many motions it
-completes. The nodes to visit in a task are finitely many; so a robot that meets setbacks for ever
-is jammed at last.
+A robot that is sent to and fro between the same places makes no progress, however many motions it
+completes and nodes it adds. The places of a task are finitely many, as they lie apart; so a robot
+that meets setbacks for ever is jammed at last.
 """
 
 from __future__ import annotations

@@ -50,14 +50,17 @@ def make(robot, step, stopped_at=None) -> None:
 
 
 @pytest.mark.parametrize("been", [False, True])
-def test_a_node_not_been_at_in_this_task_is_progress(robot, hop, been):
+def test_a_place_not_been_at_in_this_task_is_progress(robot, hop, been):
     if been:
-        robot.journey.been.add(NodeId(0, 1))
+        here = robot.at.q_act
+        robot.at.q_act = Configuration(4.0, 0.01, 0.0)
+        robot.journey.note_here()
+        robot.at.q_act = here
     make(robot, hop)
     assert (robot.at.here, robot.at.q_act[:2]) == (NodeId(0, 1), (4.0, 0.0))
     assert robot.progress.setbacks == been
     robot.journey.begin("home")
-    assert not robot.journey.been
+    assert robot.journey.is_at_new_place
 
 
 def test_a_new_place_is_progress_and_has_no_node_yet(robot):
@@ -65,6 +68,17 @@ def test_a_new_place_is_progress_and_has_no_node_yet(robot):
     make(robot, robot.journey.step_to(target))
     assert (robot.at.here, robot.progress.setbacks) == (None, 0)
     assert robot.journey.came.stage == "draw"
+
+
+def test_a_place_is_new_once_however_many_nodes_are_added_there(robot):
+    start = robot.at.q_act, robot.at.here
+    target = NewPlace(1.0, 0.5, "bypass", (NodeId(0, 0),))
+    make(robot, robot.journey.step_to(target))
+    robot.journey.note_here()
+    robot.progress.note(Event.SETBACK)
+    robot.at.q_act, robot.at.here = start
+    make(robot, robot.journey.step_to(target))
+    assert robot.progress.setbacks == 1
 
 
 @pytest.mark.parametrize("order", ["new target", "give way"])

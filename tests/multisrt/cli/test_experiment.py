@@ -8,11 +8,12 @@ import subprocess
 import sys
 import time
 import tomllib
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 import pytest
 
-from multisrt import cli
 from multisrt.cli.experiment_check import MAX_ROWS
 from multisrt.experiments import runner, template, worker
 from multisrt.experiments.crossing import runs
@@ -24,8 +25,8 @@ from multisrt.experiments.spec import ExperimentSpec, schema
 from multisrt.experiments.store import Store
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.presets import PRESETS
+from tests.multisrt.cli.commands import MAPS, Call
 
-ROOM = "POLYGON ((0 0, 6 0, 6 5, 0 5, 0 0))"
 SMALL = """
 name = "small"
 environments = ["room.wkt"]
@@ -36,25 +37,16 @@ repetitions = 2
 
 
 @pytest.fixture
-def folder(tmp_path, monkeypatch) -> Path:
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "room.wkt").write_text(ROOM)
-    (tmp_path / "small.toml").write_text(SMALL)
-    return tmp_path
+def folder(folder: Path) -> Path:
+    """The working directory, which contains the experiment `SMALL` too."""
+    (folder / "small.toml").write_text(SMALL)
+    return folder
 
 
 @pytest.fixture
-def call(folder, monkeypatch, capsys):
-    """Run a command; return exit code, standard output and standard error."""
-
-    def run(*words: str):
-        monkeypatch.setattr(sys, "argv", ["multisrt", "experiment", *words])
-        with pytest.raises(SystemExit) as end:
-            cli.main()
-        captured = capsys.readouterr()
-        return end.value.code, captured.out, captured.err
-
-    return run
+def call(call: Call) -> Call:
+    """Run `multisrt experiment`."""
+    return partial(call, "experiment")
 
 
 def made(run, status="complete", **said) -> Result:
@@ -69,9 +61,9 @@ def made(run, status="complete", **said) -> Result:
 
 
 @pytest.fixture
-def fake_runs(monkeypatch):
-    """Make no runs: results have the status given here for their repetition."""
-    said = {"status": {}, "stop": None, "lost": None, "calls": []}
+def fake_runs(monkeypatch) -> dict[str, Any]:
+    """Simulate nothing: results have the status that is set here for their repetition."""
+    said: dict[str, Any] = {"status": {}, "stop": None, "lost": None, "calls": []}
 
     def run_experiment(store, *, workers, cluster, modules, progress):
         said["calls"].append({"workers": workers, "cluster": cluster, "modules": modules})
@@ -127,7 +119,7 @@ def test_the_template_writes_the_defaults():
 
 def test_examples_in_the_template_are_valid(folder):
     (folder / "maps").mkdir()
-    (folder / "maps" / "floor.wkt").write_text(ROOM)
+    (folder / "maps" / "floor.wkt").write_text(MAPS["room"])
     text = template.TEMPLATE.replace("floor.yaml", "floor.wkt")
     shown = re.findall(r"^(?:  # (\{.*?\}|\".*\"),|# (\w+ = .*))(?:  .*)?$", text, re.MULTILINE)
     assert len(shown) >= 12

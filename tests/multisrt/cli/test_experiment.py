@@ -17,6 +17,7 @@ import pytest
 from multisrt.cli.experiment_check import MAX_ROWS
 from multisrt.experiments import runner, template, worker
 from multisrt.experiments.crossing import runs
+from multisrt.experiments.job import Job
 from multisrt.experiments.live import LiveProgress, duration, note_of
 from multisrt.experiments.mission import make_run
 from multisrt.experiments.results import Result
@@ -26,6 +27,7 @@ from multisrt.experiments.store import Store
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.presets import PRESETS
 from tests.multisrt.cli.commands import MAPS, Call
+from tests.multisrt.experiments.results import result_of
 
 SMALL = """
 name = "small"
@@ -49,17 +51,6 @@ def call(call: Call) -> Call:
     return partial(call, "experiment")
 
 
-def made(run, status="complete", **said) -> Result:
-    return Result(
-        key=run.key,
-        condition=run.condition,
-        repetition=run.repetition,
-        status=status,
-        reason="so it is",
-        **said,
-    )
-
-
 @pytest.fixture
 def fake_runs(monkeypatch) -> dict[str, Any]:
     """Simulate nothing: results have the status that is set here for their repetition."""
@@ -72,7 +63,7 @@ def fake_runs(monkeypatch) -> dict[str, Any]:
                 raise InvalidInputError("the cluster is lost")
             if number == said["stop"]:
                 raise KeyboardInterrupt
-            store.add(made(run, said["status"].get(run.repetition, "complete")))
+            store.add(result_of(run, said["status"].get(run.repetition, "complete")))
 
     monkeypatch.setattr(runner, "run_experiment", run_experiment)
     return said
@@ -244,16 +235,8 @@ def test_check_estimates_from_a_few_runs(call, monkeypatch):
     assert re.findall(r"^ room .* (\S+) *$", out, re.MULTILINE) == ["0.5", "1", "0.5", "1"]
 
 
-def _priced(job):
-    return Result(
-        key=job.key,
-        condition=job.condition,
-        repetition=job.repetition,
-        status="complete",
-        reason="",
-        computing_s=0.5 * job.condition.robots,
-        wall_s=0.5,
-    )
+def _priced(job: Job) -> Result:
+    return result_of(job, computing_s=0.5 * job.condition.robots, wall_s=0.5)
 
 
 def test_check_warns_of_impossible_runs(call, folder):
@@ -292,7 +275,7 @@ def test_incomplete_runs_are_exit_code_3(call, folder, fake_runs):
     code, out, err = call("run", "small.toml", "--store", "r.sqlite", "--workers", "3")
     assert (code, err) == (3, "")
     assert out.startswith("small: 4 of 8 runs complete, in r.sqlite\n")
-    assert out.count("repetition 1: so it is") == 4
+    assert out.count("repetition 1: no reason") == 4
     assert "--retry repeats runs that failed without a result" in out
     assert fake_runs["calls"] == [{"workers": 3, "cluster": None, "modules": ()}]
     # Nothing is left to do, except with --retry.

@@ -4,9 +4,9 @@ from pathlib import Path
 import msgspec
 import pytest
 
-from multisrt.experiments.results import Result
 from multisrt.experiments.store import Store
 from tests.multisrt.cli.commands import Call
+from tests.multisrt.experiments.results import result_of
 from tests.multisrt.presets.constructed import PLAIN, SOME
 
 
@@ -24,16 +24,7 @@ def told(monkeypatch) -> list[tuple[object, ...]]:
         name = store.experiment.name.split()[0]
         for run in store.missing():
             measured = SOME[name](run.condition, run.repetition)
-            store.add(
-                Result(
-                    key=run.key,
-                    condition=run.condition,
-                    repetition=run.repetition,
-                    status="complete",
-                    reason="",
-                    metrics=msgspec.structs.replace(PLAIN, **measured),
-                )
-            )
+            store.add(result_of(run, metrics=msgspec.structs.replace(PLAIN, **measured)))
 
     def fake_page(results, out: Path, *, claims, comparisons, gallery, progress) -> Path:
         out.mkdir(exist_ok=True)

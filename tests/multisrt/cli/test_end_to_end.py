@@ -3,6 +3,7 @@
 import math
 from functools import cache
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import pytest
@@ -20,7 +21,10 @@ TURN_STEP_RAD = math.radians(1.0)
 L_SHAPE = "polygon:-0.15,-0.15 0.35,-0.15 0.35,0.1 0.1,0.1 0.1,0.35 -0.15,0.35"
 TRIANGLE = "polygon:-0.2,-0.25 0.4,0 -0.2,0.25"
 
-BODIES = {
+Pose = tuple[float, float, float]
+Corners = list[tuple[float, float]]
+
+BODIES: dict[str, Corners | None] = {
     "disc:0.25": None,
     "box:0.5x0.3": [(-0.25, -0.15), (0.25, -0.15), (0.25, 0.15), (-0.25, 0.15)],
     L_SHAPE: [(-0.15, -0.15), (0.35, -0.15), (0.35, 0.1), (0.1, 0.1), (0.1, 0.35), (-0.15, 0.35)],
@@ -28,8 +32,7 @@ BODIES = {
 }
 """Footprints as text, and their corners; a disc has a radius of 0.25 m."""
 
-
-SMALL = {"rooms": {"size_m": 20.0, "rooms_per_side": 3}}
+SMALL: dict[str, dict[str, Any]] = {"rooms": {"size_m": 20.0, "rooms_per_side": 3}}
 """Parameters of smaller versions of large environments."""
 
 
@@ -45,7 +48,7 @@ def deepest_overlap(run: Run) -> float:
     obstacles = shapely.box(*free.bounds).buffer(2.0, join_style="mitre").difference(free)
     solids = shapely.get_parts(obstacles)
     motions = [event for event in run.recording.events if isinstance(event, Motion)]
-    legs = [(run.recording.starts[0], run.recording.starts[0])]
+    legs: list[tuple[Pose, Pose]] = [(run.recording.starts[0], run.recording.starts[0])]
     legs += [(a[1:], b[1:]) for motion in motions for a, b in pairwise(motion.waypoints)]
     covered = np.concatenate([covered_by_leg(corners, a, b) for a, b in legs])
     which, solid = shapely.STRtree(solids).query(covered, predicate="intersects")
@@ -55,7 +58,7 @@ def deepest_overlap(run: Run) -> float:
     return float(depth.max(initial=0.0))
 
 
-def covered_by_leg(corners, a, b) -> np.ndarray:
+def covered_by_leg(corners: Corners | None, a: Pose, b: Pose) -> np.ndarray:
     """Return the area swept by a body on a leg, as polygons from inside."""
     if corners is None:
         way = shapely.Point(a[:2]) if a[:2] == b[:2] else shapely.LineString([a[:2], b[:2]])
@@ -66,13 +69,14 @@ def covered_by_leg(corners, a, b) -> np.ndarray:
         triangles = shapely.constrained_delaunay_triangles(shapely.Polygon(corners))
         parts = [shapely.get_coordinates(part)[:3] for part in shapely.get_parts(triangles)]
         swept = [np.vstack([placed(part, a), placed(part, b)]) for part in parts]
-        return shapely.convex_hull([shapely.MultiPoint(points) for points in swept])
+        return np.array([shapely.MultiPoint(points).convex_hull for points in swept])
     steps = 2 + math.ceil(abs(b[2] - a[2]) / TURN_STEP_RAD)
     poses = np.linspace(a, b, steps).tolist()
-    return shapely.polygons([placed(np.asarray(corners), pose) for pose in poses])
+    return np.array([shapely.Polygon(placed(np.array(corners), tuple(pose))) for pose in poses])
 
 
-def placed(corners, pose) -> np.ndarray:
+def placed(corners: np.ndarray, pose: Pose) -> np.ndarray:
+    """Return the corners of a body at a pose."""
     x, y, heading = pose
     c, s = math.cos(heading), math.sin(heading)
     return corners @ np.array([[c, s], [-s, c]]) + (x, y)
@@ -82,12 +86,16 @@ def check(run: Run, least_coverage: float) -> None:
     metrics = run.metrics
     assert run.outcome == "complete", run.reason
     assert metrics.collisions == 0
+    assert metrics.coverage is not None
     assert metrics.coverage >= least_coverage
     assert metrics.smallest_clearance_m >= 0.0
     assert deepest_overlap(run) <= 1e-6
+    assert metrics.exploration_time_s is not None
     assert metrics.exploration_time_s <= metrics.makespan_s
+    assert metrics.lower_bound_s is not None
     assert metrics.makespan_s >= metrics.lower_bound_s
-    home, place = run.recording.starts[0], run.recording.starts[0]
+    home: Pose = run.recording.starts[0]
+    place = home
     for event in run.recording.events:
         if isinstance(event, Motion):
             # Every motion begins where the one before it ended.

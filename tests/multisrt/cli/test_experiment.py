@@ -8,14 +8,16 @@ import subprocess
 import sys
 import time
 import tomllib
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 import pytest
 
-from multisrt import cli
 from multisrt.cli.experiment_check import MAX_ROWS
 from multisrt.experiments import runner, template, worker
 from multisrt.experiments.crossing import runs
+from multisrt.experiments.job import Job
 from multisrt.experiments.live import LiveProgress, duration, note_of
 from multisrt.experiments.mission import make_run
 from multisrt.experiments.results import Result
@@ -24,8 +26,9 @@ from multisrt.experiments.spec import ExperimentSpec, schema
 from multisrt.experiments.store import Store
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.presets import PRESETS
+from tests.multisrt.cli.commands import MAPS, Call
+from tests.multisrt.experiments.results import result_of
 
-ROOM = "POLYGON ((0 0, 6 0, 6 5, 0 5, 0 0))"
 SMALL = """
 name = "small"
 environments = ["room.wkt"]
@@ -36,42 +39,22 @@ repetitions = 2
 
 
 @pytest.fixture
-def folder(tmp_path, monkeypatch) -> Path:
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "room.wkt").write_text(ROOM)
-    (tmp_path / "small.toml").write_text(SMALL)
-    return tmp_path
+def folder(folder: Path) -> Path:
+    """The working directory, which contains the experiment `SMALL` too."""
+    (folder / "small.toml").write_text(SMALL)
+    return folder
 
 
 @pytest.fixture
-def call(folder, monkeypatch, capsys):
-    """Run a command; return exit code, standard output and standard error."""
-
-    def run(*words: str):
-        monkeypatch.setattr(sys, "argv", ["multisrt", "experiment", *words])
-        with pytest.raises(SystemExit) as end:
-            cli.main()
-        captured = capsys.readouterr()
-        return end.value.code, captured.out, captured.err
-
-    return run
-
-
-def made(run, status="complete", **said) -> Result:
-    return Result(
-        key=run.key,
-        condition=run.condition,
-        repetition=run.repetition,
-        status=status,
-        reason="so it is",
-        **said,
-    )
+def call(call: Call) -> Call:
+    """Run `multisrt experiment`."""
+    return partial(call, "experiment")
 
 
 @pytest.fixture
-def fake_runs(monkeypatch):
-    """Make no runs: results have the status given here for their repetition."""
-    said = {"status": {}, "stop": None, "lost": None, "calls": []}
+def fake_runs(monkeypatch) -> dict[str, Any]:
+    """Simulate nothing: results have the status that is set here for their repetition."""
+    said: dict[str, Any] = {"status": {}, "stop": None, "lost": None, "calls": []}
 
     def run_experiment(store, *, workers, cluster, modules, progress):
         said["calls"].append({"workers": workers, "cluster": cluster, "modules": modules})
@@ -80,7 +63,7 @@ def fake_runs(monkeypatch):
                 raise InvalidInputError("the cluster is lost")
             if number == said["stop"]:
                 raise KeyboardInterrupt
-            store.add(made(run, said["status"].get(run.repetition, "complete")))
+            store.add(result_of(run, said["status"].get(run.repetition, "complete")))
 
     monkeypatch.setattr(runner, "run_experiment", run_experiment)
     return said
@@ -127,7 +110,7 @@ def test_the_template_writes_the_defaults():
 
 def test_examples_in_the_template_are_valid(folder):
     (folder / "maps").mkdir()
-    (folder / "maps" / "floor.wkt").write_text(ROOM)
+    (folder / "maps" / "floor.wkt").write_text(MAPS["room"])
     text = template.TEMPLATE.replace("floor.yaml", "floor.wkt")
     shown = re.findall(r"^(?:  # (\{.*?\}|\".*\"),|# (\w+ = .*))(?:  .*)?$", text, re.MULTILINE)
     assert len(shown) >= 12
@@ -252,16 +235,8 @@ def test_check_estimates_from_a_few_runs(call, monkeypatch):
     assert re.findall(r"^ room .* (\S+) *$", out, re.MULTILINE) == ["0.5", "1", "0.5", "1"]
 
 
-def _priced(job):
-    return Result(
-        key=job.key,
-        condition=job.condition,
-        repetition=job.repetition,
-        status="complete",
-        reason="",
-        computing_s=0.5 * job.condition.robots,
-        wall_s=0.5,
-    )
+def _priced(job: Job) -> Result:
+    return result_of(job, computing_s=0.5 * job.condition.robots, wall_s=0.5)
 
 
 def test_check_warns_of_impossible_runs(call, folder):
@@ -300,7 +275,7 @@ def test_incomplete_runs_are_exit_code_3(call, folder, fake_runs):
     code, out, err = call("run", "small.toml", "--store", "r.sqlite", "--workers", "3")
     assert (code, err) == (3, "")
     assert out.startswith("small: 4 of 8 runs complete, in r.sqlite\n")
-    assert out.count("repetition 1: so it is") == 4
+    assert out.count("repetition 1: no reason") == 4
     assert "--retry repeats runs that failed without a result" in out
     assert fake_runs["calls"] == [{"workers": 3, "cluster": None, "modules": ()}]
     # Nothing is left to do, except with --retry.

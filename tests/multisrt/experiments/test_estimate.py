@@ -2,14 +2,16 @@
 
 import math
 from itertools import count
+from typing import Any
 
 import pytest
 
 from multisrt.experiments import estimate as module
-from multisrt.experiments.crossing import runs
-from multisrt.experiments.estimate import MAX_PROBES, estimate
-from multisrt.experiments.results import Result
-from multisrt.experiments.spec import ExperimentSpec
+from multisrt.experiments.crossing import Condition, PlannedRun, runs
+from multisrt.experiments.estimate import MAX_PROBES, Estimate, estimate
+from multisrt.experiments.results import Result, Status
+from multisrt.experiments.spec import ExperimentSpec, Limits
+from tests.multisrt.experiments.results import result_of
 
 WORLD = {"open": 1.0, "garden": 3.0, "museum": 0.5}
 WAY = {"srt-star": 1.0, "srt-radial": 0.4, "minpos": 6.0}
@@ -24,45 +26,45 @@ SPEC = ExperimentSpec(
 PLANNED = runs(SPEC)
 
 
-def cost(condition, power: float = 0.7) -> float:
+def cost(condition: Condition, power: float = 0.7) -> float:
     return 0.05 * WORLD[condition.environment] * WAY[condition.strategy] * condition.robots**power
 
 
 class Machine:
     """Makes runs of given computing times, on a clock of its own."""
 
-    def __init__(self, monkeypatch, power=0.7, noise=0.0, scale=1.0):
+    def __init__(self, monkeypatch, power: float = 0.7, noise: float = 0.0, scale: float = 1.0):
         self.now, self.power, self.noise, self.scale = 0.0, power, noise, scale
-        self.made = []
+        self.made: list[PlannedRun] = []
         self.turns = count()
         monkeypatch.setattr(module.time, "perf_counter", lambda: self.now)
 
-    def __call__(self, run, limits):
+    def __call__(self, run: PlannedRun, limits: Limits) -> Result:
         wobble = math.exp(self.noise * math.cos(5.0 * next(self.turns)))
         needs = self.scale * cost(run.condition, self.power) * wobble
         took = min(needs, limits.computing_s)
         self.now += took
         self.made.append(run)
-        return Result(
-            key=run.key,
-            condition=run.condition,
-            repetition=run.repetition,
-            status="complete" if needs <= limits.computing_s else "over_time",
-            reason="",
-            computing_s=took,
-            wall_s=took,
-        )
+        status: Status = "complete" if needs <= limits.computing_s else "over_time"
+        return result_of(run, status, computing_s=took, wall_s=took)
 
 
-def truth(power=0.7, scale=1.0):
+def truth(power: float = 0.7, scale: float = 1.0) -> float:
+    """Return the computing time of all runs."""
     return sum(scale * cost(run.condition, power) for run in PLANNED)
+
+
+def estimated(*args: Any, **options: Any) -> Estimate:
+    found = estimate(*args, **options)
+    assert found is not None
+    return found
 
 
 @pytest.mark.parametrize("power", [0.0, 0.7, 1.5])
 @pytest.mark.parametrize("noise", [0.0, 0.15])
 def test_products_of_factors_are_estimated_exactly(power, noise, monkeypatch):
     machine = Machine(monkeypatch, power, noise)
-    found = estimate(SPEC, PLANNED, machine, budget_s=100.0)
+    found = estimated(SPEC, PLANNED, machine, budget_s=100.0)
     assert found.low_s <= truth(power) <= found.high_s
     assert found.computing_s == pytest.approx(truth(power), rel=0.2)
     assert found.high_s / found.low_s < 4.0
@@ -71,7 +73,7 @@ def test_products_of_factors_are_estimated_exactly(power, noise, monkeypatch):
 
 
 def test_all_labels_and_sizes_are_tried(monkeypatch):
-    found = estimate(SPEC, PLANNED, Machine(monkeypatch), budget_s=1000.0)
+    found = estimated(SPEC, PLANNED, Machine(monkeypatch), budget_s=1000.0)
     tried = [probe.condition for probe in found.probes]
     assert len(tried) == len(set(tried)) == MAX_PROBES
     assert {one.environment for one in tried} == set(WORLD)
@@ -82,7 +84,7 @@ def test_all_labels_and_sizes_are_tried(monkeypatch):
 
 def test_an_estimate_keeps_to_its_budget(monkeypatch):
     machine = Machine(monkeypatch, scale=10.0)
-    found = estimate(SPEC, PLANNED, machine, budget_s=30.0)
+    found = estimated(SPEC, PLANNED, machine, budget_s=30.0)
     assert machine.now < 45.0
     assert found.computing_s == pytest.approx(truth(scale=10.0), rel=0.5)
 
@@ -99,7 +101,7 @@ def test_trial_runs_are_reproducible(monkeypatch):
 
 def test_trial_runs_that_are_cut_off_are_counted(monkeypatch):
     machine = Machine(monkeypatch, scale=1000.0)
-    found = estimate(SPEC, PLANNED, machine, budget_s=20.0)
+    found = estimated(SPEC, PLANNED, machine, budget_s=20.0)
     assert found.cut_off == len(found.probes) > 0
     assert found.computing_s < truth(scale=1000.0)
     assert machine.now <= 40.0
@@ -107,16 +109,14 @@ def test_trial_runs_that_are_cut_off_are_counted(monkeypatch):
 
 def test_a_single_condition(monkeypatch):
     spec = ExperimentSpec(name="x", environments=("open",), strategies=("minpos",), repetitions=7)
-    found = estimate(spec, runs(spec), Machine(monkeypatch), budget_s=9.0)
+    found = estimated(spec, runs(spec), Machine(monkeypatch), budget_s=9.0)
     assert found.computing_s == pytest.approx(7 * 0.05 * 6.0)
     assert found.low_s == pytest.approx(found.computing_s / math.exp(module.UNKNOWN_SPREAD))
     assert list(found.by_condition_s) == [runs(spec)[0].condition]
 
 
 def test_there_is_no_estimate_if_no_trial_run_ends():
-    def refuse(run, limits):
-        return Result(
-            key=run.key, condition=run.condition, repetition=0, status="refused", reason="no"
-        )
+    def refuse(run: PlannedRun, limits: Limits) -> Result:
+        return result_of(run, "refused")
 
     assert estimate(SPEC, PLANNED, refuse, budget_s=1.0) is None

@@ -63,8 +63,11 @@ def test_a_file_with_every_field():
     assert spec.environments[1] == EnvironmentChoice(
         name="garden", label="park", parameters={"size_m": 20.0}, seeds="0-2"
     )
-    assert spec.strategies[1].options == {"cones": 6}
-    assert spec.robots[2].members == (
+    strategy, team = spec.strategies[1], spec.robots[2]
+    assert isinstance(strategy, StrategyChoice)
+    assert strategy.options == {"cones": 6}
+    assert isinstance(team, TeamChoice)
+    assert team.members == (
         MemberChoice(start=(1, 2)),
         MemberChoice(footprint="box:0.5x0.3"),
     )
@@ -277,7 +280,7 @@ def fits(value, node, root):
         return False
     if "enum" in node and value not in node["enum"]:
         return False
-    kinds = {
+    kinds: dict[str, type | tuple[type, ...]] = {
         "object": dict,
         "array": list,
         "string": str,

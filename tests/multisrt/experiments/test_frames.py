@@ -6,7 +6,7 @@ import sys
 
 import msgspec
 import pandas
-import pyarrow.parquet
+import pyarrow.parquet  # type: ignore[import-untyped]
 import pytest
 
 import multisrt as ms
@@ -19,8 +19,9 @@ from multisrt.experiments.results import Result
 from multisrt.experiments.spec import ExperimentSpec, Limits
 from multisrt.experiments.store import Store
 from multisrt.geometry.errors import InvalidInputError
+from tests.multisrt.experiments.results import metrics_of, result_of
+from tests.multisrt.experiments.small import ROOM
 
-ROOM = "POLYGON ((0 0, 6 0, 6 5, 0 5, 0 0))"
 SPEC = ExperimentSpec.from_dict(
     {
         "name": "rooms",
@@ -43,29 +44,11 @@ def made() -> Result:
 def path(tmp_path, made):
     """Three of four runs: one complete, one without some times, one crashed."""
     one, two, three, _ = runs(SPEC)
-    short = msgspec.structs.replace(made.metrics, exploration_time_s=None, beyond_range_m=None)
+    short = msgspec.structs.replace(metrics_of(made), exploration_time_s=None, beyond_range_m=None)
     with Store.create_or_open(tmp_path / "results.sqlite", SPEC) as store:
-        store.add(
-            Result(
-                key=one.key,
-                condition=one.condition,
-                repetition=0,
-                status="crashed",
-                reason='ended by "signal" 9, twice',
-            )
-        )
+        store.add(result_of(one, "crashed", 'ended by "signal" 9, twice'))
         store.add(made)
-        store.add(
-            Result(
-                key=three.key,
-                condition=three.condition,
-                repetition=1,
-                status="stalled",
-                reason="stands",
-                metrics=short,
-                computing_s=0.5,
-            )
-        )
+        store.add(result_of(three, "stalled", "stands", metrics=short, computing_s=0.5))
     assert two.key == made.key
     return tmp_path / "results.sqlite"
 
@@ -86,10 +69,10 @@ def test_a_frame_has_a_row_for_each_run(path, made):
         value = measure.of(made)
         told = float("nan") if pandas.isna(row[measure.name]) else float(row[measure.name])
         assert told == value or (math.isnan(told) and value is None), measure.name
-    assert pandas.isna(frame.loc[0, "coverage"])
-    assert pandas.isna(frame.loc[0, "nodes"])
-    assert pandas.isna(frame.loc[2, "exploration_time_s"])
-    assert frame.loc[2, "coverage"] == made.metrics.coverage
+    assert list(frame["coverage"].isna()) == [True, False, False]
+    assert list(frame["nodes"].isna()) == [True, False, False]
+    assert list(frame["exploration_time_s"].isna()) == [True, False, True]
+    assert frame["coverage"].iloc[2] == metrics_of(made).coverage
 
 
 def test_every_scalar_metric_is_a_column():
@@ -139,7 +122,9 @@ def test_an_empty_export_has_the_same_columns(tmp_path):
     assert pyarrow.parquet.read_table(tmp_path / "a.parquet").column_names == list(columns())
     with Store.open(tmp_path / "r.sqlite") as store:
         frame = frame_of(store.results())
-    assert (len(frame), frame["nodes"].dtype, frame["coverage"].dtype) == (0, "Int64", "float64")
+    assert len(frame) == 0
+    assert frame["nodes"].dtype == "Int64"
+    assert frame["coverage"].dtype == "float64"
 
 
 def test_load_results_is_public(path):

@@ -31,6 +31,7 @@ SPEC = ExperimentSpec(
 
 def wait_for(process: subprocess.Popen[str], done: int) -> None:
     assert process.stdout is not None
+    assert process.stderr is not None
     for line in process.stdout:
         if int(line) >= done:
             return

@@ -4,6 +4,7 @@ import resource
 import signal
 import time
 from pathlib import Path
+from typing import Any
 
 import msgspec
 import pytest
@@ -19,6 +20,7 @@ from multisrt.experiments.spec import ExperimentSpec, Limits, StartsChoice
 from multisrt.recording import Recording
 from multisrt.robots.registry import Strategy, _registry
 from multisrt.simulation.simulate import simulate
+from tests.multisrt.experiments.results import metrics_of
 
 ENOUGH = Limits(computing_s=60.0, memory_mb=2000)
 
@@ -41,8 +43,12 @@ def register(monkeypatch):
     return add
 
 
-def planned(**fields) -> PlannedRun:
-    given = {"name": "test", "environments": ("open",), "strategies": ("srt-radial",)} | fields
+def planned(**fields: Any) -> PlannedRun:
+    given: dict[str, Any] = {
+        "name": "test",
+        "environments": ("open",),
+        "strategies": ("srt-radial",),
+    } | fields
     return runs(ExperimentSpec(**given))[0]
 
 
@@ -90,8 +96,10 @@ def test_the_curve_of_a_stopped_run_ends_early():
     )
     result = make_run(run, ENOUGH)
     assert result.status == "out_of_time"
-    assert 0.0 < result.metrics.coverage < 0.9
-    last = math.floor(result.metrics.coverage * 100)
+    coverage = metrics_of(result).coverage
+    assert coverage is not None
+    assert 0.0 < coverage < 0.9
+    last = math.floor(coverage * 100)
     assert result.covered_at_s[last] is not None
     assert set(result.covered_at_s[last + 1 :]) == {None}
 

@@ -5,6 +5,7 @@ import signal
 import sys
 import textwrap
 import threading
+from importlib import import_module
 from pathlib import Path
 
 import msgspec
@@ -14,7 +15,7 @@ from multisrt.experiments.crossing import runs
 from multisrt.experiments.mission import make_run
 from multisrt.experiments.provenance import provenance
 from multisrt.experiments.results import Result
-from multisrt.experiments.runner import cores, job_of, run_experiment
+from multisrt.experiments.runner import Progress, cores, job_of, run_experiment
 from multisrt.experiments.spec import ExperimentSpec, Limits
 from multisrt.experiments.store import Store
 from multisrt.experiments.worker import StoppedError, Worker
@@ -101,9 +102,7 @@ def mischief(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.syspath_prepend(tmp_path)
     before = set(_registry())
-    import mischief
-
-    yield mischief.__name__
+    yield import_module("mischief").__name__
     del sys.modules["mischief"]
     for name in set(_registry()) - before:
         del _registry()[name]
@@ -137,7 +136,7 @@ def test_progress_is_reported_and_stored_runs_skipped(path, undisturbed):
     smaller = msgspec.structs.replace(SPEC, repetitions=2)
     with Store.create_or_open(path, smaller) as store:
         run_experiment(store, workers=1)
-    told = []
+    told: list[Progress] = []
     with Store.create_or_open(path, SPEC) as store:
         run_experiment(store, workers=1, progress=told.append)
         assert {result.key: result.digest for result in store.results()} == undisturbed
@@ -147,7 +146,9 @@ def test_progress_is_reported_and_stored_runs_skipped(path, undisturbed):
         (6, 2, 6, 0),
     ]
     assert (told[0].latest, told[0].per_hour, told[0].left_s) == (None, None, None)
-    assert told[1].latest.condition.robots == 1
+    latest = told[1].latest
+    assert latest is not None
+    assert latest.condition.robots == 1
     assert told[1].left_s == pytest.approx(told[1].elapsed_s)
     assert told[2].left_s == 0.0
 

@@ -1,17 +1,18 @@
 import math
 import os
 import sqlite3
+from typing import Any
 
 import msgspec
 import pytest
 
 from multisrt.experiments.crossing import runs
 from multisrt.experiments.mission import make_run
-from multisrt.experiments.results import Result
 from multisrt.experiments.spec import ExperimentSpec, Limits
 from multisrt.experiments.store import Store
 from multisrt.experiments.store_file import FORMAT
 from multisrt.geometry.errors import InvalidInputError
+from tests.multisrt.experiments.results import metrics_of, result_of
 
 SPEC = ExperimentSpec(
     name="small",
@@ -23,19 +24,8 @@ SPEC = ExperimentSpec(
 )
 
 
-def changed(**fields) -> ExperimentSpec:
+def changed(**fields: Any) -> ExperimentSpec:
     return msgspec.structs.replace(SPEC, **fields)
-
-
-def result_of(run, status="complete", **fields) -> Result:
-    return Result(
-        key=run.key,
-        condition=run.condition,
-        repetition=run.repetition,
-        status=status,
-        reason="since",
-        **fields,
-    )
 
 
 @pytest.fixture
@@ -70,7 +60,7 @@ def test_results_are_read_back_unchanged(path):
 def test_a_collision_counts_as_failed(path):
     run = runs(SPEC)[0]
     made = make_run(run, SPEC.limits)
-    metrics = msgspec.structs.replace(made.metrics, collisions=1)
+    metrics = msgspec.structs.replace(metrics_of(made), collisions=1)
     with Store.create_or_open(path, SPEC) as store:
         store.add(msgspec.structs.replace(made, metrics=metrics))
         assert store.failed == 1 == sum(result.failed for result in store.results())

@@ -1,10 +1,12 @@
 import re
+from collections.abc import Sequence
 
 import pytest
 import shapely
 
 from multisrt.environments.environment import Environment
 from multisrt.events import (
+    AnyEvent,
     Blocked,
     CameBack,
     Coordinated,
@@ -52,7 +54,7 @@ def moved(robot: int, start, end, purpose="explore") -> Motion:
     )
 
 
-STORY = (
+STORY: tuple[AnyEvent, ...] = (
     *(node(0.0, robot, 0, None, STARTS[robot][:2], "root") for robot in range(3)),
     Decision(
         time_s=0.0, robot=2, node=(2, 0), frontier_m=3.5, choice="draw", target=(9.0, 4.0), draws=1
@@ -154,15 +156,22 @@ STORY = (
 )
 
 
-@pytest.fixture(scope="module")
-def recording() -> Recording:
+def recorder_of(events: Sequence[AnyEvent], strategy: str) -> Recorder:
+    """Return a recorder to which a team of three has told events."""
     spec = RunSpec(
-        environment=inline(HALL), robots=tuple(RobotSpec(start=start) for start in STARTS)
+        environment=inline(HALL),
+        strategy=strategy,
+        robots=tuple(RobotSpec(start=start) for start in STARTS),
     )
     recorder = Recorder(header_of(spec, HALL, tuple(Configuration(*s) for s in STARTS)))
-    for event in STORY:
+    for event in events:
         recorder.record(event)
-    return recorder.finish(30.0, "stalled", "")
+    return recorder
+
+
+@pytest.fixture(scope="module")
+def recording() -> Recording:
+    return recorder_of(STORY, "srt-radial").finish(30.0, "stalled", "")
 
 
 def part(text: str, title: str) -> str:
@@ -313,7 +322,7 @@ def chosen(time_s: float, robot: int, goal, rule="minpos", because="news", **kno
 FAR_AND_NEAR = tuple((float(k), 9.0) for k in range(12))
 TWO = ((3.0, 4.0), (7.5, 2.0))
 
-BIDS = (
+BIDS: tuple[AnyEvent, ...] = (
     *(node(0.0, robot, 0, None, STARTS[robot][:2], "root") for robot in range(3)),
     chosen(0.0, 1, (7.5, 2.0), because="start"),
     moved(1, (0.0, 5.0, 1.0), (0.5, 5.25, 1.0)),
@@ -387,15 +396,7 @@ BIDS = (
 
 @pytest.fixture(scope="module")
 def bidding() -> Recording:
-    spec = RunSpec(
-        environment=inline(HALL),
-        strategy="minpos",
-        robots=tuple(RobotSpec(start=start) for start in STARTS),
-    )
-    recorder = Recorder(header_of(spec, HALL, tuple(Configuration(*s) for s in STARTS)))
-    for event in BIDS:
-        recorder.record(event)
-    return recorder.finish(9.0, "complete", "")
+    return recorder_of(BIDS, "minpos").finish(9.0, "complete", "")
 
 
 def test_knowledge_and_reason_of_a_bidder_are_explained(bidding):

@@ -1,6 +1,7 @@
 """What figures show, read from their axes."""
 
 import math
+from collections.abc import Callable
 
 import msgspec
 import numpy as np
@@ -8,6 +9,7 @@ import pytest
 from matplotlib.axes import Axes
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.patches import PathPatch
 
 import multisrt as ms
@@ -22,7 +24,7 @@ from multisrt.reporting.study import Study
 from multisrt.reporting.style import look_of
 
 TIME, COVERAGE = measure_named("exploration_time_s"), measure_named("coverage")
-TIMES = {
+TIMES: dict[tuple[str, int], list[float | None]] = {
     ("near", 1): [10.0, 20.0, 30.0, 40.0, 100.0],
     ("near", 2): [5.0, 6.0, 9.0, 11.0, 17.0, 30.0],
     ("far", 1): [200.0, 210.0, 250.0, 270.0, 280.0],
@@ -52,11 +54,14 @@ def study() -> Study:
     return Study(Results(spec, found, len(found), provenance()))
 
 
-@pytest.fixture
-def axes_of(monkeypatch):
-    """Draw what a function draws, and give the axes and what is said of them by name."""
+Draw = Callable[..., dict[str, tuple[Axes, str]]]
 
-    def draw_all(function, *given) -> dict[str, tuple[Axes, str]]:
+
+@pytest.fixture
+def axes_of(monkeypatch) -> Draw:
+    """Return the axes and the description of each figure that a function draws, by name."""
+
+    def draw_all(function: Callable[..., object], *given: object) -> dict[str, tuple[Axes, str]]:
         found = {}
 
         def kept(name, title, alt, height_in, draw):
@@ -71,6 +76,14 @@ def axes_of(monkeypatch):
         return found
 
     return draw_all
+
+
+def x_of(line: Line2D) -> np.ndarray:
+    return np.asarray(line.get_xdata())
+
+
+def y_of(line: Line2D) -> np.ndarray:
+    return np.asarray(line.get_ydata())
 
 
 def finite(strategy: str, robots: int) -> list[float]:
@@ -94,12 +107,12 @@ def test_boxes_are_the_quartiles_of_their_runs(study, axes_of, measure):
         own = finite(strategy, robots)
         own = own if measure is TIME else [0.5 + time / 1e3 for time in own]
         low, half, high = np.percentile(own, [25, 50, 75])
-        across = box.get_path().vertices[:, 0]
+        across = np.asarray(box.get_path().vertices)[:, 0]
         assert (across.min(), across.max()) == pytest.approx((low, high))
-        assert middle.get_xdata() == pytest.approx([half, half])
-        assert np.mean(middle.get_ydata()) == pytest.approx(at)
-        assert list(dots.get_xdata()) == pytest.approx(own)
-        assert np.abs(dots.get_ydata() - at).max() < 0.5
+        assert x_of(middle) == pytest.approx([half, half])
+        assert np.mean(y_of(middle)) == pytest.approx(at)
+        assert list(x_of(dots)) == pytest.approx(own)
+        assert np.abs(y_of(dots) - at).max() < 0.5
         look = look_of(["near", "far"].index(strategy))
         assert to_hex(box.get_edgecolor()) == look.colour == dots.get_color()
     if measure is TIME:
@@ -115,9 +128,9 @@ def test_lines_against_team_size_are_medians_of_all_runs(study, axes_of):
     assert list(shown) == ["near", "far"]
     # The run that crashed counts as the slowest.
     all_runs = [math.inf if time is None else time for time in TIMES["far", 2]]
-    assert list(shown["near"].get_xdata()) == [1, 2]
-    assert list(shown["near"].get_ydata()) == [30.0, 10.0]
-    assert list(shown["far"].get_ydata()) == [250.0, float(np.median(all_runs))]
+    assert list(x_of(shown["near"])) == [1, 2]
+    assert list(y_of(shown["near"])) == [30.0, 10.0]
+    assert list(y_of(shown["far"])) == [250.0, float(np.median(all_runs))]
     assert [label.get_text() for label in axes.get_xticklabels()] == ["1", "2"]
 
 
@@ -126,14 +139,14 @@ def test_coverage_curves_are_medians_and_quartiles(study, axes_of):
     assert list(found) == ["coverage-hall-1-robot-0", "coverage-hall-2-robots-0"]
     axes, alt = found["coverage-hall-1-robot-0"]
     near, far = axes.lines
-    grid = near.get_xdata()
+    grid = x_of(near)
     at = int(np.searchsorted(grid, 30.0))
     shares = [min(1.0, math.floor(100.0 * grid[at] / time) / 100.0) for time in TIMES["near", 1]]
-    assert near.get_ydata()[at] == pytest.approx(np.median(shares))
-    band = axes.collections[0].get_paths()[0].vertices
+    assert y_of(near)[at] == pytest.approx(np.median(shares))
+    band = np.asarray(axes.collections[0].get_paths()[0].vertices)
     there = band[np.isclose(band[:, 0], grid[at]), 1]
     assert (there.min(), there.max()) == pytest.approx(tuple(np.percentile(shares, [25, 75])))
-    assert far.get_ydata()[at] < near.get_ydata()[at]
+    assert y_of(far)[at] < y_of(near)[at]
     # 90 % of a run of 30 s are covered after 27 s, of one of 250 s after 225 s.
     step = grid[1]
     near_s, far_s = (float(text.split(" s")[0]) for text in alt.split("at 90 % after ")[1:])

@@ -1,6 +1,7 @@
 import re
 import tomllib
 import xml.etree.ElementTree as ET
+from collections.abc import Sequence
 from html.parser import HTMLParser
 from urllib.parse import unquote
 
@@ -35,13 +36,14 @@ from multisrt.reporting.style import (
     short_labels,
 )
 from multisrt.spec import RunSpec
+from tests.multisrt.experiments.results import metrics_of
 
 ONE = ["exploration_time_s"]
 VOID = {"meta", "img", "link", "br", "hr", "input"}
 
 
 class Page(HTMLParser):
-    """What is in a page; complains if its tags do not close in order."""
+    """The contents of a page, whose tags close in order."""
 
     def __init__(self, text: str) -> None:
         super().__init__()
@@ -68,11 +70,18 @@ class Page(HTMLParser):
 
 
 def made_up(
-    strategies=("a", "b"), robots=(1, 2), count=6, *, fail=0, about="", environment="open"
+    strategies: Sequence[str] = ("a", "b"),
+    robots: Sequence[int] = (1, 2),
+    count: int = 6,
+    *,
+    fail: int = 0,
+    about: str = "",
+    environment: str = "open",
 ) -> Results:
+    """Return results with random times; the first `fail` runs of each condition crashed."""
     rng = np.random.default_rng(3)
     template = ms.explore("open", seed=1).metrics
-    found = []
+    found: list[Result] = []
     for strategy in strategies:
         for size in robots:
             for k in range(count):
@@ -131,7 +140,7 @@ def real() -> Results:
 
 @pytest.fixture(scope="module")
 def report(real, tmp_path_factory):
-    """A report with all there can be in it."""
+    """A report with all its sections."""
     stalled = msgspec.structs.replace(
         real.results[1], status="stalled", reason="robot 0 sees 3.5 m of frontier"
     )
@@ -304,10 +313,17 @@ def test_gallery_shows_every_world_before_smaller_teams():
     assert {(s.environment, s.robots) for s in chosen} == {("u", 2), ("v", 2), ("w", 2), ("u", 1)}
 
 
+def time_of(result: Result | None) -> float:
+    assert result is not None
+    time = metrics_of(result).exploration_time_s
+    assert time is not None
+    return time
+
+
 def test_median_run_is_in_the_middle():
     own = made_up(("a",), (1,), 5).results
-    times = sorted(result.metrics.exploration_time_s for result in own)
-    assert median_run(list(own)).metrics.exploration_time_s == times[2]
+    times = sorted(time_of(result) for result in own)
+    assert time_of(median_run(list(own))) == times[2]
     assert median_run(list(made_up(("a",), (1,), 2, fail=2))) is None
 
 

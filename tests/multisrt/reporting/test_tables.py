@@ -3,7 +3,7 @@ import io
 import math
 import re
 import statistics
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from html.parser import HTMLParser
 
 import msgspec
@@ -37,6 +37,7 @@ from multisrt.reporting.tables import (
 from multisrt.reporting.words import difference, findings, p_value, what_was_run
 
 TIME = measure_named("exploration_time_s")
+Times = Mapping[tuple[str, str, int], Sequence[float | None]]
 Make = Callable[..., Results]
 
 
@@ -47,7 +48,7 @@ def measured() -> Metrics:
 
 @pytest.fixture(scope="module")
 def make(measured: Metrics) -> Make:
-    def results(times, *, planned: int | None = None) -> Results:
+    def results(times: Times, *, planned: int | None = None) -> Results:
         # Times by (environment, strategy, robots); None is a run that crashed.
         found = [
             result_of(Condition(environment=environment, strategy=strategy, robots=robots), k, time)
@@ -80,6 +81,20 @@ def make(measured: Metrics) -> Make:
     return results
 
 
+def growth_of(results: Results) -> Table:
+    table = growth_table(Study(results), TIME)
+    assert table is not None
+    return table
+
+
+def value(cell: Cell, name: str) -> float:
+    """Return one of the numbers of a cell."""
+    assert cell.data is not None
+    found = cell.data[name]
+    assert isinstance(found, int | float)
+    return found
+
+
 def lognormal(seed: int, scale: float, count: int = 20) -> list[float]:
     return [float(t) for t in scale * np.random.default_rng(seed).lognormal(0.0, 0.2, count)]
 
@@ -106,7 +121,7 @@ def test_table_holds_the_numbers_of_the_runs(make):
     table = summary_table(make(times), TIME)
     assert table.columns == ("World", "Team", "a", "b")
     tests = [
-        stats.wilcoxon(times[world, "b", 1], times[world, "a", 1]).pvalue
+        float(stats.wilcoxon(times[world, "b", 1], times[world, "a", 1]).pvalue)
         for world in ("garden", "office")
     ]
     adjusted = holm_by_hand(tests)
@@ -114,11 +129,11 @@ def test_table_holds_the_numbers_of_the_runs(make):
         assert (row[0].text, row[1].text) == (world, "1 robot")
         for cell, strategy in zip(row[2:], ("a", "b"), strict=True):
             own = times[world, strategy, 1]
-            assert cell.data["median"] == pytest.approx(statistics.median(own))
-            assert cell.data["iqm"] == pytest.approx(statistics.mean(sorted(own)[5:15]))
-            assert cell.data["low"] < cell.data["iqm"] < cell.data["high"]
+            assert value(cell, "median") == pytest.approx(statistics.median(own))
+            assert value(cell, "iqm") == pytest.approx(statistics.mean(sorted(own)[5:15]))
+            assert value(cell, "low") < value(cell, "iqm") < value(cell, "high")
             assert cell.text == number(statistics.median(own), 1)
-        assert row[3].data["p"] == pytest.approx(p)
+        assert value(row[3], "p") == pytest.approx(p)
         assert row[2].mark == ""
         assert row[3].mark == ("+" if p < 0.05 else "")
     assert [row[3].mark for row in table.rows] == ["+", ""]
@@ -147,22 +162,22 @@ def test_higher_is_better_where_it_is(make, measured):
     changed = Results(results.experiment, better, len(better), results.provenance)
     (row,) = summary_table(changed, "coverage").rows
     assert row[3].mark == "+"
-    assert row[3].data["A"] > 0.9
+    assert value(row[3], "A") > 0.9
 
 
 def test_failed_runs_count_as_worst(make):
     good = lognormal(1, 100.0, 9)
     results = make({("w", "a", 1): [*good, None], ("w", "b", 1): [*good[:4], *[None] * 6]})
     (row,) = summary_table(results, TIME).rows
-    assert row[2].data["median"] == pytest.approx(np.median([*good, math.inf]))
-    assert (row[2].data["runs"], row[2].data["measured"]) == (10, 9)
+    assert value(row[2], "median") == pytest.approx(np.median([*good, math.inf]))
+    assert (value(row[2], "runs"), value(row[2], "measured")) == (10, 9)
     assert row[3].text == "∞"
     assert row[3].sort == math.inf
     assert any("∞" in note for note in summary_table(results, TIME).notes)
     (success,) = success_table(Study(results)).rows
     assert [cell.text for cell in success[2:]] == ["9 of 10", "4 of 10"]
     low = stats.binomtest(9, 10).proportion_ci(method="wilson").low
-    assert success[2].data["low"] == pytest.approx(low)
+    assert value(success[2], "low") == pytest.approx(low)
 
 
 @pytest.mark.parametrize(("runs", "warned"), [(1, False), (2, True), (9, True), (10, False)])
@@ -185,16 +200,17 @@ def test_conditions_without_runs_are_empty(make):
 def test_gap_is_that_of_the_interquartile_mean(make):
     times = lognormal(5, 40.0)
     table = gap_table(Study(make({("w", "a", 1): times})))
+    assert table is not None
     middle = statistics.mean(sorted(times)[5:15])
-    assert table.rows[0][1].data["gap"] == pytest.approx(middle / 10.0 - 1.0)
+    assert value(table.rows[0][1], "gap") == pytest.approx(middle / 10.0 - 1.0)
 
 
 def test_growth_finds_the_exponent_that_was_put_in(make):
     noise = lognormal(7, 1.0, 10)
     results = make({("w", "a", n): [300.0 * n**-0.8 * e for e in noise] for n in (1, 2, 4)})
-    (row,) = growth_table(Study(results), TIME).rows
-    assert row[1].data["low"] < -0.8 < row[1].data["high"]
-    assert row[1].data["exponent"] == pytest.approx(-0.8)
+    (row,) = growth_of(results).rows
+    assert value(row[1], "low") < -0.8 < value(row[1], "high")
+    assert value(row[1], "exponent") == pytest.approx(-0.8)
     assert growth_table(Study(make({("w", "a", 1): noise})), TIME) is None
 
 
@@ -213,19 +229,19 @@ def test_growth_by_hand(make):
             ("v", "b", 4): [10.0, 20.0],
         }
     )
-    table = growth_table(Study(results), TIME)
+    table = growth_of(results)
     assert table.columns == ("World", "a", "b")
     (world, of_a, of_b), (other, none, flat) = table.rows
     assert (world.text, other.text) == ("w", "v")
     half = 4.302653 * math.sqrt(2.0)
-    assert of_a.data["exponent"] == pytest.approx(-3.0)
-    assert of_a.data["low"] == pytest.approx(-3.0 - half, abs=1e-4)
-    assert of_a.data["high"] == pytest.approx(-3.0 + half, abs=1e-4)
+    assert value(of_a, "exponent") == pytest.approx(-3.0)
+    assert value(of_a, "low") == pytest.approx(-3.0 - half, abs=1e-4)
+    assert value(of_a, "high") == pytest.approx(-3.0 + half, abs=1e-4)
     assert of_a.text == "\N{MINUS SIGN}3.00"
     assert of_a.detail == "(\N{MINUS SIGN}9.08 to 3.08)"
-    assert [of_b.data[key] for key in ("exponent", "low", "high")] == pytest.approx([1.0] * 3)
+    assert [value(of_b, key) for key in ("exponent", "low", "high")] == pytest.approx([1.0] * 3)
     assert (none.text, none.data) == ("", None)
-    assert flat.data["exponent"] == pytest.approx(0.0, abs=1e-12)
+    assert value(flat, "exponent") == pytest.approx(0.0, abs=1e-12)
 
 
 def test_no_growth_where_a_run_has_no_value(make):

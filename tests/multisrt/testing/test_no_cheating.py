@@ -10,9 +10,10 @@ import shapely
 from multisrt.environments.environment import Environment
 from multisrt.geometry.bodies.collision import CollisionWorld
 from multisrt.geometry.regions.edge_index import EdgeIndex
+from multisrt.geometry.regions.scan import ExactScan
 from multisrt.recording import Recorder
 from multisrt.robots import registry
-from multisrt.robots.explorer import Done, Sense
+from multisrt.robots.explorer import Done, Explorer, RobotSelf, Sense
 from multisrt.robots.registry import strategies
 from multisrt.run import explore
 from multisrt.simulation import sensing, simulate
@@ -48,7 +49,7 @@ TRUTH = (
 
 
 def reachable(*roots: object) -> list[object]:
-    """All objects that can be reached from some, except through modules, classes or functions.
+    """Return all objects reachable from some, except through modules, classes or functions.
 
     Those are the program, not what a robot was given: its code may import what it likes, which
     import rules forbid elsewhere. Closures and defaults of functions are followed.
@@ -75,9 +76,9 @@ def truths(*roots: object) -> list[object]:
 
 
 @pytest.fixture
-def explorers(monkeypatch):
+def explorers(monkeypatch) -> list[tuple[Explorer, RobotSelf, object]]:
     """All explorers that are built, each with what it is given."""
-    built = []
+    built: list[tuple[Explorer, RobotSelf, object]] = []
 
     def keeping(strategy):
         def explorer(me, options):
@@ -100,7 +101,7 @@ def explorers(monkeypatch):
 @pytest.mark.parametrize("strategy", [s.name for s in strategies()])
 @pytest.mark.parametrize("beams", [None, 360])
 def test_nothing_that_an_explorer_holds_leads_to_the_truth(explorers, strategy, beams):
-    checks = []
+    checks: list[list[object]] = []
 
     def watch(event):
         # While the run goes on, not only after its end.
@@ -114,9 +115,12 @@ def test_nothing_that_an_explorer_holds_leads_to_the_truth(explorers, strategy, 
 
 
 def test_outcomes_do_not_lead_to_the_truth(monkeypatch):
-    told = []
+    told: list[object] = []
 
     class Curious:
+        def __init__(self, me):
+            told.append(me)
+
         def run(self):
             told.append((yield Sense()))
             yield Done(complete=True, reason="")
@@ -125,7 +129,7 @@ def test_outcomes_do_not_lead_to_the_truth(monkeypatch):
         name="curious",
         summary="",
         options=registry.strategy("srt-star").options,
-        explorer=lambda me, options: told.append(me) or Curious(),
+        explorer=lambda me, options: Curious(me),
     )
     monkeypatch.setitem(registry._registry(), "curious", strategy)
     explore(WORLD, strategy="curious")
@@ -134,11 +138,12 @@ def test_outcomes_do_not_lead_to_the_truth(monkeypatch):
 
 
 def test_a_scan_shares_no_memory_with_the_truth(monkeypatch):
-    scans = []
+    scans: list[tuple[EdgeIndex, ExactScan]] = []
     take_scan = sensing.take_scan
 
     def taking(index, *rest):
         scan = take_scan(index, *rest)
+        assert isinstance(scan, ExactScan)
         scans.append((index, scan))
         return scan
 

@@ -1,0 +1,34 @@
+import re
+import xml.etree.ElementTree as ET
+
+import pytest
+
+from multisrt.environments.catalog import names
+from tests.multisrt.cli.commands import everything
+
+
+def test_environments_lists_the_catalogue(call):
+    code, out, err = call("environments")
+    assert (code, err) == (0, "")
+    assert all(re.search(rf"^ *{name} ", out, re.M) for name in names())
+
+
+def test_environments_show_draws_a_map(call, folder):
+    code, out, err = call("environments", "show", "office")
+    assert (code, err) == (0, "")
+    assert "parameters: " in out
+    assert ET.parse(folder / "office.svg").getroot().tag.endswith("svg")
+    code, out, _ = call("environments", "show", "pillar.wkt", "--out", "p.svg")
+    assert code == 0
+    assert "9 x 6 m, 50 m2 free, 1 component, 8 edges" in out
+    assert (folder / "p.svg").exists()
+
+
+@pytest.mark.parametrize("out", [".", "room.wkt/x.svg", "none/x.svg", "/"])
+def test_environments_show_refuses_bad_paths(call, folder, out):
+    before = everything(folder)
+    code, _, err = call("environments", "show", "room.wkt", "--out", out)
+    assert code == 2
+    assert err.startswith("error: cannot write ")
+    assert err.count("\n") == 1
+    assert everything(folder) == before

@@ -1,0 +1,150 @@
+import json
+import os
+import re
+import xml.etree.ElementTree as ET
+from pathlib import Path
+
+import pytest
+
+from multisrt.recording import Recording
+from tests.multisrt.cli.commands import everything
+
+FILES = ["recording.jsonl", "run.json", "spec.toml", "tree.svg"]
+
+
+def test_explore_writes_its_files(call, folder):
+    code, out, err = call("explore", "room.wkt", "--seed", "3")
+    assert (code, err) == (0, "")
+    assert "srt-radial in room, seed 3: complete" in out
+    results = folder / "runs" / "room-srt-radial-3"
+    assert sorted(os.listdir(results)) == FILES
+    summary = json.loads((results / "run.json").read_text())
+    recording = Recording.load(results / "recording.jsonl")
+    assert summary["outcome"] == "complete"
+    assert summary["digest"] == recording.footer.digest
+    assert summary["spec"] == json.loads(recording.spec.to_json())
+    assert summary["metrics"]["coverage"] > 0.99
+    assert ET.parse(results / "tree.svg").getroot().tag.endswith("svg")
+    for name in FILES:
+        assert str(Path("runs") / "room-srt-radial-3" / name) in out
+
+
+def test_explore_with_many_options(call, folder):
+    code, _, err = call(
+        *("explore", "pillar.wkt", "--strategy", "srt-star", "--seed", "1", "--out", "a/b"),
+        *("--start", "1.5,1.5,0.5", "--range", "3", "--beams", "360", "--footprint", "box:0.5x0.3"),
+        *("--drive", "holonomic", "--speed", "1", "--max-time", "5000", "--option", "cones=12"),
+        *("--option", "backtrack=nearest_open", "--quiet"),
+    )
+    assert (code, err) == (0, "")
+    spec = Recording.load(folder / "a" / "b" / "recording.jsonl").spec
+    assert spec.strategy == "srt-star"
+    assert spec.options == {"cones": "12", "backtrack": "nearest_open"}
+    assert spec.robots[0].start == (1.5, 1.5, 0.5)
+    assert spec.robots[0].range_finder.beams == 360
+    assert spec.robots[0].drive.kind == "holonomic"
+    assert spec.stop.max_time_s == 5000.0
+
+
+def test_quiet_prints_nothing(call):
+    assert call("explore", "room.wkt", "--quiet") == (0, "", "")
+
+
+def test_exploring_again_overwrites_with_the_same(call, folder):
+    call("explore", "pillar.wkt", "--out", "out")
+    before = everything(folder)
+    code, _, _ = call("explore", "pillar.wkt", "--out", "out")
+    assert code == 0
+    assert everything(folder) == before
+
+
+def test_out_of_time_is_exit_code_3(call, folder):
+    code, out, err = call("explore", "pillar.wkt", "--range", "2", "--max-time", "5", "--out", "o")
+    assert (code, err) == (3, "")
+    assert "out_of_time" in out
+    assert (folder / "o" / "tree.svg").exists()
+
+
+def test_stalled_is_exit_code_3(call):
+    code, out, _ = call(
+        *("explore", "office", "--seed", "1"),
+        *("--option", "approach=false", "--option", "complete=false"),
+    )
+    assert code == 3
+    assert "stalled" in out
+
+
+def test_a_body_too_wide_for_a_door_is_reported(call):
+    code, out, err = call("explore", "narrow.wkt", "--start", "1,1", "--range", "3")
+    assert err == ""
+    # The door is too narrow to pass; the other room is seen as far as the range allows.
+    assert code == 0
+    (explorable,) = re.findall(r"covered .* of ([\d.]+) m2 explorable", out)
+    (free,) = re.findall(r"free space +([\d.]+) m2", out)
+    assert float(free) == pytest.approx(60.1, abs=0.1)
+    assert 30.0 < float(explorable) < 45.0
+    assert re.search(r"body disc:0\.25 only [\d.]+ of 60\.1 m2 of free space", out)
+    assert re.search(r"too narrow|not reachable|seen from near", out)
+
+
+def test_a_spec_repeats_its_run(call, folder):
+    code, first, _ = call("explore", "pillar.wkt", "--seed", "5", "--out", "a")
+    assert code == 0
+    again = call("explore", "--spec", "a/spec.toml", "--out", "b")
+    assert again == (0, first.replace("a/", "b/"), "")
+    for name in FILES:
+        assert (folder / "a" / name).read_bytes() == (folder / "b" / name).read_bytes()
+    (folder / "spec.json").write_text(Recording.load("a/recording.jsonl").spec.to_json())
+    assert call("explore", "--spec", "spec.json", "--quiet") == (0, "", "")
+    assert sorted(os.listdir(folder / "runs" / "spec-srt-radial-5")) == FILES
+
+
+def test_two_strategies_side_by_side(call, folder):
+    code, out, err = call(
+        *("explore", "pillar.wkt", "--strategy", "srt-radial", "--strategy", "srt-star"),
+        *("--out", "both"),
+    )
+    assert (code, err) == (0, "")
+    assert sorted(os.listdir(folder / "both")) == ["srt-radial", "srt-star"]
+    assert re.search(r"measure +srt-radial +srt-star", out)
+    distances = []
+    for name in ("srt-radial", "srt-star"):
+        assert sorted(os.listdir(folder / "both" / name)) == FILES
+        assert f"both/{name}/tree.svg" in out
+        assert f"{name} in pillar, seed 0: complete" in out
+        metrics = json.loads((folder / "both" / name / "run.json").read_text())["metrics"]
+        distances.append(f"{metrics['total_distance_m']:.1f} m")
+    assert re.search(rf"distance +{distances[0]} +{distances[1]} *\n", out)
+    assert max(map(len, out.splitlines())) <= 100
+
+
+def test_one_incomplete_run_of_two_is_exit_code_3(call):
+    words = "--strategy", "srt-radial", "--strategy", "srt-star", "--max-time", "3"
+    code, out, _ = call("explore", "pillar.wkt", "--range", "2", *words)
+    assert code == 3
+    assert "runs/pillar-0/srt-star/tree.svg" in out
+
+
+def test_an_interrupted_run_leaves_no_files(call, folder, monkeypatch):
+    def interrupted(*args, **kwargs):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("multisrt.simulation.sensing.take_scan", interrupted)
+    before = everything(folder)
+    code, out, err = call("explore", "room.wkt", "--out", "new/results")
+    assert (code, out, err.strip()) == (130, "", "interrupted")
+    assert everything(folder) == before
+
+
+def test_summary_of_a_bidding_team(call, folder):
+    words = ("room.wkt", "--strategy", "minpos", "--robots", "2", "--radio-range", "15")
+    code, out, _ = call("explore", *words, "--out", "bids")
+    assert code == 0
+    assert re.search(r"informative scans +\d+", out)
+    assert re.search(r"a robot isolated for +0\.0 s \(longest 0\.0 s\)", out)
+    assert re.search(r"known to one robot only +\d+ m2 s \(0\.0 m2 at the end\)", out)
+    assert "nodes" not in out
+    code, out, _ = call("why", "bids/recording.jsonl", "--robot", "1", "--time", "0")
+    assert code == 0
+    assert "How it chose: minpos" in out
+    assert "> robot 1" in out

@@ -1,0 +1,119 @@
+from functools import partial
+from pathlib import Path
+
+import msgspec
+import pytest
+
+from multisrt.experiments.store import Store
+from tests.multisrt.cli.commands import Call
+from tests.multisrt.experiments.results import result_of
+from tests.multisrt.presets.constructed import PLAIN, SOME
+
+
+@pytest.fixture(autouse=True)
+def told(monkeypatch) -> list[tuple[object, ...]]:
+    """Simulate nothing: runs have the values of `SOME`, and pages are empty.
+
+    Returns the workers, the cluster and the modules of each call.
+    """
+
+    calls: list[tuple[object, ...]] = []
+
+    def fake_runs(store: Store, *, workers, cluster, modules, progress) -> None:
+        calls.append((workers, cluster, modules))
+        name = store.experiment.name.split()[0]
+        for run in store.missing():
+            measured = SOME[name](run.condition, run.repetition)
+            store.add(result_of(run, metrics=msgspec.structs.replace(PLAIN, **measured)))
+
+    def fake_page(results, out: Path, *, claims, comparisons, gallery, progress) -> Path:
+        out.mkdir(exist_ok=True)
+        page = out / "index.html"
+        page.write_text(f"{len(results)} runs, {len(claims)} claims, {len(comparisons)} tables")
+        return page
+
+    monkeypatch.setattr("multisrt.experiments.runner.run_experiment", fake_runs)
+    monkeypatch.setattr("multisrt.reporting.page.write_report", fake_page)
+    return calls
+
+
+@pytest.fixture
+def reproduce(call: Call) -> Call:
+    """Run `multisrt reproduce`."""
+    return partial(call, "reproduce")
+
+
+def test_runs_are_made_here_or_on_a_cluster(reproduce, told, tmp_path):
+    assert reproduce("alvarez", "--quick", "--seeds", "1", "--workers", "3")[0] == 0
+    words = ("alvarez", "--quick", "--seeds", "2", "--cluster", "tcp://host:8786")
+    assert reproduce(*words, "--quiet") == (0, "", "")
+    assert told == [(3, None, ()), (None, "tcp://host:8786", ())]
+    there = sorted(tmp_path.rglob("*"))
+    for both in (("--workers", "2", "--cluster", "c"), ("--cluster", "c", "--workers", "2")):
+        code, out, err = reproduce("minpos", *both)
+        assert (code, out) == (2, "")
+        assert err.splitlines()[-1] == (
+            "Error: give --workers or --cluster, not both: a cluster has its own"
+        )
+    code, _, err = reproduce("minpos", "--workers", "0")
+    assert code == 2
+    assert "0 is not in the range x>=1" in err
+    assert sorted(tmp_path.rglob("*")) == there
+
+
+def test_reproduce_writes_a_report_and_a_summary(reproduce, tmp_path):
+    code, out, _ = reproduce("alvarez", "--quick")
+    folder = tmp_path / "reproduced" / "alvarez-quick"
+    assert code == 0
+    assert "alvarez: 63 of 63 runs complete" in out
+    assert "not tested" in out
+    assert {path.name for path in folder.iterdir()} >= {"results.sqlite", "report", "summary.md"}
+    assert "63 runs, 5 claims" in (folder / "report" / "index.html").read_text()
+    assert "`multisrt reproduce alvarez --quick`" in (folder / "summary.md").read_text()
+    # More repetitions go on in the same store.
+    code, out, _ = reproduce("alvarez", "--quick", "--seeds", "8")
+    assert "72 of 72 runs complete" in out
+
+
+def test_an_interruption_reports_that_nothing_is_lost(reproduce, monkeypatch):
+    assert reproduce("alvarez", "--quick", "--seeds", "1")[0] == 0
+
+    def interrupted(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("multisrt.experiments.runner.run_experiment", interrupted)
+    code, _, err = reproduce("alvarez", "--quick", "--seeds", "2")
+    assert code == 130
+    assert "9 of 18 runs are stored" in err
+
+
+def test_runs_that_failed_show_in_the_exit_code(reproduce, monkeypatch):
+    fine = SOME["alvarez"]
+    monkeypatch.setitem(
+        SOME, "alvarez", lambda at, k: fine(at, k) | {"collisions": int(at.robots == 4)}
+    )
+    assert reproduce("alvarez", "--quick", "--seeds", "1")[0] == 3
+
+
+def test_a_store_of_another_paper_is_refused(reproduce):
+    assert reproduce("alvarez", "--quick", "--seeds", "1", "--store", "it.sqlite")[0] == 0
+    code, _, err = reproduce("minpos", "--quick", "--seeds", "1", "--store", "it.sqlite")
+    assert code == 2
+    assert err.startswith("error: it.sqlite: holds another experiment")
+    assert err.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (("min-pos",), "error: there is no preset 'min-pos' (did you mean 'minpos'?)"),
+        (("alvarez", "--out", "taken"), "error: cannot make the folder taken: "),
+        (("alvarez", "--quick", "--seeds", "1", "--store", "taken"), "error: taken: not a file of"),
+    ],
+)
+def test_bad_input_gets_one_clear_line(reproduce, tmp_path, words, says):
+    (tmp_path / "taken").write_text("a letter to a friend")
+    code, _, err = reproduce(*words)
+    assert code == 2
+    assert err.startswith(says)
+    assert err.count("\n") == 1

@@ -1,0 +1,16 @@
+import re
+
+from multisrt.robots.registry import strategies
+
+
+def test_strategies_lists_names_and_options(call):
+    code, out, err = call("strategies")
+    assert (code, err) == (0, "")
+    assert all(known.name in out for known in strategies())
+    code, out, err = call("strategies", "srt-star")
+    assert (code, err) == (0, "")
+    for option, default in (("alpha", "0.8"), ("cones", "16"), ("approach", "true")):
+        assert re.search(rf"{option} +{default} +\w", out)
+    code, _, err = call("strategies", "srt-square")
+    assert code == 2
+    assert err.count("\n") == 1

@@ -1,0 +1,41 @@
+import pytest
+
+from multisrt.recording import Recording
+
+
+def test_why_explains_decisions(call, folder):
+    call("explore", "pillar.wkt", "--out", "out", "--quiet")
+    recording = "out/recording.jsonl"
+    code, out, err = call("why", recording, "--robot", "0", "--time", "0")
+    assert (code, err) == (0, "")
+    assert "Robot 0 at 0.00 s: its last decision was at 0.00 s." in out
+    assert "at node 0" in out
+    code, out, _ = call("why", recording)
+    assert code == 0
+    assert "it chose end" in out
+    code, out, _ = call("why", recording, "--all")
+    decisions = [e for e in Recording.load(recording).events if type(e).__name__ == "Decision"]
+    assert code == 0
+    assert len(out.splitlines()) == 1 + len(decisions)
+
+
+@pytest.mark.parametrize(
+    ("words", "named"),
+    [
+        (["out/recording.jsonl", "--robot", "1"], "there is no robot 1: the run has 1"),
+        (["out/recording.jsonl", "--robot", "-1"], "there is no robot -1"),
+        (["out/recording.jsonl", "--robot", "1", "--all"], "there is no robot 1"),
+        (["out/recording.jsonl", "--time", "1e6"], "not within the run"),
+        (["out/recording.jsonl", "--time", "-1"], "not within the run"),
+        (["out/recording.jsonl", "--time", "nan"], "not within the run"),
+        (["none.jsonl"], "none.jsonl: No such file"),
+        (["room.wkt"], "room.wkt, line 1"),
+    ],
+)
+def test_why_refuses_bad_input(call, folder, words, named):
+    call("explore", "room.wkt", "--out", "out", "--quiet")
+    code, out, err = call("why", *words)
+    assert (code, out) == (2, "")
+    assert err.startswith("error: ")
+    assert err.count("\n") == 1
+    assert named in err

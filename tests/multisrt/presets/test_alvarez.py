@@ -1,0 +1,112 @@
+import msgspec
+import pytest
+
+from multisrt.experiments.crossing import Condition
+from multisrt.presets import alvarez
+from tests.multisrt.presets.constructed import laws, no_results, results_of
+
+# With few repetitions, so that numbers are small.
+FULL_ALVAREZ = msgspec.structs.replace(alvarez.experiment(False), repetitions=5)
+
+
+QUICK_ALVAREZ = msgspec.structs.replace(alvarez.experiment(True), repetitions=2)
+
+
+def test_figures_of_alvarez_are_the_printed_ones():
+    by_number = {scenario.number: scenario for scenario in alvarez.SCENARIOS}
+    assert list(by_number) == [1, 11, 10, 13, 43, 18, 45, 16, 21, 46]
+    first, last, dense = by_number[1], by_number[46], by_number[18]
+    # Table 4.1, its first and last lines and the one with the least success.
+    assert (first.area_m2, first.success_percent) == (600.0, 97.50)
+    assert (first.time, first.distance) == ((747.31, -0.891), (140.97, -1.362))
+    assert (last.area_m2, last.success_percent) == (4378.0, 96.56)
+    assert (last.time, last.distance) == ((7083.3, -0.910), (1180.10, -0.970))
+    assert (dense.success_percent, alvarez.MIN_SUCCESS) == (94.06, 94.06)
+    # Section 4.2.1: "-0.7 a -1.02 [...] y de -0.74 a -1.42"; its own exponents lie between.
+    assert alvarez.TIME_EXPONENTS == (-1.02, -0.70)
+    assert alvarez.DISTANCE_EXPONENTS == (-1.42, -0.74)
+    for scenario in alvarez.SCENARIOS:
+        assert -1.02 <= scenario.time[1] <= -0.70
+        assert -1.42 <= scenario.distance[1] <= -0.74
+
+
+def test_maps_of_alvarez_are_as_large_as_the_printed_ones():
+    for scenario in alvarez.SCENARIOS:
+        size = scenario.parameters
+        width, height = (size.get(side, size.get("size_m")) for side in ("width_m", "height_m"))
+        assert isinstance(width, float)
+        assert isinstance(height, float)
+        assert width * height == pytest.approx(scenario.area_m2, rel=1e-3)
+
+
+def test_laws_are_those_of_the_constructed_means():
+    (first, *_) = alvarez.outcomes(results_of(FULL_ALVAREZ, laws(-0.9, -1.1, spread=0.0)))
+    time, distance = alvarez.law(first.time), alvarez.law(first.distance)
+    assert time is not None
+    assert distance is not None
+    assert (time.factor.value, time.exponent.value) == pytest.approx((1000.0, -0.9))
+    assert (distance.factor.value, distance.exponent.value) == pytest.approx((300.0, -1.1))
+    assert (first.runs, first.successes) == (40, 40)
+
+
+def test_claims_of_alvarez_that_hold():
+    found = alvarez.claims(results_of(FULL_ALVAREZ, laws(-0.9, -1.1)))
+    assert {claim.text: claim.verdict for claim in found} == dict.fromkeys(
+        (claim.text for claim in found), "holds"
+    )
+    assert len(found) == 5
+    assert "400 of 400 runs succeed" in found[0].grounds[0]
+    assert "10 of 10 exponents lie between" in found[1].grounds[0]
+    # Table 4.1, b (T): from scenario 10 to scenario 18.
+    assert "the thesis's -0.920 to -0.729, -0.862 on average" in found[1].grounds[1]
+
+
+def test_claims_of_alvarez_that_do_not_hold():
+    one_map = alvarez.SCENARIOS[3].label
+    results = results_of(
+        FULL_ALVAREZ,
+        laws(
+            lambda at: -0.4 if at.environment == one_map else -0.9,
+            0.1,
+            lost=lambda at, k: k == 0,
+        ),
+    )
+    found = alvarez.claims(results)
+    assert [claim.verdict for claim in found[:3]] == ["does not hold"] * 3
+    assert "320 of 400" in found[0].grounds[0]
+    assert one_map in found[1].grounds[2]
+    assert "9 of 10 exponents lie between" in found[1].grounds[0]
+    # Every robot travels a little more with twice as many.
+    assert found[4].verdict == "does not hold"
+
+
+def test_exponents_may_lie_outside_at_either_end():
+    for exponent in (-1.3, -0.4):
+        found = alvarez.claims(results_of(QUICK_ALVAREZ, laws(exponent, -1.1, spread=0.0)))
+        assert [claim.verdict for claim in found[1:3]] == ["does not hold", "holds"]
+
+
+def test_claims_of_alvarez_that_may_be_chance_or_are_not_tested():
+    # 6 or 9 failures in 108 runs are 94.4 and 91.7 %, and the truth may lie on either side.
+    some = msgspec.structs.replace(QUICK_ALVAREZ, repetitions=12)
+    for many in (2, 3):
+
+        def lost(at: Condition, repetition: int, many: int = many) -> bool:
+            return at.robots == 2 and repetition < many
+
+        found = alvarez.claims(results_of(some, laws(-0.9, -1.1, lost=lost)))
+        assert found[0].verdict == "not significant"
+    # Three teams of widely scattered times leave the exponent open.
+    wide = alvarez.claims(results_of(QUICK_ALVAREZ, laws(-0.9, -1.1, spread=0.6)))
+    assert [claim.verdict for claim in wide[1:3]] == ["not significant"] * 2
+    assert {claim.verdict for claim in alvarez.claims(no_results(FULL_ALVAREZ))} == {"not tested"}
+    few = alvarez.claims(results_of(QUICK_ALVAREZ, laws(-0.9, -1.1)))
+    assert [few[k].verdict for k in (0, 3, 4)] == ["not tested"] * 3
+
+
+def test_alvarez_beside_table_4_1():
+    table = alvarez.tables(results_of(FULL_ALVAREZ, laws(-0.9, -1.1, spread=0.0)))[0]
+    assert table.rows[0][:4] == ("scenario 1 (office)", "100.00", "1000", "-0.900 (-0.90, -0.90)")
+    assert table.rows[1][1:6] == ("97.50", "747.31", "-0.891", "140.97", "-1.362")
+    assert len(table.rows) == 2 * 10
+    assert all(len(row) == len(table.columns) for row in table.rows)

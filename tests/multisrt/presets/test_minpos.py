@@ -1,0 +1,109 @@
+import math
+
+import msgspec
+import numpy as np
+import pytest
+
+from multisrt.experiments.crossing import Condition
+from multisrt.presets import minpos
+from multisrt.statistics.intervals import Interval
+from tests.multisrt.presets.constructed import claim_on, no_results, results_of, times
+
+FULL_MINPOS = minpos.experiment(False)
+
+
+def test_figures_of_minpos_are_the_printed_ones():
+    # Section V A: "improvements of 8% and 12%", "15% on the hospital and 20% on the maze".
+    assert minpos.MEAN_GAINS == {"greedy": 8.0, "minpos": 12.0}
+    assert minpos.LARGEST_GAINS == {"hospital": 15.0, "maze": 20.0}
+
+
+def gain_of(ratios: np.ndarray) -> Interval:
+    gain = minpos.gain([ratios])
+    assert gain is not None
+    return gain
+
+
+def test_gains_are_those_of_the_constructed_times():
+    of = minpos.Times(results_of(FULL_MINPOS, times(10.0, 20.0, spread=0.0)))
+    for strategy, percent in (("greedy", 10.0), ("minpos", 20.0)):
+        found = gain_of(of.ratios("maze", 4, strategy, "closest"))
+        assert [found.value, found.low, found.high] == pytest.approx([percent] * 3)
+    # 0.8 over 0.9 of the time.
+    over = gain_of(of.ratios("hospital", 12, "minpos", "greedy"))
+    assert over.value == pytest.approx(100.0 / 9.0)
+
+
+def test_claims_of_minpos_that_hold():
+    def growing(at: Condition) -> float:
+        return (30.0 if at.environment == "maze" else 18.0) * at.robots / 12.0
+
+    found = minpos.claims(
+        results_of(FULL_MINPOS, times(lambda at: 0.8 * growing(at), growing, spread=0.005))
+    )
+    assert {claim.text: claim.verdict for claim in found} == dict.fromkeys(
+        (claim.text for claim in found), "holds"
+    )
+    assert len(found) == 9
+    assert "12 robots" in claim_on(found, "In the maze").grounds[1]
+
+
+def test_claims_of_minpos_that_do_not_hold():
+    def falling(at: Condition) -> float:
+        return (-20.0 if at.environment == "maze" else -8.0) * at.robots / 12.0
+
+    found = minpos.claims(results_of(FULL_MINPOS, times(0.0, falling)))
+    for words in (
+        *("minpos is faster than closest", "On average minpos shortens"),
+        *("slightly faster", "larger the team", "In the maze", "In the hospital"),
+        "more on greedy in mazes",
+    ):
+        assert claim_on(found, words).verdict == "does not hold", words
+    # No better than closest: less than 8 %, and no better at all.
+    assert claim_on(found, "On average greedy").verdict == "does not hold"
+    assert claim_on(found, "greedy is faster than closest").verdict == "not significant"
+
+
+def test_claims_of_minpos_that_may_be_chance_or_are_not_tested():
+    wide = minpos.claims(results_of(minpos.experiment(True), times(5.0, 5.0, spread=0.9)))
+    assert claim_on(wide, "On average minpos shortens").verdict == "not significant"
+    assert claim_on(wide, "slightly faster").verdict == "not significant"
+    assert claim_on(wide, "minpos is faster than closest").verdict == "not significant"
+    few = msgspec.structs.replace(FULL_MINPOS, repetitions=5)
+    for results in (no_results(FULL_MINPOS), results_of(few, times(10.0, 20.0))):
+        by_text = {claim.text: claim.verdict for claim in minpos.claims(results)}
+        # Ratios in two teams or worlds are no pairs: five of each can differ, four times over.
+        by_text.pop("The larger the team, the more greedy and minpos gain on closest.")
+        by_text.pop("Minpos gains more on greedy in mazes than in the hospital.")
+        assert set(by_text.values()) == {"not tested"}
+
+
+def test_pairs_of_which_one_failed_are_left_out_of_gains():
+    def values(at: Condition, repetition: int) -> dict[str, object] | None:
+        lost = repetition < 3 and at.strategy == "minpos"
+        return None if lost else times(10.0, 20.0, spread=0.0)(at, repetition)
+
+    of = minpos.Times(results_of(FULL_MINPOS, values))
+    ratios = of.ratios("maze", 4, "minpos", "closest")
+    assert len(ratios) == 17
+    assert gain_of(ratios).value == pytest.approx(20.0)
+    # The test counts them as lost.
+    assert of.compared("maze", 4, "minpos", "closest").lower.count(math.inf) == 3
+    table = minpos.gains(of)
+    assert table.rows[0][-1] == "20/17"
+    assert table.rows[-3] == ("paper: mean", "", "+8.0", "+12.0", "")
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "decision"),
+    [
+        (1.0, 9.0, "holds"),
+        (9.0, 12.0, "holds"),
+        (-1.0, 9.0, "not significant"),
+        (1.0, 7.0, "does not hold"),
+        (-9.0, -1.0, "does not hold"),
+    ],
+)
+def test_when_a_gain_reaches_eight_percent(low, high, decision):
+    found = Interval(value=0.5 * (low + high), low=low, high=high)
+    assert minpos.reaches(found, 8.0) == decision

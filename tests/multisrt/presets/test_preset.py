@@ -1,0 +1,90 @@
+import msgspec
+import pytest
+
+from multisrt.experiments.crossing import PlannedRun, conditions, runs
+from multisrt.experiments.spec import ExperimentSpec
+from multisrt.geometry.errors import InvalidInputError
+from multisrt.presets import PRESETS, preset_named
+from multisrt.spec import CatalogEnvironment
+
+
+# By hand. Multi-SRT: 2 worlds, 2 strategies; alone once, else 2 starts and 2 radios for each of 4
+# sizes (quick: 2). SBX-R: alone once, else 3 strategies, 3 radios, 4 sizes (1). MinPos: 2 worlds;
+# alone once, else 3 strategies and 6 sizes (2). Álvarez: 10 maps of 8 sizes (3 of 3).
+@pytest.mark.parametrize(
+    ("name", "quick", "cells", "repetitions"),
+    [
+        ("multi-srt", False, 2 * 2 * (1 + 4 * 2 * 2), 20),
+        ("multi-srt", True, 2 * 2 * (1 + 2 * 2 * 2), 10),
+        ("sbx-r", False, 1 + 3 * 3 * 4, 10),
+        ("sbx-r", True, 1 + 3 * 3 * 1, 5),
+        ("minpos", False, 2 * (1 + 3 * 6), 20),
+        ("minpos", True, 2 * (1 + 3 * 2), 8),
+        ("alvarez", False, 10 * 8, 10),
+        ("alvarez", True, 3 * 3, 7),
+    ],
+)
+def test_an_experiment_has_the_runs_of_its_paper(name, quick, cells, repetitions):
+    spec = PRESETS[name].experiment(quick)
+    assert len(conditions(spec)) == cells
+    assert spec.repetitions == repetitions
+    assert {at.robots for at in conditions(spec)} >= {1}
+
+
+def two_runs_each(name: str, quick: bool = True) -> list[PlannedRun]:
+    spec = PRESETS[name].experiment(quick)
+    return runs(msgspec.structs.replace(spec, repetitions=2))
+
+
+@pytest.mark.parametrize("name", PRESETS)
+def test_every_run_can_be_planned(name):
+    spec = PRESETS[name].experiment(True)
+    assert len(two_runs_each(name)) == 2 * len(conditions(spec))
+    assert ExperimentSpec.from_toml(spec.to_toml()) == spec
+
+
+@pytest.mark.parametrize("name", PRESETS)
+def test_quick_runs_are_some_of_the_full_ones(name):
+    full, quick = (PRESETS[name].experiment(q) for q in (False, True))
+    assert set(conditions(quick)) < set(conditions(full))
+    assert quick.repetitions < full.repetitions
+
+
+def test_all_strategies_meet_the_same_worlds_and_starts():
+    met: dict[tuple[int, str, int], set[tuple[bytes, object]]] = {}
+    for run in two_runs_each("minpos"):
+        at = run.condition
+        world = (msgspec.json.encode(run.spec.environment), run.spec.robots[0].start)
+        met.setdefault((run.repetition, at.environment, at.robots), set()).add(world)
+    assert all(len(same) == 1 for same in met.values())
+    mazes = {next(iter(met[k, "maze", 2]))[0] for k in (0, 1)}
+    hospitals = {next(iter(met[k, "hospital", 2]))[0] for k in (0, 1)}
+    assert (len(mazes), len(hospitals)) == (2, 1)
+
+
+def test_conditions_are_those_of_the_papers():
+    for run in two_runs_each("sbx-r"):
+        spec = run.spec
+        at_targets = {"replan": "target"} if spec.strategy == "closest" else {}
+        assert spec.options == {"drive": "nearness-diagram", **at_targets}
+        assert spec.radio.range_m in (15.0, 20.0, 30.0)
+        assert spec.starts == "clustered"
+        assert spec.robots[0].start is not None
+        assert isinstance(spec.environment, CatalogEnvironment)
+        assert spec.environment.parameters == {"width_m": 50.0, "height_m": 25.0}
+        assert spec.robots[0].range_finder.range_m == 4.0
+    for run in two_runs_each("minpos"):
+        assert {robot.drive.kind for robot in run.spec.robots} == {"holonomic"}
+        assert run.spec.radio.range_m is None
+    for run in two_runs_each("alvarez"):
+        assert run.spec.strategy == "rules"
+        assert run.spec.starts == "scattered"
+        assert {robot.range_finder.range_m for robot in run.spec.robots} == {4.5}
+    for run in two_runs_each("multi-srt"):
+        assert all(robot.start is None for robot in run.spec.robots)
+
+
+def test_presets_have_names():
+    assert {name: preset.name for name, preset in PRESETS.items()} == {n: n for n in PRESETS}
+    with pytest.raises(InvalidInputError, match="did you mean 'sbx-r'"):
+        preset_named("sbxr")

@@ -22,6 +22,9 @@ from multisrt.geometry.regions.safe_region import local_safe_region
 from multisrt.geometry.regions.scan import take_scan
 from multisrt.geometry.regions.segment_difference import beside, intersect_pieces, uncovered
 
+Pieces = tuple[np.ndarray, np.ndarray]
+"""Pieces of frontier, and the whole segments they are parts of."""
+
 
 class Regions:
     """Regions as kernels take them, with an id for each."""
@@ -60,7 +63,7 @@ def without_short_arcs(pieces, wholes):
     return pieces[long], wholes[long]
 
 
-def one_by_one(regions: Regions, index: int, held: dict) -> None:
+def one_by_one(regions: Regions, index: int, held: dict[int, Pieces]) -> None:
     """Do what `ArcPieces.add` does, one owner and one subtraction after the other."""
     candidates = regions.candidates(index)
     own = candidates, candidates
@@ -93,7 +96,8 @@ def test_a_region_changes_what_single_subtractions_change(worlds, name, shape):
     regions = Regions(
         [local_safe_region(scan, shape) for scan in scans], np.c_[numbers % 3, numbers // 3]
     )
-    arcs, held = ArcPieces(), {}
+    arcs = ArcPieces()
+    held: dict[int, Pieces] = {}
     arcs.make_room(len(places))
     cut = 0
     for k in range(len(places)):

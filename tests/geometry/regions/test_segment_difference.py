@@ -5,6 +5,7 @@ import pytest
 import shapely
 from hypothesis import given
 from hypothesis import strategies as st
+from shapely.geometry.base import BaseGeometry
 
 from multisrt.geometry.numerics.rings import Rings
 from multisrt.geometry.regions.frontier_arcs import total_length
@@ -125,7 +126,7 @@ def test_subtractions_in_any_order_leave_the_difference(stretches, random):
     random.shuffle(order)
     for k in order:
         left = remainder(along(at[k].reshape(1, 4)), *left)
-    expected = shapely.LineString([(0, 0), (10, 0)])
+    expected: BaseGeometry = shapely.LineString([(0, 0), (10, 0)])
     for a, b in stretches:
         if abs(a - b) > 1e-5:
             expected = expected.difference(shapely.LineString([(a, 0), (b, 0)]))

@@ -132,8 +132,9 @@ def test_the_cells_of_a_wall_are_four_connected(seen, a, b, on_lattice):
         occupancy = Occupancy(cell, 0.5, (-12.0, -12.0, 12.0, 12.0))
         occupancy.add(seen.hand_made([*corners, corners[1]], [OBSTACLE, GAP, GAP]))
         cells.append(occupancy.cells)
-    assert np.array_equal(*cells)
-    wall = cells[0] == OCCUPIED
+    one_way, other_way = cells
+    assert np.array_equal(one_way, other_way)
+    wall = one_way == OCCUPIED
     assert ndimage.label(wall)[1] == 1
     for end in (a, b):
         row, column = occupancy.cell_of(*end)

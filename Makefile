@@ -52,6 +52,7 @@ lint: $(READY)
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
+	$(BIN)/mypy --implicit-reexport --cache-dir .mypy_cache/tests tests
 	$(BIN)/lint-imports
 
 # VisiLibity comes as source only: swig writes its bindings, and a C++ compiler builds them.

@@ -3,6 +3,7 @@
 import importlib.util
 import signal
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from types import ModuleType
 
@@ -18,16 +19,25 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
+def load(path: Path) -> ModuleType:
+    """Return a new module from a file that cannot be imported by a name."""
+    name = f"multisrt_test_{path.stem}"
+    spec = importlib.util.spec_from_file_location(name, path)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[name] = module
+    spec.loader.exec_module(module)
+    return module
+
+
+@pytest.fixture(scope="session")
+def load_module() -> Callable[[Path], ModuleType]:
+    """The function `load`."""
+    return load
+
+
 @pytest.fixture(scope="session")
 def worlds() -> ModuleType:
     """The module tests/geometry/worlds.py, which cannot be imported in importlib mode."""
-    name = "multisrt_test_worlds"
-    if name not in sys.modules:
-        path = Path(__file__).parent / "geometry" / "worlds.py"
-        spec = importlib.util.spec_from_file_location(name, path)
-        assert spec is not None
-        assert spec.loader is not None
-        module = importlib.util.module_from_spec(spec)
-        sys.modules[name] = module
-        spec.loader.exec_module(module)
-    return sys.modules[name]
+    return load(Path(__file__).parent / "geometry" / "worlds.py")

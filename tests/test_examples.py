@@ -1,5 +1,4 @@
 import ast
-import importlib.util
 import subprocess
 import sys
 from collections import Counter
@@ -14,17 +13,10 @@ from multisrt.robots import registry
 EXAMPLES = Path(__file__).parent.parent / "examples"
 
 
-def load(name):
-    spec = importlib.util.spec_from_file_location(f"examples_{name}", EXAMPLES / f"{name}.py")
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
-
-def test_own_explorer_is_checked_and_explores(monkeypatch, tmp_path, capsys):
+def test_own_explorer_is_checked_and_explores(load_module, monkeypatch, tmp_path, capsys):
     known = dict(registry._registry())
     monkeypatch.setattr(registry, "_registry", lambda: known)
-    load("own_explorer").main(folder=tmp_path)
+    load_module(EXAMPLES / "own_explorer.py").main(folder=tmp_path)
     told = capsys.readouterr().out
     assert "nearest-frontier keeps to the contract of explorers" in told
     assert "99." in told or "100.0% covered" in told
@@ -39,19 +31,24 @@ def test_robustness_has_a_hundred_runs_of_every_strategy():
     assert all(run.spec.faults for run in planned)
 
 
+def lines_of(node: ast.stmt) -> set[int]:
+    assert node.end_lineno is not None
+    return set(range(node.lineno, node.end_lineno + 1))
+
+
 def test_own_explorer_has_fewer_than_forty_lines():
     text = (EXAMPLES / "own_explorer.py").read_text()
     tree = ast.parse(text)
     explorer = next(n for n in tree.body if isinstance(n, ast.ClassDef) and n.name != "Options")
-    lines = set(range(explorer.lineno, explorer.end_lineno + 1))
+    lines = lines_of(explorer)
     for node in ast.walk(explorer):
         if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant):
-            lines -= set(range(node.lineno, node.end_lineno + 1))
+            lines -= lines_of(node)
     assert sum(bool(text.splitlines()[k - 1].strip()) for k in lines) < 40
 
 
-def test_faults_reports_every_fault(tmp_path, capsys):
-    load("faults").main(folder=tmp_path)
+def test_faults_reports_every_fault(load_module, tmp_path, capsys):
+    load_module(EXAMPLES / "faults.py").main(folder=tmp_path)
     told = capsys.readouterr().out
     for what in ("robot 1: Died", "robot 2: FellSilent", "robot 3: Joined", "takes 1 as lost"):
         assert what in told

@@ -6,6 +6,7 @@ import pytest
 from benchmarks import published
 from multisrt.experiments.crossing import runs
 from multisrt.experiments.spec import ExperimentSpec
+from multisrt.presets import PRESETS
 from multisrt.simulation.simulate import simulate
 
 EXPERIMENT = ExperimentSpec(
@@ -64,7 +65,7 @@ def test_the_sample_depends_on_the_seed_alone():
         assert {run.key for run in published.draw(PLANNED, count, 7)} == {r.key for r in PLANNED}
 
 
-@pytest.mark.parametrize("page", [*published.PRESETS, published.ROBUSTNESS])
+@pytest.mark.parametrize("page", [*PRESETS, published.ROBUSTNESS])
 def test_every_page_has_the_runs_of_its_experiment(page):
     keys = {run.key for run in runs(published.experiment(page), published.ROOT)}
     assert keys == published.read_digests(published.RESULTS / f"{page}.csv").keys()

@@ -1,6 +1,6 @@
-import importlib.util
 import re
 from pathlib import Path
+from types import ModuleType
 
 import pytest
 
@@ -9,12 +9,9 @@ MAX_ROOMS = 25
 
 
 @pytest.fixture(scope="module")
-def plan():
+def plan(load_module) -> ModuleType:
     """The program that draws the plan."""
-    spec = importlib.util.spec_from_file_location("plan", ROOT / "docs" / "plan.py")
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+    return load_module(ROOT / "docs" / "plan.py")
 
 
 def test_the_picture_shows_the_rooms_and_arrows_of_today(plan):

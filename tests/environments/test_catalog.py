@@ -4,11 +4,13 @@ import inspect
 import re
 import subprocess
 import sys
+from collections.abc import Callable
 
 import pytest
 import shapely
 
 from multisrt.environments.catalog import MAPS, catalog, environment, names
+from multisrt.environments.environment import Environment
 from multisrt.geometry.errors import InvalidInputError
 
 GENERATORS = [entry.name for entry in catalog() if entry.kind == "generator"]
@@ -54,7 +56,7 @@ def test_every_generator_takes_keywords_only_and_a_seed() -> None:
     from multisrt.environments.generators import open as hall
 
     assert len(listing()) == len(names())
-    functions = [
+    functions: list[Callable[..., Environment]] = [
         garden.garden,
         clutter.clutter,
         rooms.rooms,

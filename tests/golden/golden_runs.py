@@ -7,10 +7,10 @@ it down in the changelog when it is meant.
 
 import hashlib
 import json
-import sys
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
+from typing import Any
 
 import msgspec
 
@@ -59,12 +59,16 @@ DEATH_AND_SILENCE = (
 )
 
 
-def _spec(environment: CatalogEnvironment, strategy: str, *robots: RobotSpec, **more) -> RunSpec:
+def _spec(
+    environment: CatalogEnvironment, strategy: str, *robots: RobotSpec, **more: Any
+) -> RunSpec:
     return RunSpec(
         environment=environment,
         strategy=strategy,
         robots=robots,
-        **{"seed": 1, "stop": StopRule(max_time_s=1500.0)} | more,
+        seed=1,
+        stop=StopRule(max_time_s=1500.0),
+        **more,
     )
 
 
@@ -167,4 +171,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()

@@ -115,8 +115,10 @@ def rings(passable, start):
 def test_search_ends_with_the_ring_that_finds_enough(passable, data, enough):
     wanted = data.draw(arrays(bool, passable.shape))
     start = data.draw(cells(passable.shape))
-    found = [tuple(cell) for cell in ring_search(passable, wanted, *start, enough).tolist()]
-    expected, before = [], np.zeros_like(passable)
+    row, column = start
+    found = [tuple(cell) for cell in ring_search(passable, wanted, row, column, enough).tolist()]
+    expected: list[tuple[int, ...]] = []
+    before = np.zeros_like(passable)
     for covered in rings(passable, start):
         if len(expected) >= enough:
             break

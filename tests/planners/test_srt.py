@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 import shapely
 from scipy import stats
+from shapely.geometry.base import BaseGeometry
 
 from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.numerics.distances import distance_to_boundary
 from multisrt.geometry.regions.boundary import OBSTACLE
-from multisrt.geometry.regions.edge_index import EdgeIndex
 from multisrt.geometry.regions.frontier_arcs import arc_labels, frontier_candidates
 from multisrt.geometry.regions.safe_region import LocalSafeRegion, local_safe_region
 from multisrt.geometry.regions.scan import take_scan
@@ -28,7 +28,8 @@ def planner(footprint: str = "disc:0.25", drive=None, **options) -> SrtPlanner:
     return SrtPlanner(body, Holonomic() if drive is None else drive, chosen, D_MIN)
 
 
-def region(polygon: shapely.Polygon, x: float, y: float, range_m: float = 4.0) -> LocalSafeRegion:
+def region(polygon: BaseGeometry, x: float, y: float, range_m: float = 4.0) -> LocalSafeRegion:
+    assert isinstance(polygon, shapely.Polygon)
     boundary = np.asarray(shapely.orient_polygons(polygon).exterior.coords)[:-1].copy()
     tags = np.full(len(boundary), OBSTACLE, np.int8)
     return LocalSafeRegion(x=x, y=y, range_m=range_m, boundary=boundary, tags=tags)
@@ -83,9 +84,11 @@ def test_a_candidate_stops_where_the_body_no_longer_fits():
     # To the right the room goes on as a slit 0.3 m wide, up to x = 6: the disc stops before it.
     polygon = shapely.union(shapely.box(0, 0, 4, 4), shapely.box(4, 1.85, 6, 2.15))
     slit = np.array([(6.0, 1.999, 6.0, 2.001)])
-    (x, y), draws = planner().draw(
+    place, draws = planner().draw(
         MIDDLE, region(polygon, 2.0, 2.0), slit, NONE, [], np.random.default_rng(0)
     )
+    assert place is not None
+    x, y = place
     # It touches the corners (4, 1.85) and (4, 2.15), each 0.15 m off its way, with 0.27 m.
     assert x == pytest.approx(4.0 - math.sqrt(0.27**2 - 0.15**2), abs=2e-3)
     assert y == pytest.approx(2.0, abs=2e-3)
@@ -145,7 +148,13 @@ def test_accept_is_asked_last_and_may_refuse():
     # Candidates refused for another reason are not asked about.
     nodes = np.array(asked)
     place, draws = planner(max_draws=4).draw(
-        MIDDLE, SQUARE, BOTH, nodes, [], np.random.default_rng(0), accept=lambda x, y: 1 / 0
+        MIDDLE,
+        SQUARE,
+        BOTH,
+        nodes,
+        [],
+        np.random.default_rng(0),
+        accept=lambda x, y: pytest.fail("asked about a candidate that is refused"),
     )
     assert place is None
     assert draws.candidates == [(*xy, "near a node") for xy in asked]
@@ -170,7 +179,8 @@ def test_a_car_draws_where_it_fits_on_a_straight_way():
     rng = np.random.default_rng(0)
     at = Configuration(2.0, 0.25, 0.0)
     places = [chosen.draw(at, corridor, ends, NONE, [], rng)[0] for _ in range(20)]
-    assert {place[0] > 2.0 for place in places} == {True, False}
+    assert None not in places
+    assert {place[0] > 2.0 for place in places if place is not None} == {True, False}
 
 
 def test_other_regions_exclude_candidates_without_bias():
@@ -207,27 +217,27 @@ ROOMS = shapely.box(0, 0, 12.15, 6).difference(
 )
 
 
-def looking(x: float, y: float) -> tuple[LocalSafeRegion, list[np.ndarray]]:
-    coords = [np.asarray(ring.coords) for ring in [shapely.orient_polygons(ROOMS).exterior]]
-    edges = np.vstack([np.hstack([ring[:-1], ring[1:]]) for ring in coords])
-    scan = take_scan(EdgeIndex(edges, 1.5), Configuration(x, y), 0.0, 4.5)
+def looking(worlds, x: float, y: float) -> tuple[LocalSafeRegion, list[np.ndarray]]:
+    scan = take_scan(worlds.index(ROOMS, 4.5), Configuration(x, y), 0.0, 4.5)
     seen = local_safe_region(scan, "radial")
     segments = frontier_candidates(seen.boundary, seen.tags)
     labels, count = arc_labels(segments)
     return seen, [segments[labels == k] for k in range(count)]
 
 
-def test_a_door_seen_edge_on_is_approached():
+def test_a_door_seen_edge_on_is_approached(worlds):
     # Close to the wall, the disc hits it at once on every line through the door.
     at = Configuration(5.74, 1.0)
-    seen, arcs = looking(*at[:2])
+    seen, arcs = looking(worlds, at.x, at.y)
     door = [arc for arc in arcs if (arc[:, 0] > 5.9).any() and (arc[:, 1] > 3.9).any()]
     assert door
     chosen = planner()
     place, draws = chosen.draw(at, seen, door[0], NONE, [], np.random.default_rng(0))
     assert place is None
     assert set(draws.refused) == {"no room"}
-    x, y = chosen.approach(at, seen, door, NONE)
+    place = chosen.approach(at, seen, door, NONE)
+    assert place is not None
+    x, y = place
     # The nearest place to the door: beside it, as near to the wall as the body gets.
     target = shapely.MultiLineString([arc.reshape(-1, 2, 2)[k] for arc in door for k in [0, -1]])
     there = shapely.Point(x, y).distance(target)
@@ -241,6 +251,7 @@ def test_a_door_seen_edge_on_is_approached():
 def test_after_a_refusal_the_next_place_is_tried():
     draws = Draws()
     first = planner().approach(MIDDLE, SQUARE, [RIGHT], NONE)
+    assert first is not None
     second = planner().approach(
         MIDDLE,
         SQUARE,
@@ -249,6 +260,7 @@ def test_after_a_refusal_the_next_place_is_tried():
         lambda x, y: "blocked by a robot" if (x, y) == first else None,
         draws,
     )
+    assert second is not None
     assert draws.candidates == [(*first, "blocked by a robot")]
     assert draws.refused == {"blocked by a robot": 1}
     # Not close to the one that was refused, but still among the nearest.
@@ -280,7 +292,7 @@ def test_no_approach_by_less_than_half_of_d_min():
     nearest = 4.0 - math.sqrt(0.27**2 - 0.15**2)
     for back, found in ((0.2, False), (0.7, True)):
         at = Configuration(nearest - back, 2.0)
-        place = planner().approach(at, region(polygon, *at[:2]), [arc], NONE)
+        place = planner().approach(at, region(polygon, at.x, at.y), [arc], NONE)
         assert (place is not None) is found
 
 

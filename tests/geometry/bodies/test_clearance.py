@@ -15,8 +15,12 @@ from multisrt.geometry.bodies.free_travel import free_travel_disc, free_travel_p
 
 ROOM = np.array([(0.0, 0.0), (10.0, 0.0), (10.0, 8.0), (0.0, 8.0)])
 # Two rooms joined by a door one metre wide in a wall from x = 4.9 to 5.1.
-DOOR = [(0, 0), (4.9, 0), (4.9, 3.5), (5.1, 3.5), (5.1, 0), (10, 0)]
-DOOR = np.array([*DOOR, (10, 8), (5.1, 8), (5.1, 4.5), (4.9, 4.5), (4.9, 8), (0, 8)], dtype=float)
+DOOR = np.array(
+    [
+        *[(0.0, 0.0), (4.9, 0.0), (4.9, 3.5), (5.1, 3.5), (5.1, 0.0), (10.0, 0.0)],
+        *[(10.0, 8.0), (5.1, 8.0), (5.1, 4.5), (4.9, 4.5), (4.9, 8.0), (0.0, 8.0)],
+    ]
+)
 BODIES = {
     "box": Footprint.box(0.6, 0.4),
     "wedge": Footprint.parse("polygon:-0.2,-0.1 0.3,0 -0.2,0.1"),
@@ -38,8 +42,9 @@ def region(rng, corners=60):
 
 
 def travel_polygon(boundary, body, pose, direction, limit):
+    x, y, heading = pose
     cosine, sine = math.cos(direction), math.sin(direction)
-    return free_travel_polygon(boundary, body.vertices, *pose, cosine, sine, limit)
+    return free_travel_polygon(boundary, body.vertices, x, y, heading, cosine, sine, limit)
 
 
 def travel_disc(boundary, x, y, direction, radius, limit):
@@ -88,10 +93,11 @@ def test_sliding_along_a_wall_is_free_and_into_it_is_not(heading):
     turn = np.array([[c, s], [-s, c]])
     room = ROOM @ turn
     disc, box, wedge = (np.array(p) @ turn for p in ((2.0, 0.5), (2.0, 0.2), (2.0, 0.1)))
-    assert travel_disc(room, *disc, heading, 0.5, 5.0) == 5.0
-    assert travel_disc(room, *disc, heading + math.pi, 0.5, 5.0) == pytest.approx(1.5, abs=1e-9)
-    assert travel_disc(room, *disc, heading - 0.01, 0.5, 5.0) < 1e-9
-    assert travel_disc(room, *disc, heading + 0.01, 0.5, 5.0) == 5.0
+    x, y = disc
+    assert travel_disc(room, x, y, heading, 0.5, 5.0) == 5.0
+    assert travel_disc(room, x, y, heading + math.pi, 0.5, 5.0) == pytest.approx(1.5, abs=1e-9)
+    assert travel_disc(room, x, y, heading - 0.01, 0.5, 5.0) < 1e-9
+    assert travel_disc(room, x, y, heading + 0.01, 0.5, 5.0) == 5.0
     for body, place in ((BODIES["box"], box), (BODIES["wedge"], wedge)):
         pose = (*place, heading)
         assert travel_polygon(room, body, pose, heading, 5.0) == 5.0
@@ -205,9 +211,10 @@ def test_bodies_and_walls_on_one_grid_agree_with_shapely():
 def test_a_pose_that_is_not_finite_allows_no_motion(value, place):
     pose = [5.0, 4.0, 0.0]
     pose[place] = value
+    x, y, heading = pose
     box = BODIES["box"].vertices
-    assert free_travel_polygon(ROOM, box, *pose, 1.0, 0.0, 1.0) == 0.0
-    assert not rotation_is_free(ROOM, box, *pose, 1.0)
+    assert free_travel_polygon(ROOM, box, x, y, heading, 1.0, 0.0, 1.0) == 0.0
+    assert not rotation_is_free(ROOM, box, x, y, heading, 1.0)
     assert not rotation_is_free(ROOM, box, 5.0, 4.0, 0.0, value)
     assert free_travel_disc(ROOM, 5.0, 4.0, value, 0.0, 0.2, 1.0) == 0.0
     assert free_travel_disc(ROOM, value, 4.0, 1.0, 0.0, 0.2, 1.0) == 0.0

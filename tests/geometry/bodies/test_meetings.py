@@ -71,7 +71,7 @@ def test_meetings_agree_with_sampling(pair, arcs, moving):
     body_a, body_b = Body(footprint_a), Body(footprint_b)
     rng = np.random.default_rng(8)
     fractions = np.linspace(0, 1, 2001)
-    found = []
+    found: list[float | None] = []
     while len(found) < 30:
         start_a, start_b = moving.random_poses(rng, 2, 0, 2)
         turn_a, turn_b = rng.uniform(-4, 4, 2)
@@ -110,7 +110,7 @@ def test_coming_within_a_gap_agrees_with_sampling(pair, arcs, moving):
     body_a, body_b = Body(footprint_a), Body(footprint_b)
     rng = np.random.default_rng(9)
     fractions = np.linspace(0, 1, 2001)
-    found = []
+    found: list[float | None] = []
     while len(found) < 25:
         gap = rng.choice([0.01, 0.3, 1.0])
         start_a, start_b = moving.random_poses(rng, 2, 0, 4)

@@ -4,6 +4,7 @@ import doctest
 import itertools
 import math
 import tracemalloc
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -39,7 +40,7 @@ def shortest_paths(worlds, free, source, targets):
     sees = shapely.covers(room, shapely.linestrings(points[pairs]))
     i, j = pairs[sees].T
     graph = csr_array((np.hypot(*(points[i] - points[j]).T), (i, j)), shape=(len(points),) * 2)
-    return dijkstra(graph, directed=False, indices=0)[known:]
+    return dijkstra(graph, directed=False, indices=[0])[0, known:]
 
 
 def error(worlds, free, cell, source, targets):
@@ -404,7 +405,7 @@ def test_the_descent_leads_to_the_source_and_cuts_no_corner(seed):
 
 def test_refuses_invalid_grids_cells_and_repairs():
     with pytest.raises(InvalidInputError, match="of bool, not float64"):
-        DistanceField(np.ones((3, 3)), 1.0, [(0.5, 0.5)])
+        DistanceField(cast(Any, np.ones((3, 3))), 1.0, [(0.5, 0.5)])
     passable = np.ones((3, 9), bool)
     field = DistanceField(passable, 1.0, [(0.5, 0.5)])
     with pytest.raises(InvalidInputError, match=r"cell \(3, 0\)"):

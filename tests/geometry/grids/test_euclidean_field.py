@@ -3,6 +3,7 @@
 import doctest
 import itertools
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -75,9 +76,9 @@ def test_queue_and_sweeps_agree_on_average():
         a, b = queue.distance(every(passable)), sweeps.distance(every(passable))
         reached = np.isfinite(b)
         longer.append(a[reached] / np.maximum(b[reached], 1e-9) - 1.0)
-    longer = np.concatenate(longer)
-    assert longer.mean() < 0.0005
-    assert longer.max() < 0.08
+    excess = np.concatenate(longer)
+    assert excess.mean() < 0.0005
+    assert excess.max() < 0.08
 
 
 @given(st.integers(0, 100_000))
@@ -101,6 +102,7 @@ def test_nothing_passes_between_cells_that_meet_in_a_corner():
 def test_refuses_invalid_fields():
     passable = np.ones((4, 5), bool)
     passable[2, 2] = False
+    valid: dict[str, Any] = {"passable": passable, "cell_m": 1.0, "source": (0.5, 0.5)}
     for change, told in (
         ({"source": (2.5, 2.5)}, "not in a free cell"),
         ({"source": (9.0, 1.0)}, "not in a free cell"),
@@ -109,9 +111,8 @@ def test_refuses_invalid_fields():
         ({"passable": np.ones((4, 5))}, "of bool, not float64"),
         ({"order": "random"}, "'queue' or 'sweeps', not 'random'"),
     ):
-        arguments = {"passable": passable, "cell_m": 1.0, "source": (0.5, 0.5)} | change
         with pytest.raises(InvalidInputError, match=told):
-            EuclideanField(**arguments)
+            EuclideanField(**valid | change)
     field = EuclideanField(passable, 1.0, (0.5, 0.5))
     with pytest.raises(InvalidInputError, match=r"no path leads to cell \(2, 2\)"):
         field.path((2, 2))

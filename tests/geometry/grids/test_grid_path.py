@@ -48,7 +48,7 @@ def exact_lengths(passable, source, cells):
     shapely.prepare(walls)
     i, j = pairs[~shapely.intersects(walls, shapely.linestrings(points[pairs]))].T
     graph = csr_array((np.hypot(*(points[i] - points[j]).T), (i, j)), shape=(len(points),) * 2)
-    return dijkstra(graph, directed=False, indices=0)[known:]
+    return dijkstra(graph, directed=False, indices=[0])[0, known:]
 
 
 def office(seed, rows=80, columns=120, room=40):

@@ -6,6 +6,7 @@ import shapely
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.ndimage import distance_transform_edt
+from shapely.geometry.base import BaseGeometry
 
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.grids.raster import OFFSET, Raster, eroded, paint_polygon
@@ -69,13 +70,13 @@ def test_polygons_that_share_a_border_paint_each_cell_once():
 
 def test_only_new_cells_are_counted(worlds):
     raster = Raster(0.1)
-    painted = None
+    painted: BaseGeometry = shapely.Polygon()
     for boundary in views(worlds, "office", 25):
         before = np.count_nonzero(raster.cells)
         new = raster.paint(boundary)
         assert np.count_nonzero(raster.cells) == before + new
         assert raster.paint(boundary) == 0
-        painted = shapely.Polygon(boundary).union(painted or shapely.Polygon())
+        painted = painted.union(shapely.Polygon(boundary))
     assert raster.area_m2() == pytest.approx(painted.area, rel=0.01)
 
 
@@ -106,7 +107,7 @@ def test_a_raster_that_grew_equals_one_of_fixed_size(worlds, name):
 def test_growing_in_any_direction_keeps_every_cell(shapes):
     raster = Raster(0.5)
     total = 0
-    union = shapely.Polygon()
+    union: BaseGeometry = shapely.Polygon()
     for x, y, r, n in shapes:
         angles = 0.1 + np.arange(n) * 2 * np.pi / n
         boundary = np.column_stack([x + r * np.cos(angles), y + r * np.sin(angles)])

@@ -12,15 +12,17 @@ from multisrt.geometry.numerics.point_hash import PointHash
 coordinate = st.integers(-20_000_000, 20_000_000).map(lambda n: n / 1e6)
 places = st.lists(st.tuples(coordinate, coordinate), min_size=1, max_size=150)
 
+Points = list[tuple[float, float]]
 
-def hashed(points, cell_m: float = 3.0) -> PointHash:
+
+def hashed(points: Points, cell_m: float = 3.0) -> PointHash:
     result = PointHash(cell_m)
     for number, (x, y) in enumerate(points):
         assert result.add(x, y) == number
     return result
 
 
-def within(points, x: float, y: float, radius: float) -> list[int]:
+def within(points: Points, x: float, y: float, radius: float) -> list[int]:
     return [k for k, (a, b) in enumerate(points) if (a - x) ** 2 + (b - y) ** 2 <= radius**2]
 
 
@@ -31,15 +33,16 @@ def test_within_agrees_with_brute_force(points, x, y, radius):
 
 
 @given(places, st.data(), st.floats(0.0, 12.0))
-def test_around_is_the_union_of_within(points, data, radius):
+def test_around_is_the_union_of_within(points: Points, data, radius):
     numbers = data.draw(st.lists(st.integers(0, len(points) - 1), min_size=1, max_size=8))
-    expected = {k for n in numbers for k in within(points, *points[n], radius)}
+    around = [points[n] for n in numbers]
+    expected = {k for x, y in around for k in within(points, x, y, radius)}
     found = hashed(points).around(np.array(numbers), radius)
     assert found.tolist() == sorted(expected)
 
 
 @given(places, st.data(), st.floats(0.0, 12.0))
-def test_pairs_agree_with_brute_force(points, data, radius):
+def test_pairs_agree_with_brute_force(points: Points, data, radius):
     first = data.draw(st.integers(0, len(points)))
     expected = [
         [later, earlier]

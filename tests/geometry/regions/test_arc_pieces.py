@@ -17,10 +17,13 @@ from multisrt.geometry.regions.frontier_arcs import (
     frontier_candidates,
     in_long_arcs,
 )
-from multisrt.geometry.regions.frontier_update import SHARED_BORDER_M, FrontierChanges
+from multisrt.geometry.regions.frontier_update import FrontierChanges
 from multisrt.geometry.regions.safe_region import local_safe_region
 from multisrt.geometry.regions.scan import take_scan
-from multisrt.geometry.regions.segment_difference import beside, intersect_pieces, uncovered
+from multisrt.geometry.regions.segment_difference import uncovered
+
+Pieces = tuple[np.ndarray, np.ndarray]
+"""Pieces of frontier, and the whole segments they are parts of."""
 
 
 class Regions:
@@ -45,36 +48,26 @@ class Regions:
         )
 
 
-def remainder(subtract, pieces, wholes):
-    """Return what a subtraction from whole segments leaves of pieces of these."""
-    left, origin = intersect_pieces(pieces, wholes, *subtract(wholes))
-    return left, wholes[origin]
-
-
-def along(lines):
-    return lambda wholes: beside(wholes, np.ones(len(wholes), bool), lines, SHARED_BORDER_M)
-
-
 def without_short_arcs(pieces, wholes):
     long = in_long_arcs(pieces, MIN_ARC_M)
     return pieces[long], wholes[long]
 
 
-def one_by_one(regions: Regions, index: int, held: dict) -> None:
+def one_by_one(subtracting, regions: Regions, index: int, held: dict[int, Pieces]) -> None:
     """Do what `ArcPieces.add` does, one owner and one subtraction after the other."""
     candidates = regions.candidates(index)
     own = candidates, candidates
     for k in range(index):
-        own = remainder(lambda wholes, k=k: regions.uncovered(wholes, [k]), *own)
+        own = subtracting.remainder(lambda wholes, k=k: regions.uncovered(wholes, [k]), *own)
     before = tuple(regions.ids[index])
     for k in range(index):
         if tuple(regions.ids[k]) < before:
-            own = remainder(along(held[k][1]), *own)
+            own = subtracting.remainder(subtracting.along(held[k][1]), *own)
     own = without_short_arcs(*own)
     for k in range(index):
-        theirs = remainder(lambda wholes: regions.uncovered(wholes, [index]), *held[k])
+        theirs = subtracting.remainder(lambda wholes: regions.uncovered(wholes, [index]), *held[k])
         if tuple(regions.ids[k]) > before:
-            theirs = remainder(along(own[1]), *theirs)
+            theirs = subtracting.remainder(subtracting.along(own[1]), *theirs)
         if not np.array_equal(theirs[0], held[k][0]):
             held[k] = without_short_arcs(*theirs)
     held[index] = own
@@ -82,7 +75,7 @@ def one_by_one(regions: Regions, index: int, held: dict) -> None:
 
 @pytest.mark.parametrize("name", ["rooms", "office", "clutter"])
 @pytest.mark.parametrize("shape", ["radial", "star"])
-def test_a_region_changes_what_single_subtractions_change(worlds, name, shape):
+def test_a_region_changes_what_single_subtractions_change(subtracting, worlds, name, shape):
     free = worlds.WORLDS[name]()
     index = worlds.index(free, 4.0)
     places = worlds.viewpoints(free, 24, seed=45).tolist()
@@ -93,12 +86,13 @@ def test_a_region_changes_what_single_subtractions_change(worlds, name, shape):
     regions = Regions(
         [local_safe_region(scan, shape) for scan in scans], np.c_[numbers % 3, numbers // 3]
     )
-    arcs, held = ArcPieces(), {}
+    arcs = ArcPieces()
+    held: dict[int, Pieces] = {}
     arcs.make_room(len(places))
     cut = 0
     for k in range(len(places)):
         before = {i: pieces for i, (pieces, _) in held.items()}
-        one_by_one(regions, k, held)
+        one_by_one(subtracting, regions, k, held)
         changed = regions.add_to(arcs, k)
         differ = [i for i in before if not np.array_equal(before[i], held[i][0])]
         cut += len(differ)

@@ -31,17 +31,8 @@ def regions(worlds, free, places, shape="radial", range_m=R, beams=None):
     ]
 
 
-def take(segments, polygons, ids=None):
-    """Return what the polygons leave of the segments."""
-    if not polygons:
-        return segments
-    ids = np.arange(len(polygons)) if ids is None else np.asarray(ids, np.int64)
-    rest, _ = uncovered(segments, Rings(polygons).arrays, ids)
-    return rest
-
-
-def frontier(region, others):
-    return take(
+def frontier(subtracting, region, others):
+    return subtracting.take(
         frontier_candidates(region.boundary, region.tags), [other.boundary for other in others]
     )
 
@@ -94,12 +85,12 @@ def test_the_order_of_the_polygons_makes_no_difference(worlds):
         assert np.array_equal(order, asked)
 
 
-def test_a_frontier_collinear_with_a_neighbours_gap_is_kept(worlds):
+def test_a_frontier_collinear_with_a_neighbours_gap_is_kept(subtracting, worlds):
     # Both see past the obstacle's corner (3, 3) along the diagonal: neither has seen behind the
     # line from there to (4, 4). The difference of lines and polygons deletes it.
     free = box(0, 0, 10, 10).difference(box(3, 0, 3.5, 3))
     first, second = regions(worlds, free, [(1, 1), (2, 2)], range_m=5.0)
-    arcs = frontier(first, [second])
+    arcs = frontier(subtracting, first, [second])
     gap = shapely.LineString([(3, 3), (4, 4)]).buffer(1e-4)
     assert lines(arcs).intersection(gap).length == pytest.approx(np.sqrt(2), abs=2e-4)
     deleted = lines(frontier_candidates(first.boundary, first.tags)).difference(second.polygon())
@@ -108,13 +99,13 @@ def test_a_frontier_collinear_with_a_neighbours_gap_is_kept(worlds):
 
 @pytest.mark.parametrize("name", ["rooms", "office", "clutter"])
 @pytest.mark.parametrize(("shape", "beams"), [("radial", None), ("star", None), ("radial", 360)])
-def test_arcs_equal_those_of_shapely(worlds, name, shape, beams):
+def test_arcs_equal_those_of_shapely(subtracting, worlds, name, shape, beams):
     free = worlds.WORLDS[name]()
     known = regions(worlds, free, worlds.viewpoints(free, 14, seed=41), shape, beams=beams)
     lengths = 0.0
     for i, region in enumerate(known):
         others = known[:i] + known[i + 1 :]
-        arcs = frontier(region, others)
+        arcs = frontier(subtracting, region, others)
         truth = lines(frontier_candidates(region.boundary, region.tags))
         for other in others:
             truth = truth.difference(other.polygon())
@@ -160,13 +151,13 @@ def test_arcs_by_dense_sampling(worlds, name):
 
 
 @given(st.integers(0, 10_000))
-def test_more_regions_never_leave_more(worlds, seed):
+def test_more_regions_never_leave_more(subtracting, worlds, seed):
     free = worlds.pillar()
     known = regions(worlds, free, worlds.viewpoints(free, 5, seed=seed), range_m=3.0)
     before = np.inf
     covered = shapely.Polygon()
     for count in range(1, len(known)):
-        arcs = frontier(known[0], known[1 : 1 + count])
+        arcs = frontier(subtracting, known[0], known[1 : 1 + count])
         assert total_length(arcs) <= before + 1e-9
         before = total_length(arcs)
         union = covered.union(known[count].polygon())
@@ -180,15 +171,15 @@ def test_more_regions_never_leave_more(worlds, seed):
                 assert not shapely.contains_xy(inner, points[:, 0], points[:, 1]).any()
 
 
-def test_a_fully_seen_hall_has_no_frontier(worlds):
+def test_a_fully_seen_hall_has_no_frontier(subtracting, worlds):
     free = worlds.pillar()
     places = [(2, 2), (8, 2), (8, 8), (2, 8)]
     known = regions(worlds, free, places, range_m=15.0)
     for i, region in enumerate(known):
-        assert total_length(frontier(region, known[:i] + known[i + 1 :])) < 1e-4
+        assert total_length(frontier(subtracting, region, known[:i] + known[i + 1 :])) < 1e-4
 
 
-def test_utm_coordinates_leave_the_same_lengths(worlds):
+def test_utm_coordinates_leave_the_same_lengths(subtracting, worlds):
     free = worlds.office()
     places = worlds.viewpoints(free, 10, seed=43)
     here = regions(worlds, free, places)
@@ -196,8 +187,8 @@ def test_utm_coordinates_leave_the_same_lengths(worlds):
         worlds, shapely.affinity.translate(free, 5e5, 4.5e6), places + np.array([5e5, 4.5e6])
     )
     for i in range(len(places)):
-        a = total_length(frontier(here[i], here[:i] + here[i + 1 :]))
-        b = total_length(frontier(there[i], there[:i] + there[i + 1 :]))
+        a = total_length(frontier(subtracting, here[i], here[:i] + here[i + 1 :]))
+        b = total_length(frontier(subtracting, there[i], there[:i] + there[i + 1 :]))
         assert a == pytest.approx(b, abs=1e-4)
 
 

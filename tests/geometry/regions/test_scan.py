@@ -1,6 +1,7 @@
 """Scans hold what the range finder would measure, and nothing else."""
 
 import math
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -31,11 +32,12 @@ def test_laser_scan_is_in_the_frame_of_the_world(worlds):
         scan = take_scan(index, Configuration(9.0, 8.0, heading), 0.0, 4.0, beams=4)
         assert isinstance(scan, LaserScan)
         assert scan.ranges.tolist() == pytest.approx([1.0, 2.0, np.inf, np.inf])
-    assert np.array_equal(scan.ranges, laser_ranges(index, 9.0, 8.0, 4.0, 4))
+        assert np.array_equal(scan.ranges, laser_ranges(index, 9.0, 8.0, 4.0, 4))
 
 
 def test_beam_spacing(worlds):
     scan = take_scan(worlds.index(worlds.hall()), Configuration(5.0, 5.0), 0.0, 4.0, beams=90)
+    assert isinstance(scan, LaserScan)
     assert beam_spacing_rad(scan) == pytest.approx(math.radians(4.0))
 
 
@@ -60,4 +62,4 @@ def test_integers_are_taken_as_floats(worlds, beams):
 def test_scans_do_not_change(worlds):
     scan = take_scan(worlds.index(worlds.hall()), Configuration(5.0, 5.0), 0.0, 4.0)
     with pytest.raises(AttributeError):
-        scan.range_m = 5.0
+        cast(Any, scan).range_m = 5.0

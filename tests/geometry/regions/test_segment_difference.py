@@ -5,34 +5,15 @@ import pytest
 import shapely
 from hypothesis import given
 from hypothesis import strategies as st
+from shapely.geometry.base import BaseGeometry
 
 from multisrt.geometry.numerics.rings import Rings
 from multisrt.geometry.regions.frontier_arcs import total_length
-from multisrt.geometry.regions.frontier_update import SHARED_BORDER_M
-from multisrt.geometry.regions.segment_difference import beside, intersect_pieces, uncovered
-
-
-def take(segments, polygons, ids=None):
-    """Return what the polygons leave of the segments."""
-    if not polygons:
-        return segments
-    ids = np.arange(len(polygons)) if ids is None else np.asarray(ids, np.int64)
-    rest, _ = uncovered(segments, Rings(polygons).arrays, ids)
-    return rest
+from multisrt.geometry.regions.segment_difference import beside, uncovered
 
 
 def lines(segments):
     return shapely.multilinestrings(shapely.linestrings(segments.reshape(-1, 2, 2)))
-
-
-def remainder(subtract, pieces, wholes):
-    """Return what a subtraction from whole segments leaves of pieces of these."""
-    left, origin = intersect_pieces(pieces, wholes, *subtract(wholes))
-    return left, wholes[origin]
-
-
-def along(lines):
-    return lambda wholes: beside(wholes, np.ones(len(wholes), bool), lines, SHARED_BORDER_M)
 
 
 SQUARE = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]])
@@ -54,8 +35,8 @@ SQUARE = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]])
         ([1, 1, 1, 1], []),  # no length
     ],
 )
-def test_a_square_is_subtracted_from_segments_by_hand(segment, left):
-    rest = take(np.array([segment], float), [SQUARE])
+def test_a_square_is_subtracted_from_segments_by_hand(subtracting, segment, left):
+    rest = subtracting.take(np.array([segment], float), [SQUARE])
     assert rest.shape == (len(left), 4)
     assert rest == pytest.approx(np.array(left, float).reshape(-1, 4), abs=1e-5)
 
@@ -67,17 +48,17 @@ def test_what_is_left_keeps_its_order_and_its_source():
     assert rest[:, 0] == pytest.approx([-1, 2, -1, 2])
 
 
-def test_many_holes_in_one_segment():
+def test_many_holes_in_one_segment(subtracting):
     # A comb with 40 teeth: more pieces than segments came in.
     teeth = [SQUARE * 0.25 + (k, 0.0) for k in range(40)]
-    rest = take(np.array([[-1.0, 0.3, 41.0, 0.3]]), teeth)
+    rest = subtracting.take(np.array([[-1.0, 0.3, 41.0, 0.3]]), teeth)
     assert len(rest) == 41
     assert total_length(rest) == pytest.approx(42 - 40 * 0.5)
 
 
-def test_a_polygon_that_is_not_convex_cuts_several_times():
+def test_a_polygon_that_is_not_convex_cuts_several_times(subtracting):
     comb = np.array([[0, 0], [5, 0], [5, 2], [4, 2], [4, 1], [1, 1], [1, 2], [0, 2.0]])
-    rest = take(np.array([[-1.0, 1.5, 6.0, 1.5]]), [comb])
+    rest = subtracting.take(np.array([[-1.0, 1.5, 6.0, 1.5]]), [comb])
     assert rest == pytest.approx(np.array([[-1, 1.5, 0, 1.5], [1, 1.5, 4, 1.5], [5, 1.5, 6, 1.5]]))
 
 
@@ -89,19 +70,19 @@ def test_a_polygon_that_is_not_convex_cuts_several_times():
     ),
     st.randoms(use_true_random=False),
 )
-def test_subtracting_in_any_order_leaves_the_same_points(shapes, random):
+def test_subtracting_in_any_order_leaves_the_same_points(subtracting, shapes, random):
     polygons = [
         np.array([x, y]) + r * np.column_stack([np.cos(a), np.sin(a)])
         for x, y, r, n in shapes
         for a in [np.arange(n) * 2 * np.pi / n]
     ]
     segments = np.array([[-1.0, 3.3, 11.0, 3.3], [2.2, 11.0, 2.2, -1.0], [0.0, 0.0, 9.0, 8.0]])
-    at_once = take(segments, polygons)
+    at_once = subtracting.take(segments, polygons)
     order = list(range(len(polygons)))
     random.shuffle(order)
     one_by_one = segments
     for k in order:
-        one_by_one = take(one_by_one, polygons, [k])
+        one_by_one = subtracting.take(one_by_one, polygons, [k])
     assert total_length(one_by_one) == pytest.approx(total_length(at_once), abs=1e-5)
     a, b = lines(at_once), lines(one_by_one)
     assert a.difference(b.buffer(2e-6)).length < 1e-5
@@ -117,15 +98,15 @@ def test_only_what_lies_along_a_segment_is_subtracted():
 
 
 @given(st.lists(st.tuples(st.floats(0, 10), st.floats(0, 10)), max_size=6), st.randoms())
-def test_subtractions_in_any_order_leave_the_difference(stretches, random):
+def test_subtractions_in_any_order_leave_the_difference(subtracting, stretches, random):
     whole = np.array([[1.0, 2.0, 7.0, 10.0]])
     at = whole[0, :2] + np.array([0.6, 0.8]) * np.array(stretches).reshape(-1, 2, 1)
     left = whole, whole
     order = list(range(len(stretches)))
     random.shuffle(order)
     for k in order:
-        left = remainder(along(at[k].reshape(1, 4)), *left)
-    expected = shapely.LineString([(0, 0), (10, 0)])
+        left = subtracting.remainder(subtracting.along(at[k].reshape(1, 4)), *left)
+    expected: BaseGeometry = shapely.LineString([(0, 0), (10, 0)])
     for a, b in stretches:
         if abs(a - b) > 1e-5:
             expected = expected.difference(shapely.LineString([(a, 0), (b, 0)]))

@@ -25,8 +25,10 @@ def test_robots_in_a_row_part_at_a_crossing():
     # has pushed its frontier 5 m further when the next arrives.
     costs, chosen = np.array([4.0, 4.0, 4.0]), []
     for _ in range(3):
-        chosen.append(closest(DenseCosts([costs]), 0))
-        costs[chosen[-1]] += 5.0
+        target = closest(DenseCosts([costs]), 0)
+        assert target is not None
+        chosen.append(target)
+        costs[target] += 5.0
     assert sorted(chosen) == [0, 1, 2]
 
 

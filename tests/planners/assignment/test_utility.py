@@ -94,9 +94,10 @@ def test_robots_that_reach_no_target_get_none():
 
 @given(situations(), st.sampled_from([0.0, 0.5, 1.0, 3.0]))
 def test_assignment_follows_the_equations(situation, beta):
-    given_ = utility(*situation, 4.0, beta)
-    costs, between, visible = (table.tolist() for table in situation)
-    assert given_.assignment.tolist() == naive(costs, between, visible, 4.0, beta)
+    costs, between, visible = situation
+    given_ = utility(costs, between, visible, 4.0, beta)
+    expected = naive(costs.tolist(), between.tolist(), visible.tolist(), 4.0, beta)
+    assert given_.assignment.tolist() == expected
 
 
 @given(situations(), st.randoms(use_true_random=False))

@@ -11,12 +11,7 @@ from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.numerics.rings import Rings
 from multisrt.planners.motion.body import MIN_MARGIN_M, TOUCH_M, PlanningBody
 
-
-def ring(polygon: shapely.Polygon) -> np.ndarray:
-    return np.asarray(shapely.orient_polygons(polygon).exterior.coords)[:-1].copy()
-
-
-HALL = ring(shapely.box(0, 0, 10, 4))
+HALL = np.array([(10.0, 0.0), (10.0, 4.0), (0.0, 4.0), (0.0, 0.0)])
 DISC = PlanningBody(Footprint.disc(0.25), margin_m=0.02)
 BOX = PlanningBody(Footprint.box(0.6, 0.4), margin_m=0.02)
 
@@ -94,7 +89,7 @@ def test_a_body_outside_the_region_does_not_move():
 # A corridor 0.5 m wide: a box of 0.6 x 0.4 m gets along it but cannot turn round. Turned by t it
 # is 0.6 sin t + 0.4 cos t high, which is 0.5 at t = asin(0.25 / 0.36056) - atan(2 / 3) = 0.1781;
 # a little less with the minimum margin on all sides.
-CORRIDOR = ring(shapely.box(0, 0, 10, 0.5))
+CORRIDOR = np.array([(10.0, 0.0), (10.0, 0.5), (0.0, 0.5), (0.0, 0.0)])
 CRITICAL = math.asin(0.25 / math.hypot(0.3 + MIN_MARGIN_M, 0.2 + MIN_MARGIN_M)) - math.atan2(
     0.2 + MIN_MARGIN_M, 0.3 + MIN_MARGIN_M
 )
@@ -122,7 +117,7 @@ def test_a_disc_can_always_turn():
     assert DISC.can_turn(CORRIDOR, Configuration(5.0, 0.25), 6.0) is True
 
 
-def test_bridges_pass_from_one_region_to_the_other():
+def test_bridges_pass_from_one_region_to_the_other(ring):
     hall = shapely.box(0.0, 0.0, 6.0, 4.0).difference(shapely.box(2.5, 0.0, 3.5, 2.0))
     rng = np.random.default_rng(5)
     for body in (PlanningBody(Footprint.disc(0.25), 0.02), PlanningBody(Footprint.box(1, 0.4), 0)):
@@ -143,7 +138,7 @@ def test_bridges_pass_from_one_region_to_the_other():
         assert joined[0]
 
 
-def test_disc_travel_holds_for_any_heading():
+def test_disc_travel_holds_for_any_heading(ring):
     # The disc around the box, with a tenth of the margin, has a radius of 0.3626 m.
     corridor = ring(shapely.box(0, 0, 10, 0.73))
     assert BOX.disc_travel(corridor, 1.0, 0.365, 9.0, 0.365) is True
@@ -175,10 +170,11 @@ def test_swept_areas_lie_in_the_region(radii, footprint, heading, direction):
     travel = body.travel(boundary, start, direction, 5.0)
     if travel == 0.0:
         return
-    way = shapely.LineString([(0, 0), (travel * math.cos(direction), travel * math.sin(direction))])
+    x, y = travel * math.cos(direction), travel * math.sin(direction)
+    way = shapely.LineString([(0, 0), (x, y)])
     if footprint.is_disc:
         assert way.distance(region.exterior) >= footprint.radius_m - 2.0 * TOUCH_M
     else:
-        swept = footprint.swept(start, Configuration(*way.coords[1], heading))
+        swept = footprint.swept(start, Configuration(x, y, heading))
         assert region.contains(swept)
         assert swept.distance(region.exterior) >= 0.9 * MIN_MARGIN_M

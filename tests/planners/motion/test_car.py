@@ -7,6 +7,7 @@ import pytest
 import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from shapely.geometry.base import BaseGeometry
 
 from multisrt.geometry.bodies.collision import CollisionWorld
 from multisrt.geometry.bodies.footprint import Footprint
@@ -15,7 +16,7 @@ from multisrt.planners.motion.body import PlanningBody
 from multisrt.planners.motion.car import car_way, car_ways
 from multisrt.planners.motion.curves import curve_length
 from multisrt.planners.motion.kinematics import Car
-from multisrt.planners.motion.trajectory import leg_length
+from multisrt.planners.motion.trajectory import Trajectory, leg_length
 
 BODY = PlanningBody(Footprint.box(0.6, 0.4), 0.02)
 DISC = PlanningBody(Footprint.disc(0.25), 0.02)
@@ -31,12 +32,9 @@ ROOMS = shapely.box(0, 0, 8, 4).difference(
 DEAD_END = shapely.union(shapely.box(0, 0, 4, 4), shapely.box(4, 1.5, 9, 2.5))
 
 
-def ring(polygon: shapely.Polygon) -> np.ndarray:
-    return np.asarray(shapely.orient_polygons(polygon).exterior.coords)[:-1].copy()
-
-
-def assert_drivable(way, car: Car, body: PlanningBody, region) -> None:
+def assert_drivable(way: Trajectory, car: Car, body: PlanningBody, region: BaseGeometry) -> None:
     """Assert that the car can drive every leg, and that FCL finds no contact."""
+    assert isinstance(region, shapely.Polygon | shapely.MultiPolygon)
     world = CollisionWorld(region)
     solid = world.body(body.footprint)
     for a, b in zip(way.waypoints, way.waypoints[1:], strict=False):
@@ -50,10 +48,20 @@ def assert_drivable(way, car: Car, body: PlanningBody, region) -> None:
         assert world.first_contact(solid, a[1:], b[1:], turn, arc=True) is None
 
 
+def ways(
+    car: Car, boundary: np.ndarray, start: Configuration, x: float, y: float
+) -> tuple[Trajectory, Trajectory]:
+    """Return the ways of a car to a place that it can reach, and back."""
+    found = car_ways(BODY, car, boundary, start, x, y, 0)
+    assert found is not None
+    return found
+
+
 @pytest.mark.parametrize("car", [BACK, NO_BACK])
-def test_without_obstacles_the_way_is_the_shortest_curve(car):
+def test_without_obstacles_the_way_is_the_shortest_curve(car, ring):
     start, goal = Configuration(3.0, 3.0, 0.2), Configuration(5.0, 5.0, -2.0)
     way = car_way(BODY, car, ring(HALL), start, goal, 0, max_checks=0)
+    assert way is not None
     assert way.length_m == pytest.approx(curve_length(car, start, goal))
     assert way.start == start
     assert way.end == pytest.approx(goal)
@@ -62,11 +70,12 @@ def test_without_obstacles_the_way_is_the_shortest_curve(car):
 
 @pytest.mark.parametrize("car", [BACK, NO_BACK])
 @pytest.mark.parametrize("body", [BODY, DISC])
-def test_another_way_is_found_if_a_wall_blocks_the_curve(car, body):
+def test_another_way_is_found_if_a_wall_blocks_the_curve(car, body, ring):
     start, goal = Configuration(2.0, 0.6, 0.0), Configuration(6.0, 0.6, 0.0)
     assert car_way(body, car, ring(ROOMS), start, goal, 1, max_checks=0) is None
     for region in (ring(ROOMS), ROOMS):
         way = car_way(body, car, region, start, goal, 1)
+        assert way is not None
         assert way.start == start
         assert way.end == pytest.approx(goal)
         assert way.length_m > 4.0
@@ -91,44 +100,44 @@ def test_a_way_leads_round_a_pillar():
         assert_drivable(way, car, BODY, region)
 
 
-def test_a_car_arrives_with_the_heading_of_the_direction():
+def test_a_car_arrives_with_the_heading_of_the_direction(ring):
     start = Configuration(2.0, 4.0, 0.0)
-    out, back = car_ways(BODY, BACK, ring(HALL), start, 5.0, 5.0, 0)
+    out, back = ways(BACK, ring(HALL), start, 5.0, 5.0)
     assert out.end == pytest.approx((5.0, 5.0, math.atan2(1.0, 3.0)))
     assert back.waypoints == out.reversed().waypoints
     assert back.end == start
 
 
-def test_a_car_without_reverse_returns_on_a_loop():
+def test_a_car_without_reverse_returns_on_a_loop(ring):
     start = Configuration(2.0, 4.0, 0.3)
-    out, back = car_ways(BODY, NO_BACK, ring(HALL), start, 5.0, 5.0, 0)
+    out, back = ways(NO_BACK, ring(HALL), start, 5.0, 5.0)
     assert back.start == pytest.approx(out.end)
     assert back.end == pytest.approx(start)
     for way in (out, back):
         assert_drivable(way, NO_BACK, BODY, HALL)
 
 
-def test_a_car_arrives_with_another_heading_if_it_must():
+def test_a_car_arrives_with_another_heading_if_it_must(ring):
     # Beside the wall at the end of the room, the car fits only along the wall.
     region = shapely.box(0, 0, 4, 8)
-    out, _ = car_ways(BODY, BACK, ring(region), Configuration(2.0, 4.0, 1.6), 3.75, 4.0, 0)
+    out, _ = ways(BACK, ring(region), Configuration(2.0, 4.0, 1.6), 3.75, 4.0)
     assert abs(math.sin(out.end.heading)) == pytest.approx(1.0)
     assert_drivable(out, BACK, BODY, region)
 
 
-def test_a_car_without_reverse_enters_no_dead_end():
+def test_a_car_without_reverse_enters_no_dead_end(ring):
     start = Configuration(2.0, 2.0, 0.0)
     place = (7.5, 2.0)
     assert car_ways(BODY, NO_BACK, ring(DEAD_END), start, *place, 0) is None
     goal = Configuration(*place, 0.0)
     assert car_way(BODY, NO_BACK, ring(DEAD_END), start, goal, 0) is not None
-    out, back = car_ways(BODY, BACK, ring(DEAD_END), start, *place, 0)
+    out, back = ways(BACK, ring(DEAD_END), start, *place)
     assert out.end == pytest.approx(goal)
     assert back.end == start
     assert_drivable(back, BACK, BODY, DEAD_END)
 
 
-def test_no_ways_exist_from_or_to_outside_the_region():
+def test_no_ways_exist_from_or_to_outside_the_region(ring):
     assert car_ways(BODY, BACK, ring(HALL), Configuration(9.0, 4.0), 5.0, 5.0, 0) is None
     assert car_ways(BODY, BACK, ring(HALL), Configuration(4.0, 4.0), 9.0, 5.0, 0) is None
 

@@ -5,6 +5,7 @@ import pytest
 import shapely
 from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
+from shapely.geometry.base import BaseGeometry
 
 from multisrt.geometry.bodies.clearance import disc_clearance, path_clearance, rings_of
 from multisrt.geometry.bodies.fitting import pose_is_inside
@@ -36,7 +37,7 @@ def test_rings_of_a_region_are_closed_and_separated():
     outer, hole = shapely.LinearRing(rings[1:6]), shapely.LinearRing(rings[7:12])
     assert outer.is_ccw
     assert not hole.is_ccw
-    assert len(rings_of(shapely.MultiPolygon([HALL, shapely.box(5, 5, 6, 6)]))) == 19
+    assert len(rings_of(shapely.union(HALL, shapely.box(5, 5, 6, 6)))) == 19
 
 
 def test_room_in_a_region_with_a_hole():
@@ -91,20 +92,29 @@ def test_bounds_of_a_room():
     assert Room(rings_of(HALL), 0.1).bounds == (0.0, 0.0, 4.0, 4.0)
 
 
+def width(room: Room | None) -> float:
+    """Return the extent along y of a room's outline."""
+    assert room is not None
+    assert isinstance(room.outline, np.ndarray)
+    return float(np.ptp(room.outline[:, 1]))
+
+
 def test_room_keeps_as_much_margin_as_places_allow():
     corridor = rings_of(shapely.box(0, 0, 4, 0.41))
     body = PlanningBody(BOX, 0.02)
     wide = body.room(rings_of(HALL), Configuration(1.0, 1.0, 0.0))
     narrow = body.room(corridor, Configuration(1.0, 0.205, 0.0))
-    assert np.ptp(wide.outline[:, 1]) == pytest.approx(0.44)
-    assert np.ptp(narrow.outline[:, 1]) == pytest.approx(0.408)
+    assert width(wide) == pytest.approx(0.44)
+    assert width(narrow) == pytest.approx(0.408)
     assert body.room(corridor, Configuration(1.0, 0.1, 0.0)) is None
     # The margin that all of the places have room for.
     both = body.room(corridor, Configuration(1.0, 0.205, 0.0), Configuration(3.0, 0.2045, 0.0))
-    assert np.ptp(both.outline[:, 1]) == pytest.approx(0.408)
+    assert width(both) == pytest.approx(0.408)
     assert body.room(corridor, Configuration(1.0, 0.205, 0.0), Configuration(3.9, 0.205)) is None
     disc = PlanningBody(DISC, 0.02)
-    assert disc.room(rings_of(HALL), Configuration(1.0, 1.0)).outline == pytest.approx(0.27)
+    round_ = disc.room(rings_of(HALL), Configuration(1.0, 1.0))
+    assert round_ is not None
+    assert round_.outline == pytest.approx(0.27)
     assert disc.room(rings_of(HALL), Configuration(0.2, 1.0)) is None
     assert disc.room(rings_of(HALL), Configuration(2.0, 2.0)) is None
 
@@ -130,10 +140,12 @@ places = st.tuples(st.floats(-1.5, 1.5), st.floats(-1.5, 1.5))
 @given(regions, st.sampled_from([BOX, DISC, ELL]), places, places, st.floats(-3.1, 3.1), turns)
 def test_lets_pass_agrees_with_placed_footprints(region, footprint, start, end, heading, turn):
     assume(math.dist(start, end) > 0.01)
-    way = Trajectory((Waypoint(0.0, *start, heading), Waypoint(1.0, *end, heading + turn)))
+    (x0, y0), (x1, y1) = start, end
+    way = Trajectory((Waypoint(0.0, x0, y0, heading), Waypoint(1.0, x1, y1, heading + turn)))
     passes = Room(rings_of(region), size(footprint)).lets_pass(way.waypoints)
     line = shapely.LineString(way.points(0.01))
     poses = [Configuration(*way.at(time)) for time in np.linspace(0.0, 1.0, 100)]
+    area: BaseGeometry
     if footprint.is_disc:
         area = line.buffer(footprint.radius_m, quad_segs=32)
     else:

@@ -12,18 +12,34 @@ from multisrt.geometry.configuration import Configuration
 from multisrt.planners.motion.body import PlanningBody
 from multisrt.planners.motion.kinematics import Differential, Holonomic
 from multisrt.planners.motion.steering import reach, steer, turn_and_drive
+from multisrt.planners.motion.trajectory import Trajectory
 
 
-def ring(polygon: shapely.Polygon) -> np.ndarray:
-    return np.asarray(shapely.orient_polygons(polygon).exterior.coords)[:-1].copy()
+def box(width: float, height: float) -> np.ndarray:
+    """Return the corners of a box with its lower left corner at the origin."""
+    return np.array([(width, 0.0), (width, height), (0.0, height), (0.0, 0.0)])
 
 
-def turns(motion) -> list[float]:
+def steered(
+    body: PlanningBody,
+    kinematics: Differential | Holonomic,
+    boundary: np.ndarray,
+    start: Configuration,
+    x: float,
+    y: float,
+) -> Trajectory:
+    """Return the motion of a body to a place that it can reach."""
+    motion = steer(body, kinematics, boundary, start, x, y)
+    assert motion is not None
+    return motion
+
+
+def turns(motion: Trajectory) -> list[float]:
     return [b.heading - a.heading for a, b in pairwise(motion.waypoints) if a.heading != b.heading]
 
 
-HALL = ring(shapely.box(0, 0, 10, 10))
-CORRIDOR = ring(shapely.box(0, 0, 10, 0.5))
+HALL = box(10.0, 10.0)
+CORRIDOR = box(10.0, 0.5)
 DISC = PlanningBody(Footprint.disc(0.25), 0.02)
 BOX = PlanningBody(Footprint.box(0.6, 0.4), 0.02)
 # Its nose is 0.8 m ahead of the reference point, its tail 0.2 m behind.
@@ -32,7 +48,7 @@ DRIVE = Differential(speed_m_s=0.5, turn_rate_rad_s=1.0)
 
 
 def test_a_holonomic_body_drives_sideways():
-    motion = steer(BOX, Holonomic(), HALL, Configuration(5.0, 5.0, 0.0), 5.0, 8.0)
+    motion = steered(BOX, Holonomic(), HALL, Configuration(5.0, 5.0, 0.0), 5.0, 8.0)
     assert motion.end == (5.0, 8.0, 0.0)
     assert turns(motion) == []
 
@@ -43,34 +59,32 @@ def test_a_goal_without_room_has_no_way():
 
 
 def test_a_differential_body_turns_the_shorter_way():
-    left = steer(DISC, DRIVE, HALL, Configuration(5.0, 5.0, 0.0), 5.0, 8.0)
+    left = steered(DISC, DRIVE, HALL, Configuration(5.0, 5.0, 0.0), 5.0, 8.0)
     assert turns(left) == pytest.approx([math.pi / 2])
     assert left.end == pytest.approx((5.0, 8.0, math.pi / 2))
     assert left.duration_s == pytest.approx(math.pi / 2 + 6.0)
-    right = steer(DISC, DRIVE, HALL, Configuration(5.0, 5.0, 0.0), 3.0, 3.0)
+    right = steered(DISC, DRIVE, HALL, Configuration(5.0, 5.0, 0.0), 3.0, 3.0)
     assert turns(right) == pytest.approx([-0.75 * math.pi])
 
 
 def test_a_place_ahead_needs_no_turn():
-    motion = steer(BOX, DRIVE, HALL, Configuration(5.0, 5.0, 0.0), 7.0, 5.0)
+    motion = steered(BOX, DRIVE, HALL, Configuration(5.0, 5.0, 0.0), 7.0, 5.0)
     assert len(motion.waypoints) == 2
 
 
 def test_a_body_without_room_to_turn_drives_backwards():
     start = Configuration(5.0, 0.25, 0.0)
-    motion = steer(BOX, DRIVE, CORRIDOR, start, 2.0, 0.25)
+    motion = steered(BOX, DRIVE, CORRIDOR, start, 2.0, 0.25)
     assert turns(motion) == []
     assert motion.end == pytest.approx((2.0, 0.25, 0.0))
     # A disc has room to turn, and drives forwards.
-    assert turns(steer(DISC, DRIVE, ring(shapely.box(0, 0, 10, 0.6)), start, 2.0, 0.25)) == [
-        math.pi
-    ]
+    assert turns(steered(DISC, DRIVE, box(10.0, 0.6), start, 2.0, 0.25)) == [math.pi]
 
 
 def test_the_longer_turn_is_taken_if_the_shorter_is_blocked():
     # Below the wall at y = 10, to a place on the left: its nose turns through the open side.
     start = Configuration(5.0, 9.6, 0.0)
-    motion = steer(NOSE, DRIVE, HALL, start, 4.0, 9.7)
+    motion = steered(NOSE, DRIVE, HALL, start, 4.0, 9.7)
     wanted = math.atan2(0.1, -1.0)
     assert turns(motion) == pytest.approx([wanted - 2.0 * math.pi])
     assert motion.end == pytest.approx((4.0, 9.7, wanted))

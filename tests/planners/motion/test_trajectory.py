@@ -200,7 +200,8 @@ def test_twist_of_a_leg_is_constant(x, y, turn):
 
 @st.composite
 def trajectories(draw):
-    time, heading, waypoints = 0.0, 0.0, []
+    time, heading = 0.0, 0.0
+    waypoints: list[Waypoint] = []
     for wait, x, y, turn in draw(st.lists(steps, min_size=1, max_size=6)):
         time = time + wait if waypoints else 0.0
         heading += turn

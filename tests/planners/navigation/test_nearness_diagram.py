@@ -6,6 +6,7 @@ import pytest
 import shapely
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
+from shapely import box
 
 from multisrt.geometry.bodies.clearance import disc_clearance, rings_of
 from multisrt.geometry.configuration import Configuration, wrap_angle
@@ -270,10 +271,6 @@ def drive(worlds, free, start, goal, kinematics, *, range_m=RANGE_M, hold_s=0.2,
     return Driven(math.dist(at[:2], goal) < 0.1, free.boundary.distance(line), line)
 
 
-def box(*bounds: float) -> shapely.Polygon:
-    return shapely.box(*bounds)
-
-
 def without(free, *obstacles):
     return free.difference(shapely.union_all(obstacles))
 
@@ -355,11 +352,12 @@ spots = st.tuples(st.floats(0.6, 7.4), st.floats(0.6, 5.4))
 )
 @settings(max_examples=60)
 def test_driving_never_touches_anything(worlds, discs, start, goal, heading, kinematics):
-    free = without(DOORWAY, *(disc(*spot, radius) for spot, radius in discs))
+    free = without(DOORWAY, *(disc(x, y, radius) for (x, y), radius in discs))
     free = next(
         (p for p in shapely.get_parts(free) if p.contains(shapely.Point(start))), shapely.Polygon()
     )
     assume(free.boundary.distance(shapely.Point(start)) > RADIUS_M + MARGIN_M)
-    at = Configuration(*start, wrap_angle(heading))
+    x, y = start
+    at = Configuration(x, y, wrap_angle(heading))
     driven = drive(worlds, free, at, goal, kinematics, steps=200)
     assert driven.clearance_m > RADIUS_M

@@ -17,8 +17,9 @@ from multisrt.geometry.regions.edge_index import EdgeIndex
 from multisrt.geometry.regions.safe_region import local_safe_region
 from multisrt.geometry.regions.scan import take_scan
 from multisrt.planners.motion.body import PlanningBody
-from multisrt.planners.motion.kinematics import Car, Differential, Holonomic
+from multisrt.planners.motion.kinematics import Car, Differential, Holonomic, Kinematics
 from multisrt.planners.motion.sweep import Sweep
+from multisrt.planners.motion.trajectory import Trajectory
 from multisrt.planners.navigation.path_following import MIN_MOTION_M, ahead, follow
 
 DISC = PlanningBody(Footprint.disc(0.25), 0.02)
@@ -26,13 +27,22 @@ BOX = PlanningBody(Footprint.box(0.6, 0.4), 0.02)
 DRIVE = Differential(speed_m_s=0.5, turn_rate_rad_s=1.0)
 
 
-def ring(polygon: shapely.Polygon) -> np.ndarray:
-    return np.asarray(shapely.orient_polygons(polygon).exterior.coords)[:-1].copy()
-
-
 # An L: 4 m to the right, then 4 m up, 1 m wide.
-ELL = ring(shapely.union_all([shapely.box(0, 0, 4, 1), shapely.box(3, 0, 4, 4)]))
+ELL = np.array([(0.0, 0.0), (4.0, 0.0), (4.0, 4.0), (3.0, 4.0), (3.0, 1.0), (0.0, 1.0)])
 ROUND_THE_CORNER = np.array([[0.5, 0.5], [2.0, 0.5], [3.5, 0.5], [3.5, 6.0]])
+
+
+def followed(
+    body: PlanningBody,
+    kinematics: Kinematics,
+    at: Configuration,
+    path: np.ndarray,
+    limit_m: float = math.inf,
+) -> Trajectory:
+    """Return the motion of a body along a path in the L that it can follow."""
+    motion = follow(body, kinematics, ELL, at, path, limit_m=limit_m)
+    assert motion is not None
+    return motion
 
 
 PATH = np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 3.0]])
@@ -74,7 +84,7 @@ def test_rest_of_a_path_begins_at_the_nearest_point(path, at):
 
 
 def test_the_last_leg_is_shortened_to_fit():
-    motion = follow(DISC, DRIVE, ELL, Configuration(0.5, 0.5, 0.0), ROUND_THE_CORNER)
+    motion = followed(DISC, DRIVE, Configuration(0.5, 0.5, 0.0), ROUND_THE_CORNER)
     # The wall is at y = 4; radius and margin are 0.27 m.
     assert motion.end == pytest.approx((3.5, 3.73, math.pi / 2))
     assert motion.length_m == pytest.approx(3.0 + 3.23)
@@ -82,32 +92,32 @@ def test_the_last_leg_is_shortened_to_fit():
 
 
 def test_a_holonomic_body_keeps_its_heading():
-    motion = follow(BOX, Holonomic(), ELL, Configuration(0.5, 0.5, 0.0), ROUND_THE_CORNER)
+    motion = followed(BOX, Holonomic(), Configuration(0.5, 0.5, 0.0), ROUND_THE_CORNER)
     assert motion.end == pytest.approx((3.5, 3.78, 0.0))
 
 
 def test_a_path_that_fits_is_driven_to_its_end():
-    motion = follow(DISC, DRIVE, ELL, Configuration(0.5, 0.5, 0.0), ROUND_THE_CORNER[:3])
+    motion = followed(DISC, DRIVE, Configuration(0.5, 0.5, 0.0), ROUND_THE_CORNER[:3])
     assert motion.end[:2] == (3.5, 0.5)
     # Also if hardly any of the path remains.
-    motion = follow(DISC, DRIVE, ELL, Configuration(3.495, 0.5, 0.0), ROUND_THE_CORNER[2:3])
+    motion = followed(DISC, DRIVE, Configuration(3.495, 0.5, 0.0), ROUND_THE_CORNER[2:3])
     assert motion.end[:2] == (3.5, 0.5)
 
 
 def test_limit_bounds_the_length_of_the_motion():
     at = Configuration(0.5, 0.5, 0.0)
-    motion = follow(DISC, DRIVE, ELL, at, ROUND_THE_CORNER, limit_m=3.6)
+    motion = followed(DISC, DRIVE, at, ROUND_THE_CORNER, limit_m=3.6)
     assert motion.end == pytest.approx((3.5, 1.1, math.pi / 2))
-    motion = follow(DISC, DRIVE, ELL, at, ROUND_THE_CORNER, limit_m=1.0)
+    motion = followed(DISC, DRIVE, at, ROUND_THE_CORNER, limit_m=1.0)
     assert motion.end == pytest.approx((1.5, 0.5, 0.0))
 
 
 def test_a_robot_beside_its_path_goes_to_the_next_corner():
     at = Configuration(0.5, 0.6, 0.0)
-    motion = follow(DISC, Holonomic(), ELL, at, ROUND_THE_CORNER)
+    motion = followed(DISC, Holonomic(), at, ROUND_THE_CORNER)
     assert motion.waypoints[1][1:3] == (2.0, 0.5)
     # Not if that would cut the corner: here the robot is in the L's arm, its path below.
-    motion = follow(DISC, Holonomic(), ELL, Configuration(3.5, 1.5, 0.0), ROUND_THE_CORNER[[2, 1]])
+    motion = followed(DISC, Holonomic(), Configuration(3.5, 1.5, 0.0), ROUND_THE_CORNER[[2, 1]])
     assert motion.waypoints[1][1:3] == (3.5, 0.5)
     assert motion.end[:2] == (2.0, 0.5)
 
@@ -171,7 +181,8 @@ def test_motions_follow_the_path_inside_the_region(
     name, number, body, kinematics, heading, steps, limit
 ):
     boundary, spot = scenes(name)[number]
-    at = Configuration(*spot, heading)
+    x, y = spot
+    at = Configuration(x, y, heading)
     path = np.vstack([[spot], np.array(spot) + np.cumsum(steps, axis=0)])
     motion = follow(body, kinematics, boundary, at, path, limit_m=limit)
     region = shapely.Polygon(boundary)

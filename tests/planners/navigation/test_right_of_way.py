@@ -28,7 +28,8 @@ def party(robot: int, *corners: tuple[float, float], heading: float | None = Non
     if heading is None:
         (x0, y0), (x1, y1) = corners[:2]
         heading = math.atan2(y1 - y0, x1 - x0)
-    at = Configuration(*path[0].tolist(), heading)
+    x, y = path[0].tolist()
+    at = Configuration(x, y, heading)
     return Party(robot=robot, configuration=at, path=path, radius_m=0.25, **more)
 
 

@@ -56,7 +56,7 @@ def test_cells_ahead_are_near_the_line_to_the_goal(ends):
             # Cells whose middle the line passes through are found.
             along = offset @ way / (way @ way)
             beside = np.linalg.norm(offset - along * way)
-            clear = np.linalg.norm(offset) * math.sin(math.radians(15)) - 1e-6
+            clear = float(np.linalg.norm(offset)) * math.sin(math.radians(15)) - 1e-6
             assert not (0.0 < along < 1.0 and beside < min(clear, 0.5))
 
 

@@ -1,6 +1,7 @@
 """What tests of occupancies share: regions by hand and from worlds, and what is known."""
 
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -29,6 +30,22 @@ def seen():
         frontier=frontier,
         knowledge=knowledge,
     )
+
+
+@pytest.fixture(
+    params=[
+        ("office", {}),
+        ("office", {"beams": 360}),
+        ("clutter", {}),
+        ("clutter", {"beams": 180}),
+        ("crates", {"shape": "star"}),
+    ],
+    ids=["office", "office-laser", "clutter", "clutter-laser", "crates-star"],
+)
+def views(request) -> tuple[str, dict[str, Any]]:
+    """The name of a world, and how regions are seen in it."""
+    name, options = request.param
+    return name, options
 
 
 def seen_from(index, places, *, beams=None, shape="radial", range_m=R):

@@ -11,13 +11,6 @@ from multisrt.geometry.grids.raster import OFFSET
 from multisrt.geometry.regions.boundary import GAP, OBSTACLE, RANGE
 
 EIGHT = np.ones((3, 3), int)
-CASES = [
-    ("office", {}),
-    ("office", {"beams": 360}),
-    ("clutter", {}),
-    ("clutter", {"beams": 180}),
-    ("crates", {"shape": "star"}),
-]
 
 
 def groups_from_nothing(seen, occupancy):
@@ -61,8 +54,8 @@ def stars(draw):
     return boundary, tags
 
 
-@pytest.mark.parametrize(("name", "options"), CASES)
-def test_groups_equal_those_of_a_full_labelling(worlds, name, options, seen):
+def test_groups_equal_those_of_a_full_labelling(worlds, views, seen):
+    name, options = views
     occupancy = Occupancy(0.1, 0.2)
     for k, region in enumerate(seen.regions_of(worlds, name, 24, **options)):
         occupancy.add(region)

@@ -36,6 +36,7 @@ def test_changes_are_reported_where_they_are(worlds, seen):
         assert len(states) == occupancy.revision + 1
         for revision in range(0, occupancy.revision, 5):
             window = occupancy.changed_since(revision)
+            assert window is not None
             differ = (states[revision][0] != occupancy.cells) | (
                 states[revision][1] != occupancy.passable
             )
@@ -52,14 +53,12 @@ def test_changes_are_reported_where_they_are(worlds, seen):
 def test_a_window_of_changes_survives_growing(seen):
     occupancy = Occupancy(0.5, 0.5)
     occupancy.add(seen.rectangle(0, 0, 2, 2))
-    window = occupancy.changed_since(0)
+    first = occupancy.changed_since(0)
     occupancy.add(seen.rectangle(-40, -40, -39, -39))
-    assert occupancy.changed_since(0) == (
-        occupancy.changed_since(1)[0],
-        window[1],
-        occupancy.changed_since(1)[2],
-        window[3],
-    )
+    second = occupancy.changed_since(1)
+    assert first is not None
+    assert second is not None
+    assert occupancy.changed_since(0) == (second[0], first[1], second[2], first[3])
 
 
 def test_the_oldest_changes_remain_in_the_merged_window(seen):
@@ -69,8 +68,13 @@ def test_the_oldest_changes_remain_in_the_merged_window(seen):
     for k in range(MAX_CHANGES + 9):
         occupancy.add(seen.rectangle(k, 0, k + 2, 2))
     assert occupancy.revision == MAX_CHANGES + 10
-    assert occupancy.changed_since(0)[::2] == first[::2]
-    assert occupancy.changed_since(occupancy.revision - MAX_CHANGES)[0] > first[1]
+    merged = occupancy.changed_since(0)
+    recent = occupancy.changed_since(occupancy.revision - MAX_CHANGES)
+    assert first is not None
+    assert merged is not None
+    assert recent is not None
+    assert merged[::2] == first[::2]
+    assert recent[0] > first[1]
 
 
 def test_blocked_discs_are_restored_exactly(worlds, seen):
@@ -179,6 +183,7 @@ def test_a_window_holds_the_same_cells_after_growth(seen):
     occupancy = Occupancy(0.1, 0.2)
     occupancy.add(seen.rectangle(0, 0, 1, 2))
     window = occupancy.changed_since(0)
+    assert window is not None
     r0, r1, c0, c1 = occupancy.window_of(window)
     before = occupancy.cells[r0:r1, c0:c1].copy()
     assert (before == FREE).any()

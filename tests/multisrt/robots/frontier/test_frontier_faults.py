@@ -65,11 +65,14 @@ def explored(monkeypatch):
     """Run a team; return the recording and the robots."""
 
     def run(name, starts=STARTS, *, world=THREE_ROOMS, options=None, max_time_s=1500.0, **spec):
-        own, crew = strategy(name), []
+        own = strategy(name)
+        crew: list[FrontierExplorer] = []
 
         def explorer(me, options):
-            crew.append(own.explorer(me, options))
-            return crew[-1]
+            built = own.explorer(me, options)
+            assert isinstance(built, FrontierExplorer)
+            crew.append(built)
+            return built
 
         with monkeypatch.context() as patch:
             patch.setitem(registry._registry(), name, dataclasses.replace(own, explorer=explorer))
@@ -344,4 +347,6 @@ def test_robots_in_a_crowd_do_not_creep_up_to_each_other(name):
     ]
     assert len(at_once) <= 3
     least_m = MIN_SHARE * FrontierOptions().guard_m
-    assert smallest_distance_between_robots(recording) > 0.95 * least_m
+    least = smallest_distance_between_robots(recording)
+    assert least is not None
+    assert least > 0.95 * least_m

@@ -5,6 +5,7 @@ import math
 import signal
 from contextlib import contextmanager
 from functools import cache
+from typing import Any
 
 import msgspec
 import numpy as np
@@ -27,6 +28,7 @@ from multisrt.events import (
     Organized,
 )
 from multisrt.geometry.errors import InvalidInputError
+from multisrt.recording import Recording
 from multisrt.simulation.simulate import simulate
 from multisrt.simulation.worlds import inline
 from multisrt.spec import (
@@ -42,7 +44,7 @@ from multisrt.spec import (
     StopRule,
 )
 
-WORLDS = {
+WORLDS: dict[str, dict[str, bool | int | float | str]] = {
     "open": {"size_m": 12.0, "columns": 3},
     "rooms": {"size_m": 16.0, "rooms_per_side": 2},
     "garden": {"size_m": 16.0, "plots": 2},
@@ -53,7 +55,8 @@ MAX_WALL_S = 60
 
 @cache
 def world(name: str) -> Environment:
-    return environment(name, **WORLDS[name])
+    parameters: dict[str, Any] = dict(WORLDS[name])
+    return environment(name, **parameters)
 
 
 @contextmanager
@@ -72,10 +75,15 @@ def time_limit(seconds: int):
         signal.signal(signal.SIGALRM, before)
 
 
-def explore(spec: RunSpec):
+def name_of(spec: RunSpec) -> str:
+    assert isinstance(spec.environment, CatalogEnvironment)
+    return spec.environment.name
+
+
+def explore(spec: RunSpec) -> Recording:
     """Run a spec in its world."""
     with time_limit(MAX_WALL_S):
-        return simulate(spec, world(spec.environment.name))
+        return simulate(spec, world(name_of(spec)))
 
 
 def spec_of(name: str, count: int, seed: int, **more) -> RunSpec:
@@ -240,7 +248,7 @@ def faulty(seed: int) -> RunSpec:
     faults: list[Fault] = []
     robots = rng.permutation(count).tolist()
     for robot in robots[: int(rng.integers(0, count))]:
-        when = str(rng.choice(["any", "moving", "waiting", "master"]))
+        when: Any = str(rng.choice(["any", "moving", "waiting", "master"]))
         faults.append(Death(robot=robot, time_s=float(rng.uniform(0.0, 150.0)), when=when))
     for robot in range(count):
         if rng.random() < 0.3:
@@ -284,7 +292,7 @@ def test_the_faults_are_of_all_kinds():
     specs = [faulty(seed) for seed in range(12)]
     kinds = {type(fault) for spec in specs for fault in spec.faults}
     assert kinds == {Death, LateStart, Silence}
-    assert {spec.environment.name for spec in specs} == set(WORLDS)
+    assert {name_of(spec) for spec in specs} == set(WORLDS)
     assert {len(spec.robots) for spec in specs} == {2, 3, 4, 5}
     assert {spec.strategy for spec in specs} == {"srt-radial", "srt-star"}
     assert any(spec.radio.loss and spec.radio.latency_s for spec in specs)
@@ -309,6 +317,7 @@ def test_the_living_pass_the_dead_and_explore_the_rest(strategy, seed):
     metrics = measure(recording, world)
     assert metrics.collisions == 0
     assert metrics.coverage > 0.96
+    assert metrics.exploration_time_s is not None
     assert math.isfinite(metrics.exploration_time_s)
     for event in recording.events:
         if isinstance(event, Decision) and event.choice == "bypass":

@@ -202,8 +202,6 @@ BLOCKS = Environment(
     - shapely.box(15.017, 8.023, 16.031, 16.043)
     - shapely.Polygon([(22.011, 4.019), (27.007, 6.053), (23.047, 9.059), (24.061, 6.067)]),
 )
-
-
 PLACES = st.tuples(st.floats(1.0, 39.0), st.floats(1.0, 19.0))
 LEGS = st.lists(
     st.tuples(PLACES, st.sampled_from([0.0, 0.0, -2.0, 1.0, 3.0]), st.floats(1.0, 3.0)),

@@ -22,8 +22,6 @@ from multisrt.robots.multi_srt.organize import MAX_EXACT, best_targets, organize
 GUARD_M = 0.1
 DISC = Footprint.disc(0.25)
 BODIES = [DISC, Footprint.disc(0.4), Footprint.box(0.6, 0.4), Footprint.box(1.0, 0.3)]
-
-
 Place = tuple[float, float]
 Covered = tuple[BaseGeometry, float]
 

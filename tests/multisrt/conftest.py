@@ -1,14 +1,21 @@
-"""Fixtures for tests of experiments; each of their modules has an experiment `SPEC`."""
+"""Fixtures for events of recordings, and for tests of experiments.
+
+A module with tests of experiments has an experiment `SPEC`.
+"""
 
 import contextlib
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
+from multisrt.events import Event
 from multisrt.experiments.crossing import runs
 from multisrt.experiments.mission import make_run
+from multisrt.recording import Recording
 
 RUNNER = """
 import sys
@@ -27,6 +34,20 @@ except InvalidInputError as error:
 except KeyboardInterrupt:
     sys.exit(130)
 """
+
+
+def _events_of(recording: Recording, kind: type[Event], robot: int | None = None) -> list[Any]:
+    return [
+        event
+        for event in recording.events
+        if isinstance(event, kind) and robot in (None, event.robot)
+    ]
+
+
+@pytest.fixture(scope="session")
+def events_of() -> Callable[..., list[Any]]:
+    """List the events of a kind in a recording: those of all robots, or of one."""
+    return _events_of
 
 
 @pytest.fixture

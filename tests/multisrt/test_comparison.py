@@ -4,6 +4,7 @@ import importlib.util
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import msgspec
 import pytest
@@ -82,6 +83,7 @@ def test_a_single_value_needs_no_list(asked):
 
 
 def test_all_fields_of_an_experiment_can_be_given(asked):
+    one_dies: Any = {"label": "one", "faults": [Death(robot=1, time_s=9.0)]}
     compare(
         EnvironmentChoice(name="rooms", seed="repetition"),
         ["srt-radial", StrategyChoice(name="srt-star", label="few", options={"cones": 6})],
@@ -89,7 +91,7 @@ def test_all_fields_of_an_experiment_can_be_given(asked):
         range(100, 103),
         starts=["scattered", StartsChoice(how="clustered", first="drawn")],
         radios=["unlimited", RadioSpec(range_m=15.0, loss=0.1), 20],
-        faults=["none", {"label": "one", "faults": [Death(robot=1, time_s=9.0)]}],
+        faults=["none", one_dies],
         exclude=[{"robots": "pair", "radio": "20 m"}],
         stop={"max_time_s": 500.0},
         name="all of it",
@@ -106,8 +108,9 @@ def test_all_fields_of_an_experiment_can_be_given(asked):
 def test_the_short_form_has_the_defaults_of_the_spec(asked):
     compare("open", "srt-star")
     spec, _, _ = asked[0]
-    own = {"name": "comparison", "recordings": "none"}
-    assert spec == ExperimentSpec(environments=("open",), strategies=("srt-star",), **own)
+    assert spec == ExperimentSpec(
+        environments=("open",), strategies=("srt-star",), name="comparison", recordings="none"
+    )
 
 
 def test_a_spec_is_run_as_it_is(asked, tmp_path):
@@ -276,6 +279,8 @@ def test_unknown_measures_are_refused(ask, found):
 def test_the_example_script(here, tmp_path, capsys):
     path = Path(__file__).parents[2] / "examples" / "compare_star_radial.py"
     spec = importlib.util.spec_from_file_location("compare_star_radial", path)
+    assert spec is not None
+    assert spec.loader is not None
     example = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(example)
     example.main(environments=["open"], robots=[1, 2], seeds=2, folder=tmp_path)

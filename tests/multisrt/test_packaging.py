@@ -5,7 +5,7 @@ import tomllib
 from pathlib import Path
 
 import pytest
-from setuptools import find_packages
+from setuptools import find_packages  # type: ignore[import-untyped]
 
 import multisrt
 from multisrt.environments.catalog import MAPS

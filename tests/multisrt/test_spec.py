@@ -1,5 +1,6 @@
 import json
 import math
+from typing import Any
 
 import pytest
 import shapely
@@ -227,7 +228,7 @@ def test_starts_are_two_or_three_finite_numbers(start):
         RobotSpec(start=start)
 
 
-RUN_OF_A_MINUTE = {
+RUN_OF_A_MINUTE: dict[str, Any] = {
     "environment": CatalogEnvironment(name="open"),
     "robots": (RobotSpec(),) * 2,
     "stop": StopRule(max_time_s=60.0),

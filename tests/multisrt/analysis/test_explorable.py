@@ -3,6 +3,7 @@ import math
 import numpy as np
 import pytest
 import shapely
+from shapely.geometry.base import BaseGeometry
 
 from multisrt.analysis.explorable import Explorable, cell_width, explorable, reachable_area
 from multisrt.environments.environment import Environment
@@ -13,7 +14,12 @@ DISC = Footprint.disc(0.25)
 FAR = 50.0
 
 
-def what(*free: shapely.Polygon, start=(1.0, 1.0), range_m=FAR, body=DISC) -> Explorable:
+def what(
+    *free: BaseGeometry,
+    start: tuple[float, float] = (1.0, 1.0),
+    range_m: float = FAR,
+    body: Footprint = DISC,
+) -> Explorable:
     world = Environment("world", shapely.union_all(free))
     return explorable(world, ((body, range_m, Configuration(*start)),))
 
@@ -98,6 +104,7 @@ def test_reachable_places_are_those_around_the_start():
     hourglass = shapely.union_all(
         [shapely.box(0, 0, 4, 4), shapely.box(4, 1.9, 5, 2.1), shapely.box(5, 0, 9, 4)]
     )
+    assert isinstance(hourglass, shapely.Polygon)
     left = reachable_area(hourglass, DISC, Configuration(1.0, 1.0))
     right = reachable_area(hourglass, DISC, Configuration(8.0, 1.0))
     assert left.bounds[2] < 4.5 < right.bounds[0]
@@ -127,7 +134,7 @@ def test_nothing_outside_of_the_component_is_marked():
 TWO_ROOMS = shapely.union(shapely.box(0, 0, 6, 5), shapely.box(6.2, 0, 12, 5))
 
 
-def of_team(world: shapely.Geometry, *team) -> Explorable:
+def of_team(world: BaseGeometry, *team: tuple[Footprint, float, float, float]) -> Explorable:
     return explorable(
         Environment("world", world),
         tuple((body, range_m, Configuration(x, y, 0.0)) for body, range_m, x, y in team),

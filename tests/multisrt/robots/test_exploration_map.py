@@ -1,4 +1,7 @@
+"""The map of a robot: nodes, frontiers, rasters and unions."""
+
 import math
+from collections.abc import Callable, Sequence
 from itertools import permutations
 
 import numpy as np
@@ -6,70 +9,46 @@ import pytest
 import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from shapely.geometry.base import BaseGeometry
 
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.grids.raster import Raster
-from multisrt.geometry.regions.boundary import GAP, OBSTACLE, RANGE
+from multisrt.geometry.regions.boundary import GAP, OBSTACLE
 from multisrt.geometry.regions.edge_index import EdgeIndex
 from multisrt.geometry.regions.frontier_arcs import frontier_candidates, total_length
-from multisrt.geometry.regions.safe_region import LocalSafeRegion, local_safe_region
+from multisrt.geometry.regions.safe_region import Shape, local_safe_region
 from multisrt.geometry.regions.scan import take_scan
-from multisrt.robots.exploration_map import Closing, ClosingId, ExplorationMap, Node, NodeId
+from multisrt.robots.exploration_map import ExplorationMap, Node, NodeId
 
 REACH = 3.0
 WIDTH = 0.5
 
 
-def node(serial: int, region: LocalSafeRegion, robot: int = 0) -> Node:
-    return Node(
-        id=NodeId(robot, serial),
-        configuration=Configuration(region.x, region.y),
-        region=region,
-        parent=None if serial == 0 else NodeId(robot, serial - 1),
-        time_s=float(serial),
-    )
+@pytest.fixture(scope="module")
+def scanned(node_of) -> Callable[..., list[Node]]:
+    """Build the nodes of robot 0 at some places in free space."""
 
+    def build(
+        free: BaseGeometry, places: Sequence[Sequence[float]], shape: Shape = "radial"
+    ) -> list[Node]:
+        assert isinstance(free, shapely.Polygon)
+        rings = [np.asarray(r.coords) for r in (free.exterior, *free.interiors)]
+        index = EdgeIndex(np.vstack([np.hstack([r[:-1], r[1:]]) for r in rings]), 1.0)
+        scans = [take_scan(index, Configuration(x, y), 0.0, REACH) for x, y in places]
+        return [node_of(k, local_safe_region(scan, shape)) for k, scan in enumerate(scans)]
 
-def box_node(serial: int, x0: float, y0: float, x1: float, y1: float, open_sides: str) -> Node:
-    """Return a node that sees a rectangle: its open sides are range, the others walls."""
-    sides = ("below", "right", "above", "left")
-    region = LocalSafeRegion(
-        x=(x0 + x1) / 2,
-        y=(y0 + y1) / 2,
-        range_m=REACH,
-        boundary=np.array([(x0, y0), (x1, y0), (x1, y1), (x0, y1)]),
-        tags=np.array([RANGE if side in open_sides else OBSTACLE for side in sides], np.int8),
-    )
-    return node(serial, region)
-
-
-def new_map(**options) -> ExplorationMap:
-    return ExplorationMap(**{"reach_m": REACH, "min_arc_m": WIDTH} | options)
-
-
-def map_of(nodes, **options) -> ExplorationMap:
-    result = new_map(**options)
-    for each in nodes:
-        result.add(each)
-    return result
-
-
-def scanned(free: shapely.Polygon, places, shape: str = "radial", range_m: float = REACH):
-    rings = [np.asarray(r.coords) for r in (free.exterior, *free.interiors)]
-    index = EdgeIndex(np.vstack([np.hstack([r[:-1], r[1:]]) for r in rings]), 1.0)
-    scans = [take_scan(index, Configuration(x, y), 0.0, range_m) for x, y in places]
-    return [node(serial, local_safe_region(scan, shape)) for serial, scan in enumerate(scans)]
+    return build
 
 
 @pytest.fixture(scope="module")
-def rooms(worlds):
+def rooms(scanned, worlds):
     free = shapely.orient_polygons(worlds.rooms(width=12.0, count=2, door=1.2))
     return scanned(free, worlds.viewpoints(free, 14, clearance=0.3, seed=4).tolist())
 
 
 @pytest.fixture(scope="module")
-def starry_office(worlds):
+def starry_office(scanned, worlds):
     free = shapely.orient_polygons(worlds.office(width=12.0, count=3))
     places = worlds.viewpoints(free, 25, clearance=0.3, seed=5).tolist()
     return scanned(free, places, "star")
@@ -85,7 +64,7 @@ def same(a: np.ndarray, b: np.ndarray) -> bool:
     return length_outside(a, b) < 1e-6 and length_outside(b, a) < 1e-6
 
 
-def test_an_empty_map():
+def test_an_empty_map(new_map):
     empty = new_map()
     assert len(empty) == 0
     assert empty.nodes == ()
@@ -98,7 +77,7 @@ def test_an_empty_map():
     assert empty.raster(0.1).area_m2() == 0.0
 
 
-def test_added_nodes_are_found_again(rooms):
+def test_added_nodes_are_found_again(map_of, rooms):
     known = map_of(rooms)
     assert len(known) == len(rooms)
     assert known.nodes == tuple(rooms)
@@ -107,7 +86,7 @@ def test_added_nodes_are_found_again(rooms):
     assert NodeId(7, 7) not in known
 
 
-def test_adding_twice_changes_nothing(rooms):
+def test_adding_twice_changes_nothing(map_of, rooms):
     known = map_of(rooms)
     known.raster(0.1)
     before = [known.frontier(n.id).copy() for n in rooms]
@@ -118,7 +97,7 @@ def test_adding_twice_changes_nothing(rooms):
     assert np.array_equal(known.raster(0.1).cells, cells)
 
 
-def test_one_scan_in_the_open():
+def test_one_scan_in_the_open(map_of, scanned):
     # The frontier is the whole circle of the range, 2 pi 3 m long.
     alone = scanned(shapely.box(-20, -20, 20, 20), [(0.0, 0.0)])
     known = map_of(alone)
@@ -127,7 +106,7 @@ def test_one_scan_in_the_open():
     assert not known.is_complete()
 
 
-def test_two_scans_take_from_each_other():
+def test_two_scans_take_from_each_other(map_of, scanned):
     # Circles of radius 3 m, 3 m apart: each has 120 degrees of its rim in the other.
     pair = scanned(shapely.box(-20, -20, 20, 20), [(0.0, 0.0), (3.0, 0.0)])
     known = map_of(pair)
@@ -138,14 +117,14 @@ def test_two_scans_take_from_each_other():
     assert left[:, [0, 2]].max() == pytest.approx(1.5, abs=0.02)
 
 
-def test_a_room_seen_whole_has_no_frontier():
+def test_a_room_seen_whole_has_no_frontier(map_of, scanned):
     known = map_of(scanned(shapely.box(0, 0, 4, 3), [(2.0, 1.5)]))
     assert known.is_complete()
     assert not known.has_frontier(NodeId(0, 0))
     assert known.frontier_arcs(NodeId(0, 0)) == []
 
 
-def test_gaps_count_unless_excluded():
+def test_gaps_count_unless_excluded(map_of, scanned):
     # Behind the wall's end at (3, 2) nothing is seen: the gap goes from there to the range's end.
     free = shapely.box(0, 0, 8, 8).difference(shapely.box(3, 0, 3.2, 2))
     seen = scanned(shapely.orient_polygons(free), [(2.0, 1.0)])
@@ -158,9 +137,9 @@ def test_gaps_count_unless_excluded():
     )
 
 
-def test_an_opening_seen_in_parts_counts_as_a_whole():
+def test_an_opening_seen_in_parts_counts_as_a_whole(new_map, rectangle_node):
     # Each of three sees 0.2 m of an opening of 0.6 m; the body is 0.5 m wide.
-    parts = [box_node(k, 0.0, 0.2 * k, 2.0, 0.2 * k + 0.2, "right") for k in range(3)]
+    parts = [rectangle_node(k, 0.0, 0.2 * k, 2.0, 0.2 * k + 0.2, "right") for k in range(3)]
     for order in permutations(parts):
         known = new_map()
         counts = []
@@ -171,158 +150,47 @@ def test_an_opening_seen_in_parts_counts_as_a_whole():
         assert known.open_frontier_m() == pytest.approx(0.6)
 
 
-def test_an_opening_as_wide_as_the_body_counts():
-    assert map_of([box_node(0, 0, 0, 2, WIDTH, "right")]).open_frontier_m() == WIDTH
-    assert map_of([box_node(0, 0, 0, 2, WIDTH - 1e-6, "right")]).is_complete()
+def test_an_opening_as_wide_as_the_body_counts(map_of, rectangle_node):
+    assert map_of([rectangle_node(0, 0, 0, 2, WIDTH, "right")]).open_frontier_m() == WIDTH
+    assert map_of([rectangle_node(0, 0, 0, 2, WIDTH - 1e-6, "right")]).is_complete()
 
 
-def test_parts_that_do_not_meet_are_not_one_opening():
+def test_parts_that_do_not_meet_are_not_one_opening(map_of, rectangle_node):
     # A post of 0.02 m stands between two openings of 0.3 m.
-    apart = [box_node(0, 0, 0, 2, 0.3, "right"), box_node(1, 0, 0.32, 2, 0.62, "right")]
+    apart = [rectangle_node(0, 0, 0, 2, 0.3, "right"), rectangle_node(1, 0, 0.32, 2, 0.62, "right")]
     assert map_of(apart).is_complete()
 
 
-def test_an_opening_narrows_when_a_part_of_it_is_seen():
-    parts = [box_node(k, 0.0, 0.3 * k, 2.0, 0.3 * k + 0.3, "right") for k in range(2)]
+def test_an_opening_narrows_when_a_part_of_it_is_seen(map_of, rectangle_node):
+    parts = [rectangle_node(k, 0.0, 0.3 * k, 2.0, 0.3 * k + 0.3, "right") for k in range(2)]
     known = map_of(parts)
     assert known.open_nodes() == [NodeId(0, 0), NodeId(0, 1)]
-    known.add(box_node(2, 1.5, 0.3, 3.0, 0.6, ""))
+    known.add(rectangle_node(2, 1.5, 0.3, 3.0, 0.6, ""))
     assert known.is_complete()
     assert known.open_nodes() == []
 
 
-def test_an_opening_may_narrow_far_from_its_node():
+def test_an_opening_may_narrow_far_from_its_node(map_of, rectangle_node):
     # The first node sees 4 m of an opening of 8 m, another one the rest. A third takes from the
     # other's part; it is 2.4 ranges away from the first, which no longer counts either.
     parts = [
-        box_node(0, 0.0, 0.0, 4.0, 0.3, "above"),
-        box_node(1, -4.0, 0.0, 0.0, 0.3, "above"),
+        rectangle_node(0, 0.0, 0.0, 4.0, 0.3, "above"),
+        rectangle_node(1, -4.0, 0.0, 0.0, 0.3, "above"),
     ]
     known = map_of(parts, min_arc_m=7.0)
     assert known.open_nodes() == [NodeId(0, 0), NodeId(0, 1)]
-    known.add(box_node(2, -8.0, 0.2, -2.2, 1.0, ""))
+    known.add(rectangle_node(2, -8.0, 0.2, -2.2, 1.0, ""))
     assert known.open_nodes() == map_of([*known.nodes], min_arc_m=7.0).open_nodes() == []
 
 
-def closing(number: int, arc, serial: int = 0, **fields) -> Closing:
-    """Robot 1 gives up an arc of robot 0's."""
-    given = {"reason": "seen from near", "width_m": WIDTH} | fields
-    return Closing(
-        id=ClosingId(1, number), node=NodeId(0, serial), arc=np.asarray(arc, float), **given
-    )
-
-
-def test_closing_an_arc():
-    known = map_of([box_node(0, 0, 0, 2, 2, "right left")])
-    arcs = known.frontier_arcs(NodeId(0, 0))
-    assert [total_length(arc) for arc in arcs] == [2.0, 2.0]
-    first, second = closing(0, arcs[0]), closing(1, arcs[1])
-    assert known.close(first)
-    assert np.array_equal(known.frontier(NodeId(0, 0)), arcs[1])
-    assert not known.is_complete()
-    assert not known.close(first)
-    assert known.close(second)
-    assert known.is_complete()
-    assert known.open_nodes() == []
-    assert known.open_frontier_m() == 0.0
-    assert known.closings == (first, second)
-
-
-def test_closing_a_part_of_an_opening_leaves_the_rest_too_narrow():
-    parts = [box_node(k, 0.0, 0.3 * k, 2.0, 0.3 * k + 0.3, "right") for k in range(2)]
-    known = map_of(parts)
-    assert known.has_frontier(NodeId(0, 1))
-    known.close(closing(0, known.frontier(NodeId(0, 0))))
-    assert not known.has_frontier(NodeId(0, 1))
-    assert known.is_complete()
-
-
-@pytest.mark.parametrize("turned", [False, True])
-def test_an_arc_takes_with_it_what_lies_along_it_and_no_more(turned):
-    # The node's side runs from (2, 0) to (2, 4); the arc from 1 to 2.5, and beyond other sides.
-    arc = np.array([[2.0, 1.0, 2.0, 2.0], [2.0, 2.0, 2.0, 2.5], [3.0, 0.0, 3.0, 4.0]])
-    if turned:
-        arc = arc[:, [2, 3, 0, 1]]
-    known = map_of([box_node(0, 0, 0, 2, 4, "right above")])
-    known.close(closing(0, arc))
-    expected = [[2, 0, 2, 1], [2, 2.5, 2, 4], [2, 4, 0, 4]]
-    assert known.frontier(NodeId(0, 0)) == pytest.approx(np.array(expected, float), abs=1e-9)
-    known.close(closing(1, [[2, 2.4, 2, 9], [0, 4.00001, 2, 4.00001]]))
-    assert known.open_frontier_m() == pytest.approx(3.0)
-
-
-def test_an_arc_across_takes_nothing():
-    known = map_of([box_node(0, 0, 0, 2, 2, "right")])
-    known.close(closing(0, [[1, 1, 3, 1], [1.5, 0.5, 2.5, 1.5], [2, -1, 2, 0]]))
-    assert np.array_equal(known.frontier(NodeId(0, 0)), [[2, 0, 2, 2]])
-
-
-def test_an_arc_is_closed_before_its_node_is_known():
-    known = new_map()
-    assert known.close(closing(0, [[2, 0, 2, 1]]))
-    assert known.is_complete()
-    known.add(box_node(0, 0, 0, 2, 2, "right"))
-    assert known.frontier(NodeId(0, 0)) == pytest.approx(np.array([[2.0, 1.0, 2.0, 2.0]]))
-
-
-@pytest.mark.parametrize(
-    ("reason", "width_m", "robot", "own_width_m", "closed"),
-    [
-        ("seen from near", 9.0, 0, 0.1, True),
-        ("too narrow", 0.5, 0, 0.5, True),
-        ("too narrow", 0.5, 0, 0.6, True),
-        ("too narrow", 0.5, 0, 0.4, False),
-        ("too narrow", 0.5, None, 0.4, False),
-        ("not reachable", 0.5, 0, 0.5, False),
-        ("not reachable", 0.5, 1, 0.5, True),
-        ("not reachable", 0.5, None, 0.5, True),
-        ("blocked by a robot", 0.5, 0, 0.5, False),
-        ("blocked by a robot", 0.5, 1, 0.5, True),
-        ("blocked by a robot", 0.5, None, 0.5, True),
-    ],
-)
-def test_the_reason_of_a_closing_decides_for_whom_it_holds(
-    reason, width_m, robot, own_width_m, closed
-):
-    known = map_of([box_node(0, 0, 0, 2, 2, "right")], width_m=own_width_m, robot=robot)
-    known.close(closing(0, [[2, 0, 2, 2]], reason=reason, width_m=width_m))
-    assert known.is_complete() == closed
-    assert len(known.closings) == 1
-
-
-def test_the_own_width_defaults_to_the_shortest_arc():
-    known = map_of([box_node(0, 0, 0, 2, 2, "right")])
-    known.close(closing(0, [[2, 0, 2, 2]], reason="too narrow", width_m=WIDTH))
-    assert known.is_complete()
-
-
-@pytest.mark.parametrize(
-    ("fields", "message"),
-    [({"reason": "too far"}, "not 'too far'"), ({"arc": [2, 0, 2, 2]}, r"shape \(4,\)")],
-)
-def test_refuses_a_closing_that_makes_no_sense(fields, message):
-    given = {"number": 0, "arc": [[2, 0, 2, 2]]} | fields
-    with pytest.raises(InvalidInputError, match=message):
-        closing(**given)
-
-
-def test_the_arc_of_a_closing_is_its_own():
-    arc = np.array([[2.0, 0.0, 2.0, 2.0]])
-    made = closing(0, arc)
-    arc[0, 0] = 7.0
-    assert made.arc[0, 0] == 2.0
-    with pytest.raises(ValueError, match="read-only"):
-        made.arc[0, 0] = 7.0
-
-
-def test_a_region_may_not_exceed_the_reach_of_the_map():
+def test_a_region_may_not_exceed_the_reach_of_the_map(new_map, rectangle_node):
     with pytest.raises(InvalidInputError, match="largest range of the team"):
-        new_map(reach_m=2.0).add(box_node(0, 0, 0, 2, 2, "right"))
+        new_map(reach_m=2.0).add(rectangle_node(0, 0, 0, 2, 2, "right"))
 
 
-def test_a_border_that_two_nodes_share_counts_once():
+def test_a_border_that_two_nodes_share_counts_once(map_of, rectangle_node):
     # Both end at x = 2: the first from 0 to 2, the second from 1 to 3.
-    pair = [box_node(0, 0, 0, 2, 2, "right"), box_node(1, 0, 1, 2, 3, "right")]
+    pair = [rectangle_node(0, 0, 0, 2, 2, "right"), rectangle_node(1, 0, 1, 2, 3, "right")]
     for order in permutations(pair):
         known = map_of(order)
         assert known.open_frontier_m() == pytest.approx(3.0)
@@ -330,20 +198,19 @@ def test_a_border_that_two_nodes_share_counts_once():
         assert known.frontier(NodeId(0, 1)) == pytest.approx(np.array([[2.0, 2.0, 2.0, 3.0]]))
 
 
-def test_a_border_with_regions_on_both_sides_is_no_frontier():
-    pair = [box_node(0, 0, 0, 2, 2, "right"), box_node(1, 2, 0, 4, 2, "left")]
+def test_a_border_with_regions_on_both_sides_is_no_frontier(map_of, rectangle_node):
+    pair = [rectangle_node(0, 0, 0, 2, 2, "right"), rectangle_node(1, 2, 0, 4, 2, "left")]
     for order in permutations(pair):
         assert map_of(order).is_complete()
 
 
-def test_a_border_that_another_node_sees_as_a_wall_stays_open():
+def test_a_border_that_another_node_sees_as_a_wall_stays_open(map_of, rectangle_node):
     # What one takes for a wall may be a robot's body; nothing that is open is lost.
-    known = map_of([box_node(0, 0, 0, 2, 2, ""), box_node(1, 0, 0, 2, 2, "right")])
+    known = map_of([rectangle_node(0, 0, 0, 2, 2, ""), rectangle_node(1, 0, 0, 2, 2, "right")])
     assert known.open_nodes() == [NodeId(0, 1)]
 
 
-def check_against_a_map_without_history(known: ExplorationMap, **options) -> None:
-    fresh = map_of(known.nodes, **options)
+def check_against_a_map_without_history(known: ExplorationMap, fresh: ExplorationMap) -> None:
     lengths = []
     for each in known.nodes:
         assert np.array_equal(known.frontier(each.id), fresh.frontier(each.id))
@@ -359,17 +226,17 @@ def check_against_a_map_without_history(known: ExplorationMap, **options) -> Non
 
 @pytest.mark.parametrize("width", [0.0, WIDTH, 3.0, 8.0])
 @pytest.mark.parametrize("source", ["rooms", "starry_office"])
-def test_queries_between_additions_make_no_difference(source, width, request):
+def test_queries_between_additions_make_no_difference(new_map, map_of, source, width, request):
     # Everything is asked, and so remembered, after every addition.
     known = new_map(min_arc_m=width)
     for each in request.getfixturevalue(source):
         known.add(each)
-        check_against_a_map_without_history(known, min_arc_m=width)
+        check_against_a_map_without_history(known, map_of(known.nodes, min_arc_m=width))
 
 
 @given(st.randoms(use_true_random=False))
 @settings(max_examples=15)
-def test_the_order_of_additions_makes_no_difference(rooms, random):
+def test_the_order_of_additions_makes_no_difference(new_map, map_of, rooms, random):
     expected = map_of(rooms)
     shuffled = list(rooms)
     random.shuffle(shuffled)
@@ -386,7 +253,7 @@ def test_the_order_of_additions_makes_no_difference(rooms, random):
 
 
 @pytest.mark.parametrize("source", ["rooms", "starry_office"])
-def test_a_frontier_is_on_its_boundary_and_in_no_other_region(source, request):
+def test_a_frontier_is_on_its_boundary_and_in_no_other_region(map_of, source, request):
     nodes = request.getfixturevalue(source)
     known = map_of(nodes, min_arc_m=0.0)
     seen = 0
@@ -405,16 +272,15 @@ def test_a_frontier_is_on_its_boundary_and_in_no_other_region(source, request):
 
 
 @pytest.mark.parametrize("source", ["rooms", "starry_office"])
-def test_nothing_that_is_open_is_forgotten(source, request):
+def test_nothing_that_is_open_is_forgotten(map_of, source, request):
     nodes = request.getfixturevalue(source)
     known = map_of(nodes, min_arc_m=0.0)
     for each in nodes:
         candidates = frontier_candidates(each.region.boundary, each.region.tags)
-        lines = shapely.multilinestrings(shapely.linestrings(candidates.reshape(-1, 2, 2)))
+        lines = shapely.MultiLineString(list(candidates.reshape(-1, 2, 2)))
         others = shapely.union_all([n.region.polygon() for n in nodes if n is not each])
-        missing = shapely.multilinestrings(
-            shapely.linestrings(known.frontier(each.id).reshape(-1, 2, 2))
-        ).buffer(1e-4)
+        found = known.frontier(each.id).reshape(-1, 2, 2)
+        missing = shapely.MultiLineString(list(found)).buffer(1e-4)
         # What is left out is inside other regions, or shorter than a millimetre.
         rest = lines.difference(others.buffer(1e-5)).difference(missing)
         assert max((part.length for part in shapely.get_parts(rest)), default=0.0) < 2e-3
@@ -430,10 +296,10 @@ coordinate = st.integers(-25_000_000, 25_000_000).map(lambda n: n / 1e6)
     coordinate,
     st.floats(0, 30),
 )
-def test_near_is_what_is_within_the_radius(places, x, y, radius):
+def test_near_is_what_is_within_the_radius(new_map, rectangle_node, places, x, y, radius):
     known = new_map()
     for serial, (px, py) in enumerate(places):
-        known.add(box_node(serial, px - 0.1, py - 0.1, px + 0.1, py + 0.1, ""))
+        known.add(rectangle_node(serial, px - 0.1, py - 0.1, px + 0.1, py + 0.1, ""))
     found = [n.id.serial for n in known.near(x, y, radius)]
     positions = [n.configuration for n in known.nodes]
     expected = [
@@ -444,16 +310,18 @@ def test_near_is_what_is_within_the_radius(places, x, y, radius):
     assert found == expected
 
 
-def test_near_is_in_the_order_of_ids():
-    regions = [box_node(k, k, 0, k + 1, 1, "").region for k in range(3)]
-    known = map_of([node(2, regions[0]), node(0, regions[1], robot=1), node(1, regions[2])])
+def test_near_is_in_the_order_of_ids(map_of, rectangle_node, node_of):
+    regions = [rectangle_node(k, k, 0, k + 1, 1, "").region for k in range(3)]
+    known = map_of(
+        [node_of(2, regions[0]), node_of(0, regions[1], robot=1), node_of(1, regions[2])]
+    )
     assert [n.id for n in known.near(0, 0, 9)] == [NodeId(0, 1), NodeId(0, 2), NodeId(1, 0)]
 
 
-def test_pairs_are_with_earlier_nodes_ordered_by_id():
-    regions = [box_node(k, k, 0, k + 1, 1, "").region for k in range(4)]
-    first, far = node(2, regions[0]), node(3, regions[3])
-    known = map_of([first, far, node(0, regions[1], robot=1), node(1, regions[1]), first])
+def test_pairs_are_with_earlier_nodes_ordered_by_id(map_of, rectangle_node, node_of):
+    regions = [rectangle_node(k, k, 0, k + 1, 1, "").region for k in range(4)]
+    first, far = node_of(2, regions[0]), node_of(3, regions[3])
+    known = map_of([first, far, node_of(0, regions[1], robot=1), node_of(1, regions[1]), first])
     assert known.pairs_near(0, 2.0).tolist() == [[2, 0], [2, 1], [3, 0], [3, 1], [3, 2]]
     assert known.pairs_near(0, 1.5).tolist() == [[2, 0], [3, 0], [3, 2]]
     assert known.pairs_near(3, 1.5).tolist() == [[3, 0], [3, 2]]
@@ -463,7 +331,7 @@ def test_pairs_are_with_earlier_nodes_ordered_by_id():
         assert (known.rings.ring(number) == each.region.boundary).all()
 
 
-def test_a_raster_painted_node_by_node_is_the_same(rooms):
+def test_a_raster_painted_node_by_node_is_the_same(new_map, map_of, rooms):
     late, early = map_of(rooms), new_map()
     early.raster(0.1)
     for each in rooms:
@@ -484,7 +352,7 @@ def painted(raster: Raster) -> set[tuple[int, int]]:
 
 
 @pytest.mark.parametrize("half_width", [0.5, 2.0, 20.0])
-def test_a_local_union_is_the_union_in_its_window(rooms, half_width):
+def test_a_local_union_is_the_union_in_its_window(map_of, rooms, half_width):
     known = map_of(rooms)
     for x, y in ((3.0, 3.0), (6.0, 6.0), (11.0, 1.0)):
         window = shapely.box(x - half_width, y - half_width, x + half_width, y + half_width)
@@ -492,10 +360,10 @@ def test_a_local_union_is_the_union_in_its_window(rooms, half_width):
         assert known.local_union(x, y, half_width).symmetric_difference(exact).area < 1e-9
 
 
-def test_the_union_of_all_regions(rooms):
+def test_the_union_of_all_regions(map_of, rectangle_node, rooms):
     known = map_of(rooms)
     union = known.region_union()
     assert union.is_valid
     assert all(union.buffer(1e-9).covers(n.region.polygon()) for n in rooms)
-    pair = map_of([box_node(0, 0, 0, 2, 2, ""), box_node(1, 1, 1, 3, 3, "")])
+    pair = map_of([rectangle_node(0, 0, 0, 2, 2, ""), rectangle_node(1, 1, 1, 3, 3, "")])
     assert pair.region_union().area == pytest.approx(7.0)

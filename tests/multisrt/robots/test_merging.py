@@ -13,7 +13,7 @@ from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.regions.boundary import OBSTACLE, RANGE
 from multisrt.geometry.regions.frontier_arcs import frontier_candidates, total_length
-from multisrt.geometry.regions.safe_region import LocalSafeRegion, local_safe_region
+from multisrt.geometry.regions.safe_region import LocalSafeRegion, Shape, local_safe_region
 from multisrt.geometry.regions.scan import take_scan
 from multisrt.robots.exploration_map import Closing, ClosingId, ExplorationMap, Node, NodeId
 from multisrt.robots.knowledge import REASONS
@@ -24,7 +24,7 @@ RANGES = (4.0, 2.5, 3.3)
 """Widths and ranges of the three robots in metres."""
 
 WORLDS = ("apartment", "cave", "office")
-SHAPES = ("radial", "star", "ball")
+SHAPES: tuple[Shape, ...] = ("radial", "star", "ball")
 
 
 def new_map(robot: int | None = None, min_arc_m: float = 0.3) -> ExplorationMap:
@@ -38,7 +38,7 @@ def map_of(entries, robot: int | None = None, min_arc_m: float = 0.3) -> Explora
     return known
 
 
-def team_nodes(worlds, world: str, shape: str, count: int = 15) -> list[Node]:
+def team_nodes(worlds, world: str, shape: Shape, count: int = 15) -> list[Node]:
     """Return nodes of three robots with different ranges; parents of robot 2's are the others'."""
     free = environment(world).free
     x, y = free.representative_point().coords[0]
@@ -139,7 +139,8 @@ def batches(random, entries):
 @settings(max_examples=40)
 def test_order_repetition_and_batches_make_no_difference(teams, team, robot, random):
     entries = teams[team]
-    known, new = new_map(robot), []
+    known = new_map(robot)
+    new: list[NodeId] = []
     for batch in batches(random, entries):
         new += known.merge(batch)
         # Answers are cached in between, and must not be returned later.
@@ -225,7 +226,12 @@ def plain_closing(robot: int, number: int) -> Closing:
 def test_counts_stop_at_the_first_gap():
     known = new_map()
     assert known.entries.have() == {}
-    entries = [plain_node(4, 1), plain_node(4, 3), plain_closing(2, 0), plain_node(2, 0)]
+    entries: list[Node | Closing] = [
+        plain_node(4, 1),
+        plain_node(4, 3),
+        plain_closing(2, 0),
+        plain_node(2, 0),
+    ]
     assert known.merge(entries) == (NodeId(4, 1), NodeId(4, 3), NodeId(2, 0))
     assert known.merge(entries) == ()
     assert list(known.entries.have().items()) == [(2, (1, 1)), (4, (0, 0))]
@@ -343,8 +349,8 @@ def followed(known: ExplorationMap, node_id: NodeId) -> NodeId:
     return node_id
 
 
-def lines(segments):
-    return shapely.multilinestrings(shapely.linestrings(np.reshape(segments, (-1, 2, 2))))
+def lines(segments) -> shapely.MultiLineString:
+    return shapely.MultiLineString(list(np.reshape(segments, (-1, 2, 2))))
 
 
 @given(TEAMS, st.randoms(use_true_random=False), st.integers(1, 15))

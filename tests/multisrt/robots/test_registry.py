@@ -8,6 +8,7 @@ import pytest
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.planners.srt import SrtOptions
 from multisrt.robots import registry
+from multisrt.robots.explorer import Explorer, RobotSelf
 from multisrt.robots.multi_srt.options import MultiSrtOptions
 from multisrt.robots.registry import Strategy, register, strategies, strategy
 
@@ -19,12 +20,16 @@ class Options(msgspec.Struct, frozen=True, kw_only=True):
     mood: str = "calm"
 
 
+def no_explorer(me: RobotSelf, options: object) -> Explorer:
+    raise NotImplementedError
+
+
 @pytest.fixture
 def own(monkeypatch):
     """A strategy, and a registry that is gone after the test."""
     known = dict(registry._registry())
     monkeypatch.setattr(registry, "_registry", lambda: known)
-    return Strategy(name="own", summary="mine", options=Options, explorer=lambda me, options: None)
+    return Strategy(name="own", summary="mine", options=Options, explorer=no_explorer)
 
 
 def test_the_srt_family_is_registered():
@@ -51,9 +56,7 @@ def test_duplicates_are_refused(own):
     with pytest.raises(InvalidInputError, match="'own' already"):
         register(own)
     with pytest.raises(InvalidInputError, match="'srt-star' already"):
-        register(
-            Strategy(name="srt-star", summary="", options=Options, explorer=lambda me, o: None)
-        )
+        register(Strategy(name="srt-star", summary="", options=Options, explorer=no_explorer))
 
 
 def test_options_have_defaults(own):

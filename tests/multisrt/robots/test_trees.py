@@ -41,7 +41,7 @@ def test_the_root_of_an_unknown_node_is_an_error():
 @given(st.lists(st.integers(-1, 8), min_size=1, max_size=12), st.randoms(use_true_random=False))
 def test_roots_are_those_at_the_end_of_parent_links(links, random):
     # Node k + 1 hangs under a node before it, or is a root.
-    parents = {NodeId(0, 0): None}
+    parents: dict[NodeId, NodeId | None] = {NodeId(0, 0): None}
     for k, link in enumerate(links):
         parents[NodeId(0, k + 1)] = None if link < 0 else NodeId(0, link % (k + 1))
     trees, known = Trees(), set()

@@ -9,7 +9,7 @@ import msgspec
 import pytest
 
 from multisrt.environments.catalog import environment
-from multisrt.events import Died, Organized, Sent
+from multisrt.events import Died, Event, Organized, Sent
 from multisrt.recording import Recording
 from multisrt.simulation.simulate import simulate
 from multisrt.simulation.worlds import inline
@@ -165,7 +165,7 @@ def test_an_inline_world_is_explored_in_the_same_way():
 
 
 def test_a_recording_is_the_same_with_a_watcher_and_without():
-    seen = []
+    seen: list[Event] = []
     assert simulate(APARTMENT, watch=seen.append).footer == simulate(APARTMENT).footer
     assert seen
 

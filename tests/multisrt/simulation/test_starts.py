@@ -1,5 +1,7 @@
 import math
+from collections.abc import Iterable
 from itertools import combinations
+from typing import Any
 
 import numpy as np
 import pytest
@@ -18,24 +20,31 @@ from multisrt.simulation.worlds import inline
 from multisrt.spec import DriveSpec, RobotSpec, RunSpec
 
 HALL = Environment("hall", shapely.box(0, 0, 12, 8))
+PILLAR = Environment("pillar", HALL.free.difference(shapely.box(4, 2, 6, 4)))
 BODIES = ["disc:0.25", "disc:0.4", "box:0.6x0.4", "polygon:-0.2,-0.2 0.6,-0.2 0.1,0.5 -0.2,0.5"]
 
 
-def starts(world, robots, **spec):
+def starts(
+    world: Environment, robots: Iterable[RobotSpec], **spec: Any
+) -> tuple[Configuration, ...]:
     return starts_of(RunSpec(environment=inline(world), robots=tuple(robots), **spec), world)
 
 
-def team(count, **robot):
+def start_of(robot: RobotSpec, world: Environment, seed: int = 0) -> Configuration:
+    return starts(world, [robot], seed=seed)[0]
+
+
+def team(count: int, **robot: Any) -> list[RobotSpec]:
     return [RobotSpec(**robot)] * count
 
 
-def rooms():
+def rooms() -> Environment:
     """Two rooms of 5 m by 5 m, a door of 0.9 m between them at the top, and a closed one."""
     free = shapely.box(0, 0, 5, 5) | shapely.box(5.2, 0, 10.2, 5) | shapely.box(5, 4, 5.2, 4.9)
     return Environment("rooms", free | shapely.box(20, 0, 25, 5))
 
 
-def shape(robot, start):
+def shape(robot: RobotSpec, start: Configuration) -> shapely.Polygon:
     return Footprint.parse(robot.footprint).placed(start)
 
 
@@ -57,7 +66,7 @@ def test_a_single_robot_starts_at_random_where_it_has_room():
     room = shapely.box(0.275, 0.275, 11.725, 7.725)
     # The first draw of its stream from the bounds of that room, which is a rectangle.
     x, y = random_stream(5, "starts", 0).uniform(room.bounds[:2], room.bounds[2:])
-    assert start == Configuration(pytest.approx(x), pytest.approx(y), 0)
+    assert start == pytest.approx((x, y, 0.0))
     assert starts(HALL, team(1), seed=6) != (start,)
     assert starts(HALL, team(1), seed=5, starts="clustered") == (start,)
 
@@ -73,6 +82,63 @@ def test_a_body_that_does_not_fit_at_its_start_is_refused():
         starts(HALL, [RobotSpec(start=(-1, 4))])
     with pytest.raises(InvalidInputError, match="fits nowhere"):
         starts(HALL, team(1, footprint="disc:5"))
+
+
+def test_a_start_inside_an_obstacle_is_refused():
+    with pytest.raises(ClearanceError, match=r"\(5, 3\).*'pillar'.*clearance 0 m"):
+        start_of(RobotSpec(start=(5.0, 3.0)), PILLAR)
+
+
+def test_a_start_outside_the_world_is_refused():
+    with pytest.raises(ClearanceError, match=r"\(50, 3\)"):
+        start_of(RobotSpec(start=(50.0, 3.0)), PILLAR)
+
+
+def test_a_start_without_room_is_refused_with_its_clearance():
+    with pytest.raises(ClearanceError, match=r"clearance there is 0\.1 m.*0\.25") as error:
+        start_of(RobotSpec(start=(3.9, 3.0)), PILLAR)
+    assert error.value.clearance_m == pytest.approx(0.1)
+
+
+def test_a_start_at_exactly_the_radius_from_a_wall_is_refused():
+    with pytest.raises(ClearanceError):
+        start_of(RobotSpec(start=(0.25, 3.0)), HALL)
+    assert start_of(RobotSpec(start=(0.2500001, 3.0)), HALL) == (0.2500001, 3.0, 0.0)
+
+
+def test_whether_a_box_fits_depends_on_its_heading():
+    corridor = Environment("corridor", shapely.box(0, 0, 10, 0.5))
+    box = "box:0.6x0.4"
+    assert start_of(RobotSpec(start=(5.0, 0.25), footprint=box), corridor) == (5.0, 0.25, 0.0)
+    assert start_of(RobotSpec(start=(5.0, 0.25, math.pi), footprint=box), corridor)
+    with pytest.raises(ClearanceError, match=r"0\.25 m.*0\.2 to 0\.361"):
+        start_of(RobotSpec(start=(5.0, 0.25, math.pi / 2), footprint=box), corridor)
+
+
+def test_a_body_that_fits_nowhere_is_refused():
+    with pytest.raises(InvalidInputError, match=r"disc:4\.1 fits nowhere in 'hall'.*4\.1 m"):
+        start_of(RobotSpec(footprint="disc:4.1"), HALL)
+
+
+def test_a_suggested_start_is_checked_like_a_given_one():
+    suggested = Environment("hall", HALL.free, starts=[(3.0, 2.0), (1.0, 1.0)])
+    assert start_of(RobotSpec(), suggested) == (3.0, 2.0, 0.0)
+    with pytest.raises(ClearanceError):
+        start_of(RobotSpec(footprint="disc:2.1"), suggested)
+
+
+def test_a_random_start_depends_on_the_seed_and_has_room():
+    starts = [start_of(RobotSpec(footprint="box:0.6x0.4"), PILLAR, seed) for seed in range(20)]
+    assert starts == [
+        start_of(RobotSpec(footprint="box:0.6x0.4"), PILLAR, seed) for seed in range(20)
+    ]
+    assert len(set(starts)) == 20
+    assert all(PILLAR.clearance(x, y) > math.hypot(0.3, 0.2) for x, y, _ in starts)
+
+
+def test_a_random_start_lies_in_the_largest_part():
+    cells = Environment("cells", shapely.union(shapely.box(0, 0, 2, 2), shapely.box(3, 0, 9, 6)))
+    assert all(start_of(RobotSpec(), cells, seed).x > 3.0 for seed in range(10))
 
 
 # Given starts of a team ---------------------------------------------------------------------
@@ -91,7 +157,7 @@ def test_bodies_that_touch_are_refused():
         starts(HALL, pair)
     assert starts(HALL, [pair[0], RobotSpec(start=(3.501, 3))])[1].x == 3.501
     # Two boxes of 0.6 m by 0.4 m, side by side and one behind the other.
-    box = {"footprint": "box:0.6x0.4"}
+    box: dict[str, Any] = {"footprint": "box:0.6x0.4"}
     beside = [RobotSpec(start=(3, 3), **box), RobotSpec(start=(3, 3.45), **box)]
     assert len(starts(HALL, beside)) == 2
     behind = [RobotSpec(start=(1, 1)), beside[0], RobotSpec(start=(3.45, 3), **box)]
@@ -209,7 +275,7 @@ def test_teams_fit_and_keep_apart(seed, bodies, name):
 def test_a_car_needs_room_to_turn(kind):
     # In a corridor of 3 m, where a body of 0.4 m width needs 0.2 m at the side.
     corridor = Environment("corridor", shapely.box(0, 0, 30, 3))
-    robot = {"start": (2, 1.5), "footprint": "box:0.6x0.4"}
+    robot: dict[str, Any] = {"start": (2, 1.5), "footprint": "box:0.6x0.4"}
 
     def drive(radius):
         return DriveSpec(kind=kind, turning_radius_m=radius)

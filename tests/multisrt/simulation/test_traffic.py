@@ -140,7 +140,7 @@ def test_after_a_stop_a_robot_is_as_near_as_the_guard():
     roads.begin(0, 0.0, straight(0, 0, 10, 0), 1.0)
     event = roads.next_event(0, 0.0)
     here = roads.end(0, event.time_s)
-    roads.begin(0, event.time_s, straight(*here[:2], 10, 0), 1.0)
+    roads.begin(0, event.time_s, straight(here.x, here.y, 10, 0), 1.0)
     again = roads.next_event(0, event.time_s)
     assert again.time_s == pytest.approx(event.time_s + 0.5, abs=2e-5)
 

@@ -3,6 +3,7 @@
 import contextlib
 import itertools
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -155,7 +156,11 @@ def test_runs_with_cars_repeat():
 @pytest.mark.parametrize("kind", ["reeds-shepp", "dubins"])
 def test_the_nearness_diagram_drives_no_car(kind):
     world = inline(TWO_ROOMS)
-    for name, options in (("self-bidding", {}), ("closest", {"drive": "nearness-diagram"})):
+    choices: dict[str, dict[str, bool | int | float | str]] = {
+        "self-bidding": {},
+        "closest": {"drive": "nearness-diagram"},
+    }
+    for name, options in choices.items():
         robots = (RobotSpec(), car(kind))
         spec = RunSpec(environment=world, strategy=name, options=options, robots=robots)
         with pytest.raises(InvalidInputError, match=r"robot 1 is a car.*choose drive=path") as bad:
@@ -332,7 +337,8 @@ def way_along_refused(robot, path):
 
 def test_a_goal_without_a_path_is_tried_again_on_news():
     robot = robot_in(HALL, 2.0, 2.0)
-    explorer = FrontierExplorer(robot.me, robot.options, rule=None)
+    no_rule: Any = None
+    explorer = FrontierExplorer(robot.me, robot.options, rule=no_rule)
     explorer.robot = robot
     (x, y), *_ = robot.targets().tolist()
     goal = Goal(x, y, np.array([(2.0, 2.0), (x, y)]), 2.24)

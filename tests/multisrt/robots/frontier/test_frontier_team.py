@@ -9,6 +9,7 @@ import pytest
 import shapely
 
 from multisrt.environments.environment import Environment
+from multisrt.events import GoalChosen
 from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.grids.grid_path import shortest_path
@@ -44,12 +45,6 @@ PILLARS = shapely.union_all(
 PLAZA = Environment("plaza", shapely.box(0, 0, 26, 14).difference(PILLARS))
 
 
-def edges_of(world):
-    rings = shapely.get_rings(shapely.get_parts(world.free))
-    corners = [shapely.get_coordinates(ring) for ring in rings]
-    return EdgeIndex(np.vstack([np.hstack([c[:-1], c[1:]]) for c in corners]), 1.5)
-
-
 def self_at(x, y, *, number=0, team=1):
     return RobotSelf(
         robot=number,
@@ -74,7 +69,7 @@ def robot_at(places, mates=(), options=None):
 
 def paint(robot, places):
     """Show a robot what is seen of the plaza from some places."""
-    index = edges_of(PLAZA)
+    index = EdgeIndex(PLAZA.edges, 1.5)
     for x, y in places:
         scan = take_scan(index, Configuration(x, y), 0.0, 4.0)
         robot.raster.add(local_safe_region(scan, "radial"))
@@ -93,16 +88,6 @@ def report_of(number, place, goal=None):
         footprint="disc:0.25",
         have=(),
     )
-
-
-def acts_of(steps):
-    """Run some steps to their end; return the actions and the result."""
-    acts = []
-    try:
-        while True:
-            acts.append(steps.send(None))
-    except StopIteration as end:
-        return acts, end.value
 
 
 # Decisions -------------------------------------------------------------------------------------
@@ -127,12 +112,17 @@ def situation(seed):
     return partial(robot_at, places, places[1 : 1 + seed % 4])
 
 
-def only_choice(rule, robot):
-    (act,), goal = acts_of(rule(robot, Event.START))
-    assert isinstance(act, Note)
-    assert act.event.goal == goal.place
-    assert act.event.frontiers == tuple(map(tuple, robot.targets().tolist()))
-    return act.event, goal
+@pytest.fixture
+def only_choice(acts_of):
+    def run(rule, robot):
+        (act,), goal = acts_of(rule(robot, Event.START))
+        assert isinstance(act, Note)
+        assert isinstance(act.event, GoalChosen)
+        assert act.event.goal == goal.place
+        assert act.event.frontiers == tuple(map(tuple, robot.targets().tolist()))
+        return act.event, goal
+
+    return run
 
 
 def worked_out(event):
@@ -146,7 +136,7 @@ def worked_out(event):
 
 
 @pytest.mark.parametrize("seed", range(6))
-def test_closest_takes_the_nearest_of_all_targets(seed):
+def test_closest_takes_the_nearest_of_all_targets(only_choice, seed):
     make = situation(seed)
     table = full_table(make())
     assert len(table.targets) > 1
@@ -157,7 +147,7 @@ def test_closest_takes_the_nearest_of_all_targets(seed):
 
 
 @pytest.mark.parametrize("seed", range(12))
-def test_greedy_decides_as_on_the_full_table(seed):
+def test_greedy_decides_as_on_the_full_table(only_choice, seed):
     make = situation(seed)
     table = full_table(make())
     given = greedy(DenseCosts(table.costs))
@@ -172,7 +162,7 @@ def test_greedy_decides_as_on_the_full_table(seed):
         assert cost == table.costs[i, j]
 
 
-def test_minpos_decides_as_on_the_full_table():
+def test_minpos_decides_as_on_the_full_table(only_choice):
     compared, left_to_others = 0, 0
     for seed in range(60):
         make = situation(seed)
@@ -233,7 +223,7 @@ def test_robots_with_the_same_map_agree_on_positions(seed):
         assert sorted(column) == [*range(len(members))]
 
 
-def test_robots_at_one_place_spread_by_minpos():
+def test_robots_at_one_place_spread_by_minpos(only_choice):
     places = places_drawn(2, 6)
     chosen = [only_choice(choose_minpos, r)[0] for r in team_at(places, [places[0]] * 3)]
     assert len(chosen[0].frontiers) == 2
@@ -241,7 +231,7 @@ def test_robots_at_one_place_spread_by_minpos():
     assert chosen[0].goal == chosen[2].goal != chosen[1].goal
 
 
-def test_minpos_records_the_positions_that_it_counted():
+def test_minpos_records_the_positions_that_it_counted(only_choice):
     places = places_drawn(1, 5)
     events = [only_choice(choose_minpos, r)[0] for r in team_at(places, places[:3])]
     for number, event in enumerate(events):
@@ -264,17 +254,19 @@ def test_idle_and_long_silent_mates_do_not_count():
 # Stop signals ----------------------------------------------------------------------------------
 
 
-def test_robots_whose_goal_is_explored_get_a_stop_signal():
+def test_robots_whose_goal_is_explored_get_a_stop_signal(acts_of):
     robot = robot_at([(3, 7), (6, 7)], [(10, 10)])
     (edge, *_) = robot.targets().tolist()
-    for goal, told in ((None, False), (tuple(edge), False), ((25.0, 1.0), False), ((4, 7), True)):
+    for goal in (None, tuple(edge), (25.0, 1.0)):
         robot.team.mates.reports[1] = report_of(1, (10, 10), goal)
-        acts, _ = acts_of(tell_who_may_stop(robot))
-        assert acts == ([Send(StopMessage(sender=0, goal=goal), 1)] if told else [])
+        assert acts_of(tell_who_may_stop(robot))[0] == []
+    robot.team.mates.reports[1] = report_of(1, (10, 10), (4.0, 7.0))
+    acts, _ = acts_of(tell_who_may_stop(robot))
+    assert acts == [Send(StopMessage(sender=0, goal=(4.0, 7.0)), 1)]
     assert acts_of(tell_who_may_stop(robot))[0] == []  # once is enough
 
 
-def test_a_stop_signal_counts_for_the_present_goal_only():
+def test_a_stop_signal_counts_for_the_present_goal_only(acts_of):
     explorer = FrontierExplorer(self_at(1, 1, team=2), SelfBiddingOptions(), choose_by_self_bidding)
     mapped = robot_at([(3, 7)], [(10, 10)], SelfBiddingOptions())
     goal = mapped.goal_at(mapped.own_field(), *mapped.targets()[0].tolist())
@@ -296,7 +288,7 @@ def test_a_stop_signal_counts_for_the_present_goal_only():
     [(None, False, True), (99.9, False, False), (99.9, True, True), (90.0, False, True)],
     ids=["did not ask", "both asked", "the other is cornered", "asked long ago"],
 )
-def test_of_two_that_both_ask_the_lower_number_goes_first(asked_s, firm, yields):
+def test_of_two_that_both_ask_the_lower_number_goes_first(acts_of, asked_s, firm, yields):
     robot = robot_at([(5.0, 4.2)], [(6.0, 4.2)])
     robot.course.time_s = 100.0
     if asked_s is not None:
@@ -358,7 +350,7 @@ def test_paths_begin_where_no_body_stops_the_robot(body, pocket, west, begins_in
     # to the west.
     robot = robot_at([(10.0, 7.0)])
     raster, cell = robot.raster, robot.raster.cell_of(10.0, 7.0)
-    scan = take_scan(edges_of(PLAZA), Configuration(10.0, 7.0), 0.0, 4.0)
+    scan = take_scan(EdgeIndex(PLAZA.edges, 1.5), Configuration(10.0, 7.0), 0.0, 4.0)
     robot.map.view(scan)
     expected = {
         "west": (cell[0], cell[1] - 5),
@@ -368,7 +360,7 @@ def test_paths_begin_where_no_body_stops_the_robot(body, pocket, west, begins_in
     }
     if body is not None:
         seen = Sighting(
-            robot=1, configuration=Configuration(*body, 0.0), footprint=Footprint.parse("disc:0.25")
+            robot=1, configuration=Configuration(*body), footprint=Footprint.parse("disc:0.25")
         )
         robot.bodies.add(seen)
         row, column = cell[0] - raster.row, cell[1] - raster.column
@@ -395,7 +387,7 @@ def test_a_goal_is_reached_in_sight_within_half_the_range(reached, place, seen):
     robot.course.at = Configuration(6.5, 2.7, 0.0) if place == (7.0, 4.5) else robot.at
     is_near = math.dist(robot.at[:2], place) <= 2.0
     assert is_near == (place != (5.0, 6.3))
-    scan = take_scan(edges_of(PLAZA), robot.at, 0.0, 4.0)
+    scan = take_scan(EdgeIndex(PLAZA.edges, 1.5), robot.at, 0.0, 4.0)
     robot.map.view(scan)
     goal = robot.goal_at(robot.own_field(), *place)
     assert robot.sees_at_half_range(goal) == seen
@@ -403,7 +395,7 @@ def test_a_goal_is_reached_in_sight_within_half_the_range(reached, place, seen):
 
 def test_a_goal_seen_from_afar_in_vain_must_be_reached():
     robot = robot_at([(5.0, 4.2)], options=FrontierOptions(reached="sight"))
-    scan = take_scan(edges_of(PLAZA), robot.at, 0.0, 4.0)
+    scan = take_scan(EdgeIndex(PLAZA.edges, 1.5), robot.at, 0.0, 4.0)
     robot.map.view(scan)
     field = robot.own_field()
     costs = field.distance(robot.indices_of(robot.targets()))
@@ -411,7 +403,7 @@ def test_a_goal_seen_from_afar_in_vain_must_be_reached():
     goal = robot.goal_at(field, x, y)
     # Half way there it is in sight, and still a frontier.
     half_way = goal.path[0] + 0.7 * (goal.path[-1] - goal.path[0])
-    robot.course.at = Configuration(*half_way.tolist(), 0.0)
+    robot.course.at = Configuration(*half_way.tolist())
     assert robot.sees_at_half_range(goal)
     robot.frontiers.note_reached(goal.place, robot.at[:2])
     assert not robot.sees_at_half_range(goal)

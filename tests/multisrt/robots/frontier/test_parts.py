@@ -101,6 +101,8 @@ def test_a_kept_field_is_repaired_as_the_map_grows():
     made.add(scan_at(9, 3))
     index = indices_of(made.raster, np.array([[11.0, 3.0]]))
     after, fresh = fields.field(3.0, 3.0), DistanceFields(made.raster).field(3.0, 3.0)
+    assert after is not None
+    assert fresh is not None
     assert after.distance(index) == pytest.approx(fresh.distance(index), rel=0.03)
     assert math.isfinite(after.distance(index)[0])
 

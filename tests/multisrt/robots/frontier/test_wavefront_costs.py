@@ -2,6 +2,7 @@
 
 from contextlib import nullcontext
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 from hypothesis import assume, given
@@ -19,7 +20,7 @@ ROWS, COLUMNS = 12, 15
 
 
 class GridRobot:
-    """Robot 0 of a team on a grid of cells of 1 m, as far as wavefronts are concerned."""
+    """Robot 0 of a team on a grid of cells of 1 m, with what wavefronts need."""
 
     def __init__(self, passable, cells, targets) -> None:
         self.passable = passable
@@ -60,6 +61,11 @@ class GridRobot:
         return self.marched[-1]
 
 
+def grid_robot(*situation: Any) -> Any:
+    """A robot on a grid, in place of a `FrontierRobot`."""
+    return GridRobot(*situation)
+
+
 @st.composite
 def situations(draw):
     """Return a passable grid, the cells of robots and those of targets, all passable."""
@@ -79,17 +85,17 @@ def has_ties(costs):
 
 @given(situations())
 def test_greedy_assigns_as_on_the_full_table(situation):
-    dense = DenseCosts(full_table(GridRobot(*situation)).costs)
+    dense = DenseCosts(full_table(grid_robot(*situation)).costs)
     assume(not has_ties(dense.table))
     for robot in range(len(situation[1])):
-        lazy = WavefrontCosts(GridRobot(*situation))
+        lazy = WavefrontCosts(grid_robot(*situation))
         assert greedy(lazy, until=robot).rounds == greedy(dense, until=robot).rounds
 
 
 @given(situations())
 def test_closest_chooses_as_on_the_full_table(situation):
-    table = full_table(GridRobot(*situation))
-    lazy = WavefrontCosts(GridRobot(*situation), alone=True)
+    table = full_table(grid_robot(*situation))
+    lazy = WavefrontCosts(grid_robot(*situation), alone=True)
     choice = closest(lazy, lazy.row)
     if choice is None:
         assert not np.isfinite(table.costs[0]).any()
@@ -99,20 +105,20 @@ def test_closest_chooses_as_on_the_full_table(situation):
 
 @given(situations())
 def test_minpos_chooses_as_on_the_full_table(situation):
-    table = full_table(GridRobot(*situation))
+    table = full_table(grid_robot(*situation))
     # Marching from either end differs by rounding, so that near ties may be decided otherwise.
     columns = np.sort(table.costs, axis=0)
     with np.errstate(invalid="ignore"):
         assume(not (np.diff(columns, axis=0) < 0.5).any())
     assume(not has_ties(table.costs))
-    lazy = WavefrontCosts(GridRobot(*situation))
+    lazy = WavefrontCosts(grid_robot(*situation))
     assert minpos(lazy, 0).choice == minpos(DenseCosts(table.costs), 0).choice
 
 
 def test_greedy_marches_no_farther_than_needed():
     # In a corridor of 200 m, robot 0 is 2 m from a target; robot 1, 100 m away, is not asked.
     corridor = np.ones((1, 200), np.bool_)
-    robot = GridRobot(corridor, [(0, 10), (0, 110)], [(0, 12), (0, 60)])
+    robot = grid_robot(corridor, [(0, 10), (0, 110)], [(0, 12), (0, 60)])
     lazy = WavefrontCosts(robot)
     assert greedy(lazy, until=0).rounds == ((0, 0, 2.0),)
     (own,) = robot.marched
@@ -122,6 +128,6 @@ def test_greedy_marches_no_farther_than_needed():
 def test_minpos_marches_no_farther_than_needed():
     # Robot 0 is 2 m from a target, and no other robot can be nearer: no wave runs from there.
     corridor = np.ones((1, 200), np.bool_)
-    robot = GridRobot(corridor, [(0, 10), (0, 110)], [(0, 12), (0, 60)])
+    robot = grid_robot(corridor, [(0, 10), (0, 110)], [(0, 12), (0, 60)])
     assert minpos(WavefrontCosts(robot), 0).choice == 0
     assert len(robot.marched) == 1

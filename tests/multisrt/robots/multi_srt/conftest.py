@@ -1,6 +1,9 @@
 """Builders that tests of Multi-SRT share."""
 
-from collections.abc import Callable
+import itertools
+import math
+from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 import pytest
@@ -10,8 +13,10 @@ from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.regions.boundary import OBSTACLE
 from multisrt.geometry.regions.safe_region import LocalSafeRegion
 from multisrt.planners.motion.kinematics import Differential
+from multisrt.planners.motion.trajectory import Trajectory, Waypoint
 from multisrt.robots.explorer import RobotSelf
 from multisrt.robots.knowledge import Node, NodeId
+from multisrt.robots.multi_srt.conflicts import Prospect
 from multisrt.robots.multi_srt.messages import RobotState
 from multisrt.robots.multi_srt.options import MultiSrtOptions
 from multisrt.robots.multi_srt.robot import SrtRobot
@@ -19,9 +24,12 @@ from multisrt.robots.multi_srt.robot import SrtRobot
 RADIUS_M = 0.25
 REACH_M = 8.0
 
+Place = tuple[float, float]
+Box = tuple[float, float, float, float]
 
-def _robot_self(**more) -> RobotSelf:
-    given = {
+
+def _robot_self(**more: Any) -> RobotSelf:
+    given: dict[str, Any] = {
         "robot": 0,
         "start": Configuration(0.0, 0.0, 0.0),
         "footprint": Footprint.disc(RADIUS_M),
@@ -33,8 +41,14 @@ def _robot_self(**more) -> RobotSelf:
     return RobotSelf(**given | more)
 
 
-def _robot_state(robot=1, path=((0.0, 0.0),), *, moving=False, **more) -> RobotState:
-    given = {
+def _robot_state(
+    robot: int = 1,
+    path: Sequence[tuple[float, float]] = ((0.0, 0.0),),
+    *,
+    moving: bool = False,
+    **more: Any,
+) -> RobotState:
+    given: dict[str, Any] = {
         "said": 1,
         "step": 0,
         "phase": "moving" if moving else "waiting",
@@ -53,7 +67,7 @@ def _robot_state(robot=1, path=((0.0, 0.0),), *, moving=False, **more) -> RobotS
     return RobotState(robot=robot, **given | more)
 
 
-def _box_node(serial: int, place, box) -> Node:
+def _box_node(serial: int, place: Place, box: Box) -> Node:
     x0, y0, x1, y1 = box
     region = LocalSafeRegion(
         x=place[0],
@@ -64,15 +78,15 @@ def _box_node(serial: int, place, box) -> Node:
     )
     return Node(
         id=NodeId(0, serial),
-        configuration=Configuration(*place, 0.0),
+        configuration=Configuration(*place),
         region=region,
         parent=None,
         time_s=0.0,
     )
 
 
-def _robot_in(*rooms, **more) -> SrtRobot:
-    me = _robot_self(start=Configuration(*rooms[0][0], 0.0), range_m=REACH_M, team=2, **more)
+def _robot_in(*rooms: tuple[Place, Box], **more: Any) -> SrtRobot:
+    me = _robot_self(start=Configuration(*rooms[0][0]), range_m=REACH_M, team=2, **more)
     robot = SrtRobot(me, "star", MultiSrtOptions())
     for number, (place, box) in enumerate(rooms):
         robot.map.add(_box_node(number, place, box))
@@ -103,3 +117,41 @@ def box_node() -> Callable[..., Node]:
 def robot_in() -> Callable[..., SrtRobot]:
     """Build a robot at the first of some nodes, given by their places and rectangles."""
     return _robot_in
+
+
+@pytest.fixture(scope="session")
+def line() -> Callable[..., Trajectory]:
+    """Build a motion along straight lines at 1 m/s, with one heading."""
+
+    def build(*places: Place, heading: float = 0.0) -> Trajectory:
+        time_s, (x, y) = 0.0, places[0]
+        waypoints = [Waypoint(time_s, x, y, heading)]
+        for a, b in itertools.pairwise(places):
+            time_s += math.dist(a, b)
+            waypoints.append(Waypoint(time_s, b[0], b[1], heading))
+        return Trajectory(tuple(waypoints))
+
+    return build
+
+
+@pytest.fixture(scope="session")
+def prospect(line) -> Callable[..., Prospect]:
+    """Build what a robot, a disc unless a body is given, would do: go along straight lines."""
+
+    def build(
+        robot: int,
+        *places: Place,
+        frontier_m: float = 1.0,
+        body: Footprint | None = None,
+        heading: float = 0.0,
+        waited: int = 0,
+    ) -> Prospect:
+        return Prospect(
+            robot=robot,
+            footprint=body or Footprint.disc(RADIUS_M),
+            motion=line(*places, heading=heading),
+            frontier_m=frontier_m,
+            waited=waited,
+        )
+
+    return build

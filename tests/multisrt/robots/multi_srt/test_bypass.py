@@ -35,7 +35,7 @@ def stand_at(box_node):
     def stand_at(robot, serial, place, box):
         before = robot.at.here
         robot.map.add(box_node(serial, place, box))
-        robot.at.q_act, robot.at.here = Configuration(*place, 0.0), NodeId(0, serial)
+        robot.at.q_act, robot.at.here = Configuration(*place), NodeId(0, serial)
         robot.ways.extend()
         robot.ways.join(before, robot.at.here)
 
@@ -82,9 +82,15 @@ def test_a_robot_gets_round_a_body_step_by_step(corridor, stand_at, body_y):
 
 
 def test_a_track_is_followed_without_searching_again(corridor, stand_at, monkeypatch):
-    robot, searches = corridor(2.2, 0.0), []
+    robot = corridor(2.2, 0.0)
+    searches: list[object] = []
     search = Bypass._search
-    monkeypatch.setattr(Bypass, "_search", lambda *a: searches.append(a) or search(*a))
+
+    def counted(*arguments):
+        searches.append(arguments)
+        return search(*arguments)
+
+    monkeypatch.setattr(Bypass, "_search", counted)
     serial = 2
     while robot.routes.way(robot.at.here, NodeId(0, 1)) is None:
         target = robot.bypass.to(at_end)

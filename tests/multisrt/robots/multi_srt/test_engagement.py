@@ -10,11 +10,11 @@ from multisrt.environments.environment import Environment
 from multisrt.events import Coordinated, Decision
 from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.geometry.configuration import Configuration
-from multisrt.robots.explorer import Look, Receive, Send, Sighting, TimedOut
+from multisrt.robots.explorer import Action, Look, Outcome, Receive, Send, Sighting, TimedOut
 from multisrt.robots.knowledge import NodeId
 from multisrt.robots.multi_srt.build_srt import look
 from multisrt.robots.multi_srt.engagement import Regroup, build_ger
-from multisrt.robots.multi_srt.messages import Order, OrdersMessage
+from multisrt.robots.multi_srt.messages import Order, OrdersMessage, StateMessage
 from multisrt.robots.multi_srt.options import MultiSrtOptions
 from multisrt.robots.multi_srt.robot import SrtRobot
 from multisrt.simulation.simulate import simulate
@@ -44,7 +44,7 @@ def team_run(world: Environment, count: int, strategy: str, seed: int):
 @pytest.mark.parametrize("seed", [0, 1])
 def test_members_that_decide_together_name_the_same_groups(name, count, strategy, seed):
     events = team_run(environment(name), count, strategy, seed).events
-    moments = defaultdict(dict)
+    moments: defaultdict[float, dict[int, Decision]] = defaultdict(dict)
     for event in events:
         if isinstance(event, Decision):
             assert event.robot in event.ger
@@ -61,7 +61,7 @@ def test_members_that_decide_together_name_the_same_groups(name, count, strategy
 
 @pytest.mark.parametrize("seed", [0, 1, 2])
 def test_coordinated_members_name_the_same_group_and_master(seed):
-    told = defaultdict(dict)
+    told: defaultdict[float, dict[int, Coordinated]] = defaultdict(dict)
     for event in team_run(environment("open"), 5, "srt-radial", seed).events:
         if isinstance(event, Coordinated):
             told[event.time_s][event.robot] = event
@@ -100,6 +100,22 @@ def member(robot_state):
     return member
 
 
+def asked_by(action: Action) -> tuple[int, ...]:
+    """The robots that an action asks for their states."""
+    if not isinstance(action, Send):
+        return ()
+    assert isinstance(action.message, StateMessage)
+    return action.message.asked
+
+
+def answer(robot: SrtRobot, action: Action) -> Outcome:
+    """The outcome of an action where no robot answers."""
+    if not isinstance(action, Receive):
+        return None
+    assert action.timeout_s is not None
+    return TimedOut(robot.at.time_s + action.timeout_s)
+
+
 @pytest.mark.parametrize("theirs", [((0, 0), (1, 3), (2, 5)), ((0, 0), (1, 3))])
 def test_a_disputed_member_is_asked_itself(robot, member, theirs):
     # The second waits with another group: it has left out the third, which stands idle, or it
@@ -110,14 +126,13 @@ def test_a_disputed_member_is_asked_itself(robot, member, theirs):
     gpr = team.gpr()
     assert gpr == (0, 1, 2)
     team.plan.key = team.key_of(gpr)
-    meeting, outcome, asked = build_ger(robot, gpr), None, ()
+    meeting = build_ger(robot, gpr)
+    outcome: Outcome = None
+    asked: tuple[int, ...] = ()
     while not asked:
         action = meeting.send(outcome)
-        outcome = None
-        if isinstance(action, Send):
-            asked = action.message.asked
-        elif isinstance(action, Receive):
-            outcome = TimedOut(robot.at.time_s + action.timeout_s)
+        outcome = answer(robot, action)
+        asked = asked_by(action)
     assert asked == (1, 2)
 
 
@@ -140,7 +155,9 @@ def test_a_member_whose_node_only_the_master_knows_is_engaged(robot, member):
 
 def looks(robot: SrtRobot, seen: tuple[Sighting, ...]) -> tuple[tuple[int, ...], bool]:
     """Let a robot look round where no robot answers: those it asks, and whether it regroups."""
-    looking, outcome, asked = look(robot), None, ()
+    looking = look(robot)
+    outcome: Outcome = None
+    asked: tuple[int, ...] = ()
     while True:
         try:
             action = looking.send(outcome)
@@ -148,13 +165,8 @@ def looks(robot: SrtRobot, seen: tuple[Sighting, ...]) -> tuple[tuple[int, ...],
             return asked, False
         except Regroup:
             return asked, True
-        outcome = None
-        if isinstance(action, Look):
-            outcome = seen
-        elif isinstance(action, Send):
-            asked += action.message.asked
-        elif isinstance(action, Receive):
-            outcome = TimedOut(robot.at.time_s + action.timeout_s)
+        outcome = seen if isinstance(action, Look) else answer(robot, action)
+        asked += asked_by(action)
 
 
 def sighting(number: int, x: float, y: float) -> Sighting:

@@ -6,7 +6,7 @@ import pytest
 
 from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.geometry.configuration import Configuration
-from multisrt.robots.explorer import Move, Moved, Receive, Sighting, TimedOut
+from multisrt.robots.explorer import Move, Moved, Outcome, Receive, Sighting, TimedOut
 from multisrt.robots.knowledge import NodeId
 from multisrt.robots.multi_srt.move_to import move_to
 from multisrt.robots.multi_srt.progress import Event
@@ -33,7 +33,8 @@ def hop(robot):
 
 def make(robot, step, stopped_at=None) -> None:
     """Make a step; a body stops it at a place, if one is given. No robot answers."""
-    steps, outcome = move_to(robot, step), None
+    steps = move_to(robot, step)
+    outcome: Outcome = None
     while True:
         try:
             action = steps.send(outcome)
@@ -46,6 +47,7 @@ def make(robot, step, stopped_at=None) -> None:
             blocked_by = None if stopped_at is None else BODY
             outcome = Moved(configuration=end, time_s=time_s, blocked_by=blocked_by)
         elif isinstance(action, Receive):
+            assert action.timeout_s is not None
             outcome = TimedOut(robot.at.time_s + action.timeout_s)
 
 

@@ -5,7 +5,7 @@ import pytest
 
 from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.geometry.configuration import Configuration
-from multisrt.robots.explorer import Sighting
+from multisrt.robots.explorer import Sense, Sighting
 from multisrt.robots.knowledge import NodeId
 from multisrt.robots.multi_srt.build_srt import as_far_as_it_gets
 from multisrt.robots.multi_srt.progress import BoxedIn
@@ -73,10 +73,10 @@ def test_a_boxed_in_robot_gives_up_its_target_alone(robot):
     robot.journey.target = KnownNode((NodeId(0, 0), NodeId(0, 1)))
 
     def steps():
-        yield "one"
+        yield Sense()
         raise BoxedIn
 
-    assert [*as_far_as_it_gets(robot, steps())] == ["one"]
+    assert [*as_far_as_it_gets(robot, steps())] == [Sense()]
     assert robot.journey.target is None
 
 

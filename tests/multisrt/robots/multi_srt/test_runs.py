@@ -3,8 +3,10 @@
 import itertools
 import math
 import signal
+from collections.abc import Sequence
 from contextlib import contextmanager
 from functools import cache
+from typing import Any
 
 import msgspec
 import numpy as np
@@ -27,6 +29,7 @@ from multisrt.events import (
     Organized,
 )
 from multisrt.geometry.errors import InvalidInputError
+from multisrt.recording import Recording
 from multisrt.simulation.simulate import simulate
 from multisrt.simulation.worlds import inline
 from multisrt.spec import (
@@ -42,7 +45,7 @@ from multisrt.spec import (
     StopRule,
 )
 
-WORLDS = {
+WORLDS: dict[str, dict[str, bool | int | float | str]] = {
     "open": {"size_m": 12.0, "columns": 3},
     "rooms": {"size_m": 16.0, "rooms_per_side": 2},
     "garden": {"size_m": 16.0, "plots": 2},
@@ -53,7 +56,8 @@ MAX_WALL_S = 60
 
 @cache
 def world(name: str) -> Environment:
-    return environment(name, **WORLDS[name])
+    parameters: dict[str, Any] = dict(WORLDS[name])
+    return environment(name, **parameters)
 
 
 @contextmanager
@@ -72,10 +76,15 @@ def time_limit(seconds: int):
         signal.signal(signal.SIGALRM, before)
 
 
-def explore(spec: RunSpec):
+def name_of(spec: RunSpec) -> str:
+    assert isinstance(spec.environment, CatalogEnvironment)
+    return spec.environment.name
+
+
+def explore(spec: RunSpec) -> Recording:
     """Run a spec in its world."""
     with time_limit(MAX_WALL_S):
-        return simulate(spec, world(spec.environment.name))
+        return simulate(spec, world(name_of(spec)))
 
 
 def spec_of(name: str, count: int, seed: int, **more) -> RunSpec:
@@ -88,34 +97,28 @@ def spec_of(name: str, count: int, seed: int, **more) -> RunSpec:
     )
 
 
-def events(recording, kind, robot=None):
-    return [
-        event
-        for event in recording.events
-        if isinstance(event, kind) and robot in (None, event.robot)
-    ]
-
-
-def check_motions(recording, team: int):
+def check_motions(recording: Recording, motions: Sequence[Sequence[Motion]]) -> None:
     """Check that the motions of every robot follow on one another in time and place."""
-    for robot in range(team):
-        here, time_s = (*recording.starts[robot],), 0.0
-        for motion in events(recording, Motion, robot):
+    for robot, own in enumerate(motions):
+        here: tuple[float, ...] = recording.starts[robot]
+        time_s = 0.0
+        for motion in own:
             assert motion.waypoints[0][0] == motion.time_s >= time_s - 1e-6
             assert motion.waypoints[0][1:3] == pytest.approx(here[:2], abs=1e-6)
             assert math.remainder(motion.waypoints[0][3] - here[2], 2 * math.pi) == pytest.approx(
                 0.0, abs=1e-6
             )
-            time_s, *here = motion.waypoints[-1]
+            time_s, *end = motion.waypoints[-1]
+            here = tuple(end)
 
 
-def closest_approach(recording, team: int) -> float:
+def closest_approach(recording: Recording, motions: Sequence[Sequence[Motion]]) -> float:
     """Smallest distance of two centres along all motions; straight legs only."""
     ways = []
-    for robot in range(team):
+    for robot, own in enumerate(motions):
         x, y, _ = recording.starts[robot]
         way = [(0.0, x, y)]
-        for motion in events(recording, Motion, robot):
+        for motion in own:
             way += [waypoint[:3] for waypoint in motion.waypoints]
         ways.append(np.array([*way, (recording.footer.time_s + 1.0, *way[-1][1:])]))
     least = math.inf
@@ -131,69 +134,77 @@ def closest_approach(recording, team: int) -> float:
     return least
 
 
-def check_end(recording, spec: RunSpec):
+@pytest.fixture
+def check_end(events_of):
     """Check that a run ends in time, for a stated reason, without collisions; so do survivors."""
-    assert events(recording, Collision) == []
-    assert recording.footer.outcome in ("complete", "stalled")
-    assert recording.footer.reason
-    assert recording.footer.time_s < spec.stop.max_time_s
-    dead = {event.robot for event in events(recording, Died)}
-    for robot in range(len(spec.robots)):
-        assert robot in dead or events(recording, Ended, robot), f"robot {robot} did not end"
-    assert "message that never comes" not in recording.footer.reason
-    check_motions(recording, len(spec.robots))
-    assert closest_approach(recording, len(spec.robots)) > 0.5 - 1e-6
+
+    def run(recording, spec: RunSpec):
+        assert events_of(recording, Collision) == []
+        assert recording.footer.outcome in ("complete", "stalled")
+        assert recording.footer.reason
+        assert recording.footer.time_s < spec.stop.max_time_s
+        dead = {event.robot for event in events_of(recording, Died)}
+        for robot in range(len(spec.robots)):
+            assert robot in dead or events_of(recording, Ended, robot), f"robot {robot} did not end"
+        assert "message that never comes" not in recording.footer.reason
+        motions = [events_of(recording, Motion, robot) for robot in range(len(spec.robots))]
+        check_motions(recording, motions)
+        assert closest_approach(recording, motions) > 0.5 - 1e-6
+
+    return run
 
 
 @pytest.mark.parametrize(("strategy", "count"), [("srt-radial", 4), ("srt-star", 2)])
 @pytest.mark.parametrize("name", WORLDS)
-def test_a_team_without_faults_completes_its_map(strategy, name, count):
+def test_a_team_without_faults_completes_its_map(events_of, check_end, strategy, name, count):
     spec = spec_of(name, count, seed=count, strategy=strategy)
     recording = explore(spec)
     check_end(recording, spec)
     assert recording.footer.outcome == "complete"
     for robot in range(count):
-        assert events(recording, MapComplete, robot)
-    known = shapely.union_all([shapely.Polygon(n.boundary) for n in events(recording, NodeAdded)])
+        assert events_of(recording, MapComplete, robot)
+    known = shapely.union_all(
+        [shapely.Polygon(n.boundary) for n in events_of(recording, NodeAdded)]
+    )
     free = world(name).free
     assert known.intersection(free).area > 0.97 * free.area
     assert known.difference(free.buffer(1e-6)).area < 1e-3
 
 
 @pytest.mark.parametrize("count", [1, 3])
-def test_scans_on_the_way_become_nodes_between_places(count):
+def test_scans_on_the_way_become_nodes_between_places(events_of, check_end, count):
     sensing = {"sense": "moving", "sense_period_s": 1.0}
     spec = spec_of(next(iter(WORLDS)), count, seed=1, strategy="srt-radial", options=sensing)
     recording = explore(spec)
     check_end(recording, spec)
     assert recording.footer.outcome == "complete"
-    passed = [node for node in events(recording, NodeAdded) if node.stage == "passed"]
+    passed = [node for node in events_of(recording, NodeAdded) if node.stage == "passed"]
     assert len(passed) > 10
-    motions = {(e.robot, *e.waypoints[-1]) for e in events(recording, Motion)}
+    motions = {(e.robot, *e.waypoints[-1]) for e in events_of(recording, Motion)}
     for node in passed:
         assert any(
             robot == node.robot and math.dist((x, y), node.configuration[:2]) < 1e-9
             for robot, _, x, y, _ in motions
         )
     at_targets = explore(msgspec.structs.replace(spec, options={}))
-    assert not [node for node in events(at_targets, NodeAdded) if node.stage == "passed"]
+    assert not [node for node in events_of(at_targets, NodeAdded) if node.stage == "passed"]
 
 
-def test_robots_far_from_all_others_act_as_if_alone():
+def test_robots_far_from_all_others_act_as_if_alone(events_of):
     # In a long hall they are never within twice the range of one another in so short a time.
     hall = Environment("hall", shapely.box(0, 0, 60, 3))
     robots = (RobotSpec(start=(2.0, 1.5)), RobotSpec(start=(58.0, 1.5)))
     spec = RunSpec(environment=inline(hall), robots=robots, stop=StopRule(max_time_s=25.0), seed=3)
     with time_limit(MAX_WALL_S):
         together = simulate(spec, hall)
-    first_moves = [events(together, Motion, robot)[0] for robot in (0, 1)]
+    first_moves = [events_of(together, Motion, robot)[0] for robot in (0, 1)]
     assert [motion.time_s for motion in first_moves] == [0.0, 0.0]
-    assert events(together, Coordinated) == events(together, Organized) == []
+    assert events_of(together, Coordinated) == events_of(together, Organized) == []
 
 
 @pytest.mark.parametrize("multi_hop", [True, False])
 @pytest.mark.parametrize("walls", ["pass", "block"])
-def test_a_team_with_a_short_radio_ends(multi_hop, walls):
+def test_a_team_with_a_short_radio_ends(check_end, multi_hop, walls):
     radio = RadioSpec(range_m=12.0, multi_hop=multi_hop, walls=walls)
     spec = spec_of("rooms", 3, seed=1, radio=radio)
     check_end(explore(spec), spec)
@@ -240,7 +251,7 @@ def faulty(seed: int) -> RunSpec:
     faults: list[Fault] = []
     robots = rng.permutation(count).tolist()
     for robot in robots[: int(rng.integers(0, count))]:
-        when = str(rng.choice(["any", "moving", "waiting", "master"]))
+        when: Any = str(rng.choice(["any", "moving", "waiting", "master"]))
         faults.append(Death(robot=robot, time_s=float(rng.uniform(0.0, 150.0)), when=when))
     for robot in range(count):
         if rng.random() < 0.3:
@@ -264,15 +275,15 @@ def faulty(seed: int) -> RunSpec:
 
 
 @pytest.mark.parametrize("seed", range(12))
-def test_a_team_with_faults_ends(seed):
+def test_a_team_with_faults_ends(events_of, check_end, seed):
     spec = faulty(seed)
     recording = explore(spec)
     check_end(recording, spec)
     late = {f.robot: f.time_s for f in spec.faults if isinstance(f, LateStart)}
     for robot, time_s in late.items():
-        joined = events(recording, Joined, robot)
-        assert [event.time_s for event in joined] == [time_s] or events(recording, Died, robot)
-    for died in events(recording, Died):
+        joined = events_of(recording, Joined, robot)
+        assert [event.time_s for event in joined] == [time_s] or events_of(recording, Died, robot)
+    for died in events_of(recording, Died):
         assert not [
             event
             for event in recording.events
@@ -284,7 +295,7 @@ def test_the_faults_are_of_all_kinds():
     specs = [faulty(seed) for seed in range(12)]
     kinds = {type(fault) for spec in specs for fault in spec.faults}
     assert kinds == {Death, LateStart, Silence}
-    assert {spec.environment.name for spec in specs} == set(WORLDS)
+    assert {name_of(spec) for spec in specs} == set(WORLDS)
     assert {len(spec.robots) for spec in specs} == {2, 3, 4, 5}
     assert {spec.strategy for spec in specs} == {"srt-radial", "srt-star"}
     assert any(spec.radio.loss and spec.radio.latency_s for spec in specs)
@@ -309,6 +320,7 @@ def test_the_living_pass_the_dead_and_explore_the_rest(strategy, seed):
     metrics = measure(recording, world)
     assert metrics.collisions == 0
     assert metrics.coverage > 0.96
+    assert metrics.exploration_time_s is not None
     assert math.isfinite(metrics.exploration_time_s)
     for event in recording.events:
         if isinstance(event, Decision) and event.choice == "bypass":

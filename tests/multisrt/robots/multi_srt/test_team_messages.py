@@ -305,8 +305,8 @@ def test_robots_that_meet_learn_all_that_the_other_knows(explorers, seed, multi_
         robots=(RobotSpec(start=(2.0, 1.0)), RobotSpec(start=(28.0, 1.0))),
         radio=RadioSpec(range_m=12.0, multi_hop=multi_hop),
     )
-    made = {0: [], 1: []}
-    known = {0: set(), 1: set()}
+    made: dict[int, list[float]] = {0: [], 1: []}
+    known: dict[int, set[tuple[int, ...]]] = {0: set(), 1: set()}
     for event in recording.events:
         if isinstance(event, NodeAdded):
             made[event.robot].append(event.time_s)

@@ -1,0 +1,256 @@
+"""Clearances to walls and distances between robots, by hand and by dense sampling."""
+
+import cmath
+import gc
+import itertools
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+import shapely
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from multisrt.analysis import clearances
+from multisrt.analysis.clearances import smallest_clearance, smallest_distance_between_robots
+from multisrt.analysis.metrics import measure
+from multisrt.events import Motion
+from multisrt.geometry.bodies.footprint import Footprint
+from multisrt.recording import Recording
+
+HALF = math.pi / 2.0
+
+Pose = tuple[float, float, float]
+
+
+@pytest.mark.parametrize(
+    ("footprint", "start", "motions", "clearance"),
+    [
+        # A disc stands, drives along a wall and comes near to another at the end.
+        ("disc:0.25", (1.0, 2.0), [], 0.75),
+        ("disc:0.25", (3.0, 1.0), [((0, 3.0, 1.0, 0), (9, 6.0, 1.0, 0))], 0.75),
+        ("disc:0.25", (3.0, 1.0), [((0, 3.0, 1.0, 0), (9, 9.5, 1.0, 0))], 0.25),
+        # A box of 0.6 x 0.4 m along the wall and across it.
+        ("box:0.6x0.4", (3.0, 0.5), [((0, 3.0, 0.5, 0), (9, 6.0, 0.5, 0))], 0.3),
+        ("box:0.6x0.4", (3.0, 5.0), [((0, 3.0, 5.0, 0), (9, 9.0, 5.0, 0))], 0.7),
+        # Turning, its corners come to hypot(0.3, 0.2) = 0.3606 m of the centre.
+        (
+            "box:0.6x0.4",
+            (3.0, 0.5),
+            [((0, 3.0, 0.5, 0), (1, 3.0, 0.5, math.pi))],
+            0.5 - math.hypot(0.3, 0.2),
+        ),
+        # A half circle of 2 m about (5, 3), from its left end over its lowest point.
+        ("disc:0.25", (3.0, 3.0), [((0, 3.0, 3.0, -HALF), (9, 7.0, 3.0, HALF))], 0.75),
+        # A quarter of it: the hind corner swings out, 2.2 and 0.3 m from the circle's centre.
+        (
+            "box:0.6x0.4",
+            (3.0, 3.0),
+            [((0, 3.0, 3.0, -HALF), (9, 5.0, 1.0, 0.0))],
+            1.0 - (math.hypot(2.2, 0.3) - 2.0),
+        ),
+        # Driven backwards and clockwise, with the corners of the box outermost.
+        (
+            "box:0.6x0.4",
+            (3.0, 3.0),
+            [((0, 3.0, 3.0, HALF), (9, 7.0, 3.0, 3 * HALF))],
+            1.0 - (math.hypot(2.2, 0.3) - 2.0),
+        ),
+        # Not convex: an L whose long arm points out of the circle.
+        (
+            "polygon:-0.1,-0.1 0.1,-0.1 0.1,0.1 0.6,0.1 0.6,0.2 -0.1,0.2",
+            (3.0, 3.0),
+            [((0, 3.0, 3.0, math.pi), (9, 7.0, 3.0, 2 * math.pi))],
+            1.0 - (math.hypot(2.6, 0.2) - 2.0),
+        ),
+    ],
+)
+def test_smallest_clearance(recorded, hall, moved, footprint, start, motions, clearance):
+    recording = recorded(
+        *(moved(*w) for w in motions), footprints=[footprint], starts=[(*start, 0.0)]
+    )
+    assert smallest_clearance(recording, hall) == pytest.approx(clearance, abs=1e-4)
+    assert measure(recording, hall).smallest_clearance_m == pytest.approx(clearance, abs=1e-4)
+
+
+def test_the_clearance_of_a_body_that_touched(recorded, hall, moved):
+    into = moved((0, 1.0, 1.0, 0.0), (2, 1.0, 0.1, 0.0))
+    assert smallest_clearance(recorded(into), hall) == pytest.approx(0.1 - 0.25)
+
+
+def test_the_least_clearance_of_any_robot_counts(recorded, hall, moved):
+    # The large one keeps off by 0.4 m, the box by 0.3 m, and the small one by 0.2 m.
+    starts = [(1.9, 5.0, 0.0), (5.0, 0.5, 0.0), (9.0, 5.0, 0.0)]
+    bodies = ["disc:1.5", "box:0.6x0.4", "disc:0.1"]
+
+    def clearance(*motions: Motion) -> float:
+        return smallest_clearance(recorded(*motions, starts=starts, footprints=bodies), hall)
+
+    there = moved((0, 9.0, 5.0, 0.0), (2, 9.7, 5.0, 0.0), robot=2)
+    assert clearance(there) == pytest.approx(0.2)
+    assert clearance() == pytest.approx(0.3)
+    # A body 1 m inside a wall counts more than one that touches it.
+    into = moved((0, 1.9, 5.0, 0.0), (2, 0.5, 5.0, 0.0), robot=0)
+    touching = moved((0, 9.0, 5.0, 0.0), (2, 10.0, 5.0, 0.0), robot=2)
+    assert clearance(into, touching) == pytest.approx(-1.0)
+
+
+@pytest.fixture(scope="module")
+def approach(recorded) -> Callable[..., float]:
+    """Measure the smallest distance between robots in a recording of their motions."""
+
+    def measured(*motions: Motion, **more: Any) -> float:
+        distance = smallest_distance_between_robots(recorded(*motions, **more))
+        assert distance is not None
+        return distance
+
+    return measured
+
+
+def test_the_distance_of_robots_that_stand(approach):
+    starts = [(1.0, 1.0, 0.0), (4.0, 5.0, 0.0), (9.0, 9.0, 0.0)]
+    assert approach(starts=starts) == pytest.approx(4.5)
+    assert approach(starts=starts, end_s=0.0) == pytest.approx(4.5)
+
+
+def test_the_distance_of_robots_that_pass_each_other(moved, approach):
+    # Nearest at 4 s, between all waypoints: 1 m apart.
+    there = moved((0, 1, 1, 0), (8, 9, 1, 0))
+    back = moved((0, 9, 2, 0), (8, 1, 2, 0), robot=1)
+    starts = [(1.0, 1.0, 0.0), (9.0, 2.0, 0.0)]
+    assert approach(there, back, starts=starts) == pytest.approx(0.5, abs=1e-12)
+    boxes = ["box:0.6x0.4", "box:0.6x0.4"]
+    assert approach(there, back, starts=starts, footprints=boxes) == pytest.approx(0.6, abs=1e-4)
+
+
+def test_paths_crossed_at_different_times_do_not_count(moved, approach):
+    # Both come through (5, 5); the second when the first has stood at (9, 5) for a while.
+    one = moved((0, 1, 5, 0), (8, 9, 5, 0))
+    two = moved((20, 5, 1, 0), (28, 5, 9, 0), robot=1)
+    starts = [(1.0, 5.0, 0.0), (5.0, 1.0, 0.0)]
+    assert approach(one, two, starts=starts) == pytest.approx(4.0 - 0.5)
+    # Before that, when the first came by the waiting second, they were 4 m apart as well.
+    early = moved((4, 5, 1, 0), (12, 5, 9, 0), robot=1)
+    assert approach(one, early, starts=starts) == pytest.approx(math.sqrt(8.0) - 0.5)
+
+
+def test_bodies_that_touch_have_no_distance(moved, approach):
+    into = moved((0, 1, 1, 0), (4, 5, 1, 0))
+    assert approach(into, starts=[(1.0, 1.0, 0.0), (5.0, 1.0, 0.0)]) == 0.0
+
+
+def test_the_distance_of_a_turning_box_and_on_an_arc(moved, approach):
+    # Its corner points at the disc after 45 degrees or so, for a moment.
+    turn = moved((0, 5, 5, 0), (4, 5, 5, math.pi))
+    starts = [(5.0, 5.0, 0.0), (5.0, 6.0, 0.0)]
+    corner = math.hypot(0.3, 0.2)
+    bodies = ["box:0.6x0.4", "disc:0.25"]
+    assert approach(turn, starts=starts, footprints=bodies) == pytest.approx(
+        0.75 - corner, abs=2e-4
+    )
+    # The lowest point of the half circle is (5, 1); a disc stands 0.7 m below it.
+    starts = [(3.0, 3.0, -HALF), (5.0, 0.3, 0.0)]
+    arc = moved((0.0, 3.0, 3.0, -HALF), (9.0, 7.0, 3.0, HALF))
+    assert approach(arc, starts=starts) == pytest.approx(0.2, abs=2e-4)
+
+
+@st.composite
+def stories(draw: st.DrawFn) -> tuple[list[Motion], list[Pose], list[str]]:
+    """Motions, starts and bodies of two robots that drive, turn and follow arcs at random."""
+    bodies = draw(
+        st.lists(
+            st.sampled_from(["disc:0.25", "box:0.6x0.4", "polygon:-0.2,-0.1 0.3,0 -0.2,0.1"]),
+            min_size=2,
+            max_size=2,
+        )
+    )
+    places = st.floats(1.0, 9.0)
+    motions: list[Motion] = []
+    starts: list[Pose] = []
+    for robot in range(2):
+        time, x, y = draw(st.floats(0.0, 3.0)), draw(places), draw(places)
+        heading = draw(st.floats(-3.0, 3.0))
+        starts.append((x, y, heading))
+        for _ in range(draw(st.integers(0, 3))):
+            waypoints = [(time, x, y, heading)]
+            for kind in draw(st.lists(st.sampled_from(["drive", "turn", "arc"]), max_size=3)):
+                time += draw(st.floats(0.5, 6.0))
+                if kind != "turn":
+                    x, y = draw(places), draw(places)
+                if kind != "drive":
+                    heading += draw(st.floats(-3.0, 3.0))
+                waypoints.append((time, x, y, heading))
+            motions.append(Motion(time_s=waypoints[0][0], robot=robot, waypoints=tuple(waypoints)))
+            time += draw(st.floats(0.0, 3.0))
+    return motions, starts, bodies
+
+
+def motions_in(recording: Recording) -> list[Motion]:
+    return [event for event in recording.events if isinstance(event, Motion)]
+
+
+def by_dense_sampling(recording: Recording, steps: int) -> float:
+    """The distance at many moments, each leg followed by turning its velocity step by step."""
+    times = np.linspace(0.0, recording.footer.time_s, steps)
+    outlines = []
+    for robot, spec in enumerate(recording.spec.robots):
+        poses = np.tile(recording.header.starts[robot], (steps, 1))
+        for motion in motions_in(recording):
+            if motion.robot != robot:
+                continue
+            for a, b in itertools.pairwise(motion.waypoints):
+                within = times >= a[0]
+                share = np.clip((times[within] - a[0]) / (b[0] - a[0]), 0.0, 1.0)
+                poses[within] = [on_leg(np.array(a[1:]), np.array(b[1:]), s) for s in share]
+        body = Footprint.parse(spec.footprint)
+        outlines.append([body.placed(pose) for pose in poses])
+    return float(shapely.distance(*map(np.array, outlines)).min())
+
+
+def on_leg(a: np.ndarray, b: np.ndarray, share: float) -> np.ndarray:
+    """By the centre of rotation, which the method does not use."""
+    turn = b[2] - a[2]
+    if abs(turn) < 1e-6 or (a[:2] == b[:2]).all():
+        return a + share * (b - a)
+    start, end = complex(*a[:2]), complex(*b[:2])
+    rotation = cmath.exp(1j * turn)
+    centre = (end - rotation * start) / (1.0 - rotation)
+    here = centre + cmath.exp(1j * turn * share) * (start - centre)
+    return np.array([here.real, here.imag, a[2] + share * turn])
+
+
+@given(stories())
+@settings(max_examples=25)
+def test_the_smallest_distance_is_that_of_dense_sampling(recorded, story):
+    motions, starts, bodies = story
+    recording = recorded(*motions, starts=starts, footprints=bodies, end_s=70.0)
+    found = smallest_distance_between_robots(recording)
+    assert found is not None
+    sampled = by_dense_sampling(recording, 1500)
+    # Between two samples bodies come nearer by no more than their speeds allow.
+    fastest = 2.0 * (fastest_point(recording)) * 70.0 / 1500
+    assert sampled - fastest - 2e-4 <= found <= sampled + 2e-4
+
+
+def fastest_point(recording: Recording) -> float:
+    speeds = [0.0]
+    for motion in motions_in(recording):
+        for a, b in itertools.pairwise(motion.waypoints):
+            turn = abs(b[3] - a[3])
+            chord = math.dist(a[1:3], b[1:3])
+            arc = chord if turn < 1e-6 else chord * turn / 2.0 / math.sin(turn / 2.0)
+            speeds.append((arc + 0.4 * turn) / (b[0] - a[0]))
+    return max(speeds)
+
+
+def test_tracks_are_computed_once_and_live_with_the_recording(recorded):
+    gc.collect()
+    before = len(clearances._TRACKS)
+    recording = recorded(starts=[(1.0, 1.0, 0.0), (3.0, 1.0, 0.0)])
+    assert clearances.tracks(recording) is clearances.tracks(recording)
+    assert len(clearances._TRACKS) == before + 1
+    del recording
+    gc.collect()
+    assert len(clearances._TRACKS) == before

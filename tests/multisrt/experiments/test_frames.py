@@ -6,7 +6,7 @@ import sys
 
 import msgspec
 import pandas
-import pyarrow.parquet  # type: ignore[import-untyped]
+import pyarrow.parquet
 import pytest
 
 import multisrt as ms

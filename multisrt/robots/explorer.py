@@ -191,11 +191,9 @@ class Stop(msgspec.Struct, frozen=True):
 
     Examples
     --------
-    While it listens, a robot may end its motion when a message comes:
-
     >>> def drive(trajectory):
     ...     told = yield Move(trajectory=trajectory, listen=True)
-    ...     if isinstance(told, Received):
+    ...     if isinstance(told, Received):  # a message came on the way
     ...         told = yield Stop()
     ...     yield Done(complete=False, reason=f"stands since {told.time_s} s")
     """
@@ -483,8 +481,7 @@ class Explorer(Protocol):
     >>> class StaysAtHome:
     ...     def run(self):
     ...         yield Done(complete=False, reason="has stayed at home")
-    >>> explorer: Explorer = StaysAtHome()
-    >>> [action.reason for action in explorer.run()]
+    >>> [action.reason for action in StaysAtHome().run()]
     ['has stayed at home']
     """
 

@@ -187,7 +187,14 @@ class Store:
         return store
 
     def close(self) -> None:
-        """Close the file and release the lock; results that were added stay."""
+        """Close the file and release the lock; results that were added stay.
+
+        Examples
+        --------
+        >>> spec = ExperimentSpec(name="x", environments=("open",), strategies=("minpos",))
+        >>> store = Store.create_or_open("c.sqlite", spec)
+        >>> store.close()
+        """
         with suppress(sqlite3.Error):
             if self._lock is not None:
                 # Fold the write-ahead log in; impossible while a reader is open or the disk full.

@@ -49,7 +49,7 @@ from multisrt.robots.frontier.messages import InaccessibleMessage, SwapMessage
 from multisrt.robots.frontier.options import RulesOptions
 from multisrt.robots.frontier.progress import Event
 from multisrt.robots.frontier.robot import FrontierRobot
-from multisrt.robots.frontier.rules import Choice, choose_closest
+from multisrt.robots.frontier.wavefront_rules import Choice, choose_closest
 
 SCORES_KEPT = 10
 """Number of the best cells that are put on record with a choice."""

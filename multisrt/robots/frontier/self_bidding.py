@@ -23,8 +23,8 @@ from multisrt.robots.explorer import Action, Outcome, Send
 from multisrt.robots.frontier.messages import StopMessage
 from multisrt.robots.frontier.options import SelfBiddingOptions
 from multisrt.robots.frontier.robot import FrontierRobot
-from multisrt.robots.frontier.rules import Choice, finite_or_none, settle_on
 from multisrt.robots.frontier.wavefront_costs import Table, own_costs
+from multisrt.robots.frontier.wavefront_rules import Choice, finite_or_none, settle_on
 
 ROUNDING_M: Final = 1e-6
 """A path whose upper bound is within this of the first radius is measured exactly."""

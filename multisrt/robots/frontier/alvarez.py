@@ -220,7 +220,7 @@ class Rules:
         if ruling.leader != team.cells.leader:
             team.cells.leader = ruling.leader
             yield from team.report()
-        if ruling.action != "wait":
+        if not ruling.waits_for:
             self.waits = 0
             return False
         self.waits += 1
@@ -268,18 +268,17 @@ def best_cell(robot: FrontierRobot, drawn: Survey) -> tuple[Place | None, Scores
     unreached: dict[Place, None] = {}
     for everywhere in (False, True):
         cells, given = search(robot, drawn, places, everywhere)
-        order = np.lexsort((given.distance, -given.scores)).tolist()
-        for i in order:
+        for i in given.order.tolist():
             x, y = cells[i].tolist()
             if drawn.can_reach(robot.raster, (x, y)):
-                return (x, y), best_scores(cells, given, order), list(unreached)
+                return (x, y), best_scores(cells, given), list(unreached)
             unreached[x, y] = None
     return None, (), list(unreached)
 
 
-def best_scores(cells: FloatArray, given: GoalChoice, order: list[int]) -> Scores:
+def best_scores(cells: FloatArray, given: GoalChoice) -> Scores:
     """Return the best cells with their scores and the terms of these."""
-    best = order[:SCORES_KEPT]
+    best = given.order[:SCORES_KEPT]
     terms = (given.scores, given.distance, given.turn, given.others)
     return tuple(zip(*cells[best].T.tolist(), *(t[best].tolist() for t in terms), strict=True))
 

@@ -12,7 +12,9 @@ known area, and the path to that place is the shortest one, not one from cell to
 - Goals are compared whenever one is new, and swapped only if the sum of the two paths does not grow
   by more than the width of a cell. As a swap shortens the shorter of the two paths, robots do not
   swap for ever.
-- Robots also report the places at the edge of the known area that they reached in vain.
+- A cell is taken as inaccessible once every robot that is present (`Mates.present`) has found it
+  so, not every robot of the team. Robots also report the places at the edge of the known area that
+  they reached in vain.
 - A robot that was stuck goes to a random place (proposed in the thesis as future work).
 """
 
@@ -313,7 +315,10 @@ def chosen(
 
 
 def agreed(robot: FrontierRobot) -> list[Place]:
-    """Return the cells that this robot and all that are present found inaccessible."""
+    """Return the cells that this robot and all that are present found inaccessible.
+
+    Idle robots, and robots not heard of for long, are not asked for; see `Mates.present`.
+    """
     everybody = {robot.me.robot, *(report.robot for report in robot.team.present())}
     said = robot.team.cells.inaccessible.items()
     return [cell for cell, by in said if everybody <= by.keys()]

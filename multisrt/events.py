@@ -175,7 +175,8 @@ class GoalChosen(Event, frozen=True, kw_only=True, tag="goal_chosen"):
     because : str
         Why it chose: `start`, `reached` (its goal), `news` (its map has changed), `nothing left`
         (to see at its goal), `no way` (to its goal), `blocked` (by a robot), `stop signal` (its
-        goal is no frontier any more), `assigned` (or swapped, or asked for), `gave way` or `called on`.
+        goal is no frontier any more), `assigned` (or swapped, or asked for), `gave way` or
+        `called on`.
     goal : (x, y) or None
         The goal; None if it can reach none.
     cost_m : float

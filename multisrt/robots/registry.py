@@ -29,9 +29,9 @@ from multisrt.robots.frontier.options import (
     UtilityOptions,
 )
 from multisrt.robots.frontier.robot import Watch
-from multisrt.robots.frontier.rules import choose_closest, choose_greedy, choose_minpos
 from multisrt.robots.frontier.self_bidding import choose_by_self_bidding, tell_who_may_stop
 from multisrt.robots.frontier.utility import choose_utility
+from multisrt.robots.frontier.wavefront_rules import choose_closest, choose_greedy, choose_minpos
 from multisrt.robots.multi_srt.build_multi_srt import SrtExplorer
 from multisrt.robots.multi_srt.options import MultiSrtOptions
 from multisrt.spec import RunSpec

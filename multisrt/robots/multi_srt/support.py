@@ -1,7 +1,13 @@
 """SUPPORT_OTHERS: a robot that is done with its own tree extends those of others (Figure 5).
 
-Source: Multi-SRT, paper section 2, SUPPORT_OTHERS; differs in: with a limited radio, where the
-paper has no support, a robot takes over the trees of robots that it has not heard of for long.
+Source: Multi-SRT, paper section 2, SUPPORT_OTHERS. Differs in:
+
+- With a limited radio, where the paper has no support, a robot takes over the trees of robots that
+  it has not heard of for long.
+- A robot that has extended another's tree goes home from where it stands, not by way of the root
+  of that tree.
+- A tree that the robot has supported before is selected again only if its open frontier is longer
+  than what the robot left then.
 """
 
 from __future__ import annotations
@@ -68,7 +74,8 @@ def select(robot: SrtRobot, supported: Supported) -> Generator[Action, Outcome, 
     """SELECT: of the trees that may need support (paper: I), choose one, or None.
 
     A tree may need support if its open frontier is at least `support_m` (paper: F bar) for each
-    robot that is active in it.
+    robot that is active in it; one that this robot has supported before, only if its open frontier
+    is also longer than what was left of it then.
     """
     yield from robot.trees.tell_when_complete()
     if not robot.options.support or robot.at.here is None:

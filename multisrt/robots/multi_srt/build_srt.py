@@ -60,7 +60,7 @@ def build_srt(robot: SrtRobot, *, supports: bool = False) -> Steps:
     yield from take_steps(robot, Planner(robot, completing=supports))
 
 
-def as_far_as_it_gets(robot: SrtRobot, steps: Steps) -> Steps:
+def until_boxed_in(robot: SrtRobot, steps: Steps) -> Steps:
     """Take steps until they are done, or the robot is boxed in."""
     try:
         yield from steps

@@ -21,7 +21,7 @@ from multisrt.geometry.numerics.kernel import FloatArray
 from multisrt.planners.srt import Draws
 from multisrt.robots.explorer import Action, Note, Outcome, Steps
 from multisrt.robots.knowledge import NodeId
-from multisrt.robots.multi_srt.build_srt import as_far_as_it_gets, build_srt, take_steps
+from multisrt.robots.multi_srt.build_srt import until_boxed_in, build_srt, take_steps
 from multisrt.robots.multi_srt.messages import Order
 from multisrt.robots.multi_srt.move_to import move_to
 from multisrt.robots.multi_srt.planner import PlanOutcome, on_the_way
@@ -54,9 +54,9 @@ def support_others(robot: SrtRobot, supported: Supported) -> Steps:
     while True:
         tree = yield from select(robot, supported)
         if tree is not None:
-            yield from as_far_as_it_gets(robot, support(robot, tree))
+            yield from until_boxed_in(robot, support(robot, tree))
             supported.left_m[tree] = open_frontier(robot, tree)
-            yield from as_far_as_it_gets(robot, transfer_to(robot, robot.trees.root, None))
+            yield from until_boxed_in(robot, transfer_to(robot, robot.trees.root, None))
             yield from robot.team.rest()
         elif exploration_running(robot):
             yield from wait_for_news(robot)
@@ -247,7 +247,7 @@ def obey(robot: SrtRobot) -> Steps:
     """Give way, if a master has ordered it; and go home again."""
     order = robot.team.order_for_me()
     if order is not None and order.order == "give way" and robot.at.here is not None:
-        yield from as_far_as_it_gets(robot, _give_way(robot, order))
+        yield from until_boxed_in(robot, _give_way(robot, order))
 
 
 def _give_way(robot: SrtRobot, order: Order) -> Steps:

@@ -8,7 +8,7 @@ from multisrt.geometry.numerics.kernel import FloatArray
 from multisrt.geometry.regions.frontier_arcs import total_length
 from multisrt.geometry.regions.safe_region import Shape
 from multisrt.robots.explorer import Done, RobotSelf, Steps
-from multisrt.robots.multi_srt.build_srt import until_boxed_in, build_srt
+from multisrt.robots.multi_srt.build_srt import build_srt, until_boxed_in
 from multisrt.robots.multi_srt.options import MultiSrtOptions
 from multisrt.robots.multi_srt.robot import SrtRobot
 from multisrt.robots.multi_srt.support import Supported, obey, support_others

@@ -21,7 +21,7 @@ from multisrt.geometry.numerics.kernel import FloatArray
 from multisrt.planners.srt import Draws
 from multisrt.robots.explorer import Action, Note, Outcome, Steps
 from multisrt.robots.knowledge import NodeId
-from multisrt.robots.multi_srt.build_srt import until_boxed_in, build_srt, take_steps
+from multisrt.robots.multi_srt.build_srt import build_srt, take_steps, until_boxed_in
 from multisrt.robots.multi_srt.messages import Order
 from multisrt.robots.multi_srt.move_to import move_to
 from multisrt.robots.multi_srt.planner import PlanOutcome, on_the_way

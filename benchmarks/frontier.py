@@ -39,7 +39,7 @@ from multisrt.robots import registry
 from multisrt.robots.explorer import Action, Explorer, Note, Outcome, RobotSelf
 from multisrt.robots.frontier.options import FrontierOptions
 from multisrt.robots.frontier.robot import FrontierRobot
-from multisrt.robots.frontier.rules import choose_closest
+from multisrt.robots.frontier.wavefront_rules import choose_closest
 from multisrt.robots.knowledge import Node, NodeId
 from multisrt.simulation.simulate import simulate
 from multisrt.simulation.worlds import inline

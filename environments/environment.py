@@ -188,6 +188,11 @@ class Environment:
         x, y : float
             The point, in metres.
 
+        Returns
+        -------
+        bool
+            False on the boundary.
+
         Examples
         --------
         >>> import shapely

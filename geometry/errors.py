@@ -7,11 +7,33 @@ from collections.abc import Iterable
 
 
 class MultiSrtError(Exception):
-    """Base class of all exceptions that multisrt raises."""
+    """Base class of all exceptions that multisrt raises.
+
+    Examples
+    --------
+    >>> import multisrt as ms
+    >>> try:
+    ...     ms.explore("open", robots=0)
+    ... except ms.MultiSrtError as error:
+    ...     print(error)
+    a team has at least one robot, not 0
+    """
 
 
 class InvalidInputError(MultiSrtError, ValueError):
-    """An argument or input cannot be used; the message says the value, the place and the remedy."""
+    """An argument or input cannot be used; the message says the value, the place and the remedy.
+
+    Examples
+    --------
+    >>> import multisrt as ms
+    >>> try:
+    ...     ms.environment("officee")
+    ... except ms.InvalidInputError as error:
+    ...     print(str(error).partition(";")[0])
+    no environment is called 'officee' (did you mean 'office'?)
+    >>> issubclass(ms.InvalidInputError, ValueError)
+    True
+    """
 
 
 class MapFormatError(InvalidInputError):

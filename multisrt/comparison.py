@@ -222,6 +222,12 @@ class Comparison:
         ------
         InvalidInputError
             If there is no such measure or strategy.
+
+        Examples
+        --------
+        >>> import multisrt as ms
+        >>> found = ms.compare("open", ["minpos", "closest"], [2, 4], seeds=20)  # doctest: +SKIP
+        >>> found.table("makespan_s", baseline="closest")  # doctest: +SKIP
         """
         from multisrt.reporting.tables import summary_table
 
@@ -251,6 +257,12 @@ class Comparison:
         ------
         InvalidInputError
             If there is no such measure or strategy.
+
+        Examples
+        --------
+        >>> import multisrt as ms
+        >>> found = ms.compare("open", ["minpos", "closest"], [2, 4], seeds=20)  # doctest: +SKIP
+        >>> found.plot("makespan_s").save("figures")  # doctest: +SKIP
         """
         from multisrt.experiments.measures import measure_named
         from multisrt.reporting.figures import against_team_size, box_plots
@@ -279,6 +291,12 @@ class Comparison:
         ------
         InvalidInputError
             If the folder cannot be written, or holds anything but a report.
+
+        Examples
+        --------
+        >>> import multisrt as ms
+        >>> found = ms.compare("open", ["minpos", "closest"], [2, 4], seeds=20)  # doctest: +SKIP
+        >>> found.report("report", baseline="closest", latex=True)  # doctest: +SKIP
         """
         from multisrt.reporting.page import write_report
 

@@ -175,7 +175,8 @@ class GoalChosen(Event, frozen=True, kw_only=True, tag="goal_chosen"):
     because : str
         Why it chose: `start`, `reached` (its goal), `news` (its map has changed), `nothing left`
         (to see at its goal), `no way` (to its goal), `blocked` (by a robot), `stop signal` (its
-        goal is no frontier any more), `assigned` (by its leader), `gave way` or `called on`.
+        goal is no frontier any more), `assigned` (or swapped, or asked for), `gave way` or
+        `called on`.
     goal : (x, y) or None
         The goal; None if it can reach none.
     cost_m : float
@@ -399,7 +400,7 @@ class ArcClosed(Event, frozen=True, kw_only=True, tag="arc_closed"):
 
 
 class MapComplete(Event, frozen=True, kw_only=True, tag="map_complete"):
-    """No frontier is left in the map of a robot, which now only has to drive home."""
+    """No frontier is left in the map of a robot; for a robot that bids, none that it can reach."""
 
 
 class Collision(Event, frozen=True, kw_only=True, tag="collision"):

@@ -153,14 +153,36 @@ class Recording:
     _regions: dict[NodeName, FloatArray] = field(init=False, repr=False, default_factory=dict)
 
     def of(self, kind: type[EventT]) -> Sequence[EventT]:
-        """Return the events of a class such as `Motion`, in order; empty if there is none."""
+        """Return the events of a class, in the order of the recording.
+
+        Parameters
+        ----------
+        kind : type
+            A class of `multisrt.events`, such as `Motion`.
+
+        Returns
+        -------
+        sequence of Event
+            The events; empty if there are none.
+        """
         if not self._by_kind:
             for event in self.events:
                 self._by_kind.setdefault(type(event), []).append(event)
         return self._by_kind.get(kind, [])
 
     def region(self, node: NodeAdded) -> FloatArray:
-        """Return the corners of the region of a node, ``(n, 2)``; the array is made once."""
+        """Return the corners of the region of a node.
+
+        Parameters
+        ----------
+        node : NodeAdded
+            An event of this recording.
+
+        Returns
+        -------
+        (n, 2) array
+            Metres, counter-clockwise, not closed; the same array at every call.
+        """
         name = node.robot, node.serial
         if name not in self._regions:
             self._regions[name] = node.region()
@@ -179,6 +201,11 @@ class Recording:
     def environment(self) -> Environment:
         """Return the world that was explored, built anew.
 
+        Returns
+        -------
+        Environment
+            The world, without suggested starts.
+
         Raises
         ------
         InvalidInputError
@@ -194,6 +221,11 @@ class Recording:
     def save(self, path: str | Path) -> None:
         """Write the recording to a file, completely or not at all.
 
+        Parameters
+        ----------
+        path : str or Path
+            The file; it is replaced if it exists.
+
         Raises
         ------
         InvalidInputError
@@ -206,6 +238,16 @@ class Recording:
     @classmethod
     def load(cls, path: str | Path) -> Recording:
         """Read a recording.
+
+        Parameters
+        ----------
+        path : str or Path
+            The file.
+
+        Returns
+        -------
+        Recording
+            The recording.
 
         Raises
         ------

@@ -141,6 +141,11 @@ class Run:
         ------
         InvalidInputError
             If the file cannot be written.
+
+        Examples
+        --------
+        >>> import multisrt as ms
+        >>> ms.explore("open", seed=1, max_time_s=10.0).save_svg("tree.svg")
         """
         from multisrt.drawing import save_tree_svg
 
@@ -158,6 +163,14 @@ class Run:
         ------
         InvalidInputError
             If the file cannot be written.
+
+        Examples
+        --------
+        >>> import multisrt as ms
+        >>> run = ms.explore("open", seed=1, max_time_s=10.0)
+        >>> run.save_recording("recording.jsonl")
+        >>> ms.Recording.load("recording.jsonl").footer.digest == run.digest
+        True
         """
         self.recording.save(path)
 
@@ -173,6 +186,15 @@ class Run:
         ------
         InvalidInputError
             If the file cannot be written.
+
+        Examples
+        --------
+        >>> import multisrt as ms
+        >>> ms.explore("open", seed=1, max_time_s=10.0).save_spec("spec.toml")
+        >>> with open("spec.toml") as file:
+        ...     spec = ms.RunSpec.from_toml(file.read())
+        >>> spec.stop.max_time_s
+        10.0
         """
         with written_whole(Path(path)) as file:
             file.write(self.spec.to_toml().encode())
@@ -189,6 +211,15 @@ class Run:
         ------
         InvalidInputError
             If the file cannot be written.
+
+        Examples
+        --------
+        >>> import json
+        >>> import multisrt as ms
+        >>> ms.explore("open", seed=1, max_time_s=10.0).save_summary("run.json")
+        >>> with open("run.json") as file:
+        ...     print(list(json.load(file)))
+        ['spec', 'outcome', 'reason', 'digest', 'metrics']
         """
         summary = {
             "spec": self.spec,

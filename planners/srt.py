@@ -3,9 +3,14 @@
 Three stages: *draw* a candidate towards the local frontier, *approach* the nearest frontier arc,
 and *complete* the exploration from places that see a remaining arc.
 
-Source: Multi-SRT, paper section 2 (PLANNER), and Oriolo et al. 2004. Differs in: only *draw* is the
-papers'. Without the other two stages an exploration does not finish; a door that is seen edge-on,
-for instance, has no direction in which a candidate could be drawn.
+Source: Multi-SRT, paper section 2 (PLANNER), and Oriolo et al. 2004. Differs in:
+
+- Only *draw* is the papers'. Without the other two stages an exploration does not finish; a door
+  that is seen edge-on, for instance, has no direction in which a candidate could be drawn.
+- Candidates are drawn in the same way for ball, star and radial regions: in the direction of a
+  point of the local frontier, at a share of the distance to the region's boundary there. SRT-Star
+  identifies the cone of a candidate; here cones only shape the boundary, whose distance in a
+  direction is the depth of the cone there.
 """
 
 from __future__ import annotations

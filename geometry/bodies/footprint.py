@@ -65,8 +65,6 @@ class Footprint:
     >>> body = Footprint.parse("box:0.6x0.4")
     >>> body.width_m, body.is_convex, str(body)
     (0.4, True, 'box:0.6x0.4')
-    >>> Footprint.disc(0.25).placed((1.0, 2.0, 0.0)).bounds
-    (0.75, 1.75, 1.25, 2.25)
     """
 
     def __init__(self, text: str, vertices: FloatArray, radius_m: float | None) -> None:
@@ -84,15 +82,14 @@ class Footprint:
         radius_m : float
             Radius in metres.
 
+        Returns
+        -------
+        Footprint
+
         Raises
         ------
         InvalidInputError
             If the radius is not a positive, finite number of metres.
-
-        Examples
-        --------
-        >>> Footprint.disc(0.25).width_m
-        0.5
         """
         radius = _size(radius_m, "radius of a disc", 1.0)
         # Sides touch the disc on the axes, so that bounding boxes are exact.
@@ -109,6 +106,10 @@ class Footprint:
         ----------
         length_m, width_m : float
             Extent along x and along y in metres.
+
+        Returns
+        -------
+        Footprint
 
         Raises
         ------
@@ -136,6 +137,10 @@ class Footprint:
             Corners in order, in either direction, in metres about the reference point; the first
             may be repeated at the end. They are stored counter-clockwise from the first.
 
+        Returns
+        -------
+        Footprint
+
         Raises
         ------
         InvalidInputError
@@ -144,8 +149,7 @@ class Footprint:
 
         Examples
         --------
-        >>> wedge = Footprint.polygon([(-0.2, -0.1), (0.3, 0.0), (-0.2, 0.1)])
-        >>> str(wedge)
+        >>> str(Footprint.polygon([(-0.2, -0.1), (0.3, 0.0), (-0.2, 0.1)]))
         'polygon:-0.2,-0.1 0.3,0 -0.2,0.1'
         """
         corners = checked_outline(vertices)
@@ -161,6 +165,10 @@ class Footprint:
         text : str
             ``disc:RADIUS``, ``box:LENGTHxWIDTH`` or ``polygon:X,Y X,Y X,Y ...``, in metres.
 
+        Returns
+        -------
+        Footprint
+
         Raises
         ------
         InvalidInputError
@@ -169,8 +177,6 @@ class Footprint:
         Examples
         --------
         >>> Footprint.parse("disc:0.25") == Footprint.disc(0.25)
-        True
-        >>> Footprint.parse("polygon:-0.2,-0.1 0.3,0 -0.2,0.1").is_convex
         True
         """
         return _parsed(text)
@@ -368,6 +374,10 @@ def checked_configuration(configuration: Sequence[float]) -> Configuration:
     configuration : (x, y, heading)
         Metres and radians.
 
+    Returns
+    -------
+    Configuration
+
     Raises
     ------
     InvalidInputError
@@ -392,6 +402,13 @@ def require_constant_heading(
     footprint: Footprint, start: Configuration, end: Configuration
 ) -> None:
     """Check that the heading of a body is constant from start to end; that of a disc may differ.
+
+    Parameters
+    ----------
+    footprint : Footprint
+        The body.
+    start, end : Configuration
+        First and last configuration in metres and radians.
 
     Raises
     ------
@@ -448,12 +465,6 @@ def sweep_convex(polygon: FloatArray, step: FloatArray) -> FloatArray:
     -------
     (m, 2) array
         Corners of a convex polygon, counter-clockwise.
-
-    Examples
-    --------
-    >>> square = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
-    >>> sweep_convex(square, np.array([2.0, 0.0])).tolist()
-    [[0.0, 0.0], [1.0, 0.0], [3.0, 0.0], [3.0, 1.0], [1.0, 1.0], [0.0, 1.0]]
     """
     edges = np.roll(polygon, -1, axis=0) - polygon
     ahead = step[0] * edges[:, 1] - step[1] * edges[:, 0] > 0.0

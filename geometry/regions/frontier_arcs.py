@@ -4,9 +4,9 @@ Arcs are directed segments ``(m, 4)``, x0, y0, x1, y1 in metres, with their regi
 They only ever shrink: each region that becomes known takes from them what lies in its interior.
 So the cost of one more region depends on the regions near it, not on the size of the map.
 
-Source: Multi-SRT, section 3 (local frontier); differs in: free arcs are subtracted one by one,
-not found from the union of all local safe regions, and radial pieces behind corners (`GAP`) may
-count.
+Source: Multi-SRT, section 2, "Frontier extraction" (local frontier). Differs in: free arcs are
+subtracted one by one, not found from the union of all local safe regions, and radial pieces behind
+corners (`GAP`) may count.
 """
 
 from __future__ import annotations

@@ -9,9 +9,9 @@ Three shapes, by how much of the readings they keep:
 Every piece of a region's boundary is tagged with why the region ends there: `OBSTACLE`, `RANGE`,
 `GAP`, or `CUT` where a star or a ball leaves out space that the readings show to be free.
 
-Source: Multi-SRT, section 3 (the three shapes); Oriolo et al. 2004 (ball and star), Espinoza et
-al. 2007 (radial); differs in: the tag `CUT`, without which a star would see no door narrower
-than a cone.
+Source: Oriolo et al. 2004 (ball and star) and Espinoza et al. 2007 (radial), of which Multi-SRT,
+section 3, compares star and radial. Differs in: the tag `CUT`, without which a star would see no
+door narrower than a cone.
 """
 
 from __future__ import annotations

@@ -77,6 +77,14 @@ def save_environment_svg(environment: Environment, path: str | Path) -> None:
     ------
     InvalidInputError
         If the file cannot be written.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> from multisrt.environments import environment
+    >>> save_environment_svg(environment("open"), "open.svg")
+    >>> Path("open.svg").read_text().count("<svg")
+    1
     """
     with written_whole(Path(path)) as file:
         file.write(environment_svg(environment).encode())

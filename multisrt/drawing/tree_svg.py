@@ -95,6 +95,13 @@ def save_tree_svg(recording: Recording, path: str | Path) -> None:
     ------
     InvalidInputError
         If the recording contradicts itself, or the file cannot be written.
+
+    Examples
+    --------
+    >>> import multisrt as ms
+    >>> save_tree_svg(ms.explore("open", seed=1, max_time_s=10.0).recording, "tree.svg")
+    >>> Path("tree.svg").read_text().count("<svg")
+    1
     """
     text = tree_svg(recording)
     with written_whole(Path(path)) as file:

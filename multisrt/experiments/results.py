@@ -49,6 +49,16 @@ class Result(msgspec.Struct, frozen=True, kw_only=True):
         Computing time and elapsed time of the run (s).
     memory_mb : float
         Peak memory of the process during the run (MB); on macOS, since its start.
+
+    Examples
+    --------
+    >>> import multisrt as ms
+    >>> from multisrt.experiments.crossing import runs
+    >>> from multisrt.experiments.mission import make_run
+    >>> spec = ms.ExperimentSpec(name="x", environments=("open",), strategies=("srt-radial",))
+    >>> result = make_run(runs(spec)[0], spec.limits)
+    >>> result.condition.strategy, result.status, result.failed
+    ('srt-radial', 'complete', False)
     """
 
     key: str
@@ -84,6 +94,16 @@ class Results:
         Number of runs of the experiment.
     provenance : Provenance
         Versions and machine that made the results.
+
+    Examples
+    --------
+    >>> from multisrt.experiments.provenance import provenance
+    >>> spec = ExperimentSpec(name="x", environments=("open",), strategies=("srt-star",))
+    >>> where = Condition(environment="open", strategy="srt-star", robots=1)
+    >>> one = Result(key="k", condition=where, repetition=0, status="stalled", reason="blocked")
+    >>> results = Results(spec, [one], planned=20, provenance=provenance())
+    >>> len(results), [result.reason for result in results if result.failed]
+    (1, ['blocked'])
     """
 
     def __init__(
@@ -113,6 +133,15 @@ class Results:
         -------
         list of Condition
             The conditions, in the experiment's order.
+
+        Examples
+        --------
+        >>> from multisrt.experiments.provenance import provenance
+        >>> spec = ExperimentSpec(name="x", environments=("open",), strategies=("srt-star",))
+        >>> where = Condition(environment="open", strategy="srt-star", robots=1)
+        >>> one = Result(key="k", condition=where, repetition=0, status="complete", reason="")
+        >>> [str(each) for each in Results(spec, [one], 20, provenance()).conditions()]
+        ['open, srt-star, 1 robot, scattered, unlimited, disc:0.25']
         """
         return list(dict.fromkeys(result.condition for result in self.results))
 
@@ -128,6 +157,15 @@ class Results:
         -------
         list of Result
             Its results, sorted by repetition; empty if there are none.
+
+        Examples
+        --------
+        >>> from multisrt.experiments.provenance import provenance
+        >>> spec = ExperimentSpec(name="x", environments=("open",), strategies=("srt-star",))
+        >>> where = Condition(environment="open", strategy="srt-star", robots=1)
+        >>> one = Result(key="k", condition=where, repetition=0, status="complete", reason="")
+        >>> [result.status for result in Results(spec, [one], 20, provenance()).of(where)]
+        ['complete']
         """
         found = [result for result in self.results if result.condition == condition]
         return sorted(found, key=lambda result: result.repetition)

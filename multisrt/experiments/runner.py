@@ -38,6 +38,12 @@ class Progress:
         Elapsed time of this call (s).
     latest : Result or None
         The result that was stored last; None at the beginning.
+
+    Examples
+    --------
+    >>> progress = Progress(total=40, done=10, failed=0, made=10, elapsed_s=60.0, latest=None)
+    >>> progress.per_hour, progress.left_s
+    (600.0, 180.0)
     """
 
     total: int
@@ -97,6 +103,13 @@ def run_experiment(
         program, or the store or a recording cannot be written. Stored results stay.
     KeyboardInterrupt
         If interrupted; workers are stopped and finished runs stored.
+
+    Examples
+    --------
+    >>> import multisrt as ms
+    >>> spec = ms.ExperimentSpec(name="x", environments=("open",), strategies=("minpos",))
+    >>> with Store.create_or_open("x.sqlite", spec) as store:  # doctest: +SKIP
+    ...     run_experiment(store, progress=lambda now: print(now.done, "of", now.total))
     """
     if workers is not None and workers < 1:
         raise InvalidInputError(f"runs are made by at least one worker, not {workers}")
@@ -139,7 +152,18 @@ def run_experiment(
 
 
 def cores() -> int:
-    """Return the number of cores that this process may use."""
+    """Return the number of cores that this process may use.
+
+    Returns
+    -------
+    int
+        At least 1.
+
+    Examples
+    --------
+    >>> cores() >= 1
+    True
+    """
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
@@ -161,6 +185,14 @@ def job_of(run: PlannedRun, experiment: ExperimentSpec, recording: str = "") -> 
     -------
     Job
         The job, with the limits of the experiment.
+
+    Examples
+    --------
+    >>> import multisrt as ms
+    >>> from multisrt.experiments.crossing import runs
+    >>> spec = ms.ExperimentSpec(name="x", environments=("open",), strategies=("minpos",))
+    >>> job_of(runs(spec)[0], spec).limits.computing_s
+    900.0
     """
     return Job(
         key=run.key,

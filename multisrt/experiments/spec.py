@@ -364,6 +364,12 @@ class ExperimentSpec(_Part, frozen=True, kw_only=True, omit_defaults=True):
         -------
         str
             The text, without fields that have their default.
+
+        Examples
+        --------
+        >>> spec = ExperimentSpec(name="x", strategies=("minpos",))
+        >>> spec.to_toml().splitlines()[0]
+        'name = "x"'
         """
         return msgspec.toml.encode(self).decode()
 
@@ -374,6 +380,11 @@ class ExperimentSpec(_Part, frozen=True, kw_only=True, omit_defaults=True):
         -------
         str
             The text, indented, without fields that have their default.
+
+        Examples
+        --------
+        >>> ExperimentSpec.from_json(ExperimentSpec(name="x").to_json()).name
+        'x'
         """
         return msgspec.json.format(msgspec.json.encode(self), indent=2).decode()
 
@@ -422,6 +433,11 @@ class ExperimentSpec(_Part, frozen=True, kw_only=True, omit_defaults=True):
         ------
         InvalidInputError
             As in `from_toml`.
+
+        Examples
+        --------
+        >>> ExperimentSpec.from_json('{"name": "x", "robots": [1, 2]}').robots
+        (1, 2)
         """
         return _decoded(lambda: msgspec.json.decode(text, type=cls), len(text))
 
@@ -443,6 +459,11 @@ class ExperimentSpec(_Part, frozen=True, kw_only=True, omit_defaults=True):
         ------
         InvalidInputError
             As in `from_toml`.
+
+        Examples
+        --------
+        >>> ExperimentSpec.from_dict({"name": "x", "limits": {"memory_mb": 512}}).limits.memory_mb
+        512
         """
         return _decoded(lambda: msgspec.convert(plain, type=cls), 0)
 

@@ -64,10 +64,10 @@ class Store:
 
     Examples
     --------
-    >>> from multisrt.experiments.store import Store
-    >>> with Store.open("star.sqlite") as store:  # doctest: +SKIP
+    >>> spec = ExperimentSpec(name="x", environments=("open",), strategies=("minpos",))
+    >>> with Store.create_or_open("minpos.sqlite", spec) as store:
     ...     print(store.done, "of", store.planned)
-    12 of 320
+    0 of 20
     """
 
     def __init__(
@@ -107,6 +107,14 @@ class Store:
         ------
         InvalidInputError
             If the file cannot be read or holds no results.
+
+        Examples
+        --------
+        >>> spec = ExperimentSpec(name="x", environments=("open",), strategies=("minpos",))
+        >>> Store.create_or_open("x.sqlite", spec).close()
+        >>> with Store.open("x.sqlite") as store:
+        ...     store.done, store.planned
+        (0, 20)
         """
         path = Path(path)
         require_store(path)
@@ -148,6 +156,13 @@ class Store:
             If the file holds something else, another experiment, or results of another version of
             this program; if another process writes it; or if a run is impossible. The message
             says what differs, and the remedy.
+
+        Examples
+        --------
+        >>> spec = ExperimentSpec(name="x", environments=("open",), strategies=("minpos",))
+        >>> with Store.create_or_open("new.sqlite", spec) as store:
+        ...     store.planned
+        20
         """
         path = Path(path)
         folder = Path.cwd() if folder is None else Path(folder).resolve()
@@ -172,7 +187,14 @@ class Store:
         return store
 
     def close(self) -> None:
-        """Close the file and release the lock; results that were added stay."""
+        """Close the file and release the lock; results that were added stay.
+
+        Examples
+        --------
+        >>> spec = ExperimentSpec(name="x", environments=("open",), strategies=("minpos",))
+        >>> store = Store.create_or_open("c.sqlite", spec)
+        >>> store.close()
+        """
         with suppress(sqlite3.Error):
             if self._lock is not None:
                 # Fold the write-ahead log in; impossible while a reader is open or the disk full.
@@ -210,6 +232,13 @@ class Store:
         ------
         InvalidInputError
             If the file cannot be read.
+
+        Examples
+        --------
+        >>> spec = ExperimentSpec(name="x", environments=("open",), strategies=("minpos",))
+        >>> with Store.create_or_open("m.sqlite", spec) as store:
+        ...     [run.spec.seed for run in store.missing()][:3]
+        [0, 1, 2]
         """
         with errors_of(self.path):
             there = {key for (key,) in self._connection.execute("SELECT key FROM runs")}
@@ -227,6 +256,15 @@ class Store:
         ------
         InvalidInputError
             If it cannot be written, as on a full disk; results stored before stay.
+
+        Examples
+        --------
+        >>> from multisrt.experiments.mission import make_run
+        >>> spec = ExperimentSpec(name="x", environments=("open",), strategies=("minpos",))
+        >>> with Store.create_or_open("a.sqlite", spec) as store:
+        ...     store.add(make_run(store.missing()[0], spec.limits))
+        ...     store.done
+        1
         """
         position, _ = self._plan()[result.key]
         row = _row(result, position)
@@ -250,6 +288,13 @@ class Store:
         -------
         int
             Number of deleted results.
+
+        Examples
+        --------
+        >>> spec = ExperimentSpec(name="x", environments=("open",), strategies=("minpos",))
+        >>> with Store.create_or_open("f.sqlite", spec) as store:
+        ...     store.forget(["crashed"])
+        0
         """
         marks = ", ".join("?" * len(statuses))
         with errors_of(self.path), self._connection as transaction:
@@ -269,6 +314,13 @@ class Store:
         ------
         InvalidInputError
             If the file cannot be read, or a row is damaged.
+
+        Examples
+        --------
+        >>> spec = ExperimentSpec(name="x", environments=("open",), strategies=("minpos",))
+        >>> with Store.create_or_open("r.sqlite", spec) as store:
+        ...     len(store.results())
+        0
         """
         with errors_of(self.path):
             rows = self._connection.execute(
@@ -309,6 +361,13 @@ class Store:
         -------
         Path
             The path; the file exists only if the recording was kept.
+
+        Examples
+        --------
+        >>> spec = ExperimentSpec(name="x", environments=("open",), strategies=("minpos",))
+        >>> with Store.create_or_open("p.sqlite", spec) as store:
+        ...     store.recording_path(store.missing()[0].key).suffix
+        '.jsonl'
         """
         return _recordings(self.path) / f"{key}.jsonl"
 

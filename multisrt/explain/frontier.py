@@ -30,7 +30,7 @@ BECAUSE = {
     "blocked": "another robot stood in its way",
     "gave way": "it had given way to another robot",
     "stop signal": "another robot told it that its goal was no frontier any more",
-    "assigned": "its leader gave it another goal",
+    "assigned": "goals were swapped, or another robot gave it one or wanted one from it",
     "called on": "it was done, and heard something new",
 }
 

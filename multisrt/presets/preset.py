@@ -32,6 +32,16 @@ class Preset:
         comparisons behind the claims, a list of `PrintedTable`.
     deviations : tuple of str
         Where the experiment differs from that of the paper, or the paper leaves it open.
+
+    Examples
+    --------
+    >>> from multisrt.presets import PRESETS
+    >>> for name, preset in PRESETS.items():
+    ...     print(name, preset.experiment(True).repetitions)
+    multi-srt 10
+    sbx-r 5
+    minpos 8
+    alvarez 7
     """
 
     name: str

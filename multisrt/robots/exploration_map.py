@@ -77,6 +77,8 @@ class ExplorationMap:
     (True, False)
     >>> known.frontier(root.id).tolist(), known.open_frontier_m()
     ([[2.0, 0.0, 2.0, 2.0]], 2.0)
+    >>> [node.time_s for node in known.near(1.5, 1.0, 1.0)], known.region_union().area
+    ([0.0], 4.0)
 
     The robot gives its opening up, and another robot hears of all this:
 
@@ -185,6 +187,11 @@ class ExplorationMap:
         near are closed for all; those too narrow, where the own body is no narrower; those not
         reachable or blocked by a robot, for the robot that closed them.
 
+        Parameters
+        ----------
+        closing : Closing
+            Its node need not be known.
+
         Returns
         -------
         bool
@@ -199,6 +206,11 @@ class ExplorationMap:
 
     def merge(self, entries: Iterable[Entry]) -> tuple[NodeId, ...]:
         """Add nodes and closings, in any order.
+
+        Parameters
+        ----------
+        entries : iterable of Node or Closing
+            As another robot sends them.
 
         Returns
         -------
@@ -222,11 +234,25 @@ class ExplorationMap:
         """Return the roots of all trees, sorted.
 
         A node whose parent is not known is the root of what grows from it.
+
+        Returns
+        -------
+        list of NodeId
         """
         return list(self._trees.roots)
 
     def tree(self, node_id: NodeId) -> NodeId:
         """Return the root at the end of a node's parent links, as far as these are known.
+
+        Parameters
+        ----------
+        node_id : NodeId
+            A known node.
+
+        Returns
+        -------
+        NodeId
+            The root; the node itself if its parent is not known.
 
         Raises
         ------
@@ -256,7 +282,17 @@ class ExplorationMap:
         return self._frontiers.segments(self._regions.numbers[node_id])
 
     def frontier_arcs(self, node_id: NodeId) -> list[FloatArray]:
-        """Return a node's local frontier arc by arc, each as ``(k, 4)`` joined segments.
+        """Return a node's local frontier arc by arc.
+
+        Parameters
+        ----------
+        node_id : NodeId
+            A known node.
+
+        Returns
+        -------
+        list of (k, 4) array
+            Joined segments x0, y0, x1, y1 in metres, for each arc.
 
         Raises
         ------
@@ -268,12 +304,27 @@ class ExplorationMap:
         return [segments[labels == k] for k in range(count)]
 
     def has_frontier(self, node_id: NodeId) -> bool:
-        """Whether a node is known and has a local frontier."""
+        """Return whether a node is known and has a local frontier.
+
+        Parameters
+        ----------
+        node_id : NodeId
+            Any node.
+
+        Returns
+        -------
+        bool
+        """
         number = self._regions.numbers.get(node_id)
         return number is not None and self._frontiers.is_open(number)
 
     def is_complete(self) -> bool:
-        """Whether no node has a local frontier."""
+        """Return whether no node has a local frontier.
+
+        Returns
+        -------
+        bool
+        """
         return self._open.is_empty()
 
     def open_nodes(self, tree: NodeId | None = None) -> list[NodeId]:
@@ -284,6 +335,10 @@ class ExplorationMap:
         tree : NodeId, optional
             Any node of the tree to look at. Default: all trees.
 
+        Returns
+        -------
+        list of NodeId
+
         Raises
         ------
         InvalidInputError
@@ -292,12 +347,17 @@ class ExplorationMap:
         return self._open.nodes(tree)
 
     def open_frontier_m(self, tree: NodeId | None = None) -> float:
-        """Return the sum of the lengths of local frontiers in metres.
+        """Return the sum of the lengths of local frontiers.
 
         Parameters
         ----------
         tree : NodeId, optional
             Any node of the tree to look at. Default: all trees.
+
+        Returns
+        -------
+        float
+            Metres.
 
         Raises
         ------
@@ -307,13 +367,35 @@ class ExplorationMap:
         return self._open.length_m(tree)
 
     def near(self, x: float, y: float, radius_m: float) -> list[Node]:
-        """Return the nodes within a radius in metres of a place, ordered by id."""
+        """Return the nodes within a radius of a place.
+
+        Parameters
+        ----------
+        x, y, radius_m : float
+            The place and the radius in metres.
+
+        Returns
+        -------
+        list of Node
+            Ordered by id.
+        """
         found = self._regions.places.within(x, y, radius_m).tolist()
         ids = sorted(self._regions.ids[number] for number in found)
         return [self.entries.nodes[node_id] for node_id in ids]
 
     def places_near(self, x: float, y: float, radius_m: float) -> FloatArray:
-        """Return the places, ``(n, 2)`` in metres, of the nodes within a radius of a place."""
+        """Return the places of the nodes within a radius of a place.
+
+        Parameters
+        ----------
+        x, y, radius_m : float
+            The place and the radius in metres.
+
+        Returns
+        -------
+        (n, 2) array
+            x and y in metres, in the order of `nodes`.
+        """
         places = self._regions.places
         return places.points[places.within(x, y, radius_m)]
 
@@ -354,11 +436,15 @@ class ExplorationMap:
             Centre of the window in metres.
         half_width_m : float
             Half the width of the window in metres.
+
+        Returns
+        -------
+        KnownSpace
         """
         return self._regions.known_space(x, y, half_width_m)
 
     def local_union(self, x: float, y: float, half_width_m: float) -> BaseGeometry:
-        """Return the union of all nodes' regions in a square window, as a shapely geometry.
+        """Return the union of all nodes' regions in a square window.
 
         Parameters
         ----------
@@ -366,11 +452,24 @@ class ExplorationMap:
             Centre of the window in metres.
         half_width_m : float
             Half the width of the window in metres.
+
+        Returns
+        -------
+        BaseGeometry
+            Polygons of shapely, in metres.
         """
         return self._regions.local_union(x, y, half_width_m)
 
     def region_union(self) -> BaseGeometry:
-        """Return the exact union of all regions; its cost grows with the size of the map."""
+        """Return the exact union of all regions.
+
+        Its cost grows with the size of the map.
+
+        Returns
+        -------
+        BaseGeometry
+            Polygons of shapely, in metres.
+        """
         return shapely.union_all([node.region.polygon() for node in self.nodes])
 
     def raster(self, cell_m: float) -> Raster:
@@ -380,6 +479,11 @@ class ExplorationMap:
         ----------
         cell_m : float
             Width of a cell in metres. All regions are painted anew when it changes.
+
+        Returns
+        -------
+        Raster
+            The same object at every call with the same width; read-only.
         """
         if self._raster is None or self._raster.cell_m != cell_m:
             self._raster = Raster(cell_m)

@@ -120,13 +120,32 @@ from multisrt.robots.messages import Message
 
 
 class Sense(msgspec.Struct, frozen=True):
-    """Take a scan from the current configuration, also during a motion; answered by `Scan`."""
+    """Take a scan from the current configuration, also during a motion; answered by `Scan`.
+
+    Examples
+    --------
+    >>> def look_around():
+    ...     scan = yield Sense()
+    ...     yield Done(complete=False, reason=f"has seen up to {scan.range_m} m")
+    >>> next(look_around())
+    Sense()
+    """
 
 
 class Look(msgspec.Struct, frozen=True):
     """Detect the bodies of other robots in sight and within sensing range.
 
     Answered by a tuple of `Sighting`, empty if there are none.
+
+    Examples
+    --------
+    >>> def wait_for_space():
+    ...     while (yield Look()):
+    ...         yield Receive(timeout_s=1.0)
+    ...     yield Done(complete=False, reason="nobody is in sight")
+    >>> steps = wait_for_space()
+    >>> next(steps), steps.send(()).reason
+    (Look(), 'nobody is in sight')
     """
 
 
@@ -151,6 +170,14 @@ class Move(msgspec.Struct, frozen=True, kw_only=True):
         Whether messages are delivered during the motion: `Received` is sent back when one comes
         that wakes (see `Message.wakes`), and the motion goes on; `Receive` then waits for what
         comes next, and at last is answered by `Moved`.
+
+    Examples
+    --------
+    >>> from multisrt.planners.motion.kinematics import Holonomic
+    >>> way = Holonomic(speed_m_s=0.5).drive(Configuration(0.0, 0.0, 0.0), 3.0, 4.0)
+    >>> move = Move(trajectory=way, guard_m=0.1)
+    >>> move.trajectory.duration_s, move.purpose
+    (10.0, 'explore')
     """
 
     trajectory: Trajectory
@@ -160,7 +187,16 @@ class Move(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class Stop(msgspec.Struct, frozen=True):
-    """End the present motion; answered by `Moved`."""
+    """End the present motion; answered by `Moved`.
+
+    Examples
+    --------
+    >>> def drive(trajectory):
+    ...     told = yield Move(trajectory=trajectory, listen=True)
+    ...     if isinstance(told, Received):  # a message came on the way
+    ...         told = yield Stop()
+    ...     yield Done(complete=False, reason=f"stands since {told.time_s} s")
+    """
 
 
 class Send(msgspec.Struct, frozen=True):
@@ -172,6 +208,13 @@ class Send(msgspec.Struct, frozen=True):
         The message.
     to : int or None
         Number of the robot that it is for; None: all that the radio reaches.
+
+    Examples
+    --------
+    >>> class Hello(Message, frozen=True, kw_only=True):
+    ...     kind = "hello"
+    >>> Send(Hello(sender=0), to=2).message.kind
+    'hello'
     """
 
     message: Message
@@ -189,6 +232,16 @@ class Receive(msgspec.Struct, frozen=True):
         Longest time to wait; 0: until nothing more comes at this moment; None: no limit. During
         a motion only messages that wake end the waiting; the others are received when the motion
         is over.
+
+    Examples
+    --------
+    >>> def wait():
+    ...     told = yield Receive(timeout_s=5.0)
+    ...     heard = len(told.messages) if isinstance(told, Received) else 0
+    ...     yield Done(complete=False, reason=f"{heard} messages by {told.time_s} s")
+    >>> steps = wait()
+    >>> next(steps), steps.send(TimedOut(time_s=5.0)).reason
+    (Receive(timeout_s=5.0), '0 messages by 5.0 s')
     """
 
     timeout_s: float | None = None
@@ -201,6 +254,12 @@ class Note(msgspec.Struct, frozen=True):
     ----------
     event : Event
         The event.
+
+    Examples
+    --------
+    >>> from multisrt.events import MapComplete
+    >>> Note(MapComplete(time_s=12.0, robot=0)).event.time_s
+    12.0
     """
 
     event: AnyEvent
@@ -221,6 +280,11 @@ class Done(msgspec.Struct, frozen=True):
         Whether messages are still delivered: `Received` is sent back when one comes, and the
         robot may act until it yields `Done` again. The run ends when all robots are done and no
         message is on its way.
+
+    Examples
+    --------
+    >>> Done(complete=False, reason="the battery is low", frontier=((2.0, 0.0, 2.0, 1.5),)).on_call
+    False
     """
 
     complete: bool
@@ -243,6 +307,13 @@ class Sighting(msgspec.Struct, frozen=True, kw_only=True):
         Its configuration.
     footprint : Footprint
         Its outline.
+
+    Examples
+    --------
+    >>> at = Configuration(3.0, 4.0, 0.0)
+    >>> seen = Sighting(robot=1, configuration=at, footprint=Footprint.disc(0.25))
+    >>> seen.configuration.distance(Configuration(0.0, 0.0)), seen.footprint.width_m
+    (5.0, 0.5)
     """
 
     robot: int
@@ -262,6 +333,12 @@ class Moved(msgspec.Struct, frozen=True, kw_only=True):
     blocked_by : Sighting or None
         The body before which the protective stop ended it; None if it was completed, or ended
         by `Stop`.
+
+    Examples
+    --------
+    >>> moved = Moved(configuration=Configuration(3.0, 4.0), time_s=10.0)
+    >>> moved.blocked_by is None
+    True
     """
 
     configuration: Configuration
@@ -278,6 +355,11 @@ class Received(msgspec.Struct, frozen=True):
         At least one.
     time_s : float
         When the last of them came.
+
+    Examples
+    --------
+    >>> Received((Message(sender=2), Message(sender=1)), time_s=7.5).messages[0].sender
+    2
     """
 
     messages: tuple[Message, ...]
@@ -357,6 +439,21 @@ class RobotSelf:
         When it begins.
     team_range_m : float or None
         Largest sensing range in the team; None: its own.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from multisrt.planners.motion.kinematics import Differential
+    >>> me = RobotSelf(
+    ...     robot=0,
+    ...     start=Configuration(1.0, 1.0),
+    ...     footprint=Footprint.disc(0.25),
+    ...     kinematics=Differential(),
+    ...     range_m=4.0,
+    ...     rng=np.random.default_rng(0),
+    ... )
+    >>> me.team, me.max_range_m
+    (1, 4.0)
     """
 
     robot: int
@@ -377,12 +474,26 @@ class RobotSelf:
 
 
 class Explorer(Protocol):
-    """What decides for one robot."""
+    """What decides for one robot.
+
+    Examples
+    --------
+    >>> class StaysAtHome:
+    ...     def run(self):
+    ...         yield Done(complete=False, reason="has stayed at home")
+    >>> [action.reason for action in StaysAtHome().run()]
+    ['has stayed at home']
+    """
 
     def run(self) -> Steps:
         """Yield actions and be sent their outcomes.
 
         The last action is `Done`. A generator that returns without it, or raises, is an error of
         the explorer; `multisrt.testing.check_explorer` finds most of them.
+
+        Returns
+        -------
+        generator
+            Yields the robot's actions, and is sent the outcome of each.
         """
         ...

@@ -34,6 +34,11 @@ class NodeId(NamedTuple):
         The robot that made it.
     serial : int
         Its number among that robot's nodes, from 0.
+
+    Examples
+    --------
+    >>> sorted([NodeId(1, 0), NodeId(0, 12), NodeId(0, 3)])[0]
+    NodeId(robot=0, serial=3)
     """
 
     robot: int
@@ -49,6 +54,11 @@ class ClosingId(NamedTuple):
         The robot that gave the arc up.
     number : int
         Its number among that robot's closings, from 0.
+
+    Examples
+    --------
+    >>> ClosingId(0, 3) < ClosingId(1, 0)
+    True
     """
 
     robot: int
@@ -71,6 +81,17 @@ class Node:
         The node that the robot came from; None at a root.
     time_s : float
         When the scan was taken, in seconds.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> corners = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]])
+    >>> tags = np.zeros(4, np.int8)  # obstacles all around
+    >>> room = LocalSafeRegion(x=1.0, y=1.0, range_m=2.0, boundary=corners, tags=tags)
+    >>> here = Configuration(1.0, 1.0)
+    >>> node = Node(id=NodeId(0, 0), configuration=here, region=room, parent=None, time_s=0.0)
+    >>> node.id.robot, node.region.polygon().area
+    (0, 4.0)
     """
 
     id: NodeId
@@ -86,6 +107,23 @@ class Node:
         ----------
         stage : Stage
             How the place was chosen.
+
+        Returns
+        -------
+        NodeAdded
+            The event, for `multisrt.robots.explorer.Note`.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> corners = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]])
+        >>> tags = np.array([0, 1, 0, 0], np.int8)
+        >>> room = LocalSafeRegion(x=1.0, y=1.0, range_m=2.0, boundary=corners, tags=tags)
+        >>> here = Configuration(1.0, 1.0)
+        >>> node = Node(id=NodeId(0, 0), configuration=here, region=room, parent=None, time_s=0.0)
+        >>> event = node.added("root")
+        >>> event.stage, event.tags
+        ('root', '0100')
         """
         return NodeAdded(
             time_s=self.time_s,

@@ -29,9 +29,9 @@ from multisrt.robots.frontier.options import (
     UtilityOptions,
 )
 from multisrt.robots.frontier.robot import Watch
-from multisrt.robots.frontier.rules import choose_closest, choose_greedy, choose_minpos
 from multisrt.robots.frontier.self_bidding import choose_by_self_bidding, tell_who_may_stop
 from multisrt.robots.frontier.utility import choose_utility
+from multisrt.robots.frontier.wavefront_rules import choose_closest, choose_greedy, choose_minpos
 from multisrt.robots.multi_srt.build_multi_srt import SrtExplorer
 from multisrt.robots.multi_srt.options import MultiSrtOptions
 from multisrt.spec import RunSpec
@@ -41,6 +41,8 @@ from multisrt.validation_errors import explained
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Strategy:
     """A strategy of exploration: a named factory of explorers.
+
+    See `multisrt.robots.explorer` for a complete example.
 
     Attributes
     ----------
@@ -55,7 +57,20 @@ class Strategy:
     fits : callable or None
         Takes a `RunSpec`, and raises `InvalidInputError` if the strategy cannot make that run.
 
-    See `multisrt.robots.explorer` for a complete example.
+    Examples
+    --------
+    >>> from multisrt.robots.explorer import Done
+    >>> class Options(msgspec.Struct, frozen=True, kw_only=True):
+    ...     pass
+    >>> class Stays:
+    ...     def __init__(self, me, options):
+    ...         self.me = me
+    ...
+    ...     def run(self):
+    ...         yield Done(complete=False, reason=f"has stayed at {self.me.start[:2]}")
+    >>> stays = Strategy(name="stays", summary="Does nothing", options=Options, explorer=Stays)
+    >>> stays.parse_options({})
+    Options()
     """
 
     name: str
@@ -76,6 +91,19 @@ class Strategy:
         ------
         InvalidInputError
             If it cannot; the message says why.
+
+        Examples
+        --------
+        >>> import multisrt as ms
+        >>> spec = ms.RunSpec(
+        ...     environment=ms.CatalogEnvironment(name="open"),
+        ...     robots=(ms.RobotSpec(), ms.RobotSpec()),
+        ...     radio=ms.RadioSpec(range_m=5.0),
+        ... )
+        >>> strategy("srt-radial").require_fit(spec)  # doctest: +ELLIPSIS
+        Traceback (most recent call last):
+        ...
+        multisrt.geometry.errors.InvalidInputError: srt-radial needs a radio range of at least ...
         """
         if self.fits is not None:
             self.fits(spec)
@@ -156,6 +184,11 @@ def register(strategy: Strategy) -> None:
 def strategies() -> tuple[Strategy, ...]:
     """Return all strategies: those of this package first, then those of others.
 
+    Returns
+    -------
+    tuple of Strategy
+        The strategies that can be loaded; see `broken_strategies` for the others.
+
     Examples
     --------
     >>> "srt-radial" in {strategy.name for strategy in strategies()}
@@ -171,6 +204,11 @@ def strategy(name: str) -> Strategy:
     ----------
     name : str
         Its name.
+
+    Returns
+    -------
+    Strategy
+        The strategy.
 
     Raises
     ------
@@ -198,7 +236,18 @@ def strategy(name: str) -> Strategy:
 
 
 def broken_strategies() -> Mapping[str, str]:
-    """Return why entry points of other packages could not be loaded, by name."""
+    """Return why entry points of other packages could not be loaded, by name.
+
+    Returns
+    -------
+    mapping of str to str
+        The error of each such entry point, by its name.
+
+    Examples
+    --------
+    >>> "srt-radial" in broken_strategies()
+    False
+    """
     return _from_entry_points()[1]
 
 

@@ -39,6 +39,15 @@ class FileEnvironment(Part, frozen=True, kw_only=True, tag_field="from", tag="fi
         Metres per pixel, for an image whose file does not give them.
     threshold : float or None
         Lightness in [0, 1] above which a pixel of a plain image is free.
+
+    Examples
+    --------
+    >>> import multisrt as ms
+    >>> with open("hall.wkt", "w") as file:
+    ...     _ = file.write("POLYGON ((0 0, 8 0, 8 5, 0 5, 0 0))")
+    >>> spec = ms.RunSpec(environment=ms.FileEnvironment(path="hall.wkt"), seed=1)
+    >>> ms.explore(spec).environment.area_m2
+    40.0
     """
 
     path: str
@@ -57,6 +66,16 @@ class InlineEnvironment(Part, frozen=True, kw_only=True, tag_field="from", tag="
         Free space as well-known text, in metres.
     starts : tuple of (x, y)
         Suggested starts, in metres.
+
+    Examples
+    --------
+    >>> import multisrt as ms
+    >>> hall = ms.InlineEnvironment(
+    ...     name="hall", wkt="POLYGON ((0 0, 8 0, 8 5, 0 5, 0 0))", starts=((1.0, 1.0),)
+    ... )
+    >>> run = ms.explore(ms.RunSpec(environment=hall, seed=1))
+    >>> run.outcome, run.environment.bounds
+    ('complete', (0.0, 0.0, 8.0, 5.0))
     """
 
     name: str

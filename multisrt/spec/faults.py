@@ -21,6 +21,15 @@ class Death(Part, frozen=True, kw_only=True, tag_field="fault", tag="death"):
     when : {"any", "moving", "waiting", "master"}
         What the robot is doing when it dies: anything, or the first time from `time_s` on that
         it moves, waits, or organises a group as its master.
+
+    Examples
+    --------
+    >>> import multisrt as ms
+    >>> from multisrt.events import Died
+    >>> death = ms.Death(robot=1, time_s=10.0, when="moving")
+    >>> run = ms.explore("open", robots=2, seed=1, faults=[death], max_time_s=30.0)
+    >>> [event.robot for event in run.recording.of(Died)]
+    [1]
     """
 
     robot: int
@@ -39,6 +48,15 @@ class Silence(Part, frozen=True, kw_only=True, tag_field="fault", tag="silence")
         When it fails, in seconds from the start of the run.
     duration_s : float
         For how long.
+
+    Examples
+    --------
+    >>> import multisrt as ms
+    >>> from multisrt.events import CameBack, FellSilent
+    >>> silence = ms.Silence(robot=0, time_s=5.0, duration_s=10.0)
+    >>> run = ms.explore("open", robots=2, seed=1, faults=[silence], max_time_s=30.0)
+    >>> run.recording.of(FellSilent)[0].time_s, run.recording.of(CameBack)[0].time_s
+    (5.0, 15.0)
     """
 
     robot: int
@@ -61,6 +79,15 @@ class LateStart(Part, frozen=True, kw_only=True, tag_field="fault", tag="late_st
         The robot, from 0.
     time_s : float
         When it begins, in seconds from the start of the run.
+
+    Examples
+    --------
+    >>> import multisrt as ms
+    >>> from multisrt.events import Joined
+    >>> late = ms.LateStart(robot=1, time_s=12.0)
+    >>> run = ms.explore("open", robots=2, seed=1, faults=[late], max_time_s=30.0)
+    >>> [(event.robot, event.time_s) for event in run.recording.of(Joined)]
+    [(1, 12.0)]
     """
 
     robot: int

@@ -56,7 +56,18 @@ class DriveSpec(Part, frozen=True, kw_only=True):
         Car(speed_m_s=self.speed_m_s, turning_radius_m=self.turning_radius_m)
 
     def kinematics(self) -> Kinematics:
-        """Return the kinematics that this describes."""
+        """Return the kinematics that this describes.
+
+        Returns
+        -------
+        Holonomic, Differential or Car
+            The kinematics, with the limits of this drive.
+
+        Examples
+        --------
+        >>> DriveSpec(speed_m_s=1.0, turn_rate_rad_s=0.5).kinematics()
+        Differential(speed_m_s=1.0, turn_rate_rad_s=0.5)
+        """
         if self.kind == "holonomic":
             return Holonomic(speed_m_s=self.speed_m_s)
         if self.kind == "differential":

@@ -24,6 +24,14 @@ class StopRule(Part, frozen=True, kw_only=True):
     ----------
     max_time_s : float
         The maximum duration of the run, in the time of the run.
+
+    Examples
+    --------
+    >>> import multisrt as ms
+    >>> world, stop = ms.CatalogEnvironment(name="open"), ms.StopRule(max_time_s=10.0)
+    >>> run = ms.explore(ms.RunSpec(environment=world, stop=stop, seed=1))
+    >>> run.outcome, run.recording.footer.time_s
+    ('out_of_time', 10.0)
     """
 
     max_time_s: float = 86_400.0
@@ -65,8 +73,9 @@ class RunSpec(Part, frozen=True, kw_only=True):
 
     Examples
     --------
-    >>> spec = RunSpec(environment=CatalogEnvironment(name="rooms"), seed=7)
-    >>> RunSpec.from_toml(spec.to_toml()) == spec
+    >>> import multisrt as ms
+    >>> spec = ms.RunSpec(environment=ms.CatalogEnvironment(name="rooms"), seed=7)
+    >>> ms.RunSpec.from_toml(spec.to_toml()) == spec
     True
     """
 
@@ -109,8 +118,14 @@ class RunSpec(Part, frozen=True, kw_only=True):
     def canonical(self) -> RunSpec:
         """Return the equal spec whose written form is the same for all specs equal to it.
 
+        Returns
+        -------
+        RunSpec
+            The equal spec; fields that equal their defaults are not written.
+
         Examples
         --------
+        >>> from multisrt.spec import CatalogEnvironment
         >>> world = CatalogEnvironment(name="rooms")
         >>> same = RunSpec(environment=world, stop=StopRule(max_time_s=86400))
         >>> same.canonical().to_json() == RunSpec(environment=world).canonical().to_json()
@@ -119,25 +134,90 @@ class RunSpec(Part, frozen=True, kw_only=True):
         return cast(RunSpec, _less_defaults(RunSpec.from_json(msgspec.json.encode(self))))
 
     def to_json(self) -> str:
-        """Return the spec as indented JSON."""
+        """Return the spec as indented JSON.
+
+        Returns
+        -------
+        str
+            The text; fields left at their defaults are omitted.
+
+        Examples
+        --------
+        >>> import multisrt as ms
+        >>> spec = ms.RunSpec(environment=ms.CatalogEnvironment(name="open"), seed=7)
+        >>> print(spec.to_json())
+        {
+          "environment": {
+            "from": "catalog",
+            "name": "open"
+          },
+          "seed": 7
+        }
+        """
         return msgspec.json.format(msgspec.json.encode(self), indent=2).decode()
 
     def to_toml(self) -> str:
-        """Return the spec as TOML."""
+        """Return the spec as TOML.
+
+        Returns
+        -------
+        str
+            The text; fields left at their defaults are omitted.
+
+        Examples
+        --------
+        >>> import multisrt as ms
+        >>> spec = ms.RunSpec(environment=ms.CatalogEnvironment(name="open"), seed=7)
+        >>> print(spec.to_toml())
+        seed = 7
+        <BLANKLINE>
+        [environment]
+        from = "catalog"
+        name = "open"
+        <BLANKLINE>
+        """
         return msgspec.toml.encode(self).decode()
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the spec as dictionaries, lists and scalars."""
+        """Return the spec as dictionaries, lists and scalars.
+
+        Returns
+        -------
+        dict
+            The fields by name; those left at their defaults are omitted.
+
+        Examples
+        --------
+        >>> import multisrt as ms
+        >>> ms.RunSpec(environment=ms.CatalogEnvironment(name="open"), seed=7).to_dict()
+        {'environment': {'from': 'catalog', 'name': 'open'}, 'seed': 7}
+        """
         return cast(dict[str, Any], msgspec.to_builtins(self))
 
     @classmethod
     def from_json(cls, text: str | bytes) -> RunSpec:
         """Read a spec from JSON.
 
+        Parameters
+        ----------
+        text : str or bytes
+            The text, in UTF-8 if it is given as bytes.
+
+        Returns
+        -------
+        RunSpec
+            The spec.
+
         Raises
         ------
         InvalidInputError
             If the text is not JSON, or a field is unknown or invalid; the message names it.
+
+        Examples
+        --------
+        >>> text = '{"environment": {"from": "catalog", "name": "open"}, "seed": 7}'
+        >>> RunSpec.from_json(text).environment
+        CatalogEnvironment(name='open', parameters={}, seed=None)
         """
         try:
             return msgspec.json.decode(text, type=cls)
@@ -148,10 +228,30 @@ class RunSpec(Part, frozen=True, kw_only=True):
     def from_toml(cls, text: str) -> RunSpec:
         """Read a spec from TOML.
 
+        Parameters
+        ----------
+        text : str
+            The text.
+
+        Returns
+        -------
+        RunSpec
+            The spec.
+
         Raises
         ------
         InvalidInputError
             If the text is not TOML, or a field is unknown or invalid; the message names it.
+
+        Examples
+        --------
+        >>> text = 'environment = { from = "catalog", name = "open" }'
+        >>> RunSpec.from_toml(text).strategy
+        'srt-radial'
+        >>> RunSpec.from_toml("sed = 7")
+        Traceback (most recent call last):
+        ...
+        multisrt.geometry.errors.InvalidInputError: not a run spec: there is no field 'sed'...
         """
         try:
             return msgspec.toml.decode(text, type=cls)

@@ -48,6 +48,14 @@ class CheckedRun:
         Number of actions that the explorers yielded.
     digest : str
         Digest of the recording.
+
+    Examples
+    --------
+    >>> run = CheckedRun(
+    ...     world="hall", robots=2, outcome="complete", time_s=81.4, actions=60, digest="0" * 64
+    ... )
+    >>> print(run)
+    2 robots in 'hall': complete after 81 s, 60 actions
     """
 
     world: str

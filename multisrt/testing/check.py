@@ -99,6 +99,19 @@ class CheckedExplorer:
         What was checked.
     runs : tuple of CheckedRun
         Its runs.
+
+    Examples
+    --------
+    >>> from multisrt.robots.explorer import Done
+    >>> class Idle:
+    ...     def __init__(self, me):
+    ...         self.me = me
+    ...
+    ...     def run(self):
+    ...         yield Done(complete=False, reason="has nothing to do")
+    >>> checked = check_explorer(Idle, worlds=[two_rooms()], teams=[1])
+    >>> checked.runs[0].outcome, checked.runs[0].actions, "ends" in checked.checks
+    ('stalled', 1, True)
     """
 
     name: str
@@ -213,6 +226,11 @@ def check_explorer(
 
 def two_rooms() -> Environment:
     """Return a small world: two rooms of 6 m x 5 m with an open door between them.
+
+    Returns
+    -------
+    Environment
+        The world; its lower left corner is the origin.
 
     Examples
     --------

@@ -25,6 +25,21 @@ class ExplorerDefect(MultiSrtError, AssertionError):
         In which run, which robot, at which action.
     remedy : str
         What to change.
+
+    Examples
+    --------
+    >>> from multisrt.testing import check_explorer, two_rooms
+    >>> class Idle:
+    ...     def __init__(self, me):
+    ...         self.me = me
+    ...
+    ...     def run(self):
+    ...         yield from ()
+    >>> try:
+    ...     check_explorer(Idle, worlds=[two_rooms()])
+    ... except ExplorerDefect as defect:
+    ...     print(defect.what)
+    run() ended without a last action Done
     """
 
     def __init__(self, what: str, where: str, remedy: str) -> None:

@@ -1,4 +1,4 @@
-"""RULES: scores of the unexplored cells around a robot, and the best of them as its goal."""
+"""RULES: scores of the unexplored cells around a robot, of which the best becomes its goal."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.geometry.numerics.arrays import FloatArray
+from multisrt.geometry.numerics.arrays import FloatArray, IntArray
 from multisrt.planners.assignment.costs import cost_table
 from multisrt.planners.navigation.sector import wrapped
 
@@ -20,7 +20,7 @@ BASE_SCORE: Final = 70.0
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class GoalChoice:
-    """The scores of cells and the best cell.
+    """The scores of cells, and the cells ordered by them.
 
     Attributes
     ----------
@@ -28,15 +28,15 @@ class GoalChoice:
         The terms P_d, P_a and P_r.
     scores : (c,) array
         ``BASE_SCORE - P_d - P_a + P_r``.
-    choice : int or None
-        Index of the cell with the highest score; None if there are no cells.
+    order : (c,) array of int
+        Indices of the cells, that of the highest score first.
     """
 
     distance: FloatArray
     turn: FloatArray
     others: FloatArray
     scores: FloatArray
-    choice: int | None
+    order: IntArray
 
 
 def choose_cell(
@@ -50,7 +50,7 @@ def choose_cell(
     turn_weight: float = 25.0,
     others_weight: float = 30.0,
 ) -> GoalChoice:
-    """Score unexplored cells and choose the best as a robot's goal.
+    """Score unexplored cells and order them, the best goal of a robot first.
 
     Parameters
     ----------
@@ -80,7 +80,7 @@ def choose_cell(
     Notes
     -----
     ``P_d = 45 d / D``, ``P_a = 25 |turn| / 360 degrees``, ``P_r = 30 (sum over goals of d / D)
-    / p``. Of equal scores the nearer cell is chosen, then the first. A turn is at most 180
+    / p``. Of equal scores the smaller P_d comes first, then the lower index. A turn is at most 180
     degrees, so that P_a is at most 12.5.
 
     Source: J. A. Álvarez Jáuregui, Algoritmo descentralizado para la exploración multi-robot de
@@ -91,8 +91,8 @@ def choose_cell(
     Examples
     --------
     >>> chosen = choose_cell([10.0, 10.0], [0.0, 0.0], [[5.0, 20.0]], 2, 100.0)
-    >>> chosen.scores.tolist(), chosen.choice
-    ([66.25, 68.5], 1)
+    >>> chosen.scores.tolist(), chosen.order.tolist()
+    ([66.25, 68.5], [1, 0])
     """
     away = cost_table(distances, "distances", dimensions=1)
     angles = np.asarray(turns, np.float64)
@@ -117,5 +117,5 @@ def choose_cell(
         turn=turn,
         others=others,
         scores=scores,
-        choice=int(np.lexsort((away, -scores))[0]) if len(away) else None,
+        order=np.lexsort((distance, -scores)),
     )

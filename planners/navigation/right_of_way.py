@@ -9,8 +9,8 @@ its sector is clear. Differs in what the rules leave open:
 - *Face to face* are robots that wait for each other, also three in a ring. Each such group has one
   leader (`leader_of`).
 - A robot that stands on the path is seen also outside the sector (`stands_in_the_way`).
-- A leader goes round the robots that stand in its way. If it finds no way round, they leave its
-  path (`place_aside`); a robot that finds no such place becomes the leader itself.
+- A robot that is asked to leave the leader's path goes to a place aside (`place_aside`); one that
+  finds no such place leads instead (`Claim`).
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from typing import Final, Literal, NamedTuple
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -30,10 +30,6 @@ from multisrt.planners.navigation.sector import SECTOR_RAD, is_in_sector
 
 NEARER_M: Final = 1e-6
 """A path approaches a robot only if it comes nearer than its beginning by more than this."""
-
-Action = Literal["go", "wait", "detour", "retreat"]
-"""Go on; stand until the others are gone; plan a way round the robots in the way; leave the
-leader's path."""
 
 
 class Claim(NamedTuple):
@@ -71,11 +67,7 @@ class Party:
     leader : bool
         Whether it has raised its flag.
     inactive : bool
-        Whether it has finished or is lost, so that it is an obstacle only.
-    stuck : bool
-        Whether it has found no way round the robots that stand in its way.
-    cornered : bool
-        Whether it has found no place off the leader's path.
+        Whether it has finished or is lost, so that nobody waits for it.
     """
 
     robot: int
@@ -84,31 +76,26 @@ class Party:
     radius_m: float
     leader: bool = False
     inactive: bool = False
-    stuck: bool = False
-    cornered: bool = False
 
     @property
     def claim(self) -> Claim:
         """Its claim to lead."""
-        return Claim(self.robot, self.leader, self.cornered)
+        return Claim(self.robot, self.leader)
 
 
 class Ruling(NamedTuple):
-    """What a robot does next, and why.
+    """Whether a robot waits, and whether it leads.
 
     Attributes
     ----------
-    action : {"go", "wait", "detour", "retreat"}
-        See `Action`.
     leader : bool
         Whether its flag is raised from now on.
-    because_of : tuple of int
-        Numbers of the robots that it waits for, goes round or gives way to, ascending.
+    waits_for : tuple of int
+        Numbers of the robots that it waits for, ascending; without any, it goes on.
     """
 
-    action: Action
     leader: bool
-    because_of: tuple[int, ...]
+    waits_for: tuple[int, ...] = ()
 
 
 def right_of_way(
@@ -153,28 +140,23 @@ def right_of_way(
     >>> west = Party(robot=2, configuration=Configuration(2.9, 0.7, np.pi), path=lanes[1],
     ...              radius_m=0.25, leader=True)
     >>> right_of_way(east, [west], 3.0)
-    Ruling(action='wait', leader=False, because_of=(2,))
+    Ruling(leader=False, waits_for=(2,))
     >>> right_of_way(west, [east], 3.0)
-    Ruling(action='go', leader=True, because_of=())
+    Ruling(leader=True, waits_for=())
     """
     meeting = _Meeting(me, others, conflict_radius_m, margin_m, sector_rad)
-    seen, parked = meeting.seen(), meeting.parked()
+    seen = meeting.seen()
     if not seen:
-        return Ruling("detour" if parked else "go", False, _numbers(parked))
+        return Ruling(leader=False)
     conflict = meeting.conflict()
     # Robots that do not wait for this one will go by themselves.
-    passing = [mate for mate in seen if mate not in conflict]
+    passing = [mate.robot for mate in seen if mate not in conflict]
     if passing:
-        return Ruling("wait", me.leader and len(conflict) > 1, _numbers(passing))
+        return Ruling(me.leader and len(conflict) > 1, tuple(passing))
     number = leader_of(party.claim for party in conflict)
-    leader = next((party for party in conflict if party.robot == number), me)
-    if leader is not me:
-        gives_way = leader.stuck and meeting.blocks(leader, me) and not me.cornered
-        return Ruling("retreat" if gives_way else "wait", False, (leader.robot,))
-    standing = [mate for mate in conflict if mate is not me and meeting.blocks(me, mate)] + parked
-    if not standing:
-        return Ruling("go", True, ())
-    return Ruling("wait" if me.stuck else "detour", True, _numbers(standing))
+    if number is None or number == me.robot:
+        return Ruling(leader=True)
+    return Ruling(leader=False, waits_for=(number,))
 
 
 def leader_of(claims: Iterable[Claim]) -> int | None:
@@ -297,10 +279,10 @@ class _Meeting:
         sector_rad: float,
     ) -> None:
         self._me = me
-        self._team = sorted((me, *others), key=lambda party: party.robot)
-        self._active = [party for party in self._team if not party.inactive]
+        team = sorted((me, *others), key=lambda party: party.robot)
+        self._active = [party for party in team if not party.inactive]
         self._radius_m, self._margin_m, self._sector_rad = conflict_radius_m, margin_m, sector_rad
-        numbers = [party.robot for party in self._team]
+        numbers = [party.robot for party in team]
         if len(set(numbers)) < len(numbers):
             raise InvalidInputError(f"robots have numbers of their own, not {numbers}")
 
@@ -319,14 +301,6 @@ class _Meeting:
     def seen(self) -> list[Party]:
         """Return the active robots that this one sees."""
         return [mate for mate in self._active if self.sees(self._me, mate)]
-
-    def parked(self) -> list[Party]:
-        """Return the inactive robots on the path of this one."""
-        return [
-            mate
-            for mate in self._team
-            if mate.inactive and mate is not self._me and self.blocks(self._me, mate)
-        ]
 
     def conflict(self) -> list[Party]:
         """Return the robots that this one waits for and that wait for it, also through others."""
@@ -356,7 +330,3 @@ def _legs(path: FloatArray, within_m: float = math.inf) -> FloatArray:
         share = remaining / lengths[len(legs) - 1]
         legs[-1, 2:] = legs[-1, :2] + share * (legs[-1, 2:] - legs[-1, :2])
     return np.ascontiguousarray(legs)
-
-
-def _numbers(parties: Sequence[Party]) -> tuple[int, ...]:
-    return tuple(sorted(party.robot for party in parties))

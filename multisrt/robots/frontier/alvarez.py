@@ -12,7 +12,9 @@ known area, and the path to that place is the shortest one, not one from cell to
 - Goals are compared whenever one is new, and swapped only if the sum of the two paths does not grow
   by more than the width of a cell. As a swap shortens the shorter of the two paths, robots do not
   swap for ever.
-- Robots also report the places at the edge of the known area that they reached in vain.
+- A cell is taken as inaccessible once every robot that is present (`Mates.present`) has found it
+  so, not every robot of the team. Robots also report the places at the edge of the known area that
+  they reached in vain.
 - A robot that was stuck goes to a random place (proposed in the thesis as future work).
 """
 
@@ -49,7 +51,7 @@ from multisrt.robots.frontier.messages import InaccessibleMessage, SwapMessage
 from multisrt.robots.frontier.options import RulesOptions
 from multisrt.robots.frontier.progress import Event
 from multisrt.robots.frontier.robot import FrontierRobot
-from multisrt.robots.frontier.rules import Choice, choose_closest
+from multisrt.robots.frontier.wavefront_rules import Choice, choose_closest
 
 SCORES_KEPT = 10
 """Number of the best cells that are put on record with a choice."""
@@ -220,7 +222,7 @@ class Rules:
         if ruling.leader != team.cells.leader:
             team.cells.leader = ruling.leader
             yield from team.report()
-        if ruling.action != "wait":
+        if not ruling.waits_for:
             self.waits = 0
             return False
         self.waits += 1
@@ -268,18 +270,17 @@ def best_cell(robot: FrontierRobot, drawn: Survey) -> tuple[Place | None, Scores
     unreached: dict[Place, None] = {}
     for everywhere in (False, True):
         cells, given = search(robot, drawn, places, everywhere)
-        order = np.lexsort((given.distance, -given.scores)).tolist()
-        for i in order:
+        for i in given.order.tolist():
             x, y = cells[i].tolist()
             if drawn.can_reach(robot.raster, (x, y)):
-                return (x, y), best_scores(cells, given, order), list(unreached)
+                return (x, y), best_scores(cells, given), list(unreached)
             unreached[x, y] = None
     return None, (), list(unreached)
 
 
-def best_scores(cells: FloatArray, given: GoalChoice, order: list[int]) -> Scores:
+def best_scores(cells: FloatArray, given: GoalChoice) -> Scores:
     """Return the best cells with their scores and the terms of these."""
-    best = order[:SCORES_KEPT]
+    best = given.order[:SCORES_KEPT]
     terms = (given.scores, given.distance, given.turn, given.others)
     return tuple(zip(*cells[best].T.tolist(), *(t[best].tolist() for t in terms), strict=True))
 
@@ -314,7 +315,10 @@ def chosen(
 
 
 def agreed(robot: FrontierRobot) -> list[Place]:
-    """Return the cells that this robot and all that are present found inaccessible."""
+    """Return the cells that this robot and all that are present found inaccessible.
+
+    Idle robots, and robots not heard of for long, are not asked for; see `Mates.present`.
+    """
     everybody = {robot.me.robot, *(report.robot for report in robot.team.present())}
     said = robot.team.cells.inaccessible.items()
     return [cell for cell, by in said if everybody <= by.keys()]

@@ -5,6 +5,9 @@ escenarios 2D, sections 3.2.3 to 3.2.5. Differs in:
 
 - The size of the map is not known: searched is the bounding rectangle of the known area, grown by
   one cell on every side.
+- The search ends when it has found unexplored cells to the number of 5 % (`enough_share`) of all
+  cells of that rectangle. So does Algorithm 2 of the thesis, with the cells of the map; its text
+  has 5 % of the unexplored cells.
 - A* runs over the raster that the body moves on, not over the larger cells of the search, which
   would close a door not much wider than the body. It keeps the body's radius from known obstacles,
   and enters the unknown only where a frontier is wide enough for the body.

@@ -1,4 +1,33 @@
-"""What one robot that goes to frontiers does from beginning to end."""
+"""What one robot that goes to frontiers does from beginning to end.
+
+Where the procedures of the papers are:
+
+=================================  =============================================================
+SBX-R                              module
+=================================  =============================================================
+Algorithm 1, main exploration      `explore`, here, with the states in `progress`
+- map generator                    `scan_map`
+- EEDT planner                     `ways`, with `geometry.grids.euclidean_field`
+- navigator                        `nearness`, with `planners.navigation.nearness_diagram`
+- stop signal                      `self_bidding`; heard in `team`
+Algorithm 2, table of bids         `self_bidding`, with `planners.assignment.self_bidding`
+Algorithm 3, communication         `team`, with `messages` and `multisrt.robots.listening`
+=================================  =============================================================
+
+=================================  =============================================================
+Álvarez, section                   module
+=================================  =============================================================
+3.2.1 data acquisition             `scan_map`; inaccessible cells in `alvarez`
+3.2.2 general control              `explore`, here, with `Rules` in `alvarez`
+3.2.3 goal search (Algorithm 2)    `alvarez_goals`, with `planners.grid_search` and
+                                   `planners.assignment.cell_choice`
+3.2.4 look ahead                   `alvarez_goals`, with `planners.navigation.sector`
+3.2.5 path planning (Algorithm 3)  `alvarez_goals`, with `planners.grid_search`
+3.2.6 motion (Algorithm 4)         `alvarez` and `driving`
+3.2.7 conflicts (Algorithm 5)      `alvarez`, with `planners.navigation.right_of_way`
+3.2.8 exchange (Algorithm 6)       `alvarez`, with `planners.assignment.exchange`
+=================================  =============================================================
+"""
 
 from __future__ import annotations
 

@@ -38,8 +38,9 @@ class FrontierOptions(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
     reached : {"cell", "sight"}
         Whether a goal is reached at its cell, or where it is in sight within half the range.
     paths : {"march", "eedt"}
-        Whether paths to goals come from a fast march, or from the exact Euclidean distance
-        transform that SBX-R uses.
+        Whether the paths that the robot drives come from a fast march, or from the exact
+        Euclidean distance transform that SBX-R uses. The lengths by which goals are chosen are
+        those of the fast march in either case.
     report_period_s : float
         Time after which a robot that drives reports its position, if it has reported nothing
         else, in seconds.

@@ -25,19 +25,21 @@
     (b) blocked, stop signal, assigned
 
 ============  ======================================================================================
-CHOOSING      The rule chooses a goal. If there is none, goals given up for want of a path are tried
-              again once more is known (``no way``, back to CHOOSING).
+CHOOSING      The rule chooses a goal. If there is none, a car tries goals given up for want of a
+              path again once more is known (``no way``, back to CHOOSING).
 DRIVING       The robot drives to its goal.
 MEETING       The protective stop has ended a motion before another body. The robot looks for a
               detour, or asks the other to give way.
 YIELDING      The robot makes room, as it was asked to.
 WAITING       Only bodies that may still leave bar the ways to the last frontiers.
 BOXED_IN      Bodies that do not leave bar them; the robot is done until it hears something new.
-COMPLETE      No frontier is left; the robot is done until it hears something new.
+COMPLETE      No frontier is left that it can reach; the robot is done until it hears something new.
 ============  ======================================================================================
 
-What ends a state is an `Event`; `TRANSITIONS` says where it leads. Attempts that fail are counted
-only as long as nothing changes (`Standstill`), and the limits are options:
+What ends a state is an `Event`; `TRANSITIONS` says where it leads. Attempts that fail are counted,
+and the limits are options. Jams are counted while the robot stands at one place and its map stays
+the same (`Standstill`); waits while its map stays the same, wherever it moves; and where the last
+detour began no other one begins.
 
 ====================  ============================================================================
 `patience`            times a robot asks another to give way, in MEETING, before it takes the body
@@ -90,7 +92,7 @@ class Event(StrEnum):
     NOTHING_LEFT = "nothing left"
     """Nothing is left to be seen at the goal."""
     NO_WAY = "no way"
-    """The path turned out not to be free; or goals given up for that may be tried again."""
+    """The path turned out not to be free; or a car may try goals given up for that again."""
     BLOCKED = "blocked"
     """Another robot stands in the way."""
     GAVE_WAY = "gave way"
@@ -98,7 +100,7 @@ class Event(StrEnum):
     STOP_SIGNAL = "stop signal"
     """Another robot said that the goal is no longer a frontier."""
     ASSIGNED = "assigned"
-    """Another robot gave this one a goal, or wants one from it."""
+    """Another robot gave this one a goal, or wants one from it; or this one swapped goals."""
     CALLED_ON = "called on"
     """The robot was done, and heard something new."""
 

@@ -249,7 +249,7 @@ class FrontierRobot:
             yield from self._watch(self)
 
     def tell_when_complete(self) -> Steps:
-        """Put on record, once, that no frontier is left in the map."""
+        """Put on record, once, that no frontier is left that the robot can reach."""
         if not self._told_complete:
             self._told_complete = True
             yield Note(MapComplete(time_s=self.time_s, robot=self.me.robot))

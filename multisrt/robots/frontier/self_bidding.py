@@ -1,7 +1,18 @@
 """SBX-R: robots bid for themselves and for each other, and stay within reach of one another.
 
 Source: J. C. Elizondo, G. Ramírez, E. Rodriguez and J. R. Martínez, Multi-robot Exploration Using
-Self-Biddings under Constraints on Communication Range (SBX-R), section III.
+Self-Biddings under Constraints on Communication Range (SBX-R), section III. Differs in:
+
+- In the paper all path lengths and paths are EEDT's. Here the lengths a, and the paths that phi
+  bounds, come from the fast march, straightened for the latter. With ``paths="eedt"``, the default,
+  the robot then drives the path of EEDT, and rho is measured along that path.
+- Robots with nothing to do, and robots not heard of for `forget_after_s`, do not take part: they
+  have no row in the table of bids, and no goal or position of theirs holds the bridge.
+- Nodes are sent after every scan that changed the map; in Algorithm 1 a robot asks for maps when
+  it decides. It still asks for goals then, and for the nodes that it lacks.
+- Stop signals are sent after a scan that added a node of the robot's own, once for each goal; in
+  Algorithm 1 at any time while it drives.
+- There is no stop signal to all at the end: each robot ends when it can reach no frontier.
 """
 
 from __future__ import annotations
@@ -23,8 +34,8 @@ from multisrt.robots.explorer import Action, Outcome, Send
 from multisrt.robots.frontier.messages import StopMessage
 from multisrt.robots.frontier.options import SelfBiddingOptions
 from multisrt.robots.frontier.robot import FrontierRobot
-from multisrt.robots.frontier.rules import Choice, finite_or_none, settle_on
 from multisrt.robots.frontier.wavefront_costs import Table, own_costs
+from multisrt.robots.frontier.wavefront_rules import Choice, finite_or_none, settle_on
 
 ROUNDING_M: Final = 1e-6
 """A path whose upper bound is within this of the first radius is measured exactly."""
@@ -53,7 +64,10 @@ class _Prospect:
 
 
 def choose_by_self_bidding(robot: FrontierRobot, because: str) -> Choice:
-    """CHOOSE TARGET: ask the robots in range where they go, and bid for all of them."""
+    """CHOOSE TARGET: ask the robots in range where they go, and bid for all of them.
+
+    All are those in `Mates.present`; see the module.
+    """
     team, options = robot.team, cast(SelfBiddingOptions, robot.options)
     robot.set_goal(None)
     if not team.is_alone:
@@ -110,7 +124,10 @@ def _prospect(robot: FrontierRobot) -> _Prospect:
 def _bid_tables(
     robot: FrontierRobot, own: Table, known: _Prospect
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return the path lengths a, the path gaps and the frontier gaps of `self_bidding`."""
+    """Return the path lengths a, the path gaps and the frontier gaps of `self_bidding`.
+
+    All are those of the fast march, whatever the option `paths`.
+    """
     options = cast(SelfBiddingOptions, robot.options)
     targets, indices = own.targets, robot.indices_of(own.targets)
     a = np.full((len(known.robots), len(targets)), np.inf)
@@ -217,7 +234,10 @@ def farthest_along(path: FloatArray, step_m: float, places: FloatArray) -> float
 
 
 def tell_who_may_stop(robot: FrontierRobot) -> Generator[Action, Outcome, None]:
-    """STOP SIGNAL: tell other robots when their goals are no longer frontiers."""
+    """STOP SIGNAL: tell other robots when their goals are no longer frontiers.
+
+    Called after every scan that added a node of the robot's own.
+    """
     team = robot.team
     for report in team.present():
         goal = report.goal

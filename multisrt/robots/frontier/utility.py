@@ -21,8 +21,8 @@ from multisrt.robots.explorer import Send
 from multisrt.robots.frontier.messages import AssignmentMessage
 from multisrt.robots.frontier.options import UtilityOptions
 from multisrt.robots.frontier.robot import FrontierRobot
-from multisrt.robots.frontier.rules import Choice, settle_on
 from multisrt.robots.frontier.wavefront_costs import full_table, own_costs
+from multisrt.robots.frontier.wavefront_rules import Choice, settle_on
 
 MAX_REQUESTS: Final = 3
 """Bounds the requests of a robot to a leader that does not answer."""

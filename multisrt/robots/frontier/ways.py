@@ -189,6 +189,7 @@ class Ways:
         guard_m, discs = self._options.guard_m, self._discs.copy()
         for disc in discs:
             apart, radii = math.dist(disc[:2], (x, y)), disc[2]
+            # No motion is stopped beyond the guard distance.
             gap = min(guard_m, planned_gap(max(0.0, apart - radii), guard_m))
             disc[2] = min(apart - ROUNDING_M, radii + gap)
         return bool(paths_keep_clear(np.array([[x, y, *place]]), discs)[0])

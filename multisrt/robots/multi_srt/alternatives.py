@@ -30,7 +30,9 @@ ASIDE_SHARES = (0.25, 0.5, 0.75, 1.0)
 class KnownAlternatives:
     """Finds other targets, detours and ways aside for the robots of a group.
 
-    A car is given none: only itself can tell how it would come back.
+    For a car there are only ways aside to nodes: where it has not been, only itself can tell how it
+    would come back. The way to a node is checked as a straight line in constant heading, whatever
+    the motion is that the robot then makes; the protective stop guards the difference.
 
     Parameters
     ----------

@@ -8,7 +8,7 @@ from multisrt.geometry.numerics.kernel import FloatArray
 from multisrt.geometry.regions.frontier_arcs import total_length
 from multisrt.geometry.regions.safe_region import Shape
 from multisrt.robots.explorer import Done, RobotSelf, Steps
-from multisrt.robots.multi_srt.build_srt import as_far_as_it_gets, build_srt
+from multisrt.robots.multi_srt.build_srt import build_srt, until_boxed_in
 from multisrt.robots.multi_srt.options import MultiSrtOptions
 from multisrt.robots.multi_srt.robot import SrtRobot
 from multisrt.robots.multi_srt.support import Supported, obey, support_others
@@ -35,7 +35,7 @@ class SrtExplorer:
         """BUILD_MULTI_SRT: extend the own tree, then those of others; then stand by."""
         robot, supported = self.robot, Supported()
         yield from robot.team.begin_step()
-        yield from as_far_as_it_gets(robot, build_srt(robot))
+        yield from until_boxed_in(robot, build_srt(robot))
         robot.at.tree = None
         yield from robot.team.rest()
         while True:

@@ -11,12 +11,15 @@ BUILD_AND_WAIT_GPR         `engagement`
 PERCEIVE, MOVE_TO          `move_to`
 ADD                        `trees`
 BUILD_GER                  `engagement`
-LOCAL_FRONTIER             here
-PLANNER                    `planner`
+LOCAL_FRONTIER             here; the test is in `local_frontiers`, with
+                           `geometry.regions.arc_pieces`
+PLANNER                    `planner`, with `planners.srt`
 CHECK_FEASIBILITY          `coordination`, with `conflicts`
 COORDINATE, ORGANIZE       `coordination`, `organize`
 SUPPORT_OTHERS             `support`
 =========================  ===============================================
+
+Differs in: at a node that is known already the robot neither perceives nor adds a node.
 """
 
 from __future__ import annotations
@@ -40,7 +43,9 @@ from multisrt.robots.multi_srt.targets import NewPlace, Step
 
 
 def build_srt(robot: SrtRobot, *, supports: bool = False) -> Steps:
-    """BUILD_SRT: extend a tree until its frontier is explored and the robot is at its root.
+    """BUILD_SRT: extend a tree until the planner has no target.
+
+    In its own tree the robot is at the root then; in support, where it explored the last frontier.
 
     Parameters
     ----------
@@ -55,7 +60,7 @@ def build_srt(robot: SrtRobot, *, supports: bool = False) -> Steps:
     yield from take_steps(robot, Planner(robot, completing=supports))
 
 
-def as_far_as_it_gets(robot: SrtRobot, steps: Steps) -> Steps:
+def until_boxed_in(robot: SrtRobot, steps: Steps) -> Steps:
     """Take steps until they are done, or the robot is boxed in."""
     try:
         yield from steps

@@ -1,4 +1,9 @@
-"""Prospective motions of a group of robots, and which of them conflict."""
+"""Prospective motions of a group of robots, and which of them conflict.
+
+Source: Multi-SRT, paper section 2, "GER path feasibility check". Differs in: in the paper paths
+conflict that intersect; here motions on which the bodies come nearer to one another than the
+protective stop allows (`planned_gap`).
+"""
 
 from __future__ import annotations
 

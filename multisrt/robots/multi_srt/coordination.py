@@ -1,8 +1,11 @@
 """CHECK_FEASIBILITY and COORDINATE: robots whose paths conflict.
 
 Source: Multi-SRT, paper section 2, "GER path feasibility check" and "Coordination". The master
-is the robot of the highest number among those that make a step; differs in: a master that does
-not answer is taken as lost, the group is built anew without it, and the next highest is master.
+is the robot of the highest number. Differs in:
+
+- A robot that stands idle is never master, but the highest of those that make a step.
+- A master that does not answer is taken as lost, the group is built anew without it, and the next
+  highest is master.
 """
 
 from __future__ import annotations

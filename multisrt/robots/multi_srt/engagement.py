@@ -2,9 +2,14 @@
 
 Source: Multi-SRT, paper section 2, "Construction of GPR/GER"; differs in: the paper leaves open
 how robots agree. Here a group is named by its members and the number of the step that each is
-about to make (its key). No member goes on before all others have said that they have reached the
-same phase with the same key; so no robot moves by a group that another member does not know,
-whatever messages are delayed or lost.
+about to make (its key). A member goes on when all others have said that they have reached the same
+phase with the same key; so no robot moves by a group that another member does not know, whatever
+messages are delayed or lost. There are three exceptions:
+
+- A member that stands idle in the step that the key names need not say anything.
+- The orders of a master end the waiting: it had the plans of all when it gave them.
+- After `max_rounds` rounds of questions a robot leaves those that have not confirmed out of its
+  groups for `left_out_s`, and goes around them.
 """
 
 from __future__ import annotations

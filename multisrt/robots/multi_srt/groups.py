@@ -5,6 +5,10 @@ their targets are nearer than twice the range of perception; the target of a rob
 is its own configuration. The GPR of a robot is its connected component under this relation. The
 GER is the component under the overlap of local safe regions, once all of the GPR have perceived.
 Both relations are symmetric, so every member finds the same group.
+
+Differs in: the path of a moving robot that passes within the sensing range of another's target
+without ending there couples the two, too; and for unlike robots twice the range is the sum of
+theirs.
 """
 
 from __future__ import annotations
@@ -22,8 +26,8 @@ def are_coupled(a: RobotState, b: RobotState) -> bool:
     """Return whether two robots may meet in their next steps (paper: GPR-coupled).
 
     They are when their targets are nearer to one another than the sum of their sensing ranges
-    (``2 R_p`` for equal robots). The path of a moving robot that is not straight may also pass
-    within the sensing range of the other's target without ending there: that couples, too.
+    (``2 R_p`` for equal robots). Differs in: a moving robot is also coupled to one whose target its
+    path passes within sensing range, as a path that is not straight may.
     """
     target_a, target_b = a.target, b.target
     return (

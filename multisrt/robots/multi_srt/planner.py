@@ -36,8 +36,9 @@ class Planner:
         The robot that extends the tree.
     completing : bool
         Whether the third stage is reached already, as in the tree of another robot. Before, a
-        robot without a target goes back to the parent of its node, as in the paper; from then
-        on it goes over the roadmap.
+        robot without a target goes back to the parent of its node, as in the paper. The stage
+        begins at the root, or where there is no way back to the parent, as when a body blocks it;
+        from then on the robot goes over the roadmap, and does so until the tree is complete.
     """
 
     def __init__(self, robot: SrtRobot, *, completing: bool = False) -> None:

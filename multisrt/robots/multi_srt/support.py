@@ -1,7 +1,13 @@
 """SUPPORT_OTHERS: a robot that is done with its own tree extends those of others (Figure 5).
 
-Source: Multi-SRT, paper section 2, SUPPORT_OTHERS; differs in: with a limited radio, where the
-paper has no support, a robot takes over the trees of robots that it has not heard of for long.
+Source: Multi-SRT, paper section 2, SUPPORT_OTHERS. Differs in:
+
+- With a limited radio, where the paper has no support, a robot takes over the trees of robots that
+  it has not heard of for long.
+- A robot that has extended another's tree goes home from where it stands, not by way of the root
+  of that tree.
+- A tree that the robot has supported before is selected again only if its open frontier is longer
+  than what the robot left then.
 """
 
 from __future__ import annotations
@@ -15,7 +21,7 @@ from multisrt.geometry.numerics.kernel import FloatArray
 from multisrt.planners.srt import Draws
 from multisrt.robots.explorer import Action, Note, Outcome, Steps
 from multisrt.robots.knowledge import NodeId
-from multisrt.robots.multi_srt.build_srt import as_far_as_it_gets, build_srt, take_steps
+from multisrt.robots.multi_srt.build_srt import build_srt, take_steps, until_boxed_in
 from multisrt.robots.multi_srt.messages import Order
 from multisrt.robots.multi_srt.move_to import move_to
 from multisrt.robots.multi_srt.planner import PlanOutcome, on_the_way
@@ -48,9 +54,9 @@ def support_others(robot: SrtRobot, supported: Supported) -> Steps:
     while True:
         tree = yield from select(robot, supported)
         if tree is not None:
-            yield from as_far_as_it_gets(robot, support(robot, tree))
+            yield from until_boxed_in(robot, support(robot, tree))
             supported.left_m[tree] = open_frontier(robot, tree)
-            yield from as_far_as_it_gets(robot, transfer_to(robot, robot.trees.root, None))
+            yield from until_boxed_in(robot, transfer_to(robot, robot.trees.root, None))
             yield from robot.team.rest()
         elif exploration_running(robot):
             yield from wait_for_news(robot)
@@ -68,7 +74,8 @@ def select(robot: SrtRobot, supported: Supported) -> Generator[Action, Outcome, 
     """SELECT: of the trees that may need support (paper: I), choose one, or None.
 
     A tree may need support if its open frontier is at least `support_m` (paper: F bar) for each
-    robot that is active in it.
+    robot that is active in it; one that this robot has supported before, only if its open frontier
+    is also longer than what was left of it then.
     """
     yield from robot.trees.tell_when_complete()
     if not robot.options.support or robot.at.here is None:
@@ -240,7 +247,7 @@ def obey(robot: SrtRobot) -> Steps:
     """Give way, if a master has ordered it; and go home again."""
     order = robot.team.order_for_me()
     if order is not None and order.order == "give way" and robot.at.here is not None:
-        yield from as_far_as_it_gets(robot, _give_way(robot, order))
+        yield from until_boxed_in(robot, _give_way(robot, order))
 
 
 def _give_way(robot: SrtRobot, order: Order) -> Steps:

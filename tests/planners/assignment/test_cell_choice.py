@@ -21,7 +21,7 @@ def test_score_of_a_cell():
     assert chosen.turn.tolist() == pytest.approx([6.25, 0.0])
     assert chosen.others.tolist() == pytest.approx([9.0, 12.0])
     assert chosen.scores.tolist() == pytest.approx([63.75, 59.5])
-    assert chosen.choice == 0
+    assert chosen.order.tolist() == [0, 1]
 
 
 @pytest.mark.parametrize(
@@ -38,14 +38,16 @@ def test_full_turns_do_not_count(turn, points):
     assert chosen.turn.tolist() == pytest.approx([points])
 
 
-def test_equal_scores_go_to_the_nearer_cell_then_the_first():
-    # Without a weight on the distance all cells score 70.
-    even = choose_cell([3, 2, 2], [0, 0, 0], np.empty((0, 3)), 1, 10.0, distance_weight=0.0)
-    assert even.choice == 1
+def test_of_equal_scores_the_nearer_cell_comes_first_then_the_lower_index():
+    # P_d = 10 d / D and P_r = 20 d / D / 2 cancel out, so that all cells score 70.
+    weights = {"distance_weight": 10.0, "others_weight": 20.0}
+    even = choose_cell([3, 2, 2], [0, 0, 0], [[3, 2, 2]], 2, 10.0, **weights)
+    assert even.scores.tolist() == [70.0, 70.0, 70.0]
+    assert even.order.tolist() == [1, 2, 0]
 
 
-def test_no_cells_give_no_choice():
-    assert choose_cell([], [], np.empty((2, 0)), 3, 10.0).choice is None
+def test_no_cells_have_no_order():
+    assert not len(choose_cell([], [], np.empty((2, 0)), 3, 10.0).order)
 
 
 @given(st.integers(1, 6), st.integers(0, 3), st.data())
@@ -60,7 +62,7 @@ def test_scores_follow_the_equations(cells, goals, data):
         turned = 25 * math.degrees(abs(turns[c])) / 360
         spread = 30 * sum(to_goals[g, c] / 50 for g in range(goals)) / (goals + 1)
         assert chosen.scores[c] == pytest.approx(70 - near - turned + spread)
-    assert chosen.scores[chosen.choice] == chosen.scores.max()
+    assert (np.diff(chosen.scores[chosen.order]) <= 0.0).all()
 
 
 @pytest.mark.parametrize(

@@ -49,79 +49,57 @@ def changed(robot: Party, **more) -> Party:
 
 
 def test_a_robot_goes_on_if_no_other_is_near():
-    assert ruling(EAST) == ("go", False, ())
-    assert ruling(EAST, party(2, (3.7, 0), (-6, 0))) == ("go", False, ())
+    assert ruling(EAST) == (False, ())
+    assert ruling(EAST, party(2, (3.7, 0), (-6, 0))) == (False, ())
 
 
 def test_flag_falls_when_the_sector_is_clear():
-    assert ruling(changed(EAST, leader=True)) == ("go", False, ())
+    assert ruling(changed(EAST, leader=True)) == (False, ())
     passed = party(2, (-1, 0), (-6, 0))
-    assert ruling(changed(EAST, leader=True), passed) == ("go", False, ())
+    assert ruling(changed(EAST, leader=True), passed) == (False, ())
 
 
 def test_the_robot_behind_waits_for_the_one_before():
     behind, before = party(1, (0, 0), (8, 0)), party(2, (1, 0), (9, 0))
-    assert ruling(behind, before) == ("wait", False, (2,))
-    assert ruling(before, behind) == ("go", False, ())
+    assert ruling(behind, before) == (False, (2,))
+    assert ruling(before, behind) == (False, ())
 
 
-def test_an_inactive_robot_on_the_path_is_an_obstacle():
-    assert ruling(EAST, changed(WEST, inactive=True)) == ("detour", False, (2,))
-    # In the sector, but 0.7 m beside the way.
-    beside = changed(WEST_BESIDE, inactive=True)
-    assert is_in_sector(EAST.configuration, beside.configuration, CONFLICT_M)
-    assert ruling(EAST, beside) == ("go", False, ())
+def test_nobody_waits_for_an_inactive_robot():
+    inactive = changed(WEST, inactive=True)
+    assert is_in_sector(EAST.configuration, inactive.configuration, CONFLICT_M)
+    assert ruling(EAST, inactive) == (False, ())
 
 
 def test_face_to_face_the_first_to_see_leads():
-    assert ruling(EAST, WEST_BESIDE) == ("go", True, ())
-    assert ruling(WEST_BESIDE, changed(EAST, leader=True)) == ("wait", False, (1,))
+    assert ruling(EAST, WEST_BESIDE) == (True, ())
+    assert ruling(WEST_BESIDE, changed(EAST, leader=True)) == (False, (1,))
     # Likewise if the other decides first.
-    assert ruling(WEST_BESIDE, EAST) == ("go", True, ())
-    assert ruling(EAST, changed(WEST_BESIDE, leader=True)) == ("wait", False, (2,))
+    assert ruling(WEST_BESIDE, EAST) == (True, ())
+    assert ruling(EAST, changed(WEST_BESIDE, leader=True)) == (False, (2,))
 
 
 def test_of_two_flags_the_lower_number_keeps_its_own():
     east, west = changed(EAST, leader=True), changed(WEST_BESIDE, leader=True)
-    assert ruling(east, west) == ("go", True, ())
-    assert ruling(west, east) == ("wait", False, (1,))
+    assert ruling(east, west) == (True, ())
+    assert ruling(west, east) == (False, (1,))
 
 
-def test_a_leader_goes_round_a_robot_in_its_way():
-    assert ruling(EAST, WEST) == ("detour", True, (2,))
-    assert ruling(WEST, changed(EAST, leader=True)) == ("wait", False, (1,))
-
-
-def test_without_a_way_round_the_other_retreats():
-    stuck = changed(EAST, leader=True, stuck=True)
-    assert ruling(stuck, WEST) == ("wait", True, (2,))
-    assert ruling(WEST, stuck) == ("retreat", False, (1,))
-    # A robot that is not in its way need not.
-    assert ruling(WEST_BESIDE, stuck) == ("wait", False, (1,))
-
-
-def test_a_robot_that_cannot_retreat_becomes_the_leader():
-    stuck = changed(EAST, leader=True, stuck=True)
-    cornered = changed(WEST, cornered=True)
-    assert ruling(cornered, stuck) == ("detour", True, (1,))
-    cornered = changed(cornered, leader=True, stuck=True)
-    assert ruling(stuck, cornered) == ("retreat", False, (2,))
-    # If neither can, neither moves.
-    stuck = changed(stuck, cornered=True)
-    assert ruling(stuck, cornered) == ("wait", True, (2,))
-    assert ruling(cornered, stuck) == ("wait", False, (1,))
+def test_a_leader_goes_on_towards_a_robot_in_its_way():
+    assert ruling(EAST, WEST) == (True, ())
+    assert ruling(WEST, changed(EAST, leader=True)) == (False, (1,))
 
 
 def test_after_the_retreat_the_leader_passes():
     # The other stands in a side room at (1, 1) and wants to go on to the west.
     aside = party(2, (1, 1), (1, 0), (-6, 0))
-    coming = changed(EAST, leader=True, stuck=True)
-    assert ruling(coming, aside)[0] == "go"
+    coming = changed(EAST, leader=True)
+    assert ruling(coming, aside) == (False, ())
     # The leader stands on its way, though not ahead of it.
     assert not is_in_sector(aside.configuration, coming.configuration, CONFLICT_M)
-    assert ruling(aside, coming) == ("wait", False, (1,))
+    assert ruling(aside, coming) == (False, (1,))
     past = party(1, (1.7, 0), (8, 0))
-    assert ruling(aside, past) == ("go", False, ())
+    assert ruling(aside, past) == (False, ())
 
 
 def test_three_in_a_ring_have_one_leader():
@@ -132,22 +110,22 @@ def test_three_in_a_ring_have_one_leader():
     ]
     assert right_of_way(ring[1], [ring[0], ring[2]], 4.0).leader
     ring[1] = changed(ring[1], leader=True)
-    assert right_of_way(ring[0], ring[1:], 4.0) == ("wait", False, (1,))
-    assert right_of_way(ring[2], ring[:2], 4.0) == ("wait", False, (1,))
+    assert right_of_way(ring[0], ring[1:], 4.0) == (False, (1,))
+    assert right_of_way(ring[2], ring[:2], 4.0) == (False, (1,))
 
 
 def test_two_conflicts_have_a_leader_each():
     east, west = party(3, (0, 9), (8, 9)), party(4, (2.9, 9.7), (-6, 9.7))
-    assert ruling(EAST, WEST_BESIDE, east, west) == ("go", True, ())
+    assert ruling(EAST, WEST_BESIDE, east, west) == (True, ())
     first = changed(EAST, leader=True)
-    assert ruling(west, first, WEST_BESIDE, east) == ("go", True, ())
+    assert ruling(west, first, WEST_BESIDE, east) == (True, ())
 
 
 def test_a_leader_waits_for_a_robot_that_crosses():
     # A third robot crosses between the two and sees neither.
     crossing = party(3, (1.5, 0), (1.5, 8))
     west = changed(WEST_BESIDE, leader=False)
-    assert ruling(changed(EAST, leader=True), west, crossing) == ("wait", True, (3,))
+    assert ruling(changed(EAST, leader=True), west, crossing) == (True, (3,))
 
 
 def test_equal_numbers_are_rejected():
@@ -221,8 +199,6 @@ def teams(draw):
             heading=draw(st.floats(-math.pi, math.pi)),
             leader=draw(st.booleans()),
             inactive=draw(st.integers(0, 4)) == 0,
-            stuck=draw(st.booleans()),
-            cornered=draw(st.integers(0, 4)) == 0,
         )
         for k in range(count)
     ]
@@ -238,14 +214,5 @@ def test_robots_that_see_each_other_do_not_all_wait(team):
             others = [mate for mate in team if mate is not team[k]]
             rulings[k] = right_of_way(team[k], others, CONFLICT_M, margin_m=0.1)
             team[k] = changed(team[k], leader=rulings[k].leader)
-    for k, (action, leader, because_of) in rulings.items():
-        assert k not in because_of
-        assert (action == "go") <= (not because_of)
-        assert (action in ("wait", "retreat", "detour")) <= bool(because_of)
-        assert leader <= (action != "retreat")
-    # A robot goes or tries to; or a stuck leader has another leave, or none that could.
-    actions = {ruling.action for ruling in rulings.values()}
-    if active and actions == {"wait"}:
-        held = [team[k] for k, ruling in rulings.items() if ruling.leader]
-        assert held
-        assert any(robot.stuck for robot in held)
+    assert all(k not in waits_for for k, (_, waits_for) in rulings.items())
+    assert not active or any(not waits_for for _, waits_for in rulings.values())

@@ -31,13 +31,13 @@ from multisrt.robots.frontier.messages import (
 from multisrt.robots.frontier.options import FrontierOptions, SelfBiddingOptions
 from multisrt.robots.frontier.progress import Event
 from multisrt.robots.frontier.robot import FrontierRobot
-from multisrt.robots.frontier.rules import choose_closest, choose_greedy, choose_minpos
 from multisrt.robots.frontier.self_bidding import (
     choose_by_self_bidding,
     path_gaps,
     tell_who_may_stop,
 )
 from multisrt.robots.frontier.wavefront_costs import WavefrontCosts, full_table
+from multisrt.robots.frontier.wavefront_rules import choose_closest, choose_greedy, choose_minpos
 
 PILLARS = shapely.union_all(
     [shapely.box(x, y, x + 1, y + 1) for x, y in ((6, 3), (13, 8), (18, 4))]

@@ -7,7 +7,7 @@ from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.geometry.configuration import Configuration
 from multisrt.robots.explorer import Sense, Sighting
 from multisrt.robots.knowledge import NodeId
-from multisrt.robots.multi_srt.build_srt import as_far_as_it_gets
+from multisrt.robots.multi_srt.build_srt import until_boxed_in
 from multisrt.robots.multi_srt.progress import BoxedIn
 from multisrt.robots.multi_srt.targets import KnownNode
 
@@ -76,7 +76,7 @@ def test_a_boxed_in_robot_gives_up_its_target_alone(robot):
         yield Sense()
         raise BoxedIn
 
-    assert [*as_far_as_it_gets(robot, steps())] == [Sense()]
+    assert [*until_boxed_in(robot, steps())] == [Sense()]
     assert robot.journey.target is None
 
 

@@ -2,6 +2,9 @@
 
 The rules themselves are in `planners.assignment`. Here they are asked on the robot's own map, and
 the decision is recorded with what it was based on.
+
+Source: the papers named there. Differs in: where they count all robots, `greedy` and `minpos` leave
+out those with nothing to do and those not heard of for `forget_after_s` (`Mates.present`).
 """
 
 from __future__ import annotations
@@ -33,7 +36,10 @@ def choose_closest(robot: FrontierRobot, because: str) -> Choice:
 
 
 def choose_greedy(robot: FrontierRobot, because: str) -> Choice:
-    """GREEDY: assign frontiers to all robots at increasing cost, up to this robot's own."""
+    """GREEDY: assign frontiers to the robots at increasing cost, up to this robot's own.
+
+    Differs in: idle robots, and robots not heard of for long, have no costs and get no frontier.
+    """
     costs = WavefrontCosts(robot)
     assigned = greedy(costs, until=costs.row)
     own = int(assigned.assignment[costs.row])
@@ -45,7 +51,10 @@ def choose_greedy(robot: FrontierRobot, because: str) -> Choice:
 
 
 def choose_minpos(robot: FrontierRobot, because: str) -> Choice:
-    """MINPOS: the frontier to which the fewest robots are nearer, of several the nearest."""
+    """MINPOS: the frontier to which the fewest robots are nearer, of several the nearest.
+
+    Differs in: idle robots, and robots not heard of for long, do not count as nearer.
+    """
     costs = WavefrontCosts(robot)
     chosen = minpos(costs, costs.row)
     ranks = tuple(

@@ -19,6 +19,7 @@ def modules_with_examples() -> list[str]:
     return found
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", modules_with_examples())
 def test_examples_in_docstrings_run(name, tmp_path, monkeypatch):
     module = import_module(name)

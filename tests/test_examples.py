@@ -13,6 +13,7 @@ from multisrt.robots import registry
 EXAMPLES = Path(__file__).parent.parent / "examples"
 
 
+@pytest.mark.slow
 def test_own_explorer_is_checked_and_explores(load_module, monkeypatch, tmp_path, capsys):
     known = dict(registry._registry())
     monkeypatch.setattr(registry, "_registry", lambda: known)
@@ -47,6 +48,7 @@ def test_own_explorer_has_fewer_than_forty_lines():
     assert sum(bool(text.splitlines()[k - 1].strip()) for k in lines) < 40
 
 
+@pytest.mark.slow
 def test_faults_reports_every_fault(load_module, tmp_path, capsys):
     load_module(EXAMPLES / "faults.py").main(folder=tmp_path)
     told = capsys.readouterr().out
@@ -56,6 +58,7 @@ def test_faults_reports_every_fault(load_module, tmp_path, capsys):
     assert (tmp_path / "faults.svg").exists()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["own_explorer"])
 def test_examples_run_as_scripts(name, tmp_path):
     run = subprocess.run(

@@ -13,12 +13,14 @@ def run():
     return explore(environment("open"), strategy="closest", robots=2, seed=1, max_time_s=40.0)
 
 
+@pytest.mark.slow
 def test_the_total_path_length_is_that_of_the_metrics(run):
     assert math.fsum(travelled_m(run.recording, math.inf)) == pytest.approx(
         run.metrics.total_distance_m, rel=1e-9
     )
 
 
+@pytest.mark.slow
 def test_the_path_length_per_second_is_bounded_by_the_speed(run):
     speed_m_s = run.spec.robots[0].drive.speed_m_s
     driven = [travelled_m(run.recording, 0.5 * second) for second in range(81)]

@@ -37,11 +37,13 @@ def check(digests, tmp_path, monkeypatch, *options):
     return ended.value.code
 
 
+@pytest.mark.slow
 def test_runs_that_are_as_published_are_counted(digests, tmp_path, monkeypatch, capsys):
     assert check(digests, tmp_path, monkeypatch) == 0
     assert "4 of 4 runs are as published" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_a_run_that_differs_is_named(digests, tmp_path, monkeypatch, capsys):
     other = PLANNED[2]
     assert check({**digests, other.key: "f" * 64}, tmp_path, monkeypatch, "--runs", "0") == 1
@@ -51,6 +53,7 @@ def test_a_run_that_differs_is_named(digests, tmp_path, monkeypatch, capsys):
     assert "3 of 4 runs are as published" in out
 
 
+@pytest.mark.slow
 def test_a_row_of_another_experiment_is_reported(digests, tmp_path, monkeypatch, capsys):
     assert check({**digests, "0" * 32: "f" * 64}, tmp_path, monkeypatch, "--runs", "1") == 1
     out = capsys.readouterr().out
@@ -65,12 +68,14 @@ def test_the_sample_depends_on_the_seed_alone():
         assert {run.key for run in published.draw(PLANNED, count, 7)} == {r.key for r in PLANNED}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("page", [*PRESETS, published.ROBUSTNESS])
 def test_every_page_has_the_runs_of_its_experiment(page):
     keys = {run.key for run in runs(published.experiment(page), published.ROOT)}
     assert keys == published.read_digests(published.RESULTS / f"{page}.csv").keys()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("options", [("--runs", "-1"), ("--workers", "0")])
 def test_counts_that_cannot_be_are_refused(digests, tmp_path, monkeypatch, capsys, options):
     assert check(digests, tmp_path, monkeypatch, *options) == 2

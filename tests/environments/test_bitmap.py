@@ -36,6 +36,7 @@ grids = arrays(np.bool_, array_shapes(min_dims=2, max_dims=2, max_side=12))
 tolerances = st.sampled_from([0.0, 0.25, 0.45, 0.49])
 
 
+@pytest.mark.slow
 @settings(max_examples=150, deadline=None)
 @given(free=grids, scale=st.integers(1, 3), tolerance=tolerances)
 def test_topology_and_places_are_kept(free, scale, tolerance):
@@ -61,6 +62,7 @@ def borders(free):
                 yield column - 0.5 + right / 2, row - 0.5 + up / 2, right, up
 
 
+@pytest.mark.slow
 @settings(max_examples=100, deadline=None)
 @given(
     free=grids.filter(np.any),

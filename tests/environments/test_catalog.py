@@ -125,6 +125,7 @@ def test_the_names_of_worlds_load_no_geometry() -> None:
     assert printed == "[]"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "before",
     [

@@ -41,6 +41,7 @@ def read_public(name, resolution_m=0.05):
 needs_maps = pytest.mark.skipif(not HAVE_MAPS, reason="the shared maps are not here")
 
 
+@pytest.mark.slow
 @needs_maps
 @pytest.mark.parametrize("name", public_maps() if HAVE_MAPS else [])
 def test_public_map_is_read_or_its_fault_is_named(name):

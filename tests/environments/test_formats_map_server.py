@@ -202,6 +202,7 @@ def test_scale_and_threshold_are_the_files_own(room):
         read_environment(path, threshold=0.5)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("content", "message"),
     [

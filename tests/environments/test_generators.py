@@ -127,6 +127,7 @@ VARIATIONS: dict[str, Any] = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", VARIATIONS)
 @settings(max_examples=12, deadline=None, derandomize=True)
 @given(data=st.data(), seed=st.integers(0, 2**32))
@@ -137,6 +138,7 @@ def test_all_parameters_are_passable_everywhere(name: str, data: st.DataObject, 
     assert_passable(world, parameters[passage])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "parameters", "message"),
     [

@@ -229,6 +229,7 @@ def found(here, tmp_path, monkeypatch) -> Comparison:
     return compare(WORLD, TWO, [1, 2], 2, range_finder={"range_m": 3.0})
 
 
+@pytest.mark.slow
 def test_tables_figures_and_frames(found, tmp_path):
     assert len(found.results) == found.results.planned == 8
     table = found.table("total_distance_m")
@@ -276,6 +277,7 @@ def test_unknown_measures_are_refused(ask, found):
         ask(found)
 
 
+@pytest.mark.slow
 def test_the_example_script(here, tmp_path, capsys):
     path = Path(__file__).parents[2] / "examples" / "compare_star_radial.py"
     spec = importlib.util.spec_from_file_location("compare_star_radial", path)
@@ -305,6 +307,7 @@ print(sorted(found.results.results[0].metrics.distance_by_robot_m)[0] > 0)
 """
 
 
+@pytest.mark.slow
 def test_a_script_needs_no_main_guard(tmp_path):
     (tmp_path / "script.py").write_text(SCRIPT)
     done = subprocess.run(

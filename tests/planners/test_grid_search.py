@@ -92,6 +92,7 @@ def test_reachable_cells_agree_with_scipys_labels(passable, data):
     assert (reached == ((labels == labels[start]) if passable[start] else False)).all()
 
 
+@pytest.mark.slow
 @given(GRIDS, st.data())
 def test_paths_lead_exactly_to_reachable_cells(passable, data):
     start, goal = data.draw(cells(passable.shape)), data.draw(cells(passable.shape))

@@ -165,6 +165,7 @@ def test_a_block_within_the_body_on_its_lines_is_found():
     assert travel_polygon(block, body, (2.0, 1.5, 0.0), 0.0, 5.0) == pytest.approx(1.0, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_bodies_and_walls_on_one_grid_agree_with_shapely():
     """Where everything touches, passes and fits exactly, as in worlds from occupancy grids."""
     rng = np.random.default_rng(0)
@@ -246,6 +247,7 @@ def test_travel_of_a_disc_agrees_with_shapely():
     assert stopped > 700
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", BODIES)
 def test_travel_of_a_polygon_agrees_with_shapely(name):
     rng = np.random.default_rng(len(name))
@@ -312,6 +314,7 @@ def test_a_corner_of_the_world_blocks_an_edge_of_the_body():
     assert rotation_is_free(spike, body, 4.0, 4.0, 0.0, -0.7)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", BODIES)
 def test_rotations_agree_with_sampling(name):
     rng = np.random.default_rng(100 + len(name))

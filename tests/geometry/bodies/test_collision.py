@@ -168,6 +168,7 @@ def test_clearance_far_from_the_origin_is_as_exact(moving):
             assert moved.clearance(body, pose + shift) == pytest.approx(clearance, abs=1e-8)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", FOOTPRINTS)
 def test_straight_motions_agree_with_shapely(name, world, obstacles, moving):
     footprint, rng = moving.footprints[name], np.random.default_rng(4)
@@ -205,6 +206,7 @@ def test_long_motions_do_not_tunnel(name, moving):
     assert turning <= 0.5
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", FOOTPRINTS)
 def test_rotations_agree_with_sampling(name, world, cores, obstacles, moving):
     footprint, rng = moving.footprints[name], np.random.default_rng(5)
@@ -232,6 +234,7 @@ def test_rotations_agree_with_sampling(name, world, cores, obstacles, moving):
     assert footprint.is_disc or answers.count(False) > 5
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("arc", [False, True])
 @pytest.mark.parametrize("name", FOOTPRINTS)
 def test_first_contacts_agree_with_sampling(name, arc, world, cores, obstacles, moving):

@@ -64,6 +64,7 @@ def test_distance_is_symmetric_and_independent_of_the_frame(moving, x, y, headin
     assert body_distance(body, (shift, 0, turn), body, moved) == pytest.approx(distance, abs=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("pair", PAIRS)
 @pytest.mark.parametrize("arcs", [(False, False), (True, False)])
 def test_meetings_agree_with_sampling(pair, arcs, moving):
@@ -103,6 +104,7 @@ def test_meetings_agree_with_sampling(pair, arcs, moving):
     assert 3 < found.count(None) < 27
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("pair", PAIRS)
 @pytest.mark.parametrize("arcs", [(False, False), (True, True)])
 def test_coming_within_a_gap_agrees_with_sampling(pair, arcs, moving):

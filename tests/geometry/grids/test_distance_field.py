@@ -258,6 +258,7 @@ def disturbed(seed, count=1):
     return passable, starts + rng.choice([0.5, 0.25, 0.0], (count, 2)), change, rng
 
 
+@pytest.mark.slow
 @given(st.integers(0, 100_000), st.integers(1, 2))
 @settings(max_examples=150)
 def test_a_repaired_field_is_a_new_one_to_the_bit(seed, count):

@@ -48,6 +48,7 @@ def test_around_a_wall_by_hand(order):
     assert field.distance([(5, 38)])[0] == pytest.approx(truth)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("order", ["queue", "sweeps"])
 @given(seed=st.integers(0, 100_000))
 def test_the_path_is_as_long_as_its_distance(order, seed):

@@ -93,6 +93,7 @@ def paths(way, passable, source, cells):
     return [transform.path(cell) for cell in cells]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("way", ["descent", "queue", "sweeps"])
 def test_paths_in_rooms_are_nearly_shortest(way):
     excess = []
@@ -106,6 +107,7 @@ def test_paths_in_rooms_are_nearly_shortest(way):
     assert np.max(excess) < 0.06
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("way", ["descent", "queue", "sweeps"])
 def test_paths_lose_less_than_a_cell_per_turn(way):
     for seed in range(4):
@@ -118,6 +120,7 @@ def test_paths_lose_less_than_a_cell_per_turn(way):
             assert least - 1e-2 < length(path) < 1.05 * least + 1.0 * (len(path) - 2) + 1e-9
 
 
+@pytest.mark.slow
 @given(st.integers(0, 100_000), st.sampled_from(["descent", "queue", "sweeps"]))
 @settings(max_examples=100)
 def test_paths_never_pass_a_blocked_cell(seed, way):

@@ -52,6 +52,7 @@ def break_the_callee(package: Path) -> None:
     os.utime(file, times)
 
 
+@pytest.mark.slow
 def test_a_kernel_follows_a_callee_of_another_file(package):
     assert answer(package) == "True"
     cached = set(package.rglob("no_edge_within*.nbc"))
@@ -61,6 +62,7 @@ def test_a_kernel_follows_a_callee_of_another_file(package):
     assert answer(package) == "False"
 
 
+@pytest.mark.slow
 def test_kernels_of_older_sources_are_removed(package):
     answer(package)
     old = set((package / "geometry" / "regions" / "__pycache__").glob("edge_index-*"))
@@ -71,6 +73,7 @@ def test_kernels_of_older_sources_are_removed(package):
     assert old != new
 
 
+@pytest.mark.slow
 def test_a_cache_chosen_by_the_user_is_used(package, tmp_path):
     mine = tmp_path / "mine"
     assert answer(package, NUMBA_CACHE_DIR=str(mine)) == "True"

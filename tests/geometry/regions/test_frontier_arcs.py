@@ -97,6 +97,7 @@ def test_a_frontier_collinear_with_a_neighbours_gap_is_kept(subtracting, worlds)
     assert deleted.intersection(gap).length < 1e-3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["rooms", "office", "clutter"])
 @pytest.mark.parametrize(("shape", "beams"), [("radial", None), ("star", None), ("radial", 360)])
 def test_arcs_equal_those_of_shapely(subtracting, worlds, name, shape, beams):

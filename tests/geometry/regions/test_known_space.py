@@ -59,6 +59,7 @@ worlds_of_polygons = st.one_of(many_boxes(), many_stars())
 places = st.tuples(st.floats(0.01, 5.99), st.floats(0.01, 5.99))
 
 
+@pytest.mark.slow
 @given(worlds_of_polygons, st.lists(places, min_size=1, max_size=8))
 def test_clearance_inside_is_that_of_the_union(polygons, some):
     known, exact = space(polygons), union(polygons)
@@ -73,6 +74,7 @@ def test_clearance_inside_is_that_of_the_union(polygons, some):
             assert clearance == pytest.approx(min(away, 2.0), abs=CLOSE_M)
 
 
+@pytest.mark.slow
 @given(worlds_of_polygons, st.lists(places, min_size=2, max_size=12), st.floats(0.01, 0.6))
 def test_a_way_is_free_where_the_union_holds_its_swath(polygons, stops, radius):
     known, exact = space(polygons), union(polygons)

@@ -204,6 +204,7 @@ def test_regions_from_many_beams_come_near_the_exact_one(worlds, name):
         assert region.polygon().area > 0.985 * Polygon(exact).area
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["rooms", "office", "clutter", "crates"])
 @pytest.mark.parametrize("shape", ["radial", "star", "ball"])
 @pytest.mark.parametrize("beams", [None, 360])

@@ -62,6 +62,7 @@ def test_a_polygon_that_is_not_convex_cuts_several_times(subtracting):
     assert rest == pytest.approx(np.array([[-1, 1.5, 0, 1.5], [1, 1.5, 4, 1.5], [5, 1.5, 6, 1.5]]))
 
 
+@pytest.mark.slow
 @given(
     st.lists(
         st.tuples(st.floats(0, 8), st.floats(0, 8), st.floats(0.5, 3), st.integers(3, 9)),

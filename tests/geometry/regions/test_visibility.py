@@ -56,6 +56,7 @@ def test_unlimited_view_equals_cgal(worlds, name, count):
         assert RANGE not in tags
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["rooms", "office", "clutter", "crates"])
 @pytest.mark.parametrize("range_m", [0.5, 4.0])
 def test_range_cuts_the_view_with_a_disc(worlds, name, range_m):

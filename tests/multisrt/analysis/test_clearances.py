@@ -221,6 +221,7 @@ def on_leg(a: np.ndarray, b: np.ndarray, share: float) -> np.ndarray:
     return np.array([here.real, here.imag, a[2] + share * turn])
 
 
+@pytest.mark.slow
 @given(stories())
 @settings(max_examples=25)
 def test_the_smallest_distance_is_that_of_dense_sampling(recorded, story):

@@ -249,6 +249,7 @@ def in_the_open(motions: Iterable[Motion]) -> Iterator[Motion]:
         yield motion if inside.all() else replace(motion, waypoints=motion.waypoints[:1])
 
 
+@pytest.mark.slow
 @settings(max_examples=20, deadline=None)
 @given(st.lists(st.tuples(PLACES, LEGS), min_size=2, max_size=4), RADIOS)
 def test_isolation_agrees_with_sampled_times(team, drawn, radio):

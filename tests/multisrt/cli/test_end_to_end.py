@@ -114,6 +114,7 @@ def test_all_bundled_maps_are_tested():
     assert set(MAPS) < set(names())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [0, 1])
 @pytest.mark.parametrize(("strategy", "share"), [("srt-radial", 0.99), ("srt-star", 0.95)])
 @pytest.mark.parametrize("name", MAPS)
@@ -121,6 +122,7 @@ def test_bundled_maps_are_explored(name, strategy, share, seed):
     check(ms.explore(world(name), strategy=strategy, seed=seed), share)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("drive", ["holonomic", "differential"])
 @pytest.mark.parametrize("footprint", [text for text in BODIES if text != "disc:0.25"])
 @pytest.mark.parametrize(
@@ -135,18 +137,21 @@ def test_other_bodies_explore(name, strategy, footprint, drive):
     check(run, 0.93)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["rooms", "office", "apartment"])
 def test_a_laser_explores(name):
     run = ms.explore(world(name), strategy="srt-radial", beams=720, seed=3)
     check(run, 0.97)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [1, 5])
 @pytest.mark.parametrize("name", ["garden", "clutter"])
 def test_a_laser_of_few_beams_among_sharp_corners(name, seed):
     check(ms.explore(world(name), strategy="srt-radial", beams=360, seed=seed), 0.95)
 
 
+@pytest.mark.slow
 def test_a_box_with_a_laser_and_star_regions_explores():
     run = ms.explore(
         world("apartment"), strategy="srt-star", beams=720, footprint="box:0.5x0.3", seed=4
@@ -154,6 +159,7 @@ def test_a_box_with_a_laser_and_star_regions_explores():
     check(run, 0.93)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "options",
     [

@@ -225,6 +225,7 @@ def test_check_cuts_a_long_table(call, folder):
     assert max(map(len, out.splitlines())) <= 100
 
 
+@pytest.mark.slow
 def test_check_estimates_from_a_few_runs(call, monkeypatch):
     monkeypatch.setattr(worker.Worker, "make", lambda self, job: _priced(job))
     code, out, err = call("check", "small.toml", "--seconds", "9", "--workers", "1")
@@ -253,6 +254,7 @@ def test_check_warns_of_impossible_runs(call, folder):
 # Run -----------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_run_stores_results_and_prints_them(call, folder, monkeypatch):
     def run_experiment(store, **_):
         for run in store.missing():
@@ -345,6 +347,7 @@ def test_an_experiment_in_another_folder(call, folder, fake_runs, monkeypatch):
     assert (folder / "small.sqlite").exists()
 
 
+@pytest.mark.slow
 def test_run_with_real_workers(folder):
     """Interrupt worker processes from the keyboard, and continue to the same results."""
     command = [sys.executable, "-m", "multisrt.cli", "experiment", "run", "small.toml"]

@@ -58,6 +58,7 @@ def test_exploring_again_overwrites_with_the_same(call, folder):
     assert everything(folder) == before
 
 
+@pytest.mark.slow
 def test_out_of_time_is_exit_code_3(call, folder):
     code, out, err = call("explore", "pillar.wkt", "--range", "2", "--max-time", "5", "--out", "o")
     assert (code, err) == (3, "")
@@ -136,6 +137,7 @@ def test_an_interrupted_run_leaves_no_files(call, folder, monkeypatch):
     assert everything(folder) == before
 
 
+@pytest.mark.slow
 def test_summary_of_a_bidding_team(call, folder):
     words = ("room.wkt", "--strategy", "minpos", "--robots", "2", "--radio-range", "15")
     code, out, _ = call("explore", *words, "--out", "bids")

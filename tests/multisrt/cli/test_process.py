@@ -6,6 +6,8 @@ import sys
 from pathlib import Path
 from typing import Any
 
+import pytest
+
 ROOT = Path(__file__).parents[3]
 
 
@@ -20,6 +22,7 @@ def process(*words: str, cwd: Path = ROOT, **options: Any) -> subprocess.Complet
     )
 
 
+@pytest.mark.slow
 def test_exit_codes_of_a_process(folder):
     out = str(folder / "out")
     room = str(folder / "room.wkt")
@@ -33,6 +36,7 @@ def test_exit_codes_of_a_process(folder):
     assert not (folder / "new").exists()
 
 
+@pytest.mark.slow
 def test_a_full_disk(folder):
     def small_files_only():
         resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096))
@@ -47,6 +51,7 @@ def test_a_full_disk(folder):
     assert not (folder / "out").exists()
 
 
+@pytest.mark.slow
 def test_a_closed_pipe_raises_no_traceback():
     command = [sys.executable, "-m", "multisrt.cli", "environments"]
     with subprocess.Popen(

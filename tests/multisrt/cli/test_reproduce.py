@@ -75,6 +75,7 @@ def test_reproduce_writes_a_report_and_a_summary(reproduce, tmp_path):
     assert "72 of 72 runs complete" in out
 
 
+@pytest.mark.slow
 def test_an_interruption_reports_that_nothing_is_lost(reproduce, monkeypatch):
     assert reproduce("alvarez", "--quick", "--seeds", "1")[0] == 0
 

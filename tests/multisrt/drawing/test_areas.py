@@ -28,6 +28,7 @@ boxes = st.tuples(
 )
 
 
+@pytest.mark.slow
 @given(st.lists(boxes, min_size=1, max_size=12), st.data())
 def test_areas_partition_the_explored_area(found, data):
     regions = [shapely.box(x, y, x + w, y + h) for x, y, w, h, _ in found]

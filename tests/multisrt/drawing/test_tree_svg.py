@@ -26,6 +26,7 @@ def test_every_kind_of_mark_of_a_robot_has_a_layer(museum):
     assert {"free space", "obstacles", "heading", "legend", "scale bar"} <= names
 
 
+@pytest.mark.slow
 def test_ids_are_unique(museum):
     ids = re.findall(r' id="([^"]+)"', tree_svg(team(museum, museum)))
     assert len(ids) == len(set(ids)) > 100
@@ -122,6 +123,7 @@ def test_a_folder_that_is_not_there_is_named(museum, tmp_path):
         save_environment_svg(museum.environment(), path)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("strategy", ["srt-radial", "srt-star"])
 def test_a_node_costs_less_than_a_kilobyte(strategy):
     recording = run(environment("museum"), strategy=strategy, seed=2)

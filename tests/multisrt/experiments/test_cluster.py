@@ -75,6 +75,7 @@ def require_all(path: Path, undisturbed: dict[str, str]) -> None:
             assert Recording.load(store.recording_path(key)).footer.digest == digest
 
 
+@pytest.mark.slow
 @needs_distributed
 def test_killing_a_cluster_worker_loses_no_run(
     path, scheduler, cluster_worker, runner, undisturbed
@@ -92,6 +93,7 @@ def test_killing_a_cluster_worker_loses_no_run(
     require_all(path, undisturbed)
 
 
+@pytest.mark.slow
 @needs_distributed
 def test_a_killed_runner_can_continue_on_the_cluster(
     path, scheduler, cluster_worker, runner, undisturbed
@@ -109,6 +111,7 @@ def test_a_killed_runner_can_continue_on_the_cluster(
     require_all(path, undisturbed)
 
 
+@pytest.mark.slow
 @needs_distributed
 def test_losing_the_scheduler_is_reported(path, runner, killed_at_the_end):
     code = """
@@ -136,6 +139,7 @@ if __name__ == "__main__":
         assert store.done >= 2
 
 
+@pytest.mark.slow
 @needs_distributed
 def test_workers_of_another_version_are_refused(path, scheduler, cluster_worker, runner):
     pretend = """
@@ -155,6 +159,7 @@ cluster.provenance = lambda: mine
     assert len(errors.splitlines()) == 1
 
 
+@pytest.mark.slow
 @needs_distributed
 def test_a_cluster_that_does_not_answer_is_reported(path, runner):
     address = "tcp://127.0.0.1:1"
@@ -166,6 +171,7 @@ def test_a_cluster_that_does_not_answer_is_reported(path, runner):
     assert len(errors.splitlines()) == 1
 
 
+@pytest.mark.slow
 @needs_distributed
 @pytest.mark.parametrize(
     "address", ["localhost", "localhost:8786", "tcp://", "tcp://host", "tcp://host:http"]

@@ -3,6 +3,7 @@
 from itertools import pairwise
 from typing import Any
 
+import pytest
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
@@ -170,6 +171,7 @@ RICH: dict[str, Any] = {
 }
 
 
+@pytest.mark.slow
 def test_repetitions_are_paired_over_strategies():
     met: dict[tuple[str, str, str, int], dict[str, tuple[object, ...]]] = {}
     for run in runs(experiment(**RICH)):

@@ -182,6 +182,7 @@ experiments = st.builds(
 )
 
 
+@pytest.mark.slow
 @given(experiments)
 @settings(max_examples=60, deadline=None, phases=[Phase.explicit, Phase.generate])
 def test_round_trips_through_toml_and_json(spec):
@@ -338,6 +339,7 @@ def test_the_schema_rejects_invalid_files(text):
         ExperimentSpec.from_toml(text)
 
 
+@pytest.mark.slow
 @given(experiments)
 @settings(max_examples=30, deadline=None, phases=[Phase.explicit, Phase.generate])
 def test_the_schema_accepts_every_written_experiment(spec):

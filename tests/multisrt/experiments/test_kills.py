@@ -83,6 +83,7 @@ def finish(runner, undisturbed):
     return go_on
 
 
+@pytest.mark.slow
 def test_a_killed_runner_loses_only_runs_under_way(path, undisturbed, finish, runner):
     for done in (1, 3):
         with runner(path) as process:
@@ -97,6 +98,7 @@ def test_a_killed_runner_loses_only_runs_under_way(path, undisturbed, finish, ru
     finish(path)
 
 
+@pytest.mark.slow
 def test_workers_end_with_their_runner(path, runner):
     # Runs are long, so that one is under way.
     spec = msgspec.structs.replace(SPEC, environments=("hospital",), robots=(8,))
@@ -109,6 +111,7 @@ def test_workers_end_with_their_runner(path, runner):
     require_end(workers)
 
 
+@pytest.mark.slow
 def test_killing_a_worker_loses_no_run(path, finish, runner):
     with runner(path) as process:
         wait_for(process, 1)
@@ -118,6 +121,7 @@ def test_killing_a_worker_loses_no_run(path, finish, runner):
     finish(path)
 
 
+@pytest.mark.slow
 def test_an_interrupt_keeps_finished_runs(path, finish, runner):
     with runner(path) as process:
         wait_for(process, 2)
@@ -133,6 +137,7 @@ def test_an_interrupt_keeps_finished_runs(path, finish, runner):
 # Full disks ----------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_file_at_its_size_limit(path, undisturbed, finish, runner):
     # The operating system refuses longer files, as it does on a full disk.
     spec = msgspec.structs.replace(SPEC, recordings="none")
@@ -168,6 +173,7 @@ def small_disk(tmp_path):
         subprocess.run(["umount", str(folder)], check=True)
 
 
+@pytest.mark.slow
 def test_a_full_disk(small_disk, undisturbed, finish, runner):
     folder, mount = small_disk
     path = folder / "results.sqlite"
@@ -187,6 +193,7 @@ def test_a_full_disk(small_disk, undisturbed, finish, runner):
     finish(path, spec)
 
 
+@pytest.mark.slow
 def test_a_full_disk_for_recordings(small_disk, finish, runner):
     folder, mount = small_disk
     path = folder / "results.sqlite"

@@ -203,6 +203,7 @@ def test_a_suppressed_time_limit_is_raised_again(register, monkeypatch):
     assert len(told) == 1
 
 
+@pytest.mark.slow
 def test_runs_that_sleep_are_given_up(register, monkeypatch):
     monkeypatch.setattr(limits_module, "MIN_INTERVAL_S", 0.2)
     result = make_run(register(lambda: time.sleep(1e6)), Limits(computing_s=0.2))

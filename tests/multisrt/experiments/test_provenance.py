@@ -28,6 +28,7 @@ def change(package: Path, file: str, old: str, new: str) -> None:
     (package / file).write_text(text.replace(old, new, 1))
 
 
+@pytest.mark.slow
 def test_comments_and_docstrings_keep_the_digest(package):
     before = digest(package)
     change(package, "spec/robots.py", '"""One robot.', '"""A robot of the team.')
@@ -35,6 +36,7 @@ def test_comments_and_docstrings_keep_the_digest(package):
     assert digest(package) == before
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("file", "old", "new"),
     [
@@ -49,6 +51,7 @@ def test_changes_of_code_change_the_digest(package, file, old, new):
     assert digest(package) != before
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("file", ["cli/tables.py", "drawing/svg.py", "analysis/metrics.py"])
 def test_analysis_is_not_part_of_the_digest(package, file):
     before = digest(package)

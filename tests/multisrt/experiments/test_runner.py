@@ -120,6 +120,7 @@ def but_for_the_computer(result: Result) -> Result:
 # Running -------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_results_do_not_depend_on_the_workers(path, undisturbed):
     one, two = path.with_name("one.sqlite"), path.with_name("two.sqlite")
     for file, workers in ((one, 1), (two, 2)):
@@ -132,6 +133,7 @@ def test_results_do_not_depend_on_the_workers(path, undisturbed):
     assert {result.key: result.digest for result in by_one} == undisturbed
 
 
+@pytest.mark.slow
 def test_progress_is_reported_and_stored_runs_skipped(path, undisturbed):
     smaller = msgspec.structs.replace(SPEC, repetitions=2)
     with Store.create_or_open(path, smaller) as store:
@@ -153,6 +155,7 @@ def test_progress_is_reported_and_stored_runs_skipped(path, undisturbed):
     assert told[2].left_s == 0.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("recordings", ["all", "failed", "none"])
 def test_recordings_are_kept_as_specified(path, recordings):
     # With this stop rule two robots finish repetition 0 in time, one does not.
@@ -186,6 +189,7 @@ def test_modules_that_cannot_be_imported_are_named(path):
         run_experiment(store, workers=1, modules=["no_such"])
 
 
+@pytest.mark.slow
 def test_an_interrupt_stops_workers_and_keeps_results(path):
     def interrupt(progress):
         if progress.made == 2:
@@ -199,6 +203,7 @@ def test_an_interrupt_stops_workers_and_keeps_results(path):
     assert threading.active_count() == threads
 
 
+@pytest.mark.slow
 def test_jobs_contain_environments_from_files(tmp_path):
     hall = tmp_path / "hall.wkt"
     hall.write_text("POLYGON ((0 0, 7.1 0, 7.1 5.3, 3 5.3, 3 4, 0 4, 0 0), (2 1, 3 1, 3 2, 2 1))")
@@ -218,6 +223,7 @@ def test_jobs_contain_environments_from_files(tmp_path):
 # Runs that misbehave -------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_failing_runs_do_not_affect_others(path, mischief):
     spec = ExperimentSpec(
         name="mischief",
@@ -252,6 +258,7 @@ def worker(mischief):
     worker.stop()
 
 
+@pytest.mark.slow
 def test_compiled_code_is_ended_by_the_kernel(worker):
     result = worker.make(job("hang_in_c", computing_s=1.0))
     # Regular expressions handle signals in some versions of Python, in others not.
@@ -260,6 +267,7 @@ def test_compiled_code_is_ended_by_the_kernel(worker):
     assert worker.make(job()).status == "complete"
 
 
+@pytest.mark.slow
 def test_output_of_strategies_does_not_disturb_answers(worker):
     assert worker.make(job("chat")).status == "complete"
     pid = worker.pid
@@ -267,11 +275,13 @@ def test_output_of_strategies_does_not_disturb_answers(worker):
     assert worker.pid == pid
 
 
+@pytest.mark.slow
 def test_workers_return_memory_after_runs(worker):
     took_mb = [worker.make(job("litter")).memory_mb for _ in range(20)]
     assert took_mb[-1] - took_mb[0] < 2 * 120.0
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(
     not hasattr(ctypes.CDLL(None), "malloc_trim"), reason="the C library cannot be told to"
 )
@@ -281,6 +291,7 @@ def test_workers_trim_fragmented_memory(worker):
     assert worker.make(job()).memory_mb < much - 500.0
 
 
+@pytest.mark.slow
 def test_a_run_is_repeated_if_its_worker_is_killed(worker):
     first = worker.make(job("die_once"))
     assert Path("died").exists()
@@ -288,6 +299,7 @@ def test_a_run_is_repeated_if_its_worker_is_killed(worker):
     assert but_for_the_computer(worker.make(job("die_once"))) == but_for_the_computer(first)
 
 
+@pytest.mark.slow
 def test_a_run_whose_workers_are_always_killed_crashed(worker):
     result = worker.make(job("die"))
     assert result.status == "crashed"
@@ -298,12 +310,14 @@ def test_a_run_whose_workers_are_always_killed_crashed(worker):
     )
 
 
+@pytest.mark.slow
 def test_a_worker_killed_between_runs_is_replaced(worker):
     first = worker.make(job())
     os.kill(worker.pid, signal.SIGKILL)
     assert but_for_the_computer(worker.make(job())) == but_for_the_computer(first)
 
 
+@pytest.mark.slow
 def test_a_worker_killed_at_its_start_is_restarted(worker, tmp_path):
     (tmp_path / "mischief.py").write_text(
         "import os, signal\nfrom pathlib import Path\n"
@@ -314,12 +328,14 @@ def test_a_worker_killed_at_its_start_is_restarted(worker, tmp_path):
     assert (tmp_path / "begun").read_text() == "xx"
 
 
+@pytest.mark.slow
 def test_a_worker_that_never_starts_is_reported(worker, tmp_path):
     (tmp_path / "mischief.py").write_text("import os, sys\nsys.exit('no way')\n")
     with pytest.raises(InvalidInputError, match=r"before it was ready: .* exit code 1: no way"):
         worker.make(job())
 
 
+@pytest.mark.slow
 def test_a_worker_can_be_stopped_in_the_middle_of_a_run(worker, tmp_path):
     ended = []
 
@@ -344,6 +360,7 @@ def test_a_worker_can_be_stopped_in_the_middle_of_a_run(worker, tmp_path):
 # Provenance and start of workers -------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_worker_of_another_version_is_refused():
     other = msgspec.structs.replace(provenance(), program="0123")
     worker = Worker(expected=other)
@@ -352,12 +369,14 @@ def test_a_worker_of_another_version_is_refused():
     assert worker.pid is None
 
 
+@pytest.mark.slow
 def test_a_worker_reports_why_it_cannot_start():
     worker = Worker(["no_such_module"])
     with pytest.raises(InvalidInputError, match="cannot import 'no_such_module'"):
         worker.make(job())
 
 
+@pytest.mark.slow
 def test_local_files_do_not_shadow_libraries(tmp_path, monkeypatch):
     (tmp_path / "queue.py").write_text("raise RuntimeError")
     monkeypatch.chdir(tmp_path)
@@ -368,6 +387,7 @@ def test_local_files_do_not_shadow_libraries(tmp_path, monkeypatch):
         worker.stop()
 
 
+@pytest.mark.slow
 def test_unwritable_recordings_end_the_experiment(path):
     spec = msgspec.structs.replace(SPEC, recordings="all")
     with Store.create_or_open(path, spec) as store:

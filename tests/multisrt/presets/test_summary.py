@@ -5,6 +5,7 @@ from multisrt.presets.summary import summary
 from tests.multisrt.presets.constructed import SOME, no_results, results_of
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", PRESETS)
 def test_a_summary_has_everything(name):
     preset = PRESETS[name]

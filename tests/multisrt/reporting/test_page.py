@@ -169,6 +169,7 @@ def no_figures(monkeypatch):
 # The page -----------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_page_needs_nothing_from_elsewhere(report):
     text = report.read_text()
     page = Page(text)
@@ -191,6 +192,7 @@ def test_page_needs_nothing_from_elsewhere(report):
     assert "url(" not in outside
 
 
+@pytest.mark.slow
 def test_page_is_for_everybody(report):
     page = Page(report.read_text())
     assert page.all("html") == [{"lang": "en"}]
@@ -205,6 +207,7 @@ def test_page_is_for_everybody(report):
     assert len(page.all("caption")) == len(page.all("table"))
 
 
+@pytest.mark.slow
 def test_page_has_all_sections_and_tables(report):
     page = Page(report.read_text())
     sections = {attributes["id"] for attributes in page.all("section")}
@@ -232,6 +235,7 @@ def test_figures_lie_beside_it_as_svg_and_pdf(report):
     assert all(path.read_bytes().startswith(b"%PDF") for path in folder.glob("*.pdf"))
 
 
+@pytest.mark.slow
 def test_labels_are_text_wherever_they_come(tmp_path):
     evil = '<script>alert("x")</script> $\\frac{1}{0}$ & \x07'
     results = made_up((evil, "b"), (1,), 5, about=evil, environment=evil)
@@ -243,6 +247,7 @@ def test_labels_are_text_wherever_they_come(tmp_path):
         assert not list(root.iter("{http://www.w3.org/2000/svg}script"))
 
 
+@pytest.mark.slow
 def test_same_results_same_bytes(tmp_path):
     results = made_up(count=3, robots=(1,))
     for name in ("one", "two"):
@@ -253,6 +258,7 @@ def test_same_results_same_bytes(tmp_path):
         assert (tmp_path / "one" / path).read_bytes() == (tmp_path / "two" / path).read_bytes()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("results", "said"),
     [
@@ -276,6 +282,7 @@ def test_little_is_enough_for_a_report(tmp_path, results, said):
 # Median runs and failures -------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_gallery_draws_the_very_runs(real):
     made = gallery(Study(real), Specs(real))
     trees, notes = made.trees, made.notes
@@ -285,6 +292,7 @@ def test_gallery_draws_the_very_runs(real):
     assert real.results[0].digest in trees[0].svg
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("no_figures")
 def test_gallery_warns_if_a_run_differs_from_the_measured_one(real, tmp_path):
     changed = [msgspec.structs.replace(result, digest="0" * 64) for result in real]
@@ -327,6 +335,7 @@ def test_median_run_is_in_the_middle():
     assert median_run(list(made_up(("a",), (1,), 2, fail=2))) is None
 
 
+@pytest.mark.slow
 def test_failures_come_with_a_spec_that_repeats_them(report, real):
     page = Page(report.read_text())
     (path,) = (report.parent / "failures").iterdir()
@@ -337,6 +346,7 @@ def test_failures_come_with_a_spec_that_repeats_them(report, real):
     assert ms.explore(spec).digest == real.results[1].digest
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("no_figures")
 def test_failures_are_grouped_regardless_of_numbers(tmp_path):
     text = Page(
@@ -348,6 +358,7 @@ def test_failures_are_grouped_regardless_of_numbers(tmp_path):
 # The folder ---------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("no_figures")
 def test_a_report_is_replaced_and_nothing_else(tmp_path):
     results = made_up(("a",), (1,), 1)
@@ -371,6 +382,7 @@ def test_a_report_is_replaced_and_nothing_else(tmp_path):
         write_report(results, tmp_path / "file", gallery=False, measures=ONE)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("no_figures")
 def test_nothing_half_written_stays(tmp_path, monkeypatch):
     results = made_up(("a",), (1,), 1)
@@ -422,6 +434,7 @@ def test_many_strategies_fill_figures_that_all_show_the_baseline():
 # The command --------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("no_figures")
 def test_command_writes_a_report(real, tmp_path):
     from multisrt.experiments.store import Store

@@ -21,6 +21,7 @@ def closing(number: int, arc: ArrayLike, serial: int = 0, **fields: Any) -> Clos
     )
 
 
+@pytest.mark.slow
 def test_closing_an_arc(map_of, rectangle_node):
     known = map_of([rectangle_node(0, 0, 0, 2, 2, "right left")])
     arcs = known.frontier_arcs(NodeId(0, 0))

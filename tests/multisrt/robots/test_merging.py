@@ -376,6 +376,7 @@ def test_a_frontier_lies_in_no_known_region(teams, team, random, count):
         assert shapely.contains_xy(node.region.polygon(), *inside.T).all()
 
 
+@pytest.mark.slow
 @given(TEAMS, st.randoms(use_true_random=False), st.integers(1, 15))
 @settings(max_examples=20)
 def test_all_frontier_is_the_border_of_the_union_and_counts_once(teams, team, random, count):
@@ -394,6 +395,7 @@ def test_all_frontier_is_the_border_of_the_union_and_counts_once(teams, team, ra
     assert known.open_frontier_m() == pytest.approx(expected.length, abs=2e-2)
 
 
+@pytest.mark.slow
 @given(
     st.lists(
         st.tuples(st.integers(0, 5), st.integers(0, 5), st.integers(1, 4), st.integers(1, 4)),

@@ -91,6 +91,7 @@ def test_equal_specs_give_equal_bytes_in_one_process(tmp_path):
     assert (tmp_path / "0.jsonl").read_bytes() == (tmp_path / "1.jsonl").read_bytes()
 
 
+@pytest.mark.slow
 def test_equal_specs_give_equal_bytes_in_any_process_and_order(tmp_path):
     here = simulate(APARTMENT), simulate(CAVE)
     folders = tmp_path / "forwards", tmp_path / "backwards"
@@ -106,6 +107,7 @@ def test_equal_specs_give_equal_bytes_in_any_process_and_order(tmp_path):
         assert (folders[1] / f"{1 - k}.jsonl").read_bytes() == bytes_here
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("strategy", ["srt-star", "srt-radial", "minpos", "self-bidding"])
 def test_whole_and_fractional_numbers_give_equal_bytes(strategy):
     def spec(number):
@@ -136,6 +138,7 @@ def teams():
     return runs
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("workers", "order"), [(1, [2, 0, 1]), (2, [0, 1, 2])])
 def test_teams_give_equal_digests_with_any_number_of_workers(teams, tmp_path, workers, order):
     # Each process has its own string hashes, and makes these runs after other ones.
@@ -170,6 +173,7 @@ def test_a_recording_is_the_same_with_a_watcher_and_without():
     assert seen
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "other",
     [

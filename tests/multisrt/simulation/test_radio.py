@@ -151,6 +151,7 @@ def places_in(world, count, rng):
     return places
 
 
+@pytest.mark.slow
 @given(st.integers(0, 10**6))
 def test_walls_are_counted_as_shapely_counts_them(seed):
     world, rng = stones(seed), np.random.default_rng(seed)

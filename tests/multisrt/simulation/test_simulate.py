@@ -164,6 +164,7 @@ def test_a_run_never_sets_the_garbage_collector():
     assert gc.get_threshold() == before
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("strategy", "kind"), [("srt-radial", SrtRobot), ("minpos", FrontierRobot)]
 )

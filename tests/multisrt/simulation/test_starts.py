@@ -246,6 +246,7 @@ def test_the_same_seed_gives_the_same_starts(how):
         assert starts(world, team(12), starts=how, seed=3)[:10] == found
 
 
+@pytest.mark.slow
 @settings(max_examples=25)
 @given(
     st.integers(0, 10**6),

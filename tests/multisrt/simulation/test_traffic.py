@@ -300,6 +300,7 @@ def sampled_distance(body_a, poses_a, body_b, poses_b):
     return np.maximum(0.0, shapely.distance(shapes_a, shapes_b) - radius_a - radius_b)
 
 
+@pytest.mark.slow
 @settings(max_examples=35)
 @given(
     st.integers(0, 10**6),
@@ -353,6 +354,7 @@ def corridor_world(rng):
     return HALL - shapely.union_all(walls)
 
 
+@pytest.mark.slow
 @settings(max_examples=30)
 @given(st.integers(0, 10**6))
 def test_hidden_bodies_do_not_stop_a_motion(seed):
@@ -421,6 +423,7 @@ class Model:
         )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("names", [["disc"], ["disc", "box", "ell"]])
 def test_many_robots_never_touch_and_only_the_affected_change(names):
     model = Model(3, 25, [BODIES[name] for name in names], 0.3)

@@ -295,6 +295,7 @@ class TestFalsePositives:
     def many(rng: np.random.Generator) -> np.ndarray:
         return np.where(rng.random(60) < 0.1, INF, rng.normal(size=60))
 
+    @pytest.mark.slow
     @pytest.mark.parametrize(
         ("test", "runs"),
         [
@@ -315,6 +316,7 @@ class TestFalsePositives:
         low, high = stats.binom(wrong, 0.5).interval(0.9999)
         assert low <= marks.count("+") <= high
 
+    @pytest.mark.slow
     def test_rate_in_a_family_of_cells(self):
         rng = np.random.default_rng(9)
         plain = with_holm = 0

@@ -16,6 +16,7 @@ from multisrt.testing import check_explorer
 from tests.multisrt.testing.explorers import HALL, WORLD, Base, check, explorer, refused
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["srt-star", "srt-radial"])
 def test_the_strategies_of_the_registry_pass(name):
     checked = check_explorer(strategy(name), worlds=[WORLD], max_actions=3000)
@@ -24,6 +25,7 @@ def test_the_strategies_of_the_registry_pass(name):
     assert [run.robots for run in checked.runs] == [1, 3]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "robot",
     [
@@ -37,6 +39,7 @@ def test_bodies_drives_and_lasers_of_all_kinds_pass(robot):
     check_explorer(strategy("srt-radial"), worlds=[WORLD], teams=[2], robot=robot)
 
 
+@pytest.mark.slow
 def test_the_summary_says_what_was_checked():
     checked = check_explorer(strategy("srt-radial"))
     assert {run.world for run in checked.runs} == {"two rooms", "open", "maze"}
@@ -77,6 +80,7 @@ def test_a_check_leaves_no_trace():
     assert (time.time, time.monotonic_ns, datetime.datetime, clock) == clocks
 
 
+@pytest.mark.slow
 def test_the_checker_does_not_need_pytest():
     code = "import sys, multisrt.testing.check; sys.exit('pytest' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

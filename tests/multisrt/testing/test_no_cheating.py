@@ -98,6 +98,7 @@ def explorers(monkeypatch) -> list[tuple[Explorer, RobotSelf, object]]:
     return built
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("strategy", [s.name for s in strategies()])
 @pytest.mark.parametrize("beams", [None, 360])
 def test_nothing_that_an_explorer_holds_leads_to_the_truth(explorers, strategy, beams):

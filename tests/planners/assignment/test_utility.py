@@ -100,6 +100,7 @@ def test_assignment_follows_the_equations(situation, beta):
     assert given_.assignment.tolist() == expected
 
 
+@pytest.mark.slow
 @given(situations(), st.randoms(use_true_random=False))
 def test_order_of_robots_and_targets_does_not_matter(situation, random):
     costs, between, visible = situation

@@ -148,6 +148,7 @@ blocks = st.tuples(
 places = st.tuples(st.floats(0.5, 7.5), st.floats(0.5, 7.5), st.floats(-3.1, 3.1))
 
 
+@pytest.mark.slow
 @settings(max_examples=40)
 @given(
     st.lists(blocks, max_size=8),
@@ -193,6 +194,7 @@ for reverse in (True, False):
 """
 
 
+@pytest.mark.slow
 def test_sampled_plans_repeat_in_any_process():
     start, goal = Configuration(2.0, 0.6, 0.0), Configuration(6.0, 0.6, 0.0)
     here = [repr(car_way(BODY, car, ROOMS, start, goal, 7)) for car in (BACK, NO_BACK)]

@@ -128,6 +128,7 @@ regions = st.lists(boxes, max_size=4).map(
 places = st.tuples(st.floats(-1.5, 1.5), st.floats(-1.5, 1.5))
 
 
+@pytest.mark.slow
 @settings(max_examples=60)
 @example(
     shapely.box(-2, -2, 2, 2).difference(shapely.box(0, 0, 0.2, 0.2)),

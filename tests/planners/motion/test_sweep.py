@@ -107,6 +107,7 @@ def covered(footprint: Footprint, way: Trajectory) -> shapely.Geometry:
 footprints = st.sampled_from([DISC, BOX, ELL])
 
 
+@pytest.mark.slow
 @settings(max_examples=60)
 @given(footprints, ways(), footprints, ways())
 def test_distances_are_tight_lower_bounds(fa, wa, fb, wb):
@@ -122,6 +123,7 @@ def test_distances_are_tight_lower_bounds(fa, wa, fb, wb):
         assert not a.comes_within(b, distance - 1e-6)
 
 
+@pytest.mark.slow
 @given(footprints, ways())
 def test_a_sweep_contains_the_body_at_all_times(footprint, way):
     sweep = Sweep(footprint, way)

@@ -23,6 +23,7 @@ def test_places_in_the_frame_of_a_robot():
     assert in_frame_of(Configuration(1.0, 2.0, math.pi / 2), 0.0, 2.0) == pytest.approx((0.0, 1.0))
 
 
+@pytest.mark.slow
 @given(
     st.lists(
         st.tuples(st.floats(-4, 4), st.floats(-4, 4), st.floats(0.05, 1.0)), min_size=1, max_size=3

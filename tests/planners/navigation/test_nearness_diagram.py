@@ -197,6 +197,7 @@ def fan(runs) -> np.ndarray:
     return np.resize(ranges, 360)
 
 
+@pytest.mark.slow
 @given(runs_of_beams, goals)
 def test_mirrored_readings_give_mirrored_commands(runs, goal):
     ranges = fan(runs)
@@ -343,6 +344,7 @@ def test_driving_stops_before_a_shut_door(worlds):
 spots = st.tuples(st.floats(0.6, 7.4), st.floats(0.6, 5.4))
 
 
+@pytest.mark.slow
 @given(
     st.lists(st.tuples(spots, st.floats(0.1, 0.6)), max_size=5),
     spots,

@@ -54,6 +54,7 @@ def stars(draw):
     return boundary, tags
 
 
+@pytest.mark.slow
 def test_groups_equal_those_of_a_full_labelling(worlds, views, seen):
     name, options = views
     occupancy = Occupancy(0.1, 0.2)

@@ -24,6 +24,7 @@ def places_around(occupancy, count, seed):
     return (low - 1.0 + rng.random((count, 2)) * (size + 2.0)).tolist()
 
 
+@pytest.mark.slow
 def test_changes_are_reported_where_they_are(worlds, seen):
     regions = seen.regions_of(worlds, "office", MAX_CHANGES + 30, seed=63)
     occupancy = Occupancy(0.1, 0.2, (-3.0, -3.0, 25.0, 25.0))
@@ -193,6 +194,7 @@ def test_a_window_holds_the_same_cells_after_growth(seen):
     assert (occupancy.cells[r0:r1, c0:c1] == before).all()
 
 
+@pytest.mark.slow
 def test_cells_are_known_unless_unknown(worlds, seen):
     occupancy = hall_seen(seen, worlds)
     cells = np.argwhere(np.ones(occupancy.cells.shape, bool))
@@ -237,6 +239,7 @@ def test_of_equally_near_cells_the_first_is_taken(seen):
     assert occupancy.passable_near(x, y, 2) == (row, column)
 
 
+@pytest.mark.slow
 def test_passable_centres_are_those_in_the_square(worlds, seen):
     occupancy = hall_seen(seen, worlds)
     passable = seen.in_lattice(occupancy, np.argwhere(occupancy.passable))

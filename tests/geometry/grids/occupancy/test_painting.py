@@ -13,6 +13,7 @@ from multisrt.geometry.grids.raster import OFFSET, Raster
 from multisrt.geometry.regions.boundary import GAP, OBSTACLE
 
 
+@pytest.mark.slow
 def test_cells_agree_with_shapely(worlds, views, seen):
     name, options = views
     regions = seen.regions_of(worlds, name, 7, **options)
@@ -50,6 +51,7 @@ def test_cells_agree_with_shapely(worlds, views, seen):
     assert expected.any()
 
 
+@pytest.mark.slow
 def test_order_and_repetition_do_not_matter(worlds, views, seen):
     name, options = views
     regions = seen.regions_of(worlds, name, 16, seed=62, **options)

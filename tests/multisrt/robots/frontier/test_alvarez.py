@@ -77,6 +77,7 @@ def tell(robot, *reports):
 # The map as cells ------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_cells_of_the_search_are_the_same_for_all_robots():
     maps = [survey(robot_in(TWO_ROOMS, *at), (), ()) for at in ((1, 1), (10, 4.3))]
     for drawn in maps:

@@ -123,6 +123,7 @@ def test_a_car_gets_round_a_bend():
     assert y > 3.5
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["closest", "self-bidding", "rules"])
 def test_cars_that_only_drive_forwards_see_a_hall(name):
     run = simulated(name, car("dubins"), world=HALL)
@@ -139,6 +140,7 @@ def test_a_car_that_only_drives_forwards_stays_out_of_dead_ends():
     assert measure(back, DEAD_END).coverage > measure(run, DEAD_END).coverage
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["minpos", "utility"])
 def test_cars_and_other_robots_explore_together(name):
     run = simulated(name, car(), RobotSpec(), car("dubins"), world=HALL, seed=2)
@@ -148,6 +150,7 @@ def test_cars_and_other_robots_explore_together(name):
     assert_drivable(run, 2, reverse=False)
 
 
+@pytest.mark.slow
 def test_runs_with_cars_repeat():
     first, second = (simulated("greedy", car(), car("dubins"), seed=3) for _ in range(2))
     assert first.footer.digest == second.footer.digest
@@ -171,6 +174,7 @@ def test_the_nearness_diagram_drives_no_car(kind):
 # The exit --------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["reeds-shepp", "dubins"])
 def test_a_car_always_has_a_free_exit(kind, monkeypatch):
     body = Footprint.parse(BOX)

@@ -138,6 +138,7 @@ def sent(events_of):
 # What a robot knows ----------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", FAMILY)
 def test_a_robot_knows_only_what_it_saw_or_was_told(raster_from_record, explored, name):
     radio = RadioSpec(range_m=3.0, loss=0.6)
@@ -155,6 +156,7 @@ def test_a_robot_knows_only_what_it_saw_or_was_told(raster_from_record, explored
 # Radio -----------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", FAMILY)
 def test_lost_nodes_are_asked_for(events_of, sent, explored, name):
     recording, _ = explored(name, radio=RadioSpec(loss=0.4, latency_s=0.05), seed=1)
@@ -165,6 +167,7 @@ def test_lost_nodes_are_asked_for(events_of, sent, explored, name):
     assert sent(recording, "entries")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", FAMILY)
 def test_maps_are_equal_again_after_a_silence(sent, explored, name):
     recording, crew = explored(
@@ -176,6 +179,7 @@ def test_maps_are_equal_again_after_a_silence(sent, explored, name):
     assert first == second
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", FAMILY)
 @pytest.mark.parametrize("multi_hop", [True, False])
 def test_a_short_radio_range_is_enough(events_of, explored, name, multi_hop):
@@ -185,6 +189,7 @@ def test_a_short_radio_range_is_enough(events_of, explored, name, multi_hop):
     assert measure(recording, THREE_ROOMS).coverage > 0.98
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", FAMILY)
 def test_robots_in_range_at_the_end_have_the_same_map(explored, name):
     _, crew = explored(name, radio=RadioSpec(range_m=6.0), seed=1)
@@ -194,6 +199,7 @@ def test_robots_in_range_at_the_end_have_the_same_map(explored, name):
             assert knowledge(one.raster) == knowledge(other.raster)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", FAMILY)
 def test_a_robot_that_joins_late_gets_the_map(events_of, explored, name):
     recording, crew = explored(name, STARTS[:2], faults=(LateStart(robot=1, time_s=20.0),), seed=1)
@@ -229,6 +235,7 @@ def test_when_the_leader_dies_another_leads(events_of, sent, explored):
     assert not events_of(recording, Collision)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", FAMILY)
 def test_no_robot_touches_a_dead_one_in_the_only_passage(events_of, explored, name):
     recording, crew = explored(
@@ -246,6 +253,7 @@ def test_no_robot_touches_a_dead_one_in_the_only_passage(events_of, explored, na
     assert not any(e.complete for e in events_of(recording, Ended))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", FAMILY)
 def test_a_dead_robot_in_the_only_passage_boxes_others_in(events_of, explored, name):
     recording, _ = explored(
@@ -326,6 +334,7 @@ def test_robots_that_meet_in_a_corridor_pass_by_giving_way(events_of, sent, monk
         assert math.dist(last[1:3], place) < 1.5
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", FAMILY)
 def test_robots_in_a_crowd_do_not_creep_up_to_each_other(events_of, name):
     # In this drawn maze they begin close together: with any rule some stop before others, and

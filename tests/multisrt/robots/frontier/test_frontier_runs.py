@@ -133,6 +133,7 @@ class Nagger:
         yield Done(complete=True, reason="enough")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", FAMILY)
 def test_a_jammed_robot_is_done_in_the_end(name, monkeypatch):
     own = strategy(name)
@@ -212,6 +213,7 @@ def test_cells_wider_than_the_body_are_refused(name):
     assert "\n" not in str(caught.value)
 
 
+@pytest.mark.slow
 def test_a_body_that_is_no_disc_keeps_room_to_turn():
     # Through some gaps among the stones its narrow side would fit, but it could not turn there.
     spec = RunSpec(
@@ -252,6 +254,7 @@ def test_invalid_options_are_refused(name, options, message):
         simulated(name, options=options)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["closest", "greedy", "minpos", "utility"])
 def test_all_that_bid_can_drive_by_the_diagram(name):
     paths, diagram = (

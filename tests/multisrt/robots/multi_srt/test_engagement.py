@@ -37,6 +37,7 @@ def team_run(world: Environment, count: int, strategy: str, seed: int):
     return simulate(spec, world)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "count", "strategy"),
     [("open", 3, "srt-radial"), ("rooms", 4, "srt-star"), ("garden", 5, "srt-radial")],

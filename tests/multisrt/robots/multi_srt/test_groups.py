@@ -4,6 +4,7 @@ import itertools
 import math
 
 import numpy as np
+import pytest
 import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -98,6 +99,7 @@ def regions(draw, most=7):
     return made
 
 
+@pytest.mark.slow
 @given(regions(), st.data())
 def test_engaged_groups_are_equivalence_classes(made, data):
     def touch(a, b):

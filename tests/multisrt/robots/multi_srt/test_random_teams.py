@@ -173,6 +173,7 @@ def test_a_prospect_stays_within_its_bounds(body, legs):
     assert shapely.box(*found.bounds).covers(shapely.box(*found.way.bounds))
 
 
+@pytest.mark.slow
 @given(teams())
 def test_best_targets_are_those_of_all_sets_tried(conflicts_of, plans):
     assert best_targets(conflicts_of(plans)) == best_by_trying_all(plans)
@@ -184,6 +185,7 @@ def test_best_targets_of_a_large_group(conflicts_of, plans):
     assert best_targets(conflicts_of(plans)) == best_by_trying_all(plans)
 
 
+@pytest.mark.slow
 @settings(max_examples=10)
 @given(teams(least=24, most=30, side_m=25.0))
 def test_greedy_targets_are_feasible_and_maximal(conflicts_of, plans):
@@ -255,6 +257,7 @@ def driven(plan: Plan, order: Order) -> list[Place]:
     return [(x, y) for _, x, y, _ in order.path]
 
 
+@pytest.mark.slow
 @settings(max_examples=200)
 @given(teams(side_m=6.0))
 def test_orders_are_jointly_feasible(line, conflicts_of, plans):
@@ -281,6 +284,7 @@ def test_orders_are_jointly_feasible(line, conflicts_of, plans):
     assert not (moves_freely and stays)
 
 
+@pytest.mark.slow
 @settings(max_examples=100)
 @given(teams(side_m=5.0), st.data())
 def test_arrangements_do_not_depend_on_the_order_of_robots(line, conflicts_of, plans, data):

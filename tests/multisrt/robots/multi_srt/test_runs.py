@@ -154,6 +154,7 @@ def check_end(events_of):
     return run
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("strategy", "count"), [("srt-radial", 4), ("srt-star", 2)])
 @pytest.mark.parametrize("name", WORLDS)
 def test_a_team_without_faults_completes_its_map(events_of, check_end, strategy, name, count):
@@ -274,6 +275,7 @@ def faulty(seed: int) -> RunSpec:
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(12))
 def test_a_team_with_faults_ends(events_of, check_end, seed):
     spec = faulty(seed)
@@ -329,6 +331,7 @@ def test_the_living_pass_the_dead_and_explore_the_rest(strategy, seed):
             assert event.stage != "root" or event.serial == 0
 
 
+@pytest.mark.slow
 def test_robots_whose_ways_cross_do_not_stop_each_other_for_ever():
     # Balls that do not overlap are not coordinated, but the ways to their parents may cross.
     spec = RunSpec(

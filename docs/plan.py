@@ -2,7 +2,7 @@
 
 Every folder and every single module directly in the package is a room. A room stands one floor
 above the highest room that it imports. Writes `docs/pictures/plan.svg`; exits with 1 if rooms
-import each other in a circle.
+import each other in a cycle.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ STYLE = """
 
 
 class CircularImportsError(Exception):
-    """Rooms import each other in a circle."""
+    """Rooms import each other in a cycle."""
 
 
 def main() -> None:
@@ -60,9 +60,9 @@ def main() -> None:
         sys.exit(str(error))
     PICTURE.write_text(draw(floors, lines, arrows), encoding="utf-8")
     for number, rooms in reversed(list(enumerate(floors, start=1))):
-        print(f"floor {number:2}: " + ", ".join(f"{room} ({lines[room]})" for room in rooms))
+        print(f"layer {number:2}: " + ", ".join(f"{room} ({lines[room]})" for room in rooms))
     count = sum(map(len, arrows.values()))
-    print(f"{len(arrows)} rooms, {count} arrows, in {PICTURE.relative_to(ROOT)}")
+    print(f"{len(arrows)} packages and modules, {count} arrows, in {PICTURE.relative_to(ROOT)}")
 
 
 def read_rooms() -> tuple[dict[str, int], Arrows]:
@@ -80,19 +80,19 @@ def read_rooms() -> tuple[dict[str, int], Arrows]:
 
 
 def floors_of(arrows: Mapping[str, Iterable[str]]) -> list[list[str]]:
-    """Return the rooms of each floor, from the ground up.
+    """Return the packages of each floor, from the ground up.
 
     Raises
     ------
     CircularImportsError
-        If some rooms import each other in a circle; the message names them.
+        If some rooms import each other in a cycle; the message names them.
     """
     floor: dict[str, int] = {}
     left = set(arrows)
     while left:
         ready = {room for room in left if all(other in floor for other in arrows[room])}
         if not ready:
-            raise CircularImportsError(f"a circle of imports among: {', '.join(sorted(left))}")
+            raise CircularImportsError(f"import cycle among: {', '.join(sorted(left))}")
         for room in ready:
             floor[room] = 1 + max((floor[other] for other in arrows[room]), default=-1)
         left -= ready
@@ -121,7 +121,7 @@ def draw(floors: list[list[str]], lines: Mapping[str, int], arrows: Arrows) -> s
     direct = direct_arrows(arrows)
     parts = [
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {height}" role="img">',
-        "<title>Who imports whom in multisrt</title>",
+        "<title>Imports between the packages of multisrt</title>",
         f"<style>{STYLE}</style>",
         '<defs><marker id="tip" viewBox="0 0 8 8" refX="8" refY="4" markerWidth="7" '
         'markerHeight="7" orient="auto"><path d="M0 0 8 4 0 8z"/></marker></defs>',

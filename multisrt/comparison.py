@@ -149,7 +149,7 @@ def compare(
     if isinstance(environments, ExperimentSpec):
         if given:
             raise InvalidInputError(
-                "an ExperimentSpec says everything: with it, give only workers, cluster, store, "
+                "an ExperimentSpec is complete: with it, give only workers, cluster, store, "
                 f"imports and progress, and leave out {', '.join(given)}"
             )
         spec = environments

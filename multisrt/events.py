@@ -140,7 +140,7 @@ class Decision(Event, frozen=True, kw_only=True, tag="decision"):
         `draw`, `approach`, `complete`: a new place, found by that stage; `parent`,
         `nearest_open`, `home`: back to the parent node, to the nearest node with a frontier, to
         its root; `transfer`: to the tree of another robot, or back; `bypass`: round a robot that
-        stands; `stay`: where it is, for now; `end`: where it is, for good.
+        stands; `stay`: where it is, for now; `end`: where it is, finally.
     target : (x, y) or None
         The place chosen.
     draws : int
@@ -409,7 +409,7 @@ class Collision(Event, frozen=True, kw_only=True, tag="collision"):
     Attributes
     ----------
     configuration : (x, y, heading)
-        Where the robot was: at the begin of the leg that touches an obstacle, or at contact with
+        Where the robot was: at the start of the leg that touches an obstacle, or at contact with
         another body.
     account : str
         What it touched, in words.

@@ -231,7 +231,7 @@ class Recording:
         InvalidInputError
             If the file cannot be written.
         """
-        with written_whole(Path(path)) as file:
+        with atomic_write(Path(path)) as file:
             for line in (self.header, *self.events, self.footer):
                 file.write(_ENCODER.encode(line) + b"\n")
 
@@ -474,7 +474,7 @@ def _versions() -> dict[str, str]:
 
 
 @contextmanager
-def written_whole(path: Path) -> Iterator[IO[bytes]]:
+def atomic_write(path: Path) -> Iterator[IO[bytes]]:
     """Open a file for writing that gets its name only when it has been written completely.
 
     Raises

@@ -13,7 +13,7 @@ import msgspec
 from multisrt.analysis.metrics import Metrics, measure
 from multisrt.environments.environment import Environment
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.recording import Recording, RunOutcome, written_whole
+from multisrt.recording import Recording, RunOutcome, atomic_write
 from multisrt.simulation.journal import Watcher
 from multisrt.simulation.simulate import simulate
 from multisrt.simulation.worlds import build_environment, environment_spec, inline
@@ -196,7 +196,7 @@ class Run:
         >>> spec.stop.max_time_s
         10.0
         """
-        with written_whole(Path(path)) as file:
+        with atomic_write(Path(path)) as file:
             file.write(self.spec.to_toml().encode())
 
     def save_summary(self, path: str | Path) -> None:
@@ -229,7 +229,7 @@ class Run:
             "metrics": self.metrics,
         }
         text = msgspec.json.format(msgspec.json.encode(summary), indent=2)
-        with written_whole(Path(path)) as file:
+        with atomic_write(Path(path)) as file:
             file.write(text + b"\n")
 
     def __repr__(self) -> str:
@@ -357,7 +357,7 @@ def explore(
     if isinstance(environment, RunSpec):
         if given:
             raise InvalidInputError(
-                "a RunSpec says everything: with it, give only recording_path and watch, and "
+                "a RunSpec describes the run: with it, give only recording_path and watch, and "
                 f"leave out {', '.join(given)}"
             )
         spec, world = environment, build_environment(environment.environment)

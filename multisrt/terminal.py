@@ -63,7 +63,7 @@ class LiveLine:
             self._bar.stop()
 
     def say(self, note: str) -> None:
-        """Change the note behind the bar."""
+        """Change the note after the bar."""
         self.update(note=note)
 
     def update(self, **shown: Any) -> None:

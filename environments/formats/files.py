@@ -96,7 +96,7 @@ def refuse_resolution(path: Path, resolution_m: float | None) -> None:
         If it is not None.
     """
     if resolution_m is not None:
-        raise MapFormatError(f"{path} has its own scale; leave --resolution (resolution_m) away")
+        raise MapFormatError(f"{path} has its own scale; leave out --resolution (resolution_m)")
 
 
 def refuse_threshold(path: Path, threshold: float | None) -> None:
@@ -108,7 +108,7 @@ def refuse_threshold(path: Path, threshold: float | None) -> None:
         If it is not None.
     """
     if threshold is not None:
-        raise MapFormatError(f"{path} is not a plain image; leave --threshold (threshold) away")
+        raise MapFormatError(f"{path} is not a plain image; leave out --threshold (threshold)")
 
 
 def grid_polygons(path: Path, free: BoolArray, resolution_m: float) -> MultiPolygon:

@@ -34,7 +34,7 @@ def read_imr(
         ``[SCALE]`` is followed by the metres per unit (1 without it), ``[BORDER]`` and every
         ``[OBSTACLE]`` by lines ``x y``, not closed, in either sense. Obstacles may overlap.
     resolution_m, threshold
-        Refused: the file tells its own scale and is no picture.
+        Refused: the file states its own scale and is not an image.
     name : str, optional
         By default the file's name without suffix.
 

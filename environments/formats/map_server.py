@@ -139,7 +139,7 @@ def _entries(path: Path) -> dict[object, object]:
         raise MapFormatError(f"{path} is not YAML: {str(error)[:200]}") from error
     if not isinstance(loaded, dict):
         raise MapFormatError(
-            f"{path} is no map: it has no keys; a map server's YAML has {', '.join(REQUIRED_KEYS)}"
+            f"{path} is not a map: it has no keys; a map_server YAML has {', '.join(REQUIRED_KEYS)}"
         )
     missing = [key for key in REQUIRED_KEYS if loaded.get(key) is None]
     if missing:

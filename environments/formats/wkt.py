@@ -35,7 +35,7 @@ def read_wkt(
         One geometry, over as many lines as it likes; at most 64 MiB. Third coordinates are
         ignored. Polygons are united; holes are obstacles.
     resolution_m, threshold
-        Refused: the file is in metres and no picture.
+        Refused: the file is in metres and is not an image.
     name : str, optional
         By default the file's name without suffix.
 

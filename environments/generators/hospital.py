@@ -23,7 +23,7 @@ COURT_M = 4.0
 WING_M = 2 * (WARD_DEPTH_M + WALL_M) + CORRIDOR_M
 BED_M = (2.1, 0.95)
 DRAWS = 12
-"""Rows of rooms drawn by chance, of which the best fitting is built."""
+"""Number of random rows of rooms, of which the best fitting one is built."""
 
 Furnish = Callable[[float, float], list[BaseGeometry]]
 """Furniture of a room in its own frame, from its width and depth."""
@@ -211,7 +211,7 @@ def _ward_row(plan: _Plan, row: Bay, *, with_station: bool) -> None:
 def _ward_rooms(
     plan: "_Plan", length_m: float, *, with_station: bool
 ) -> list[tuple[Furnish, float]]:
-    """Draw rooms by chance, until they fill a length more or less."""
+    """Draw random rooms until they roughly fill a length."""
     rooms: list[tuple[Furnish, float]] = []
     while sum(length + WALL_M for _, length in rooms) < length_m - 1.0:
         rooms.append(_WARD_ROOMS[int(plan.rng.choice(len(_WARD_ROOMS), p=_WARD_CHANCES))])

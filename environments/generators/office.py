@@ -18,7 +18,7 @@ WALL_M = 0.15
 BLOCK_M = 12.5
 """Usual depth of two rows of rooms with their corridor."""
 
-SHALLOWEST_M = 3.4
+MIN_ROOM_DEPTH_M = 3.4
 CROSSING_EVERY_M = 18.0
 LOBBY_M = 6.0
 
@@ -73,10 +73,10 @@ def office(
     seed = seed_number("office", seed)
     blocks = max(1, round(height_m / BLOCK_M))
     depth = (height_m - blocks * (corridor_m + 2 * WALL_M) - (blocks - 1) * WALL_M) / (2 * blocks)
-    if depth < SHALLOWEST_M:
+    if depth < MIN_ROOM_DEPTH_M:
         raise InvalidInputError(
             f"office: height_m={height_m:g} with corridor_m={corridor_m:g} leaves rooms "
-            f"{depth:.2g} m deep, less than {SHALLOWEST_M:g} m; give a greater height_m or "
+            f"{depth:.2g} m deep, less than {MIN_ROOM_DEPTH_M:g} m; give a greater height_m or "
             "narrower corridors"
         )
 

@@ -30,7 +30,7 @@ MIN_CAPACITY = 1024
 class ArcPieces:
     """What is left of the frontier arcs of many regions.
 
-    New pieces of a region are written behind all others. When the arrays are full, the pieces in
+    New pieces of a region are written after all others. When the arrays are full, the pieces in
     use are compacted into new ones.
 
     Attributes
@@ -153,7 +153,7 @@ class ArcPieces:
         near : (k,) array of int
             Regions whose open arcs may be joined to its own.
         min_length_m : float
-            Least length in metres of an arc together with all that it is joined to.
+            Minimum length in metres of an arc together with all that it is joined to.
 
         Returns
         -------

@@ -14,10 +14,10 @@ from multisrt.geometry.regions.boundary import GAP, OBSTACLE, RANGE, TagArray
 from multisrt.geometry.regions.scan import LaserScan, beam_spacing_rad
 
 MIN_BEAMS: Final = 5
-"""Least number of beams from which a region can be made."""
+"""Minimum number of beams from which a region can be made."""
 
 MIN_CORNER_RAD: Final = math.radians(45.0)
-"""Least angle in radians of the corners of obstacles that may stand between two beams."""
+"""Minimum angle in radians of the corners of obstacles that may stand between two beams."""
 
 MIN_INCIDENCE_RAD: Final = math.radians(10.0)
 """Least angle in radians between a beam and a surface for neighbouring beams to count as hits of

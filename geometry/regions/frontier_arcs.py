@@ -22,7 +22,7 @@ MIN_ARC_M: Final = 1e-3
 """Arcs shorter than this, in metres, come from regions that nearly touch."""
 
 ENDS_MEET_M: Final = 5e-3
-"""Arcs of different nodes are joined where one ends within this of the other's begin, in metres
+"""Arcs of different nodes are joined where one ends within this of the other's start, in metres
 along either axis."""
 
 JOINED_M: Final = 1e-6
@@ -135,7 +135,7 @@ def arc_ends(segments: FloatArray) -> FloatArray:
     Returns
     -------
     (k, 5) array
-        x and y of the begin, x and y of the end, and the length of every arc in metres, in the
+        x and y of the start, x and y of the end, and the length of every arc in metres, in the
         order of `arc_labels`.
     """
     n = segments.shape[0]

@@ -86,7 +86,7 @@ class KnownSpace:
         return found
 
     def passes(self, ways: FloatArray, radius_m: float) -> BoolArray:
-        """Return along which straight ways a disc stays inside, if it is inside at their begin.
+        """Return along which straight ways a disc stays inside, if it is inside at their start.
 
         Parameters
         ----------

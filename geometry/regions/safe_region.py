@@ -37,7 +37,7 @@ CONTACT_TOLERANCE_M: Final = 0.05
 """Largest distance in metres of an obstacle behind the arc of a star or a ball that ends at it."""
 
 MIN_CONES: Final = 3
-"""Least number of cones of a star."""
+"""Minimum number of cones of a star."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -12,7 +12,7 @@ from multisrt.geometry.numerics.kernel import IntArray, kernel, unsigned
 from multisrt.geometry.regions.edge_index import EdgeGrid, winding_number
 
 MIN_CLEARANCE_M: Final = 1e-9
-"""Least distance in metres of a viewpoint from all edges: nearer to one, the view would leak
+"""Minimum distance in metres of a viewpoint from all edges: nearer to one, the view would leak
 through it."""
 
 MAX_RANGE_M: Final = 1e7

@@ -50,7 +50,7 @@ experiment.add_command(check)
     "--schema/--no-schema",
     default=True,
     show_default=True,
-    help="Write the JSON Schema beside FILE, with which editors complete and check it.",
+    help="Write a JSON Schema next to FILE, for completion and checks in editors.",
 )
 def new(file: Path, like: str | None, schema: bool) -> None:
     """Write an experiment file to start from.

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from multisrt.experiments.spec import ExperimentSpec, Limits
 
 MAX_ROWS = 24
-"""Longest table of conditions; a longer one is cut."""
+"""Upper bound of the rows in the table of conditions; the rest is cut."""
 
 
 @click.command()
@@ -34,7 +34,7 @@ MAX_ROWS = 24
     default=30.0,
     show_default=True,
     type=click.FloatRange(0.0),
-    help="Time for trial runs; 0 makes none and estimates nothing.",
+    help="Time for trial runs (s); 0 skips them and the estimate.",
 )
 @click.option(
     "--import",
@@ -47,7 +47,7 @@ def check(file: Path, workers: int | None, seconds: float, modules: tuple[str, .
     """List an experiment's conditions and estimate its duration.
 
     FILE is read and every condition checked without storing anything. For the estimate a few
-    trial runs are made, cheap ones first, and thrown away.
+    trial runs are made, cheap ones first, and discarded.
 
     \b
     Examples:

@@ -49,7 +49,7 @@ Files written, with several strategies in one folder each:
   tree.svg         the exploration trees or trajectories, in layers
   run.json         spec, outcome, digest and metrics
   spec.toml        the spec; 'multisrt explore --spec' repeats the run
-  recording.jsonl  every event of the run, one a line
+  recording.jsonl  every event of the run, one per line
 
 \b
 Exit code:
@@ -91,7 +91,7 @@ Exit code:
 @click.option(
     "--starts",
     type=click.Choice(["scattered", "clustered"]),
-    help="How starts are drawn that --start does not give.  [default: scattered]",
+    help="How to draw the starts that --start does not give.  [default: scattered]",
 )
 @click.option(
     "--start",
@@ -199,7 +199,7 @@ def _require_nothing_else(context: click.Context) -> None:
             continue
         if context.get_parameter_source(name) is ParameterSource.COMMANDLINE:
             given = "ENV" if isinstance(parameter, click.Argument) else parameter.opts[0]
-            raise click.UsageError(f"--spec says everything: leave out {given}")
+            raise click.UsageError(f"--spec describes the whole run: leave out {given}")
 
 
 def _folders(specs: list[RunSpec], out: Path | None, name: str) -> list[Path]:

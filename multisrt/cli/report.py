@@ -30,7 +30,7 @@ import click
     metavar="STRATEGY",
     help="Strategy that the others are compared with.  [default: the first]",
 )
-@click.option("--no-gallery", is_flag=True, help="Draw no trees, which repeats some runs.")
+@click.option("--no-gallery", is_flag=True, help="Omit the trees, which need some runs repeated.")
 @click.option("--quiet", is_flag=True, help="Print errors only.")
 def report(
     results: Path,

@@ -42,7 +42,7 @@ RUNS_FAILED = 3
     metavar="FILE",
     help=f"File for the results.  [default: {STORE_NAME} in DIR]",
 )
-@click.option("--no-gallery", is_flag=True, help="Draw no trees, which repeats some runs.")
+@click.option("--no-gallery", is_flag=True, help="Omit the trees, which need some runs repeated.")
 def reproduce(
     name: str,
     *,
@@ -86,7 +86,7 @@ def reproduce(
 
     from multisrt.presets import preset_named
     from multisrt.presets.summary import summary
-    from multisrt.recording import written_whole
+    from multisrt.recording import atomic_write
     from multisrt.reporting.page import write_report
     from multisrt.terminal import LiveLine
 
@@ -103,7 +103,7 @@ def reproduce(
     if seeds is not None:
         command += f" --seeds {seeds}"
     text = summary(preset, results, command, claims=claims, tables=tables)
-    with written_whole(out / SUMMARY_NAME) as file:
+    with atomic_write(out / SUMMARY_NAME) as file:
         file.write(text.encode())
     with LiveLine(not running.quiet, "report") as live:
         page = write_report(

@@ -133,7 +133,7 @@ def _overrides(text: str) -> dict[str, Any]:
         key, value = _key_and_value(part, "--robot")
         if key not in OVERRIDES:
             raise click.BadParameter(
-                f"{key!r} is none of {', '.join(OVERRIDES)}", param_hint="--robot"
+                f"{key!r} is not one of {', '.join(OVERRIDES)}", param_hint="--robot"
             )
         if key in ("range", "speed", "turning-radius"):
             values[key] = _number(value, float, "--robot")

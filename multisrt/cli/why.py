@@ -16,7 +16,7 @@ import click
     type=float,
     help="Time (s); its last decision up to then is explained.  [default: end of the run]",
 )
-@click.option("--all", "everything", is_flag=True, help="List all of its decisions, one a line.")
+@click.option("--all", "everything", is_flag=True, help="List all of its decisions, one per line.")
 def why(recording: Path, robot: int, time_s: float | None, everything: bool) -> None:
     """Explain what a robot knew and decided.
 

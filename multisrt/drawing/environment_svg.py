@@ -8,7 +8,7 @@ from multisrt.drawing.colours import SUGGESTED_START
 from multisrt.drawing.sheet import LegendEntry, Sheet
 from multisrt.drawing.svg import child, length
 from multisrt.environments.environment import Environment
-from multisrt.recording import written_whole
+from multisrt.recording import atomic_write
 
 START_MM = 1.6
 
@@ -86,5 +86,5 @@ def save_environment_svg(environment: Environment, path: str | Path) -> None:
     >>> Path("open.svg").read_text().count("<svg")
     1
     """
-    with written_whole(Path(path)) as file:
+    with atomic_write(Path(path)) as file:
         file.write(environment_svg(environment).encode())

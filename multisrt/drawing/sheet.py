@@ -51,7 +51,7 @@ MAX_BAR_MM: Final = 45.0
 """Upper bound of the length of the scale bar."""
 
 MAX_HEADING: Final = 400
-"""Upper bound of the letters in a line of the heading; longer lines are cut."""
+"""Upper bound of the characters in a line of the heading; longer lines are cut."""
 
 FONT: Final = "Helvetica, Arial, 'Liberation Sans', 'DejaVu Sans', sans-serif"
 

@@ -26,7 +26,7 @@ from multisrt.drawing.ways_svg import draw_ways
 from multisrt.environments.environment import Environment
 from multisrt.events import NodeAdded
 from multisrt.geometry.numerics.kernel import FloatArray
-from multisrt.recording import Recording, written_whole
+from multisrt.recording import Recording, atomic_write
 
 NODE_SHARE: Final = 0.2
 """Radius of a node as a share of the median edge, clipped to `NODE_MM`."""
@@ -104,7 +104,7 @@ def save_tree_svg(recording: Recording, path: str | Path) -> None:
     1
     """
     text = tree_svg(recording)
-    with written_whole(Path(path)) as file:
+    with atomic_write(Path(path)) as file:
         file.write(text.encode())
 
 

@@ -27,7 +27,7 @@ from multisrt.experiments.provenance import Provenance, provenance
 from multisrt.experiments.results import Result
 from multisrt.experiments.worker import Worker
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.recording import written_whole
+from multisrt.recording import atomic_write
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -109,7 +109,9 @@ def _made(
             threads = sum(client.ncores().values())
         most = max(MIN_SUBMITTED, RUNS_PER_THREAD * threads)
         for job in islice(jobs, max(0, most - len(under_way))):
-            future = client.submit(make_there, msgspec.json.encode(job), mine, modules, pure=False)
+            future = client.submit(
+                run_job_remotely, msgspec.json.encode(job), mine, modules, pure=False
+            )
             under_way[future] = job
             future.add_done_callback(ended.put)
 
@@ -126,7 +128,7 @@ def _made(
         with _reported_when_lost(address):
             result, recording = _outcome(future, job, address)
         if recording is not None:
-            with written_whole(Path(job.recording)) as file:
+            with atomic_write(Path(job.recording)) as file:
                 file.write(recording)
         submit()
         yield result
@@ -171,7 +173,9 @@ def _lost(address: str) -> InvalidInputError:
 # On the cluster ------------------------------------------------------------------------------
 
 
-def make_there(job: bytes, expected: bytes, modules: tuple[str, ...]) -> tuple[bytes, bytes | None]:
+def run_job_remotely(
+    job: bytes, expected: bytes, modules: tuple[str, ...]
+) -> tuple[bytes, bytes | None]:
     """Make a run in a thread of a cluster's worker.
 
     Parameters

@@ -41,7 +41,7 @@ from multisrt.geometry.errors import InvalidInputError, did_you_mean
 from multisrt.spec import FileEnvironment, RobotSpec, RunSpec
 
 MAX_RUNS = 1_000_000
-"""Most runs of an experiment; more are taken for a mistake."""
+"""Upper bound of the runs of an experiment; more are assumed to be a mistake."""
 
 OWN_BODIES = "its own"
 """Label of the bodies of a team whose robots differ."""

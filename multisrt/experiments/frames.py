@@ -15,7 +15,7 @@ from multisrt.experiments.crossing import Condition
 from multisrt.experiments.measures import MEASURES
 from multisrt.experiments.results import Result, Results
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.recording import written_whole
+from multisrt.recording import atomic_write
 
 if TYPE_CHECKING:
     import pandas
@@ -194,7 +194,7 @@ def export(path: str | Path, out: str | Path) -> int:
     if out.suffix == ".parquet":
         _package("pyarrow")
     made = list(rows(_stored(path)))
-    with written_whole(out) as file:
+    with atomic_write(out) as file:
         file.write(encode(made))
     return len(made)
 

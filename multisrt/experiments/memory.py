@@ -56,7 +56,7 @@ def reset_peak_memory() -> None:
         Path("/proc/self/clear_refs").write_text("5")
 
 
-class Thrift:
+class MemoryTrimmer:
     """Returns memory to the system between tasks, when this process has grown much."""
 
     def __init__(self) -> None:

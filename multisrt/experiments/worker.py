@@ -32,7 +32,7 @@ OUTSIDE_SIGNALS = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT, signal.SIGHUP)
 MAX_STARTS = 3
 """Attempts to start a worker that is killed from outside before it is ready."""
 
-MAX_LAST_WORDS_BYTES = 8192
+MAX_STDERR_BYTES = 8192
 """How much is kept of the end of a worker's standard error."""
 
 THREADS = ("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
@@ -233,7 +233,7 @@ class _Process:
     def _listen(self, errors: IO[bytes]) -> None:
         with errors:
             while piece := os.read(errors.fileno(), 65_536):
-                self._last_words = (self._last_words + piece)[-MAX_LAST_WORDS_BYTES:]
+                self._last_words = (self._last_words + piece)[-MAX_STDERR_BYTES:]
 
 
 def _how_it_ended(code: int) -> str:

@@ -22,7 +22,7 @@ from typing import IO
 import msgspec
 
 from multisrt.experiments.job import Answer, Job, Made, Ready, Unable
-from multisrt.experiments.memory import Thrift
+from multisrt.experiments.memory import MemoryTrimmer
 from multisrt.experiments.modules import import_modules
 from multisrt.experiments.provenance import provenance
 from multisrt.geometry.errors import InvalidInputError
@@ -57,7 +57,7 @@ def main(modules: Sequence[str]) -> None:
     threading.Thread(target=_read, args=(jobs, lines), daemon=True).start()
     _answer(answers, Ready(provenance()))
     decoder = msgspec.json.Decoder(Job)
-    thrift = Thrift()
+    trimmer = MemoryTrimmer()
     while True:
         job = decoder.decode(lines.get())
         path = Path(job.recording) if job.recording else None
@@ -67,7 +67,7 @@ def main(modules: Sequence[str]) -> None:
             _answer(answers, Unable(str(error)))
         else:
             _answer(answers, Made(result))
-            thrift.tidy()
+            trimmer.tidy()
 
 
 def _own_pipes() -> tuple[IO[bytes], IO[bytes]]:

@@ -19,7 +19,7 @@ MAX_ROWS = 12
 """Rounds of an assignment, and best cells, that are shown."""
 
 COLUMN = 10
-"""Width of the column of a table, in letters."""
+"""Width of a table column, in characters."""
 
 BECAUSE = {
     "start": "it had taken its first scan",

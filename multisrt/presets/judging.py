@@ -70,7 +70,7 @@ class Comparison:
         return bool(self.lower) and bool(self.higher)
 
     @property
-    def least_p_value(self) -> float:
+    def min_p_value(self) -> float:
         """Smallest p-value that this number of runs can have; 1 without runs."""
         n, m = len(self.lower), len(self.higher)
         if not self.has_runs:
@@ -214,9 +214,9 @@ def verdict(sayings: Sequence[Saying], scope: Scope) -> Verdict:
     return "does not hold" if againsts else "not significant"
 
 
-def can_tell(comparisons: Sequence[Comparison], scope: Scope) -> bool:
+def could_be_significant(comparisons: Sequence[Comparison], scope: Scope) -> bool:
     """Return whether the claim could hold with these numbers of runs."""
-    possible = holm([comparison.least_p_value for comparison in comparisons if comparison.has_runs])
+    possible = holm([comparison.min_p_value for comparison in comparisons if comparison.has_runs])
     significant = int(np.count_nonzero(possible < SIGNIFICANCE))
     return significant > (0 if scope == "somewhere" else len(comparisons) // 2)
 
@@ -259,7 +259,7 @@ def judge(
     decision: Verdict = "not tested"
     if not comparisons:
         grounds.append("the experiment has no runs that the claim refers to")
-    elif can_tell(comparisons, scope):
+    elif could_be_significant(comparisons, scope):
         decision = verdict([finding.saying for finding in findings], scope)
     else:
         grounds.append("too few runs: too few differences can be significant")

@@ -18,10 +18,10 @@ from multisrt.experiments.measures import Measure, measure_named
 from multisrt.experiments.results import Results
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.reporting import figures, overall_figures, tables
-from multisrt.reporting.again import MAX_FAILURES, Failure, Gallery, Specs, Tree, failures
-from multisrt.reporting.again import gallery as drawn_gallery
 from multisrt.reporting.claims import Claim, PrintedTable
 from multisrt.reporting.layout import Cell, Table, number, slug
+from multisrt.reporting.reruns import MAX_FAILURES, Failure, Gallery, Specs, Tree, failures
+from multisrt.reporting.reruns import gallery as drawn_gallery
 from multisrt.reporting.study import Study, chosen_measures, other_measures
 from multisrt.reporting.style import Picture
 from multisrt.reporting.words import HOW_TO_READ, Findings, findings, what_was_run
@@ -31,7 +31,7 @@ GENERATOR: Final = "multisrt report"
 CONTENTS: Final = {PAGE_NAME, "figures", "tables", "gallery", "failures"}
 """Names in the folder of a report; a folder with any other name is never replaced."""
 
-OF_TEAMS: Final = ("isolated_total_s", "imbalance")
+TEAM_MEASURES: Final = ("isolated_total_s", "imbalance")
 """Measures of the cooperation of a team."""
 
 MAX_FIGURES: Final = 16
@@ -168,7 +168,7 @@ def write_report(
 
 def _contents(study: Study, chosen: Sequence[Measure], say: Callable[[str], None]) -> Contents:
     found = Contents(study=study)
-    of_teams = [measure_named(name) for name in OF_TEAMS]
+    of_teams = [measure_named(name) for name in TEAM_MEASURES]
     for measure in chosen:
         say(measure.title)
         grows = measure.lower_is_better

@@ -44,7 +44,7 @@ MAX_LABEL_OF_TWO_COLUMNS: Final = 17
 """Upper bound of the letters of labels that a legend shows in two columns."""
 
 MAX_HEADLINE: Final = 46
-"""Upper bound of the letters of a headline."""
+"""Upper bound of the characters of a headline."""
 
 SETTINGS: Final[dict[Any, Any]] = {
     "axes.edgecolor": "#6a6a6a",

@@ -42,7 +42,7 @@ class ExplorationMap:
     reach_m : float
         Largest range of the team's range finders in metres.
     min_arc_m : float, default 0.0
-        Least length in metres of frontier, joined over all nodes: the body cannot pass through a
+        Minimum length in metres of frontier, joined over all nodes: the body cannot pass through a
         narrower opening.
     gaps_count : bool, default True
         Whether radial pieces behind corners are frontier.

@@ -169,7 +169,7 @@ class Move(msgspec.Struct, frozen=True, kw_only=True):
     listen : bool
         Whether messages are delivered during the motion: `Received` is sent back when one comes
         that wakes (see `Message.wakes`), and the motion goes on; `Receive` then waits for what
-        comes next, and at last is answered by `Moved`.
+        comes next, and is finally answered by `Moved`.
 
     Examples
     --------

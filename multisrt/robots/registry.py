@@ -29,7 +29,7 @@ from multisrt.robots.frontier.options import (
     UtilityOptions,
 )
 from multisrt.robots.frontier.robot import Watch
-from multisrt.robots.frontier.self_bidding import choose_by_self_bidding, tell_who_may_stop
+from multisrt.robots.frontier.self_bidding import choose_by_self_bidding, send_stop_signals
 from multisrt.robots.frontier.utility import choose_utility
 from multisrt.robots.frontier.wavefront_rules import choose_closest, choose_greedy, choose_minpos
 from multisrt.robots.multi_srt.build_multi_srt import SrtExplorer
@@ -226,7 +226,7 @@ def strategy(name: str) -> Strategy:
         if name in broken:
             raise InvalidInputError(
                 f"the strategy {name!r} of another package could not be loaded "
-                f"({broken[name]}); mend or uninstall that package"
+                f"({broken[name]}); fix or uninstall that package"
             )
         raise InvalidInputError(
             f"there is no strategy {name!r}{did_you_mean(name, registered)}; "
@@ -367,7 +367,7 @@ _OWN = (
         "SBX-R: bids for the whole team, which keeps within radio range",
         SelfBiddingOptions,
         choose_by_self_bidding,
-        tell_who_may_stop,
+        send_stop_signals,
         fits=_require_talk,
     ),
     Strategy(

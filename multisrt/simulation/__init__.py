@@ -1,1 +1,1 @@
-"""The truth at work: an interpreter of what explorers want done, over a discrete-event clock."""
+"""The simulation: an interpreter of the actions of explorers, over a discrete-event clock."""

@@ -26,7 +26,7 @@ def late_starts(faults: Sequence[Fault]) -> dict[int, float]:
 
 
 class Faults:
-    """Lets go wrong what the spec of a run says goes wrong.
+    """Injects the faults that the spec of a run lists.
 
     Parameters
     ----------

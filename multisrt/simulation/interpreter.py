@@ -86,7 +86,7 @@ class Interpreter:
         self._actions = 0
 
     def process(self, join_s: float | None) -> Process:
-        """Run the explorer until it is done for good, or the robot dies or collides.
+        """Run the explorer until it is permanently done, or the robot dies or collides.
 
         Parameters
         ----------

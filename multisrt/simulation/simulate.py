@@ -18,7 +18,7 @@ from multisrt.geometry.bodies.collision import CollisionWorld
 from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.regions.edge_index import EdgeIndex
-from multisrt.recording import Recorder, Recording, RunOutcome, header_of, written_whole
+from multisrt.recording import Recorder, Recording, RunOutcome, atomic_write, header_of
 from multisrt.robots.explorer import Explorer, RobotSelf
 from multisrt.robots.registry import strategy
 from multisrt.simulation.clock import Clock
@@ -110,7 +110,7 @@ def simulate(
     ]
     header = header_of(spec, environment, starts)
     world = _collision_world(environment)
-    opened = nullcontext() if path is None else written_whole(Path(path))
+    opened = nullcontext() if path is None else atomic_write(Path(path))
     with opened as file:
         journal = Journal(Recorder(header, file), watch)
         return _Simulation(spec, world, index, radio, journal, starts).run(explorers)

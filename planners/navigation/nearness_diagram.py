@@ -28,7 +28,7 @@ AVOID_RADII: Final = 4.0
 """Default avoidance distance (D), in radii of the body."""
 
 PASSABLE_RADII: Final = 2.2
-"""Least distance of obstacles from a gap's corner for a passable gap, in radii of the body."""
+"""Minimum distance of obstacles from a gap's corner for a passable gap, in radii of the body."""
 
 Situation = Literal["goal", "gap", "middle", "turn", "blocked"]
 """What a robot heads for: the goal; a gap, past its corner; the middle of a narrow valley; nothing,

@@ -31,12 +31,12 @@ def test_no_arrow_runs_upwards_and_rooms_are_few(plan):
 
 def test_every_room_is_described(plan):
     page = (ROOT / "docs" / "architecture.md").read_text()
-    table = page[page.index("## The rooms") : page.index("## The way of the data")]
+    table = page[page.index("## Packages and modules") : page.index("## Data flow")]
     for room in plan.read_rooms()[0].keys() - {"terminal", "validation_errors"}:
         assert f"`{room}" in table, room
 
 
-def test_a_circle_is_refused(plan):
+def test_a_cycle_is_refused(plan):
     with pytest.raises(plan.CircularImportsError, match="a, b"):
         plan.floors_of({"a": {"b"}, "b": {"a"}, "c": {"a"}})
 

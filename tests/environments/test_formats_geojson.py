@@ -154,7 +154,7 @@ def test_degrees_are_refused(read):
 
 
 def test_options_of_images_are_refused(read):
-    with pytest.raises(MapFormatError, match="leave --resolution"):
+    with pytest.raises(MapFormatError, match="leave out --resolution"):
         read(polygon(HALL), resolution_m=0.1)
-    with pytest.raises(MapFormatError, match="leave --threshold"):
+    with pytest.raises(MapFormatError, match="leave out --threshold"):
         read(polygon(HALL), threshold=0.5)

@@ -78,7 +78,7 @@ def test_fault_is_named_and_placed(read, text, message):
 
 
 def test_options_of_images_are_refused(read):
-    with pytest.raises(MapFormatError, match="leave --resolution"):
+    with pytest.raises(MapFormatError, match="leave out --resolution"):
         read(f"POLYGON {SQUARE}", resolution_m=0.1)
-    with pytest.raises(MapFormatError, match="leave --threshold"):
+    with pytest.raises(MapFormatError, match="leave out --threshold"):
         read(f"POLYGON {SQUARE}", threshold=0.5)

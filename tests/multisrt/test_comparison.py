@@ -150,7 +150,7 @@ def test_a_spec_without_a_store_keeps_no_recordings(asked):
 )
 def test_a_spec_and_keywords_do_not_mix(given, asked):
     spec = ExperimentSpec(name="plain", environments=("open",), strategies=("srt-star",))
-    with pytest.raises(InvalidInputError, match="an ExperimentSpec says everything") as error:
+    with pytest.raises(InvalidInputError, match="an ExperimentSpec is complete") as error:
         compare(spec, **given)
     assert str(error.value).endswith(f"leave out {next(iter(given))}")
     assert not asked

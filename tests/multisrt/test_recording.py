@@ -12,7 +12,7 @@ from multisrt.analysis.metrics import measure
 from multisrt.environments.environment import Environment
 from multisrt.events import Died, Ended, Motion, NodeAdded
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.recording import FORMAT, VERSION, Header, Recording, written_whole
+from multisrt.recording import FORMAT, VERSION, Header, Recording, atomic_write
 from multisrt.simulation.simulate import simulate
 from multisrt.simulation.worlds import inline
 from multisrt.spec import RunSpec
@@ -386,7 +386,7 @@ def test_a_device_that_gets_full_while_running(tmp_path, full_device):
 
 def test_a_device_that_is_full_when_the_file_is_closed(tmp_path):
     def write():
-        with written_whole(tmp_path / "run.jsonl") as file:
+        with atomic_write(tmp_path / "run.jsonl") as file:
             file.write(b"some")
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 

@@ -189,7 +189,7 @@ def test_impossible_runs_are_refused(given, said):
     ],
 )
 def test_a_run_spec_and_keywords_do_not_mix(given):
-    with pytest.raises(InvalidInputError, match="a RunSpec says everything") as error:
+    with pytest.raises(InvalidInputError, match="a RunSpec describes the run") as error:
         explore(RunSpec(environment=inline(ROOM)), **given)
     assert str(error.value).endswith(f"leave out {next(iter(given))}")
 

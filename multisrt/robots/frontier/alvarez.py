@@ -12,9 +12,9 @@ known area, and the path to that place is the shortest one, not one from cell to
 - Goals are compared whenever one is new, and swapped only if the sum of the two paths does not grow
   by more than the width of a cell. As a swap shortens the shorter of the two paths, robots do not
   swap for ever.
-- A cell is taken as inaccessible once every robot that is present (`Mates.present`) has found it
-  so, not every robot of the team. Robots also report the places at the edge of the known area that
-  they reached in vain.
+- A cell counts as inaccessible once every robot that is present (`Teammates.present`) has found
+  it so, not every robot of the team. Robots also report the places at the edge of the known area
+  that they reached in vain.
 - A robot that was stuck goes to a random place (proposed in the thesis as future work).
 """
 
@@ -56,7 +56,7 @@ from multisrt.robots.frontier.wavefront_rules import Choice, choose_closest
 SCORES_KEPT = 10
 """Number of the best cells that are put on record with a choice."""
 
-ANEW = (Event.START, Event.NEWS, Event.CALLED_ON, Event.BLOCKED)
+REPLANNING_EVENTS = (Event.START, Event.NEWS, Event.CALLED_ON, Event.BLOCKED)
 """Events after which a robot chooses another cell even if its own is still unexplored."""
 
 Scores = tuple[tuple[float, float, float, float, float, float], ...]
@@ -107,7 +107,7 @@ class Rules:
         team = robot.team
         with robot.around_bodies():
             drawn = survey(robot, team.cells.tried, agreed(robot))
-            aim = None if because in ANEW else team.cells.aim
+            aim = None if because in REPLANNING_EVENTS else team.cells.aim
             way = None if aim is None else way_to(robot, drawn, aim)
             unreached: list[Place] = []
             scores: Scores = ()
@@ -317,7 +317,7 @@ def chosen(
 def agreed(robot: FrontierRobot) -> list[Place]:
     """Return the cells that this robot and all that are present found inaccessible.
 
-    Idle robots, and robots not heard of for long, are not asked for; see `Mates.present`.
+    Idle robots, and robots not heard of for long, are not asked for; see `Teammates.present`.
     """
     everybody = {robot.me.robot, *(report.robot for report in robot.team.present())}
     said = robot.team.cells.inaccessible.items()

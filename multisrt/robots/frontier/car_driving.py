@@ -152,7 +152,7 @@ class CarDriver:
         return first
 
     def _may_try(self, aim: Place, path: FloatArray) -> bool:
-        """Count an attempt; return whether it is worth making: not too many before were in vain."""
+        """Count an attempt; return whether it is worth making: not too many earlier ones failed."""
         attempt = self._attempts.setdefault(aim, Attempt())
         left_m = length_of(path) + math.dist(path[0], self._course.at[:2])
         revision = self._map.raster.revision

@@ -125,7 +125,7 @@ class Frontiers:
         return place in self._seen_in_vain
 
     def give_up(self, place: Place) -> None:
-        """Exclude a place, and all within half the body's width, from the targets for good."""
+        """Exclude a place, and all within half the body's width, from the targets permanently."""
         self._given_up[place] = None
 
     def note_no_path(self, place: Place) -> None:

@@ -46,7 +46,7 @@ def find_detour(
 
 
 def ask_to_leave(robot: FrontierRobot, goal: Goal, met: Sighting) -> Steps:
-    """Ask another robot, again and again, to give way, until it moves or patience is out.
+    """Ask another robot repeatedly to give way, until it moves or `patience` is exhausted.
 
     Ends early when this robot is itself asked to give way. A robot that does not leave is taken
     as an obstacle for a while; one that does not answer, as lost.

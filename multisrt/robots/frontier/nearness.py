@@ -24,7 +24,7 @@ STUCK_S = 5.0
 """A robot without progress for this long follows its path instead."""
 
 PROGRESS_M = 0.1
-"""Least decrease of the remaining length that counts as progress."""
+"""Minimum decrease of the remaining length that counts as progress."""
 
 MIN_HELD_S = 0.02
 """A command that may not be held for this long is not given."""

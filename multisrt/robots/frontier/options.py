@@ -34,7 +34,7 @@ class FrontierOptions(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
         Whether a goal is chosen anew whenever the map has changed, or only when the last one is
         reached or nothing is left to be seen there.
     replan_period_s : float
-        Least time between two choices because of news, in seconds.
+        Minimum time between two choices because of news, in seconds.
     reached : {"cell", "sight"}
         Whether a goal is reached at its cell, or where it is in sight within half the range.
     paths : {"march", "eedt"}

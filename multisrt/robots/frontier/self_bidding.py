@@ -66,7 +66,7 @@ class _Prospect:
 def choose_by_self_bidding(robot: FrontierRobot, because: str) -> Choice:
     """CHOOSE TARGET: ask the robots in range where they go, and bid for all of them.
 
-    All are those in `Mates.present`; see the module.
+    All are those in `Teammates.present`; see the module.
     """
     team, options = robot.team, cast(SelfBiddingOptions, robot.options)
     robot.set_goal(None)
@@ -233,7 +233,7 @@ def farthest_along(path: FloatArray, step_m: float, places: FloatArray) -> float
     return farthest
 
 
-def tell_who_may_stop(robot: FrontierRobot) -> Generator[Action, Outcome, None]:
+def send_stop_signals(robot: FrontierRobot) -> Generator[Action, Outcome, None]:
     """STOP SIGNAL: tell other robots when their goals are no longer frontiers.
 
     Called after every scan that added a node of the robot's own.

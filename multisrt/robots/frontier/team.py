@@ -11,7 +11,6 @@ from multisrt.robots.frontier.bodies import Bodies
 from multisrt.robots.frontier.course import Course
 from multisrt.robots.frontier.frontiers import Frontiers
 from multisrt.robots.frontier.goal import Place
-from multisrt.robots.frontier.mates import Mates
 from multisrt.robots.frontier.messages import (
     AssignmentMessage,
     GiveWayMessage,
@@ -25,6 +24,7 @@ from multisrt.robots.frontier.messages import (
 from multisrt.robots.frontier.options import FrontierOptions
 from multisrt.robots.frontier.requests import Requests
 from multisrt.robots.frontier.scan_map import ScanMap
+from multisrt.robots.frontier.teammates import Teammates
 from multisrt.robots.knowledge import EntriesMessage, Entry, Node, NodeId, WantMessage
 from multisrt.robots.listening import Listener, have_of
 from multisrt.robots.messages import Message
@@ -75,7 +75,7 @@ class Team(Listener):
 
     Attributes
     ----------
-    mates : Mates
+    mates : Teammates
         The reports of the others.
     requests : Requests
         What the others want from this robot.
@@ -103,7 +103,7 @@ class Team(Listener):
         frontiers: Frontiers,
     ) -> None:
         super().__init__(course, me, map.entries, options.ask_period_s)
-        self.mates = Mates(me.robot, options.forget_after_s)
+        self.mates = Teammates(me.robot, options.forget_after_s)
         self.requests = Requests()
         self.cells = SharedCells()
         self.phase: Phase = "choosing"
@@ -121,7 +121,7 @@ class Team(Listener):
         self._offered_s: dict[int, float] = {}
 
     def present(self) -> list[RobotReport]:
-        """Return the reports of the robots to reckon with, by number; see `Mates.present`."""
+        """Return the reports of the robots to reckon with, by number; see `Teammates.present`."""
         return self.mates.present(self._course.time_s)
 
     def own_report(self) -> RobotReport:

@@ -44,7 +44,7 @@ def choose_utility(robot: FrontierRobot, because: str) -> Choice:
             yield from team.pause(team.period_s)
         word, team.requests.assignment = team.requests.assignment, None
         if word is not None:
-            return (yield from obey(robot, word, because))
+            return (yield from follow_assignment(robot, word, because))
         team.mates.note_deaf(leader, robot.time_s)
 
 
@@ -75,7 +75,7 @@ def assign(robot: FrontierRobot, because: str) -> Choice:
     return (yield from settle_on(robot, table, choice, "utility", because, rounds=rounds))
 
 
-def obey(robot: FrontierRobot, word: AssignmentMessage, because: str) -> Choice:
+def follow_assignment(robot: FrontierRobot, word: AssignmentMessage, because: str) -> Choice:
     """Go where the leader says, or to the nearest frontier if the own map has none there."""
     table = own_costs(robot)
     place = dict(word.goals)[robot.me.robot]

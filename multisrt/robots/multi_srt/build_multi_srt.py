@@ -11,7 +11,7 @@ from multisrt.robots.explorer import Done, RobotSelf, Steps
 from multisrt.robots.multi_srt.build_srt import build_srt, until_boxed_in
 from multisrt.robots.multi_srt.options import MultiSrtOptions
 from multisrt.robots.multi_srt.robot import SrtRobot
-from multisrt.robots.multi_srt.support import Supported, obey, support_others
+from multisrt.robots.multi_srt.support import Supported, follow_orders, support_others
 from multisrt.robots.multi_srt.trees import segments_of
 
 
@@ -43,7 +43,7 @@ class SrtExplorer:
                 yield from support_others(robot, supported)
             outcome = yield self.done()
             yield from robot.team.take(outcome)
-            yield from obey(robot)
+            yield from follow_orders(robot)
 
     def done(self) -> Done:
         """Return how it ended: all that it knows of is explored, or what was left and why."""

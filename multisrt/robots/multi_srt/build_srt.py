@@ -143,14 +143,14 @@ def decide(
     Raises
     ------
     BoxedIn
-        If there has been no way time after time.
+        If no way was found too many times in a row.
     """
     team, journey, progress = robot.team, robot.journey, robot.progress
     frontier_m = total_length(frontier)
     if team.plan.waits >= robot.options.max_waits:
         journey.target = None
     if progress.state is State.JAMMED:
-        robot.avoid_those_that_stand()
+        robot.avoid_idle_robots()
     target = journey.target if _is_worth_it(robot) else None
     if target is None:
         draws = Draws()

@@ -110,7 +110,7 @@ class Conflicts:
         )
 
     def _may_meet(self, a: Prospect, b: Prospect) -> bool:
-        # Most robots are far apart, which shows without their ways.
+        # Most robots are far apart: bounding boxes rule them out before their paths are compared.
         gap = max_gap(self.guard_m)
         (ax0, ay0, ax1, ay1), (bx0, by0, bx1, by1) = a.bounds, b.bounds
         return max(ax0 - bx1, bx0 - ax1) < gap and max(ay0 - by1, by0 - ay1) < gap

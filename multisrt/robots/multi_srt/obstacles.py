@@ -89,7 +89,7 @@ class Obstacles:
 
     @property
     def berths(self) -> FloatArray:
-        """Position of every body and the least distance of the own centre from it, ``(n, 3)``.
+        """Position of every body and the minimum distance of this body's centre to it, ``(n, 3)``.
 
         For straight ways in any heading; x, y and distance in metres.
         """

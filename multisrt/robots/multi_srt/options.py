@@ -53,7 +53,7 @@ class MultiSrtOptions(SrtOptions, frozen=True, kw_only=True, forbid_unknown_fiel
         Time after which a robot that waits for another asks it again; latency comes on top.
     silence_timeout_s : float or None
         A robot that does not answer for this long is taken as lost; None: as long as it takes
-        until the radio alone would hardly lose that many answers in a row.
+        until the radio is very unlikely to have lost that many answers in a row.
     sense : {"targets", "moving"}
         Whether scans are taken at targets only, as in the paper, or also on the way to new
         places.

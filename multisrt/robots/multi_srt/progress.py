@@ -37,9 +37,9 @@ STUCK      waits, and looks for a way again
 BOXED_IN   gives up its task
 =========  =====================================================================================
 
-A robot that is sent to and fro between the same places makes no progress, however many motions it
+A robot sent back and forth between the same places makes no progress, however many motions it
 completes and nodes it adds. The places of a task are finitely many, as they lie apart; so a robot
-that meets setbacks for ever is jammed at last.
+that keeps meeting setbacks ends up jammed.
 """
 
 from __future__ import annotations

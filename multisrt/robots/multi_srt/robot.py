@@ -126,7 +126,7 @@ class SrtRobot:
         """Plan around a robot of the group until the next step is made, or until it goes."""
         self.obstacles.avoided[number] = self.team.roster.sighting(number)
 
-    def avoid_those_that_stand(self) -> None:
+    def avoid_idle_robots(self) -> None:
         """Plan around the robots of the group that stand idle, as if they did not answer."""
         states = self.team.roster.states
         for number in self.team.companions:

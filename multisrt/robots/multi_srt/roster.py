@@ -14,7 +14,7 @@ from multisrt.robots.multi_srt.options import MultiSrtOptions
 from multisrt.robots.multi_srt.whereabouts import Whereabouts
 
 ALMOST_NEVER = 1e-4
-"""A robot is taken as lost when the radio's loss alone makes its silence at most this probable."""
+"""A robot is presumed lost when its silence by message loss alone is at most this probable."""
 
 
 class Roster:
@@ -144,7 +144,7 @@ class Roster:
     def vouched(self, numbers: Iterable[int]) -> tuple[RobotState, ...]:
         """Return the states of those of some robots that were heard themselves lately.
 
-        What only others told is not passed on: robots that died would be kept alive by hearsay.
+        States known only at second hand are not passed on: dead robots would seem alive.
         """
         lately = self._at.time_s - self.patience * self._period_s
         return tuple(

@@ -214,7 +214,7 @@ def exploration_running(robot: SrtRobot) -> bool:
 
 
 def wait_for_news(robot: SrtRobot) -> Steps:
-    """Stand by until there is news; now and then ask robots that were not heard of for long."""
+    """Stand by until there is news; periodically ask robots not heard from for long."""
     team, at, check_s = robot.team, robot.at, robot.options.check_period_s
     roster = team.roster
     if robot.is_unlimited:
@@ -235,15 +235,15 @@ def stand_by(robot: SrtRobot, until_s: float) -> Steps:
     news = robot.team.news()
     while robot.at.time_s < until_s:
         yield from robot.team.hear(until_s - robot.at.time_s)
-        yield from obey(robot)
+        yield from follow_orders(robot)
         if robot.team.news() != news:
             # More of it may follow at once.
             yield from robot.team.pause(robot.options.settle_s)
-            yield from obey(robot)
+            yield from follow_orders(robot)
             return
 
 
-def obey(robot: SrtRobot) -> Steps:
+def follow_orders(robot: SrtRobot) -> Steps:
     """Give way, if a master has ordered it; and go home again."""
     order = robot.team.order_for_me()
     if order is not None and order.order == "give way" and robot.at.here is not None:

@@ -178,7 +178,7 @@ class Team(Listener):
     def say(
         self, *, to: int | None = None, ask: bool = False, asked: tuple[int, ...] = ()
     ) -> Steps:
-        """Send the own state, to all with the entries of the map that were not told yet.
+        """Send this robot's state, to all with the map entries that were not sent yet.
 
         Parameters
         ----------

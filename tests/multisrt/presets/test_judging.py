@@ -5,7 +5,15 @@ import pytest
 
 from multisrt.experiments.results import Results
 from multisrt.presets import multi_srt
-from multisrt.presets.judging import Cells, Comparison, Saying, can_tell, judge, verdict, weigh
+from multisrt.presets.judging import (
+    Cells,
+    Comparison,
+    Saying,
+    could_be_significant,
+    judge,
+    verdict,
+    weigh,
+)
 from tests.multisrt.presets.constructed import QUICK_SRT, results_of
 
 SAYINGS: dict[str, Saying] = {"f": "for", "a": "against", "n": "nothing"}
@@ -70,16 +78,16 @@ def test_runs_that_failed_are_worse_than_all_others():
 )
 def test_how_many_runs_are_enough(n, paired, many, enough):
     family = [compared(range(n), range(n), paired)] * many
-    assert can_tell(family, "always") is enough
-    assert can_tell(family, "somewhere") is enough
+    assert could_be_significant(family, "always") is enough
+    assert could_be_significant(family, "somewhere") is enough
 
 
 def test_half_of_the_comparisons_is_not_enough():
     there, missing = compared(range(20), range(20)), compared([], [])
-    assert not can_tell([there, missing], "always")
-    assert can_tell([there, there, missing], "always")
-    assert can_tell([there, missing], "somewhere")
-    assert not can_tell([], "always")
+    assert not could_be_significant([there, missing], "always")
+    assert could_be_significant([there, there, missing], "always")
+    assert could_be_significant([there, missing], "somewhere")
+    assert not could_be_significant([], "always")
 
 
 def test_pairs_are_of_one_repetition_also_where_runs_are_missing():

@@ -22,9 +22,9 @@ from multisrt.experiments.spec import ExperimentSpec, StrategyChoice
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.reporting import figures
 from multisrt.reporting import page as page_module
-from multisrt.reporting.again import Specs, gallery, gallery_settings, median_run
 from multisrt.reporting.claims import Claim, PrintedTable
 from multisrt.reporting.page import write_report
+from multisrt.reporting.reruns import Specs, gallery, gallery_settings, median_run
 from multisrt.reporting.study import Study
 from multisrt.reporting.style import (
     DASHES,

@@ -34,7 +34,7 @@ from multisrt.robots.frontier.robot import FrontierRobot
 from multisrt.robots.frontier.self_bidding import (
     choose_by_self_bidding,
     path_gaps,
-    tell_who_may_stop,
+    send_stop_signals,
 )
 from multisrt.robots.frontier.wavefront_costs import WavefrontCosts, full_table
 from multisrt.robots.frontier.wavefront_rules import choose_closest, choose_greedy, choose_minpos
@@ -259,11 +259,11 @@ def test_robots_whose_goal_is_explored_get_a_stop_signal(acts_of):
     (edge, *_) = robot.targets().tolist()
     for goal in (None, tuple(edge), (25.0, 1.0)):
         robot.team.mates.reports[1] = report_of(1, (10, 10), goal)
-        assert acts_of(tell_who_may_stop(robot))[0] == []
+        assert acts_of(send_stop_signals(robot))[0] == []
     robot.team.mates.reports[1] = report_of(1, (10, 10), (4.0, 7.0))
-    acts, _ = acts_of(tell_who_may_stop(robot))
+    acts, _ = acts_of(send_stop_signals(robot))
     assert acts == [Send(StopMessage(sender=0, goal=(4.0, 7.0)), 1)]
-    assert acts_of(tell_who_may_stop(robot))[0] == []  # once is enough
+    assert acts_of(send_stop_signals(robot))[0] == []  # once is enough
 
 
 def test_a_stop_signal_counts_for_the_present_goal_only(acts_of):

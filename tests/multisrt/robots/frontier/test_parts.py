@@ -18,9 +18,9 @@ from multisrt.robots.frontier.course import Course
 from multisrt.robots.frontier.fields import MAX_FIELDS, DistanceFields, indices_of
 from multisrt.robots.frontier.frontiers import Frontiers
 from multisrt.robots.frontier.goal import Goal
-from multisrt.robots.frontier.mates import Mates
 from multisrt.robots.frontier.messages import RobotReport
 from multisrt.robots.frontier.scan_map import ScanMap
+from multisrt.robots.frontier.teammates import Teammates
 
 WIDTH_M = 0.5
 DISC = Footprint.parse("disc:0.25")
@@ -225,7 +225,7 @@ def test_discs_hold_the_bodies():
     assert discs_of([]).shape == (0, 3)
 
 
-# Mates -----------------------------------------------------------------------------------------
+# Teammates ---------------------------------------------------------------------------------
 
 
 def report(robot=1, said=1, time_s=0.0, phase="driving"):
@@ -244,7 +244,7 @@ def report(robot=1, said=1, time_s=0.0, phase="driving"):
 
 
 def test_the_latest_report_of_each_mate_counts():
-    mates = Mates(0, forget_after_s=15.0)
+    mates = Teammates(0, forget_after_s=15.0)
     for said in (2, 1):
         mates.take(report(said=said, time_s=float(said)))
     mates.take(report(robot=0))
@@ -254,13 +254,13 @@ def test_the_latest_report_of_each_mate_counts():
 
 
 def test_idle_mates_are_not_present():
-    mates = Mates(0, forget_after_s=15.0)
+    mates = Teammates(0, forget_after_s=15.0)
     mates.take(report(phase="idle"))
     assert mates.present(0.0) == []
 
 
 def test_a_mate_is_deaf_until_it_is_heard_of():
-    mates = Mates(0, forget_after_s=15.0)
+    mates = Teammates(0, forget_after_s=15.0)
     mates.note_deaf(1, 3.0)
     assert mates.is_deaf(1)
     mates.take(report(time_s=4.0))

@@ -92,5 +92,5 @@ def test_jammed_robots_avoid_those_of_their_group_that_stand(robot, robot_state)
     states[1] = robot_state(1, [(2.0, 0.0)], phase="idle")
     states[2] = robot_state(2, [(3.0, 0.0)], phase="waiting")
     robot.team.plan.key = ((0, 0), (1, 0), (2, 0))
-    robot.avoid_those_that_stand()
+    robot.avoid_idle_robots()
     assert robot.obstacles.avoided == {1: seen_at(2.0, 0.0)}

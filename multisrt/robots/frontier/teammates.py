@@ -7,7 +7,7 @@ import math
 from multisrt.robots.frontier.messages import RobotReport
 
 
-class Mates:
+class Teammates:
     """The latest reports of the other robots.
 
     Parameters

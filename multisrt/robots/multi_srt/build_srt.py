@@ -97,6 +97,8 @@ def take_steps(robot: SrtRobot, plan: Plan) -> Steps:
         except Regroup:
             continue
         yield from move_to(robot, step)
+        if robot.progress.is_boxed_in:
+            raise BoxedIn
 
 
 def look(robot: SrtRobot) -> Steps:

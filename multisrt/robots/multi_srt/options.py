@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 from typing import Literal
 
 from multisrt.geometry.errors import InvalidInputError
@@ -26,6 +27,7 @@ _AT_LEAST_ONE = (
     "crowded_after",
     "jammed_after",
     "boxed_in_after",
+    "gives_up_after",
     "max_rounds",
 )
 
@@ -78,6 +80,9 @@ class MultiSrtOptions(SrtOptions, frozen=True, kw_only=True, forbid_unknown_fiel
     boxed_in_after : int
         Number of times in a row that a robot may find no way at all; after one more it gives up
         its task. The pauses between them give a body that blocks the way time to leave.
+    gives_up_after : int
+        Setbacks without progress after which a robot gives up its task. Robots that block each
+        other, all of them on their way somewhere, would wait for ever.
     max_rounds : int
         Rounds of questions within one step after which a robot goes on without those that do not
         agree on the group. Robots that hear one another, but not the same others, may never.
@@ -107,6 +112,7 @@ class MultiSrtOptions(SrtOptions, frozen=True, kw_only=True, forbid_unknown_fiel
     crowded_after: int = 3
     jammed_after: int = 12
     boxed_in_after: int = 12
+    gives_up_after: int = 60
     max_rounds: int = 40
     left_out_s: float = 30.0
     check_period_s: float = 30.0
@@ -124,8 +130,9 @@ class MultiSrtOptions(SrtOptions, frozen=True, kw_only=True, forbid_unknown_fiel
         for name in _AT_LEAST_ONE:
             if getattr(self, name) < 1:
                 raise InvalidInputError(f"{name} is {getattr(self, name)}; it must be at least 1")
-        if self.jammed_after < self.crowded_after:
-            raise InvalidInputError(
-                f"jammed_after is {self.jammed_after}; it must be at least crowded_after, which is "
-                f"{self.crowded_after}"
-            )
+        for low, high in pairwise(("crowded_after", "jammed_after", "gives_up_after")):
+            if getattr(self, high) < getattr(self, low):
+                raise InvalidInputError(
+                    f"{high} is {getattr(self, high)}; it must be at least {low}, which is "
+                    f"{getattr(self, low)}"
+                )

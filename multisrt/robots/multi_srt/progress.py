@@ -16,8 +16,8 @@ no way at all, those of the second row follow:
         +------ progress -------+------- progress ------+
                new task         |       new task
                                 |
-         any of the three:      | no way
-                                v       no way, more than
+         any of the three:      | no way                      | gives_up_after
+                                v       no way, more than     v setbacks
                            +-------+    boxed_in_after times   +----------+
                            | STUCK | ------------------------> | BOXED_IN |
                            +-------+    in a row               +----------+
@@ -34,7 +34,7 @@ CROWDED    stands aside for a while when it was stopped, and takes a place withi
            the end of a transfer as near enough
 JAMMED     in addition plans around the robots of its group that stand idle
 STUCK      waits, and looks for a way again
-BOXED_IN   gives up its task
+BOXED_IN   gives up its task: it stands idle, and others plan around it or order it out of the way
 =========  =====================================================================================
 
 A robot sent back and forth between the same places makes no progress, however many motions it
@@ -131,6 +131,8 @@ class Progress:
                 self.state = State.BOXED_IN if is_last else State.STUCK
             case State.STUCK | State.BOXED_IN, Event.SETBACK:
                 pass  # where there is no way, a setback says nothing new
+            case State.JAMMED, Event.SETBACK if self.setbacks + 1 >= self._options.gives_up_after:
+                self.state = State.BOXED_IN
             case State.BOXED_IN, Event.NEW_TASK:
                 self.setbacks = 0  # no way was found for the last task, and none for this one yet
             case _:

@@ -8,7 +8,9 @@ from multisrt.geometry.errors import InvalidInputError
 from multisrt.robots.multi_srt.options import MultiSrtOptions
 from multisrt.robots.multi_srt.progress import Event, Progress, State
 
-LIMITS = MultiSrtOptions(crowded_after=2, jammed_after=4, boxed_in_after=3, max_rounds=2)
+LIMITS = MultiSrtOptions(
+    crowded_after=2, jammed_after=4, boxed_in_after=3, gives_up_after=7, max_rounds=2
+)
 
 
 def after(*events: Event) -> Progress:
@@ -20,9 +22,18 @@ def after(*events: Event) -> Progress:
 
 @pytest.mark.parametrize(
     ("setbacks", "state"),
-    [(0, State.CLEAR), (1, State.CLEAR), (2, State.CROWDED), (3, State.CROWDED), (4, State.JAMMED)],
+    [
+        (0, State.CLEAR),
+        (1, State.CLEAR),
+        (2, State.CROWDED),
+        (3, State.CROWDED),
+        (4, State.JAMMED),
+        (6, State.JAMMED),
+        (7, State.BOXED_IN),
+        (9, State.BOXED_IN),
+    ],
 )
-def test_setbacks_lead_from_clear_to_jammed(setbacks, state):
+def test_setbacks_lead_from_clear_to_jammed_and_to_giving_up(setbacks, state):
     assert after(*[Event.SETBACK] * setbacks).state is state
 
 
@@ -77,7 +88,8 @@ def test_any_events_lead_to_a_state_that_its_limits_allow(events):
         elif event in (Event.WAY, Event.NEW_PLACE):
             in_a_row = 0
     if progress.state is State.BOXED_IN:
-        assert in_a_row > LIMITS.boxed_in_after
+        gave_up = progress.setbacks in (0, LIMITS.gives_up_after - 1)
+        assert in_a_row > LIMITS.boxed_in_after or gave_up
     assert progress.state is not State.CROWDED or progress.setbacks >= LIMITS.crowded_after
     assert progress.state is not State.JAMMED or progress.setbacks >= LIMITS.jammed_after
     assert 1 <= progress.backoff <= 1 + LIMITS.jammed_after
@@ -97,6 +109,7 @@ def test_rounds_of_questions_are_counted_by_step():
         ({"max_rounds": 0}, "max_rounds is 0; it must be at least 1"),
         ({"left_out_s": 0.0}, "left_out_s is 0.0; it must be positive"),
         ({"crowded_after": 5, "jammed_after": 4}, "jammed_after is 4; it must be at least crowded"),
+        ({"gives_up_after": 11}, "gives_up_after is 11; it must be at least jammed_after"),
     ],
 )
 def test_limits_that_make_no_sense_are_refused(limits, said):

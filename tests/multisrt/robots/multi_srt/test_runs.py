@@ -349,3 +349,47 @@ def test_robots_whose_ways_cross_do_not_stop_each_other_for_ever():
         seed=1,
     )
     assert simulate(spec).footer.outcome == "complete"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("strategy", "name", "seed", "faults"),
+    [
+        # A robot adds one node after another at the same place, before the body of a dead one.
+        (
+            "srt-radial",
+            "museum",
+            0,
+            (
+                Death(robot=1, time_s=147.056),
+                Death(robot=2, time_s=37.71),
+                Death(robot=0, time_s=73.738),
+            ),
+        ),
+        # Three robots on their way to the same place stand in each other's way.
+        (
+            "srt-ball",
+            "apartment",
+            4,
+            (
+                Death(robot=2, time_s=54.802),
+                Silence(robot=0, time_s=7.737, duration_s=60.0),
+                LateStart(robot=1, time_s=14.36),
+            ),
+        ),
+    ],
+)
+def test_robots_that_block_each_other_do_not_wait_for_ever(
+    strategy: str, name: str, seed: int, faults: tuple[Fault, ...]
+) -> None:
+    spec = RunSpec(
+        environment=CatalogEnvironment(name=name),
+        strategy=strategy,
+        robots=(RobotSpec(),) * 4,
+        starts="clustered",
+        radio=RadioSpec(range_m=20.0, walls="block"),
+        faults=faults,
+        stop=StopRule(max_time_s=5000.0),
+        seed=seed,
+    )
+    assert simulate(spec).footer.outcome == "complete"

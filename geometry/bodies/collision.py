@@ -42,7 +42,6 @@ from multisrt.geometry.bodies.footprint import (
     checked_configuration,
     place,
     require_constant_heading,
-    sweep_convex,
 )
 from multisrt.geometry.bodies.meetings import (
     bodies_collide,
@@ -50,6 +49,7 @@ from multisrt.geometry.bodies.meetings import (
     first_meeting,
 )
 from multisrt.geometry.bodies.motion import Motion
+from multisrt.geometry.bodies.outlines import sweep_convex
 from multisrt.geometry.bodies.solids import (
     MAX_TILES,
     TILE_M,

@@ -21,6 +21,7 @@ from multisrt.geometry.bodies.outlines import (
     cross,
     distance_to_outline,
     is_convex,
+    sweep_convex,
 )
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import InvalidInputError
@@ -65,6 +66,8 @@ class Footprint:
     >>> body = Footprint.parse("box:0.6x0.4")
     >>> body.width_m, body.is_convex, str(body)
     (0.4, True, 'box:0.6x0.4')
+    >>> Footprint.disc(0.25).placed((1.0, 2.0, 0.0)).bounds
+    (0.75, 1.75, 1.25, 2.25)
     """
 
     def __init__(self, text: str, vertices: FloatArray, radius_m: float | None) -> None:
@@ -90,6 +93,11 @@ class Footprint:
         ------
         InvalidInputError
             If the radius is not a positive, finite number of metres.
+
+        Examples
+        --------
+        >>> Footprint.disc(0.25).width_m
+        0.5
         """
         radius = _size(radius_m, "radius of a disc", 1.0)
         # Sides touch the disc on the axes, so that bounding boxes are exact.
@@ -177,6 +185,8 @@ class Footprint:
         Examples
         --------
         >>> Footprint.parse("disc:0.25") == Footprint.disc(0.25)
+        True
+        >>> Footprint.parse("polygon:-0.2,-0.1 0.3,0 -0.2,0.1").is_convex
         True
         """
         return _parsed(text)
@@ -446,34 +456,6 @@ def place(points: FloatArray, x: float, y: float, heading: float) -> FloatArray:
     c, s = math.cos(heading), math.sin(heading)
     placed: FloatArray = points @ np.array([[c, s], [-s, c]]) + np.array([x, y])
     return placed
-
-
-def sweep_convex(polygon: FloatArray, step: FloatArray) -> FloatArray:
-    """Return the outline that a convex polygon sweeps when it is moved.
-
-    Edges that face the motion are moved, the others are not; two edges as long as the step join
-    them.
-
-    Parameters
-    ----------
-    polygon : (n, 2) array
-        Corners in metres, counter-clockwise.
-    step : (2,) array
-        Displacement x, y in metres.
-
-    Returns
-    -------
-    (m, 2) array
-        Corners of a convex polygon, counter-clockwise.
-    """
-    edges = np.roll(polygon, -1, axis=0) - polygon
-    ahead = step[0] * edges[:, 1] - step[1] * edges[:, 0] > 0.0
-    outline = []
-    for vertex, here, before in zip(polygon, ahead, np.roll(ahead, 1), strict=True):
-        if here != before:
-            outline.append(vertex + step if before else vertex)
-        outline.append(vertex + step if here else vertex)
-    return np.array(outline)
 
 
 def _size(value: float, name: str, parts: float) -> float:

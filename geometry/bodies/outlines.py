@@ -150,3 +150,37 @@ def _sides(piece: list[int]) -> list[tuple[int, int]]:
 def _from(piece: list[int], first: int) -> list[int]:
     at = piece.index(first)
     return piece[at:] + piece[:at]
+
+
+def sweep_convex(polygon: FloatArray, step: FloatArray) -> FloatArray:
+    """Return the outline that a convex polygon sweeps when it is moved.
+
+    Edges that face the motion are moved, the others are not; two edges as long as the step join
+    them.
+
+    Parameters
+    ----------
+    polygon : (n, 2) array
+        Corners in metres, counter-clockwise.
+    step : (2,) array
+        Displacement x, y in metres.
+
+    Returns
+    -------
+    (m, 2) array
+        Corners of a convex polygon, counter-clockwise.
+
+    Examples
+    --------
+    >>> square = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
+    >>> sweep_convex(square, np.array([2.0, 0.0])).tolist()
+    [[0.0, 0.0], [1.0, 0.0], [3.0, 0.0], [3.0, 1.0], [1.0, 1.0], [0.0, 1.0]]
+    """
+    edges = np.roll(polygon, -1, axis=0) - polygon
+    ahead = step[0] * edges[:, 1] - step[1] * edges[:, 0] > 0.0
+    outline = []
+    for vertex, here, before in zip(polygon, ahead, np.roll(ahead, 1), strict=True):
+        if here != before:
+            outline.append(vertex + step if before else vertex)
+        outline.append(vertex + step if here else vertex)
+    return np.array(outline)

@@ -15,8 +15,8 @@ from multisrt.robots.multi_srt.targets import KnownNode, NewPlace, Step, Target
 from multisrt.robots.multi_srt.ways import OutAndBack, Ways
 from multisrt.robots.multi_srt.whereabouts import Whereabouts
 
-SAME_PLACE_M: Final = 0.05
-"""Places nearer to each other than this, in metres, are one place of a task."""
+NEW_PLACE_M: Final = 0.05
+"""Distance in metres from all places visited in a task, from which on a place is new."""
 
 
 class Journey:
@@ -69,7 +69,7 @@ class Journey:
         may add a node there each time.
         """
         here = self._at.q_act[:2]
-        return all(math.dist(here, place) >= SAME_PLACE_M for place in self._been)
+        return all(math.dist(here, place) >= NEW_PLACE_M for place in self._been)
 
     def place_of(self, target: Target | None) -> tuple[float, float] | None:
         """Return the position of a target in metres; None for none."""

@@ -22,14 +22,6 @@ WIDTH, MARGIN = 960, 24
 ROOM_HEIGHT, FLOOR_HEIGHT = 46, 92
 MIN_GAP = 14
 
-KINDS = {
-    "robots": "robots",
-    "planners": "robots",
-    "environments": "truth",
-    "recording": "truth",
-    "simulation": "truth",
-}
-
 Arrows = dict[str, set[str]]
 
 STYLE = """
@@ -100,17 +92,29 @@ def floors_of(arrows: Mapping[str, Iterable[str]]) -> list[list[str]]:
     return [sorted(room for room in floor if floor[room] == level) for level in range(height)]
 
 
+def behind(room: str, arrows: Arrows) -> set[str]:
+    """Return the rooms that a room imports, directly or not."""
+    return set(arrows[room]).union(*(behind(other, arrows) for other in arrows[room]))
+
+
 def direct_arrows(arrows: Arrows) -> Arrows:
     """Return the arrows that no longer way over other arrows replaces."""
-    below: dict[str, set[str]] = {}
-
-    def reach(room: str) -> set[str]:
-        if room not in below:
-            below[room] = set(arrows[room]).union(*map(reach, arrows[room]))
-        return below[room]
-
+    below = {room: behind(room, arrows) for room in arrows}
     return {
-        room: {o for o in to if not any(o in reach(b) for b in to)} for room, to in arrows.items()
+        room: {o for o in to if not any(o in below[b] for b in to)} for room, to in arrows.items()
+    }
+
+
+def kinds_of(arrows: Arrows) -> dict[str, str]:
+    """Return for each room ``"robots"``, ``"truth"`` or ``""``: what it has to do with robots.
+
+    What the robots import runs on a robot; what else the simulation imports is the truth.
+    """
+    robots = {"robots", *behind("robots", arrows)}
+    simulation = {"simulation", *behind("simulation", arrows)}
+    return {
+        room: "robots" if room in robots else "truth" if room in simulation else ""
+        for room in arrows
     }
 
 
@@ -131,7 +135,8 @@ def draw(floors: list[list[str]], lines: Mapping[str, int], arrows: Arrows) -> s
             for other in sorted(arrows[room]):
                 if (other in direct[room]) == (kind == "direct"):
                     parts.append(_arrow(boxes[room], boxes[other], kind))
-    parts += [_room(room, box, lines[room]) for room, box in sorted(boxes.items())]
+    kinds = kinds_of(arrows)
+    parts += [_room(room, box, lines[room], kinds[room]) for room, box in sorted(boxes.items())]
     parts += _key(height)
     return "\n".join([*parts, "</svg>\n"])
 
@@ -179,9 +184,8 @@ def _arrow(start: Box, end: Box, kind: str) -> str:
     return f'<path class="{kind}" d="{path}"{tip}/>'
 
 
-def _room(room: str, box: Box, lines: int) -> str:
+def _room(room: str, box: Box, lines: int, kind: str) -> str:
     left, top, width = box
-    kind = KINDS.get(room, "")
     middle = left + width / 2
     return (
         f'<rect class="{kind}" x="{left:.0f}" y="{top}" width="{width:.0f}" '
@@ -194,8 +198,8 @@ def _room(room: str, box: Box, lines: int) -> str:
 def _key(height: int) -> list[str]:
     y = height - MARGIN
     entries = (
-        ("robots", "what runs on a robot"),
-        ("truth", "the truth that robots do not have"),
+        ("robots", "runs on a robot"),
+        ("truth", "the truth, which robots do not have"),
         ("", "all else"),
     )
     parts, x = [], MARGIN

@@ -216,9 +216,10 @@ def _run_all(specs: list[RunSpec], folders: list[Path], quiet: bool) -> list[Run
     from multisrt.simulation.simulate import simulate
     from multisrt.simulation.worlds import build_environment
 
-    # Bad options of the last strategy are reported before the first one runs.
+    # What the last strategy cannot do is reported before the first one runs.
     for spec in specs:
         strategy(spec.strategy).parse_options(spec.options)
+        strategy(spec.strategy).require_fit(spec)
     runs = []
     with Progress(quiet) as progress:
         progress.say("reading the environment")

@@ -6,6 +6,7 @@ import ast
 import hashlib
 import platform
 import sys
+from collections.abc import Iterator
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
@@ -83,42 +84,63 @@ def differences(one: Provenance, other: Provenance) -> str:
 
 @cache
 def program_digest() -> str:
-    """Return a digest of the code that decides a run's outcome.
+    """Return a digest of what decides a run's outcome: code, and the bundled maps.
 
-    That is the code of `multisrt.simulation` and of every part of this package that it imports,
-    directly or not. Docstrings, blank lines and lines of comment do not count.
+    That is everything in `multisrt.simulation` and in every part of this package that it imports,
+    directly or not. Docstrings, blank lines, lines of comment and the messages of raised errors
+    do not count.
     """
     digest = hashlib.sha256()
-    for name, code in sorted(_program().items()):
-        digest.update(f"{name}\n{code}\n".encode())
+    for name, content in sorted(_files_behind("simulation").items()):
+        digest.update(f"{name} {len(content)}\n".encode())
+        digest.update(content)
     return digest.hexdigest()[:16]
 
 
-def parts_of_the_program() -> list[str]:
-    """Return the folders and modules, directly in this package, that decide a run's outcome."""
-    return sorted({name.split("/")[0] for name in _program()})
-
-
 @cache
-def _program() -> dict[str, str]:
+def parts_behind(part: str) -> frozenset[str]:
+    """Return a part of this package with all parts that it imports, directly or not.
+
+    Parameters
+    ----------
+    part : str
+        Name of a folder or module directly in this package.
+
+    Returns
+    -------
+    frozenset of str
+        Names of folders and modules directly in this package.
+    """
+    return frozenset(name.split("/")[0] for name in _files_behind(part))
+
+
+def _files_behind(part: str) -> dict[str, bytes]:
     # An imported file stands for its whole folder: some files are loaded by name, from a table.
     top = Path(__file__).parents[1]
-    code: dict[str, str] = {}
-    parts, waiting = {"simulation"}, ["simulation"]
+    found: dict[str, bytes] = {}
+    parts, waiting = {part}, [part]
     while waiting:
-        part = waiting.pop()
+        name = waiting.pop()
         # rglob does not descend into a symbolic link.
-        folder = (top / part).resolve()
-        for path in folder.rglob("*.py") if folder.is_dir() else [top / f"{part}.py"]:
+        folder = (top / name).resolve()
+        for path in _files_of(folder) if folder.is_dir() else [top / f"{name}.py"]:
             inner = path.relative_to(folder).as_posix() if folder.is_dir() else ""
-            code[f"{part}/{inner}"], imported = _read(path)
+            found[f"{name}/{inner}"], imported = _read(path)
             waiting.extend(imported - parts)
             parts |= imported
-    return code
+    return found
 
 
-def _read(path: Path) -> tuple[str, set[str]]:
-    """Return the code of a file without docstrings and comments, and the parts it imports."""
+def _files_of(folder: Path) -> Iterator[Path]:
+    for path in folder.rglob("[!.]*"):
+        if path.is_file() and "__pycache__" not in path.parts:
+            yield path
+
+
+def _read(path: Path) -> tuple[bytes, set[str]]:
+    """Return what counts of a file, and the parts of this package that it imports."""
+    if path.suffix != ".py":
+        return path.read_bytes(), set()
     text = path.read_text(encoding="utf-8")
     lines = text.splitlines()
     imported: set[str] = set()
@@ -129,7 +151,11 @@ def _read(path: Path) -> tuple[str, set[str]]:
             case ast.ImportFrom():
                 imported.update(f"{node.module}.{alias.name}" for alias in node.names)
             case ast.Expr(value=ast.Constant(value=str()), lineno=first, end_lineno=last):
-                lines[first - 1 : last] = [""] * (last - first + 1 if last else 1)
+                lines[first - 1 : last] = [""] * ((last or first) - first + 1)
+            case ast.Raise(exc=ast.Call(func=error), end_lineno=last):
+                first = error.end_lineno or error.lineno
+                lines[first - 1] = lines[first - 1][: error.end_col_offset]
+                lines[first:last] = [""] * ((last or first) - first)
     code = "\n".join(line for line in lines if line.strip() and not line.lstrip().startswith("#"))
     ours = (name.split(".") for name in imported)
-    return code, {name[1] for name in ours if name[0] == "multisrt" and len(name) > 1}
+    return code.encode(), {name[1] for name in ours if name[0] == "multisrt" and len(name) > 1}

@@ -7,7 +7,8 @@ Other packages add their own by an entry point in the group ``multisrt.strategie
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cache
 from importlib.metadata import entry_points
@@ -179,6 +180,26 @@ def register(strategy: Strategy) -> None:
     if strategy.name in registered:
         raise InvalidInputError(f"there is a strategy {strategy.name!r} already")
     registered[strategy.name] = strategy
+
+
+@contextmanager
+def registered(strategy: Strategy) -> Iterator[None]:
+    """Register a strategy within a ``with`` block, in place of one that has its name.
+
+    Parameters
+    ----------
+    strategy : Strategy
+        The strategy.
+    """
+    known = _registry()
+    before = known.get(strategy.name)
+    known[strategy.name] = strategy
+    try:
+        yield
+    finally:
+        del known[strategy.name]
+        if before is not None:
+            known[strategy.name] = before
 
 
 def strategies() -> tuple[Strategy, ...]:

@@ -63,6 +63,7 @@ class _Call(simpy.Event):  # type: ignore[misc]
         priority: int,
     ) -> None:
         super().__init__(schedule)
+        # An event that will succeed, as simpy.Timeout is, which has no choice of a priority.
         self._ok = True
         self._value = None
         self.callbacks.append(lambda _: then())

@@ -73,12 +73,17 @@ class Faults:
         return robot.number in self._pending
 
     def on_setting_out(self, robot: Robot) -> None:
-        """Let a robot that is to die moving die half-way of the motion that it has begun."""
+        """Let a robot that is to die moving die halfway through the motion that it has begun."""
         death = self._pending.get(robot.number)
-        if death is not None and death.when == "moving":
-            assert robot.motion is not None
-            duration_s = robot.motion.move.trajectory.duration_s
-            self._clock.later(duration_s / 2.0, lambda: self.on_doing(robot, "moving"))
+        motion = robot.motion
+        if death is None or death.when != "moving" or motion is None:
+            return
+
+        def die() -> None:
+            if robot.motion is motion:
+                self.on_doing(robot, "moving")
+
+        self._clock.later(motion.move.trajectory.duration_s / 2.0, die)
 
     def on_doing(self, robot: Robot, doing: Doing) -> None:
         """Let a robot die now if its death waits for what it is doing."""

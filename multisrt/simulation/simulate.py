@@ -197,7 +197,10 @@ class _Simulation:
         if self.mail.on_the_air > 0:
             return False
         for robot in self.robots:
-            if robot.state != "dead" and (robot.state != "done" or robot.mailbox):
+            if robot.state == "dead":
+                continue
+            # One that is done and not on call waits for nothing.
+            if robot.state != "done" or (robot.mailbox and robot.waits):
                 return False
         return True
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Generator, Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from types import ModuleType
 from typing import Any
@@ -14,9 +14,8 @@ import numpy as np
 from multisrt.environments.environment import Environment
 from multisrt.events import Collision
 from multisrt.recording import Recording, RunOutcome
-from multisrt.robots import registry
 from multisrt.robots.explorer import Action, Explorer, Move, Outcome, RobotSelf
-from multisrt.robots.registry import Strategy
+from multisrt.robots.registry import Strategy, registered
 from multisrt.simulation.random_streams import random_stream
 from multisrt.simulation.simulate import simulate
 from multisrt.spec import RunSpec
@@ -198,7 +197,7 @@ class Case:
     def _simulate(
         self, explorer: Callable[[RobotSelf, Any], Explorer], supervision: Supervision | None
     ) -> Recording:
-        with _registered(replace(self.strategy, explorer=explorer)):
+        with registered(replace(self.strategy, explorer=explorer)):
             try:
                 return simulate(self.spec, self.world)
             except Exception:
@@ -218,7 +217,7 @@ class Case:
             told.append(me)
             raise Idle
 
-        with _registered(replace(self.strategy, explorer=explorer)), suppress(Idle):
+        with registered(replace(self.strategy, explorer=explorer)), suppress(Idle):
             simulate(self.spec, self.world)
         return told[0]
 
@@ -312,20 +311,6 @@ def _described(action: object) -> str:
         x, y, heading = action.trajectory.end
         return f"Move to ({x:.6g}, {y:.6g}, {heading:.6g})"
     return brief(action, 120)
-
-
-@contextmanager
-def _registered(strategy: Strategy) -> Iterator[None]:
-    # Registers a strategy within a context, in place of one that has its name.
-    known = registry._registry()
-    before = known.get(strategy.name)
-    known[strategy.name] = strategy
-    try:
-        yield
-    finally:
-        del known[strategy.name]
-        if before is not None:
-            known[strategy.name] = before
 
 
 def _kept_by(cls: type) -> dict[str, bytes]:

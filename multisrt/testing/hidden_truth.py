@@ -21,12 +21,10 @@ import simpy
 from shapely.geometry.base import BaseGeometry
 
 from multisrt.environments.environment import Environment
+from multisrt.experiments.provenance import parts_behind
 from multisrt.geometry.bodies.collision import CollisionWorld
 from multisrt.geometry.regions.edge_index import EdgeIndex
 from multisrt.testing.defects import brief
-
-ROBOTS_ROOMS = ("robots", "planners", "geometry", "events", "testing")
-"""Parts of this package that explorers may use; all others know the world."""
 
 MAX_KEY_LENGTH = 40
 """Letters of the key of a table that a path shows."""
@@ -247,8 +245,10 @@ def _is_of_truth(value: object) -> bool:
 
 
 def _is_truth_module(name: str | None) -> bool:
+    # What the robots of this package do without is of the truth, or has to do with it.
     package, _, inner = (name or "").partition(".")
-    return package == "multisrt" and inner != "" and inner.partition(".")[0] not in ROBOTS_ROOMS
+    part = inner.partition(".")[0]
+    return package == "multisrt" and part not in ("", "testing", *parts_behind("robots"))
 
 
 def _function_of(value: object) -> types.FunctionType | None:

@@ -32,8 +32,17 @@ def test_no_arrow_runs_upwards_and_rooms_are_few(plan):
 def test_every_room_is_described(plan):
     page = (ROOT / "docs" / "architecture.md").read_text()
     table = page[page.index("## Packages and modules") : page.index("## Data flow")]
-    for room in plan.read_rooms()[0].keys() - {"terminal", "validation_errors"}:
+    for room in plan.read_rooms()[0]:
         assert f"`{room}" in table, room
+
+
+def test_rooms_are_coloured_by_what_imports_them(plan):
+    arrows = {"simulation": {"robots", "world"}, "robots": {"geometry"}, "world": {"geometry"}}
+    kinds = plan.kinds_of(arrows | {"geometry": set(), "cli": {"simulation"}})
+    truth = ["simulation", "world"]
+    assert kinds == dict.fromkeys(["robots", "geometry"], "robots") | dict.fromkeys(
+        truth, "truth"
+    ) | {"cli": ""}
 
 
 def test_a_cycle_is_refused(plan):

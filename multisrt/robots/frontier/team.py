@@ -182,7 +182,7 @@ class Team(Listener):
     def _relayed(self) -> tuple[RobotReport, ...]:
         """Return the reports of others to pass on: all, where no radio relays messages."""
         radio = self._me.radio
-        if radio.multi_hop or math.isinf(radio.range_m):
+        if radio.multi_hop or radio.reaches_all:
             return ()
         return tuple(self.present())
 

@@ -77,6 +77,7 @@ def assign(robot: FrontierRobot, because: str) -> Choice:
 
 def follow_assignment(robot: FrontierRobot, word: AssignmentMessage, because: str) -> Choice:
     """Go where the leader says, or to the nearest frontier if the own map has none there."""
+    robot.team.requests.goal = False
     table = own_costs(robot)
     place = dict(word.goals)[robot.me.robot]
     choice = closest(DenseCosts(table.costs), table.row)

@@ -50,11 +50,10 @@ class SrtExplorer:
         robot = self.robot
         nodes = robot.map.open_nodes(robot.trees.root)
         frontier = [robot.map.frontier(node) for node in nodes]
-        if robot.progress.is_boxed_in:
+        if nodes and robot.progress.is_boxed_in:
             around = sorted(robot.obstacles.all)
-            reason = "boxed in" + (f" by robots {around}, which do not give way" if around else "")
-            if nodes:
-                reason += f", with {_length(frontier):.1f} m of frontier left open"
+            by = f" by robots {around}, which do not give way" if around else ""
+            reason = f"boxed in{by}, with {_length(frontier):.1f} m of frontier left open"
         elif nodes:
             reason = (
                 f"the planner has no target, with {_length(frontier):.1f} m of frontier left open "

@@ -127,18 +127,19 @@ class Progress:
         match self.state, event:
             case _, Event.NO_WAY:
                 self._no_ways += 1
-                is_last = self._no_ways > self._options.boxed_in_after
-                self.state = State.BOXED_IN if is_last else State.STUCK
+                gives_up = self.is_boxed_in or self._no_ways > self._options.boxed_in_after
+                self.state = State.BOXED_IN if gives_up else State.STUCK
             case State.STUCK | State.BOXED_IN, Event.SETBACK:
                 pass  # where there is no way, a setback says nothing new
-            case State.JAMMED, Event.SETBACK if self.setbacks + 1 >= self._options.gives_up_after:
-                self.state = State.BOXED_IN
             case State.BOXED_IN, Event.NEW_TASK:
                 self.setbacks = 0  # no way was found for the last task, and none for this one yet
             case _:
                 self._no_ways = 0
                 self._count(event)
-                self.state = self._by_setbacks()
+                gives_up = self.setbacks >= self._options.gives_up_after
+                self.state = (
+                    State.BOXED_IN if gives_up and event is Event.SETBACK else self._by_setbacks()
+                )
 
     def _count(self, event: Event) -> None:
         if event is Event.SETBACK:

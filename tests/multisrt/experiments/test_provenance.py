@@ -29,10 +29,11 @@ def change(package: Path, file: str, old: str, new: str) -> None:
 
 
 @pytest.mark.slow
-def test_comments_and_docstrings_keep_the_digest(package):
+def test_words_keep_the_digest(package):
     before = digest(package)
     change(package, "spec/robots.py", '"""One robot.', '"""A robot of the team.')
     change(package, "simulation/radio.py", "from __future__", "# Why it is so.\n\nfrom __future__")
+    change(package, "robots/registry.py", "gives a second strategy", "names another strategy")
     assert digest(package) == before
 
 
@@ -43,9 +44,10 @@ def test_comments_and_docstrings_keep_the_digest(package):
         ("spec/robots.py", "range_m: float = 4.0", "range_m: float = 4.5"),
         ("environments/generators/maze.py", "import", "import sys\nimport"),
         ("geometry/numerics/segments.py", "-(ax * ex + ay * ey)", "-(ax * ex - ay * ey)"),
+        ("environments/maps/museum.geojson", "1", "2"),
     ],
 )
-def test_changes_of_code_change_the_digest(package, file, old, new):
+def test_changes_of_code_and_maps_change_the_digest(package, file, old, new):
     before = digest(package)
     change(package, file, old, new)
     assert digest(package) != before

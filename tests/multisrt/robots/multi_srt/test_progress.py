@@ -1,5 +1,6 @@
 """The state machine of progress: every transition by hand, and its laws on random events."""
 
+import msgspec
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -59,6 +60,21 @@ def test_no_way_in_a_row_boxes_in():
     assert after(*[Event.NO_WAY] * 3, Event.WAY, *[Event.NO_WAY] * 3).state is State.STUCK
 
 
+def test_no_way_keeps_a_robot_that_has_given_up_boxed_in():
+    assert after(*[Event.SETBACK] * 7, Event.NO_WAY).state is State.BOXED_IN
+    assert after(*[Event.SETBACK] * 7, Event.NO_WAY, Event.WAY).state is State.JAMMED
+
+
+def test_a_robot_may_give_up_as_soon_as_it_is_jammed():
+    limits = msgspec.structs.replace(LIMITS, gives_up_after=LIMITS.jammed_after)
+    progress = Progress(limits)
+    states = []
+    for _ in range(limits.jammed_after):
+        progress.note(Event.SETBACK)
+        states.append(progress.state)
+    assert states[-2:] == [State.CROWDED, State.BOXED_IN]
+
+
 def test_setbacks_do_not_count_where_there_is_no_way():
     progress = after(Event.NO_WAY, Event.SETBACK, Event.SETBACK, Event.SETBACK, Event.WAY)
     assert (progress.state, progress.setbacks) == (State.CLEAR, 0)
@@ -88,7 +104,7 @@ def test_any_events_lead_to_a_state_that_its_limits_allow(events):
         elif event in (Event.WAY, Event.NEW_PLACE):
             in_a_row = 0
     if progress.state is State.BOXED_IN:
-        gave_up = progress.setbacks in (0, LIMITS.gives_up_after - 1)
+        gave_up = progress.setbacks == 0 or progress.setbacks >= LIMITS.gives_up_after
         assert in_a_row > LIMITS.boxed_in_after or gave_up
     assert progress.state is not State.CROWDED or progress.setbacks >= LIMITS.crowded_after
     assert progress.state is not State.JAMMED or progress.setbacks >= LIMITS.jammed_after

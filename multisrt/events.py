@@ -144,12 +144,12 @@ class Decision(Event, frozen=True, kw_only=True, tag="decision"):
     target : (x, y) or None
         The place chosen.
     draws : int
-        Number of candidates that were drawn.
+        Number of candidates that were drawn or approached.
     refused : dict of str to int
         Numbers of refused candidates by reason: `no room`, `near a node`, `in another region`,
         `blocked by a robot`, `no way for the car`.
     candidates : tuple of (x, y, reason)
-        The refused candidates, in the order in which they were drawn.
+        The refused candidates, in the order in which they were looked at.
     gpr, ger : tuple of int
         The groups of pre-engaged and of engaged robots, including the robot itself.
     """
@@ -256,8 +256,7 @@ class Organized(Event, frozen=True, kw_only=True, tag="organized"):
     orders : dict of robot to str
         `keep`, `wait`, `new target` or `give way`.
     conflicts : tuple of (int, int)
-        Pairs of robots whose planned paths conflicted, including (i, j) where j stands in the way
-        of i.
+        Pairs of robots whose planned paths conflicted; also (i, j) where j stands in the way of i.
     deadlock : bool
         Whether no robot could be let go.
     """

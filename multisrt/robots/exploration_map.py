@@ -88,7 +88,7 @@ class ExplorationMap:
     >>> known.is_complete()
     True
     >>> other = ExplorationMap(reach_m=2.0, min_arc_m=0.3, robot=1)
-    >>> other.merge(known.entries.lacks(other.entries.have()))
+    >>> other.merge(known.entries.missing_from(other.entries.have()))
     (NodeId(robot=0, serial=0),)
     >>> other.is_complete()
     False

@@ -256,7 +256,7 @@ class Entries:
     True
     >>> entries.have()
     {7: (0, 2)}
-    >>> [closing.id.number for closing in entries.lacks({7: (0, 1)})]
+    >>> [closing.id.number for closing in entries.missing_from({7: (0, 1)})]
     [1, 3]
     """
 
@@ -302,7 +302,7 @@ class Entries:
             self._counts = (*self._lines.values(),)
         return self._counts
 
-    def lacks(self, theirs: CountsByRobot) -> tuple[Entry, ...]:
+    def missing_from(self, theirs: CountsByRobot) -> tuple[Entry, ...]:
         """Return the entries that another robot lacks.
 
         Parameters

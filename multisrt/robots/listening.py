@@ -151,11 +151,11 @@ class Listener(ABC):
 
     def _answer_want(self, message: WantMessage) -> Steps:
         """Send the entries that the sender of a question lacks."""
-        entries = self._entries.lacks(have_of(message.have))
+        entries = self._entries.missing_from(have_of(message.have))
         if entries:
             yield Send(EntriesMessage(sender=self.number, entries=entries), message.sender)
 
-    def _ask_for_what_lacks(self, other: int, theirs: Counts) -> Steps:
+    def _ask_for_missing(self, other: int, theirs: Counts) -> Steps:
         """Ask another robot for the entries that it has and this one lacks, if not done lately."""
         mine = self._entries.have()
         for robot, nodes, closings in theirs:

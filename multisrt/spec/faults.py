@@ -49,6 +49,11 @@ class Silence(Part, frozen=True, kw_only=True, tag_field="fault", tag="silence")
     duration_s : float
         For how long.
 
+    Raises
+    ------
+    InvalidInputError
+        If the duration is not positive and finite.
+
     Examples
     --------
     >>> import multisrt as ms

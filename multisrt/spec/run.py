@@ -25,6 +25,11 @@ class StopRule(Part, frozen=True, kw_only=True):
     max_time_s : float
         The maximum duration of the run, in the time of the run.
 
+    Raises
+    ------
+    InvalidInputError
+        If the time is not positive and finite.
+
     Examples
     --------
     >>> import multisrt as ms

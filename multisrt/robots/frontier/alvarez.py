@@ -317,7 +317,7 @@ def chosen(
 def agreed(robot: FrontierRobot) -> list[Place]:
     """Return the cells that this robot and all that are present found inaccessible.
 
-    Idle robots, and robots not heard of for long, are not asked for; see `Teammates.present`.
+    Idle robots, and robots not heard from for long, are not asked for; see `Teammates.present`.
     """
     everybody = {robot.me.robot, *(report.robot for report in robot.team.present())}
     said = robot.team.cells.inaccessible.items()

@@ -37,6 +37,9 @@ from multisrt.robots.frontier.robot import FrontierRobot
 
 Cell = tuple[int, int]
 
+BESIDE = 1.5
+"""Distance in cells from the edge of a body to the centres of the cells diagonally beside it."""
+
 SAMPLES = 4
 """Number of points sampled on a line for each cell that it crosses."""
 
@@ -188,7 +191,7 @@ def _closed(
             r, c = (group.cells - np.array(corner)).T
             for across, along in product((-1, 0, 1), repeat=2):
                 closed[r + across, c + along] = True
-    reach = 0.5 * robot.me.footprint.width_m / raster.cell_m + 1.5
+    reach = 0.5 * robot.me.footprint.width_m / raster.cell_m + BESIDE
     n = math.floor(reach)
     for place in tried:
         row, column = raster.cell_of(*place)

@@ -76,7 +76,7 @@ class Bodies:
         self._standing[sighting.robot] = BodyInTheWay(sighting, until_s)
 
     def note_heard(self, robot: int) -> None:
-        """Drop a robot that was taken as lost: it was heard of."""
+        """Drop a robot that was taken as lost: it was heard from."""
         body = self._standing.get(robot)
         if body is not None and body.is_lost:
             del self._standing[robot]

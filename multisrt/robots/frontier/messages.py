@@ -70,8 +70,9 @@ class ReportMessage(Message, frozen=True, kw_only=True):
         Whether to answer with a report.
     wants_goal : bool
         Whether the sender wants a goal from its leader.
-    entries : tuple of Node
-        The nodes that the sender has added since its last report.
+    entries : tuple of Node or Closing
+        What the sender has added to its map since its last report: nodes, as robots that bid for
+        frontiers close no arcs.
     """
 
     kind: ClassVar[str] = "report"

@@ -32,6 +32,9 @@ MIN_HELD_S = 0.02
 NEAR_GOAL_M = 0.5
 """A robot this near to its goal follows its path: the diagram stops short of walls."""
 
+STANDSTILL_RAD_S = 1e-6
+"""Below this rate of turn, a robot of zero speed stands."""
+
 MIN_MARGIN_M = 0.004
 """Distance that the diagram always keeps."""
 
@@ -100,7 +103,7 @@ def steer(
         any_direction=isinstance(kinematics, Holonomic),
     )
     if chosen.situation == "blocked" or (
-        chosen.speed_m_s == 0.0 and abs(chosen.turn_rate_rad_s) < 1e-6
+        chosen.speed_m_s == 0.0 and abs(chosen.turn_rate_rad_s) < STANDSTILL_RAD_S
     ):
         return 0.0
     clearance = known_clearance(region.boundary, robot.at, bodies)

@@ -45,14 +45,16 @@ class FrontierOptions(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
         Time after which a robot that drives reports its position, if it has reported nothing
         else, in seconds.
     forget_after_s : float
-        A robot that has not been heard of for this long is no longer reckoned with.
+        A robot that has not been heard from for this long is no longer taken into account.
     guard_m : float
         Distance between two bodies, in metres, at which the protective stop ends a motion.
     ask_period_s : float
         Time after which a question without an answer is repeated, in seconds; the latency of the
         radio is added.
     pause_s : float
-        Scale of the random times after which robots in each other's way try again, in seconds.
+        Scale of the random times after which robots in each other's way try again, in seconds:
+        up to this after a question was answered, half of this to one and a half times this before
+        another goal is chosen.
     patience : int
         How often a robot asks another to give way before it looks for another path or goal.
     max_waits : int

@@ -6,7 +6,7 @@ Self-Biddings under Constraints on Communication Range (SBX-R), section III. Dif
 - In the paper all path lengths and paths are EEDT's. Here the lengths a, and the paths that phi
   bounds, come from the fast march, straightened for the latter. With ``paths="eedt"``, the default,
   the robot then drives the path of EEDT, and rho is measured along that path.
-- Robots with nothing to do, and robots not heard of for `forget_after_s`, do not take part: they
+- Robots with nothing to do, and robots not heard from for `forget_after_s`, do not take part: they
   have no row in the table of bids, and no goal or position of theirs holds the bridge.
 - Nodes are sent after every scan that changed the map; in Algorithm 1 a robot asks for maps when
   it decides. It still asks for goals then, and for the nodes that it lacks.

@@ -29,6 +29,9 @@ from multisrt.robots.knowledge import EntriesMessage, Entry, Node, NodeId, WantM
 from multisrt.robots.listening import Listener, have_of
 from multisrt.robots.messages import Message
 
+LATELY_PERIODS = 2.0
+"""For so many periods of questions, a robot counts as having asked just now."""
+
 SAME_GOAL_M = 1e-9
 """Goals closer than this are the same."""
 
@@ -69,7 +72,7 @@ class Team(Listener):
     map : ScanMap
         What it knows; extended by what others send.
     bodies : Bodies
-        The bodies in its way; those that are heard of are no longer lost.
+        The bodies in its way; those that are heard from are no longer lost.
     frontiers : Frontiers
         Its targets; places that others tried in vain are given up.
 
@@ -162,7 +165,7 @@ class Team(Listener):
         if to is None:
             own = self._entries
             have = {**own.have(), self.number: (self._unreported, 0)}
-            entries = tuple(e for e in own.lacks(have) if isinstance(e, Node))
+            entries = tuple(e for e in own.missing_from(have) if isinstance(e, Node))
             self._unreported = own.have().get(self.number, (0, 0))[0]
             self.reported_s = self._course.time_s
         yield Send(
@@ -223,7 +226,7 @@ class Team(Listener):
         if message.asks or self._owes_report(own):
             yield from self.report(to=message.sender)
         if own.have != self._entries.counts():
-            yield from self._ask_for_what_lacks(own.robot, own.have)
+            yield from self._ask_for_missing(own.robot, own.have)
 
     def _take_inaccessible(self, message: InaccessibleMessage) -> None:
         for cell in message.cells:
@@ -239,7 +242,7 @@ class Team(Listener):
         The robot that asked first does; of two that asked at about the same time, the one of the
         lower number, unless the other has no place to give way to.
         """
-        lately_s = self._course.time_s - 2.0 * self.period_s
+        lately_s = self._course.time_s - LATELY_PERIODS * self.period_s
         has_asked = self.asked_s.get(asked.sender, -math.inf) >= lately_s
         own = Claim(self.number, leader=has_asked)
         other = Claim(asked.sender, leader=True, cornered=asked.firm)

@@ -15,14 +15,14 @@ class Teammates:
     number : int
         Number of the robot that keeps the reports.
     forget_after_s : float
-        A robot not heard of for this long is no longer reckoned with.
+        A robot not heard from for this long is no longer taken into account.
 
     Attributes
     ----------
     reports : dict of int to RobotReport
         The latest report of each robot.
     heard_s : dict of int to float
-        When each robot was last heard of.
+        When each robot was last heard from.
     """
 
     def __init__(self, number: int, forget_after_s: float) -> None:
@@ -35,7 +35,7 @@ class Teammates:
     def present(self, now_s: float) -> list[RobotReport]:
         """Return the reports of the robots to reckon with, by number.
 
-        Robots that have nothing to do, and robots not heard of for too long, are left out.
+        Robots that have nothing to do, and robots not heard from for too long, are left out.
         """
         return [
             report
@@ -51,7 +51,7 @@ class Teammates:
             self.heard_s[report.robot] = max(self.last_heard_s(report.robot), report.time_s)
 
     def last_heard_s(self, robot: int) -> float:
-        """Return when a robot was last heard of; ``-inf`` if never."""
+        """Return when a robot was last heard from; ``-inf`` if never."""
         return self.heard_s.get(robot, -math.inf)
 
     def note_deaf(self, robot: int, now_s: float) -> None:
@@ -59,6 +59,6 @@ class Teammates:
         self._deaf_since_s[robot] = now_s
 
     def is_deaf(self, robot: int) -> bool:
-        """Whether a robot has not been heard of since it did not answer."""
+        """Whether a robot has not been heard from since it did not answer."""
         since_s = self._deaf_since_s.get(robot)
         return since_s is not None and self.last_heard_s(robot) <= since_s

@@ -1,6 +1,6 @@
 """Costs of robots to frontiers by wavefronts over one robot's map, computed when asked for.
 
-Costs of the other robots are those on the robot's own map, from where it last heard of them, so
+Costs of the other robots are those on the robot's own map, from where it last heard from them, so
 that robots with the same knowledge decide alike.
 """
 

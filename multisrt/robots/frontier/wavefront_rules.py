@@ -4,7 +4,7 @@ The rules themselves are in `planners.assignment`. Here they are asked on the ro
 the decision is recorded with what it was based on.
 
 Source: the papers named there. Differs in: where they count all robots, `greedy` and `minpos` leave
-out those with nothing to do and those not heard of for `forget_after_s` (`Teammates.present`).
+out those with nothing to do and those not heard from for `forget_after_s` (`Teammates.present`).
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ def choose_closest(robot: FrontierRobot, because: str) -> Choice:
 def choose_greedy(robot: FrontierRobot, because: str) -> Choice:
     """GREEDY: assign frontiers to the robots at increasing cost, up to this robot's own.
 
-    Differs in: idle robots, and robots not heard of for long, have no costs and get no frontier.
+    Differs in: idle robots, and robots not heard from for long, have no costs and get no frontier.
     """
     costs = WavefrontCosts(robot)
     assigned = greedy(costs, until=costs.row)
@@ -53,7 +53,7 @@ def choose_greedy(robot: FrontierRobot, because: str) -> Choice:
 def choose_minpos(robot: FrontierRobot, because: str) -> Choice:
     """MINPOS: the frontier to which the fewest robots are nearer, of several the nearest.
 
-    Differs in: idle robots, and robots not heard of for long, do not count as nearer.
+    Differs in: idle robots, and robots not heard from for long, do not count as nearer.
     """
     costs = WavefrontCosts(robot)
     chosen = minpos(costs, costs.row)

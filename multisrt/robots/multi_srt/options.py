@@ -50,7 +50,7 @@ class MultiSrtOptions(SrtOptions, frozen=True, kw_only=True, forbid_unknown_fiel
         one that was extended last.
     take_over_after_s : float
         With a limited radio, time after which a robot that is done with its own tree takes over
-        the frontier of a robot that it has not heard of.
+        the frontier of a robot that it has not heard from.
     ask_period_s : float
         Time after which a robot that waits for another asks it again; latency comes on top.
     silence_timeout_s : float or None
@@ -62,8 +62,9 @@ class MultiSrtOptions(SrtOptions, frozen=True, kw_only=True, forbid_unknown_fiel
     sense_period_s : float
         Time between two scans on the way.
     pause_s : float
-        Longest pause of robots that could not go, before they try again; each draws its own, so
-        that the same robots do not try the same again.
+        Pause of robots that could not go, before they try again. Each draws its own, so that the
+        same robots do not try the same again: a quarter of this to all of it, times
+        one plus the number of setbacks (at most `jammed_after`) where it was stopped.
     max_new_targets : int
         Number of other targets that a master draws for a robot whose path conflicts, until one
         conflicts with no other robot; each of them takes up to `max_draws` candidates.
@@ -90,11 +91,12 @@ class MultiSrtOptions(SrtOptions, frozen=True, kw_only=True, forbid_unknown_fiel
         Time for which it then leaves them out of its groups.
     check_period_s : float
         Time after which a robot that waits for the end of the exploration asks robots that it
-        has not heard of whether they are still there.
+        has not heard from whether they are still there.
     settle_s : float
         News that come within this time are looked at together by a robot that waits.
     home_after_s : float
-        Time after which a robot that gave way and is out of sight of its root goes back there.
+        Time after which a robot that gave way goes back to the root of its tree, if the way there
+        is longer than its sensing range.
     """
 
     guard_m: float = 0.1

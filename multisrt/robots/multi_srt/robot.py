@@ -91,8 +91,8 @@ class SrtRobot:
         self.team = Team(me, options, self.at, self.map, roster)
 
     @property
-    def is_unlimited(self) -> bool:
-        """Whether its radio reaches everywhere (paper: unlimited communication range)."""
+    def has_unlimited_range(self) -> bool:
+        """Whether distance does not limit its radio (paper: unlimited communication range)."""
         return math.isinf(self.me.radio.range_m)
 
     def refuse(self, x: float, y: float) -> str | None:

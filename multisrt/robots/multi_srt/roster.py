@@ -29,14 +29,14 @@ class Roster:
     at : Whereabouts
         Where it is, and at what time.
     obstacles : Obstacles
-        Bodies that it plans around; those that are heard of are removed.
+        Bodies that it plans around; those that are heard from are removed.
 
     Attributes
     ----------
     states : dict of int to RobotState
-        The newest state that was heard of every robot.
+        The newest state that was heard from every robot.
     heard_s : dict of int to float
-        When a robot was last heard of.
+        When a robot was last heard from.
     lost : dict of int to None
         Robots that are taken as lost, in this order.
     left_out_until_s : dict of int to float
@@ -95,7 +95,7 @@ class Roster:
         return number in self.lost or self.left_out_until_s.get(number, 0.0) > self._at.time_s
 
     def answers(self, number: int) -> bool:
-        """Whether a robot was heard of and is not taken as lost."""
+        """Whether a robot was heard from and is not taken as lost."""
         return number in self.states and number not in self.lost
 
     def is_news(self, sighting: Sighting) -> bool:

@@ -3,7 +3,7 @@
 Source: Multi-SRT, paper section 2, SUPPORT_OTHERS. Differs in:
 
 - With a limited radio, where the paper has no support, a robot takes over the trees of robots that
-  it has not heard of for long.
+  it has not heard from for long.
 - A robot that has extended another's tree goes home from where it stands, not by way of the root
   of that tree.
 - A tree that the robot has supported before is selected again only if its open frontier is longer
@@ -49,7 +49,7 @@ def support_others(robot: SrtRobot, supported: Supported) -> Steps:
     """SUPPORT_OTHERS: extend others' trees until every other robot is done.
 
     With a limited radio only those that no other robot will extend: of robots that have not been
-    heard of for `take_over_after_s`.
+    heard from for `take_over_after_s`.
     """
     while True:
         tree = yield from select(robot, supported)
@@ -117,7 +117,7 @@ def may_need_support(robot: SrtRobot, root: NodeId, open_m: float, active: int) 
     threshold_m = robot.me.range_m if support_m is None else support_m
     if open_m < threshold_m * active:
         return False
-    return robot.is_unlimited or _take_over_s(robot, root) <= robot.at.time_s
+    return robot.has_unlimited_range or _take_over_s(robot, root) <= robot.at.time_s
 
 
 def _choose(robot: SrtRobot, candidates: tuple[NodeId, ...]) -> NodeId | None:
@@ -142,14 +142,14 @@ def open_frontier(robot: SrtRobot, root: NodeId) -> float:
 def active_robots(robot: SrtRobot, root: NodeId) -> int:
     """ACTIVE_ROBOTS: the number of other robots that extend a tree, as far as is known.
 
-    With a limited radio, robots that were not heard of for `take_over_after_s` do not count.
+    With a limited radio, robots that were not heard from for `take_over_after_s` do not count.
     """
     roster = robot.team.roster
     return sum(
         state.tree == root
         for number, state in roster.states.items()
         if number not in roster.lost
-        and (robot.is_unlimited or _gives_up_s(robot, number) > robot.at.time_s)
+        and (robot.has_unlimited_range or _gives_up_s(robot, number) > robot.at.time_s)
     )
 
 
@@ -204,7 +204,7 @@ def is_near_enough(robot: SrtRobot, way: list[NodeId]) -> bool:
 def exploration_running(robot: SrtRobot) -> bool:
     """EXPLORATION_RUNNING: whether another robot has not yet reported that it is done."""
     roster = robot.team.roster
-    if not robot.is_unlimited:
+    if not robot.has_unlimited_range:
         return math.isfinite(_next_take_over_s(robot))
     return any(
         number not in roster.lost
@@ -217,12 +217,12 @@ def wait_for_news(robot: SrtRobot) -> Steps:
     """Stand by until there is news; periodically ask robots not heard from for long."""
     team, at, check_s = robot.team, robot.at, robot.options.check_period_s
     roster = team.roster
-    if robot.is_unlimited:
+    if robot.has_unlimited_range:
         until_s = at.time_s + check_s
     else:
         until_s = max(at.time_s, _next_take_over_s(robot)) + robot.options.settle_s
     yield from stand_by(robot, until_s)
-    if robot.is_unlimited and at.time_s >= until_s:
+    if robot.has_unlimited_range and at.time_s >= until_s:
         yield from team.ask(
             n
             for n in team.others
@@ -279,7 +279,7 @@ def _take_over_s(robot: SrtRobot, root: NodeId) -> float:
 
 
 def _gives_up_s(robot: SrtRobot, number: int) -> float:
-    # Until when a robot that was heard of is believed to go on with what it did.
+    # Until when a robot that was heard from is believed to go on with what it did.
     return robot.team.roster.heard_s.get(number, 0.0) + robot.options.take_over_after_s
 
 

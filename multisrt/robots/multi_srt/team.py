@@ -193,7 +193,7 @@ class Team(Listener):
         entries: tuple[Entry, ...] = ()
         if to is None:
             known = self._entries.have()
-            entries = self._entries.lacks({**known, self.number: self._told})
+            entries = self._entries.missing_from({**known, self.number: self._told})
             self._told = known.get(self.number, (0, 0))
         # A robot that asks may have been out of reach: it is told of the whole group. Where
         # nobody relays, robots always tell of one another.
@@ -253,7 +253,7 @@ class Team(Listener):
                 if self.number in message.asked or (message.ask and self._concerns_me(own)):
                     yield from self._answer(own)
                 if own.have != self._entries.counts():
-                    yield from self._ask_for_what_lacks(own.robot, own.have)
+                    yield from self._ask_for_missing(own.robot, own.have)
             case WantMessage():
                 yield from self._answer_want(message)
             case EntriesMessage():

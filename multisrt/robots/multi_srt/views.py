@@ -18,6 +18,9 @@ from multisrt.robots.knowledge import Node, NodeId
 from multisrt.robots.multi_srt.bypass import Bypass
 from multisrt.robots.multi_srt.targets import NewPlace
 
+WIDEST_WINDOW = 1.5
+"""Half width of the widest window in which a place is looked for, in sensing ranges."""
+
 GivenUp = Refusal | Literal["blocked by a robot"]
 """Why an arc is given up."""
 
@@ -125,7 +128,7 @@ class Views:
         # Half widths of the windows in which a place is looked for: near the arc first, which is
         # cheap and mostly enough; at last wide enough for the way to a place at sensing range.
         outer_m = self._planner.body.outer_radius_m
-        widest = 1.5 * self._me.range_m + outer_m
+        widest = WIDEST_WINDOW * self._me.range_m + outer_m
         windows = [CLOSE_BY * outer_m]
         while windows[-1] < widest:
             windows.append(2.0 * windows[-1])

@@ -161,11 +161,11 @@ def test_lost_entries_are_asked_for_again(teams, team, data, random):
     source, known = map_of(entries, 0), new_map(0)
     for batch in batches(random, [e for k, e in enumerate(entries) if k not in lost]):
         known.merge(batch)
-    lacking = source.entries.lacks(known.entries.have())
+    lacking = source.entries.missing_from(known.entries.have())
     assert {e.id for k, e in enumerate(entries) if k in lost} <= {e.id for e in lacking}
     known.merge(lacking)
     assert_same(known, source)
-    assert source.entries.lacks(known.entries.have()) == ()
+    assert source.entries.missing_from(known.entries.have()) == ()
     assert not source.entries.has_more_than(known.entries.have())
 
 
@@ -177,11 +177,11 @@ def test_robots_that_exchange_what_they_lack_know_the_same(teams, team, data):
     one, other = map_of(data.draw(shares), 0), map_of(data.draw(shares), 1)
     for each, else_ in ((one, other), (other, one)):
         assert each.entries.has_more_than(else_.entries.have()) == (
-            len(each.entries.lacks(else_.entries.have())) > 0
+            len(each.entries.missing_from(else_.entries.have())) > 0
         )
     for_one, for_other = (
-        other.entries.lacks(one.entries.have()),
-        one.entries.lacks(other.entries.have()),
+        other.entries.missing_from(one.entries.have()),
+        one.entries.missing_from(other.entries.have()),
     )
     one.merge(for_one)
     other.merge(for_other)
@@ -255,7 +255,7 @@ def test_missing_entries_come_by_robot_kind_and_number():
     )
 
     def lacking(theirs):
-        return [entry.id for entry in known.entries.lacks(theirs)]
+        return [entry.id for entry in known.entries.missing_from(theirs)]
 
     one, three = [NodeId(1, 0), NodeId(1, 1)], [NodeId(3, 0), NodeId(3, 2)]
     assert lacking({}) == [*one, ClosingId(1, 5), *three, ClosingId(3, 0)]

@@ -159,7 +159,7 @@ def test_receive_returns_all_messages_of_that_time(play, word, straight):
     assert texts(told[2][1]) == ["0a", "0b", "1a", "1b"]
 
 
-def test_receive_with_timeout_zero_waits_for_all_messages_of_that_time(play, word):
+def test_a_timeout_of_zero_waits_for_all_messages_of_that_time(play, word):
     # Robot 0 acts first; it still receives what robot 1 sends at the same time, and the answer
     # to its answer.
     def first():

@@ -38,7 +38,7 @@ def test_full_turns_do_not_count(turn, points):
     assert chosen.turn.tolist() == pytest.approx([points])
 
 
-def test_of_equal_scores_the_nearer_cell_comes_first_then_the_lower_index():
+def test_ties_go_to_the_nearer_cell_then_to_the_lower_index():
     # P_d = 10 d / D and P_r = 20 d / D / 2 cancel out, so that all cells score 70.
     weights = {"distance_weight": 10.0, "others_weight": 20.0}
     even = choose_cell([3, 2, 2], [0, 0, 0], [[3, 2, 2]], 2, 10.0, **weights)

@@ -140,16 +140,16 @@ Accept = Callable[[float, float], str | None]
 
 @dataclass(slots=True)
 class Draws:
-    """The candidates drawn at a node, and why they were refused.
+    """The candidates looked at from a node, and why they were refused.
 
     Attributes
     ----------
     drawn : int
-        Number of candidates.
+        Number of candidates drawn (stage 1).
     refused : dict of str to int
-        Number of refused candidates by reason.
+        Number of refused candidates by reason, those of stage 2 included.
     candidates : list of (x, y, reason)
-        The refused candidates in order.
+        The refused candidates of both stages in order.
     """
 
     drawn: int = 0

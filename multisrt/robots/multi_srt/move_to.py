@@ -82,7 +82,7 @@ def set_out(robot: SrtRobot, motion: Trajectory) -> Steps:
 
 
 def pause_a_while(robot: SrtRobot) -> Steps:
-    """Let a random part of `pause_s` pass, and listen meanwhile."""
+    """Let a quarter of `pause_s` to all of it pass, at random, and listen meanwhile."""
     yield from robot.team.pause(robot.options.pause_s * (0.25 + 0.75 * robot.me.rng.random()))
 
 

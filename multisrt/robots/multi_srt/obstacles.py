@@ -21,8 +21,8 @@ SAME_PLACE_M = 0.001
 class Obstacles:
     """Robots that are treated as obstacles, where they were last seen.
 
-    Robots that answer are no obstacles: they take part in the coordination of a step, and may be
-    asked to give way.
+    Robots that answer are mostly no obstacles: they take part in the coordination of a step, and
+    may be ordered to give way.
 
     Parameters
     ----------
@@ -36,7 +36,8 @@ class Obstacles:
     silent : dict of int to Sighting
         Robots that do not answer.
     avoided : dict of int to Sighting
-        Robots that answer but did not clear the way; forgotten after the next step.
+        Robots that answer, but are left out of the groups or did not clear the way; forgotten
+        after the next step.
     """
 
     def __init__(self, body: PlanningBody, guard_m: float) -> None:

@@ -62,9 +62,10 @@ class MultiSrtOptions(SrtOptions, frozen=True, kw_only=True, forbid_unknown_fiel
     sense_period_s : float
         Time between two scans on the way.
     pause_s : float
-        Pause of robots that could not go, before they try again. Each draws its own, so that the
-        same robots do not try the same again: a quarter of this to all of it, times
-        one plus the number of setbacks (at most `jammed_after`) where it was stopped.
+        Scale of the pauses of robots that could not go, before they try again. Each draws its
+        own, so that the same robots do not try the same again: a quarter of this to all of it
+        where it waits for a step, or is stopped before a motion begins; half of this to all of
+        it, times one plus the number of setbacks (at most `jammed_after`), where it stands aside.
     max_new_targets : int
         Number of other targets that a master draws for a robot whose path conflicts, until one
         conflicts with no other robot; each of them takes up to `max_draws` candidates.
@@ -95,8 +96,8 @@ class MultiSrtOptions(SrtOptions, frozen=True, kw_only=True, forbid_unknown_fiel
     settle_s : float
         News that come within this time are looked at together by a robot that waits.
     home_after_s : float
-        Time after which a robot that gave way goes back to the root of its tree, if the way there
-        is longer than its sensing range.
+        Time after which a robot that has nothing left to do, and gave way, goes back to the root
+        of its own tree, if the way there over the roadmap is longer than its sensing range.
     """
 
     guard_m: float = 0.1

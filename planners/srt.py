@@ -53,7 +53,7 @@ from multisrt.planners.viewing import (
     lattice,
 )
 
-FAN: Final = 72
+APPROACH_DIRECTIONS: Final = 72
 """Number of directions in which the approach looks for a place, besides those to the frontier."""
 
 INWARD_M: Final = 1e-4
@@ -317,7 +317,7 @@ class SrtPlanner:
         ends = np.vstack([(arc[0, :2], arc[-1, 2:], arc[len(arc) // 2, :2]) for arc in arcs])
         directions = np.concatenate(
             [
-                np.arange(FAN) * (2.0 * math.pi / FAN),
+                np.arange(APPROACH_DIRECTIONS) * (2.0 * math.pi / APPROACH_DIRECTIONS),
                 np.arctan2(ends[:, 1] - at.y, ends[:, 0] - at.x),
             ]
         )

@@ -85,7 +85,7 @@ class Mail:
 
     def _deliveries(self, sender: int, to: int | None) -> tuple[list[tuple[int, float]], list[int]]:
         # Only robots that may be in reach are put to the radio, numbered among themselves.
-        if self._radio.is_unlimited:
+        if self._radio.reaches_everywhere:
             working = [robot.hears for robot in self._robots]
             return self._radio.deliveries(sender, to, [], working)
         near = self._traffic.may_reach(sender, self._range_m, relayed=self._relayed)

@@ -39,7 +39,7 @@ class Radio:
 
     Attributes
     ----------
-    is_unlimited : bool
+    reaches_everywhere : bool
         Whether messages reach all robots wherever these are.
     """
 
@@ -48,7 +48,7 @@ class Radio:
         self._index = index
         self._rng = rng
         self._range_m = math.inf if spec.range_m is None else spec.range_m
-        self.is_unlimited = self._range_m == math.inf and spec.walls == "pass"
+        self.reaches_everywhere = self._range_m == math.inf and spec.walls == "pass"
 
     def datasheet(self) -> RadioSelf:
         """Return what a robot knows of its radio."""
@@ -57,7 +57,7 @@ class Radio:
             latency_s=self._spec.latency_s + self._spec.jitter_s,
             loss=self._spec.loss,
             multi_hop=self._spec.multi_hop,
-            reaches_all=self.is_unlimited and self._spec.loss == 0.0,
+            reaches_all=self.reaches_everywhere and self._spec.loss == 0.0,
         )
 
     def links(self, positions: Sequence[Sequence[float]], working: Sequence[bool]) -> BoolArray:
@@ -96,11 +96,11 @@ class Radio:
         sender : int
             The robot that sends.
         positions, working
-            As for `links`; positions are not used if the radio is unlimited.
+            As for `links`; positions are not used if the radio reaches everywhere.
         """
         if not working[sender]:
             return []
-        if self.is_unlimited:
+        if self.reaches_everywhere:
             return [robot for robot, hears in enumerate(working) if hears and robot != sender]
         open_to = np.array(working, np.bool_)
         open_to[sender] = False

@@ -84,7 +84,7 @@ class Rules:
         Number of goals in a row that it could not drive to.
     wanders : bool
         Whether its goal is a random place.
-    waits : int
+    waited : int
         How often in a row it has waited for others.
     compared : tuple
         The aims of the team when it last looked for a swap.
@@ -96,7 +96,7 @@ class Rules:
         self.stuck_at: Place | None = None
         self.in_vain = 0
         self.wanders = False
-        self.waits = 0
+        self.waited = 0
         self.compared: tuple[object, ...] = ()
 
     # Choosing -----------------------------------------------------------------------------
@@ -223,10 +223,10 @@ class Rules:
             team.cells.leader = ruling.leader
             yield from team.report()
         if not ruling.waits_for:
-            self.waits = 0
+            self.waited = 0
             return False
-        self.waits += 1
-        if self.waits > options.patience:
+        self.waited += 1
+        if self.waited > options.patience:
             return False
         yield from team.pause(team.period_s)
         return True

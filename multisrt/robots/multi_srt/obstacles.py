@@ -14,8 +14,8 @@ from multisrt.planners.motion.trajectory import Trajectory, standing_at
 from multisrt.robots.explorer import Sighting
 from multisrt.robots.protective_stop import conflict, max_gap
 
-SAME_PLACE_M = 0.001
-"""Two positions of a body that are at most this far apart, in metres, count as the same."""
+UNMOVED_M = 0.001
+"""A body that is seen at most this far from where it was, in metres, has not moved."""
 
 
 class Obstacles:
@@ -69,7 +69,7 @@ class Obstacles:
             for number, sighting in list(standing.items()):
                 x, y, _ = place = sighting.configuration
                 if number in in_sight:
-                    is_gone = place.distance(in_sight[number].configuration) > SAME_PLACE_M
+                    is_gone = place.distance(in_sight[number].configuration) > UNMOVED_M
                 else:
                     is_gone = view is not None and inside(view, x, y)
                 if is_gone:

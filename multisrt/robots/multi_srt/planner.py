@@ -22,9 +22,9 @@ Found = tuple[Choice, Target | None]
 """What a planner chose, and the target. Without a target the choice says what the robot does: `end`
 or `stay`. All other choices only say, for the record, how the target was found."""
 
-PlanOutcome = Generator[Action, Outcome, Found]
+Choosing = Generator[Action, Outcome, Found]
 
-Plan = Callable[[FloatArray, Draws], PlanOutcome]
+TargetChooser = Callable[[FloatArray, Draws], Choosing]
 """Chooses the next target for the local frontier ``(m, 4)``; draws are counted in the second."""
 
 
@@ -46,7 +46,7 @@ class Planner:
         self._robot = robot
         self._completing = completing
 
-    def __call__(self, frontier: FloatArray, draws: Draws) -> PlanOutcome:
+    def __call__(self, frontier: FloatArray, draws: Draws) -> Choosing:
         """Choose the next target from the current node.
 
         Parameters
@@ -114,7 +114,7 @@ class Planner:
         )
         return None if place is None else ("approach", NewPlace(*place, "approach", (here,)))
 
-    def _complete(self, here: NodeId) -> PlanOutcome:
+    def _complete(self, here: NodeId) -> Choosing:
         # Over the roadmap: to a node with a frontier, or to a place that sees one; at last home.
         robot = self._robot
         tree, drawn_out = robot.at.tree, robot.views.drawn_out

@@ -9,7 +9,7 @@ from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.geometry.configuration import Configuration
 from multisrt.robots.explorer import RobotSelf, Sighting
 from multisrt.robots.multi_srt.messages import RobotState
-from multisrt.robots.multi_srt.obstacles import SAME_PLACE_M, Obstacles
+from multisrt.robots.multi_srt.obstacles import UNMOVED_M, Obstacles
 from multisrt.robots.multi_srt.options import MultiSrtOptions
 from multisrt.robots.multi_srt.whereabouts import Whereabouts
 
@@ -105,7 +105,7 @@ class Roster:
         state = self.states[sighting.robot]
         if state.phase == "moving":
             return False
-        return math.dist(state.place[:2], sighting.configuration[:2]) > SAME_PLACE_M
+        return math.dist(state.place[:2], sighting.configuration[:2]) > UNMOVED_M
 
     def is_any_moving(self, numbers: Iterable[int]) -> bool:
         """Whether any of some other robots is moving."""

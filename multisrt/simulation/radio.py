@@ -124,8 +124,8 @@ class Radio:
     ) -> tuple[list[tuple[int, float]], list[int]]:
         """Return to which robots a message is delivered, and to which it is lost.
 
-        In the order of the receivers it is drawn whether the message is lost, and if it is not,
-        how long it takes; nothing is drawn where the spec leaves no choice.
+        For each receiver in turn, the loss is drawn at random, and without a loss the delay.
+        Neither is drawn where the spec leaves no choice.
 
         Parameters
         ----------

@@ -89,12 +89,12 @@ class MultiSrtOptions(SrtOptions, frozen=True, kw_only=True, forbid_unknown_fiel
         Rounds of questions within one step after which a robot goes on without those that do not
         agree on the group. Robots that hear one another, but not the same others, may never.
     left_out_s : float
-        Time for which it then leaves them out of its groups.
+        Time for which it then leaves these out of its groups.
     check_period_s : float
         Time after which a robot that waits for the end of the exploration asks robots that it
         has not heard from whether they are still there.
     settle_s : float
-        News that come within this time are looked at together by a robot that waits.
+        Time for which a robot that waits, and has heard news, waits for more of it.
     home_after_s : float
         Time after which a robot that has nothing left to do, and gave way, goes back to the root
         of its own tree, if the way there over the roadmap is longer than its sensing range.

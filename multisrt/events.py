@@ -54,6 +54,9 @@ Choice = Literal[
 Stage = Literal["root", "draw", "approach", "complete", "bypass", "coordinate", "passed", "scan"]
 """How the place of a node was found; see `NodeAdded`."""
 
+ArcReason = Literal["too narrow", "seen from near", "not reachable", "blocked by a robot"]
+"""Why a robot gave up a frontier arc; see `ArcClosed`."""
+
 Purpose = Literal["explore", "support", "home", "give way"]
 """Why a robot moves; see `Motion`."""
 
@@ -402,7 +405,7 @@ class ArcClosed(Event, frozen=True, kw_only=True, tag="arc_closed"):
     """
 
     node: NodeName
-    reason: Literal["too narrow", "not reachable", "seen from near", "blocked by a robot"]
+    reason: ArcReason
     arc: tuple[Segment, ...]
 
 

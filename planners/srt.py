@@ -115,6 +115,10 @@ class SrtOptions(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     completion_spacing: float = 0.5
     max_views: int = 3
 
+    def distance_from_nodes_m(self, width_m: float) -> float:
+        """Return `d_min_m`, or its default for a body of this width in metres."""
+        return width_m if self.d_min_m is None else self.d_min_m
+
     def __post_init__(self) -> None:
         for name, ok, allowed in (
             ("alpha", 0.0 < self.alpha <= 1.0, "above 0 and at most 1"),

@@ -258,10 +258,10 @@ class Team(Listener):
             case WantMessage():
                 yield from self._answer_want(message)
             case EntriesMessage():
-                self.roster.hear_of(message.sender)
+                self.roster.hear_from(message.sender)
                 yield from self.learn(message.entries)
             case OrdersMessage():
-                self.roster.hear_of(message.sender)
+                self.roster.hear_from(message.sender)
                 concerns_me = message.order_for(self.number) is not None
                 if (self.number, self.status.step) in message.key and concerns_me:
                     self.orders = message

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from functools import partial
 
@@ -50,7 +49,7 @@ class Mail:
     ) -> None:
         self._robots = robots
         self._radio = radio
-        self._range_m = math.inf if spec.range_m is None else spec.range_m
+        self._range_m = spec.reach_m
         self._relayed = spec.multi_hop
         self._traffic = traffic
         self._clock = clock

@@ -8,7 +8,6 @@ wall is no passage, as for a line of sight.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -47,8 +46,8 @@ class Radio:
         self._spec = spec
         self._index = index
         self._rng = rng
-        self._range_m = math.inf if spec.range_m is None else spec.range_m
-        self.reaches_everywhere = self._range_m == math.inf and spec.walls == "pass"
+        self._range_m = spec.reach_m
+        self.reaches_everywhere = spec.reaches_everywhere
 
     def datasheet(self) -> RadioSelf:
         """Return what a robot knows of its radio."""
@@ -189,8 +188,7 @@ def links_hold(spec: RadioSpec, index: EdgeIndex | None, lines: FloatArray) -> B
     (n,) array of bool
     """
     distances = np.hypot(lines[:, 2] - lines[:, 0], lines[:, 3] - lines[:, 1])
-    range_m = math.inf if spec.range_m is None else spec.range_m
-    holds: BoolArray = distances <= range_m
+    holds: BoolArray = distances <= spec.reach_m
     if spec.walls == "pass" or not holds.any():
         return holds
     assert index is not None

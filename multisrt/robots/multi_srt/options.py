@@ -62,10 +62,11 @@ class MultiSrtOptions(SrtOptions, frozen=True, kw_only=True, forbid_unknown_fiel
     sense_period_s : float
         Time between two scans on the way.
     pause_s : float
-        Scale of the pauses of robots that could not go, before they try again. Each draws its
-        own, so that the same robots do not try the same again: a quarter of this to all of it
-        where it waits for a step, or is stopped before a motion begins; half of this to all of
-        it, times one plus the number of setbacks (at most `jammed_after`), where it stands aside.
+        Scale of the random pauses of a robot that could not go, before it tries again. Each robot
+        draws its own, so that the same robots do not try the same again: a quarter of this to all
+        of it where the robot makes no motion in a step, was stopped before it had moved, or was
+        stopped as a car that cannot reverse; half of this to all of it, times one plus the number
+        of setbacks (at most `jammed_after`), where it stands aside.
     max_new_targets : int
         Number of other targets that a master draws for a robot whose path conflicts, until one
         conflicts with no other robot; each of them takes up to `max_draws` candidates.

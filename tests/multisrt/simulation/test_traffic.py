@@ -426,7 +426,8 @@ def test_many_robots_never_touch_and_only_the_affected_change(names):
     model = Model(3, 25, [BODIES[name] for name in names], 0.3)
     asked = traffic(*model.starts, bodies=model.bodies)
     fresh = traffic(*model.starts, bodies=model.bodies)
-    known, ends, queue, stops = {}, {}, [], 0
+    ends: dict[int, float] = {}
+    known, queue, stops = {}, [], 0
 
     def tell(robot, now):
         # The events of affected robots are computed again; those of all others still hold.

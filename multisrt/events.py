@@ -54,6 +54,9 @@ Choice = Literal[
 Stage = Literal["root", "draw", "approach", "complete", "bypass", "coordinate", "passed", "scan"]
 """How the place of a node was found; see `NodeAdded`."""
 
+ArcReason = Literal["too narrow", "seen from near", "not reachable", "blocked by a robot"]
+"""Why a robot gave up a frontier arc; see `ArcClosed`."""
+
 Purpose = Literal["explore", "support", "home", "give way"]
 """Why a robot moves; see `Motion`."""
 
@@ -144,12 +147,13 @@ class Decision(Event, frozen=True, kw_only=True, tag="decision"):
     target : (x, y) or None
         The place chosen.
     draws : int
-        Number of candidates that were drawn or approached.
+        Number of candidates that were drawn; those of the stage `approach` are not counted.
     refused : dict of str to int
-        Numbers of refused candidates by reason: `no room`, `near a node`, `in another region`,
-        `blocked by a robot`, `no way for the car`.
+        Numbers of refused candidates, of both stages, by reason: `no room`, `near a node`,
+        `in another region`, `no way for the car`, `blocked by a robot` (the way there passes too
+        near to a body that the robot plans around; see `ArcClosed`).
     candidates : tuple of (x, y, reason)
-        The refused candidates, in the order in which they were looked at.
+        The refused candidates, of both stages, in the order in which they were refused.
     gpr, ger : tuple of int
         The groups of pre-engaged and of engaged robots, including the robot itself.
     """
@@ -256,7 +260,8 @@ class Organized(Event, frozen=True, kw_only=True, tag="organized"):
     orders : dict of robot to str
         `keep`, `wait`, `new target` or `give way`.
     conflicts : tuple of (int, int)
-        Pairs of robots whose planned paths conflicted; also (i, j) where j stands in the way of i.
+        Pairs of robots, the lower number first, that would come too near to one another on their
+        planned paths. A robot that stays takes part with its body where it stands.
     deadlock : bool
         Whether no robot could be let go.
     """
@@ -276,13 +281,17 @@ class Supports(Event, frozen=True, kw_only=True, tag="supports"):
     Attributes
     ----------
     tree : int or None
-        The robot at whose start the chosen tree is rooted; None if no tree needs support.
+        The chosen tree; None if no way leads to any of the candidates.
     open_frontier_m : dict of tree to float
         Length of the open frontier of every known tree.
     active_robots : dict of tree to int
-        Number of robots that are active in each tree.
+        Number of other robots that are active in each tree, as far as this one knows.
     candidates : tuple of int
-        The trees that may need support (paper: I).
+        The trees that may need support (paper: I); never empty.
+
+    Notes
+    -----
+    A tree has the number of the robot that made its root.
     """
 
     tree: int | None
@@ -388,13 +397,15 @@ class ArcClosed(Event, frozen=True, kw_only=True, tag="arc_closed"):
     reason : str
         `too narrow`: the body fits nowhere from which the arc can be seen. `not reachable`: it
         would fit, but no known path leads there. `seen from near`: the robot has taken scans from
-        every such place. `blocked by a robot`: a robot that does not answer stands in the way.
+        every such place, or has set out for the spot `max_views` times. `blocked by a robot`: a
+        known path leads there, but past a body that the robot plans around: that of a robot that
+        does not answer, that is left out of its group, or that did not clear the way.
     arc : tuple of (x0, y0, x1, y1)
         The segments of the arc.
     """
 
     node: NodeName
-    reason: Literal["too narrow", "not reachable", "seen from near", "blocked by a robot"]
+    reason: ArcReason
     arc: tuple[Segment, ...]
 
 

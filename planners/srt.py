@@ -53,7 +53,7 @@ from multisrt.planners.viewing import (
     lattice,
 )
 
-FAN: Final = 72
+APPROACH_DIRECTIONS: Final = 72
 """Number of directions in which the approach looks for a place, besides those to the frontier."""
 
 INWARD_M: Final = 1e-4
@@ -115,6 +115,10 @@ class SrtOptions(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     completion_spacing: float = 0.5
     max_views: int = 3
 
+    def distance_from_nodes_m(self, width_m: float) -> float:
+        """Return `d_min_m`, or its default for a body of this width in metres."""
+        return width_m if self.d_min_m is None else self.d_min_m
+
     def __post_init__(self) -> None:
         for name, ok, allowed in (
             ("alpha", 0.0 < self.alpha <= 1.0, "above 0 and at most 1"),
@@ -140,16 +144,16 @@ Accept = Callable[[float, float], str | None]
 
 @dataclass(slots=True)
 class Draws:
-    """The candidates drawn at a node, and why they were refused.
+    """The candidates looked at from a node, and why they were refused.
 
     Attributes
     ----------
     drawn : int
-        Number of candidates.
+        Number of candidates drawn (stage 1).
     refused : dict of str to int
-        Number of refused candidates by reason.
+        Number of refused candidates by reason, those of stage 2 included.
     candidates : list of (x, y, reason)
-        The refused candidates in order.
+        The refused candidates of both stages in order.
     """
 
     drawn: int = 0
@@ -317,7 +321,7 @@ class SrtPlanner:
         ends = np.vstack([(arc[0, :2], arc[-1, 2:], arc[len(arc) // 2, :2]) for arc in arcs])
         directions = np.concatenate(
             [
-                np.arange(FAN) * (2.0 * math.pi / FAN),
+                np.arange(APPROACH_DIRECTIONS) * (2.0 * math.pi / APPROACH_DIRECTIONS),
                 np.arctan2(ends[:, 1] - at.y, ends[:, 0] - at.x),
             ]
         )

@@ -92,7 +92,7 @@ class Footprint:
         Raises
         ------
         InvalidInputError
-            If the radius is not a positive, finite number of metres.
+            If the radius is not a number from `MIN_INSCRIBED_RADIUS_M` to `MAX_SIZE_M`.
 
         Examples
         --------
@@ -122,7 +122,8 @@ class Footprint:
         Raises
         ------
         InvalidInputError
-            If length or width is not a positive, finite number of metres.
+            If length or width is not a number from twice `MIN_INSCRIBED_RADIUS_M` to
+            `MAX_SIZE_M`.
 
         Examples
         --------
@@ -152,8 +153,9 @@ class Footprint:
         Raises
         ------
         InvalidInputError
-            If the outline is not finite, has fewer than three corners, crosses itself, or
-            does not contain the reference point in its interior.
+            If a corner is not finite or has a coordinate beyond `MAX_SIZE_M`, if there are fewer
+            than three corners, if the outline crosses or touches itself, or if the reference point
+            is not inside by at least `MIN_INSCRIBED_RADIUS_M`.
 
         Examples
         --------

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 from multisrt.drawing.svg import Marker, plain
-from multisrt.events import Stage
+from multisrt.events import ArcReason, Stage
 
 WHITE: Final = "#ffffff"
 INK: Final = "#1a1a1a"
@@ -117,7 +117,7 @@ HALO: Final = Style(stroke=WHITE, width_mm=2.0)
 
 STOP: Final = Style(fill=WHITE, stroke=INK, width_mm=0.25)
 
-CLOSED: Final = {
+CLOSED: Final[dict[ArcReason, Style]] = {
     "too narrow": Style(stroke=INK, width_mm=0.7, dashes_mm=(0.4, 0.35)),
     "not reachable": Style(stroke=INK, width_mm=0.7, dashes_mm=(1.4, 0.5)),
     "seen from near": Style(stroke=INK, width_mm=0.7, dashes_mm=(1.4, 0.4, 0.4, 0.4)),

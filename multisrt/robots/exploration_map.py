@@ -18,7 +18,7 @@ from multisrt.robots.knowledge import Closing, ClosingId, Entries, Entry, Node, 
 from multisrt.robots.local_frontiers import LocalFrontiers
 from multisrt.robots.node_regions import NodeRegions
 from multisrt.robots.open_frontiers import OpenFrontiers
-from multisrt.robots.trees import Trees
+from multisrt.robots.tree_membership import TreeMembership
 
 __all__ = ["Closing", "ClosingId", "Entry", "ExplorationMap", "Node", "NodeId"]
 
@@ -118,7 +118,7 @@ class ExplorationMap:
         self._robot = robot
         self.entries = Entries()
         self._regions = NodeRegions(reach_m)
-        self._trees = Trees()
+        self._trees = TreeMembership()
         self._frontiers = LocalFrontiers(self._regions, min_arc_m - ROUNDING_M, gaps_count)
         self._open = OpenFrontiers(self._regions, self._frontiers, self._trees)
         self._raster: Raster | None = None

@@ -248,7 +248,10 @@ class Receive(msgspec.Struct, frozen=True):
 
 
 class Note(msgspec.Struct, frozen=True):
-    """Put an event on record. It changes nothing and takes no time.
+    """Put an event on record. It takes no time.
+
+    It changes nothing, except that a fault may strike at it: a robot whose `multisrt.Death` has
+    ``when="master"`` dies as it records `Organized`.
 
     Attributes
     ----------

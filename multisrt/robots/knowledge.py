@@ -4,18 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar, Final, NamedTuple
+from typing import ClassVar, Final, NamedTuple, get_args
 
 import numpy as np
 
-from multisrt.events import NodeAdded, Stage
+from multisrt.events import ArcReason, NodeAdded, Stage
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.numerics.kernel import FloatArray
 from multisrt.geometry.regions.safe_region import LocalSafeRegion
 from multisrt.robots.messages import Message
 
-REASONS: Final = ("too narrow", "seen from near", "not reachable", "blocked by a robot")
+REASONS: Final[tuple[ArcReason, ...]] = get_args(ArcReason)
 """Reasons for which an arc is given up, as recordings have them."""
 
 CountsByRobot = Mapping[int, tuple[int, int]]
@@ -149,7 +149,7 @@ class Closing:
         The node to whose frontier the arc belongs.
     arc : (k, 4) array
         The arc's segments x0, y0, x1, y1 in metres; read-only.
-    reason : str
+    reason : ArcReason
         One of `REASONS`, which `multisrt.events.ArcClosed` explains.
     width_m : float
         Width in metres of the body of the robot that gave the arc up.
@@ -173,7 +173,7 @@ class Closing:
     id: ClosingId
     node: NodeId
     arc: FloatArray
-    reason: str
+    reason: ArcReason
     width_m: float
 
     def __post_init__(self) -> None:

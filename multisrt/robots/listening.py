@@ -17,6 +17,7 @@ from multisrt.robots.explorer import (
     Moved,
     Note,
     Outcome,
+    RadioSelf,
     Receive,
     Received,
     RobotSelf,
@@ -80,7 +81,7 @@ class Listener(ABC):
         self.number = me.robot
         self.size = me.team
         self.round_trip_s = 2.0 * me.radio.latency_s
-        self.period_s = ask_period_s + self.round_trip_s
+        self.period_s = question_period_s(me.radio, ask_period_s)
         self._clock = robot
         self._entries = entries
         self._wanted: dict[int, float] = {}
@@ -166,6 +167,17 @@ class Listener(ABC):
                     have = self._entries.counts()
                     yield Send(WantMessage(sender=self.number, have=have), other)
                 return
+
+
+def question_period_s(radio: RadioSelf, ask_period_s: float) -> float:
+    """Return the time after which a question is repeated, the round trip included, in seconds.
+
+    Examples
+    --------
+    >>> question_period_s(RadioSelf(latency_s=0.25), 0.5)
+    1.0
+    """
+    return ask_period_s + 2.0 * radio.latency_s
 
 
 def have_of(counts: Counts) -> CountsByRobot:

@@ -10,7 +10,7 @@ import numpy as np
 from multisrt.robots.knowledge import NodeId
 from multisrt.robots.local_frontiers import LocalFrontiers
 from multisrt.robots.node_regions import NodeRegions
-from multisrt.robots.trees import Trees
+from multisrt.robots.tree_membership import TreeMembership
 
 
 class OpenFrontiers:
@@ -25,7 +25,7 @@ class OpenFrontiers:
         The nodes.
     frontiers : LocalFrontiers
         Their local frontiers.
-    trees : Trees
+    trees : TreeMembership
         Their trees.
     """
 
@@ -39,7 +39,9 @@ class OpenFrontiers:
         "_witness",
     )
 
-    def __init__(self, regions: NodeRegions, frontiers: LocalFrontiers, trees: Trees) -> None:
+    def __init__(
+        self, regions: NodeRegions, frontiers: LocalFrontiers, trees: TreeMembership
+    ) -> None:
         self._regions = regions
         self._frontiers = frontiers
         self._trees = trees

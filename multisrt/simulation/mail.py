@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from functools import partial
 
@@ -50,7 +49,7 @@ class Mail:
     ) -> None:
         self._robots = robots
         self._radio = radio
-        self._range_m = math.inf if spec.range_m is None else spec.range_m
+        self._range_m = spec.reach_m
         self._relayed = spec.multi_hop
         self._traffic = traffic
         self._clock = clock
@@ -85,7 +84,7 @@ class Mail:
 
     def _deliveries(self, sender: int, to: int | None) -> tuple[list[tuple[int, float]], list[int]]:
         # Only robots that may be in reach are put to the radio, numbered among themselves.
-        if self._radio.is_unlimited:
+        if self._radio.reaches_everywhere:
             working = [robot.hears for robot in self._robots]
             return self._radio.deliveries(sender, to, [], working)
         near = self._traffic.may_reach(sender, self._range_m, relayed=self._relayed)

@@ -8,7 +8,6 @@ wall is no passage, as for a line of sight.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -39,7 +38,7 @@ class Radio:
 
     Attributes
     ----------
-    is_unlimited : bool
+    reaches_everywhere : bool
         Whether messages reach all robots wherever these are.
     """
 
@@ -47,8 +46,8 @@ class Radio:
         self._spec = spec
         self._index = index
         self._rng = rng
-        self._range_m = math.inf if spec.range_m is None else spec.range_m
-        self.is_unlimited = self._range_m == math.inf and spec.walls == "pass"
+        self._range_m = spec.reach_m
+        self.reaches_everywhere = spec.reaches_everywhere
 
     def datasheet(self) -> RadioSelf:
         """Return what a robot knows of its radio."""
@@ -57,7 +56,7 @@ class Radio:
             latency_s=self._spec.latency_s + self._spec.jitter_s,
             loss=self._spec.loss,
             multi_hop=self._spec.multi_hop,
-            reaches_all=self.is_unlimited and self._spec.loss == 0.0,
+            reaches_all=self.reaches_everywhere and self._spec.loss == 0.0,
         )
 
     def links(self, positions: Sequence[Sequence[float]], working: Sequence[bool]) -> BoolArray:
@@ -96,11 +95,11 @@ class Radio:
         sender : int
             The robot that sends.
         positions, working
-            As for `links`; positions are not used if the radio is unlimited.
+            As for `links`; positions are not used if the radio reaches everywhere.
         """
         if not working[sender]:
             return []
-        if self.is_unlimited:
+        if self.reaches_everywhere:
             return [robot for robot, hears in enumerate(working) if hears and robot != sender]
         open_to = np.array(working, np.bool_)
         open_to[sender] = False
@@ -124,8 +123,8 @@ class Radio:
     ) -> tuple[list[tuple[int, float]], list[int]]:
         """Return to which robots a message is delivered, and to which it is lost.
 
-        In the order of the receivers it is drawn whether the message is lost, and if it is not,
-        how long it takes; nothing is drawn where the spec leaves no choice.
+        For each receiver in turn, the loss is drawn at random, and without a loss the delay.
+        Neither is drawn where the spec leaves no choice.
 
         Parameters
         ----------
@@ -189,8 +188,7 @@ def links_hold(spec: RadioSpec, index: EdgeIndex | None, lines: FloatArray) -> B
     (n,) array of bool
     """
     distances = np.hypot(lines[:, 2] - lines[:, 0], lines[:, 3] - lines[:, 1])
-    range_m = math.inf if spec.range_m is None else spec.range_m
-    holds: BoolArray = distances <= range_m
+    holds: BoolArray = distances <= spec.reach_m
     if spec.walls == "pass" or not holds.any():
         return holds
     assert index is not None

@@ -18,6 +18,7 @@ from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import ClearanceError, InvalidInputError
 from multisrt.geometry.numerics.kernel import BoolArray, FloatArray
+from multisrt.planners.motion.kinematics import Car
 from multisrt.simulation.random_streams import random_stream
 from multisrt.spec import RunSpec
 
@@ -161,11 +162,8 @@ def _require_apart(footprints: list[Footprint], starts: dict[int, Configuration]
 def _require_turning_circles(
     spec: RunSpec, environment: Environment, footprints: list[Footprint], start: Configuration
 ) -> None:
-    cars = [
-        (number, robot.drive.turning_radius_m)
-        for number, robot in enumerate(spec.robots)
-        if robot.drive.kind in ("reeds-shepp", "dubins")
-    ]
+    drives = [robot.drive.kinematics() for robot in spec.robots]
+    cars = [(n, drive.turning_radius_m) for n, drive in enumerate(drives) if isinstance(drive, Car)]
     if not cars:
         return
     component = environment.component(start.x, start.y)

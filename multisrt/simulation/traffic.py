@@ -130,10 +130,6 @@ class Traffic:
         """Return where a robot is at a time, not before its last motion began."""
         return self._courses[robot].at(time_s)
 
-    def is_moving(self, robot: int) -> bool:
-        """Whether a robot has a motion that was begun and not ended."""
-        return bool(self._moving[robot])
-
     def next_event(self, robot: int, now_s: float) -> Encounter | None:
         """Return the first thing that another body does to a robot's motion, from a time on.
 

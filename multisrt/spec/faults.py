@@ -20,7 +20,9 @@ class Death(Part, frozen=True, kw_only=True, tag_field="fault", tag="death"):
         The earliest time, in seconds from the start of the run.
     when : {"any", "moving", "waiting", "master"}
         What the robot is doing when it dies: anything, or the first time from `time_s` on that
-        it moves, waits, or organises a group as its master.
+        it moves (halfway through a motion that begins later, at once during one), waits, or
+        organises a group as its master (Multi-SRT; when it has recorded
+        `multisrt.events.Organized`, and before it sends its orders).
 
     Examples
     --------

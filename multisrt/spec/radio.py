@@ -51,6 +51,16 @@ class RadioSpec(Part, frozen=True, kw_only=True):
     path_loss_exponent: float = 2.0
     wall_loss_db: float = 5.0
 
+    @property
+    def reach_m(self) -> float:
+        """Range of the radio without walls, in metres; inf for an unlimited one."""
+        return math.inf if self.range_m is None else self.range_m
+
+    @property
+    def reaches_everywhere(self) -> bool:
+        """Whether neither distance nor walls keep messages from any robot; they may be lost."""
+        return self.range_m is None and self.walls == "pass"
+
     def __post_init__(self) -> None:
         for name, ok, allowed in (
             ("range_m", self.range_m is None or 0.0 <= self.range_m < math.inf, "0 or more"),

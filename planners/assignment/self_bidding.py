@@ -102,16 +102,14 @@ class SelfBid:
     matching : (n,) array of int
         The frontier matched to each robot; -1 for a virtual one.
     choice : int or None
-        The robot's own frontier; None if it can reach none.
-    is_virtual : bool
-        Whether it was matched to a virtual frontier, and so chose the nearest.
+        The robot's own frontier: the nearest, if it was matched to a virtual one; None if it can
+        reach none.
     """
 
     ways: FloatArray
     steps: tuple[BidStep, ...]
     matching: IntArray
     choice: int | None
-    is_virtual: bool
 
     @property
     def phi_m(self) -> float:
@@ -214,7 +212,6 @@ def self_bidding(
         steps=tuple(steps),
         matching=matching,
         choice=closest(DenseCosts(ways), robot) if matched == UNASSIGNED else matched,
-        is_virtual=matched == UNASSIGNED,
     )
 
 

@@ -26,14 +26,11 @@ class UtilityAssignment:
     rounds : tuple of (robot, target, utility, share)
         The assigned pairs in order, with the target's utility U_t before, and the cost as a share
         of the largest finite one (V_it).
-    utilities : (rounds + 1, m) array
-        Utilities of all targets before each round and after the last.
     """
 
     costs: FloatArray
     assignment: IntArray
     rounds: tuple[tuple[int, int, float, float], ...]
-    utilities: FloatArray
 
 
 def utility(
@@ -107,7 +104,6 @@ def utility(
     overlap = np.maximum(1.0 - apart / (2.0 * sensor_range_m), 0.0)  # P
     overlap[~(sees | np.eye(targets, dtype=np.bool_))] = 0.0
     worth = np.ones(targets)  # U
-    history = [worth]
     assignment = np.full(robots, UNASSIGNED, np.int64)
     rounds: list[tuple[int, int, float, float]] = []
     waiting: BoolArray = np.count_nonzero(np.isfinite(table), axis=1) > 0
@@ -122,10 +118,8 @@ def utility(
         rounds.append((robot, target, float(worth[target]), float(share[robot, target])))
         waiting[robot] = False
         worth = worth - overlap[target]
-        history.append(worth)
     return UtilityAssignment(
         costs=table,
         assignment=assignment,
         rounds=tuple(rounds),
-        utilities=np.array(history),
     )

@@ -29,7 +29,7 @@ MAX_CHECKS = 1000
 STRIDE = 4.0
 """Maximum length of a motion of a sampling-based plan, in turning radii."""
 
-FAN = tuple(k * math.pi / 4.0 for k in (0, 1, -1, 2, -2, 3, -3, 4))
+ARRIVAL_TURNS = tuple(k * math.pi / 4.0 for k in (0, 1, -1, 2, -2, 3, -3, 4))
 """Headings to arrive with at a place, relative to its direction; the first is preferred."""
 
 MAX_PLANS = 2
@@ -157,7 +157,7 @@ def _rings(region: FloatArray | BaseGeometry) -> FloatArray:
 def _goals(car: Car, start: Configuration, x: float, y: float) -> list[Configuration]:
     """Return the configurations to arrive in: straight on first, then by length of the curve."""
     along = math.atan2(y - start.y, x - start.x)
-    ahead, *others = (Configuration(x, y, wrap_angle(along + turn)) for turn in FAN)
+    ahead, *others = (Configuration(x, y, wrap_angle(along + turn)) for turn in ARRIVAL_TURNS)
     return [ahead, *sorted(others, key=lambda goal: curve_length(car, start, goal))]
 
 

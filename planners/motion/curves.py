@@ -328,4 +328,5 @@ def _moved(
 
 @kernel
 def _wrapped(angle: float) -> float:
+    # As `wrap_angle`, for kernels: to [-pi, pi), and rounded differently.
     return angle - 2.0 * math.pi * math.floor(angle / (2.0 * math.pi) + 0.5)

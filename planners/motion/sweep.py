@@ -62,12 +62,6 @@ class Sweep:
         )
         shapely.prepare(self.shape)
 
-    @property
-    def bounds(self) -> tuple[float, float, float, float]:
-        """Bounds of the area: minimum x and y, maximum x and y in metres."""
-        x0, y0, x1, y1 = self.shape.bounds
-        return x0 - self.pad_m, y0 - self.pad_m, x1 + self.pad_m, y1 + self.pad_m
-
     def distance_to(self, other: Sweep) -> float:
         """Return a lower bound of the distance between two areas.
 
@@ -84,13 +78,6 @@ class Sweep:
         """
         gap = float(shapely.distance(self.shape, other.shape)) - (self.pad_m + other.pad_m)
         return max(0.0, gap)
-
-    def comes_within(self, other: Sweep, gap_m: float) -> bool:
-        """Whether `distance_to` another area is at most `gap_m`; cheap for distant bounds."""
-        ax0, ay0, ax1, ay1 = self.bounds
-        bx0, by0, bx1, by1 = other.bounds
-        aside, above = max(ax0 - bx1, bx0 - ax1, 0.0), max(ay0 - by1, by0 - ay1, 0.0)
-        return math.hypot(aside, above) <= gap_m and self.distance_to(other) <= gap_m
 
 
 def _of_disc(footprint: Footprint, waypoints: tuple[Waypoint, ...]) -> tuple[BaseGeometry, float]:

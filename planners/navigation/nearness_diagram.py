@@ -155,6 +155,7 @@ def _clip(value: float) -> float:
 
 @inlined_kernel
 def _wrapped(angle: float) -> float:
+    # As `wrap_angle`, for kernels: to (-pi, pi], but rounded differently.
     turns = math.ceil((angle - math.pi) / (2.0 * math.pi))
     return angle - 2.0 * math.pi * turns
 

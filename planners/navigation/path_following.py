@@ -21,8 +21,8 @@ from multisrt.planners.motion.trajectory import Trajectory
 MIN_MOTION_M = 0.01
 """Default minimum length of a motion along a path in metres."""
 
-SAME_PLACE_M = 1e-9
-"""Consecutive corners of a path closer than this are one, in metres."""
+SAME_CORNER_M = 1e-9
+"""Consecutive corners of a path closer than this count as one, in metres; so do distances to it."""
 
 
 def ahead(path: FloatArray, at: Configuration) -> FloatArray:
@@ -123,7 +123,7 @@ def follow(
         here = at if way is None else way.end
         x, y = _within(here, corner, limit_m - driven)
         distance = math.dist((x, y), here[:2])
-        if distance < SAME_PLACE_M:
+        if distance < SAME_CORNER_M:
             continue
         leg = steer(body, kinematics, boundary, here, x, y)
         fits = leg is not None
@@ -131,7 +131,7 @@ def follow(
             direction = math.atan2(y - here.y, x - here.x)
             distance = reach(body, kinematics, boundary, here, direction, distance)
             x, y = _within(here, corner, distance)
-            if distance >= SAME_PLACE_M:
+            if distance >= SAME_CORNER_M:
                 leg = steer(body, kinematics, boundary, here, x, y)
         if leg is not None:
             driven += distance
@@ -166,7 +166,7 @@ def _distinct(corners: FloatArray) -> FloatArray:
     kept = np.ones(len(corners), np.bool_)
     for i in range(1, len(corners)):
         dx, dy = corners[i, 0] - corners[i - 1, 0], corners[i, 1] - corners[i - 1, 1]
-        kept[i] = math.hypot(dx, dy) > SAME_PLACE_M
+        kept[i] = math.hypot(dx, dy) > SAME_CORNER_M
     return corners[kept]
 
 
@@ -184,7 +184,7 @@ def _rest(corners: FloatArray, x: float, y: float) -> FloatArray:
         share = min(1.0, max(0.0, along))
         feet[i, 0], feet[i, 1] = ax + share * dx, ay + share * dy
         distances[i] = math.hypot(feet[i, 0] - x, feet[i, 1] - y)
-    near = distances.min() + SAME_PLACE_M
+    near = distances.min() + SAME_CORNER_M
     leg = legs - 1
     while distances[leg] > near:
         leg -= 1

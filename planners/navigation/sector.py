@@ -119,7 +119,10 @@ def cells_ahead(
 
 
 def wrapped(angles: FloatArray) -> FloatArray:
-    """Return angles in radians reduced to [-pi, pi)."""
+    """Return angles in radians reduced to [-pi, pi).
+
+    As `wrap_angle`, for arrays: that one reduces to (-pi, pi], and rounds differently.
+    """
     reduced: FloatArray = (angles + math.pi) % (2.0 * math.pi) - math.pi
     return reduced
 

@@ -40,7 +40,7 @@ from multisrt.robots.frontier.alvarez_goals import (
     is_open,
     robot_options,
     search,
-    survey,
+    take_survey,
     way_cost,
     way_to,
 )
@@ -84,7 +84,7 @@ class Rules:
         Number of goals in a row that it could not drive to.
     wanders : bool
         Whether its goal is a random place.
-    waits : int
+    waited : int
         How often in a row it has waited for others.
     compared : tuple
         The aims of the team when it last looked for a swap.
@@ -96,7 +96,7 @@ class Rules:
         self.stuck_at: Place | None = None
         self.in_vain = 0
         self.wanders = False
-        self.waits = 0
+        self.waited = 0
         self.compared: tuple[object, ...] = ()
 
     # Choosing -----------------------------------------------------------------------------
@@ -106,14 +106,14 @@ class Rules:
         tried = self.remember(robot, because)
         team = robot.team
         with robot.around_bodies():
-            drawn = survey(robot, team.cells.tried, agreed(robot))
+            survey = take_survey(robot, team.cells.tried, agreed(robot))
             aim = None if because in REPLANNING_EVENTS else team.cells.aim
-            way = None if aim is None else way_to(robot, drawn, aim)
+            way = None if aim is None else way_to(robot, survey, aim)
             unreached: list[Place] = []
             scores: Scores = ()
             if way is None:
-                aim, scores, unreached = best_cell(robot, drawn)
-                way = None if aim is None else way_to(robot, drawn, aim)
+                aim, scores, unreached = best_cell(robot, survey)
+                way = None if aim is None else way_to(robot, survey, aim)
             goal = None if way is None else goal_of(robot, way)
         team.cells.aim = None if goal is None else aim
         yield from tell_inaccessible(robot, [] if len(robot.bodies) else unreached, tried)
@@ -223,10 +223,10 @@ class Rules:
             team.cells.leader = ruling.leader
             yield from team.report()
         if not ruling.waits_for:
-            self.waits = 0
+            self.waited = 0
             return False
-        self.waits += 1
-        if self.waits > options.patience:
+        self.waited += 1
+        if self.waited > options.patience:
             return False
         yield from team.pause(team.period_s)
         return True
@@ -240,22 +240,22 @@ class Rules:
             return False
         self.compared = now
         with robot.around_bodies():
-            drawn = survey(robot, team.cells.tried, agreed(robot))
+            survey = take_survey(robot, team.cells.tried, agreed(robot))
             here = robot.at[:2]
-            own = way_cost(robot, drawn, here, team.cells.aim)
+            own = way_cost(robot, survey, here, team.cells.aim)
             owners, asked = [own], [math.inf]
             for mate in mates:
                 assert mate.aim is not None
                 is_near = math.dist(here, mate.aim) < own
                 owners.append(
-                    way_cost(robot, drawn, mate.place[:2], mate.aim) if is_near else math.inf
+                    way_cost(robot, survey, mate.place[:2], mate.aim) if is_near else math.inf
                 )
-                asked.append(way_cost(robot, drawn, here, mate.aim) if is_near else math.inf)
+                asked.append(way_cost(robot, survey, here, mate.aim) if is_near else math.inf)
             partner = exchange(0, asked, owners)
             if partner is None:
                 return False
             mate = mates[partner - 1]
-            swapped = asked[partner] + way_cost(robot, drawn, mate.place[:2], team.cells.aim)
+            swapped = asked[partner] + way_cost(robot, survey, mate.place[:2], team.cells.aim)
         if mate.aim is None or swapped > own + owners[partner] + robot.options.cell_m:
             return False
         given, team.cells.aim = team.cells.aim, mate.aim
@@ -263,16 +263,16 @@ class Rules:
         return True
 
 
-def best_cell(robot: FrontierRobot, drawn: Survey) -> tuple[Place | None, Scores, list[Place]]:
+def best_cell(robot: FrontierRobot, survey: Survey) -> tuple[Place | None, Scores, list[Place]]:
     """Return the best cell that can be reached, the scores, and the better cells that cannot be."""
     goals = [r.goal if r.aim is None else r.aim for r in robot.team.present()]
     places = np.array([goal for goal in goals if goal is not None]).reshape(-1, 2)
     unreached: dict[Place, None] = {}
     for everywhere in (False, True):
-        cells, given = search(robot, drawn, places, everywhere)
+        cells, given = search(robot, survey, places, everywhere)
         for i in given.order.tolist():
             x, y = cells[i].tolist()
-            if drawn.can_reach(robot.raster, (x, y)):
+            if survey.can_reach(robot.raster, (x, y)):
                 return (x, y), best_scores(cells, given), list(unreached)
             unreached[x, y] = None
     return None, (), list(unreached)

@@ -105,7 +105,9 @@ class Way(NamedTuple):
     cost_m: float
 
 
-def survey(robot: FrontierRobot, tried: Iterable[Place], inaccessible: Iterable[Place]) -> Survey:
+def take_survey(
+    robot: FrontierRobot, tried: Iterable[Place], inaccessible: Iterable[Place]
+) -> Survey:
     """Return the map of one robot for one choice.
 
     Parameters
@@ -204,7 +206,7 @@ def _closed(
 
 
 def search(
-    robot: FrontierRobot, drawn: Survey, goals: FloatArray, everywhere: bool = False
+    robot: FrontierRobot, survey: Survey, goals: FloatArray, everywhere: bool = False
 ) -> tuple[FloatArray, GoalChoice]:
     """GOAL SEARCH: score the unexplored cells around a robot.
 
@@ -212,7 +214,7 @@ def search(
     ----------
     robot : FrontierRobot
         The robot.
-    drawn : Survey
+    survey : Survey
         Its map.
     goals : (g, 2) array
         Goals of the other robots in metres.
@@ -227,18 +229,18 @@ def search(
         Their scores.
     """
     options = robot_options(robot)
-    cells = drawn.centres[drawn.unexplored]
+    cells = survey.centres[survey.unexplored]
     if not everywhere:
         width = options.search_cell_m
-        x0, y0 = drawn.centres[0, 0].tolist()
+        x0, y0 = survey.centres[0, 0].tolist()
         found = ring_search(
-            ~drawn.obstacle,
-            drawn.unexplored,
+            ~survey.obstacle,
+            survey.unexplored,
             round((robot.at.y - y0) / width),
             round((robot.at.x - x0) / width),
-            math.ceil(options.enough_share * drawn.unexplored.size),
+            math.ceil(options.enough_share * survey.unexplored.size),
         )
-        cells = drawn.centres[found[:, 0], found[:, 1]]
+        cells = survey.centres[found[:, 0], found[:, 1]]
     x, y, heading = robot.at
     offsets = cells - (x, y)
     to_goals = np.hypot(*(goals[:, None] - cells[None]).transpose(2, 0, 1))
@@ -247,35 +249,39 @@ def search(
         np.arctan2(offsets[:, 1], offsets[:, 0]) - heading,
         to_goals,
         robot.me.team,
-        drawn.diagonal_m,
+        survey.diagonal_m,
         distance_weight=options.distance_weight,
         turn_weight=options.turn_weight,
         others_weight=options.others_weight,
     )
 
 
-def way_to(robot: FrontierRobot, drawn: Survey, aim: Place) -> Way | None:
+def way_to(robot: FrontierRobot, survey: Survey, aim: Place) -> Way | None:
     """Return the path to an unexplored cell; None if there is none, or the cell has been seen.
 
     LOOK AHEAD: where no obstacle lies ahead, the path is straight. PLAN: otherwise by A*.
     """
     raster, width = robot.raster, robot_options(robot).search_cell_m
-    goal = drawn.index_of(raster, aim)
-    if drawn.start is None or goal is None or not (drawn.unknown[goal] and drawn.reachable[goal]):
+    goal = survey.index_of(raster, aim)
+    if (
+        survey.start is None
+        or goal is None
+        or not (survey.unknown[goal] and survey.reachable[goal])
+    ):
         return None
-    (r, c), (goal_r, goal_c) = drawn.start, goal
-    obstacles = drawn.centres[drawn.obstacle]
+    (r, c), (goal_r, goal_c) = survey.start, goal
+    obstacles = survey.centres[survey.obstacle]
     if not cells_ahead(obstacles, robot.at[:2], aim, width).any() and in_sight(
-        drawn.ways, c + 0.5, r + 0.5, goal_c, goal_r
+        survey.ways, c + 0.5, r + 0.5, goal_c, goal_r
     ):
         n = SAMPLES * (abs(goal_r - r) + abs(goal_c - c)) + 1
         line = np.linspace((r + 0.5, c + 0.5), (goal_r + 0.5, goal_c + 0.5), n)
         way, cells = np.floor(line).astype(np.int64), math.hypot(goal_r - r, goal_c - c)
     else:
-        way = a_star(drawn.ways, r, c, goal_r, goal_c)
+        way = a_star(survey.ways, r, c, goal_r, goal_c)
         cells = _length(way)
-    row, column = way[last_known(drawn.ways & ~drawn.unknown, way)].tolist()
-    edge = raster.centre_of(row + drawn.row, column + drawn.column)
+    row, column = way[last_known(survey.ways & ~survey.unknown, way)].tolist()
+    edge = raster.centre_of(row + survey.row, column + survey.column)
     return Way(edge, cells * raster.cell_m)
 
 
@@ -299,13 +305,13 @@ def last_known(known: BoolArray, way: IntArray) -> int:
     return int(np.argmin(known[rows[1:], columns[1:]] & beside))
 
 
-def way_cost(robot: FrontierRobot, drawn: Survey, place: Place, aim: Place) -> float:
+def way_cost(robot: FrontierRobot, survey: Survey, place: Place, aim: Place) -> float:
     """Return the length in metres of the path of A* from a place to a cell; inf without one."""
     start = robot.raster.passable_near(*place, NEAR_BY_CELLS)
-    goal = drawn.index_of(robot.raster, aim)
+    goal = survey.index_of(robot.raster, aim)
     if start is None or goal is None:
         return math.inf
-    way = a_star(drawn.ways, start[0] - drawn.row, start[1] - drawn.column, *goal)
+    way = a_star(survey.ways, start[0] - survey.row, start[1] - survey.column, *goal)
     return _length(way) * robot.raster.cell_m if len(way) else math.inf
 
 

@@ -20,7 +20,7 @@ from multisrt.geometry.configuration import Configuration, wrap_angle
 from multisrt.geometry.numerics.distances import inside
 from multisrt.geometry.numerics.kernel import FloatArray
 from multisrt.planners.motion.body import PlanningBody
-from multisrt.planners.motion.car import FAN, MAX_SEED, car_ways, shortest_way
+from multisrt.planners.motion.car import ARRIVAL_TURNS, MAX_SEED, car_ways, shortest_way
 from multisrt.planners.motion.curves import curve_length
 from multisrt.planners.motion.kinematics import Car
 from multisrt.planners.motion.room import Room
@@ -28,7 +28,7 @@ from multisrt.planners.motion.trajectory import Trajectory
 from multisrt.planners.navigation.right_of_way import stands_in_the_way
 from multisrt.robots.explorer import RobotSelf, Sighting
 from multisrt.robots.frontier.bodies import Bodies
-from multisrt.robots.frontier.car_route import Plan
+from multisrt.robots.frontier.car_route import Excursion
 from multisrt.robots.frontier.course import Course
 from multisrt.robots.frontier.options import FrontierOptions
 from multisrt.robots.frontier.scan_map import ScanMap
@@ -97,7 +97,7 @@ class CarPlanner:
 
     def plan(
         self, path: FloatArray, starts: Sequence[Trajectory], seen: Sequence[Sighting]
-    ) -> Plan | None:
+    ) -> Excursion | None:
         """Plan a motion along a path, and one back to where the car knows how to go on.
 
         Parameters
@@ -111,11 +111,11 @@ class CarPlanner:
 
         Returns
         -------
-        Plan or None
+        Excursion or None
             None if no motion leads on.
         """
         body, car = self._body, self._car
-        points = points_along(path, HORIZON * self._me.range_m)
+        points = spaced_points(path, HORIZON * self._me.range_m)
         known = self._known_around(np.vstack([points[:, :2], [way.end[:2] for way in starts]]))
         rings = rings_of(known.difference(self._bodies_beside(path, seen)))
         room = body.room(rings, self._course.at)
@@ -140,7 +140,7 @@ class CarPlanner:
             )
         )
 
-    def _sampled(self, here: Trajectory, rings: FloatArray, ends: list[End]) -> Plan | None:
+    def _sampled(self, here: Trajectory, rings: FloatArray, ends: list[End]) -> Excursion | None:
         """Plan by sampling, out and back to here."""
         for x, y, _, _ in ends:
             seed = int(self._me.rng.integers(1, MAX_SEED))
@@ -148,7 +148,7 @@ class CarPlanner:
                 self._body, self._car, rings, here.end, x, y, seed, max_checks=MAX_CHECKS
             )
             if ways is not None:
-                return Plan(here, *ways, 0.0)
+                return Excursion(here, *ways, 0.0)
         return None
 
     def _known_around(self, points: FloatArray) -> BaseGeometry:
@@ -198,11 +198,11 @@ class _Curves:
         self._homes = [(way.duration_s, way.end) for way in starts if room.holds(way.end)]
         self._backs: dict[Configuration, tuple[Trajectory, float] | None] = {}
 
-    def find(self, first: Trajectory, room: Room, ends: list[End]) -> Plan | None:
+    def find(self, first: Trajectory, room: Room, ends: list[End]) -> Excursion | None:
         """Return a motion from the end of another to the first place that one leads to."""
         start = first.end
         for x, y, heading, _ in ends:
-            goals = [Configuration(x, y, wrap_angle(heading + turn)) for turn in FAN]
+            goals = [Configuration(x, y, wrap_angle(heading + turn)) for turn in ARRIVAL_TURNS]
             goals = [goal for goal in goals if room.holds(goal)]
             # The nearest heading first, whether forwards or backwards.
             for goal in sorted(goals, key=lambda goal: curve_length(self._car, start, goal)):
@@ -210,10 +210,10 @@ class _Curves:
                 if out is None or out.duration_s == 0.0:
                     continue
                 if self._car.reverse:
-                    return Plan(first, out, out.reversed(), first.duration_s)
+                    return Excursion(first, out, out.reversed(), first.duration_s)
                 back = self._back(goal)
                 if back is not None:
-                    return Plan(first, out, *back)
+                    return Excursion(first, out, *back)
         return None
 
     def _back(self, place: Configuration) -> tuple[Trajectory, float] | None:
@@ -224,7 +224,7 @@ class _Curves:
         return self._backs[place]
 
 
-def points_along(path: FloatArray, limit_m: float) -> FloatArray:
+def spaced_points(path: FloatArray, limit_m: float) -> FloatArray:
     """Return points on a polyline, `MIN_LENGTH_M` or less apart.
 
     Parameters
@@ -241,7 +241,7 @@ def points_along(path: FloatArray, limit_m: float) -> FloatArray:
 
     Examples
     --------
-    >>> points_along(np.array([[0.0, 0.0], [1.0, 0.0]]), 0.2)
+    >>> spaced_points(np.array([[0.0, 0.0], [1.0, 0.0]]), 0.2)
     array([[0. , 0. , 0. , 0. ],
            [0.1, 0. , 0. , 0.1],
            [0.2, 0. , 0. , 0.2]])
@@ -265,7 +265,7 @@ def ends_of(points: FloatArray, rings: FloatArray, radius_m: float) -> list[End]
     Parameters
     ----------
     points : (k, 4) array
-        The points, as `points_along` returns them.
+        The points, as `spaced_points` returns them.
     rings : (n, 2) array
         Boundary of the area known to be free.
     radius_m : float

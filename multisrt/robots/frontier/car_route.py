@@ -31,7 +31,7 @@ Exit = tuple[Trajectory, ...]
 """Motions, each of which begins where the one before it ends. The last in the tuple comes first."""
 
 
-class Plan(NamedTuple):
+class Excursion(NamedTuple):
     """A motion to somewhere, from here or from a place on the exit, and how to go on from there.
 
     Attributes
@@ -118,7 +118,7 @@ class Route:
         """The rest of the leg in progress; None if there is none."""
         return self._legs[0].rest if self._legs else None
 
-    def take(self, plan: Plan) -> None:
+    def take(self, plan: Excursion) -> None:
         """Replace the legs by those of a plan."""
         exit = self.exit()
         self._legs = [Leg(plan.out, exit_after(exit, plan.home_s), plan.back)]

@@ -7,7 +7,7 @@ from typing import ClassVar, Literal
 import msgspec
 
 from multisrt.robots.frontier.goal import Place
-from multisrt.robots.knowledge import Closing, Counts, Node
+from multisrt.robots.knowledge import Counts, Node
 from multisrt.robots.messages import Message
 
 Phase = Literal["choosing", "driving", "idle"]
@@ -70,8 +70,9 @@ class ReportMessage(Message, frozen=True, kw_only=True):
         Whether to answer with a report.
     wants_goal : bool
         Whether the sender wants a goal from its leader.
-    entries : tuple of Node or Closing
-        What the sender has added to its map since its last report: nodes, as robots that bid for
+    entries : tuple of Node
+        The nodes that the sender has made since its last report to all, and those of others that
+        it knows beyond a gap in their numbers. There are no closings: robots that bid for
         frontiers close no arcs.
     """
 
@@ -80,7 +81,7 @@ class ReportMessage(Message, frozen=True, kw_only=True):
     reports: tuple[RobotReport, ...]
     asks: bool = False
     wants_goal: bool = False
-    entries: tuple[Node | Closing, ...] = ()
+    entries: tuple[Node, ...] = ()
 
     @property
     def wakes(self) -> bool:

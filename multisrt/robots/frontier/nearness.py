@@ -35,8 +35,8 @@ NEAR_GOAL_M = 0.5
 STANDSTILL_RAD_S = 1e-6
 """Below this rate of turn, a robot of zero speed stands."""
 
-MIN_MARGIN_M = 0.004
-"""Distance that the diagram always keeps."""
+DIAGRAM_MARGIN_M = 0.004
+"""Distance in metres that a body keeps from others and from the unknown under any held command."""
 
 
 def drive_by_option(robot: FrontierRobot, goal: Goal) -> Driven:
@@ -60,12 +60,12 @@ def drive_by_option(robot: FrontierRobot, goal: Goal) -> Driven:
             nearest_m, since_s = left_m, robot.time_s
         if left_m < NEAR_GOAL_M or robot.time_s > since_s + STUCK_S:
             return (yield from drive(robot, goal))
-        held_s = yield from steer(robot, lead(robot, path, options.lookahead_m), options)
+        held_s = yield from hold_command(robot, lead(robot, path, options.lookahead_m), options)
         if held_s < MIN_HELD_S:
             return (yield from drive(robot, goal))
 
 
-def steer(
+def hold_command(
     robot: FrontierRobot, towards: Place, options: BiddingOptions
 ) -> Generator[Action, Outcome, float]:
     """Hold one command of the diagram, and take a scan.
@@ -108,7 +108,7 @@ def steer(
         return 0.0
     clearance = known_clearance(region.boundary, robot.at, bodies)
     held_s = min(
-        options.control_period_s, safe_time(chosen, clearance, radius, margin_m=MIN_MARGIN_M)
+        options.control_period_s, safe_time(chosen, clearance, radius, margin_m=DIAGRAM_MARGIN_M)
     )
     if held_s < MIN_HELD_S:
         return held_s
@@ -122,14 +122,14 @@ def lead(robot: FrontierRobot, path: FloatArray, lookahead_m: float) -> Place:
     """Return the farthest place on a path, up to the lookahead, to which the way is straight."""
     boundary, (x, y, _) = robot.map.boundary, robot.at
     best = path[min(1, len(path) - 1)].tolist()
-    for place in points_along(path, lookahead_m):
+    for place in corners_within(path, lookahead_m):
         if not robot.body.disc_travel(boundary, x, y, *place):
             break
         best = place
     return best[0], best[1]
 
 
-def points_along(path: FloatArray, limit_m: float) -> list[list[float]]:
+def corners_within(path: FloatArray, limit_m: float) -> list[list[float]]:
     """Return the corners of a path up to a length, and the place where that length ends."""
     points, left = [], limit_m
     for a, b in itertools.pairwise(path):

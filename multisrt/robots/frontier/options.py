@@ -53,8 +53,10 @@ class FrontierOptions(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
         radio is added.
     pause_s : float
         Scale of the random times after which robots in each other's way try again, in seconds:
-        up to this after a question was answered, half of this to one and a half times this before
-        another goal is chosen.
+        up to this where a robot that was asked to leave has answered, where the asked robot finds
+        no place to go to, and after `max_instant_goals`; half of this to one and a half times
+        this after a robot gave way, and where one waits for others to leave the ways to the last
+        frontiers.
     patience : int
         How often a robot asks another to give way before it looks for another path or goal.
     max_waits : int

@@ -124,7 +124,7 @@ class Team(Listener):
         self._offered_s: dict[int, float] = {}
 
     def present(self) -> list[RobotReport]:
-        """Return the reports of the robots to reckon with, by number; see `Teammates.present`."""
+        """Return the reports of the robots to take into account; see `Teammates.present`."""
         return self.mates.present(self._course.time_s)
 
     def own_report(self) -> RobotReport:

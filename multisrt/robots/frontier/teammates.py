@@ -33,7 +33,7 @@ class Teammates:
         self._deaf_since_s: dict[int, float] = {}
 
     def present(self, now_s: float) -> list[RobotReport]:
-        """Return the reports of the robots to reckon with, by number.
+        """Return the reports of the robots to take into account, by number.
 
         Robots that have nothing to do, and robots not heard from for too long, are left out.
         """

@@ -42,9 +42,9 @@ def choose_utility(robot: FrontierRobot, because: str) -> Choice:
                 break
             yield from team.report(wants_goal=True, to=leader)
             yield from team.pause(team.period_s)
-        word, team.requests.assignment = team.requests.assignment, None
-        if word is not None:
-            return (yield from follow_assignment(robot, word, because))
+        assignment, team.requests.assignment = team.requests.assignment, None
+        if assignment is not None:
+            return (yield from follow_assignment(robot, assignment, because))
         team.mates.note_deaf(leader, robot.time_s)
 
 
@@ -75,11 +75,11 @@ def assign(robot: FrontierRobot, because: str) -> Choice:
     return (yield from settle_on(robot, table, choice, "utility", because, rounds=rounds))
 
 
-def follow_assignment(robot: FrontierRobot, word: AssignmentMessage, because: str) -> Choice:
+def follow_assignment(robot: FrontierRobot, assignment: AssignmentMessage, because: str) -> Choice:
     """Go where the leader says, or to the nearest frontier if the own map has none there."""
     robot.team.requests.goal = False
     table = own_costs(robot)
-    place = dict(word.goals)[robot.me.robot]
+    place = dict(assignment.goals)[robot.me.robot]
     choice = closest(DenseCosts(table.costs), table.row)
     if place is not None and len(table.targets):
         gaps = np.hypot(*(table.targets - place).T)

@@ -26,6 +26,9 @@ ASIDE_DIRECTIONS = 24
 ASIDE_SHARES = (0.25, 0.5, 0.75, 1.0)
 """Distances of such places, as shares of how far the robot gets in a direction."""
 
+MIN_ASIDE_GAPS = 2.0
+"""Such places are farther off than this many of the gaps to be kept: less hardly clears a way."""
+
 
 class KnownAlternatives:
     """Finds other targets, detours and ways aside for the robots of a group.
@@ -60,9 +63,9 @@ class KnownAlternatives:
         if not len(frontier):
             return
         at = Configuration(*state.place)
-        d_min = options.d_min_m if options.d_min_m is not None else body.footprint.width_m
-        planner = SrtPlanner(body, state.kinematics, options, d_min)
-        others = self._map.places_near(at.x, at.y, state.range_m + d_min)
+        d_min_m = options.distance_from_nodes_m(body.footprint.width_m)
+        planner = SrtPlanner(body, state.kinematics, options, d_min_m)
+        others = self._map.places_near(at.x, at.y, state.range_m + d_min_m)
         for _ in range(options.max_new_targets):
             place, _ = planner.draw(at, region, frontier, others, [], self._robot.me.rng)
             if place is None:
@@ -171,7 +174,7 @@ class KnownAlternatives:
             (share * limit, k)
             for k, limit in enumerate(limits.tolist())
             for share in ASIDE_SHARES
-            if share * limit > 2.0 * gap_m
+            if share * limit > MIN_ASIDE_GAPS * gap_m
         )
         return [
             (

@@ -36,7 +36,7 @@ from multisrt.robots.multi_srt.coordination import check_feasibility, coordinate
 from multisrt.robots.multi_srt.engagement import Regroup, agree, build_and_wait_gpr, build_ger
 from multisrt.robots.multi_srt.messages import path_of
 from multisrt.robots.multi_srt.move_to import move_to, perceive
-from multisrt.robots.multi_srt.planner import Found, Plan, Planner
+from multisrt.robots.multi_srt.planner import Found, Planner, TargetChooser
 from multisrt.robots.multi_srt.progress import BoxedIn, Event, State
 from multisrt.robots.multi_srt.robot import SrtRobot
 from multisrt.robots.multi_srt.targets import NewPlace, Step
@@ -68,7 +68,7 @@ def until_boxed_in(robot: SrtRobot, steps: Steps) -> Steps:
         robot.journey.target = None
 
 
-def take_steps(robot: SrtRobot, plan: Plan) -> Steps:
+def take_steps(robot: SrtRobot, choose: TargetChooser) -> Steps:
     """Take step after step, as BUILD_SRT does, until the planner has no target.
 
     Raises
@@ -87,7 +87,7 @@ def take_steps(robot: SrtRobot, plan: Plan) -> Steps:
             yield from look(robot)
             ger = yield from build_ger(robot, gpr)
             frontier = local_frontier(robot)
-            is_done, step = yield from decide(robot, plan, frontier, gpr, ger)
+            is_done, step = yield from decide(robot, choose, frontier, gpr, ger)
             if is_done:
                 return
             if len(ger) > 1:
@@ -128,7 +128,7 @@ def local_frontier(robot: SrtRobot) -> FloatArray:
 
 def decide(
     robot: SrtRobot,
-    plan: Plan,
+    choose: TargetChooser,
     frontier: FloatArray,
     gpr: tuple[int, ...],
     ger: tuple[int, ...],
@@ -149,7 +149,7 @@ def decide(
     """
     team, journey, progress = robot.team, robot.journey, robot.progress
     frontier_m = total_length(frontier)
-    if team.plan.waits >= robot.options.max_waits:
+    if team.status.waited >= robot.options.max_waits:
         journey.target = None
     if progress.state is State.JAMMED:
         robot.avoid_idle_robots()
@@ -157,7 +157,7 @@ def decide(
     if target is None:
         draws = Draws()
         yield from robot.trees.tell_when_complete()
-        found = yield from plan(frontier, draws)
+        found = yield from choose(frontier, draws)
         choice, target = found
         if choice == "stay":
             progress.note(Event.NO_WAY)
@@ -175,8 +175,8 @@ def decide(
     seeks = isinstance(target, NewPlace)
     step = None if target is None else journey.step_to(target, frontier_m * seeks)
     if not team.is_alone:
-        team.plan.path = ((0.0, *robot.at.q_act),) if step is None else path_of(step.motion)
-        team.plan.frontier_m = 0.0 if step is None else step.frontier_m
+        team.status.path = ((0.0, *robot.at.q_act),) if step is None else path_of(step.motion)
+        team.status.frontier_m = 0.0 if step is None else step.frontier_m
         if len(ger) > 1:
             yield from agree(robot, ger)
     return False, step

@@ -126,12 +126,12 @@ def _organize(robot: SrtRobot, checked: Feasibility) -> Generator[Action, Outcom
     yield Note(_organized(robot, checked, arrangement))
     message = OrdersMessage(
         sender=team.number,
-        key=team.plan.key,
+        key=team.status.key,
         orders=tuple(arrangement.orders.items()),
         feasible=checked.feasible,
         unfeasible=checked.unfeasible,
     )
-    team.orders = {team.plan.key: message}
+    team.orders = message
     yield Send(message)
     return message
 

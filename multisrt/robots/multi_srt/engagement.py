@@ -36,7 +36,7 @@ def build_and_wait_gpr(robot: SrtRobot) -> Generator[Action, Outcome, tuple[int,
     Returns
     -------
     tuple of int
-        The group, this robot among it; its key is set in the team's plan.
+        The group, this robot among it; its key is set in the team's status.
     """
     team, at = robot.team, robot.at
     if team.is_alone:
@@ -48,7 +48,7 @@ def build_and_wait_gpr(robot: SrtRobot) -> Generator[Action, Outcome, tuple[int,
         gpr = team.gpr()
         moving = [n for n in gpr if n != team.number and states[n].phase == "moving"]
         if not moving:
-            team.plan.key = team.key_of(gpr)
+            team.status.key = team.key_of(gpr)
             return gpr
         if moving != awaited:
             awaited = moving
@@ -138,7 +138,7 @@ def _disputed(robot: SrtRobot, pending: list[int]) -> list[int]:
     theirs = [other for other in keys if other]
     return [
         number
-        for number, step in team.plan.key
+        for number, step in team.status.key
         if number != team.number
         and number not in pending
         and any(other.get(number) != step for other in theirs)
@@ -148,12 +148,12 @@ def _disputed(robot: SrtRobot, pending: list[int]) -> list[int]:
 def _has_come(robot: SrtRobot, number: int, phase: Phase) -> bool:
     # A member that stands idle is always there, and so is one that has gone on with this group.
     team = robot.team
-    state, step = team.roster.states[number], dict(team.plan.key)[number]
+    state, step = team.roster.states[number], dict(team.status.key)[number]
     if team.roster.is_out(number) or (state.node is not None and state.node not in robot.map):
         return False
     if state.step == step and state.phase == "idle":
         return True
-    return state.key == team.plan.key and (
+    return state.key == team.status.key and (
         (state.step == step and REACHED[state.phase] >= REACHED[phase])
         or _has_gone_on(state, step, phase)
     )
@@ -164,8 +164,8 @@ def is_elsewhere(robot: SrtRobot, number: int, phase: Phase) -> bool:
     team = robot.team
     if team.roster.is_out(number):
         return True
-    state, step = team.roster.states[number], dict(team.plan.key)[number]
-    if state.key == team.plan.key:
+    state, step = team.roster.states[number], dict(team.status.key)[number]
+    if state.key == team.status.key:
         return state.step != step and not _has_gone_on(state, step, phase)
     return state.step != step or REACHED[state.phase] > 0
 

@@ -122,7 +122,8 @@ class StateMessage(Message, frozen=True, kw_only=True):
     asked : tuple of int
         Robots that are to answer in any case.
     entries : tuple of Node or Closing
-        Entries of its map that it has not told yet.
+        Its own entries that it has not told to all yet, and those of others that it knows beyond
+        a gap in their numbers.
     """
 
     kind: ClassVar[str] = "state"

@@ -42,9 +42,9 @@ def move_to(robot: SrtRobot, step: Step | None) -> Steps:
     team, progress = robot.team, robot.progress
     robot.journey.came = step
     robot.journey.target = step.rest
-    team.plan.step += 1
+    team.status.step += 1
     progress.begin_step()
-    team.plan.waits, team.plan.frontier_m = 0, 0.0
+    team.status.waited, team.status.frontier_m = 0, 0.0
     yield from set_out(robot, step.motion)
     moved = yield from follow(robot, step)
     robot.obstacles.avoided.clear()
@@ -56,7 +56,7 @@ def move_to(robot: SrtRobot, step: Step | None) -> Steps:
         robot.at.here = step.node
         if step.order is None and robot.journey.is_at_new_place:
             progress.note(Event.NEW_PLACE)
-    team.plan.path = ()
+    team.status.path = ()
     if step.gives_way or (was_stopped and progress.is_hindered):
         yield from stand_aside(robot)
     yield from team.begin_step()
@@ -65,10 +65,10 @@ def move_to(robot: SrtRobot, step: Step | None) -> Steps:
 def wait(robot: SrtRobot) -> Steps:
     """Make no motion in this step."""
     team = robot.team
-    team.plan.step += 1
-    team.plan.waits += 1
+    team.status.step += 1
+    team.status.waited += 1
     robot.progress.begin_step()
-    team.plan.path, team.plan.frontier_m = (), 0.0
+    team.status.path, team.status.frontier_m = (), 0.0
     yield from team.announce("waiting")
     if not team.roster.is_any_moving(team.companions):
         yield from pause_a_while(robot)
@@ -76,13 +76,13 @@ def wait(robot: SrtRobot) -> Steps:
 
 def set_out(robot: SrtRobot, motion: Trajectory) -> Steps:
     """Tell the team that a motion begins."""
-    plan = robot.team.plan
-    plan.path, plan.arrival_s = path_of(motion), robot.at.time_s + motion.duration_s
+    status = robot.team.status
+    status.path, status.arrival_s = path_of(motion), robot.at.time_s + motion.duration_s
     yield from robot.team.announce("moving")
 
 
 def pause_a_while(robot: SrtRobot) -> Steps:
-    """Let a random part of `pause_s` pass, and listen meanwhile."""
+    """Let a quarter of `pause_s` to all of it pass, at random, and listen meanwhile."""
     yield from robot.team.pause(robot.options.pause_s * (0.25 + 0.75 * robot.me.rng.random()))
 
 
@@ -144,7 +144,7 @@ def stop_here(robot: SrtRobot, step: Step, moved: Moved) -> Steps:
     """
     whole, at = step.motion, robot.at
     robot.journey.target = None
-    driven_s = moved.time_s - (robot.team.plan.arrival_s - whole.duration_s)
+    driven_s = moved.time_s - (robot.team.status.arrival_s - whole.duration_s)
     while moved.blocked_by is not None:
         robot.heed(moved.blocked_by)
         if robot.ways.can_reverse:

@@ -14,15 +14,15 @@ from multisrt.planners.motion.trajectory import Trajectory, standing_at
 from multisrt.robots.explorer import Sighting
 from multisrt.robots.protective_stop import conflict, max_gap
 
-SAME_PLACE_M = 0.001
-"""Two positions of a body that are at most this far apart, in metres, count as the same."""
+UNMOVED_M = 0.001
+"""A body that is seen at most this far from where it was, in metres, has not moved."""
 
 
 class Obstacles:
     """Robots that are treated as obstacles, where they were last seen.
 
-    Robots that answer are no obstacles: they take part in the coordination of a step, and may be
-    asked to give way.
+    Robots that answer are mostly no obstacles: they take part in the coordination of a step, and
+    may be ordered to give way.
 
     Parameters
     ----------
@@ -36,7 +36,8 @@ class Obstacles:
     silent : dict of int to Sighting
         Robots that do not answer.
     avoided : dict of int to Sighting
-        Robots that answer but did not clear the way; forgotten after the next step.
+        Robots that answer, but are left out of the groups or did not clear the way; forgotten
+        after the next step.
     """
 
     def __init__(self, body: PlanningBody, guard_m: float) -> None:
@@ -68,7 +69,7 @@ class Obstacles:
             for number, sighting in list(standing.items()):
                 x, y, _ = place = sighting.configuration
                 if number in in_sight:
-                    is_gone = place.distance(in_sight[number].configuration) > SAME_PLACE_M
+                    is_gone = place.distance(in_sight[number].configuration) > UNMOVED_M
                 else:
                     is_gone = view is not None and inside(view, x, y)
                 if is_gone:

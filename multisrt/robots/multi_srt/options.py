@@ -62,9 +62,11 @@ class MultiSrtOptions(SrtOptions, frozen=True, kw_only=True, forbid_unknown_fiel
     sense_period_s : float
         Time between two scans on the way.
     pause_s : float
-        Pause of robots that could not go, before they try again. Each draws its own, so that the
-        same robots do not try the same again: a quarter of this to all of it, times
-        one plus the number of setbacks (at most `jammed_after`) where it was stopped.
+        Scale of the random pauses of a robot that could not go, before it tries again. Each robot
+        draws its own, so that the same robots do not try the same again: a quarter of this to all
+        of it where the robot makes no motion in a step, was stopped before it had moved, or was
+        stopped as a car that cannot reverse; half of this to all of it, times one plus the number
+        of setbacks (at most `jammed_after`), where it stands aside.
     max_new_targets : int
         Number of other targets that a master draws for a robot whose path conflicts, until one
         conflicts with no other robot; each of them takes up to `max_draws` candidates.
@@ -88,15 +90,15 @@ class MultiSrtOptions(SrtOptions, frozen=True, kw_only=True, forbid_unknown_fiel
         Rounds of questions within one step after which a robot goes on without those that do not
         agree on the group. Robots that hear one another, but not the same others, may never.
     left_out_s : float
-        Time for which it then leaves them out of its groups.
+        Time for which it then leaves these out of its groups.
     check_period_s : float
         Time after which a robot that waits for the end of the exploration asks robots that it
         has not heard from whether they are still there.
     settle_s : float
-        News that come within this time are looked at together by a robot that waits.
+        Time for which a robot that waits, and has heard news, waits for more of it.
     home_after_s : float
-        Time after which a robot that gave way goes back to the root of its tree, if the way there
-        is longer than its sensing range.
+        Time after which a robot that has nothing left to do, and gave way, goes back to the root
+        of its own tree, if the way there over the roadmap is longer than its sensing range.
     """
 
     guard_m: float = 0.1

@@ -19,11 +19,12 @@ from multisrt.robots.multi_srt.robot import SrtRobot
 from multisrt.robots.multi_srt.targets import KnownNode, NewPlace, Target
 
 Found = tuple[Choice, Target | None]
-"""What a planner chose: how, for the record, and the target; None: to end, or to stay for now."""
+"""What a planner chose, and the target. Without a target the choice says what the robot does: `end`
+or `stay`. All other choices only say, for the record, how the target was found."""
 
-PlanOutcome = Generator[Action, Outcome, Found]
+Choosing = Generator[Action, Outcome, Found]
 
-Plan = Callable[[FloatArray, Draws], PlanOutcome]
+TargetChooser = Callable[[FloatArray, Draws], Choosing]
 """Chooses the next target for the local frontier ``(m, 4)``; draws are counted in the second."""
 
 
@@ -45,7 +46,7 @@ class Planner:
         self._robot = robot
         self._completing = completing
 
-    def __call__(self, frontier: FloatArray, draws: Draws) -> PlanOutcome:
+    def __call__(self, frontier: FloatArray, draws: Draws) -> Choosing:
         """Choose the next target from the current node.
 
         Parameters
@@ -53,14 +54,15 @@ class Planner:
         frontier : (m, 4) array
             The local frontier.
         draws : Draws
-            Filled with the candidates drawn.
+            Filled with the number of candidates drawn, and with those refused.
 
         Returns
         -------
         choice : Choice
-            How the target was found.
+            How the target was found; `end` if there is nothing left to do, `stay` if there is no
+            way to get anywhere.
         target : Target or None
-            The target; None, if there is nothing left to do or no way to get anywhere.
+            The target; None with `end` and `stay`.
         """
         robot = self._robot
         here = robot.at.node
@@ -112,7 +114,7 @@ class Planner:
         )
         return None if place is None else ("approach", NewPlace(*place, "approach", (here,)))
 
-    def _complete(self, here: NodeId) -> PlanOutcome:
+    def _complete(self, here: NodeId) -> Choosing:
         # Over the roadmap: to a node with a frontier, or to a place that sees one; at last home.
         robot = self._robot
         tree, drawn_out = robot.at.tree, robot.views.drawn_out
@@ -156,7 +158,7 @@ class Planner:
         if past_bodies is not None:
             return "bypass", past_bodies
         for node in robot.map.open_nodes(tree):
-            # Robots that answer do not stand in the way for long; these do.
+            # Known ways that are not routes lead past bodies that the robot plans around.
             joined = robot.ways.way(here, node) is not None
             for arc in robot.map.frontier_arcs(node):
                 yield from trees.close(

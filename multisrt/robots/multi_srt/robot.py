@@ -66,7 +66,7 @@ class SrtRobot:
     def __init__(self, me: RobotSelf, shape: Shape, options: MultiSrtOptions) -> None:
         width_m = me.footprint.width_m
         body = PlanningBody(me.footprint, options.margin_m)
-        d_min_m = width_m if options.d_min_m is None else options.d_min_m
+        d_min_m = options.distance_from_nodes_m(width_m)
         self.me = me
         self.shape = shape
         self.options = options

@@ -8,8 +8,9 @@ from collections.abc import Iterable
 from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.geometry.configuration import Configuration
 from multisrt.robots.explorer import RobotSelf, Sighting
+from multisrt.robots.listening import question_period_s
 from multisrt.robots.multi_srt.messages import RobotState
-from multisrt.robots.multi_srt.obstacles import SAME_PLACE_M, Obstacles
+from multisrt.robots.multi_srt.obstacles import UNMOVED_M, Obstacles
 from multisrt.robots.multi_srt.options import MultiSrtOptions
 from multisrt.robots.multi_srt.whereabouts import Whereabouts
 
@@ -58,7 +59,7 @@ class Roster:
         self._own = me.robot
         self._at = at
         self._obstacles = obstacles
-        self._period_s = options.ask_period_s + 2.0 * me.radio.latency_s
+        self._period_s = question_period_s(me.radio, options.ask_period_s)
         if options.silence_timeout_s is not None:
             self.patience = math.ceil(options.silence_timeout_s / self._period_s)
         else:
@@ -105,7 +106,7 @@ class Roster:
         state = self.states[sighting.robot]
         if state.phase == "moving":
             return False
-        return math.dist(state.place[:2], sighting.configuration[:2]) > SAME_PLACE_M
+        return math.dist(state.place[:2], sighting.configuration[:2]) > UNMOVED_M
 
     def is_any_moving(self, numbers: Iterable[int]) -> bool:
         """Whether any of some other robots is moving."""
@@ -121,11 +122,11 @@ class Roster:
         known = self.states.get(number)
         if known is None or state.said >= known.said:
             self.states[number] = state
-            self.hear_of(number)
+            self.hear_from(number)
             if state.phase == "moving":
                 self._obstacles.avoided.pop(number, None)
 
-    def hear_of(self, number: int) -> None:
+    def hear_from(self, number: int) -> None:
         """Note that a robot answers."""
         self.heard_s[number] = self._at.time_s
         self.lost.pop(number, None)

@@ -24,7 +24,7 @@ from multisrt.robots.knowledge import NodeId
 from multisrt.robots.multi_srt.build_srt import build_srt, take_steps, until_boxed_in
 from multisrt.robots.multi_srt.messages import Order
 from multisrt.robots.multi_srt.move_to import move_to
-from multisrt.robots.multi_srt.planner import PlanOutcome, on_the_way
+from multisrt.robots.multi_srt.planner import Choosing, on_the_way
 from multisrt.robots.multi_srt.progress import Event
 from multisrt.robots.multi_srt.robot import SrtRobot
 
@@ -169,7 +169,7 @@ def transfer_to(robot: SrtRobot, end: NodeId, tree: NodeId | None) -> Steps:
     """
     robot.at.tree = tree
 
-    def way_on(frontier: FloatArray, draws: Draws) -> PlanOutcome:
+    def way_on(frontier: FloatArray, draws: Draws) -> Choosing:
         here = robot.at.node
         yield from ()  # a planner may put events on record; this one has none
         robot.ways.extend()

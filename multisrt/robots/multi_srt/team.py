@@ -30,8 +30,8 @@ from multisrt.robots.multi_srt.whereabouts import Whereabouts
 
 
 @dataclass(slots=True)
-class Plan:
-    """What a robot is doing, as its team is told; see `RobotState` for the fields."""
+class Status:
+    """What a robot tells its team of its present step; see `RobotState` for the fields."""
 
     step: int = 0
     phase: Phase = "waiting"
@@ -39,7 +39,7 @@ class Plan:
     path: Path = ()
     arrival_s: float = 0.0
     frontier_m: float = 0.0
-    waits: int = 0
+    waited: int = 0
 
 
 class Team(Listener):
@@ -60,10 +60,10 @@ class Team(Listener):
 
     Attributes
     ----------
-    plan : Plan
-        What it tells of itself.
-    orders : dict of Key to OrdersMessage
-        The newest orders of a master, by the group and its step.
+    status : Status
+        What it tells of its present step.
+    orders : OrdersMessage or None
+        The newest orders of a master.
     """
 
     ends_pauses_on_time = False
@@ -80,8 +80,8 @@ class Team(Listener):
         self.me = me
         self.at = at
         self.roster = roster
-        self.plan = Plan()
-        self.orders: dict[Key, OrdersMessage] = {}
+        self.status = Status()
+        self.orders: OrdersMessage | None = None
         self._map = known
         self._said = 0
         self._told: tuple[int, int] = (0, 0)
@@ -99,7 +99,7 @@ class Team(Listener):
     @property
     def companions(self) -> list[int]:
         """The numbers of the other robots of the group of this step."""
-        return [number for number, _ in self.plan.key if number != self.number]
+        return [number for number, _ in self.status.key if number != self.number]
 
     # The group ---------------------------------------------------------------------------
 
@@ -121,42 +121,43 @@ class Team(Listener):
         """Return the name of a group for the step that it is about to make."""
         states = self.roster.states
         return tuple(
-            (number, self.plan.step if number == self.number else states[number].step)
+            (number, self.status.step if number == self.number else states[number].step)
             for number in sorted(group)
         )
 
     def has_regrouped(self) -> bool:
         """Whether the GPR, or the step of a member, has changed since the key was set."""
-        return self.key_of(self.gpr()) != self.plan.key
+        return self.key_of(self.gpr()) != self.status.key
 
     @property
     def order_message(self) -> OrdersMessage | None:
         """The orders for the step that the group is about to make, if they have come."""
-        return self.orders.get(self.plan.key)
+        orders = self.orders
+        return orders if orders is not None and orders.key == self.status.key else None
 
     def order_for_me(self) -> Order | None:
         """Return what a master has ordered this robot for its present step, or None."""
-        for key, orders in self.orders.items():
-            if (self.number, self.plan.step) in key:
-                return orders.order_for(self.number)
-        return None
+        orders = self.orders
+        if orders is None or (self.number, self.status.step) not in orders.key:
+            return None
+        return orders.order_for(self.number)
 
     # What is said ------------------------------------------------------------------------
 
     def state(self) -> RobotState:
         """Return this robot's own state."""
-        plan, at = self.plan, self.at
+        status, at = self.status, self.at
         return RobotState(
             robot=self.number,
             said=self._said,
-            step=plan.step,
-            phase=plan.phase,
-            key=plan.key,
-            path=plan.path or ((0.0, *at.q_act),),
-            arrival_s=plan.arrival_s,
+            step=status.step,
+            phase=status.phase,
+            key=status.key,
+            path=status.path or ((0.0, *at.q_act),),
+            arrival_s=status.arrival_s,
             node=at.here,
-            frontier_m=plan.frontier_m,
-            waited=plan.waits,
+            frontier_m=status.frontier_m,
+            waited=status.waited,
             tree=at.tree,
             footprint=str(self.me.footprint),
             kinematics=self.me.kinematics,
@@ -166,13 +167,13 @@ class Team(Listener):
 
     def announce(self, phase: Phase) -> Steps:
         """Tell the team which phase of its step this robot has reached, and what its map gained."""
-        self.plan.phase = phase
+        self.status.phase = phase
         if not self.is_alone:
             yield from self.say()
 
     def rest(self) -> Steps:
         """Tell that this robot stands and has nothing to do."""
-        self.plan.path, self.plan.frontier_m = (), 0.0
+        self.status.path, self.status.frontier_m = (), 0.0
         yield from self.announce("idle")
 
     def say(
@@ -213,8 +214,8 @@ class Team(Listener):
     def begin_step(self) -> Steps:
         """Tell that this robot is about to make a step; a robot that comes late asks everybody."""
         is_late = not self.roster.states and self.at.time_s > 0.0
-        self.plan.path = ()
-        self.plan.phase = "waiting"
+        self.status.path = ()
+        self.status.phase = "waiting"
         if not self.is_alone:
             asked = tuple(self.others) if is_late else ()
             yield from self.say(ask=not self.hears_all, asked=asked)
@@ -257,13 +258,13 @@ class Team(Listener):
             case WantMessage():
                 yield from self._answer_want(message)
             case EntriesMessage():
-                self.roster.hear_of(message.sender)
+                self.roster.hear_from(message.sender)
                 yield from self.learn(message.entries)
             case OrdersMessage():
-                self.roster.hear_of(message.sender)
+                self.roster.hear_from(message.sender)
                 concerns_me = message.order_for(self.number) is not None
-                if (self.number, self.plan.step) in message.key and concerns_me:
-                    self.orders = {message.key: message}
+                if (self.number, self.status.step) in message.key and concerns_me:
+                    self.orders = message
 
     def _concerns_me(self, asker: RobotState) -> bool:
         return any(number == self.number for number, _ in asker.key) or are_coupled(
@@ -272,6 +273,6 @@ class Team(Listener):
 
     def _answer(self, asker: RobotState) -> Steps:
         yield from self.say(to=asker.robot)
-        orders = self.orders.get(asker.key)
-        if orders is not None and orders.sender == self.number:
+        orders = self.orders
+        if orders is not None and orders.key == asker.key and orders.sender == self.number:
             yield Send(orders, asker.robot)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from multisrt.events import ArcClosed, MapComplete, Segment
+from multisrt.events import ArcClosed, ArcReason, MapComplete, Segment
 from multisrt.geometry.numerics.kernel import FloatArray
 from multisrt.geometry.regions.safe_region import LocalSafeRegion
 from multisrt.planners.motion.trajectory import Trajectory
@@ -10,7 +10,6 @@ from multisrt.robots.exploration_map import ExplorationMap
 from multisrt.robots.explorer import Note, RobotSelf, Steps
 from multisrt.robots.knowledge import Closing, ClosingId, Node, NodeId
 from multisrt.robots.multi_srt.targets import Step
-from multisrt.robots.multi_srt.views import GivenUp
 from multisrt.robots.multi_srt.ways import OutAndBack, Ways
 from multisrt.robots.multi_srt.whereabouts import Whereabouts
 
@@ -77,7 +76,7 @@ class Trees:
         self.map.add(node)
         return node
 
-    def close(self, node: NodeId, arc: FloatArray, reason: GivenUp) -> Steps:
+    def close(self, node: NodeId, arc: FloatArray, reason: ArcReason) -> Steps:
         """Give up a frontier arc ``(k, 4)`` of a node for a reason."""
         self.map.close(
             Closing(

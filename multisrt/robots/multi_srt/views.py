@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Callable
-from typing import Literal
 
 import numpy as np
 from shapely.geometry.base import BaseGeometry
 
+from multisrt.events import ArcReason
 from multisrt.geometry.numerics.kernel import FloatArray
 from multisrt.planners.srt import SrtPlanner
 from multisrt.planners.viewing import CLOSE_BY, Refusal, Way, arc_points
@@ -20,9 +20,6 @@ from multisrt.robots.multi_srt.targets import NewPlace
 
 WIDEST_WINDOW = 1.5
 """Half width of the widest window in which a place is looked for, in sensing ranges."""
-
-GivenUp = Refusal | Literal["blocked by a robot"]
-"""Why an arc is given up."""
 
 
 class Views:
@@ -56,7 +53,7 @@ class Views:
         self._looked: Counter[tuple[int, int]] = Counter()
         self._last_choice: tuple[tuple[int, int], NodeId] | None = None
 
-    def viewing_place(self, node: NodeId, arc: FloatArray) -> NewPlace | GivenUp:
+    def viewing_place(self, node: NodeId, arc: FloatArray) -> NewPlace | ArcReason:
         """Return a place from which an arc can be seen, or why there is none.
 
         Parameters

@@ -34,10 +34,10 @@ def test_an_unlimited_radio_reaches_all_that_work():
 
 
 def test_only_an_unlimited_radio_needs_no_positions():
-    assert radio().is_unlimited
-    assert radio(loss=0.5).is_unlimited
-    assert not radio(walls="block").is_unlimited
-    assert not radio(range_m=100.0).is_unlimited
+    assert radio().reaches_everywhere
+    assert radio(loss=0.5).reaches_everywhere
+    assert not radio(walls="block").reaches_everywhere
+    assert not radio(range_m=100.0).reaches_everywhere
     assert radio().reached(2, [], [True, False, True, True]) == [0, 3]
 
 

@@ -149,7 +149,6 @@ def test_a_virtual_frontier_means_the_nearest_one():
     gap = [[1.0, 99.0], [1.0, 99.0]]
     decision = bid(1, [0.0, 0.0], [[1.0, 9.0], [6.0, 8.0]], gap)
     assert decision.matching.tolist() == [0, -1]
-    assert decision.is_virtual
     assert decision.choice == 0
 
 

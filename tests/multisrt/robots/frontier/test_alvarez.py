@@ -26,7 +26,7 @@ from multisrt.robots.frontier.alvarez_goals import (
     is_open,
     last_known,
     search,
-    survey,
+    take_survey,
     way_cost,
     way_to,
 )
@@ -79,50 +79,50 @@ def tell(robot, *reports):
 
 @pytest.mark.slow
 def test_cells_of_the_search_are_the_same_for_all_robots():
-    maps = [survey(robot_in(TWO_ROOMS, *at), (), ()) for at in ((1, 1), (10, 4.3))]
-    for drawn in maps:
-        assert drawn.centres / 0.5 % 1.0 == pytest.approx(np.full(drawn.centres.shape, 0.5))
+    maps = [take_survey(robot_in(TWO_ROOMS, *at), (), ()) for at in ((1, 1), (10, 4.3))]
+    for survey in maps:
+        assert survey.centres / 0.5 % 1.0 == pytest.approx(np.full(survey.centres.shape, 0.5))
 
 
 def test_cells_are_classified_by_the_raster_at_the_centre():
     robot = robot_in(TWO_ROOMS, 3, 3)
-    drawn = survey(robot, (), ())
-    known = np.array([[robot.raster.is_known(x, y) for x, y in row] for row in drawn.centres])
-    assert (drawn.unexplored == ~known).all()
-    x, y = drawn.centres.transpose(2, 0, 1)
+    survey = take_survey(robot, (), ())
+    known = np.array([[robot.raster.is_known(x, y) for x, y in row] for row in survey.centres])
+    assert (survey.unexplored == ~known).all()
+    x, y = survey.centres.transpose(2, 0, 1)
     room = shapely.box(0, 0, 6, 6)
     inner, depth = (
         shapely.contains_xy(room, x, y),
         shapely.distance(shapely.points(x, y), room.exterior),
     )
     # So near to a wall the body cannot stand; the raster is right to a cell.
-    assert drawn.obstacle[known & inner & (depth < 0.2)].all()
-    assert not drawn.obstacle[known & inner & (depth > 0.4) & (x < 5.0)].any()
+    assert survey.obstacle[known & inner & (depth < 0.2)].all()
+    assert not survey.obstacle[known & inner & (depth > 0.4) & (x < 5.0)].any()
 
 
 def test_the_map_extends_one_cell_beyond_what_was_seen():
-    drawn = survey(robot_in(HALL, 15, 5), (), ())
-    x, y = drawn.centres.transpose(2, 0, 1)
+    survey = take_survey(robot_in(HALL, 15, 5), (), ())
+    x, y = survey.centres.transpose(2, 0, 1)
     # Seen is a disc of 4 m around (15, 5).
     assert (x.min(), x.max()) == (pytest.approx(10.75), pytest.approx(19.25))
     assert (y.min(), y.max()) == (pytest.approx(0.75), pytest.approx(9.25))
-    assert drawn.diagonal_m == pytest.approx(math.hypot(9.0, 9.0))
+    assert survey.diagonal_m == pytest.approx(math.hypot(9.0, 9.0))
 
 
 def test_inaccessible_cells_are_obstacles():
     robot = robot_in(HALL, 15, 5)
-    before = survey(robot, (), ())
+    before = take_survey(robot, (), ())
     assert before.unexplored[0, 0]
-    after = survey(robot, (), [tuple(before.centres[0, 0])])
+    after = take_survey(robot, (), [tuple(before.centres[0, 0])])
     assert after.obstacle[0, 0]
     assert after.unexplored.sum() == before.unexplored.sum() - 1
 
 
 def test_cells_behind_a_wall_are_reached_through_the_door():
     robot = robot_in(TWO_ROOMS, 3, 3, seen_from=[(3, 1.2), (3, 4.8), (5, 1.2), (5, 4.8)])
-    drawn = survey(robot, (), ())
-    assert drawn.can_reach(robot.raster, (6.75, 3.25))
-    way = way_to(robot, drawn, (6.75, 5.75))
+    survey = take_survey(robot, (), ())
+    assert survey.can_reach(robot.raster, (6.75, 3.25))
+    way = way_to(robot, survey, (6.75, 5.75))
     assert way is not None
     x, y = way.edge
     assert 5.5 < x < 9.0
@@ -131,22 +131,22 @@ def test_cells_behind_a_wall_are_reached_through_the_door():
     assert way.cost_m >= math.dist((3, 3), (6.1, 3.5)) + math.dist((6.1, 3.5), (6.75, 5.75)) - 0.3
     # Entered in vain all along the door, nothing is left.
     tried = [(x, y) for x in np.arange(5.6, 10.1, 0.2) for y in np.arange(0.1, 6.0, 0.2)]
-    closed = survey(robot, tried, ())
+    closed = take_survey(robot, tried, ())
     assert way_to(robot, closed, (6.75, 5.75)) is None
     assert not closed.can_reach(robot.raster, (-0.25, 3.25))
 
 
 def test_the_goal_is_at_the_edge_of_the_known_area():
     robot = robot_in(HALL, 15, 5)
-    drawn = survey(robot, (), ())
-    way = way_to(robot, drawn, (19.25, 5.25))
+    survey = take_survey(robot, (), ())
+    way = way_to(robot, survey, (19.25, 5.25))
     assert way is not None
     assert math.dist(way.edge, (15, 5)) == pytest.approx(4.0, abs=0.2)
     assert robot.raster.is_known(*way.edge)
     assert is_open(robot.raster, way.edge)
     assert not is_open(robot.raster, (15.0, 5.0))
     assert way.cost_m == pytest.approx(math.dist((15, 5), (19.25, 5.25)), abs=0.15)
-    assert way_to(robot, drawn, (15.25, 5.25)) is None  # it has been seen
+    assert way_to(robot, survey, (15.25, 5.25)) is None  # it has been seen
 
 
 @pytest.mark.parametrize(
@@ -177,9 +177,9 @@ def test_the_known_part_of_a_path_cuts_no_corners(known, seed):
 
 def test_the_cost_of_a_path_is_that_of_a_star():
     robot = robot_in(HALL, 15, 5)
-    drawn = survey(robot, (), ())
-    assert way_cost(robot, drawn, (15, 5), (19.25, 5.25)) == pytest.approx(4.35, abs=0.15)
-    assert math.isinf(way_cost(robot, drawn, (15, 5), (90, 5)))
+    survey = take_survey(robot, (), ())
+    assert way_cost(robot, survey, (15, 5), (19.25, 5.25)) == pytest.approx(4.35, abs=0.15)
+    assert math.isinf(way_cost(robot, survey, (15, 5), (90, 5)))
 
 
 # Choosing --------------------------------------------------------------------------------------
@@ -187,11 +187,11 @@ def test_the_cost_of_a_path_is_that_of_a_star():
 
 def test_a_ring_finds_a_share_of_all_cells():
     robot = robot_in(HALL, 15, 5)
-    drawn = survey(robot, (), ())
-    cells, _ = search(robot, drawn, np.empty((0, 2)))
-    every, _ = search(robot, drawn, np.empty((0, 2)), everywhere=True)
-    assert math.ceil(0.05 * drawn.unexplored.size) <= len(cells) < len(every)
-    assert len(every) == drawn.unexplored.sum()
+    survey = take_survey(robot, (), ())
+    cells, _ = search(robot, survey, np.empty((0, 2)))
+    every, _ = search(robot, survey, np.empty((0, 2)), everywhere=True)
+    assert math.ceil(0.05 * survey.unexplored.size) <= len(cells) < len(every)
+    assert len(every) == survey.unexplored.sum()
 
 
 @pytest.mark.parametrize("heading", [0.0, math.pi / 2, math.pi, -math.pi / 2])
@@ -205,7 +205,7 @@ def test_in_an_open_hall_the_cell_ahead_is_the_best(acts_of, heading):
     assert note.scores == tuple(sorted(note.scores, key=lambda row: -row[2]))
     assert note.goal == robot.team.cells.aim == note.scores[0][:2]
     x, y, score, distance, turn, others = note.scores[0]
-    diagonal = survey(robot, (), ()).diagonal_m
+    diagonal = take_survey(robot, (), ()).diagonal_m
     assert distance == pytest.approx(45 * math.dist((15, 5), (x, y)) / diagonal)
     assert others == 0.0
     assert score == pytest.approx(70 - distance - turn)

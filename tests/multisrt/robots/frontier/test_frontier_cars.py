@@ -23,7 +23,7 @@ from multisrt.planners.motion.kinematics import Car
 from multisrt.planners.motion.trajectory import leg_length
 from multisrt.robots.explorer import Look, Moved, RobotSelf, Sighting
 from multisrt.robots.frontier.car_driving import CarDriver
-from multisrt.robots.frontier.car_planning import MIN_LENGTH_M, ends_of, points_along
+from multisrt.robots.frontier.car_planning import MIN_LENGTH_M, ends_of, spaced_points
 from multisrt.robots.frontier.explore import FrontierExplorer
 from multisrt.robots.frontier.goal import Goal
 from multisrt.robots.frontier.options import FrontierOptions
@@ -366,7 +366,7 @@ def test_a_goal_without_a_path_is_tried_again_on_news():
 
 def test_points_along_a_path():
     path = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 2.0)])
-    points = points_along(path, 10.0)
+    points = spaced_points(path, 10.0)
     assert points[0].tolist() == [0.0, 0.0, 0.0, 0.0]
     assert points[-1] == pytest.approx([1.0, 2.0, 0.5 * math.pi, 3.0])
     assert np.diff(points[:, 3]).max() <= MIN_LENGTH_M + 1e-9
@@ -374,16 +374,16 @@ def test_points_along_a_path():
     for x, y, heading, along in points.tolist():
         assert line.project(shapely.Point(x, y)) == pytest.approx(along, abs=1e-9)
         assert heading == pytest.approx(0.0 if along <= 1.0 else 0.5 * math.pi)
-    assert points_along(path, 1.5)[-1] == pytest.approx([1.0, 0.5, 0.5 * math.pi, 1.5])
-    assert len(points_along(path[:1], 1.0)) == 1
+    assert spaced_points(path, 1.5)[-1] == pytest.approx([1.0, 0.5, 0.5 * math.pi, 1.5])
+    assert len(spaced_points(path[:1], 1.0)) == 1
 
 
 def test_ends_are_where_a_body_has_room_the_farthest_first():
     region = shapely.union(shapely.box(0, 0, 2, 2), shapely.box(2, 0.9, 4, 1.1))
-    points = points_along(np.array([(0.5, 1.0), (4.0, 1.0)]), 10.0)
+    points = spaced_points(np.array([(0.5, 1.0), (4.0, 1.0)]), 10.0)
     ends = ends_of(points, rings_of(region), 0.5)
     assert [x for x, *_ in ends] == sorted((x for x, *_ in ends), reverse=True)
     assert 1.4 < ends[0][0] <= 1.5 + 1e-9
     assert all(along >= MIN_LENGTH_M for *_, along in ends)
-    nearby = points_along(np.array([(0.9, 1.0), (0.95, 1.0)]), 10.0)
+    nearby = spaced_points(np.array([(0.9, 1.0), (0.95, 1.0)]), 10.0)
     assert [x for x, *_ in ends_of(nearby, rings_of(region), 0.5)] == [0.95]

@@ -126,7 +126,7 @@ def test_a_disputed_member_is_asked_itself(robot, member, theirs):
     team.roster.states[2] = member(2, step=4)
     gpr = team.gpr()
     assert gpr == (0, 1, 2)
-    team.plan.key = team.key_of(gpr)
+    team.status.key = team.key_of(gpr)
     meeting = build_ger(robot, gpr)
     outcome: Outcome = None
     asked: tuple[int, ...] = ()
@@ -142,10 +142,10 @@ def test_a_member_whose_node_only_the_master_knows_is_engaged(robot, member):
     team = robot.team
     team.roster.states[1] = member(1, step=3)
     team.roster.states[2] = member(2, step=4, node=NodeId(2, 7))
-    team.plan.key = team.key_of(team.gpr())
+    team.status.key = team.key_of(team.gpr())
     orders = tuple((number, Order(order="wait")) for number in (0, 1, 2))
-    team.orders[team.plan.key] = OrdersMessage(
-        sender=2, key=team.plan.key, orders=orders, feasible=(), unfeasible=(0, 1, 2)
+    team.orders = OrdersMessage(
+        sender=2, key=team.status.key, orders=orders, feasible=(), unfeasible=(0, 1, 2)
     )
     meeting = build_ger(robot, (0, 1, 2))
     assert isinstance(next(meeting), Send)

@@ -108,6 +108,6 @@ def test_a_stop_before_the_motion_began_has_the_body_avoided(robot, hop):
 def test_without_a_step_the_robot_waits(robot):
     for waits in (1, 2):
         make(robot, None)
-        assert (robot.team.plan.waits, robot.team.plan.step) == (waits, waits)
+        assert (robot.team.status.waited, robot.team.status.step) == (waits, waits)
     assert robot.at.time_s > 0.0
     assert robot.at.here == NodeId(0, 0)

@@ -170,7 +170,9 @@ def test_a_prospect_stays_within_its_bounds(body, legs):
         at = waypoints[-1]
         waypoints.append(Waypoint(at.time_s + 1.0, at.x + dx, at.y + dy, at.heading + turn))
     found = Prospect(robot=0, footprint=body, motion=Trajectory(tuple(waypoints)), frontier_m=0.0)
-    assert shapely.box(*found.bounds).covers(shapely.box(*found.way.bounds))
+    way = found.way
+    covered = shapely.box(*way.shape.bounds).buffer(way.pad_m, join_style="mitre")
+    assert shapely.box(*found.bounds).covers(covered)
 
 
 @pytest.mark.slow

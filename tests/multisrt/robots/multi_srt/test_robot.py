@@ -64,7 +64,7 @@ def test_a_robot_that_says_it_moves_is_not_avoided(robot, robot_in):
     other.team.number = 1
     for phase, stands in (("idle", True), ("moving", False)):
         robot.obstacles.avoided[1] = seen_at(2.0, 0.0)
-        other.team.plan.phase = phase
+        other.team.status.phase = phase
         robot.team.roster.take(other.team.state(), sender=1)
         assert (1 in robot.obstacles.avoided) == stands
 
@@ -91,6 +91,6 @@ def test_jammed_robots_avoid_those_of_their_group_that_stand(robot, robot_state)
     states = robot.team.roster.states
     states[1] = robot_state(1, [(2.0, 0.0)], phase="idle")
     states[2] = robot_state(2, [(3.0, 0.0)], phase="waiting")
-    robot.team.plan.key = ((0, 0), (1, 0), (2, 0))
+    robot.team.status.key = ((0, 0), (1, 0), (2, 0))
     robot.avoid_idle_robots()
     assert robot.obstacles.avoided == {1: seen_at(2.0, 0.0)}

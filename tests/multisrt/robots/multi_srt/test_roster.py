@@ -50,7 +50,7 @@ def test_a_robot_is_lost_when_it_never_answers(roster_of, robot_state):
     assert asked == [False] * roster.patience + [True]
     assert roster.is_out(1)
     assert not roster.answers(1)
-    roster.hear_of(1)
+    roster.hear_from(1)
     assert roster.answers(1)
     assert not roster.is_lost_when_asked(1)
 

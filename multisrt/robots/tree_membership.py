@@ -8,15 +8,15 @@ from multisrt.geometry.errors import InvalidInputError
 from multisrt.robots.knowledge import NodeId
 
 
-class Trees:
-    """Trees of nodes by their parent links.
+class TreeMembership:
+    """The tree that each node belongs to, by parent links.
 
     A node whose parent is not known is the root of what grows from it. When the parent becomes
     known, its tree joins that of the parent.
 
     Examples
     --------
-    >>> trees, (a, b, c) = Trees(), (NodeId(0, serial) for serial in range(3))
+    >>> trees, (a, b, c) = TreeMembership(), (NodeId(0, serial) for serial in range(3))
     >>> trees.add(a, None)
     {NodeId(robot=0, serial=0): None}
     >>> trees.add(c, parent=b)

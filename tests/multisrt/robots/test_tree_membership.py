@@ -6,13 +6,13 @@ from hypothesis import strategies as st
 
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.robots.knowledge import NodeId
-from multisrt.robots.trees import Trees
+from multisrt.robots.tree_membership import TreeMembership
 
 A, B, C, D = (NodeId(0, serial) for serial in range(4))
 
 
 def test_a_tree_joins_that_of_the_missing_parent():
-    trees = Trees()
+    trees = TreeMembership()
     assert trees.add(A, None) == {A: None}
     assert trees.add(C, B) == {C: None}
     assert trees.add(D, C) == {D: None}
@@ -23,7 +23,7 @@ def test_a_tree_joins_that_of_the_missing_parent():
 
 
 def test_a_tree_that_joins_one_without_a_parent_moves_with_it():
-    trees = Trees()
+    trees = TreeMembership()
     trees.add(D, C)
     trees.add(C, B)
     assert trees.root(D) == C
@@ -35,7 +35,7 @@ def test_a_tree_that_joins_one_without_a_parent_moves_with_it():
 
 def test_the_root_of_an_unknown_node_is_an_error():
     with pytest.raises(InvalidInputError, match=r"node \(0, 1\) is not known"):
-        Trees().root(B)
+        TreeMembership().root(B)
 
 
 @given(st.lists(st.integers(-1, 8), min_size=1, max_size=12), st.randoms(use_true_random=False))
@@ -44,7 +44,7 @@ def test_roots_are_those_at_the_end_of_parent_links(links, random):
     parents: dict[NodeId, NodeId | None] = {NodeId(0, 0): None}
     for k, link in enumerate(links):
         parents[NodeId(0, k + 1)] = None if link < 0 else NodeId(0, link % (k + 1))
-    trees, known = Trees(), set()
+    trees, known = TreeMembership(), set()
     for node_id in random.sample(sorted(parents), len(parents)):
         trees.add(node_id, parents[node_id])
         known.add(node_id)

@@ -152,7 +152,7 @@ def team_isolation(recording: Recording, environment: Environment | None = None)
     spec, end = recording.spec.radio, recording.footer.time_s
     present, silent = _presence(recording)
     alone = len(present) < 2
-    reaches_all = spec.range_m is None and spec.walls == "pass"
+    reaches_all = spec.reaches_everywhere
     tracks: list[FloatArray] = []
     if not (alone or reaches_all):
         tracks = [track_of_legs(track.legs) for track in clearances.tracks(recording)]

@@ -246,7 +246,8 @@ class _Story:
         if not chosen:
             return
         last = chosen[-1]
-        what = "no tree needs support" if last.tree is None else f"the tree of robot {last.tree}"
+        none = "no way leads to a tree that may need support"
+        what = none if last.tree is None else f"the tree of robot {last.tree}"
         yield f"its last choice, at {last.time_s:.2f} s: {what}"
         yield f"{'tree':>4}  {'open frontier':>13}  {'active robots':>13}"
         for tree, length in sorted(last.open_frontier_m.items()):

@@ -78,15 +78,18 @@ def test_a_box_on_an_arc_sweeps_up_to_its_outer_corners():
     assert 0.695 <= Sweep(BOX, way).distance_to(inside) <= 0.7
 
 
-coordinate = st.floats(-3.0, 3.0)
-legs = st.lists(
-    st.tuples(coordinate, coordinate, st.one_of(st.just(0.0), st.floats(-3.1, 3.1))), max_size=2
-)
+def rounded(low: float, high: float) -> st.SearchStrategy[float]:
+    # GEOS, the oracle, divides by zero in unions of corners that lie 1e-295 m apart.
+    return st.floats(low, high).map(lambda value: round(value, 9))
+
+
+coordinate, angle = rounded(-3.0, 3.0), rounded(-3.1, 3.1)
+legs = st.lists(st.tuples(coordinate, coordinate, st.one_of(st.just(0.0), angle)), max_size=2)
 
 
 @st.composite
 def ways(draw):
-    x, y, heading = draw(coordinate), draw(coordinate), draw(st.floats(-3.1, 3.1))
+    x, y, heading = draw(coordinate), draw(coordinate), draw(angle)
     waypoints = [Waypoint(0.0, x, y, heading)]
     for dx, dy, turn in draw(legs):
         last = waypoints[-1]

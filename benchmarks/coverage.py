@@ -79,7 +79,7 @@ def run(
         coverage=metrics.coverage,
         outcome=metrics.outcome,
         collisions=metrics.collisions,
-        clearance_m=metrics.smallest_clearance_m,
+        clearance_m=metrics.min_clearance_m,
         nodes=metrics.nodes,
         seconds=seconds,
     )

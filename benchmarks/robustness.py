@@ -87,7 +87,7 @@ def summary(name: str, runs: pd.DataFrame) -> tuple[str, ...]:
         *(str(ends.get(end, 0)) for end in ENDED),
         str((~runs["status"].isin(ENDED)).sum()),
         f"{runs['collisions'].sum():.0f}",
-        f"{runs['smallest_distance_between_robots_m'].min():.3f}",
+        f"{runs['min_distance_between_robots_m'].min():.3f}",
         *(f"{share:.3f}" for share in coverage),
         f"{runs['lost_area_m2'].median():.1f}",
     )

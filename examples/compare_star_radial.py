@@ -9,8 +9,8 @@ import multisrt as ms
 def main(environments=("apartment", "open"), robots=(1, 2, 4), seeds=5, folder="out/examples"):
     """Compare the strategies; print a table of exploration times and draw it."""
     found = ms.compare(environments, ["srt-star", "srt-radial"], robots=robots, seeds=seeds)
-    print(found.table("exploration_time_s"))
-    found.plot("exploration_time_s").save(folder)
+    print(found.table("known_complete_s"))
+    found.plot("known_complete_s").save(folder)
 
 
 if __name__ == "__main__":

@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from multisrt.experiments.measures import Measure
     from multisrt.reporting.style import Picture
 
-FIRST_MEASURE = "exploration_time_s"
+FIRST_MEASURE = "known_complete_s"
 """The measure that tables and figures show by default."""
 
 World = str | Path | Environment | EnvironmentChoice

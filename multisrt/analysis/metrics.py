@@ -49,7 +49,7 @@ class Metrics(msgspec.Struct, frozen=True, kw_only=True):
     ----------
     outcome : {"complete", "stalled", "out_of_time"}
         How the run ended.
-    exploration_time_s : float or None
+    known_complete_s : float or None
         When the first robot knew that no frontier was left; None if none came to know.
     makespan_s : float
         When the run ended: all robots home, if it is complete.
@@ -139,9 +139,9 @@ class Metrics(msgspec.Struct, frozen=True, kw_only=True):
         How many motions ended before another robot's body.
     deaths : int
         How many robots died.
-    smallest_clearance_m : float
+    min_clearance_m : float
         Smallest distance between a body and an obstacle during the run.
-    smallest_distance_between_robots_m : float or None
+    min_distance_between_robots_m : float or None
         Smallest distance between two bodies during the run; None for a single robot.
     lower_bound_s : float
         No run can be shorter: the larger one of the two bounds that follow.
@@ -162,7 +162,7 @@ class Metrics(msgspec.Struct, frozen=True, kw_only=True):
     """
 
     outcome: RunOutcome
-    exploration_time_s: float | None
+    known_complete_s: float | None
     makespan_s: float
     total_distance_m: float
     distance_by_robot_m: tuple[float, ...]
@@ -207,8 +207,8 @@ class Metrics(msgspec.Struct, frozen=True, kw_only=True):
     arcs_closed: dict[str, int]
     frontier_left_m: float
     collisions: int
-    smallest_clearance_m: float
-    smallest_distance_between_robots_m: float | None
+    min_clearance_m: float
+    min_distance_between_robots_m: float | None
     lower_bound_s: float
     lower_bound_reach_s: float
     lower_bound_area_s: float
@@ -217,7 +217,7 @@ class Metrics(msgspec.Struct, frozen=True, kw_only=True):
 METRIC_GROUPS: dict[str, tuple[str, ...]] = {
     "time": (
         "outcome",
-        "exploration_time_s",
+        "known_complete_s",
         "makespan_s",
         "time_to_90_s",
         "time_to_95_s",
@@ -272,8 +272,8 @@ METRIC_GROUPS: dict[str, tuple[str, ...]] = {
         "collisions",
         "protective_stops",
         "deaths",
-        "smallest_clearance_m",
-        "smallest_distance_between_robots_m",
+        "min_clearance_m",
+        "min_distance_between_robots_m",
     ),
     "bounds": ("lower_bound_s", "lower_bound_reach_s", "lower_bound_area_s"),
 }
@@ -305,7 +305,7 @@ def measure(recording: Recording, environment: Environment | None = None) -> Met
     >>> from multisrt import CatalogEnvironment, RunSpec, measure, simulate
     >>> spec = RunSpec(environment=CatalogEnvironment(name="apartment"), seed=1)
     >>> metrics = measure(simulate(spec))
-    >>> metrics.lower_bound_s < metrics.exploration_time_s <= metrics.makespan_s
+    >>> metrics.lower_bound_s < metrics.known_complete_s <= metrics.makespan_s
     True
     """
     return measure_with_curve(recording, environment)[0]
@@ -380,7 +380,7 @@ def _time(recording: Recording, meter: CoverageMeter) -> dict[str, Any]:
     waiting = waiting_times(recording)
     return {
         "outcome": recording.footer.outcome,
-        "exploration_time_s": min(
+        "known_complete_s": min(
             (event.time_s for event in recording.of(MapComplete)), default=None
         ),
         "makespan_s": recording.footer.time_s,
@@ -473,8 +473,8 @@ def _safety(recording: Recording, environment: Environment) -> dict[str, Any]:
         "collisions": len(recording.of(Collision)),
         "protective_stops": len(recording.of(Blocked)),
         "deaths": len(recording.of(Died)),
-        "smallest_clearance_m": smallest_clearance(recording, environment),
-        "smallest_distance_between_robots_m": smallest_distance_between_robots(recording),
+        "min_clearance_m": smallest_clearance(recording, environment),
+        "min_distance_between_robots_m": smallest_distance_between_robots(recording),
     }
 
 

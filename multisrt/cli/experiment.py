@@ -143,7 +143,7 @@ def _print_results(results: Results, path: Path) -> None:
         f"{results.experiment.name}: {complete} of {results.planned} runs complete, in {path}\n"
     )
     if complete:
-        click.echo(summary_table(results, "exploration_time_s").text(_width()))
+        click.echo(summary_table(results, "known_complete_s").text(_width()))
     _print_failures(results, path)
     click.echo(f"next: multisrt report {path} --out {path.with_suffix('')}-report")
 

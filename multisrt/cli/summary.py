@@ -79,7 +79,7 @@ def _rows(run: Run, nodes: str, alone: bool) -> Rows:
             else {"covered": f"{m.coverage:.2%}", "explorable": f"{m.explorable_area_m2:.1f} m2"}
         ),
         "free space": f"{m.free_area_m2:.1f} m2",
-        "exploration time": _seconds(m.exploration_time_s),
+        "exploration time": _seconds(m.known_complete_s),
         "makespan": _seconds(m.makespan_s),
         "90, 95, 99 % covered at": _times(m.time_to_90_s, m.time_to_95_s, m.time_to_99_s),
         "lower bound of the time": _seconds(m.lower_bound_s),
@@ -88,13 +88,13 @@ def _rows(run: Run, nodes: str, alone: bool) -> Rows:
         nodes: _counted(m.nodes, {} if _scans(run) else m.nodes_by_stage),
         "frontier arcs given up": _counted(sum(m.arcs_closed.values()), m.arcs_closed),
         "collisions": str(m.collisions),
-        "smallest clearance": f"{m.smallest_clearance_m:.3f} m",
+        "smallest clearance": f"{m.min_clearance_m:.3f} m",
     }
 
 
 def _team_rows(run: Run) -> Rows:
     m = run.metrics
-    between = m.smallest_distance_between_robots_m
+    between = m.min_distance_between_robots_m
     return {
         "spread of distances": f"{m.distance_spread_m:.1f} m",
         "waiting": f"{m.waiting_time_s:.1f} s",

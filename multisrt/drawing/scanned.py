@@ -88,9 +88,9 @@ def frontier_left(raster: Occupancy, least_m: float) -> list[FloatArray]:
     return [ring for group in groups for ring in _rings(raster, group.cells)]
 
 
-def least_frontier_m(recording: Recording) -> float:
+def min_frontier_m(recording: Recording) -> float:
     """Return the minimum length of a frontier for any robot of the team, in metres."""
-    said = _option(recording, "least_frontier_m")
+    said = _option(recording, "min_frontier_m")
     if said is not None:
         return said
     return min(Footprint.parse(robot.footprint).width_m for robot in recording.spec.robots)

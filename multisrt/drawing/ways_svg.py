@@ -9,7 +9,7 @@ from multisrt.drawing.scanned import (
     frontier_left,
     goals_of,
     isolated_ways,
-    least_frontier_m,
+    min_frontier_m,
     rings_of,
     team_raster,
 )
@@ -33,7 +33,7 @@ def draw_ways(
         If the options of the recording are not those of frontier bidding.
     """
     raster, first = team_raster(recording)
-    left = frontier_left(raster, least_frontier_m(recording))
+    left = frontier_left(raster, min_frontier_m(recording))
     cut_off = isolated_ways(recording, environment, traces)
     goals = {trace.robot: goals_of(recording, trace.robot) for trace in traces}
     areas = {trace.robot: rings_of(raster, first == trace.robot) for trace in traces}

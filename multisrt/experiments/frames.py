@@ -159,7 +159,7 @@ def load_results(path: str | Path) -> pandas.DataFrame:
     --------
     >>> import multisrt as ms
     >>> frame = ms.load_results("results.sqlite")  # doctest: +SKIP
-    >>> frame.groupby(["strategy", "robots"])["exploration_time_s"].median()  # doctest: +SKIP
+    >>> frame.groupby(["strategy", "robots"])["known_complete_s"].median()  # doctest: +SKIP
     """
     _package("pandas")
     return frame_of(_stored(path))

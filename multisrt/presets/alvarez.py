@@ -42,7 +42,7 @@ TIME_EXPONENTS, DISTANCE_EXPONENTS = (-1.02, -0.70), (-1.42, -0.74)
 M2_PER_ROBOT = 60.0
 """Area per robot below which more robots do not help, by the thesis (section 4.2.1)."""
 
-TIME, DISTANCE = measure_named("exploration_time_s"), measure_named("distance_per_robot_m")
+TIME, DISTANCE = measure_named("known_complete_s"), measure_named("distance_per_robot_m")
 
 
 MIN_SUCCESS = min(scenario.success_percent for scenario in SCENARIOS)
@@ -96,7 +96,7 @@ def success(result: Result) -> bool:
     return (
         result.status == "complete"
         and result.metrics is not None
-        and result.metrics.exploration_time_s is not None
+        and result.metrics.known_complete_s is not None
         and result.metrics.coverage >= COVERED
     )
 

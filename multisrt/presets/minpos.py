@@ -48,7 +48,7 @@ MIN_PAIRS = 6
 """Minimum number of complete pairs of each condition for an interval of a gain."""
 
 SOURCE = "MinPos, section V A, Figures 9 and 10"
-TIME = measure_named("exploration_time_s")
+TIME = measure_named("known_complete_s")
 
 DEVIATIONS = (
     f"Worlds: perfect mazes of {MAZE_M:g} x {MAZE_M:g} m with {MAZE_CELLS} x {MAZE_CELLS} cells, "

@@ -28,7 +28,7 @@ MAX_TIME_S = 14_400.0
 MAX_LISTED = 10
 """Upper bound of the runs that the grounds of a claim name one by one."""
 
-TIME, DISTANCE = measure_named("exploration_time_s"), measure_named("total_distance_m")
+TIME, DISTANCE = measure_named("known_complete_s"), measure_named("total_distance_m")
 OTHERS = tuple(map(measure_named, ("waiting_time_s", "overlap_share", "coverage", "deadlocks")))
 
 SOURCE = "Multi-SRT, section 3 (simulation results), Figure 7"
@@ -232,9 +232,9 @@ def no_collision(results: Results) -> Claim:
     measured = [result.metrics for result in results if result.metrics is not None]
     bad = [r for r in results if r.metrics is not None and r.metrics.collisions > 0]
     apart = [
-        one.smallest_distance_between_robots_m
+        one.min_distance_between_robots_m
         for one in measured
-        if one.smallest_distance_between_robots_m is not None
+        if one.min_distance_between_robots_m is not None
     ]
     grounds = [
         f"collisions in {len(bad)} of {len(measured)} runs that were measured, of "
@@ -243,7 +243,7 @@ def no_collision(results: Results) -> Claim:
     if apart:
         grounds.append(
             f"minimum distance between two bodies: {min(apart):.3f} m; between a body and an "
-            f"obstacle: {min(one.smallest_clearance_m for one in measured):.3f} m"
+            f"obstacle: {min(one.min_clearance_m for one in measured):.3f} m"
         )
     return Claim(
         text="The motion of the team is free of collisions.",

@@ -103,7 +103,7 @@ PAPER = (
     PaperTable(
         number="IV",
         title="Exploration time",
-        measure=measure_named("exploration_time_s"),
+        measure=measure_named("known_complete_s"),
         lines={
             (CLOSEST, 15): "668- 572.1 544.1+ 393.5",
             (CLOSEST, 20): "648.3 534.65+ 466.15+ 426.35",

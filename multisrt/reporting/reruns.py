@@ -199,7 +199,7 @@ def median_run(results: list[Result]) -> Result | None:
 
     Of an even number the lower of the two in the middle is taken; None if no run has ended.
     """
-    time, coverage = measure_named("exploration_time_s"), measure_named("coverage")
+    time, coverage = measure_named("known_complete_s"), measure_named("coverage")
     for measure, wanted in ((time, ("complete",)), (coverage, ("stalled", "out_of_time"))):
         found = [
             (value, result.repetition, result)

@@ -12,7 +12,7 @@ from multisrt.reporting.study import Comparison, Study, team_name
 from multisrt.statistics.rank_tests import SIGNIFICANCE
 
 LESS_AND_MORE = {
-    "exploration_time_s": ("needs {} less time", "needs {} more time"),
+    "known_complete_s": ("needs {} less time", "needs {} more time"),
     "makespan_s": ("is home {} sooner", "is home {} later"),
     "total_distance_m": ("drives {} less", "drives {} more"),
 }

@@ -28,7 +28,7 @@ class FrontierOptions(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
         Whether the robot takes scans while it drives, or at its goals only.
     sense_period_s : float
         Time between two scans while driving, in seconds.
-    least_frontier_m : float or None
+    min_frontier_m : float or None
         Groups of frontier cells that are shorter than this are dropped; None: the body's width.
     replan : {"news", "target"}
         Whether a goal is chosen anew whenever the map has changed, or only when the last one is
@@ -86,7 +86,7 @@ class FrontierOptions(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
     cones: int = 16
     sense: Literal["moving", "targets"] = "moving"
     sense_period_s: float = 0.5
-    least_frontier_m: float | None = None
+    min_frontier_m: float | None = None
     replan: Literal["news", "target"] = "news"
     replan_period_s: float = 1.0
     reached: Literal["cell", "sight"] = "cell"
@@ -124,8 +124,8 @@ class FrontierOptions(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
         for name in ("patience", "max_waits", "max_jams", "max_instant_goals", "max_vain_motions"):
             self.require(name, getattr(self, name) >= 1, "at least 1")
         self.require("detour_factor", 1.0 <= self.detour_factor < math.inf, "at least 1")
-        least = self.least_frontier_m
-        self.require("least_frontier_m", least is None or 0.0 <= least < math.inf, "0 or more")
+        least = self.min_frontier_m
+        self.require("min_frontier_m", least is None or 0.0 <= least < math.inf, "0 or more")
 
     def require(self, name: str, holds: bool, allowed: str) -> None:
         """Raise an error unless a condition on a parameter holds.

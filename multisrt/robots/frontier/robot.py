@@ -99,7 +99,7 @@ class FrontierRobot:
         self._disc = PlanningBody(Footprint.disc(self.body.outer_radius_m), 0.5 * options.margin_m)
         keep_off_m = options.margin_m + CORNER_CELLS * options.cell_m
         raster = Occupancy(options.cell_m, self.body.outer_radius_m + keep_off_m)
-        least_m = options.least_frontier_m
+        least_m = options.min_frontier_m
         self.course = Course(me.start, me.time_s)
         self.map = ScanMap(me.robot, raster, options.shape, options.cones)
         self.bodies = Bodies(self.course, self.map)

@@ -72,7 +72,7 @@ def test_smallest_clearance(recorded, hall, moved, footprint, start, motions, cl
         *(moved(*w) for w in motions), footprints=[footprint], starts=[(*start, 0.0)]
     )
     assert smallest_clearance(recording, hall) == pytest.approx(clearance, abs=1e-4)
-    assert measure(recording, hall).smallest_clearance_m == pytest.approx(clearance, abs=1e-4)
+    assert measure(recording, hall).min_clearance_m == pytest.approx(clearance, abs=1e-4)
 
 
 def test_the_clearance_of_a_body_that_touched(recorded, hall, moved):

@@ -58,7 +58,7 @@ def test_a_run_without_nodes(recorded, hall):
     assert metrics.coverage == 0.0
     assert metrics.coverage_integral_s == 3.0
     assert metrics.nodes == 0
-    assert metrics.exploration_time_s is None
+    assert metrics.known_complete_s is None
     assert metrics.total_distance_m == 0.0
 
 
@@ -81,12 +81,12 @@ def test_one_scan_of_a_small_room_covers_it():
     run = explore(Environment("closet", shapely.box(0, 0, 3, 2)), start=(1.5, 1.0))
     assert run.metrics.coverage == 1.0
     assert run.metrics.nodes == 1
-    assert run.metrics.exploration_time_s == 0.0
+    assert run.metrics.known_complete_s == 0.0
     assert run.metrics.makespan_s == 0.0
     assert run.metrics.time_to_99_s == 0.0
     assert run.metrics.coverage_integral_s == 0.0
     assert run.metrics.total_distance_m == 0.0
-    assert run.metrics.smallest_clearance_m == pytest.approx(0.75)
+    assert run.metrics.min_clearance_m == pytest.approx(0.75)
 
 
 def test_counts(recorded, hall, growing):
@@ -113,7 +113,7 @@ def test_counts(recorded, hall, growing):
     assert metrics.decisions == 2
     assert metrics.arcs_closed == {"not reachable": 1, "too narrow": 2}
     assert metrics.collisions == 1
-    assert metrics.exploration_time_s == 41.0
+    assert metrics.known_complete_s == 41.0
     assert metrics.frontier_left_m == 3.5
 
 
@@ -200,7 +200,7 @@ def test_the_overlap_is_the_area_seen_by_several_robots(recorded, hall, seen):
 def test_a_single_robot_has_no_overlap(recorded, hall, growing):
     metrics = measure(recorded(*growing), hall)
     assert (metrics.overlap_area_m2, metrics.overlap_share) == (0.0, 0.0)
-    assert metrics.smallest_distance_between_robots_m is None
+    assert metrics.min_distance_between_robots_m is None
     assert (metrics.lost_area_m2, metrics.lost_area_by_robot_m2) == (0.0, (0.0,))
     assert measure(recorded(end_s=3.0), hall).overlap_share == 0.0
 
@@ -281,7 +281,7 @@ def test_messages_and_events_are_counted(recorded, hall):
     assert metrics.messages_by_kind == {"hello": 1, "map": 2}
     assert metrics.bytes_by_kind == {"hello": 10, "map": 800}
     assert (metrics.coordinations, metrics.deadlocks, metrics.protective_stops) == (2, 1, 1)
-    assert metrics.exploration_time_s == 7.0
+    assert metrics.known_complete_s == 7.0
 
 
 def test_every_metric_is_in_one_group():

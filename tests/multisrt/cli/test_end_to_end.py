@@ -88,10 +88,10 @@ def check(run: Run, least_coverage: float) -> None:
     assert metrics.collisions == 0
     assert metrics.coverage is not None
     assert metrics.coverage >= least_coverage
-    assert metrics.smallest_clearance_m >= 0.0
+    assert metrics.min_clearance_m >= 0.0
     assert deepest_overlap(run) <= 1e-6
-    assert metrics.exploration_time_s is not None
-    assert metrics.exploration_time_s <= metrics.makespan_s
+    assert metrics.known_complete_s is not None
+    assert metrics.known_complete_s <= metrics.makespan_s
     assert metrics.lower_bound_s is not None
     assert metrics.makespan_s >= metrics.lower_bound_s
     home: Pose = run.recording.starts[0]

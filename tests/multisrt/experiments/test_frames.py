@@ -44,7 +44,7 @@ def made() -> Result:
 def path(tmp_path, made):
     """Three of four runs: one complete, one without some times, one crashed."""
     one, two, three, _ = runs(SPEC)
-    short = msgspec.structs.replace(metrics_of(made), exploration_time_s=None, beyond_range_m=None)
+    short = msgspec.structs.replace(metrics_of(made), known_complete_s=None, beyond_range_m=None)
     with Store.create_or_open(tmp_path / "results.sqlite", SPEC) as store:
         store.add(result_of(one, "crashed", 'ended by "signal" 9, twice'))
         store.add(made)
@@ -71,7 +71,7 @@ def test_a_frame_has_a_row_for_each_run(path, made):
         assert told == value or (math.isnan(told) and value is None), measure.name
     assert list(frame["coverage"].isna()) == [True, False, False]
     assert list(frame["nodes"].isna()) == [True, False, False]
-    assert list(frame["exploration_time_s"].isna()) == [True, False, True]
+    assert list(frame["known_complete_s"].isna()) == [True, False, True]
     assert frame["coverage"].iloc[2] == metrics_of(made).coverage
 
 

@@ -159,12 +159,12 @@ def test_messages_of_exceptions_become_one_line(register):
 def test_metrics_that_are_no_json_are_an_error(monkeypatch):
     def measured(recording, environment):
         metrics, curve = measure_with_curve(recording, environment)
-        return msgspec.structs.replace(metrics, smallest_clearance_m=math.inf), curve
+        return msgspec.structs.replace(metrics, min_clearance_m=math.inf), curve
 
     monkeypatch.setattr("multisrt.experiments.mission.measure_with_curve", measured)
     result = make_run(planned(), ENOUGH)
     assert (result.status, result.metrics, result.covered_at_s) == ("error", None, ())
-    assert "smallest_clearance_m" in result.reason
+    assert "min_clearance_m" in result.reason
 
 
 def test_an_interrupt_is_no_failure_of_the_run(register):

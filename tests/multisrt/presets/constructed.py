@@ -25,7 +25,7 @@ PLAIN = msgspec.convert(
         if "tuple" not in str(field.type)
     }
     | {name: [0.0] for name in Metrics.__struct_fields__ if "_by_robot" in name}
-    | {"nodes_by_robot": [0], "outcome": "complete", "coverage": 1.0, "exploration_time_s": 100.0},
+    | {"nodes_by_robot": [0], "outcome": "complete", "coverage": 1.0, "known_complete_s": 100.0},
     Metrics,
 )
 """Metrics of a run in which nothing went wrong and nobody was isolated."""
@@ -84,7 +84,7 @@ def srt(
         slower = 1.3 if at.strategy == "srt-star" else 1.0
         vary = 1.0 + spread * noise_of(at, repetition, "time")
         return {
-            "exploration_time_s": slower * time(at) * vary,
+            "known_complete_s": slower * time(at) * vary,
             "total_distance_m": slower * distance(at) * vary,
         }
 
@@ -117,7 +117,7 @@ def times(
         shared = Condition(environment=at.environment, strategy="", robots=1)
         world = 1000.0 * (1.0 + 0.5 * noise_of(shared, repetition, "world"))
         vary = 1.0 + spread * noise_of(at, repetition, "time")
-        return {"exploration_time_s": world / at.robots * (1.0 - percent / 100.0) * vary}
+        return {"known_complete_s": world / at.robots * (1.0 - percent / 100.0) * vary}
 
     return values
 
@@ -132,7 +132,7 @@ def laws(
         exponent = time(at) if callable(time) else time
         vary = 1.0 + spread * noise_of(at, repetition, "time")
         return {
-            "exploration_time_s": 1000.0 * at.robots**exponent * vary,
+            "known_complete_s": 1000.0 * at.robots**exponent * vary,
             "total_distance_m": 300.0 * at.robots ** (1.0 + distance) * vary,
             "distance_by_robot_m": (1.0,) * at.robots,
             "coverage": 0.94 if lost(at, repetition) else 0.99,

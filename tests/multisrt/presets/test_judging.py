@@ -91,7 +91,7 @@ def test_half_of_the_comparisons_is_not_enough():
 
 
 def test_pairs_are_of_one_repetition_also_where_runs_are_missing():
-    whole = results_of(QUICK_SRT, lambda at, k: {"exploration_time_s": 100.0 * at.robots + k})
+    whole = results_of(QUICK_SRT, lambda at, k: {"known_complete_s": 100.0 * at.robots + k})
     left = [r for r in whole if (r.condition.robots, r.repetition) not in {(1, 0), (1, 5), (2, 3)}]
     cells = Cells(Results(whole.experiment, left, whole.planned, whole.provenance))
     alone, two = (next(at for at in cells.conditions() if at.robots == n) for n in (1, 2))

@@ -37,7 +37,7 @@ def test_claims_of_multi_srt_that_do_not_hold():
         odd = at.robots == 4 and at.starts == "scattered" and at.radio == "15 m"
         odd = odd and (at.environment, at.strategy) == ("garden", "srt-star")
         return {
-            "exploration_time_s": 2000.0 if odd else 1000.0 / at.robots * vary,
+            "known_complete_s": 2000.0 if odd else 1000.0 / at.robots * vary,
             "total_distance_m": 500.0
             / at.robots
             * (1.5 if "radial" in at.strategy else 1.0)
@@ -63,7 +63,7 @@ def test_claims_of_multi_srt_that_may_be_chance():
         results_of(
             QUICK_SRT,
             lambda at, k: {
-                "exploration_time_s": 1000.0 + 100.0 * noise_of(at, k, "time"),
+                "known_complete_s": 1000.0 + 100.0 * noise_of(at, k, "time"),
                 "total_distance_m": 500.0 + 100.0 * noise_of(at, k, "way"),
             },
         )
@@ -91,7 +91,7 @@ def test_a_run_that_was_given_up_is_in_the_grounds():
 
 
 def test_table_of_multi_srt_by_team_size():
-    results = results_of(QUICK_SRT, lambda at, k: {"exploration_time_s": 100.0 * at.robots + k})
+    results = results_of(QUICK_SRT, lambda at, k: {"known_complete_s": 100.0 * at.robots + k})
     table = multi_srt.tables(results)[0]
     assert table.columns[-3:] == ("1 robot", "2 robots", "4 robots")
     assert len(table.rows) == 2 * 2 * (1 + 4)

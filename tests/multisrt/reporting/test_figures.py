@@ -23,7 +23,7 @@ from multisrt.reporting import figures, overall_figures
 from multisrt.reporting.study import Study
 from multisrt.reporting.style import look_of
 
-TIME, COVERAGE = measure_named("exploration_time_s"), measure_named("coverage")
+TIME, COVERAGE = measure_named("known_complete_s"), measure_named("coverage")
 TIMES: dict[tuple[str, int], list[float | None]] = {
     ("near", 1): [10.0, 20.0, 30.0, 40.0, 100.0],
     ("near", 2): [5.0, 6.0, 9.0, 11.0, 17.0, 30.0],
@@ -44,7 +44,7 @@ def study() -> Study:
             reason="",
             metrics=None
             if time is None
-            else msgspec.structs.replace(plain, exploration_time_s=time, coverage=0.5 + time / 1e3),
+            else msgspec.structs.replace(plain, known_complete_s=time, coverage=0.5 + time / 1e3),
             covered_at_s=() if time is None else tuple(time * p / 100.0 for p in range(101)),
         )
         for (strategy, robots), own in TIMES.items()

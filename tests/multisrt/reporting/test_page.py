@@ -38,7 +38,7 @@ from multisrt.reporting.style import (
 from multisrt.spec import RunSpec
 from tests.multisrt.experiments.results import metrics_of
 
-ONE = ["exploration_time_s"]
+ONE = ["known_complete_s"]
 VOID = {"meta", "img", "link", "br", "hr", "input"}
 
 
@@ -98,7 +98,7 @@ def made_up(
                         reason=f"its process died after {k} s" if failed else "",
                         metrics=None
                         if failed
-                        else msgspec.structs.replace(template, exploration_time_s=time),
+                        else msgspec.structs.replace(template, known_complete_s=time),
                         covered_at_s=()
                         if failed
                         else tuple(time * p / 100.0 if p < 99 else None for p in range(101)),
@@ -213,7 +213,7 @@ def test_page_has_all_sections_and_tables(report):
     sections = {attributes["id"] for attributes in page.all("section")}
     assert sections >= {
         "claims", "findings", "success", "measures", "across", "gallery", "failures", "computing",
-        "run", "exploration_time_s",
+        "run", "known_complete_s",
     }  # fmt: skip
     tables = {table["id"].removeprefix("table-") for table in page.all("table")}
     assert {path.stem for path in (report.parent / "tables").glob("*.csv")} == tables
@@ -323,7 +323,7 @@ def test_gallery_shows_every_world_before_smaller_teams():
 
 def time_of(result: Result | None) -> float:
     assert result is not None
-    time = metrics_of(result).exploration_time_s
+    time = metrics_of(result).known_complete_s
     assert time is not None
     return time
 

@@ -166,7 +166,7 @@ class ClaimsAll(Base):
                 robot=self.me.robot,
                 serial=0,
                 parent=None,
-                configuration=tuple(self.me.start),
+                configuration=(x, y, 0.0),
                 stage="root",
                 boundary=ring,
                 tags="0000",

@@ -1,0 +1,262 @@
+"""Tests of a family of cells: one question about two sets of runs, asked under many conditions.
+
+A cell is one condition, such as a radio range and a team size, with runs of `a` and of `b`. Values
+are ranked within each cell, so that cells of different scales can be added, one large value cannot
+decide, and a failed run is worse than all others. One p-value answers the question for the family;
+it finds what no cell alone has the runs to show.
+
+Both tests have a parameter `ratio`, by which the values of `b` are multiplied first; `ratios`
+inverts them to estimates and intervals.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy import stats
+
+from multisrt.geometry.errors import InvalidInputError
+from multisrt.geometry.numerics.arrays import FloatArray, IntArray
+from multisrt.statistics.permutations import (
+    MAX_EXACT,
+    doubled_ranks,
+    two_sided,
+    ways_of_choosing,
+    ways_of_signing,
+)
+from multisrt.statistics.rank_tests import RankTest
+from multisrt.statistics.samples import strata_of
+from multisrt.statistics.wins import share_of_wins
+
+MAX_SUMS = 200_000
+"""Number of different rank sums up to which the test of independent cells is exact."""
+
+
+def paired_family(
+    a_by_cell: Sequence[ArrayLike],
+    b_by_cell: Sequence[ArrayLike],
+    *,
+    repetitions: Sequence[Sequence[int]] | None = None,
+    ratio: float = 1.0,
+) -> RankTest:
+    """Return the signed-rank test of a family whose cells share repetitions.
+
+    In each cell Wilcoxon's signed ranks of the differences are computed: pairs of equal values, or
+    of two failed runs, are left out, and a pair in which one run failed has the largest
+    difference. The signed ranks of one repetition are added over the cells. If it does not matter
+    which run is of `a` and which of `b`, then a repetition's sum may as well have the opposite
+    sign, whatever the dependence of the cells within the repetition: all sign vectors of the sums
+    are equally likely. The p-value is exact, by counting them, up to `permutations.MAX_EXACT`
+    repetitions, and by the normal approximation beyond. With one cell it is `rank_tests.paired`.
+
+    Repetitions must be independent of each other, the cells need not be. Pairs need not have
+    anything in common: pairs by chance are valid, and gain nothing.
+
+    Source: Wilcoxon's test in each block, as in Hollander and Wolfe, Nonparametric Statistical
+    Methods; signs flipped by whole repetitions as in Pesarin and Salmaso, Permutation Tests for
+    Complex Data, 2010 (nonparametric combination by the sum).
+
+    Parameters
+    ----------
+    a_by_cell, b_by_cell : sequence of array_like, shapes (n_i,)
+        Values of runs by cell, cells in the same order; in each cell as many of `a` as of `b`, in
+        pairs.
+    repetitions : sequence of sequence of int, optional
+        Numbers of the repetitions of the pairs of each cell, none twice in a cell; cells may lack
+        some. By default pairs at the same index are of the same repetition.
+    ratio : float
+        Positive number by which the values of `b` are multiplied.
+
+    Returns
+    -------
+    RankTest
+        The p-value, and the share of pairs with `a` lower in the sum of ranks of all cells: 1 if
+        all of `a` are lower.
+
+    Raises
+    ------
+    InvalidInputError
+        If cells are empty, hold nan or do not fit to each other, or the ratio is not positive.
+
+    Examples
+    --------
+    Six repetitions of two cells. One of 64 sign vectors has a sum as large, one as small:
+
+    >>> a = [[1.0, 2.0, 3.0, 4.0, 5.0, 6.0], [10.0, 20.0, 30.0, 40.0, 50.0, 60.0]]
+    >>> b = [[2.0, 4.0, 6.0, 8.0, 9.0, 9.0], [12.0, 21.0, 35.0, 44.0, 53.0, float("inf")]]
+    >>> paired_family(a, b)
+    RankTest(p_value=0.03125, a_lower=1.0)
+    """
+    cells = _cells(a_by_cell, b_by_cell, ratio)
+    of_repetition: dict[int, int] = {}
+    all_ranks = 0
+    for i, (a, b) in enumerate(cells):
+        if a.size != b.size:
+            raise InvalidInputError(
+                f"cell {i} of a paired family needs as many values of a as of b, not {a.size} and "
+                f"{b.size}"
+            )
+        signed = _signed_ranks(a, b)
+        all_ranks += int(np.abs(signed).sum())
+        for number, rank in zip(_numbers(repetitions, i, a.size), signed.tolist(), strict=True):
+            of_repetition[number] = of_repetition.get(number, 0) + rank
+    sums = np.array(list(of_repetition.values()), dtype=np.int64)
+    if all_ranks == 0:
+        return RankTest(p_value=1.0, a_lower=0.5)
+    a_lower = 0.5 + 0.5 * float(sums.sum()) / all_ranks
+    return RankTest(p_value=_p_of_signs(sums), a_lower=a_lower)
+
+
+def independent_family(
+    a_by_cell: Sequence[ArrayLike], b_by_cell: Sequence[ArrayLike], *, ratio: float = 1.0
+) -> RankTest:
+    """Return van Elteren's test of a family of independent cells of unpaired runs.
+
+    The statistic is the sum over cells of the rank sum of `a` divided by the number of runs of the
+    cell plus 1, the weights that are best if the effect is about the same in all cells. The
+    p-value is exact where there are few enough rank sums to count (`MAX_SUMS`; cells of one size
+    have few) and no cell has more than `permutations.MAX_EXACT` runs; otherwise it is the normal
+    approximation with the variance for ties. With one cell it is `rank_tests.unpaired`.
+
+    Cells that share repetitions are not independent: use `paired_family`.
+
+    Source: van Elteren, On the combination of independent two sample tests of Wilcoxon, Bulletin
+    of the Institute of International Statistics 37, 1960; Lehmann, Nonparametrics, 1975,
+    section 3.3.
+
+    Parameters
+    ----------
+    a_by_cell, b_by_cell : sequence of array_like, shapes (n_i,) and (m_i,)
+        Values of runs by cell, cells in the same order.
+    ratio : float
+        Positive number by which the values of `b` are multiplied.
+
+    Returns
+    -------
+    RankTest
+        The p-value, and the mean over cells of `effect_size.vargha_delaney` with van Elteren's
+        weights, n m / (n + m + 1).
+
+    Raises
+    ------
+    InvalidInputError
+        As in `paired_family`, but for different numbers of runs.
+
+    Examples
+    --------
+    Two cells of two runs each: one of 6 * 6 arrangements is as extreme, at each end.
+
+    >>> found = independent_family([[1, 2], [10, 20]], [[3, 4], [30, 40]])
+    >>> round(found.p_value, 4), found.a_lower
+    (0.0556, 1.0)
+    """
+    cells = _cells(a_by_cell, b_by_cell, ratio)
+    sizes = [(a.size, b.size) for a, b in cells]
+    importance = np.array([n * m / (n + m + 1) for n, m in sizes])
+    wins = np.array([share_of_wins(a, b) for a, b in cells])
+    a_lower = float(importance @ wins / importance.sum())
+    doubled = [doubled_ranks(np.concatenate(cell)) for cell in cells]
+    weights = _whole_weights([n + m for n, m in sizes])
+    exact = (
+        max(n + m for n, m in sizes) <= MAX_EXACT
+        and sum(w * int(r.sum()) for w, r in zip(weights, doubled, strict=True)) <= MAX_SUMS
+    )
+    ranked = [(ranks, n) for ranks, (n, _) in zip(doubled, sizes, strict=True)]
+    return RankTest(
+        p_value=_p_of_choices(ranked, weights) if exact else _p_by_normal(ranked),
+        a_lower=a_lower,
+    )
+
+
+# Signs of repetitions ------------------------------------------------------------------------
+
+
+def _signed_ranks(a: FloatArray, b: FloatArray) -> IntArray:
+    """Return doubled signed ranks of the pairs, positive where `a` is lower, 0 for equal pairs."""
+    signed = np.zeros(a.size, dtype=np.int64)
+    differ = a != b
+    differences = b[differ] - a[differ]
+    ranks = doubled_ranks(np.abs(differences))
+    signed[differ] = np.where(differences > 0.0, ranks, -ranks)
+    return signed
+
+
+def _numbers(repetitions: Sequence[Sequence[int]] | None, cell: int, pairs: int) -> Sequence[int]:
+    if repetitions is None:
+        return range(pairs)
+    numbers = repetitions[cell] if cell < len(repetitions) else ()
+    if len(numbers) != pairs or len(set(numbers)) != pairs:
+        raise InvalidInputError(
+            f"cell {cell} has {pairs} pairs and needs as many different repetitions, not "
+            f"{list(numbers)}"
+        )
+    return numbers
+
+
+def _p_of_signs(sums: IntArray) -> float:
+    if np.count_nonzero(sums) <= MAX_EXACT:
+        sizes = np.abs(sums[sums != 0])
+        return two_sided(ways_of_signing(sizes), int(sums[sums > 0].sum()))
+    deviation = math.sqrt(float(np.square(sums, dtype=np.float64).sum()))
+    return _p_of_z(float(sums.sum()) / deviation)
+
+
+# Choices within cells ------------------------------------------------------------------------
+
+
+def _whole_weights(sizes: Sequence[int]) -> list[int]:
+    """Return van Elteren's weights times the smallest number that makes them whole."""
+    common = math.lcm(*(size + 1 for size in sizes))
+    return [common // (size + 1) for size in sizes]
+
+
+def _p_of_choices(ranked: Sequence[tuple[IntArray, int]], weights: Sequence[int]) -> float:
+    shares, seen = np.ones(1), 0
+    for (ranks, chosen), weight in zip(ranked, weights, strict=True):
+        ways = ways_of_choosing(ranks, chosen)
+        seen += weight * int(ranks[:chosen].sum())
+        added = np.zeros(shares.size + weight * (ways.size - 1))
+        for total in np.flatnonzero(ways):
+            first = weight * int(total)
+            added[first : first + shares.size] += shares * (ways[total] / ways.sum())
+        shares = added
+    return two_sided(shares, seen)
+
+
+def _p_by_normal(ranked: Sequence[tuple[IntArray, int]]) -> float:
+    excess, variance = 0.0, 0.0
+    for doubled, chosen in ranked:
+        ranks, size = 0.5 * doubled, doubled.size
+        from_mean = ranks - ranks.mean()
+        excess += float(from_mean[:chosen].sum()) / (size + 1)
+        spread = float(np.square(from_mean).sum()) / max(1, size - 1)
+        variance += chosen * (size - chosen) / size * spread / (size + 1) ** 2
+    return _p_of_z(excess / math.sqrt(variance)) if variance > 0.0 else 1.0
+
+
+def _p_of_z(z: float) -> float:
+    return float(2.0 * stats.norm.sf(abs(z)))
+
+
+# Input ---------------------------------------------------------------------------------------
+
+
+def _cells(
+    a_by_cell: Sequence[ArrayLike], b_by_cell: Sequence[ArrayLike], ratio: float
+) -> list[tuple[FloatArray, FloatArray]]:
+    a, b = strata_of(a_by_cell, "a"), strata_of(b_by_cell, "b")
+    if len(a) != len(b):
+        raise InvalidInputError(
+            f"a and b must have runs in the same cells, but a has {len(a)} and b has {len(b)}"
+        )
+    if not 0.0 < ratio < math.inf:
+        raise InvalidInputError(f"a ratio must be positive and finite, not {ratio}")
+    if ratio == 1.0:
+        return list(zip(a, b, strict=True))
+    lowest = min(float(values.min()) for values in (*a, *b))
+    if lowest < 0.0:
+        raise InvalidInputError(f"ratios need values of at least 0, not {lowest}")
+    return [(of_a, ratio * of_b) for of_a, of_b in zip(a, b, strict=True)]

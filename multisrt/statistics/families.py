@@ -13,13 +13,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy import stats
 
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.geometry.numerics.arrays import FloatArray, IntArray
+from multisrt.geometry.numerics.arrays import BoolArray, FloatArray, IntArray
 from multisrt.statistics.permutations import (
     MAX_EXACT,
     doubled_ranks,
@@ -32,14 +33,23 @@ from multisrt.statistics.samples import strata_of
 from multisrt.statistics.wins import share_of_wins
 
 MAX_SUMS = 200_000
-"""Number of different rank sums up to which the test of independent cells is exact."""
+"""Number of different rank sums up to which the test of unpaired runs is exact."""
+
+MAX_COMMON = 1_000_000
+"""Bound of the common multiple of cell sizes that makes all weights whole."""
+
+Repetitions = Sequence[Sequence[int]]
+"""Numbers of the repetitions of the runs of each cell, none twice in a cell."""
+
+Run = tuple[str, int, int]
+"""Side, number of the repetition, and the cell if a repetition has runs in one cell only, or -1."""
 
 
 def paired_family(
     a_by_cell: Sequence[ArrayLike],
     b_by_cell: Sequence[ArrayLike],
     *,
-    repetitions: Sequence[Sequence[int]] | None = None,
+    repetitions: Repetitions | None = None,
     ratio: float = 1.0,
 ) -> RankTest:
     """Return the signed-rank test of a family whose cells share repetitions.
@@ -110,27 +120,36 @@ def paired_family(
     return RankTest(p_value=_p_of_signs(sums), a_lower=a_lower)
 
 
-def independent_family(
-    a_by_cell: Sequence[ArrayLike], b_by_cell: Sequence[ArrayLike], *, ratio: float = 1.0
+def unpaired_family(
+    a_by_cell: Sequence[ArrayLike],
+    b_by_cell: Sequence[ArrayLike],
+    *,
+    repetitions: tuple[Repetitions, Repetitions] | None = None,
+    ratio: float = 1.0,
 ) -> RankTest:
-    """Return van Elteren's test of a family of independent cells of unpaired runs.
+    """Return the rank-sum test of a family of unpaired runs: van Elteren's, or by repetition.
 
     The statistic is the sum over cells of the rank sum of `a` divided by the number of runs of the
-    cell plus 1, the weights that are best if the effect is about the same in all cells. The
-    p-value is exact where there are few enough rank sums to count (`MAX_SUMS`; cells of one size
-    have few) and no cell has more than `permutations.MAX_EXACT` runs; otherwise it is the normal
-    approximation with the variance for ties. With one cell it is `rank_tests.unpaired`.
+    cell plus 1, the weights that are best if the effect is about the same in all cells. If the
+    cells are independent, any runs of a cell may as well be those of `a`: this is van Elteren's
+    test. If they share repetitions, as when a drawn world is met by several teams, whole
+    repetitions are exchanged instead of runs: those that have runs in the same cells.
 
-    Cells that share repetitions are not independent: use `paired_family`.
+    The p-value is exact where there are few enough sums to count (`MAX_SUMS`; cells of one size
+    have few) and no more than `permutations.MAX_EXACT` repetitions to exchange; otherwise it is
+    the normal approximation with the variance for ties. With one cell it is `rank_tests.unpaired`.
 
     Source: van Elteren, On the combination of independent two sample tests of Wilcoxon, Bulletin
     of the Institute of International Statistics 37, 1960; Lehmann, Nonparametrics, 1975,
-    section 3.3.
+    section 3.3; differs in: whole repetitions are exchanged where cells share them.
 
     Parameters
     ----------
     a_by_cell, b_by_cell : sequence of array_like, shapes (n_i,) and (m_i,)
         Values of runs by cell, cells in the same order.
+    repetitions : (sequence of sequence of int, sequence of sequence of int), optional
+        Numbers of the repetitions of the runs of `a` and of `b` in each cell. Equal numbers of `a`
+        and `b` mean nothing. By default no two runs are of one repetition.
     ratio : float
         Positive number by which the values of `b` are multiplied.
 
@@ -147,27 +166,22 @@ def independent_family(
 
     Examples
     --------
-    Two cells of two runs each: one of 6 * 6 arrangements is as extreme, at each end.
+    Two cells of two runs each: one of 6 * 6 arrangements is as extreme, at each end. If the cells
+    share their repetitions, there are no more than 6.
 
-    >>> found = independent_family([[1, 2], [10, 20]], [[3, 4], [30, 40]])
-    >>> round(found.p_value, 4), found.a_lower
-    (0.0556, 1.0)
+    >>> a, b = [[1, 2], [10, 20]], [[3, 4], [30, 40]]
+    >>> round(unpaired_family(a, b).p_value, 4)
+    0.0556
+    >>> shared = [[0, 1], [0, 1]]
+    >>> round(unpaired_family(a, b, repetitions=(shared, shared)).p_value, 4)
+    0.3333
     """
     cells = _cells(a_by_cell, b_by_cell, ratio)
-    sizes = [(a.size, b.size) for a, b in cells]
-    importance = np.array([n * m / (n + m + 1) for n, m in sizes])
+    importance = np.array([a.size * b.size / (a.size + b.size + 1) for a, b in cells])
     wins = np.array([share_of_wins(a, b) for a, b in cells])
-    a_lower = float(importance @ wins / importance.sum())
-    doubled = [doubled_ranks(np.concatenate(cell)) for cell in cells]
-    weights = _whole_weights([n + m for n, m in sizes])
-    exact = (
-        max(n + m for n, m in sizes) <= MAX_EXACT
-        and sum(w * int(r.sum()) for w, r in zip(weights, doubled, strict=True)) <= MAX_SUMS
-    )
-    ranked = [(ranks, n) for ranks, (n, _) in zip(doubled, sizes, strict=True)]
     return RankTest(
-        p_value=_p_of_choices(ranked, weights) if exact else _p_by_normal(ranked),
-        a_lower=a_lower,
+        p_value=_p_of_exchanges(_exchangeable(cells, repetitions)),
+        a_lower=float(importance @ wins / importance.sum()),
     )
 
 
@@ -184,13 +198,13 @@ def _signed_ranks(a: FloatArray, b: FloatArray) -> IntArray:
     return signed
 
 
-def _numbers(repetitions: Sequence[Sequence[int]] | None, cell: int, pairs: int) -> Sequence[int]:
+def _numbers(repetitions: Repetitions | None, cell: int, runs: int) -> Sequence[int]:
     if repetitions is None:
-        return range(pairs)
+        return range(runs)
     numbers = repetitions[cell] if cell < len(repetitions) else ()
-    if len(numbers) != pairs or len(set(numbers)) != pairs:
+    if len(numbers) != runs or len(set(numbers)) != runs:
         raise InvalidInputError(
-            f"cell {cell} has {pairs} pairs and needs as many different repetitions, not "
+            f"cell {cell} has {runs} values and needs as many different repetitions, not "
             f"{list(numbers)}"
         )
     return numbers
@@ -204,36 +218,89 @@ def _p_of_signs(sums: IntArray) -> float:
     return _p_of_z(float(sums.sum()) / deviation)
 
 
-# Choices within cells ------------------------------------------------------------------------
+# Exchanges ----------------------------------------------------------------------------------
+
+
+class _Group(NamedTuple):
+    """Repetitions that can be exchanged: their sums, and whether each is of `a`."""
+
+    sums: IntArray
+    of_a: BoolArray
+
+
+def _exchangeable(
+    cells: Sequence[tuple[FloatArray, FloatArray]],
+    repetitions: tuple[Repetitions, Repetitions] | None,
+) -> list[_Group]:
+    """Return the weighted sums of ranks of all repetitions, by the cells in which they have runs.
+
+    Ranks are doubled and less their mean in the cell.
+    """
+    sizes = [a.size + b.size for a, b in cells]
+    sums: dict[Run, int] = {}
+    where: dict[Run, list[int]] = {}
+    for i, (cell, weight) in enumerate(zip(cells, _whole_weights(sizes), strict=True)):
+        ranks = weight * (doubled_ranks(np.concatenate(cell)) - (sizes[i] + 1))
+        for run, rank in zip(_runs(cell, repetitions, i), ranks.tolist(), strict=True):
+            sums[run] = sums.get(run, 0) + rank
+            where.setdefault(run, []).append(i)
+    alike: dict[tuple[int, ...], list[Run]] = {}
+    for run, met in where.items():
+        alike.setdefault(tuple(met), []).append(run)
+    return [
+        _Group(np.array([sums[run] for run in runs]), np.array([run[0] == "a" for run in runs]))
+        for runs in alike.values()
+    ]
 
 
 def _whole_weights(sizes: Sequence[int]) -> list[int]:
-    """Return van Elteren's weights times the smallest number that makes them whole."""
-    common = math.lcm(*(size + 1 for size in sizes))
-    return [common // (size + 1) for size in sizes]
+    """Return van Elteren's weights in whole numbers, which are rounded if they are very large."""
+    common = min(math.lcm(*(size + 1 for size in sizes)), MAX_COMMON)
+    return [round(common / (size + 1)) for size in sizes]
 
 
-def _p_of_choices(ranked: Sequence[tuple[IntArray, int]], weights: Sequence[int]) -> float:
+def _runs(
+    cell: tuple[FloatArray, FloatArray], repetitions: tuple[Repetitions, Repetitions] | None, i: int
+) -> list[Run]:
+    """Return the side and the repetition of each run of a cell, first those of `a`."""
+    of_a, of_b = (None, None) if repetitions is None else repetitions
+    own_cell = i if repetitions is None else -1
+    return [
+        (side, number, own_cell)
+        for side, values, of in (("a", cell[0], of_a), ("b", cell[1], of_b))
+        for number in _numbers(of, i, values.size)
+    ]
+
+
+def _p_of_exchanges(groups: Sequence[_Group]) -> float:
+    # From 1 on, in the largest unit, so that they can be counted; how many are chosen is fixed.
+    above = [group.sums - group.sums.min() for group in groups]
+    unit = max(1, int(np.gcd.reduce(np.concatenate(above))))
+    shifted = [sums // unit + 1 for sums in above]
+    exact = (
+        max(sums.size for sums in shifted) <= MAX_EXACT
+        and sum(int(sums.sum()) for sums in shifted) <= MAX_SUMS
+    )
+    if not exact:
+        return _p_by_normal(groups)
     shares, seen = np.ones(1), 0
-    for (ranks, chosen), weight in zip(ranked, weights, strict=True):
-        ways = ways_of_choosing(ranks, chosen)
-        seen += weight * int(ranks[:chosen].sum())
-        added = np.zeros(shares.size + weight * (ways.size - 1))
+    for sums, group in zip(shifted, groups, strict=True):
+        ways = ways_of_choosing(sums, int(np.count_nonzero(group.of_a)))
+        seen += int(sums[group.of_a].sum())
+        added = np.zeros(shares.size + ways.size - 1)
         for total in np.flatnonzero(ways):
-            first = weight * int(total)
-            added[first : first + shares.size] += shares * (ways[total] / ways.sum())
+            added[total : total + shares.size] += shares * (ways[total] / ways.sum())
         shares = added
     return two_sided(shares, seen)
 
 
-def _p_by_normal(ranked: Sequence[tuple[IntArray, int]]) -> float:
+def _p_by_normal(groups: Sequence[_Group]) -> float:
     excess, variance = 0.0, 0.0
-    for doubled, chosen in ranked:
-        ranks, size = 0.5 * doubled, doubled.size
-        from_mean = ranks - ranks.mean()
-        excess += float(from_mean[:chosen].sum()) / (size + 1)
-        spread = float(np.square(from_mean).sum()) / max(1, size - 1)
-        variance += chosen * (size - chosen) / size * spread / (size + 1) ** 2
+    for sums, of_a in groups:
+        from_mean = sums - sums.mean()
+        excess += float(from_mean[of_a].sum())
+        spread = float(np.square(from_mean).sum()) / max(1, sums.size - 1)
+        variance += np.count_nonzero(of_a) * np.count_nonzero(~of_a) / sums.size * spread
     return _p_of_z(excess / math.sqrt(variance)) if variance > 0.0 else 1.0
 
 

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from functools import lru_cache
+from functools import cache
 
 from scipy import stats
 
@@ -66,7 +66,7 @@ def ratio_of(test: Callable[[float], RankTest], *, level: float = LEVEL) -> Inte
     """
     significance = 1.0 - checked_level(level)
 
-    @lru_cache(maxsize=None)
+    @cache
     def at(log_ratio: float) -> RankTest:
         return test(math.exp(log_ratio))
 

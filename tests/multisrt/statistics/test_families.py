@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.statistics.families import independent_family, paired_family
+from multisrt.statistics.families import paired_family, unpaired_family
 from multisrt.statistics.rank_tests import holm, paired, unpaired
 
 INF = math.inf
@@ -66,12 +66,17 @@ def p_of_all_swaps(a, b, repetitions):
     return p_of_all_sums(sums, sums[0])
 
 
+def ranks_of(pool):
+    """Return mean ranks by definition."""
+    return [0.5 + sum(y < x for y in pool) + 0.5 * sum(y == x for y in pool) for x in pool]
+
+
 def p_of_all_choices(a, b):
     """Return the p-value of van Elteren's statistic by all assignments within the cells."""
     by_cell = []
     for of_a, of_b in zip(a, b, strict=True):
         pool = [*of_a, *of_b]
-        ranks = [0.5 + sum(y < x for y in pool) + 0.5 * sum(y == x for y in pool) for x in pool]
+        ranks = ranks_of(pool)
         by_cell.append(
             [
                 sum(ranks[i] for i in chosen) / (len(pool) + 1)
@@ -139,6 +144,7 @@ class TestPaired:
         found = paired_family(of_a, of_b, repetitions=repetitions)
         assert found == paired_family(a, b, repetitions=repetitions)
 
+    @pytest.mark.slow
     def test_a_family_finds_what_no_cell_finds(self):
         # The same small gain in twelve cells with ten repetitions each, a hundred times.
         rng = np.random.default_rng(7)
@@ -147,8 +153,8 @@ class TestPaired:
             b = rng.uniform(50.0, 150.0, (12, 10))
             a = 0.85 * b * np.exp(rng.normal(0.0, 0.35, (12, 10)))
             cells = holm([paired(x, y).p_value for x, y in zip(a, b, strict=True)])
-            by_cells += np.count_nonzero(cells < 0.05) > 6
-            by_family += paired_family(list(a), list(b)).p_value < 0.05
+            by_cells += int(np.count_nonzero(cells < 0.05) > 6)
+            by_family += int(paired_family(list(a), list(b)).p_value < 0.05)
         assert by_cells == 0
         assert by_family > 90
 
@@ -157,6 +163,7 @@ class TestPaired:
         a, b = rng.normal(size=(2, 10))
         assert paired_family([a] * 12, [b] * 12).p_value == paired(a, b).p_value
 
+    @pytest.mark.slow
     @pytest.mark.parametrize("shared", [0.0, 0.9])
     def test_false_positives_are_at_most_five_percent(self, shared):
         # With cells that are independent, and with cells that share most of their chance.
@@ -176,9 +183,9 @@ class TestPaired:
     @pytest.mark.parametrize(
         ("repetitions", "message"),
         [
-            ([[0, 1]], "cell 1 has 2 pairs"),
-            ([[0, 1], [0]], "cell 1 has 2 pairs"),
-            ([[0, 0], [0, 1]], "cell 0 has 2 pairs"),
+            ([[0, 1]], "cell 1 has 2 values"),
+            ([[0, 1], [0]], "cell 1 has 2 values"),
+            ([[0, 0], [0, 1]], "cell 0 has 2 values"),
         ],
     )
     def test_wrong_repetitions_are_refused(self, repetitions, message):
@@ -204,7 +211,7 @@ small = st.lists(coarse, min_size=1, max_size=3)
 strata = st.lists(st.tuples(small, small), min_size=1, max_size=3)
 
 
-class TestIndependent:
+class TestUnpaired:
     def test_migraine_trial_of_the_sas_manual(self):
         # SAS/STAT User's Guide, PROC FREQ, "Cochran-Mantel-Haenszel statistics": better or same,
         # by sex: 16, 11 and 5, 20 of the women, 12, 16 and 7, 19 of the men; CMH 8.3052,
@@ -213,19 +220,37 @@ class TestIndependent:
         def side(better, same):
             return [0.0] * better + [1.0] * same
 
-        found = independent_family([side(16, 11), side(12, 16)], [side(5, 20), side(7, 19)])
+        found = unpaired_family([side(16, 11), side(12, 16)], [side(5, 20), side(7, 19)])
         assert found.p_value == pytest.approx(0.0040, abs=0.00005)
 
     @given(strata)
     @settings(max_examples=60, deadline=None)
     def test_p_values_are_those_of_all_choices(self, cells):
         a, b = zip(*cells, strict=True)
-        found = independent_family(a, b)
+        found = unpaired_family(a, b)
         assert found.p_value == pytest.approx(p_of_all_choices(a, b), abs=1e-9)
+
+    @given(st.lists(st.lists(coarse, min_size=5, max_size=5), min_size=1, max_size=3))
+    @settings(max_examples=60, deadline=None)
+    def test_shared_repetitions_are_exchanged_as_a_whole(self, cells):
+        # Two repetitions of a, three of b, in all cells.
+        a, b = [cell[:2] for cell in cells], [cell[2:] for cell in cells]
+        numbers = ([[0, 1]] * len(cells), [[0, 1, 2]] * len(cells))
+        found = unpaired_family(a, b, repetitions=numbers)
+        sums = [sum(ranks_of(cell)[i] for cell in cells) for i in range(5)]
+        chosen = [sum(pair) for pair in itertools.combinations(sums, 2)]
+        assert found.p_value == pytest.approx(p_of_all_sums(chosen, chosen[0]), abs=1e-9)
+
+    def test_repetitions_are_exchanged_with_those_of_the_same_cells(self):
+        # Repetitions 0 and 1 of each side are in both cells: of the 6 choices of two of these four
+        # one is as extreme. Repetition 2 is in the first cell only: one of 2.
+        a, b = [[1.0, 2.0, 3.0], [1.0, 2.0]], [[4.0, 5.0, 6.0], [3.0, 4.0]]
+        numbers = ([[0, 1, 2], [0, 1]],) * 2
+        assert unpaired_family(a, b, repetitions=numbers).p_value == pytest.approx(2 / 12)
 
     @given(st.lists(coarse, min_size=1, max_size=6), st.lists(coarse, min_size=1, max_size=6))
     def test_of_one_cell_it_is_mann_and_whitneys_test(self, a, b):
-        family, single = independent_family([a], [b]), unpaired(a, b)
+        family, single = unpaired_family([a], [b]), unpaired(a, b)
         assert family.p_value == pytest.approx(single.p_value, abs=1e-12)
         assert family.a_lower == pytest.approx(single.a_lower)
 
@@ -233,32 +258,40 @@ class TestIndependent:
         rng = np.random.default_rng(3)
         a = [rng.integers(0, 12, n).astype(float) for n in (12, 15, 9)]
         b = [rng.integers(2, 14, n).astype(float) for n in (10, 15, 14)]
-        exact = independent_family(a, b)
+        exact = unpaired_family(a, b)
         monkeypatch.setattr("multisrt.statistics.families.MAX_SUMS", 0)
-        assert independent_family(a, b).p_value == pytest.approx(exact.p_value, rel=0.1)
+        assert unpaired_family(a, b).p_value == pytest.approx(exact.p_value, rel=0.1)
         assert exact.p_value < 0.05
 
     @given(strata, st.randoms(use_true_random=False))
     def test_order_is_irrelevant_and_sides_mirror(self, cells, random):
         a, b = zip(*cells, strict=True)
-        found, mirrored = independent_family(a, b), independent_family(b, a)
+        found, mirrored = unpaired_family(a, b), unpaired_family(b, a)
         assert mirrored.p_value == pytest.approx(found.p_value, abs=1e-9)
         assert mirrored.a_lower == pytest.approx(1.0 - found.a_lower)
         random.shuffle(cells)
         a, b = zip(*cells, strict=True)
-        mixed = independent_family(a, b)
+        mixed = unpaired_family(a, b)
         assert (mixed.p_value, mixed.a_lower) == pytest.approx((found.p_value, found.a_lower))
+
+    def test_cells_of_many_sizes_have_rounded_weights(self):
+        # The common multiple of these sizes is beyond any integer of an array.
+        rng = np.random.default_rng(4)
+        sizes = range(30, 75)
+        a, b = ([rng.normal(shift, 1.0, n) for n in sizes] for shift in (0.0, 0.1))
+        assert unpaired_family(a, b).p_value < 0.05 < unpaired_family(a, a).p_value
 
     def test_values_that_are_all_equal_show_nothing(self):
         equal = [[INF] * 60, [2.0] * 60]
-        assert independent_family(equal, equal).p_value == 1.0
+        assert unpaired_family(equal, equal).p_value == 1.0
         few = [[INF] * 3, [2.0] * 3]
-        assert independent_family(few, few).p_value == 1.0
+        assert unpaired_family(few, few).p_value == 1.0
 
+    @pytest.mark.slow
     def test_false_positives_are_at_most_five_percent(self):
         rng = np.random.default_rng(10)
         found = sum(
-            independent_family(
+            unpaired_family(
                 list(rng.standard_t(2, (4, 6))), list(rng.standard_t(2, (4, 8)))
             ).p_value
             < 0.05

@@ -56,18 +56,21 @@ def paired_family(
 
     In each cell Wilcoxon's signed ranks of the differences are computed: pairs of equal values, or
     of two failed runs, are left out, and a pair in which one run failed has the largest
-    difference. The signed ranks of one repetition are added over the cells. If it does not matter
-    which run is of `a` and which of `b`, then a repetition's sum may as well have the opposite
-    sign, whatever the dependence of the cells within the repetition: all sign vectors of the sums
-    are equally likely. The p-value is exact, by counting them, up to `permutations.MAX_EXACT`
-    repetitions, and by the normal approximation beyond. With one cell it is `rank_tests.paired`.
+    difference. The signed ranks of one repetition are added over the cells, so that a cell counts
+    by the number of its pairs that differ.
 
-    Repetitions must be independent of each other, the cells need not be. Pairs need not have
-    anything in common: pairs by chance are valid, and gain nothing.
+    If it does not matter which run is of `a` and which of `b`, then a repetition's sum may as well
+    have the opposite sign, however the cells depend on each other within the repetition: given the
+    sizes of the sums, all vectors of their signs are equally likely. The p-value is exact, by
+    counting them, up to `permutations.MAX_EXACT` repetitions, and by the normal approximation
+    beyond. With one cell it is that of `rank_tests.paired`.
 
-    Source: Wilcoxon's test in each block, as in Hollander and Wolfe, Nonparametric Statistical
-    Methods; signs flipped by whole repetitions as in Pesarin and Salmaso, Permutation Tests for
-    Complex Data, 2010 (nonparametric combination by the sum).
+    Repetitions must be independent of each other. Pairs by chance are valid but arbitrary; of
+    sides that share nothing, use `unpaired_family`.
+
+    Source: Wilcoxon, Individual comparisons by ranking methods, Biometrics Bulletin 1, 1945, in
+    each cell; cells are combined by the sum, as in Pesarin and Salmaso, Permutation Tests for
+    Complex Data, 2010.
 
     Parameters
     ----------
@@ -287,10 +290,7 @@ def _p_of_exchanges(groups: Sequence[_Group]) -> float:
     for sums, group in zip(shifted, groups, strict=True):
         ways = ways_of_choosing(sums, int(np.count_nonzero(group.of_a)))
         seen += int(sums[group.of_a].sum())
-        added = np.zeros(shares.size + ways.size - 1)
-        for total in np.flatnonzero(ways):
-            added[total : total + shares.size] += shares * (ways[total] / ways.sum())
-        shares = added
+        shares = np.convolve(shares, ways / ways.sum())
     return two_sided(shares, seen)
 
 

@@ -42,7 +42,6 @@ def test_claims_of_multi_srt_that_do_not_hold():
             / at.robots
             * (1.5 if "radial" in at.strategy else 1.0)
             * vary,
-            "collisions": int(at.robots == 16 and repetition == 3),
         }
 
     found = multi_srt.claims(results_of(spec, values))
@@ -54,8 +53,16 @@ def test_claims_of_multi_srt_that_do_not_hold():
     assert claim_on(found, "clustered").verdict == "does not hold"
     assert claim_on(found, "distance grows").verdict == "does not hold"
     assert claim_on(found, "shorter total distance").verdict == "does not hold"
-    assert claim_on(found, "collisions").verdict == "does not hold"
     assert claim_on(found, "completed").verdict == "holds"
+
+
+def test_one_collision_refutes_that_there_are_none():
+    def values(at: Condition, repetition: int) -> dict[str, object]:
+        return {"collisions": int(at.robots == 4 and repetition == 3)}
+
+    claim = claim_on(multi_srt.claims(results_of(QUICK_SRT, values)), "collisions")
+    assert claim.verdict == "does not hold"
+    assert any("repetition 3" in ground for ground in claim.grounds)
 
 
 def test_claims_of_multi_srt_that_may_be_chance():

@@ -7,7 +7,9 @@ from itertools import pairwise
 
 import msgspec
 import pytest
+import shapely
 
+from multisrt.environments.environment import Environment
 from multisrt.events import ArcClosed, Collision, Ended, Event, MapComplete, Motion, Sensed
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.regions.scan import ExactScan, LaserScan
@@ -55,7 +57,7 @@ def test_a_run_by_hand(drive, straight):
 
 def test_a_run_knows_whether_chance_had_a_part_in_it():
     alone = RunSpec(
-        environment=CatalogEnvironment(name="apartment"),
+        environment=inline(Environment("lane", shapely.box(0.0, 0.0, 12.0, 4.0))),
         strategy="closest",
         robots=(RobotSpec(start=(2.0, 2.0, 0.0)),),
     )

@@ -112,12 +112,15 @@ class Footer(msgspec.Struct, frozen=True, kw_only=True, tag_field="event", tag="
         Why, in words.
     digest : str
         SHA-256 of the spec, the world and the events, as 64 hexadecimal digits.
+    chance : bool
+        Whether any random number was drawn; if not, the run is the same for every seed.
     """
 
     time_s: float
     outcome: RunOutcome
     reason: str
     digest: str
+    chance: bool = True
 
 
 @dataclass(frozen=True, slots=True, weakref_slot=True, kw_only=True, eq=False)

@@ -79,7 +79,7 @@ class CoverageMeter:
 
     def integral_of_rest(self, end_s: float) -> float:
         """Return the time integral of the share not yet covered, from 0 to an end."""
-        times = [0.0, *(time for time, _ in self.steps), end_s]
+        times = [0.0, *(min(time, end_s) for time, _ in self.steps), end_s]
         rests = [1.0, *(1.0 - covered for _, covered in self.steps)]
         return math.fsum(
             rest * (b - a) for rest, (a, b) in zip(rests, itertools.pairwise(times), strict=True)

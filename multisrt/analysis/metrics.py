@@ -80,6 +80,10 @@ class Metrics(msgspec.Struct, frozen=True, kw_only=True):
         Explorable area that was covered.
     unseen_m2 : float
         Explorable area that no robot saw.
+    seen, seen_area_m2 : float
+        Share of the explorable area that scans showed, and that area.
+    given_up_m2 : dict of str to float
+        Explorable area left uncovered, by the reason for which its frontier was given up.
     overlap_area_m2 : float
         Explorable area that at least two robots saw.
     overlap_share : float
@@ -170,11 +174,14 @@ class Metrics(msgspec.Struct, frozen=True, kw_only=True):
     waiting_time_s: float
     waiting_time_by_robot_s: tuple[float, ...]
     coverage: float
+    seen: float
+    seen_area_m2: float
     coverage_integral_s: float
     free_area_m2: float
     explorable_area_m2: float
     covered_area_m2: float
     unseen_m2: float
+    given_up_m2: dict[str, float]
     overlap_area_m2: float
     overlap_share: float
     lost_area_m2: float
@@ -213,6 +220,10 @@ class Metrics(msgspec.Struct, frozen=True, kw_only=True):
     lower_bound_reach_s: float
     lower_bound_area_s: float
 
+    def reached(self, threshold: float) -> bool:
+        """Return whether the coverage at the end is at least a threshold."""
+        return self.coverage >= threshold
+
 
 METRIC_GROUPS: dict[str, tuple[str, ...]] = {
     "time": (
@@ -228,11 +239,14 @@ METRIC_GROUPS: dict[str, tuple[str, ...]] = {
     "distance": ("total_distance_m", "distance_by_robot_m", "distance_spread_m"),
     "area": (
         "coverage",
+        "seen",
+        "seen_area_m2",
         "coverage_integral_s",
         "free_area_m2",
         "explorable_area_m2",
         "covered_area_m2",
         "unseen_m2",
+        "given_up_m2",
         "overlap_area_m2",
         "overlap_share",
         "frontier_left_m",
@@ -280,7 +294,12 @@ METRIC_GROUPS: dict[str, tuple[str, ...]] = {
 """The names of all metrics by subject; each subject is measured by a function of its own."""
 
 
-def measure(recording: Recording, environment: Environment | None = None) -> Metrics:
+def measure(
+    recording: Recording,
+    environment: Environment | None = None,
+    *,
+    horizon_s: float | None = None,
+) -> Metrics:
     """Measure a run.
 
     Parameters
@@ -289,6 +308,8 @@ def measure(recording: Recording, environment: Environment | None = None) -> Met
         The run.
     environment : Environment, optional
         The world, if it has been built already; by default it is built from the recording.
+    horizon_s : float, optional
+        Time to which integrals run (s); by default the end of the run.
 
     Returns
     -------
@@ -308,17 +329,20 @@ def measure(recording: Recording, environment: Environment | None = None) -> Met
     >>> metrics.lower_bound_s < metrics.known_complete_s <= metrics.makespan_s
     True
     """
-    return measure_with_curve(recording, environment)[0]
+    return measure_with_curve(recording, environment, horizon_s=horizon_s)[0]
 
 
 def measure_with_curve(
-    recording: Recording, environment: Environment | None = None
+    recording: Recording,
+    environment: Environment | None = None,
+    *,
+    horizon_s: float | None = None,
 ) -> tuple[Metrics, tuple[float | None, ...]]:
     """Measure a run, and how its coverage grew.
 
     Parameters
     ----------
-    recording, environment
+    recording, environment, horizon_s
         As for `measure`.
 
     Returns
@@ -337,7 +361,7 @@ def measure_with_curve(
     metrics = Metrics(
         **_time(recording, meter),
         **_distance(recording),
-        **_area(recording, environment, meter, areas),
+        **_area(recording, environment, meter, areas, horizon_s),
         **_knowledge(recording, meter.explorable, areas),
         **_isolation(recording, environment),
         **_radio(recording),
@@ -402,14 +426,23 @@ def _distance(recording: Recording) -> dict[str, Any]:
 
 
 def _area(
-    recording: Recording, environment: Environment, meter: CoverageMeter, areas: TeamAreas
+    recording: Recording,
+    environment: Environment,
+    meter: CoverageMeter,
+    areas: TeamAreas,
+    horizon_s: float | None,
 ) -> dict[str, Any]:
     explorable_m2 = meter.explorable.area_m2
     covered_m2 = meter.share * explorable_m2
     left = [s for segments in remaining_frontier(recording).values() for s in segments]
     return {
         "coverage": meter.share,
-        "coverage_integral_s": meter.integral_of_rest(recording.footer.time_s),
+        "seen": meter.share,
+        "seen_area_m2": covered_m2,
+        "given_up_m2": {},
+        "coverage_integral_s": meter.integral_of_rest(
+            recording.footer.time_s if horizon_s is None else horizon_s
+        ),
         "free_area_m2": environment.area_m2,
         "explorable_area_m2": explorable_m2,
         "covered_area_m2": covered_m2,

@@ -7,7 +7,7 @@ import msgspec
 from multisrt.experiments.crossing import Condition, PlannedRun
 from multisrt.experiments.provenance import Provenance
 from multisrt.experiments.results import Result, Status
-from multisrt.experiments.spec import Limits
+from multisrt.experiments.spec import SUCCESS_COVERAGE, Limits
 from multisrt.spec import RunSpec
 
 
@@ -23,7 +23,11 @@ class Job(msgspec.Struct, frozen=True, kw_only=True):
     recording : str
         File for the recording; empty: none is written.
     only_failed : bool
-        Whether to write the recording only if the run is not complete or has a collision.
+        Whether to write the recording only if the run is no success.
+    success_coverage : float
+        Share of the explorable area that the run must cover to be a success.
+    horizon_s : float or None
+        Time to which integrals run (s); None: to the end of the run.
     """
 
     key: str
@@ -33,6 +37,8 @@ class Job(msgspec.Struct, frozen=True, kw_only=True):
     limits: Limits
     recording: str = ""
     only_failed: bool = False
+    success_coverage: float = SUCCESS_COVERAGE
+    horizon_s: float | None = None
 
     @property
     def run(self) -> PlannedRun:
@@ -66,6 +72,7 @@ class Job(msgspec.Struct, frozen=True, kw_only=True):
             repetition=self.repetition,
             status=status,
             reason=reason,
+            success_coverage=self.success_coverage,
             wall_s=wall_s,
             computing_s=computing_s,
         )

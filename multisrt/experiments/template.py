@@ -5,7 +5,8 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from multisrt.experiments.spec import ExperimentSpec, schema
+from multisrt.experiments.schema import schema
+from multisrt.experiments.spec import ExperimentSpec
 from multisrt.geometry.errors import InvalidInputError
 
 SCHEMA_NAME = "experiment.schema.json"

@@ -22,7 +22,8 @@ from multisrt.experiments.live import LiveProgress, duration, note_of
 from multisrt.experiments.mission import make_run
 from multisrt.experiments.results import Result
 from multisrt.experiments.runner import Progress
-from multisrt.experiments.spec import ExperimentSpec, schema
+from multisrt.experiments.schema import schema
+from multisrt.experiments.spec import ExperimentSpec
 from multisrt.experiments.store import Store
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.presets import PRESETS

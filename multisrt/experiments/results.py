@@ -91,11 +91,7 @@ class Result(msgspec.Struct, frozen=True, kw_only=True):
     @property
     def success(self) -> bool:
         """Whether the run covered enough, however it ended, and nothing collided."""
-        return (
-            self.metrics is not None
-            and self.metrics.collisions == 0
-            and self.metrics.reached(self.success_coverage)
-        )
+        return is_success(self.metrics, self.success_coverage)
 
     @property
     def failed(self) -> bool:
@@ -173,6 +169,30 @@ class Result(msgspec.Struct, frozen=True, kw_only=True):
             known_to_one_m2s=m.known_to_one_m2s + more_s * m.known_to_one_m2,
         )
         return msgspec.structs.replace(self, metrics=metrics, horizon_s=horizon_s)
+
+
+def is_success(metrics: Metrics | None, threshold: float = SUCCESS_COVERAGE) -> bool:
+    """Return whether a run is a success: it covered enough, and nothing collided.
+
+    Parameters
+    ----------
+    metrics : Metrics or None
+        Metrics of the run; None if it was not measured.
+    threshold : float
+        Share of the explorable area that must be covered.
+
+    Returns
+    -------
+    bool
+        Whether it is; how the run ended does not matter.
+
+    Examples
+    --------
+    >>> import multisrt as ms
+    >>> is_success(ms.explore("open", seed=1, max_time_s=10.0).metrics), is_success(None)
+    (False, False)
+    """
+    return metrics is not None and metrics.collisions == 0 and metrics.reached(threshold)
 
 
 def can_move_horizon(makespan_s: float, from_s: float | None, to_s: float) -> bool:

@@ -61,6 +61,29 @@ def success_words(results: Results) -> str:
     return f"at least {percent:g} % of the explorable area covered, without a collision"
 
 
+def totals(results: Results) -> str:
+    """Return how many runs are a success, how many of them are distinct, and how all ended.
+
+    Parameters
+    ----------
+    results : Results
+        Results of an experiment.
+
+    Returns
+    -------
+    str
+        Such as "38 of 40 runs are a success (39 complete, 1 stalled)".
+    """
+    good = sum(result.success for result in results)
+    copies = sum(result.same_as is not None for result in results)
+    ends = Counter(result.status.replace("_", " ") for result in results)
+    told = [f"{count} {status}" for status, count in ends.items()]
+    if copies:
+        told.append(f"{len(results) - copies} distinct")
+    outcome = f" ({', '.join(told)})" if told else ""
+    return f"{good} of {results.planned} runs are a success{outcome}"
+
+
 def horizon_note(study: Study) -> str:
     """Return a sentence on the time to which integrals run."""
     if study.results.experiment.horizon_s is not None:

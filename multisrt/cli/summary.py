@@ -69,8 +69,8 @@ def _print_reach(run: Run) -> None:
 
 
 def _rows(run: Run, nodes: str, runs: list[Run]) -> Rows:
+    from multisrt.analysis.metrics import SUCCESS_COVERAGE
     from multisrt.experiments.results import is_success
-    from multisrt.experiments.spec import SUCCESS_COVERAGE
 
     m = run.metrics
     team = len(run.spec.robots) > 1

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import msgspec
 
+from multisrt.analysis.metrics import SUCCESS_COVERAGE
 from multisrt.experiments.crossing import Condition, PlannedRun
 from multisrt.experiments.provenance import Provenance
 from multisrt.experiments.results import Result, Status
-from multisrt.experiments.spec import SUCCESS_COVERAGE, Limits
+from multisrt.experiments.spec import Limits
 from multisrt.spec import RunSpec
 
 

@@ -9,13 +9,13 @@ from pathlib import Path
 
 import msgspec
 
-from multisrt.analysis.metrics import Metrics, measure_with_curve
+from multisrt.analysis.metrics import SUCCESS_COVERAGE, Metrics, measure_with_curve
 from multisrt.environments.environment import Environment
 from multisrt.experiments.crossing import PlannedRun
 from multisrt.experiments.limits import OverTimeError, within
 from multisrt.experiments.memory import peak_memory_mb, reset_peak_memory
 from multisrt.experiments.results import Result, Status
-from multisrt.experiments.spec import SUCCESS_COVERAGE, Limits
+from multisrt.experiments.spec import Limits
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.recording import Recording
 from multisrt.simulation.simulate import simulate

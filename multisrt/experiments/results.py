@@ -7,10 +7,10 @@ from typing import Literal
 
 import msgspec
 
-from multisrt.analysis.metrics import Metrics
+from multisrt.analysis.metrics import SUCCESS_COVERAGE, Metrics
 from multisrt.experiments.crossing import Condition
 from multisrt.experiments.provenance import Provenance
-from multisrt.experiments.spec import SUCCESS_COVERAGE, ExperimentSpec
+from multisrt.experiments.spec import ExperimentSpec
 from multisrt.geometry.errors import InvalidInputError
 
 Status = Literal[

@@ -12,6 +12,7 @@ from typing import Annotated, Any, Literal
 import msgspec
 from msgspec import Meta
 
+from multisrt.analysis.metrics import SUCCESS_COVERAGE
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.spec import (
     DriveSpec,
@@ -29,9 +30,6 @@ MAX_FILE_LENGTH = 16_000_000
 
 FOOTPRINT = RobotSpec().footprint
 """Default footprint of all bodies."""
-
-SUCCESS_COVERAGE = 0.95
-"""Default share of the explorable area that a run must cover to be a success."""
 
 Count = Annotated[int, Meta(ge=1, le=1_000_000)]
 Seed = Annotated[int, Meta(ge=0)]

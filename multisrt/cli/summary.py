@@ -85,7 +85,7 @@ def _rows(run: Run, nodes: str, runs: list[Run]) -> Rows:
         ),
         "seen": f"{m.seen:.2%}",
         **{
-            f"left, {why}": f"{m.given_up_m2.get(why, 0.0):.1f} m2"
+            f"uncovered: {why}": f"{m.given_up_m2.get(why, 0.0):.1f} m2"
             for why in _kinds(run.metrics.given_up_m2 for run in runs)
         },
         "free space": f"{m.free_area_m2:.1f} m2",

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, get_args
 
 import msgspec
 
+from multisrt.analysis.given_up import LEFT_OPEN, NO_FRONTIER
 from multisrt.analysis.metrics import Metrics
 from multisrt.events import ArcReason
 from multisrt.experiments.crossing import Condition
@@ -23,8 +24,11 @@ if TYPE_CHECKING:
 
 Value = bool | int | float | str | None
 
-_GIVEN_UP = {f"given_up_{reason.replace(' ', '_')}_m2": reason for reason in get_args(ArcReason)}
-"""Columns of the area left behind frontier that was given up, with their reasons."""
+_GIVEN_UP = {
+    f"given_up_{reason.replace(' ', '_')}_m2": reason
+    for reason in (*get_args(ArcReason), LEFT_OPEN, NO_FRONTIER)
+}
+"""Columns of the area that was left uncovered, with their reasons."""
 
 _KINDS: dict[object, type] = {
     bool: bool,
@@ -39,7 +43,7 @@ def columns() -> dict[str, type]:
     """Return the columns of a table of results.
 
     They are the labels of the condition, the identity and the end of a run, the metrics that are
-    a single number, the area given up by reason, and the measures computed from them. Integrals
+    a single number, the area left by reason, and the measures computed from them. Integrals
     run to `horizon_s`. `same_as` is the repetition of which a run is a copy, if it is one.
 
     Returns

@@ -163,7 +163,7 @@ MEASURES = (
     _measure("seen", "Share seen by scans", "", lower_is_better=False, digits=4),
     _measure(
         "given_up_m2",
-        "Area left behind frontier that was given up",
+        "Explorable area left uncovered",
         "m2",
         lambda m: math.fsum(m.given_up_m2.values()),
     ),

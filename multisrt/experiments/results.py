@@ -114,7 +114,7 @@ class Result(msgspec.Struct, frozen=True, kw_only=True):
         if m.collisions > 0:
             return f"collided: {self.reason}"
         by_reason = ", ".join(f"{area:.1f} m2 {why}" for why, area in m.given_up_m2.items())
-        left = f"; given up: {by_reason}" if by_reason else ""
+        left = f"; left: {by_reason}" if by_reason else ""
         return f"covered {100 * m.coverage:.1f} %, seen {100 * m.seen:.1f} %{left}; {self.reason}"
 
     def to_horizon(self, horizon_s: float) -> Result:

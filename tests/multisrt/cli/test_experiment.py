@@ -14,6 +14,8 @@ from typing import Any
 
 import pytest
 
+import multisrt as ms
+from multisrt.analysis.metrics import Metrics
 from multisrt.cli.experiment_check import MAX_ROWS
 from multisrt.experiments import runner, template, worker
 from multisrt.experiments.crossing import runs
@@ -52,9 +54,18 @@ def call(call: Call) -> Call:
     return partial(call, "experiment")
 
 
+@pytest.fixture(scope="module")
+def measured() -> Metrics:
+    """Metrics of a run that is a success."""
+    return ms.explore("open", strategy="closest").metrics
+
+
 @pytest.fixture
-def fake_runs(monkeypatch) -> dict[str, Any]:
-    """Simulate nothing: results have the status that is set here for their repetition."""
+def fake_runs(monkeypatch, measured) -> dict[str, Any]:
+    """Simulate nothing: results have the status that is set here for their repetition.
+
+    Complete runs are a success, the others were not measured.
+    """
     said: dict[str, Any] = {"status": {}, "stop": None, "lost": None, "calls": []}
 
     def run_experiment(store, *, workers, cluster, modules, progress):
@@ -64,7 +75,9 @@ def fake_runs(monkeypatch) -> dict[str, Any]:
                 raise InvalidInputError("the cluster is lost")
             if number == said["stop"]:
                 raise KeyboardInterrupt
-            store.add(result_of(run, said["status"].get(run.repetition, "complete")))
+            status = said["status"].get(run.repetition, "complete")
+            metrics = measured if status == "complete" else None
+            store.add(result_of(run, status, metrics=metrics))
 
     monkeypatch.setattr(runner, "run_experiment", run_experiment)
     return said
@@ -264,8 +277,8 @@ def test_run_stores_results_and_prints_them(call, folder, monkeypatch):
     monkeypatch.setattr(runner, "run_experiment", run_experiment)
     code, out, err = call("run", "small.toml")
     assert (code, err) == (0, "")
-    assert out.startswith("small: 8 of 8 runs complete, in small.sqlite\n")
-    assert "Exploration time (s)" in out
+    assert out.startswith("small: 8 of 8 runs are a success (8 complete), in small.sqlite\n")
+    assert all(head in out for head in ("success", "95 % (s)", "known (s)", "home (s)"))
     assert "srt-radial" in out
     assert out.endswith("next: multisrt report small.sqlite --out small-report\n")
     code, out, _ = call("export", "small.sqlite", "small.csv")
@@ -277,7 +290,7 @@ def test_incomplete_runs_are_exit_code_3(call, folder, fake_runs):
     fake_runs["status"] = {1: "crashed"}
     code, out, err = call("run", "small.toml", "--store", "r.sqlite", "--workers", "3")
     assert (code, err) == (3, "")
-    assert out.startswith("small: 4 of 8 runs complete, in r.sqlite\n")
+    assert out.startswith("small: 4 of 8 runs are a success (4 complete, 4 crashed), in r.sqlite\n")
     assert out.count("repetition 1: no reason") == 4
     assert "--retry repeats runs that failed without a result" in out
     assert fake_runs["calls"] == [{"workers": 3, "cluster": None, "modules": ()}]
@@ -286,7 +299,7 @@ def test_incomplete_runs_are_exit_code_3(call, folder, fake_runs):
     assert call("run", "small.toml", "--store", "r.sqlite", "--quiet") == (3, "", "")
     code, out, _ = call("run", "small.toml", "--store", "r.sqlite", "--retry")
     assert code == 0
-    assert "8 of 8 runs complete" in out
+    assert "8 of 8 runs are a success" in out
 
 
 def test_an_interrupted_run_reports_and_continues(call, folder, fake_runs):

@@ -349,7 +349,7 @@ def test_failures_come_with_a_spec_that_repeats_them(report, real):
     assert f"multisrt explore --spec failures/{path.name} --out again" in page.text
     assert "robot 0 sees 3.5 m of frontier" in page.text
     assert "covered 80.0 %" in page.text
-    assert "given up: 12.5 m2 too narrow" in page.text
+    assert "left: 12.5 m2 too narrow" in page.text
     spec = RunSpec.from_toml(path.read_text())
     assert tomllib.loads(path.read_text())["strategy"] == "closest"
     assert ms.explore(spec).digest == real.results[1].digest

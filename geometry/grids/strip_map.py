@@ -1,11 +1,10 @@
-"""Areas that regions cover together, on horizontal strips.
+"""Areas that regions cover together, on thin parallel strips.
 
-The plane is cut into thin horizontal strips. Along the middle of each strip regions are intervals
-with exact ends, so that their unions, differences and overlaps are exact there; the area of an
-interval is its length times the height of its strip. That is the area itself, to rounding, where
-the borders of regions run straight through the strip. Strips have borders at given levels, those
-of horizontal walls; corners elsewhere are wrong by less than the square of a strip's height, and
-mostly cancel each other.
+Along the middle of each strip regions are intervals with exact ends, so that their unions,
+differences and overlaps are exact there; the area of an interval is its length times the height
+of its strip. That is the area itself, to rounding, where the borders of regions run straight
+through the strip. Where they have corners within it, it is wrong by about the square of its
+height, one way or the other.
 
 Unlike unions of polygons, intervals know no degenerate cases: walls that many regions share are
 shared ends.
@@ -13,11 +12,14 @@ shared ends.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+import math
+from collections.abc import Sequence
 from typing import Final, NamedTuple, TypeVar
 
 import numpy as np
+import shapely
 from numpy.typing import ArrayLike, NDArray
+from shapely import Polygon
 
 from multisrt.geometry.numerics.kernel import FloatArray, IntArray, inlined_kernel, kernel
 
@@ -32,52 +34,64 @@ Number = TypeVar("Number", bound=np.generic)
 
 
 class Strips(NamedTuple):
-    """A cut of the plane into horizontal strips, from the lowest to the highest.
+    """A cut of a part of the plane into parallel strips.
 
     Attributes
     ----------
     middles : (n,) array
-        y of the middle of each strip in metres, ascending.
+        Distance of the middle of each strip from the line through the origin along the strips,
+        in metres, ascending.
     heights : (n,) array
         Height of each strip in metres.
+    tilt_rad : float
+        Direction of the strips; 0: along the x axis.
     """
 
     middles: FloatArray
     heights: FloatArray
+    tilt_rad: float = 0.0
+
+    def frame(self, points: FloatArray) -> FloatArray:
+        """Return points ``(n, 2)`` with their coordinates along and across the strips."""
+        cos, sin = math.cos(self.tilt_rad), math.sin(self.tilt_rad)
+        return points @ np.array([[cos, -sin], [sin, cos]])
 
 
-def strips(low: float, high: float, height_m: float, levels: ArrayLike = ()) -> Strips:
-    """Return strips between two heights.
+def strips(edges: FloatArray, height_m: float, tilt_rad: float = 0.0) -> Strips:
+    """Return strips over a world, with borders at its walls that run along them.
 
     Parameters
     ----------
-    low, high : float
-        y of the lowest and of the highest border in metres.
+    edges : (n, 4) array
+        x0, y0, x1, y1 of every wall in metres.
     height_m : float
         Upper bound of the height of a strip in metres.
-    levels : (k,) array_like
-        y of further borders in metres; those not between the two are left out.
+    tilt_rad : float
+        Direction of the strips. Borders of regions that run along a strip without being walls are
+        wrong by up to half of its height; few do so at an odd angle.
 
     Returns
     -------
     Strips
-        Between two neighbouring borders all strips have equal heights.
+        From the lowest to the highest corner.
 
     Examples
     --------
-    >>> cut = strips(0.0, 1.0, 0.3, levels=[0.5, 7.0])
+    >>> room = np.array([(0, 0, 4, 0), (4, 0, 4, 1), (4, 1, 0, 1), (0, 1, 0, 0)], float)
+    >>> cut = strips(room, 0.3)
     >>> cut.middles.tolist(), cut.heights.tolist()
     ([0.125, 0.375, 0.625, 0.875], [0.25, 0.25, 0.25, 0.25])
     """
-    inner = np.unique(np.asarray(levels, np.float64))
-    inner = inner[(inner > low) & (inner < high)]
-    borders = np.concatenate([[low], inner, [high]])
+    flat = Strips(np.empty(0), np.empty(0), tilt_rad)
+    across = flat.frame(np.asarray(edges, np.float64).reshape(-1, 2))[:, 1].reshape(-1, 2)
+    along = np.abs(across[:, 0] - across[:, 1]) < height_m
+    borders = np.unique([across.min(), across.max(), *across[along].ravel()])
     gaps = np.diff(borders)
     counts = np.maximum(1, np.ceil(gaps / height_m)).astype(np.int64)
     heights = np.repeat(gaps / counts, counts)
     first = np.repeat(np.cumsum(counts) - counts, counts)
     middles = np.repeat(borders[:-1], counts) + (np.arange(len(first)) - first + 0.5) * heights
-    return Strips(middles, heights)
+    return Strips(middles, heights, tilt_rad)
 
 
 class _Part(NamedTuple):
@@ -97,7 +111,7 @@ class Runs(NamedTuple):
     strip : (m,) array of int
         The strip of each interval.
     begin, end : (m,) array
-        x of its ends in metres.
+        Its ends: distance along the strips in metres.
     """
 
     starts: IntArray
@@ -114,30 +128,32 @@ def runs_of(cut: Strips, regions: Sequence[FloatArray]) -> Runs:
     cut : Strips
         The strips.
     regions : sequence of (k, 2) array
-        Corners of each region in metres; the last is joined to the first.
+        Corners of each region in metres; the last is joined to the first. A region without
+        corners has no intervals.
 
     Returns
     -------
     Runs
-        In the order of the regions, by strip, from left to right.
+        In the order of the regions, by strip, each from its begin to its end.
 
     Examples
     --------
     >>> triangle = np.array([(0.0, 0.0), (2.0, 0.0), (0.0, 2.0)])
-    >>> runs = runs_of(strips(0.0, 2.0, 1.0), [triangle])
+    >>> walls = np.hstack([triangle, np.roll(triangle, -1, axis=0)])
+    >>> runs = runs_of(strips(walls, 1.0), [triangle])
     >>> runs.strip.tolist(), runs.begin.tolist(), runs.end.tolist()
     ([0, 1], [0.0, 0.0], [1.5, 0.5])
     """
     sizes = [len(region) for region in regions]
-    corners = np.concatenate(regions) if sizes else np.empty((0, 2))
+    corners = cut.frame(np.concatenate(regions)) if sizes else np.empty((0, 2))
     return Runs(*_runs(corners, np.cumsum([0, *sizes]), cut.middles))
 
 
-def runs_of_polygon(cut: Strips, rings: Iterable[FloatArray]) -> Runs:
-    """Return the intervals of one polygon with holes, given by all of its rings, on strips."""
-    parts = [np.asarray(ring, np.float64) for ring in rings]
-    starts = np.cumsum([0, *map(len, parts)])
-    return Runs(*_runs_of_rings(np.concatenate(parts), starts, cut.middles))
+def runs_of_polygon(cut: Strips, polygon: Polygon) -> Runs:
+    """Return the intervals of a polygon with holes on strips, as one region."""
+    rings = [shapely.get_coordinates(r)[:-1] for r in (polygon.exterior, *polygon.interiors)]
+    starts = np.cumsum([0, *map(len, rings)])
+    return Runs(*_runs_of_rings(cut.frame(np.concatenate(rings)), starts, cut.middles))
 
 
 class StripMap:
@@ -161,7 +177,7 @@ class StripMap:
     --------
     Two squares of 2 x 2 m that overlap by 1 x 1 m; what lies in both gets label 2:
 
-    >>> cut = strips(0.0, 3.0, 0.5)
+    >>> cut = strips(np.array([(0.0, 0.0, 0.0, 3.0)]), 0.5)
     >>> square = np.array([(0.0, 0.0), (2.0, 0.0), (2.0, 2.0), (0.0, 2.0)])
     >>> plane = StripMap(cut, 3)
     >>> history = plane.relabel(runs_of(cut, [square, square + 1.0]), [[1, 2, 2]])
@@ -177,15 +193,36 @@ class StripMap:
         self._begins: FloatArray = np.full((rows, 8), -np.inf)
         self._labels: Labels = np.zeros((rows, 8), np.int16)
 
-    def copy(self, labels: int | None = None) -> StripMap:
-        """Return an independent copy, for a larger number of labels if one is given."""
-        twin = StripMap.__new__(StripMap)
-        twin.cut = self.cut
-        twin.areas_m2 = np.zeros(len(self.areas_m2) if labels is None else labels)
-        twin.areas_m2[: len(self.areas_m2)] = self.areas_m2
-        twin._counts = self._counts.copy()
-        twin._begins = self._begins.copy()
+    def copy(self) -> StripMap:
+        """Return an independent copy."""
+        labels = len(self.areas_m2)
+        return self.mapped(np.arange(labels), labels)
+
+    def mapped(self, table: ArrayLike, labels: int) -> StripMap:
+        """Return an independent copy with other labels everywhere.
+
+        Parameters
+        ----------
+        table : (old labels,) array_like of int
+            The new label of every old one; that of `OUTSIDE` is `OUTSIDE`.
+        labels : int
+            Number of new labels.
+
+        Examples
+        --------
+        >>> cut = strips(np.array([(0.0, 0.0, 0.0, 3.0)]), 0.5)
+        >>> plane = StripMap(cut, 3)
+        >>> square = np.array([(0.0, 0.0), (2.0, 0.0), (2.0, 2.0), (0.0, 2.0)])
+        >>> _ = plane.relabel(runs_of(cut, [square, square + 1.0]), [[1, 2, 2]])
+        >>> float(plane.mapped([OUTSIDE, 1, 1], 2).areas_m2[1])
+        7.0
+        """
+        new = np.asarray(table, np.int16)
+        twin = StripMap(self.cut, labels)
+        np.add.at(twin.areas_m2, new, self.areas_m2)
+        twin._counts, twin._begins = self._counts.copy(), self._begins.copy()
         twin._labels = self._labels.copy()
+        _map(twin._counts, twin._begins, twin._labels, new)
         return twin
 
     def relabel(
@@ -296,7 +333,7 @@ def _crossings(
     corners: FloatArray, rings: IntArray, middles: FloatArray
 ) -> tuple[int, IntArray, FloatArray]:
     # Where the middles of strips cross rings: the first strip, and for those from there on where
-    # its crossings begin, sorted by x.
+    # its crossings begin, sorted.
     if corners.shape[0] == 0:
         return 0, np.zeros(1, np.int64), np.empty(0)
     low = np.searchsorted(middles, corners[:, 1].min())
@@ -435,6 +472,19 @@ def _spliced(line: _Part, count: int, cut: tuple[int, int], part: _Part, n: int)
         line.begins[first + k - skip] = part.begins[k]
         line.labels[first + k - skip] = part.labels[k]
     return count + shift
+
+
+@kernel
+def _map(counts: IntArray, begins: FloatArray, labels: Labels, table: Labels) -> None:
+    # Gives all intervals new labels, and joins neighbours of one label.
+    for row in range(counts.shape[0]):
+        n = 0
+        for k in range(counts[row]):
+            label = table[labels[row, k]]
+            if n == 0 or labels[row, n - 1] != label:
+                begins[row, n], labels[row, n] = begins[row, k], label
+                n += 1
+        counts[row] = n
 
 
 @kernel

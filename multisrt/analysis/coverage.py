@@ -16,10 +16,10 @@ import numpy as np
 
 from multisrt.analysis.evidence import Evidence
 from multisrt.analysis.explorable import EXPLORABLE
-from multisrt.analysis.owners import label_count, of_several, owner_tables
+from multisrt.analysis.owners import label_count, owner_tables
 from multisrt.events import Died, MapComplete, NodeAdded, Sensed
 from multisrt.geometry.grids.strip_map import OUTSIDE, StripMap
-from multisrt.geometry.numerics.kernel import FloatArray
+from multisrt.geometry.numerics.kernel import FloatArray, IntArray
 
 SEEN: Final = 2
 """The label of what was seen and is not covered."""
@@ -33,10 +33,12 @@ COVERED: Final = 4
 SEE, CLAIM, COVER = range(3)
 """The tables by which a scan, a node, and a scan of a robot without nodes change labels."""
 
-TABLES: Final = (
-    (OUTSIDE, SEEN, SEEN, COVERED, COVERED),
-    (OUTSIDE, CLAIMED, COVERED, CLAIMED, COVERED),
-    (OUTSIDE, COVERED, COVERED, COVERED, COVERED),
+TABLES: Final = np.array(
+    [
+        [OUTSIDE, SEEN, SEEN, COVERED, COVERED],
+        [OUTSIDE, CLAIMED, COVERED, CLAIMED, COVERED],
+        [OUTSIDE, COVERED, COVERED, COVERED, COVERED],
+    ]
 )
 
 KNOWN_SHARE: Final = 0.99
@@ -59,6 +61,8 @@ class Coverage:
         When a scan was taken or a node was noted, ascending.
     seen_m2, covered_m2 : (n,) array
         Area seen and covered from then on; they never fall.
+    overlap_m2 : float
+        Area that at least two robots saw.
     plane : StripMap
         What was seen and covered in the end, with the labels of this module.
     """
@@ -67,6 +71,7 @@ class Coverage:
     times_s: FloatArray
     seen_m2: FloatArray
     covered_m2: FloatArray
+    overlap_m2: float
     plane: StripMap
 
     @property
@@ -118,35 +123,58 @@ def coverage(proof: Evidence) -> Coverage:
     Coverage
         Covered lies in seen, and seen in what is explorable.
     """
-    plane = proof.explorable.plane.copy(labels=len(TABLES[SEE]))
+    robots = len(proof.recording.spec.robots)
     times: list[float] = []
     regions: list[int] = []
-    tables: list[int] = []
+    # What happened (SEE, CLAIM or COVER), and who saw (-1: nobody).
+    what: list[int] = []
+    who: list[int] = []
     scans = 0
     for event in proof.recording.events:
         match event:
             case Sensed():
-                region, table = scans, SEE if event.robot in proof.with_nodes else COVER
+                regions.append(scans)
+                what.append(SEE if event.robot in proof.with_nodes else COVER)
+                who.append(event.robot)
                 scans += 1
             case NodeAdded():
-                region, table = proof.nodes[event.robot, event.serial], CLAIM
+                region = proof.nodes[event.robot, event.serial]
                 if regions and regions[-1] == region and times[-1] == event.time_s:
-                    # The scan at once became a node.
-                    tables[-1] = COVER
+                    # The scan became a node at once.
+                    what[-1] = COVER
                     continue
+                regions.append(region)
+                what.append(CLAIM)
+                who.append(-1)
             case _:
                 continue
         times.append(event.time_s)
-        regions.append(region)
-        tables.append(table)
-    history = plane.relabel(proof.runs, TABLES, regions, tables)
+    states, owners = TABLES.shape[1], label_count(robots) - 1
+    plane = proof.explorable.plane.mapped([OUTSIDE, EXPLORABLE * owners], states * owners)
+    which = np.array(what, np.int64) * (robots + 2) + np.array(who, np.int64) + 1
+    history = plane.relabel(proof.runs, _tables(robots), regions, which)
+    by_state = history.reshape(-1, states, owners).sum(axis=2)
+    in_the_end = plane.areas_m2.reshape(states, owners)
     return Coverage(
         explorable_m2=proof.explorable.area_m2,
         times_s=np.array(times, np.float64),
-        seen_m2=history[:, SEEN] + history[:, COVERED],
-        covered_m2=history[:, COVERED],
-        plane=plane,
+        seen_m2=by_state[:, SEEN] + by_state[:, COVERED],
+        covered_m2=by_state[:, COVERED],
+        overlap_m2=float(in_the_end[EXPLORABLE:, -1].sum()),
+        plane=plane.mapped(np.repeat(np.arange(states), owners), states),
     )
+
+
+def _tables(robots: int) -> IntArray:
+    # A label says both what is covered and who saw it: state * owners + owner. One table for each
+    # thing that happens, and in it for nobody and for each robot that sees.
+    sees = owner_tables(robots)[:, EXPLORABLE:] - EXPLORABLE
+    owners = sees.shape[1]
+    sees = np.vstack([np.arange(owners), sees])
+    tables = TABLES[:, None, :, None] * owners + sees[None, :, None, :]
+    tables[:, :, OUTSIDE] = OUTSIDE
+    flat: IntArray = tables.reshape(len(TABLES) * len(sees), -1)
+    return flat
 
 
 def known_complete_s(proof: Evidence, covered: Coverage) -> float | None:
@@ -160,7 +188,8 @@ def known_complete_s(proof: Evidence, covered: Coverage) -> float | None:
         # No robot knows more than all of them together.
         if covered.covered_by_m2(claim.time_s) >= needed_m2:
             known = proof.known_to(claim.robot, claim.time_s)
-            if known_area_m2(proof, covered, sorted(known)) >= needed_m2:
+            everything = proof.known_to_any(claim.time_s)
+            if known == everything or known_area_m2(proof, covered, sorted(known)) >= needed_m2:
                 return claim.time_s
     return None
 
@@ -174,54 +203,21 @@ def known_area_m2(proof: Evidence, covered: Coverage, regions: Iterable[int]) ->
 
 def seen_plane(covered: Coverage, labels: int) -> StripMap:
     """Return a plane on which what was seen in the end has the label `EXPLORABLE`."""
-    plane = StripMap(covered.plane.cut, labels)
-    table = [[EXPLORABLE] * labels]
-    for label in (SEEN, COVERED):
-        plane.relabel(covered.plane.runs(label), table)
-    return plane
+    table = [OUTSIDE, OUTSIDE, EXPLORABLE, OUTSIDE, EXPLORABLE]
+    return covered.plane.mapped(table, labels)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class TeamAreas:
-    """Parts of the explorable area that were seen twice, or lost.
+def lost_areas_m2(proof: Evidence, covered: Coverage) -> tuple[float, tuple[float, ...]]:
+    """Return the area lost with robots that died, in square metres.
 
-    Attributes
-    ----------
-    overlap_m2 : float
-        Area that at least two robots saw.
+    Returns
+    -------
     lost_m2 : float
         Area that robots saw which died, and that no survivor saw or knows at the end.
-    lost_by_robot_m2 : tuple of float
-        The part of the lost area that each robot saw; 0 for survivors. Area that two of the dead
-        saw counts for both.
+    by_robot_m2 : tuple of float
+        The part of it that each robot saw; 0 for survivors. Area that two of the dead saw counts
+        for both.
     """
-
-    overlap_m2: float
-    lost_m2: float
-    lost_by_robot_m2: tuple[float, ...]
-
-
-def team_areas(proof: Evidence, covered: Coverage) -> TeamAreas:
-    """Measure the areas that were seen twice, and those lost with robots that died."""
-    robots = len(proof.recording.spec.robots)
-    lost_m2, lost_by_robot_m2 = _lost(proof, covered)
-    return TeamAreas(
-        overlap_m2=_overlap_m2(proof, covered) if robots > 1 else 0.0,
-        lost_m2=lost_m2,
-        lost_by_robot_m2=lost_by_robot_m2,
-    )
-
-
-def _overlap_m2(proof: Evidence, covered: Coverage) -> float:
-    robots = len(proof.recording.spec.robots)
-    plane = seen_plane(covered, label_count(robots))
-    by = [scan.robot for scan in proof.recording.of(Sensed)]
-    plane.relabel(proof.runs, owner_tables(robots), np.arange(len(by)), by)
-    return of_several(plane.areas_m2)
-
-
-def _lost(proof: Evidence, covered: Coverage) -> tuple[float, tuple[float, ...]]:
-    # What was lost with all of the dead, and with each robot, in square metres.
     robots = range(len(proof.recording.spec.robots))
     dead = {event.robot for event in proof.recording.of(Died)}
     if not dead:

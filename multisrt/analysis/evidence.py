@@ -8,7 +8,6 @@ own scans.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
@@ -19,23 +18,9 @@ from multisrt.events import Died, Learned, NodeAdded, NodeName, Sensed
 from multisrt.geometry.grids.strip_map import Runs, runs_of
 from multisrt.recording import Recording
 
-
-class Learning(NamedTuple):
-    """A robot came to know a region.
-
-    Attributes
-    ----------
-    time_s : float
-        When.
-    robot : int
-        Who.
-    region : int or None
-        The number of the region; None: the robot died, and knows nothing any more.
-    """
-
-    time_s: float
-    robot: int
-    region: int | None
+Learning = tuple[float, int, int | None]
+"""A robot came to know a region: time (s), robot, number of the region; instead of a region None
+if the robot died, and knows nothing any more."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -74,9 +59,17 @@ class Evidence:
     def known_to(self, robot: int, until_s: float) -> set[int]:
         """Return the numbers of the regions that a robot has come to know by a time (s)."""
         return {
-            news.region
-            for news in self.knowledge
-            if news.robot == robot and news.region is not None and news.time_s <= until_s
+            region
+            for time_s, who, region in self.knowledge
+            if who == robot and region is not None and time_s <= until_s
+        }
+
+    def known_to_any(self, until_s: float) -> set[int]:
+        """Return the numbers of the regions that any robot has come to know by a time (s)."""
+        return {
+            region
+            for time_s, _, region in self.knowledge
+            if region is not None and time_s <= until_s
         }
 
 
@@ -108,7 +101,7 @@ def evidence(recording: Recording, environment: Environment, what: Explorable) -
             case Sensed():
                 last_scan[event.robot] = scans
                 if event.robot not in with_nodes:
-                    knowledge.append(Learning(event.time_s, event.robot, scans))
+                    knowledge.append((event.time_s, event.robot, scans))
                 scans += 1
             case NodeAdded():
                 region = recording.region(event)
@@ -118,12 +111,11 @@ def evidence(recording: Recording, environment: Environment, what: Explorable) -
                     number = len(regions)
                     regions.append(region)
                 nodes[event.robot, event.serial] = number
-                knowledge.append(Learning(event.time_s, event.robot, number))
+                knowledge.append((event.time_s, event.robot, number))
             case Learned():
-                news = (Learning(event.time_s, event.robot, nodes[name]) for name in event.nodes)
-                knowledge.extend(news)
+                knowledge += [(event.time_s, event.robot, nodes[name]) for name in event.nodes]
             case Died():
-                knowledge.append(Learning(event.time_s, event.robot, None))
+                knowledge.append((event.time_s, event.robot, None))
     return Evidence(
         recording=recording,
         explorable=what,

@@ -7,7 +7,7 @@ part of the task. The task of a team is what any of its robots can see, includin
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -33,11 +33,14 @@ from multisrt.geometry.regions.edge_index import EdgeIndex
 from multisrt.geometry.regions.visibility import visibility_polygons
 from multisrt.spec import RunSpec
 
-MAX_STRIP_M = 0.05
+MAX_STRIP_M = 0.04
 """Upper bound of the height of the strips on which areas are measured, in metres."""
 
-MIN_STRIPS = 400
+MIN_STRIPS = 250
 """Lower bound of the number of strips."""
+
+TILT_RAD = 0.19
+"""Direction of the strips: not that of the walls of most worlds, nor that of the cones of stars."""
 
 SPACING_M = 0.05
 """Largest distance between neighbouring viewpoints on the border of what a body can reach, in
@@ -159,16 +162,13 @@ def _explorable_from(
 
 @lru_cache(maxsize=16)
 def _strips_of(environment: Environment, component: Polygon) -> Strips:
-    # Strips between the levels of all walls that are horizontal, or nearly so, with heights
-    # scaled such that the area of the component is exact.
-    _, low, _, high = environment.bounds
-    height_m = min(MAX_STRIP_M, (high - low) / MIN_STRIPS)
-    edges = environment.edges
-    level = np.abs(edges[:, 1] - edges[:, 3]) < height_m
-    cut = strips(low, high, height_m, edges[level][:, [1, 3]].ravel())
-    runs = runs_of_polygon(cut, _rings(component))
+    # Strips with heights scaled such that the area of the component is exact.
+    x0, y0, x1, y1 = environment.bounds
+    height_m = min(MAX_STRIP_M, max(x1 - x0, y1 - y0) / MIN_STRIPS)
+    cut = strips(environment.edges, height_m, TILT_RAD)
+    runs = runs_of_polygon(cut, component)
     measured = float(((runs.end - runs.begin) * cut.heights[runs.strip]).sum())
-    return Strips(cut.middles, cut.heights * (component.area / measured))
+    return cut._replace(heights=cut.heights * (component.area / measured))
 
 
 @lru_cache(maxsize=16)
@@ -176,9 +176,9 @@ def _seen_from(environment: Environment, places: _Places, range_m: float) -> Run
     unseen, seen = 1, 2
     cut = _strips_of(environment, places.component)
     plane = StripMap(cut, 3)
-    plane.relabel(runs_of_polygon(cut, _rings(places.component)), [[unseen, unseen, seen]])
+    plane.relabel(runs_of_polygon(cut, places.component), [[unseen, unseen, seen]])
     see = [[OUTSIDE, seen, seen]]
-    plane.relabel(runs_of_polygon(cut, _rings(places.reachable)), see)
+    plane.relabel(runs_of_polygon(cut, places.reachable), see)
     # A point outside of the reachable area is seen across its border, and so from a point of the
     # border, which is nearer.
     index = EdgeIndex(environment.edges, range_m / 3.0)
@@ -205,11 +205,6 @@ def _near_unseen(plane: StripMap, unseen: int, viewpoints: FloatArray, range_m: 
     x = runs.begin[which] + step * (lengths[which] / (count[which] - 1))
     y = plane.cut.middles[runs.strip[which]]
     distance, _ = KDTree(np.column_stack([x, y])).query(
-        viewpoints, distance_upper_bound=range_m + SAMPLE_M
+        plane.cut.frame(viewpoints), distance_upper_bound=range_m + SAMPLE_M
     )
     return np.isfinite(distance)
-
-
-def _rings(polygon: Polygon) -> Iterable[FloatArray]:
-    for ring in (polygon.exterior, *polygon.interiors):
-        yield shapely.get_coordinates(ring)[:-1]

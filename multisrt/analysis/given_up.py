@@ -9,7 +9,7 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from multisrt.analysis.coverage import COVERED, Coverage
+from multisrt.analysis.coverage import Coverage
 from multisrt.analysis.evidence import Evidence
 from multisrt.analysis.explorable import EXPLORABLE
 from multisrt.analysis.remaining_frontier import remaining_frontier
@@ -50,8 +50,7 @@ def given_up_m2(proof: Evidence, covered: Coverage) -> dict[str, float]:
         By the reasons of `multisrt.events.ArcClosed`, `LEFT_OPEN` and `NO_FRONTIER`; their sum is
         all that was not covered. Sorted by reason; areas of rounding are left out.
     """
-    plane = proof.explorable.plane.copy(labels=3)
-    plane.relabel(covered.plane.runs(COVERED), [[OUTSIDE, 2, 2]])
+    plane = covered.plane.mapped([OUTSIDE, EXPLORABLE, EXPLORABLE, EXPLORABLE, OUTSIDE], 2)
     left = plane.runs(EXPLORABLE)
     if not len(left.strip):
         return {}
@@ -89,7 +88,7 @@ def _parts(left: Runs) -> IntArray:
 @kernel
 def _touching(strip: IntArray, begin: FloatArray, end: FloatArray) -> IntArray:
     # The pairs of intervals in neighbouring strips that overlap; intervals are sorted by strip,
-    # then by x.
+    # then along it.
     n = strip.shape[0]
     pairs = np.empty((2 * n, 2), np.int64)
     count, below = 0, 0
@@ -130,15 +129,15 @@ def _lengths_by_part(
     part = parts_at(at, left, parts, cut)
     inside = part >= 0
     weights = (lengths / count)[which][inside]
-    by_part: FloatArray = np.bincount(part[inside], weights, minlength=int(parts.max()) + 1)
-    return by_part
+    return np.bincount(part[inside], weights, minlength=int(parts.max()) + 1).astype(np.float64)
 
 
 def parts_at(points: FloatArray, left: Runs, parts: IntArray, cut: Strips) -> IntArray:
     """Return the number of the part in which each point lies, ``(n,)``; -1 where in none."""
-    borders = cut.middles + cut.heights / 2.0
+    points = cut.frame(points)
+    borders = (cut.middles[1:] + cut.middles[:-1]) / 2.0
     strip = np.searchsorted(borders, points[:, 1])
-    # Intervals are sorted by strip, then by x: one number sorts them alike.
+    # Intervals are sorted by strip, then along it: one number sorts them alike.
     low = min(float(left.begin.min()), float(points[:, 0].min()))
     width = max(float(left.end.max()), float(points[:, 0].max())) - low + 1.0
     order = left.strip * width + (left.begin - low)

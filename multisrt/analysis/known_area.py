@@ -98,6 +98,7 @@ class _Ledger:
         self._known_by: dict[int, set[int]] = defaultdict(set)
         # What has been learned since the plane was last up to date: times, regions, tables.
         self._news: list[tuple[float, int, int]] = []
+        self._latest: dict[int, int] = {}
         self._settled_s = 0.0
         self.alone_m2: FloatArray = np.zeros(robots)
         self.integral_m2s: FloatArray = np.zeros(robots)
@@ -105,9 +106,17 @@ class _Ledger:
     def learn(self, robot: int, region: int, time_s: float) -> None:
         """Add a region to the knowledge of a robot."""
         known_by = self._known_by[region]
-        # What several robots know already does not change.
-        if len(known_by) < 2 and robot not in known_by:
-            self._news.append((time_s, region, self._robots if known_by else robot))
+        if not known_by:
+            self._latest[region] = len(self._news)
+            self._news.append((time_s, region, robot))
+        elif len(known_by) == 1 and robot not in known_by:
+            to_several = (time_s, region, self._robots)
+            latest = self._latest.get(region, len(self._news))
+            if latest < len(self._news) and self._news[latest][0] == time_s:
+                # Shared as soon as it was known.
+                self._news[latest] = to_several
+            else:
+                self._news.append(to_several)
         known_by.add(robot)
 
     def forget(self, robot: int, time_s: float) -> None:
@@ -131,3 +140,4 @@ class _Ledger:
         self.alone_m2 = alone[-1]
         self._settled_s = until_s
         self._news.clear()
+        self._latest.clear()

@@ -21,7 +21,7 @@ from multisrt.analysis.coverage import (
     Coverage,
     coverage,
     known_complete_s,
-    team_areas,
+    lost_areas_m2,
 )
 from multisrt.analysis.evidence import Evidence, evidence
 from multisrt.analysis.explorable import Explorable, explorable, viewers
@@ -479,7 +479,7 @@ def _area(
     proof: Evidence, covered: Coverage, environment: Environment, horizon_s: float
 ) -> dict[str, Any]:
     explorable_m2 = proof.explorable.area_m2
-    areas = team_areas(proof, covered)
+    lost_m2, lost_by_robot_m2 = lost_areas_m2(proof, covered)
     left = [s for segments in remaining_frontier(proof.recording).values() for s in segments]
     seen_m2 = covered.seen * explorable_m2
     return {
@@ -492,10 +492,10 @@ def _area(
         "seen_area_m2": seen_m2,
         "unseen_m2": explorable_m2 - seen_m2,
         "given_up_m2": given_up_m2(proof, covered),
-        "overlap_area_m2": areas.overlap_m2,
-        "overlap_share": min(1.0, areas.overlap_m2 / seen_m2) if seen_m2 else 0.0,
-        "lost_area_m2": areas.lost_m2,
-        "lost_area_by_robot_m2": areas.lost_by_robot_m2,
+        "overlap_area_m2": covered.overlap_m2,
+        "overlap_share": min(1.0, covered.overlap_m2 / seen_m2) if seen_m2 else 0.0,
+        "lost_area_m2": lost_m2,
+        "lost_area_by_robot_m2": lost_by_robot_m2,
         "frontier_left_m": math.fsum(math.hypot(x1 - x0, y1 - y0) for x0, y0, x1, y1 in left),
     }
 

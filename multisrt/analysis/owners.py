@@ -47,8 +47,3 @@ def owner_tables(robots: int) -> IntArray:
 def of_one(areas_m2: FloatArray) -> FloatArray:
     """Return the areas that belong to each robot alone, from those of all labels."""
     return areas_m2[..., 2:-1]
-
-
-def of_several(areas_m2: FloatArray) -> float:
-    """Return the area that belongs to several robots, from those of all labels."""
-    return float(areas_m2[-1])

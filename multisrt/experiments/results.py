@@ -113,7 +113,8 @@ class Result(msgspec.Struct, frozen=True, kw_only=True):
             return self.reason
         if m.collisions > 0:
             return f"collided: {self.reason}"
-        by_reason = ", ".join(f"{area:.1f} m2 {why}" for why, area in m.given_up_m2.items())
+        areas = {why: f"{area:.1f} m2" for why, area in m.given_up_m2.items()}
+        by_reason = ", ".join(f"{area} {why}" for why, area in areas.items() if area != "0.0 m2")
         left = f"; left: {by_reason}" if by_reason else ""
         return f"covered {100 * m.coverage:.1f} %, seen {100 * m.seen:.1f} %{left}; {self.reason}"
 

@@ -11,8 +11,8 @@ from multisrt.reporting.layout import Cell, Table, number
 from multisrt.reporting.study import Comparison, Study
 from multisrt.reporting.tables import labels
 from multisrt.reporting.words import (
-    CONSTANTS_NOTE,
     INFINITY_NOTE,
+    constants_note,
     significance_note,
     success_words,
 )
@@ -108,8 +108,8 @@ def _notes(study: Study, main: Measure, rows: Sequence[Sequence[Cell]]) -> tuple
     ]
     if any(found.kind != "none" for found in study.comparisons(main)):
         notes.append(significance_note(study, main))
-    if any("(1 run)" in cell.line for row in rows for cell in row):
-        notes.append(CONSTANTS_NOTE)
+    if study.has_constants:
+        notes.append(constants_note(study))
     if any("∞" in cell.line for row in rows for cell in row):
         notes.append(INFINITY_NOTE)
     return tuple(notes)

@@ -15,8 +15,8 @@ from multisrt.geometry.errors import InvalidInputError
 from multisrt.reporting.layout import Cell, Table, number, slug
 from multisrt.reporting.study import SEED, Comparison, Study, team_name
 from multisrt.reporting.words import (
-    CONSTANTS_NOTE,
     INFINITY_NOTE,
+    constants_note,
     horizon_note,
     significance_note,
     success_words,
@@ -102,7 +102,7 @@ def measure_table(study: Study, measure: Measure) -> Table:
     if any(c.kind != "none" for c in compared.values()):
         notes.append(significance_note(study, measure))
     if study.has_constants:
-        notes.append(CONSTANTS_NOTE)
+        notes.append(constants_note(study))
     if any("∞" in cell.line for row in rows for cell in row):
         notes.append(INFINITY_NOTE)
     return Table(
@@ -147,7 +147,7 @@ def success_table(study: Study) -> Table:
         "all of them were complete."
     ]
     if study.has_constants:
-        notes.append(CONSTANTS_NOTE)
+        notes.append(constants_note(study))
     return Table(
         name="success-rates",
         title=f"Runs that are a success: {success_words(study.results)}",

@@ -32,12 +32,6 @@ HOW_TO_READ = (
     "is not significant may still exist."
 )
 
-CONSTANTS_NOTE = (
-    "(1 run): nothing in it depends on the seed, so that all repetitions are this one run. It "
-    "counts once and has no interval."
-)
-"""How tables mark a strategy whose runs are the same for every seed."""
-
 INFINITY_NOTE = (
     "∞: too many runs are no success, or did not get there, for a finite value; they count as "
     "worse than all others."
@@ -95,13 +89,27 @@ def horizon_note(study: Study) -> str:
     return f"Integrals run to the end of the longest run of each setting ({span} s)."
 
 
+def constants_note(study: Study) -> str:
+    """Return a sentence on strategies that have one run in a setting, the same for every seed."""
+    copies = max(
+        len(study.of(setting, strategy))
+        for setting in study.settings
+        for strategy in study.here(setting)
+        if study.is_constant(setting, strategy)
+    )
+    return (
+        f"(1 run): {_counted(copies, 'repetition')}, 1 distinct run, because nothing in it depends "
+        "on the seed. It counts once and has no interval."
+    )
+
+
 def significance_note(study: Study, measure: Measure) -> str:
-    """Return a sentence on the marks of a table."""
+    """Return a sentence on the marks of a table whose columns are each a family of tests."""
     tests = sum(found.kind != "none" for found in study.comparisons(measure))
     return (
         f"+ significantly better than {study.baseline}, - significantly worse, no mark: no "
         "significant difference (Wilcoxon signed-rank test, p < 0.05 after Holm's correction over "
-        f"all {tests} comparisons by this measure)."
+        f"all {tests} comparisons by one measure)."
     )
 
 

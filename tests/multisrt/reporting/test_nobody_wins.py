@@ -195,7 +195,7 @@ def test_copies_count_once(study):
     (row,) = measure_table(fixed, measure).rows
     assert row[4].detail == "(1 run)"
     assert row[2].detail.startswith("[")
-    assert any("all repetitions are this one run" in n for n in measure_table(fixed, measure).notes)
+    assert any("7 repetitions, 1 distinct run" in n for n in measure_table(fixed, measure).notes)
     (row,) = success_table(fixed).rows
     assert [(cell.text, cell.detail) for cell in row[3:]] == [
         ("0 of 7", "(0 to 35 %)"),

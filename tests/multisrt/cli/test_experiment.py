@@ -12,6 +12,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+import msgspec
 import pytest
 
 import multisrt as ms
@@ -240,8 +241,8 @@ def test_check_cuts_a_long_table(call, folder):
 
 
 @pytest.mark.slow
-def test_check_estimates_from_a_few_runs(call, monkeypatch):
-    monkeypatch.setattr(worker.Worker, "make", lambda self, job: _priced(job))
+def test_check_estimates_from_a_few_runs(call, monkeypatch, measured):
+    monkeypatch.setattr(worker.Worker, "make", lambda self, job: _priced(job, measured))
     code, out, err = call("check", "small.toml", "--seconds", "9", "--workers", "1")
     assert (code, err) == (0, "")
     # 2 repetitions of 2 x (0.5 + 1.0) s.
@@ -250,8 +251,18 @@ def test_check_estimates_from_a_few_runs(call, monkeypatch):
     assert re.findall(r"^ room .* (\S+) *$", out, re.MULTILINE) == ["0.5", "1", "0.5", "1"]
 
 
-def _priced(job: Job) -> Result:
-    return result_of(job, computing_s=0.5 * job.condition.robots, wall_s=0.5)
+@pytest.mark.slow
+def test_check_warns_of_trial_runs_without_success(call, monkeypatch, measured):
+    little = msgspec.structs.replace(measured, coverage=0.3, seen=0.4)
+    monkeypatch.setattr(worker.Worker, "make", lambda self, job: _priced(job, little))
+    _, _, err = call("check", "small.toml", "--seconds", "9", "--workers", "1")
+    told = "warning: [room, srt-star, 1 robot, scattered, unlimited, disc:0.25]: complete: covered"
+    assert f"{told} 30.0 %, seen 40.0 %" in err
+
+
+def _priced(job: Job, metrics: Metrics) -> Result:
+    computing_s = 0.5 * job.condition.robots
+    return result_of(job, computing_s=computing_s, wall_s=0.5, metrics=metrics)
 
 
 def test_check_warns_of_impossible_runs(call, folder):

@@ -218,10 +218,10 @@ def what_was_run(study: Study) -> str:
             f", {made - copies} of them distinct: where nothing depends on the seed, repetitions "
             "are one run"
         )
-    ends = f" ({', '.join(f'{count} {status}' for status, count in failed.items())})"
+    ends = ", ".join(f"{count} {status}" for status, count in failed.items())
     text += (
-        f"; {failed.total() or 'none'} of them {'are' if failed.total() != 1 else 'is'} no success"
-        f"{ends if failed else ''}. Success: {success_words(results)}. "
+        f"; {failed.total() or 'none'} of the runs {'is' if failed.total() == 1 else 'are'} no "
+        f"success{f' ({ends})' if ends else ''}. Success: {success_words(results)}. "
     )
     if study.strategies:
         text += (

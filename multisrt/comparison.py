@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from multisrt.experiments.measures import Measure
     from multisrt.reporting.style import Picture
 
-FIRST_MEASURE = "known_complete_s"
+FIRST_MEASURE = "time_to_95_s"
 """The measure that tables and figures show by default."""
 
 World = str | Path | Environment | EnvironmentChoice
@@ -102,7 +102,7 @@ def compare(
         Whether to show a progress bar, on a terminal only.
     **fields
         Further fields of `ExperimentSpec`: `bodies`, `blocks`, `exclude`, `drive`,
-        `range_finder`, `stop`, `limits`, `about`.
+        `range_finder`, `stop`, `limits`, `success_coverage`, `horizon_s`, `about`.
 
     Returns
     -------
@@ -201,6 +201,34 @@ class Comparison:
         self.results = results
         self._folder = folder
 
+    def overview(self, *, baseline: str | None = None) -> ShownTable:
+        """Return success, coverage, both ends of the exploration and distance in one table.
+
+        Parameters
+        ----------
+        baseline : str, optional
+            Strategy that the marks compare with; the first one by default.
+
+        Returns
+        -------
+        ShownTable
+            One row for each setting and strategy.
+
+        Raises
+        ------
+        InvalidInputError
+            If there is no such strategy.
+
+        Examples
+        --------
+        >>> import multisrt as ms
+        >>> found = ms.compare("open", ["minpos", "closest"], [2, 4], seeds=20)  # doctest: +SKIP
+        >>> found.overview(baseline="closest")  # doctest: +SKIP
+        """
+        from multisrt.reporting.overview import overview_table
+
+        return _shown(overview_table(self.results, baseline=baseline))
+
     def table(
         self, measure: str | Measure = FIRST_MEASURE, *, baseline: str | None = None
     ) -> ShownTable:
@@ -231,10 +259,7 @@ class Comparison:
         """
         from multisrt.reporting.tables import summary_table
 
-        made = summary_table(self.results, measure, baseline=baseline)
-        return ShownTable(
-            **{field.name: getattr(made, field.name) for field in dataclass_fields(Table)}
-        )
+        return _shown(summary_table(self.results, measure, baseline=baseline))
 
     def plot(
         self, measure: str | Measure = FIRST_MEASURE, *, baseline: str | None = None
@@ -329,9 +354,10 @@ class Comparison:
         return frame_of(self.results)
 
     def __repr__(self) -> str:
-        """Return the table of the first measure, and how many runs are complete."""
-        complete = sum(result.status == "complete" for result in self.results)
-        return f"{self.table()}\n{complete} of {self.results.planned} runs complete\n"
+        """Return the overview, and how many runs are a success."""
+        from multisrt.reporting.words import totals
+
+        return f"{self.overview()}\n{totals(self.results)}\n"
 
 
 class ShownTable(Table):
@@ -342,6 +368,12 @@ class ShownTable(Table):
 
     def _repr_html_(self) -> str:
         return self.html()
+
+
+def _shown(table: Table) -> ShownTable:
+    return ShownTable(
+        **{field.name: getattr(table, field.name) for field in dataclass_fields(Table)}
+    )
 
 
 class Drawings(tuple["Picture", ...]):

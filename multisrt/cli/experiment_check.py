@@ -184,7 +184,7 @@ def _print_estimate(found: Estimate, conditions: int, workers: int | None) -> No
 
 def _failures(probes: Sequence[Result]) -> dict[Condition, str]:
     return {
-        probe.condition: f"{probe.status}: {probe.reason}"
+        probe.condition: f"{probe.status}: {probe.account}"
         for probe in probes
-        if probe.status not in ("complete", "over_time")
+        if probe.failed and probe.status != "over_time"
     }

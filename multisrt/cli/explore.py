@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     from multisrt.run import Run
     from multisrt.spec import RunSpec
 
-NOT_COMPLETE = 3
-"""Exit code if an exploration stalled or ran out of time."""
+NO_SUCCESS = 3
+"""Exit code if an exploration is no success."""
 
 SECTIONS = {
     "Run": ("--strategy", "--option", "--seed", "--max-time", "--spec"),
@@ -53,8 +53,8 @@ Files written, with several strategies in one folder each:
 
 \b
 Exit code:
-  0  every run is complete        2    bad input
-  3  a run stalled or timed out   130  interrupted
+  0  every run is a success: 95 % covered, no collision   2    bad input
+  3  a run is no success, however it ended                130  interrupted
 """
 
 
@@ -173,6 +173,8 @@ def explore(
     ENV is a name that 'multisrt environments' lists, or a map file: a ROS map_server YAML, an
     image with --resolution (its origin is the lower left corner), GeoJSON or WKT.
     """
+    from multisrt.experiments.results import is_success
+
     if spec_file is not None:
         _require_nothing_else(context)
         specs = [read_run_spec(spec_file)]
@@ -188,8 +190,8 @@ def explore(
     runs = _run_all(specs, folders, quiet)
     if not quiet:
         print_summary(runs, folders)
-    if any(run.outcome != "complete" for run in runs):
-        raise SystemExit(NOT_COMPLETE)
+    if not all(is_success(run.metrics) for run in runs):
+        raise SystemExit(NO_SUCCESS)
 
 
 def _require_nothing_else(context: click.Context) -> None:

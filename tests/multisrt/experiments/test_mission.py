@@ -163,8 +163,8 @@ def test_messages_of_exceptions_become_one_line(register):
 
 
 def test_metrics_that_are_no_json_are_an_error(monkeypatch):
-    def measured(recording, environment):
-        metrics, curve = measure_with_curve(recording, environment)
+    def measured(recording, environment, *, horizon_s):
+        metrics, curve = measure_with_curve(recording, environment, horizon_s=horizon_s)
         return msgspec.structs.replace(metrics, min_clearance_m=math.inf), curve
 
     monkeypatch.setattr("multisrt.experiments.mission.measure_with_curve", measured)

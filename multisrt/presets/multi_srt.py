@@ -238,15 +238,15 @@ def _place(at: Condition) -> str:
 
 
 def all_complete(results: Results) -> Claim:
-    """Return the judged claim that every exploration is completed."""
-    bad = [result for result in results if result.status != "complete"]
+    """Return the judged claim that every exploration is completed: is complete, and a success."""
+    bad = [result for result in results if result.failed or result.status != "complete"]
     return Claim(
         text="All explorations are completed.",
         source="Multi-SRT, section 2 (robots return to their roots when no frontier is left)",
         verdict=_of_all(results, bad),
         grounds=(
-            f"{len(results) - len(bad)} of {len(results)} runs are complete, of {results.planned} "
-            "asked for",
+            f"{len(results) - len(bad)} of {len(results)} runs are complete and cover at least "
+            f"{results.experiment.success_coverage:.0%}, of {results.planned} asked for",
             *failed_runs(bad, MAX_LISTED),
         ),
     )

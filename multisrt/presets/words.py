@@ -35,17 +35,13 @@ def failed_runs(bad: Sequence[Result], limit: int) -> list[str]:
     Parameters
     ----------
     bad : sequence of Result
-        Runs that were not complete, or had a collision.
+        Runs that were no success, or not complete.
     limit : int
         Upper bound of the runs with a line of their own.
     """
     lines = [
         f"{result.condition}, repetition {result.repetition}: "
-        + (
-            "a collision"
-            if result.status == "complete"
-            else f"{result.status.replace('_', ' ')}: {result.reason}"
-        )
+        f"{result.status.replace('_', ' ')}: {result.account}"
         for result in bad[:limit]
     ]
     return [*lines, f"and {len(bad) - limit} more"] if len(bad) > limit else lines

@@ -54,8 +54,11 @@ Choice = Literal[
 Stage = Literal["root", "draw", "approach", "complete", "bypass", "coordinate", "passed", "scan"]
 """How the place of a node was found; see `NodeAdded`."""
 
-ArcReason = Literal["too narrow", "seen from near", "not reachable", "blocked by a robot"]
-"""Why a robot gave up a frontier arc; see `ArcClosed`."""
+ClosingReason = Literal["too narrow", "seen from near", "not reachable"]
+"""Why a robot gave up a frontier arc for good; see `ArcClosed`."""
+
+ArcReason = Literal[ClosingReason, "blocked by a robot"]
+"""Why a robot gave up a frontier arc, for good or until a body is gone; see `ArcClosed`."""
 
 Purpose = Literal["explore", "support", "home", "give way"]
 """Why a robot moves; see `Motion`."""
@@ -388,7 +391,7 @@ class Joined(Event, frozen=True, kw_only=True, tag="joined"):
 
 
 class ArcClosed(Event, frozen=True, kw_only=True, tag="arc_closed"):
-    """A robot gave up a frontier arc.
+    """A robot gave up a frontier arc: for good, or `blocked by a robot` until `ArcReopened`.
 
     Attributes
     ----------
@@ -399,13 +402,32 @@ class ArcClosed(Event, frozen=True, kw_only=True, tag="arc_closed"):
         would fit, but no known path leads there. `seen from near`: the robot has taken scans from
         every such place, or has set out for the spot `max_views` times. `blocked by a robot`: a
         known path leads there, but past a body that the robot plans around: that of a robot that
-        does not answer, that is left out of its group, or that did not clear the way.
+        does not answer, that is left out of its group, or that did not clear the way. The robot
+        leaves the arc for later, and the arc stays part of the frontier.
     arc : tuple of (x0, y0, x1, y1)
         The segments of the arc.
     """
 
     node: NodeName
     reason: ArcReason
+    arc: tuple[Segment, ...]
+
+
+class ArcReopened(Event, frozen=True, kw_only=True, tag="arc_reopened"):
+    """A robot takes up an arc again that was `blocked by a robot`: a body in the way is gone.
+
+    It was seen elsewhere, its place was seen to be empty, its robot told that it moves or stands
+    elsewhere, or a robot that did not respond does so again.
+
+    Attributes
+    ----------
+    node : (robot, serial)
+        The node of the arc.
+    arc : tuple of (x0, y0, x1, y1)
+        The segments of the arc, as they were when it was given up.
+    """
+
+    node: NodeName
     arc: tuple[Segment, ...]
 
 
@@ -456,6 +478,7 @@ AnyEvent = (
     | Organized
     | Supports
     | ArcClosed
+    | ArcReopened
     | MapComplete
     | Sent
     | Learned

@@ -22,7 +22,7 @@ def remaining_frontier(recording: Recording) -> dict[int, tuple[Segment, ...]]:
 
     For a robot that ended it is what its last `Ended` says. For one that did something after its
     last end, or died or was cut off before any, it is the part of the frontiers of its nodes that
-    no region of the team covers, without the arcs that any robot gave up.
+    no region of the team covers, without the arcs that any robot gave up for good.
 
     Parameters
     ----------
@@ -57,7 +57,7 @@ def _said(recording: Recording) -> dict[int, tuple[Segment, ...]]:
 
 
 def _team_map(recording: Recording) -> ExplorationMap:
-    # The map of all robots together, with the arcs that any of them gave up.
+    # The map of all robots together, with the arcs that any of them gave up for good.
     spec = recording.spec
     widths = [Footprint.parse(robot.footprint).width_m for robot in spec.robots]
     team_map = ExplorationMap(
@@ -71,7 +71,7 @@ def _team_map(recording: Recording) -> ExplorationMap:
         match event:
             case NodeAdded():
                 team_map.add(_node(event, spec.robots[event.robot].range_finder.range_m))
-            case ArcClosed():
+            case ArcClosed() if event.reason != "blocked by a robot":
                 closing = Closing(
                     id=ClosingId(event.robot, number),
                     node=NodeId(*event.node),

@@ -7,7 +7,7 @@ Source: Multi-SRT, paper section 2, SUPPORT_OTHERS. Differs in:
 - A robot that has extended another's tree goes home from where it stands, not by way of the root
   of that tree.
 - A tree that the robot has supported before is selected again only if its open frontier is longer
-  than what the robot left then.
+  than what the robot left then, or if a body that barred the way to a part of it is gone.
 """
 
 from __future__ import annotations
@@ -77,6 +77,10 @@ def select(robot: SrtRobot, supported: Supported) -> Generator[Action, Outcome, 
     robot that is active in it; one that this robot has supported before, only if its open frontier
     is also longer than what was left of it then.
     """
+    yield from robot.trees.reopen()
+    for node in robot.trees.reopened:
+        supported.left_m.pop(robot.map.tree(node), None)
+    robot.trees.reopened.clear()
     yield from robot.trees.tell_when_complete()
     if not robot.options.support or robot.at.here is None:
         return None
@@ -135,8 +139,11 @@ def _choose(robot: SrtRobot, candidates: tuple[NodeId, ...]) -> NodeId | None:
 
 
 def open_frontier(robot: SrtRobot, root: NodeId) -> float:
-    """OPEN_FRONTIER: total length in metres of the local frontiers of a tree's nodes."""
-    return robot.map.open_frontier_m(root)
+    """OPEN_FRONTIER: total length in metres of the local frontiers of a tree's nodes.
+
+    Without the arcs that the robot leaves for later.
+    """
+    return robot.deferred.open_m(root)
 
 
 def active_robots(robot: SrtRobot, root: NodeId) -> int:
@@ -236,7 +243,7 @@ def stand_by(robot: SrtRobot, until_s: float) -> Steps:
     while robot.at.time_s < until_s:
         yield from robot.team.hear(until_s - robot.at.time_s)
         yield from follow_orders(robot)
-        if robot.team.news() != news:
+        if robot.team.news() != news or robot.deferred.is_due():
             # More of it may follow at once.
             yield from robot.team.pause(robot.options.settle_s)
             yield from follow_orders(robot)
@@ -285,6 +292,6 @@ def _gives_up_s(robot: SrtRobot, number: int) -> float:
 
 def _next_take_over_s(robot: SrtRobot) -> float:
     # When the next tree of those that have open frontier is free to be taken over.
-    open_trees = [root for root in robot.map.roots() if robot.map.open_frontier_m(root) > 0.0]
+    open_trees = [root for root in robot.map.roots() if open_frontier(robot, root) > 0.0]
     times = [_take_over_s(robot, root) for root in open_trees]
     return min((time for time in times if time > robot.at.time_s), default=math.inf)

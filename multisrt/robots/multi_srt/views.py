@@ -68,13 +68,16 @@ class Views:
         x, y, *_ = arc_points(arc, spot_m)[0]
         spot = round(x / spot_m), round(y / spot_m)
         if self._looked[spot] >= self._max_views:
-            return "seen from near"
+            # Not so near as it could be without the bodies, if these bar better places.
+            refused = self._refused("seen from near", arc, x, y)
+            if isinstance(refused, Barred):
+                del self._looked[spot]
+            return refused
         found = self._view(arc, x, y)
         if isinstance(found, str) and routes.obstacles:
             found = self._view(arc, x, y, past_bodies=True)
         if isinstance(found, str):
-            # The bodies may stand where the arc could be seen from.
-            return self._barred(found, self._view_without_bodies(arc, x, y))
+            return self._refused(found, arc, x, y)
         place, start = found
         way = routes.way(here, start)
         last = np.array([[*self._map[start].configuration[:2], place.x, place.y]])
@@ -119,29 +122,26 @@ class Views:
                 break
         return refusal
 
-    def _view_without_bodies(
-        self, arc: FloatArray, x: float, y: float
-    ) -> tuple[Way, NodeId] | None:
-        # As `_view`, as if no body stood there; None without any, or where there is no place.
+    def _refused(
+        self, reason: ClosingReason, arc: FloatArray, x: float, y: float
+    ) -> Barred | ClosingReason:
+        # Why an arc cannot be seen: the reason, unless bodies bar the best place that sees it.
         if not self._routes.obstacles:
-            return None
+            return reason
         with self._routes.obstacles.ignored():
             found = self._view(arc, x, y)
-        return None if isinstance(found, str) else found
+        return reason if isinstance(found, str) else self._barred(reason, found)
 
-    def _barred(
-        self, reason: ClosingReason, found: tuple[Way, NodeId] | None
-    ) -> Barred | ClosingReason:
-        # What stands in the way to a place; the reason, if nothing leads there without bodies.
-        if found is None:
-            return reason
+    def _barred(self, reason: ClosingReason, found: tuple[Way, NodeId]) -> Barred | ClosingReason:
+        # What stands in the way to a place; the reason, if no body does.
         (x, y, *_), start = found
         way = self._routes.ways.way(self._bypass.at.node, start)
         if way is not None:
-            return Barred(self._routes.bodies_on(way, (x, y)))
-        if self._bypass.leads_without_bodies(goal=(x, y)):
-            return Barred(self._routes.obstacles.all)
-        return reason
+            bodies = self._routes.bodies_on(way, (x, y))
+        else:
+            leads = self._bypass.leads_without_bodies(goal=(x, y))
+            bodies = self._routes.obstacles.all if leads else {}
+        return Barred(bodies) if bodies else reason
 
     def _leads(self, near: list[Node], known: BaseGeometry) -> Callable[[int, float, float], bool]:
         return lambda k, x, y: self._routes.ways.leads(near[k], known, x, y)

@@ -191,7 +191,6 @@ class DeferredArcs:
 
 def _lie_along(arc: FloatArray, segments: FloatArray) -> BoolArray:
     # Which segments have their middle on an arc.
-    lines = shapely.multilinestrings(shapely.linestrings(arc.reshape(-1, 2, 2)))
+    line = shapely.MultiLineString(list(arc.reshape(-1, 2, 2)))
     middles = shapely.points(0.5 * (segments[:, :2] + segments[:, 2:]))
-    along: BoolArray = shapely.dwithin(lines, middles, ON_ARC_M)
-    return along
+    return np.asarray(shapely.dwithin(line, middles, ON_ARC_M), np.bool_)

@@ -4,13 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from multisrt.events import ArcClosed, ArcReason, ArcReopened, MapComplete, Segment
+from multisrt.events import (
+    ArcClosed,
+    ArcReason,
+    ArcReopened,
+    ClosingReason,
+    MapComplete,
+    Segment,
+)
 from multisrt.geometry.numerics.kernel import FloatArray
 from multisrt.geometry.regions.safe_region import LocalSafeRegion
 from multisrt.planners.motion.trajectory import Trajectory
 from multisrt.robots.exploration_map import ExplorationMap
 from multisrt.robots.explorer import Note, RobotSelf, Sighting, Steps
-from multisrt.robots.knowledge import Closing, ClosingId, ClosingReason, Node, NodeId
+from multisrt.robots.knowledge import Closing, ClosingId, Node, NodeId
 from multisrt.robots.multi_srt.deferred_arcs import DeferredArcs
 from multisrt.robots.multi_srt.targets import Step
 from multisrt.robots.multi_srt.ways import OutAndBack, Ways

@@ -432,7 +432,10 @@ class ArcReopened(Event, frozen=True, kw_only=True, tag="arc_reopened"):
 
 
 class MapComplete(Event, frozen=True, kw_only=True, tag="map_complete"):
-    """No frontier is left in the map of a robot; for a robot that bids, none that it can reach."""
+    """No frontier is left in the map of a robot; for a robot that bids, none that it could reach.
+
+    What only bodies of other robots bar counts as left: they may go.
+    """
 
 
 class Collision(Event, frozen=True, kw_only=True, tag="collision"):
@@ -459,7 +462,8 @@ class Ended(Event, frozen=True, kw_only=True, tag="ended"):
     reason : str
         Why it ended, in words.
     complete : bool
-        Whether it left no frontier that it knew a way to open.
+        Whether it left no frontier that it knew a way to open. Behind the body of a robot that
+        answers there may be a way: it could leave.
     frontier : tuple of (x0, y0, x1, y1)
         The frontier segments that it left open.
     """

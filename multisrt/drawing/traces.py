@@ -12,7 +12,6 @@ import numpy as np
 from multisrt.analysis.remaining_frontier import remaining_frontier
 from multisrt.events import (
     ArcClosed,
-    ArcReopened,
     Blocked,
     Collision,
     Died,
@@ -58,7 +57,7 @@ class Trace:
     edges : dict from int to list of Edge
         The edges to its nodes, by the robot that owns the root of their tree.
     motions, closed, stops, collisions : list of events
-        Its other events, in order; arcs that it took up again are no longer closed.
+        Its other events, in order; `closed` without the arcs that it took up again.
     death : Died or None
         Its death.
     frontier : tuple of Segment
@@ -155,15 +154,14 @@ def traces_of(recording: Recording) -> list[Trace]:
                 trace.motions.append(event)
             case ArcClosed():
                 _require_known(event.node, trees, "closes an arc of")
-                trace.closed.append(event)
-            case ArcReopened():
-                trace.closed = [arc for arc in trace.closed if not _is_reopened(arc, event)]
             case Blocked():
                 trace.stops.append(event)
             case Died():
                 trace.death = event
             case Collision():
                 trace.collisions.append(event)
+    for arc in recording.arcs_given_up():
+        traces[arc.robot].closed.append(arc)
     if not any(trace.scans for trace in traces):
         for robot, segments in remaining_frontier(recording).items():
             traces[robot].frontier = segments
@@ -193,11 +191,6 @@ def median_edge_m(traces: list[Trace]) -> float | None:
     if not len(edges):
         return None
     return float(np.median(np.hypot(*(edges[:, 1] - edges[:, 0]).T)))
-
-
-def _is_reopened(closed: ArcClosed, event: ArcReopened) -> bool:
-    blocked = closed.reason == "blocked by a robot"
-    return blocked and (closed.node, closed.arc) == (event.node, event.arc)
 
 
 def _hang(node: NodeAdded, traces: list[Trace], trees: dict[NodeName, int]) -> None:

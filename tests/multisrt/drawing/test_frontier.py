@@ -123,8 +123,10 @@ def test_an_arc_blocked_by_a_robot_stays_open_and_may_be_taken_up_again():
     svg = tree_svg(blocked)
     assert f"frontier given up: {reason}" in texts(svg)
     assert len(layers(svg)["robot 1: frontier given up"]) == 1
+    assert blocked.arcs_given_up() == (events[-1],)
     events.append(ArcReopened(time_s=2.0, robot=1, node=(0, 0), arc=arc))
     again = recorded([A, C], events)
+    assert again.arcs_given_up() == ()
     assert remaining_frontier(again)[0] == arc
     svg = tree_svg(again)
     assert f"frontier given up: {reason}" not in texts(svg)

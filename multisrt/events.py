@@ -414,8 +414,8 @@ class ArcClosed(Event, frozen=True, kw_only=True, tag="arc_closed"):
         would fit, but no known path leads there. `seen from near`: the robot has taken scans from
         every such place, or has set out for the spot `max_views` times. `blocked by a robot`: a
         known path leads there, but past a body that the robot plans around: that of a robot that
-        does not answer, that is left out of its group, or that did not clear the way. The robot
-        leaves the arc for later, and the arc stays part of the frontier.
+        does not answer, that is left out of its group, or that did not clear the way; such an
+        arc is left for later, and stays part of the frontier.
     arc : tuple of (x0, y0, x1, y1)
         The segments of the arc.
     """
@@ -426,27 +426,16 @@ class ArcClosed(Event, frozen=True, kw_only=True, tag="arc_closed"):
 
 
 class ArcReopened(Event, frozen=True, kw_only=True, tag="arc_reopened"):
-    """A robot takes up an arc again that was `blocked by a robot`: a body in the way is gone.
-
-    It was seen elsewhere, its place was seen to be empty, its robot told that it moves or stands
-    elsewhere, or a robot that did not respond does so again.
-
-    Attributes
-    ----------
-    node : (robot, serial)
-        The node of the arc.
-    arc : tuple of (x0, y0, x1, y1)
-        The segments of the arc, as they were when it was given up.
-    """
+    """A robot takes up an arc that was `blocked by a robot`: a body is gone, or responds again."""
 
     node: NodeName
     arc: tuple[Segment, ...]
 
 
 class MapComplete(Event, frozen=True, kw_only=True, tag="map_complete"):
-    """No frontier is left in the map of a robot; for a robot that bids, none that it could reach.
+    """No frontier is left in the map of a robot, not even behind bodies of other robots.
 
-    What only bodies of other robots bar counts as left: they may go.
+    For a robot that bids: none that it could reach if no body stood in its way.
     """
 
 
@@ -474,8 +463,7 @@ class Ended(Event, frozen=True, kw_only=True, tag="ended"):
     reason : str
         Why it ended, in words.
     complete : bool
-        Whether it left no frontier that it knew a way to open. Behind the body of a robot that
-        answers there may be a way: it could leave.
+        Whether it left no frontier that it knew a way to open, if robots that answer went.
     frontier : tuple of (x0, y0, x1, y1)
         The frontier segments that it left open.
     """

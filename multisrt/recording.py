@@ -176,22 +176,6 @@ class Recording:
                 self._by_kind.setdefault(type(event), []).append(event)
         return self._by_kind.get(kind, [])
 
-    def arcs_given_up(self) -> tuple[ArcClosed, ...]:
-        """Return the frontier arcs that robots gave up and did not take up again.
-
-        Returns
-        -------
-        tuple of ArcClosed
-            In the order in which they were given up.
-        """
-        given_up: dict[tuple[object, ...], ArcClosed] = {}
-        for event in self.events:
-            if isinstance(event, ArcClosed):
-                given_up[event.robot, event.node, event.arc, event.reason] = event
-            elif isinstance(event, ArcReopened):
-                given_up.pop((event.robot, event.node, event.arc, "blocked by a robot"), None)
-        return tuple(given_up.values())
-
     def region(self, node: NodeAdded) -> FloatArray:
         """Return the corners of the region of a node.
 

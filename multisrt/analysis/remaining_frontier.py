@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import msgspec
 import numpy as np
 
-from multisrt.events import ArcClosed, Ended, Motion, NodeAdded, Segment
+from multisrt.events import ArcClosed, ArcReopened, Ended, Motion, NodeAdded, Segment
 from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import InvalidInputError
@@ -43,6 +43,29 @@ def remaining_frontier(recording: Recording) -> dict[int, tuple[Segment, ...]]:
     for node in team_map.open_nodes():
         left[node.robot] += [(a, b, c, d) for a, b, c, d in team_map.frontier(node).tolist()]
     return {robot: said.get(robot, tuple(left[robot])) for robot in robots}
+
+
+def arcs_given_up(recording: Recording) -> tuple[ArcClosed, ...]:
+    """Return the frontier arcs that robots gave up and did not take up again.
+
+    Parameters
+    ----------
+    recording : Recording
+        The run.
+
+    Returns
+    -------
+    tuple of ArcClosed
+        In the order in which they were given up. Those that bodies barred to the end are among
+        them, and among the frontier that was left open.
+    """
+    given_up: dict[tuple[object, ...], ArcClosed] = {}
+    for event in recording.events:
+        if isinstance(event, ArcClosed):
+            given_up[event.robot, event.node, event.arc, event.reason] = event
+        elif isinstance(event, ArcReopened):
+            given_up.pop((event.robot, event.node, event.arc, "blocked by a robot"), None)
+    return tuple(given_up.values())
 
 
 def _said(recording: Recording) -> dict[int, tuple[Segment, ...]]:

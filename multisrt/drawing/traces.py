@@ -9,7 +9,7 @@ from typing import Final
 
 import numpy as np
 
-from multisrt.analysis.remaining_frontier import remaining_frontier
+from multisrt.analysis.remaining_frontier import arcs_given_up, remaining_frontier
 from multisrt.events import (
     ArcClosed,
     Blocked,
@@ -160,7 +160,7 @@ def traces_of(recording: Recording) -> list[Trace]:
                 trace.death = event
             case Collision():
                 trace.collisions.append(event)
-    for arc in recording.arcs_given_up():
+    for arc in arcs_given_up(recording):
         traces[arc.robot].closed.append(arc)
     if not any(trace.scans for trace in traces):
         for robot, segments in remaining_frontier(recording).items():

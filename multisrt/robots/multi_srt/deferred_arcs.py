@@ -77,6 +77,8 @@ class DeferredArcs:
     def frontier(self, node: NodeId) -> FloatArray:
         """Return the segments ``(m, 4)`` of a node's local frontier that are not left for later."""
         segments = self._map.frontier(node)
+        if node not in self._deferred:
+            return segments
         return segments[~self._are_deferred(node, segments)]
 
     def arcs(self, node: NodeId) -> list[FloatArray]:

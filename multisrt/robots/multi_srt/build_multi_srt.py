@@ -7,7 +7,12 @@ from multisrt.robots.explorer import Done, RobotSelf, Steps
 from multisrt.robots.multi_srt.build_srt import build_srt, until_boxed_in
 from multisrt.robots.multi_srt.options import MultiSrtOptions
 from multisrt.robots.multi_srt.robot import SrtRobot
-from multisrt.robots.multi_srt.support import Supported, follow_orders, support_others
+from multisrt.robots.multi_srt.support import (
+    Supported,
+    ask_those_in_the_way,
+    follow_orders,
+    support_others,
+)
 from multisrt.robots.multi_srt.trees import segments_of
 
 
@@ -37,6 +42,9 @@ class SrtExplorer:
         while True:
             if not robot.team.is_alone:
                 yield from support_others(robot, supported)
+                yield from ask_those_in_the_way(robot)
+                if robot.deferred.is_due():
+                    continue
             outcome = yield self.done()
             yield from robot.team.take(outcome)
             yield from follow_orders(robot)

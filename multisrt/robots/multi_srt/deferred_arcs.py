@@ -28,9 +28,10 @@ from multisrt.robots.multi_srt.roster import Roster
 @dataclass(slots=True, eq=False)
 class _Body:
     # A body that bars ways, where it was seen; whether its robot could be asked to leave then;
-    # and whether it has gone since.
+    # whether it was asked since if it is still there; and whether it is gone.
     sighting: Sighting
     responded: bool
+    was_asked: bool = False
     is_gone: bool = False
 
 
@@ -158,6 +159,16 @@ class DeferredArcs:
                 if _lie_along(deferral.arc, segments).any():
                     robots.update(body.sighting.robot for body in deferral.bodies)
         return math.fsum(lengths_m), sorted(robots)
+
+    def to_ask(self) -> list[int]:
+        """Return the robots in the way that are believed to answer, each body only once."""
+        asked = []
+        for number in self.left()[1]:
+            body = self._standing.get(number)
+            if body is not None and not body.was_asked and self._roster.answers(number):
+                body.was_asked = True
+                asked.append(number)
+        return asked
 
     def _are_deferred(self, node: NodeId, segments: FloatArray) -> BoolArray:
         # Frontier is only ever cut off, so a piece lies along an arc as a whole or not at all.

@@ -78,13 +78,17 @@ def select(robot: SrtRobot, supported: Supported) -> Generator[Action, Outcome, 
     is also longer than what was left of it then.
     """
     yield from robot.trees.reopen()
-    for node in robot.trees.reopened:
-        supported.left_m.pop(robot.map.tree(node), None)
-    robot.trees.reopened.clear()
     yield from robot.trees.tell_when_complete()
-    if not robot.options.support or robot.at.here is None:
+    if robot.at.here is None:
         return None
-    open_m = {root: open_frontier(robot, root) for root in robot.map.roots()}
+    reopened = {robot.map.tree(node) for node in robot.trees.reopened}
+    robot.trees.reopened.clear()
+    for root in reopened:
+        supported.left_m.pop(root, None)
+    # Without support, a robot goes on with its own tree if arcs of it were opened again.
+    own = reopened.intersection((robot.trees.root,))
+    roots = robot.map.roots() if robot.options.support else own
+    open_m = {root: open_frontier(robot, root) for root in roots}
     active = {root: active_robots(robot, root) for root in open_m}
     candidates = tuple(
         root
@@ -235,6 +239,18 @@ def wait_for_news(robot: SrtRobot) -> Steps:
             for n in team.others
             if n not in roster.lost and roster.heard_s.get(n, 0.0) <= at.time_s - check_s
         )
+
+
+def ask_those_in_the_way(robot: SrtRobot) -> Steps:
+    """Ask the robots that bar ways whether they are still there: those that stand may be dead."""
+    team, roster = robot.team, robot.team.roster
+    asked_s = robot.at.time_s
+    pending = robot.deferred.to_ask()
+    while pending:
+        yield from team.ask(pending)
+        yield from team.pause(team.period_s)
+        heard_s = {number: roster.heard_s.get(number, 0.0) for number in pending}
+        pending = [n for n in pending if roster.answers(n) and heard_s[n] < asked_s]
 
 
 def stand_by(robot: SrtRobot, until_s: float) -> Steps:

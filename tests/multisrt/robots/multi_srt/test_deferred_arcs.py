@@ -1,5 +1,6 @@
 """Arcs that a robot leaves for later, in a corridor with a body in it."""
 
+import contextlib
 import math
 
 import numpy as np
@@ -22,11 +23,12 @@ from multisrt.events import (
 from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.geometry.configuration import Configuration
 from multisrt.planners.srt import Draws
-from multisrt.robots.explorer import Note, Sighting
+from multisrt.robots.explorer import Note, Receive, Send, Sighting, TimedOut
 from multisrt.robots.knowledge import NodeId
 from multisrt.robots.multi_srt.build_multi_srt import SrtExplorer
 from multisrt.robots.multi_srt.options import MultiSrtOptions
 from multisrt.robots.multi_srt.planner import Planner
+from multisrt.robots.multi_srt.support import ask_those_in_the_way
 from multisrt.robots.multi_srt.targets import NewPlace
 from multisrt.simulation.simulate import simulate
 from multisrt.simulation.worlds import inline
@@ -246,6 +248,26 @@ def test_only_the_arc_that_is_barred_is_deferred(explorer, rectangle_node):
     assert [arc.tolist() for arc in robot.deferred.arcs(NodeId(0, 2))] == [second[1:].tolist()]
     assert robot.deferred.has_frontier(NodeId(0, 2))
     assert robot.deferred.open_m(NodeId(0, 2)) == pytest.approx(OPEN_M + 2.0)
+
+
+def test_the_robot_in_the_way_is_asked_once_if_it_is_still_there(explorer, robot_state):
+    robot = blocked_by(explorer(), robot_state, answers=True)
+    asked_s, sent = 10.0, []
+    robot.at.time_s = asked_s
+    steps = ask_those_in_the_way(robot)
+    answer = None
+    with contextlib.suppress(StopIteration):
+        while True:
+            action = steps.send(answer)
+            answer = None
+            if isinstance(action, Send):
+                sent.append(action.message.asked)
+            elif isinstance(action, Receive):
+                robot.at.time_s += action.timeout_s
+                answer = TimedOut(robot.at.time_s)
+    assert sent == [(1,)] * (1 + robot.team.roster.patience)
+    assert not robot.team.roster.answers(1)
+    assert [*ask_those_in_the_way(robot)] == []
 
 
 # Runs ------------------------------------------------------------------------------------------

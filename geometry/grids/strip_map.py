@@ -21,7 +21,7 @@ import shapely
 from numpy.typing import ArrayLike, NDArray
 from shapely import Polygon
 
-from multisrt.geometry.numerics.kernel import FloatArray, IntArray, inlined_kernel, kernel
+from multisrt.geometry.numerics.kernel import FloatArray, IntArray, kernel, unsigned
 
 SAME_PLACE_M: Final = 1e-9
 """Ends of intervals that are at most this far apart are one, in metres."""
@@ -54,7 +54,8 @@ class Strips(NamedTuple):
     def frame(self, points: FloatArray) -> FloatArray:
         """Return points ``(n, 2)`` with their coordinates along and across the strips."""
         cos, sin = math.cos(self.tilt_rad), math.sin(self.tilt_rad)
-        return points @ np.array([[cos, -sin], [sin, cos]])
+        turned: FloatArray = points @ np.array([[cos, -sin], [sin, cos]])
+        return turned
 
 
 def strips(edges: FloatArray, height_m: float, tilt_rad: float = 0.0) -> Strips:
@@ -99,6 +100,14 @@ class _Part(NamedTuple):
     # at -inf, the last one has no end.
     begins: FloatArray
     labels: Labels
+
+
+class _Span(NamedTuple):
+    # A part of a line: its ends in metres, and the first and the last interval that it touches.
+    begin: float
+    end: float
+    first: int
+    last: int
 
 
 class Runs(NamedTuple):
@@ -386,57 +395,54 @@ def _relabel(
     counts, begins, labels = held
     regions, which = order
     room = begins.shape[1]
-    part = _Part(np.empty(room + 2), np.empty(room + 2, np.int16))
     for step in range(regions.shape[0]):
         table, region = tables[which[step]], regions[step]
-        for run in range(runs.starts[region], runs.starts[region + 1]):
-            row = runs.strip[run]
-            if counts[row] + 2 > room:
-                room *= 2
-                begins, labels = _wider(begins, room), _wider(labels, room)
-                part = _Part(np.empty(room + 2), np.empty(room + 2, np.int16))
-            line = _Part(begins[row], labels[row])
-            span = (runs.begin[run], runs.end[run])
-            counts[row] = _relabel_run(line, counts[row], span, table, heights[row], areas, part)
+        for run in range(unsigned(runs.starts[region]), unsigned(runs.starts[region + 1])):
+            row = unsigned(runs.strip[run])
+            a, b = runs.begin[run], runs.end[run]
+            count = counts[row]
+            # The intervals in which the run begins and ends.
+            first, beyond = 0, count
+            while beyond - first > 1:
+                middle = (first + beyond) // 2
+                if begins[row, unsigned(middle)] <= a + SAME_PLACE_M:
+                    first = middle
+                else:
+                    beyond = middle
+            last = first
+            label = labels[row, unsigned(first)]
+            changes = table[label] != label
+            while last + 1 < count and begins[row, unsigned(last + 1)] < b - SAME_PLACE_M:
+                last += 1
+                label = labels[row, unsigned(last)]
+                changes |= table[label] != label
+            if changes:
+                if count + 2 > room:
+                    room *= 2
+                    begins, labels = _wider(begins, room), _wider(labels, room)
+                line = _Part(begins[row], labels[row])
+                span = _Span(a, b, first, last)
+                counts[row] = _relabel_span(line, count, span, table, heights[row], areas)
         history[step] = areas
     return counts, begins, labels
 
 
-@inlined_kernel
-def _relabel_run(
-    line: _Part,
-    count: int,
-    span: tuple[float, float],
-    table: Labels,
-    height: float,
-    areas: FloatArray,
-    part: _Part,
+@kernel
+def _relabel_span(
+    line: _Part, count: int, span: _Span, table: Labels, height: float, areas: FloatArray
 ) -> int:
-    # Gives the points of one run on one strip new labels; returns how many intervals it has then.
-    a, b = span
-    first, beyond = 0, count
-    while beyond - first > 1:
-        middle = (first + beyond) // 2
-        if line.begins[middle] <= a + SAME_PLACE_M:
-            first = middle
-        else:
-            beyond = middle
-    last = first
-    changes = table[line.labels[first]] != line.labels[first]
-    while last + 1 < count and line.begins[last + 1] < b - SAME_PLACE_M:
-        last += 1
-        changes |= table[line.labels[last]] != line.labels[last]
-    if not changes:
-        return count
+    # Gives the points of a span new labels; returns how many intervals the line has then.
+    first, last = span.first, span.last
+    part = _Part(np.empty(last - first + 3), np.empty(last - first + 3, np.int16))
     # What takes the place of intervals `first` to `last`, neighbours of one label joined.
     n = 0
-    if line.begins[first] < a - SAME_PLACE_M:
+    if line.begins[first] < span.begin - SAME_PLACE_M:
         part.begins[0], part.labels[0] = line.begins[first], line.labels[first]
         n = 1
     for k in range(first, last + 1):
-        begin = a if k == first and n else line.begins[k]
+        begin = span.begin if k == first and n else line.begins[k]
         end = line.begins[k + 1] if k + 1 < count else np.inf
-        end = end if end <= b + SAME_PLACE_M else b
+        end = end if end <= span.end + SAME_PLACE_M else span.end
         before = line.labels[k]
         after = table[before]
         if after != before:
@@ -446,15 +452,14 @@ def _relabel_run(
             part.begins[n], part.labels[n] = begin, after
             n += 1
     remainder = line.labels[last]
-    if (last + 1 == count or line.begins[last + 1] > b + SAME_PLACE_M) and (
-        part.labels[n - 1] != remainder
-    ):
-        part.begins[n], part.labels[n] = b, remainder
+    goes_on = last + 1 == count or line.begins[last + 1] > span.end + SAME_PLACE_M
+    if goes_on and part.labels[n - 1] != remainder:
+        part.begins[n], part.labels[n] = span.end, remainder
         n += 1
     return _spliced(line, count, (first, last + 1), part, n)
 
 
-@inlined_kernel
+@kernel
 def _spliced(line: _Part, count: int, cut: tuple[int, int], part: _Part, n: int) -> int:
     # Puts the first n intervals of a part in the place of some of a line; returns their number.
     first, beyond = cut

@@ -15,11 +15,16 @@ from typing import Final
 import numpy as np
 
 from multisrt.analysis.evidence import Evidence
-from multisrt.analysis.explorable import EXPLORABLE
+from multisrt.analysis.explorable import EXPLORABLE, explorable, viewers
 from multisrt.analysis.owners import label_count, owner_tables
+from multisrt.analysis.scans import shown_from
+from multisrt.environments.environment import Environment
 from multisrt.events import Died, MapComplete, NodeAdded, Sensed
-from multisrt.geometry.grids.strip_map import OUTSIDE, StripMap
+from multisrt.geometry.configuration import Configuration
+from multisrt.geometry.grids.strip_map import OUTSIDE, StripMap, runs_of
 from multisrt.geometry.numerics.kernel import FloatArray, IntArray
+from multisrt.geometry.regions.edge_index import EdgeIndex
+from multisrt.spec import RunSpec
 
 SEEN: Final = 2
 """The label of what was seen and is not covered."""
@@ -158,7 +163,7 @@ def coverage(proof: Evidence) -> Coverage:
     return Coverage(
         explorable_m2=proof.explorable.area_m2,
         times_s=np.array(times, np.float64),
-        seen_m2=by_state[:, SEEN] + by_state[:, COVERED],
+        seen_m2=np.maximum(0.0, by_state[:, SEEN]) + by_state[:, COVERED],
         covered_m2=by_state[:, COVERED],
         overlap_m2=float(in_the_end[EXPLORABLE:, -1].sum()),
         plane=plane.mapped(np.repeat(np.arange(states), owners), states),
@@ -184,6 +189,8 @@ def known_complete_s(proof: Evidence, covered: Coverage) -> float | None:
     covered in the end. Who is told more afterwards did not know it complete.
     """
     needed_m2 = KNOWN_SHARE * float(covered.plane.areas_m2[COVERED])
+    if needed_m2 <= 0.0:
+        return None
     for claim in proof.recording.of(MapComplete):
         # No robot knows more than all of them together.
         if covered.covered_by_m2(claim.time_s) >= needed_m2:
@@ -237,3 +244,37 @@ def lost_areas_m2(proof: Evidence, covered: Coverage) -> tuple[float, tuple[floa
     for robot in sorted(dead):
         plane.relabel(proof.runs, table, proof.scans_of(robot))
     return float(plane.areas_m2[lost]), tuple(by_robot)
+
+
+class SeenMeter:
+    """How much of what a team can explore it has seen so far, while the run goes on.
+
+    Parameters
+    ----------
+    spec : RunSpec
+        The run.
+    environment : Environment
+        Its world.
+    starts : tuple of Configuration
+        Where its robots start.
+    """
+
+    def __init__(
+        self, spec: RunSpec, environment: Environment, starts: tuple[Configuration, ...]
+    ) -> None:
+        what = explorable(environment, viewers(spec, starts))
+        self._finders = [robot.range_finder for robot in spec.robots]
+        team_range_m = max(finder.range_m for finder in self._finders)
+        self._index = EdgeIndex(environment.edges, team_range_m / 3.0)
+        self._explorable_m2 = what.area_m2
+        self._plane = what.plane.mapped([OUTSIDE, EXPLORABLE], 3)
+
+    @property
+    def share(self) -> float:
+        """The share seen so far, from 0 to 1."""
+        return min(1.0, float(self._plane.areas_m2[SEEN]) / self._explorable_m2)
+
+    def add(self, scan: Sensed) -> None:
+        """Take in a scan."""
+        shown = shown_from(self._index, self._finders[scan.robot], [scan.configuration])
+        self._plane.relabel(runs_of(self._plane.cut, shown), [[OUTSIDE, SEEN, SEEN]])

@@ -33,11 +33,11 @@ from multisrt.geometry.regions.edge_index import EdgeIndex
 from multisrt.geometry.regions.visibility import visibility_polygons
 from multisrt.spec import RunSpec
 
-MAX_STRIP_M = 0.04
+MAX_STRIP_M = 0.03
 """Upper bound of the height of the strips on which areas are measured, in metres."""
 
-MIN_STRIPS = 250
-"""Lower bound of the number of strips."""
+MIN_STRIPS = 400
+"""Lower bound of the number of strips over the longer side of a world."""
 
 TILT_RAD = 0.19
 """Direction of the strips: not that of the walls of most worlds, nor that of the cones of stars."""
@@ -72,17 +72,20 @@ class Explorable:
     plane : StripMap
         What can be seen has the label `EXPLORABLE`. Areas are scaled such that the connected part
         of free space around the starts has its exact area. It is shared: relabel copies only.
+    free_m2 : float
+        Area of that connected part, in square metres.
     reachable : Polygon or MultiPolygon
         The positions that the reference point of a robot can reach.
     """
 
     plane: StripMap
+    free_m2: float
     reachable: Polygon | MultiPolygon
 
     @property
     def area_m2(self) -> float:
-        """The area that can be seen, in square metres."""
-        return float(self.plane.areas_m2[EXPLORABLE])
+        """The area that can be seen, in square metres; never more than that of free space."""
+        return min(self.free_m2, float(self.plane.areas_m2[EXPLORABLE]))
 
 
 def reachable_area(component: Polygon, footprint: Footprint, start: Configuration) -> Polygon:
@@ -152,12 +155,13 @@ def _explorable_from(
     environment: Environment, seen_from: tuple[tuple[_Places, float], ...]
 ) -> Explorable:
     # What is seen from any of some areas, with the range from there.
-    plane = StripMap(_strips_of(environment, seen_from[0][0].component), 2)
+    component = seen_from[0][0].component
+    plane = StripMap(_strips_of(environment, component), 2)
     for places, range_m in seen_from:
         plane.relabel(_seen_from(environment, places, range_m), [[EXPLORABLE, EXPLORABLE]])
     reachable_by_any = shapely.union_all([places.reachable for places, _ in seen_from])
     assert isinstance(reachable_by_any, Polygon | MultiPolygon)
-    return Explorable(plane=plane, reachable=reachable_by_any)
+    return Explorable(plane=plane, free_m2=component.area, reachable=reachable_by_any)
 
 
 @lru_cache(maxsize=16)

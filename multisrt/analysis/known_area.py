@@ -123,6 +123,7 @@ class _Ledger:
         """Remove all knowledge of a robot."""
         self.settle(time_s)
         self._plane = seen_plane(self._covered, label_count(self._robots))
+        self.alone_m2 = np.zeros(self._robots)
         for region, known_by in self._known_by.items():
             known_by.discard(robot)
             if known_by:

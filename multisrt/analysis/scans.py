@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 from collections import defaultdict
+from collections.abc import Sequence
 
 import numpy as np
 
 from multisrt.environments.environment import Environment
-from multisrt.events import NodeAdded, Sensed
+from multisrt.events import NodeAdded, Pose, Sensed
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import ClearanceError, InvalidInputError
 from multisrt.geometry.numerics.kernel import FloatArray
@@ -67,7 +68,7 @@ def scanned_regions(recording: Recording, environment: Environment) -> list[Floa
     shown = [np.empty((0, 2))] * len(scans)
     for finder, numbers in alike.items():
         try:
-            regions = _shown(index, finder, [scans[number].configuration for number in numbers])
+            regions = shown_from(index, finder, [scans[number].configuration for number in numbers])
         except ClearanceError as error:
             raise InvalidInputError(
                 f"a scan of the recording was not taken in free space: {error}"
@@ -77,9 +78,10 @@ def scanned_regions(recording: Recording, environment: Environment) -> list[Floa
     return shown
 
 
-def _shown(
-    index: EdgeIndex, finder: RangeFinderSpec, places: list[tuple[float, float, float]]
+def shown_from(
+    index: EdgeIndex, finder: RangeFinderSpec, places: Sequence[Pose]
 ) -> list[FloatArray]:
+    """Return what a range finder shows from some places; see `scanned_regions`."""
     if finder.beams is None:
         return visibility_polygons(index, np.array(places)[:, :2], finder.range_m)
     if finder.beams < MIN_BEAMS:

@@ -31,6 +31,7 @@ from multisrt.environments.environment import Environment
 from multisrt.events import (
     AnyEvent,
     ArcClosed,
+    ArcReopened,
     Blocked,
     Coordinated,
     Decision,
@@ -403,7 +404,7 @@ def _nodes_named(event: AnyEvent) -> Iterable[NodeName]:
     match event:
         case NodeAdded():
             return () if event.parent is None else (event.parent,)
-        case Decision() | ArcClosed():
+        case Decision() | ArcClosed() | ArcReopened():
             return (event.node,)
         case Learned():
             return event.nodes

@@ -197,6 +197,7 @@ NODE = '"time_s":0,"robot":0'
             "robot 3",
         ),
         ('"arc_closed",$,"node":[0,99],"reason":"too narrow","arc":[]', "node 99"),
+        ('"arc_reopened",$,"node":[0,99],"arc":[]', "node 99"),
         ('"learned",$,"nodes":[[0,0],[0,99]]', "node 99"),
         ('"sent",$,"kind":"map","size_bytes":9,"reached":[7]', "robot 7"),
         ('"sent",$,"kind":"map","size_bytes":9,"lost":[-1]', "robot -1"),

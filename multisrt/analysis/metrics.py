@@ -144,11 +144,15 @@ class Metrics(msgspec.Struct, frozen=True, kw_only=True):
     min_distance_between_robots_m : float or None
         Smallest distance between two bodies during the run; None for a single robot.
     lower_bound_s : float
-        No run can be shorter: the larger one of the two bounds that follow.
+        No team can have seen the share of the explorable area that this run covered in a shorter
+        time, whatever it knows: the largest of the bounds that follow. See
+        `multisrt.analysis.bounds`.
     lower_bound_reach_s : float
-        Time to where the farthest point comes into range.
+        Time to come within range of what is far away.
     lower_bound_area_s : float
-        Time to sweep the explorable area with a range finder that never sees a point twice.
+        Time to sweep the area with range finders that never see a point twice.
+    lower_bound_witness_s : float or None
+        Time to serve places no two of which are seen at once; None if it was not asked for.
 
     Examples
     --------
@@ -212,6 +216,7 @@ class Metrics(msgspec.Struct, frozen=True, kw_only=True):
     lower_bound_s: float
     lower_bound_reach_s: float
     lower_bound_area_s: float
+    lower_bound_witness_s: float | None
 
 
 METRIC_GROUPS: dict[str, tuple[str, ...]] = {
@@ -275,12 +280,19 @@ METRIC_GROUPS: dict[str, tuple[str, ...]] = {
         "min_clearance_m",
         "min_distance_between_robots_m",
     ),
-    "bounds": ("lower_bound_s", "lower_bound_reach_s", "lower_bound_area_s"),
+    "bounds": (
+        "lower_bound_s",
+        "lower_bound_reach_s",
+        "lower_bound_area_s",
+        "lower_bound_witness_s",
+    ),
 }
 """The names of all metrics by subject; each subject is measured by a function of its own."""
 
 
-def measure(recording: Recording, environment: Environment | None = None) -> Metrics:
+def measure(
+    recording: Recording, environment: Environment | None = None, *, witnesses: bool = False
+) -> Metrics:
     """Measure a run.
 
     Parameters
@@ -289,6 +301,9 @@ def measure(recording: Recording, environment: Environment | None = None) -> Met
         The run.
     environment : Environment, optional
         The world, if it has been built already; by default it is built from the recording.
+    witnesses : bool, default False
+        Whether to compute `Metrics.lower_bound_witness_s`, which takes about a second for each
+        world.
 
     Returns
     -------
@@ -308,17 +323,17 @@ def measure(recording: Recording, environment: Environment | None = None) -> Met
     >>> metrics.lower_bound_s < metrics.known_complete_s <= metrics.makespan_s
     True
     """
-    return measure_with_curve(recording, environment)[0]
+    return measure_with_curve(recording, environment, witnesses=witnesses)[0]
 
 
 def measure_with_curve(
-    recording: Recording, environment: Environment | None = None
+    recording: Recording, environment: Environment | None = None, *, witnesses: bool = False
 ) -> tuple[Metrics, tuple[float | None, ...]]:
     """Measure a run, and how its coverage grew.
 
     Parameters
     ----------
-    recording, environment
+    recording, environment, witnesses
         As for `measure`.
 
     Returns
@@ -343,7 +358,7 @@ def measure_with_curve(
         **_radio(recording),
         **_effort(recording),
         **_safety(recording, environment),
-        **_bounds(recording, meter.explorable),
+        **_bounds(recording, environment, meter, witnesses=witnesses),
     )
     return metrics, meter.times_by_percent()
 
@@ -478,12 +493,22 @@ def _safety(recording: Recording, environment: Environment) -> dict[str, Any]:
     }
 
 
-def _bounds(recording: Recording, explorable: Explorable) -> dict[str, Any]:
-    reach_s, area_s = lower_bounds(recording.spec, explorable, recording.starts)
+def _bounds(
+    recording: Recording, environment: Environment, meter: CoverageMeter, *, witnesses: bool
+) -> dict[str, Any]:
+    bounds = lower_bounds(
+        recording.spec,
+        environment,
+        meter.explorable,
+        recording.starts,
+        meter.share,
+        witnesses=witnesses,
+    )
     return {
-        "lower_bound_s": max(reach_s, area_s),
-        "lower_bound_reach_s": reach_s,
-        "lower_bound_area_s": area_s,
+        "lower_bound_s": bounds.largest_s,
+        "lower_bound_reach_s": bounds.reach_s,
+        "lower_bound_area_s": bounds.area_s,
+        "lower_bound_witness_s": bounds.witness_s,
     }
 
 

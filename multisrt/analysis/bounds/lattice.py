@@ -51,7 +51,6 @@ TOUCH_M: Final = 2e-3
 """Cells that a border comes so near to in metres count as touched, for rounding."""
 
 
-
 class _Move(NamedTuple):
     # A move between two corners: its columns and rows, and the cells (row, column) that it runs
     # through or along, from the lower left corner of its box; those that it runs along are beside
@@ -233,9 +232,7 @@ class ShortestWays:
         for move in _MOVES:
             height = abs(move.rows)
             rows, columns = lattice.rows + 1 - height, lattice.columns + 1 - move.columns
-            needed = [
-                room[r + 2 : r + 2 + rows, c + 2 : c + 2 + columns] for r, c in move.cells
-            ]
+            needed = [room[r + 2 : r + 2 + rows, c + 2 : c + 2 + columns] for r, c in move.cells]
             combine = np.logical_or if move.is_along else np.logical_and
             r, c = np.nonzero(combine.reduce(needed))
             low, high = (0, height) if move.rows >= 0 else (height, 0)
@@ -316,9 +313,7 @@ class ShortestWays:
 
 
 @kernel
-def _mark_border(
-    corners: FloatArray, x0: float, y0: float, cell: float, cells: BoolArray
-) -> None:
+def _mark_border(corners: FloatArray, x0: float, y0: float, cell: float, cells: BoolArray) -> None:
     # Mark the cells that a closed chain of segments touches, or comes as near as `TOUCH_M`.
     rows, columns = cells.shape
     n = corners.shape[0]

@@ -123,9 +123,7 @@ def lower_bounds(
     """
     if not 0.0 <= share <= 1.0:
         raise InvalidInputError(f"a share of the explorable area is from 0 to 1, not {share}")
-    team = tuple(
-        Member.of(robot, start) for robot, start in zip(spec.robots, starts, strict=True)
-    )
+    team = tuple(Member.of(robot, start) for robot, start in zip(spec.robots, starts, strict=True))
     unseen_m2 = (1.0 - share + AREA_ERROR) * what.area_m2
     return LowerBounds(
         reach_s=reach_s(environment, what.reachable, team, unseen_m2),

@@ -18,11 +18,12 @@ from typing import Final
 
 import numpy as np
 import shapely
-from shapely import Polygon, affinity
+from shapely import MultiPolygon, Polygon, affinity
+from shapely.geometry.base import BaseGeometry
 
 from multisrt import MultiSrtError, explore
 from multisrt.analysis.bounds import LowerBounds, lower_bounds
-from multisrt.analysis.explorable import Explorable, explorable, viewers
+from multisrt.analysis.explorable import explorable, viewers
 from multisrt.environments.environment import Environment
 from multisrt.events import NodeAdded
 from multisrt.recording import Recording
@@ -51,6 +52,22 @@ class Case:
     world: Environment
     robots: tuple[RobotSpec, ...]
     strategy: str
+
+
+@dataclass(frozen=True, slots=True)
+class Reachable:
+    """The places that bodies can reach, as what is to be seen.
+
+    Attributes
+    ----------
+    area_m2 : float
+        Their area.
+    reachable : Polygon or MultiPolygon
+        The places, in metres.
+    """
+
+    area_m2: float
+    reachable: Polygon | MultiPolygon
 
 
 @dataclass(frozen=True, slots=True)
@@ -141,9 +158,7 @@ def reached_by(case: Case) -> Iterator[Reached]:
         return
     recording = run.recording
     whole = explorable(case.world, viewers(recording.spec, recording.starts))
-    what = Explorable(
-        raster=whole.raster, area_m2=float(whole.reachable.area), reachable=whole.reachable
-    )
+    what = Reachable(area_m2=float(whole.reachable.area), reachable=whole.reachable)
     for time_s, share in _shares(recording, what):
         bounds = lower_bounds(
             recording.spec, case.world, what, recording.starts, share, witnesses=True
@@ -151,9 +166,9 @@ def reached_by(case: Case) -> Iterator[Reached]:
         yield Reached(time_s, share, bounds)
 
 
-def _shares(recording: Recording, what: Explorable) -> Iterator[tuple[float, float]]:
+def _shares(recording: Recording, what: Reachable) -> Iterator[tuple[float, float]]:
     nodes = recording.of(NodeAdded)
-    covered: shapely.geometry.base.BaseGeometry = Polygon()
+    covered: BaseGeometry = Polygon()
     shapely.prepare(what.reachable)
     for number, node in enumerate(nodes, start=1):
         region = shapely.make_valid(Polygon(recording.region(node)))
@@ -177,16 +192,17 @@ def _starts(
     return found
 
 
-# Free space and the radius of the bodies in it.
+World = tuple[BaseGeometry, float]
+"""Free space, and the radius of the bodies in it."""
 
 
-def _corridor(rng: np.random.Generator) -> tuple[Polygon, float]:
+def _corridor(rng: np.random.Generator) -> World:
     width = float(np.exp(rng.uniform(np.log(0.1), np.log(1.5))))
     length = float(rng.uniform(4.0, 25.0))
     return shapely.box(0.0, 0.0, length, width), float(rng.uniform(0.25, 0.4)) * width
 
 
-def _comb(rng: np.random.Generator) -> tuple[Polygon, float]:
+def _comb(rng: np.random.Generator) -> World:
     tooth, wall = float(rng.uniform(0.12, 0.8)), float(rng.uniform(0.01, 0.3))
     count, depth = int(rng.integers(3, 12)), float(rng.uniform(0.5, 6.0))
     pitch = tooth + wall
@@ -195,14 +211,15 @@ def _comb(rng: np.random.Generator) -> tuple[Polygon, float]:
     return shapely.union_all([spine, *teeth]), float(rng.uniform(0.2, 0.4)) * tooth
 
 
-def _diamond(rng: np.random.Generator) -> tuple[Polygon, float]:
+def _diamond(rng: np.random.Generator) -> World:
     side = float(rng.uniform(3.0, 12.0))
     hall = affinity.rotate(shapely.box(0.0, 0.0, side, side), 45.0)
-    pillar = affinity.scale(hall, *[float(rng.uniform(0.1, 0.85))] * 2)
+    share = float(rng.uniform(0.1, 0.85))
+    pillar = affinity.scale(hall, share, share)
     return hall.difference(pillar), 0.02 * side
 
 
-def _branches(rng: np.random.Generator) -> tuple[Polygon, float]:
+def _branches(rng: np.random.Generator) -> World:
     width = float(rng.uniform(0.15, 0.8))
     points = [rng.uniform(0.0, 12.0, 2)]
     lines = []
@@ -213,7 +230,7 @@ def _branches(rng: np.random.Generator) -> tuple[Polygon, float]:
     return corridors, float(rng.uniform(0.2, 0.4)) * width
 
 
-def _stones(rng: np.random.Generator) -> tuple[Polygon, float]:
+def _stones(rng: np.random.Generator) -> World:
     side = float(rng.uniform(3.0, 10.0))
     stones = [
         affinity.rotate(
@@ -226,7 +243,7 @@ def _stones(rng: np.random.Generator) -> tuple[Polygon, float]:
     return free, float(rng.uniform(0.05, 0.25))
 
 
-def _rooms(rng: np.random.Generator) -> tuple[Polygon, float]:
+def _rooms(rng: np.random.Generator) -> World:
     room, wall = float(rng.uniform(1.5, 4.0)), float(rng.uniform(0.01, 0.2))
     door, count = float(rng.uniform(0.5, 1.0)), int(rng.integers(2, 4))
     side = room * count

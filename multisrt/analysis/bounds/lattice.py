@@ -222,8 +222,8 @@ class ShortestWays:
     def __init__(self, lattice: Lattice, cells: BoolArray) -> None:
         # Numbers of the corners of the cells, -1 for others.
         is_corner = np.zeros((lattice.rows + 1, lattice.columns + 1), np.bool_)
-        for r, c in ((0, 0), (0, 1), (1, 0), (1, 1)):
-            is_corner[r : r + lattice.rows, c : c + lattice.columns] |= cells
+        for down, left in ((0, 0), (0, 1), (1, 0), (1, 1)):
+            is_corner[down : down + lattice.rows, left : left + lattice.columns] |= cells
         self._number: IntArray = np.full(is_corner.shape, -1, np.int64)
         self._number[is_corner] = np.arange(np.count_nonzero(is_corner))
         # Cells and corners with a margin for the moves that would leave the window.
@@ -239,9 +239,9 @@ class ShortestWays:
             begins.append(self._number[r + low, c])
             ends.append(self._number[r + high, c + move.columns])
             lengths.append(np.full(len(r), math.hypot(move.columns, move.rows)))
-        begin, end, length = map(np.concatenate, (begins, ends, lengths))
+        begin, end = np.concatenate(begins), np.concatenate(ends)
+        scaled = np.concatenate(lengths) * (lattice.cell_m / LONGEST_DETOUR)
         count = int(np.count_nonzero(is_corner))
-        scaled = length * (lattice.cell_m / LONGEST_DETOUR)
         self._graph: csr_array = coo_array(
             (np.tile(scaled, 2), (np.append(begin, end), np.append(end, begin))),
             shape=(count, count),
@@ -309,7 +309,8 @@ class ShortestWays:
         lengths = np.array(
             [np.minimum.reduceat(self.from_any(each)[members], firsts) for each in sets]
         )
-        return np.minimum(lengths, lengths.T)
+        both_ways: FloatArray = np.minimum(lengths, lengths.T)
+        return both_ways
 
 
 @kernel

@@ -5,14 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, Protocol
 
 import shapely
 
-from multisrt.analysis.bounds.reach import reach_s
+from multisrt.analysis.bounds.reach import Places, reach_s
 from multisrt.analysis.bounds.team import Member
 from multisrt.analysis.bounds.witnesses import witness_s
-from multisrt.analysis.explorable import Explorable
 from multisrt.environments.environment import Environment
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import InvalidInputError
@@ -21,6 +20,18 @@ from multisrt.spec import RunSpec
 AREA_ERROR: Final = 1e-4
 """Measured areas are right to this share of the explorable area; so much may be unseen by a team
 whose measured share is 1."""
+
+
+class Task(Protocol):
+    """What a team is to see, as `multisrt.analysis.explorable.Explorable` is."""
+
+    @property
+    def area_m2(self) -> float:
+        """The area of all that is to be seen, in square metres."""
+
+    @property
+    def reachable(self) -> Places:
+        """The places that bodies can reach, in metres; part of what is to be seen."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -51,7 +62,7 @@ class LowerBounds:
 def lower_bounds(
     spec: RunSpec,
     environment: Environment,
-    what: Explorable,
+    what: Task,
     starts: Sequence[Configuration],
     share: float = 1.0,
     *,
@@ -75,7 +86,7 @@ def lower_bounds(
     environment : Environment
         The world.
     what : Explorable
-        What the team can explore.
+        What the team can explore; only its area and the places that bodies can reach count.
     starts : sequence of Configuration
         Where its robots start.
     share : float, default 1.0

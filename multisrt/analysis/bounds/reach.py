@@ -30,7 +30,7 @@ from multisrt.analysis.bounds.team import Member
 from multisrt.environments.environment import Environment
 from multisrt.geometry.numerics.kernel import FloatArray, IntArray
 
-CELL_M: Final = 0.1
+CELL_M: Final = 0.07
 """Width of the cells in metres, unless the world is too large."""
 
 MAX_CELLS: Final = 250_000
@@ -91,10 +91,9 @@ def _lattice(environment: Environment) -> Lattice:
 
 @lru_cache(maxsize=16)
 def _ways(environment: Environment, spread_m: float) -> ShortestWays:
-    lattice, space = _lattice(environment), environment.free
-    if spread_m:
-        space = space.buffer(spread_m, join_style="mitre", mitre_limit=2.0)
-    return ShortestWays(lattice, lattice.touched(space))
+    lattice = _lattice(environment)
+    space = environment.free.buffer(spread_m, join_style="mitre", mitre_limit=2.0)
+    return ShortestWays(lattice, lattice.touched(space if spread_m else environment.free))
 
 
 @lru_cache(maxsize=16)

@@ -273,7 +273,8 @@ def _border(corner: tuple[float, float], side_m: float) -> FloatArray:
     zero, full = np.zeros(count), np.full(count, side_m)
     sides = [(along, zero), (full, along), (side_m - along, full), (zero, side_m - along)]
     points: FloatArray = np.concatenate([np.column_stack(each) for each in sides])
-    return points + np.array(corner)
+    points += np.array(corner)
+    return points
 
 
 def _square_sums(areas: FloatArray, side: int) -> FloatArray:

@@ -98,8 +98,10 @@ class Witnesses:
         Cells over the places that bodies can reach.
     ways : ShortestWays
         Ways through these places.
+    squares : (n, 4) array
+        x0, y0, x1, y1 of each witness in metres.
     areas_m2 : (n,) array
-        The area of each witness.
+        The area of each that bodies can reach.
     regions : tuple of (k,) arrays of int
         The corners of the cells that the region of each touches, numbered by `ways`.
     between : (n, n) array
@@ -108,6 +110,7 @@ class Witnesses:
 
     lattice: Lattice
     ways: ShortestWays
+    squares: FloatArray
     areas_m2: FloatArray
     regions: tuple[IntArray, ...]
     between: FloatArray
@@ -222,6 +225,12 @@ def witnesses(
     return Witnesses(
         lattice=lattice,
         ways=ways,
+        squares=np.array(
+            [
+                (*corner, corner[0] + side_m, corner[1] + side_m)
+                for corner in (_corner(lattice, *square, side) for square in kept)
+            ]
+        ).reshape(-1, 4),
         areas_m2=np.array([areas[row, column] for row, column in kept]),
         regions=tuple(regions),
         between=ways.between(regions) if regions else np.zeros((0, 0)),

@@ -37,7 +37,7 @@ from typing import Final, NamedTuple
 
 import numpy as np
 import shapely
-from scipy.sparse import coo_array, csr_array
+from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 from shapely.geometry.base import BaseGeometry
 
@@ -71,6 +71,24 @@ _MOVES: Final = (
     _Move(1, 2, ((0, 0), (1, 0))),
     _Move(1, -2, ((0, 0), (1, 0))),
 )
+
+
+def _move_table() -> IntArray:
+    # All moves in either direction, sorted by where they lead, as rows: columns, rows, the cells
+    # (row, column, row, column) from the lower left corner of the move's box, whether one of the
+    # two is enough.
+    table = []
+    for move in _MOVES:
+        cells = (*move.cells[0], *move.cells[-1])
+        for sign in (1, -1):
+            table.append((sign * move.columns, sign * move.rows, *cells, int(move.is_along)))
+    return np.array(sorted(table, key=lambda row: (row[1], row[0])), dtype=np.int64)
+
+
+_MOVE_TABLE: Final = _move_table()
+
+MARGIN: Final = 2
+"""The columns and rows of the longest moves, by which cells are padded."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -226,26 +244,11 @@ class ShortestWays:
             is_corner[down : down + lattice.rows, left : left + lattice.columns] |= cells
         self._number: IntArray = np.full(is_corner.shape, -1, np.int64)
         self._number[is_corner] = np.arange(np.count_nonzero(is_corner))
-        # Cells and corners with a margin for the moves that would leave the window.
-        room = np.pad(cells, 2)
-        begins, ends, lengths = [], [], []
-        for move in _MOVES:
-            height = abs(move.rows)
-            rows, columns = lattice.rows + 1 - height, lattice.columns + 1 - move.columns
-            needed = [room[r + 2 : r + 2 + rows, c + 2 : c + 2 + columns] for r, c in move.cells]
-            combine = np.logical_or if move.is_along else np.logical_and
-            r, c = np.nonzero(combine.reduce(needed))
-            low, high = (0, height) if move.rows >= 0 else (height, 0)
-            begins.append(self._number[r + low, c])
-            ends.append(self._number[r + high, c + move.columns])
-            lengths.append(np.full(len(r), math.hypot(move.columns, move.rows)))
-        begin, end = np.concatenate(begins), np.concatenate(ends)
-        scaled = np.concatenate(lengths) * (lattice.cell_m / LONGEST_DETOUR)
+        # A margin for the moves that would leave the window.
+        graph = _graph(np.pad(cells, MARGIN), self._number, _MOVE_TABLE)
         count = int(np.count_nonzero(is_corner))
-        self._graph: csr_array = coo_array(
-            (np.tile(scaled, 2), (np.append(begin, end), np.append(end, begin))),
-            shape=(count, count),
-        ).tocsr()
+        scaled = graph[2] * (lattice.cell_m / LONGEST_DETOUR)
+        self._graph: csr_array = csr_array((scaled, graph[1], graph[0]), shape=(count, count))
 
     def corners(self, cells: BoolArray) -> IntArray:
         """Return the numbers of the corners of cells, of those that ways may run through."""
@@ -363,3 +366,35 @@ def _shares_by_cell(edges: FloatArray, rows: int, columns: int) -> FloatArray:
                 shares[row, column] += height * (1.0 - beside)
                 shares[row, column + 1] += height * beside
     return shares
+
+
+@kernel
+def _graph(
+    room: BoolArray, number: IntArray, moves: IntArray
+) -> tuple[IntArray, IntArray, FloatArray]:
+    # The moves between corners in compressed rows: where each row begins, where its moves lead,
+    # and their lengths in widths of a cell. `room` holds the cells with a margin.
+    count = number.max() + 1
+    begins = np.zeros(count + 1, np.int64)
+    leads_to = np.empty(count * moves.shape[0], np.int64)
+    lengths = np.empty(count * moves.shape[0])
+    total = 0
+    for r in range(number.shape[0]):
+        for c in range(number.shape[1]):
+            if number[r, c] < 0:
+                continue
+            for m in range(moves.shape[0]):
+                columns, rows, down_a, left_a, down_b, left_b, is_along = moves[m]
+                low, left = r + min(0, rows) + MARGIN, c + min(0, columns) + MARGIN
+                if r + rows < 0 or r + rows >= number.shape[0]:
+                    continue
+                if c + columns < 0 or c + columns >= number.shape[1]:
+                    continue
+                first = room[low + down_a, left + left_a]
+                other = room[low + down_b, left + left_b]
+                if (first or other) if is_along else (first and other):
+                    leads_to[total] = number[r + rows, c + columns]
+                    lengths[total] = np.hypot(columns, rows)
+                    total += 1
+            begins[number[r, c] + 1] = total
+    return begins, leads_to[:total].copy(), lengths[:total].copy()

@@ -6,10 +6,12 @@ import tempfile
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import fields as dataclass_fields
+from numbers import Integral
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import msgspec
+import numpy as np
 
 from multisrt.environments.environment import Environment
 from multisrt.experiments.live import LiveProgress
@@ -26,6 +28,7 @@ from multisrt.experiments.spec import (
 )
 from multisrt.experiments.store import Store
 from multisrt.geometry.errors import InvalidInputError
+from multisrt.geometry.numerics.arrays import builtin
 from multisrt.reporting.layout import Table
 from multisrt.simulation.worlds import inline
 from multisrt.spec import RadioSpec
@@ -152,7 +155,7 @@ def compare(
                 "an ExperimentSpec is complete: with it, give only workers, cluster, store, "
                 f"imports and progress, and leave out {', '.join(given)}"
             )
-        spec = environments
+        spec = _experiment_of(environments)
         if store is None and spec.recordings == "failed":
             spec = msgspec.structs.replace(spec, recordings="none")
     else:
@@ -434,8 +437,13 @@ def _experiment(given: Mapping[str, Any]) -> ExperimentSpec:
         fields["radios"] = [_radio(one) for one in fields["radios"]]
     if "seeds" in fields:
         fields |= _repetitions(fields.pop("seeds"))
+    return _experiment_of(fields)
+
+
+def _experiment_of(fields: object) -> ExperimentSpec:
+    # An experiment from its fields or parts, with numbers of numpy as builtin ones.
     try:
-        plain = msgspec.to_builtins(fields)
+        plain = msgspec.to_builtins(fields, enc_hook=builtin)
     except (TypeError, NotImplementedError) as error:
         raise InvalidInputError(
             f"an experiment consists of text, numbers and the parts of an ExperimentSpec "
@@ -457,9 +465,9 @@ def _repetitions(seeds: object) -> dict[str, int]:
                 f"seeds are consecutive numbers, as in range(100, 120), not {seeds}"
             )
         return {"first_seed": seeds.start, "repetitions": len(seeds)}
-    if isinstance(seeds, bool) or not isinstance(seeds, int):
+    if isinstance(seeds, bool) or not isinstance(seeds, Integral):
         raise InvalidInputError(f"seeds are a number of repetitions, or a range, not {seeds!r}")
-    return {"repetitions": seeds}
+    return {"repetitions": int(seeds)}
 
 
 def _environment(given: object) -> object:
@@ -470,7 +478,7 @@ def _environment(given: object) -> object:
 
 
 def _radio(given: object) -> object:
-    if isinstance(given, (int, float)) and not isinstance(given, bool):
+    if isinstance(given, int | float | np.integer | np.floating) and not isinstance(given, bool):
         return RadioChoice(range_m=float(given))
     if isinstance(given, RadioSpec) and not isinstance(given, RadioChoice):
         return RadioChoice(**msgspec.structs.asdict(given))

@@ -8,13 +8,11 @@ from typing import TYPE_CHECKING
 
 import click
 
+from multisrt.cli.reach import MIN_SHARE, elsewhere
 from multisrt.cli.tables import show, table
 
 if TYPE_CHECKING:
     from multisrt.run import Run
-
-MIN_EXPLORABLE = 0.9
-"""Share of the free space; if less is explorable, the summary says so."""
 
 MAX_ROBOTS = 16
 """Largest team whose robots are listed one by one."""
@@ -59,12 +57,16 @@ def print_summary(runs: list[Run], folders: list[Path]) -> None:
 
 
 def _print_reach(run: Run) -> None:
-    m = run.metrics
-    if m.explorable_area_m2 < MIN_EXPLORABLE * m.free_area_m2:
+    # Why a part of free space is no part of the task: other areas, then the body.
+    m, start = run.metrics, run.recording.starts[0]
+    if said := elsewhere(run.environment, start):
+        click.echo(f"  {said}")
+    area_m2 = run.environment.component(start.x, start.y).area
+    if m.explorable_area_m2 < MIN_SHARE * area_m2:
         bodies = ", ".join(dict.fromkeys(robot.footprint for robot in run.spec.robots))
         click.echo(
-            f"  with the body {bodies} only {m.explorable_area_m2:.1f} of {m.free_area_m2:.1f} m2 "
-            "of free space are explorable"
+            f"  with the body {bodies} only {m.explorable_area_m2:.1f} of {area_m2:.1f} m2 "
+            f"{'there' if said else 'of free space'} are explorable"
         )
 
 

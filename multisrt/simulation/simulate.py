@@ -65,8 +65,10 @@ def simulate(
     Raises
     ------
     InvalidInputError
-        If the spec cannot be run (the world, a start, the strategy or its options), if an
-        explorer yields something that it cannot do, or if `path` cannot be written.
+        If the spec cannot be run (the world, a start, the strategy or its options), or if `path`
+        cannot be written.
+    ExplorerDefect
+        If an explorer yields something that it cannot do; it is an `InvalidInputError`, too.
 
     Examples
     --------

@@ -14,13 +14,13 @@ import numpy as np
 from multisrt.environments.environment import Environment
 from multisrt.events import Collision
 from multisrt.recording import Recording, RunOutcome
+from multisrt.robots.defects import ExplorerDefect, brief
 from multisrt.robots.explorer import Action, Explorer, Move, Outcome, RobotSelf
 from multisrt.robots.registry import Strategy, registered
 from multisrt.simulation.random_streams import random_stream
 from multisrt.simulation.simulate import simulate
 from multisrt.spec import RunSpec
 from multisrt.testing.account import differences
-from multisrt.testing.defects import ExplorerDefect, brief
 from multisrt.testing.fingerprint import fingerprint
 from multisrt.testing.hidden_truth import named_by_code
 from multisrt.testing.supervision import SupervisedExplorer, Supervision

@@ -51,7 +51,7 @@ Glance keeps to the contract of explorers:
 ...         yield Done(complete=False, reason="enough")
 >>> check_explorer(Blind, worlds=[two_rooms()])  # doctest: +ELLIPSIS
 Traceback (most recent call last):
-multisrt.testing.defects.ExplorerDefect: the robot in 'two rooms', action 1: on its way from ...
+multisrt.robots.defects.ExplorerDefect: the robot in 'two rooms', action 1: on its way from ...
 """
 
 from __future__ import annotations
@@ -66,12 +66,12 @@ import shapely
 from multisrt.environments.catalog import environment
 from multisrt.environments.environment import Environment
 from multisrt.geometry.errors import InvalidInputError
+from multisrt.robots.defects import ExplorerDefect
 from multisrt.robots.explorer import Explorer, RobotSelf
 from multisrt.robots.registry import Strategy
 from multisrt.simulation.worlds import inline
 from multisrt.spec import RadioSpec, RobotSpec, RunSpec, StopRule
 from multisrt.testing.cases import Case, CheckedRun, repeat_interleaved
-from multisrt.testing.defects import ExplorerDefect
 
 __all__ = ["CheckedExplorer", "CheckedRun", "ExplorerDefect", "check_explorer", "two_rooms"]
 

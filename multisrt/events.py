@@ -473,10 +473,8 @@ class Ended(Event, frozen=True, kw_only=True, tag="ended"):
     frontier: tuple[Segment, ...]
 
 
-AnyEvent = (
-    Motion
-    | Sensed
-    | NodeAdded
+NotedEvent = (
+    NodeAdded
     | Decision
     | GoalChosen
     | Coordinated
@@ -485,9 +483,17 @@ AnyEvent = (
     | ArcClosed
     | ArcReopened
     | MapComplete
-    | Sent
     | Learned
     | TakenAsLost
+)
+"""Events that explorers put on record. All others are recorded by the simulation: they say what
+robots did, not what they say of it."""
+
+AnyEvent = (
+    NotedEvent
+    | Motion
+    | Sensed
+    | Sent
     | Blocked
     | Died
     | FellSilent

@@ -121,7 +121,7 @@ class Interpreter:
                 case Send():
                     self._mail.send(robot, action.message, action.to)
                 case Note():
-                    event = plain.event(action.event, number)
+                    event = plain.event(action.event, number, self._clock.now_s)
                     self._journal.record(event)
                     if isinstance(event, Organized):
                         self._faults.on_doing(robot, "master")

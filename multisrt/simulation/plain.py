@@ -15,7 +15,7 @@ from typing import Any, NoReturn, cast, get_args
 import msgspec
 import numpy as np
 
-from multisrt.events import AnyEvent, Event, Purpose
+from multisrt.events import AnyEvent, Event, NotedEvent, Purpose
 from multisrt.geometry.numerics.arrays import builtin
 from multisrt.planners.motion.trajectory import Trajectory, Waypoint
 from multisrt.robots.defects import ExplorerDefect, brief
@@ -25,11 +25,14 @@ from multisrt.validation_errors import explained
 
 PURPOSES = get_args(Purpose)
 
-_EVENTS = frozenset(get_args(AnyEvent))
+_EVENTS = frozenset(get_args(NotedEvent))
 
 _ENCODER = msgspec.msgpack.Encoder(enc_hook=builtin)
 _BUILTIN_ENCODER = msgspec.msgpack.Encoder()
 _DECODER = msgspec.msgpack.Decoder(AnyEvent)
+
+SAME_TIME_S = 1e-6
+"""Times that differ by less are one, in seconds."""
 
 _NOT_FINITE = re.compile(rb"\xcb[\x7f\xff][\xf0-\xff]")
 """How floats that are infinite or no number begin in MessagePack; other data may look the same."""
@@ -124,7 +127,7 @@ def is_on_call(done: Done, robot: int) -> bool:
     return _flag(done.on_call, robot, "on_call of its Done")
 
 
-def event(noted: Any, robot: int) -> AnyEvent:
+def event(noted: Any, robot: int, now_s: float) -> AnyEvent:
     """Return an event as it can be recorded.
 
     Parameters
@@ -133,6 +136,8 @@ def event(noted: Any, robot: int) -> AnyEvent:
         What the explorer puts on record.
     robot : int
         Its robot.
+    now_s : float
+        The time in seconds, which is that of the event: runs are measured by when things happened.
 
     Returns
     -------
@@ -143,8 +148,20 @@ def event(noted: Any, robot: int) -> AnyEvent:
     Raises
     ------
     ExplorerDefect
-        If it is no event, or `as_declared` raises it.
+        If it is no event that explorers put on record, has another time, or `as_declared` raises
+        it.
     """
+    found = _recordable(noted, robot)
+    if abs(found.time_s - now_s) > SAME_TIME_S:
+        refuse(
+            robot,
+            f"its {type(found).__name__} has time_s={found.time_s:g} at {now_s:g} s",
+            "give the present time, which scans, motions and messages tell",
+        )
+    return found
+
+
+def _recordable(noted: Any, robot: int) -> AnyEvent:
     # To write an event costs little; to read it again would cost 2 to 4 percent of a run.
     if type(noted) in _EVENTS and type(noted.time_s) is float and noted.robot == robot:
         try:
@@ -157,6 +174,12 @@ def event(noted: Any, robot: int) -> AnyEvent:
             robot,
             f"it put {brief(noted)} on record",
             f"give Note an instance of a class of multisrt.events, with robot={robot}",
+        )
+    if type(noted) not in _EVENTS:
+        refuse(
+            robot,
+            f"it put a {type(noted).__name__} on record, which the simulation records itself",
+            f"note {', '.join(sorted(kind.__name__ for kind in _EVENTS))} only",
         )
     return as_declared(noted, robot)
 

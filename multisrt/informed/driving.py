@@ -73,9 +73,7 @@ def drive_along(
                 continue
             step = _straight(kinematics, at, x, y)
             clock, turned = pieces[-1][0], pieces[-1][3] - step.waypoints[0].heading
-            pieces += [
-                (clock + w.time_s, w.x, w.y, turned + w.heading) for w in step.waypoints[1:]
-            ]
+            pieces += [(clock + w.time_s, w.x, w.y, turned + w.heading) for w in step.waypoints[1:]]
             at = step.end
             scans.append(pieces[-1][0])
     return Drive(

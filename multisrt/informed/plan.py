@@ -6,8 +6,9 @@ import hashlib
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
-import numpy as np
+import msgspec
 import shapely
 from shapely import Polygon
 
@@ -21,7 +22,7 @@ from multisrt.informed.options import InformedOptions
 from multisrt.informed.roadmap import Roadmap
 from multisrt.informed.search import Progress, Routes, Search
 from multisrt.informed.team import Member, Team
-from multisrt.informed.timetable import GAP_M, Course, NoTiming, Timing, timed
+from multisrt.informed.timetable import GAP_M, Course, NoTiming, timed
 from multisrt.informed.views import Bits, Cells, Sensor, count
 from multisrt.planners.motion.kinematics import Car
 from multisrt.spec import RobotSpec, RunSpec
@@ -64,15 +65,8 @@ def plan(
     tuple of Orders
         For each robot.
     """
-    options = msgspec_options(spec)
+    options = msgspec.convert(dict(spec.options), InformedOptions, strict=False)
     return _Planner(spec.robots, environment, tuple(starts), options).orders(progress)
-
-
-def msgspec_options(spec: RunSpec) -> InformedOptions:
-    """Return the options of a run of the informed plan."""
-    import msgspec
-
-    return msgspec.convert(dict(spec.options), InformedOptions, strict=False)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -215,7 +209,7 @@ class _Planner:
             if self._options.home and route:
                 nodes.append(member.node)
             legs = []
-            for a, b in zip(nodes[:-1], nodes[1:], strict=True):
+            for a, b in pairwise(nodes):
                 tight = member.roadmap.tight(a, b)
                 assert tight is not None
                 legs.append(tight.corners)
@@ -249,12 +243,12 @@ class _Planner:
             seen |= self._cells.within(self._bodies[number].sensor.region(x, y))
         share = count(seen) / max(1, self._cells.count)
         complete = share >= self._options.share
-        reason = f"has driven the informed plan, by which {math.floor(1000 * share) / 10:g} % is seen"
+        reason = (
+            f"has driven the informed plan, by which {math.floor(1000 * share) / 10:g} % is seen"
+        )
         if not self._options.home:
             stages = [_until(own, end_s) for own in stages]
-        return tuple(
-            Orders(stages=tuple(own), complete=complete, reason=reason) for own in stages
-        )
+        return tuple(Orders(stages=tuple(own), complete=complete, reason=reason) for own in stages)
 
 
 def _part_of(room: shapely.Geometry, start: Configuration) -> shapely.Geometry:

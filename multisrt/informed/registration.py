@@ -45,7 +45,7 @@ def _require_fit(spec: RunSpec) -> None:
 
 INFORMED = Strategy(
     name="informed",
-    summary="Knows the map: a reference that others are compared with, not a competitor",
+    summary="The reference for others: a plan of what there is to see, driven",
     options=InformedOptions,
     explorer=_explorer,
     fits=_require_fit,

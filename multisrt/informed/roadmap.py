@@ -91,7 +91,8 @@ class Roadmap:
         self.room = _part_near(free.buffer(-(radius_m + MARGIN_M), quad_segs=4), near)
         wide = _part_near(free.buffer(-(radius_m + WAY_MARGIN_M), quad_segs=8), near)
         narrow = free.buffer(1e-6 - radius_m, quad_segs=16)
-        spacing = max(MIN_SPACING_M, math.sqrt(self.room.area / MAX_LATTICE))
+        # Of the component: bodies of different size share the points of the lattice.
+        spacing = max(MIN_SPACING_M, math.sqrt(component.area / MAX_LATTICE))
         self._index = EdgeIndex(edges_of(component if wide.is_empty else wide), spacing)
         for _ in range(MAX_REFINEMENTS + 1):
             self._build(starts, wide, narrow, spacing)
@@ -140,8 +141,10 @@ class Roadmap:
         if node in self._rows:
             self._rows.move_to_end(node)
             return self._rows[node]
-        distances, before = dijkstra(self._graph, indices=node, return_predecessors=True)
-        self._rows[node] = row = (distances.astype(np.float32), before.astype(np.int32))
+        distances, before = dijkstra(
+            self._graph, indices=np.array([node]), return_predecessors=True
+        )
+        self._rows[node] = row = (distances[0].astype(np.float32), before[0].astype(np.int32))
         if len(self._rows) > MAX_ROWS:
             self._rows.popitem(last=False)
         return row
@@ -183,23 +186,26 @@ def line_angle(a: FloatArray, b: FloatArray) -> float:
 
 def _without(component: Polygon, discs: Sequence[tuple[float, float, float]]) -> Polygon:
     blocked = [shapely.Point(x, y).buffer(radius, quad_segs=8) for x, y, radius in discs]
-    return component.difference(shapely.union_all(blocked)) if blocked else component
+    if not blocked:
+        return component
+    return shapely.difference(component, shapely.union_all(blocked))
 
 
 def _part_near(area: Polygon, place: shapely.MultiPoint) -> Polygon:
     # The part of an area that is nearest to a start: where there is room, it holds it.
-    parts = [part for part in shapely.get_parts(area) if not part.is_empty]
-    if not parts:
-        return Polygon()
+    parts = [part for part in shapely.get_parts(area) if isinstance(part, Polygon)]
     first = shapely.get_geometry(place, 0)
-    return min(parts, key=lambda part: float(part.distance(first)))
+    return min(
+        (part for part in parts if not part.is_empty),
+        key=lambda part: float(part.distance(first)),
+        default=Polygon(),
+    )
 
 
 def _lattice(room: Polygon, spacing: float) -> FloatArray:
     if room.is_empty:
         return np.empty((0, 2))
     x0, y0, x1, y1 = room.bounds
-    # Multiples of the spacing: bodies of different size share the points.
     x = spacing * np.arange(math.floor(x0 / spacing), math.ceil(x1 / spacing) + 1)
     y = spacing * np.arange(math.floor(y0 / spacing), math.ceil(y1 / spacing) + 1)
     points = np.column_stack([grid.ravel() for grid in np.meshgrid(x, y, indexing="ij")])

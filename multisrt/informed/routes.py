@@ -79,7 +79,8 @@ def route_times(routes: IntArray, sizes: IntArray, costs: Costs) -> FloatArray:
 @kernel
 def objective(times: FloatArray) -> float:
     """Return what is minimised: the largest time, and a little of the mean."""
-    return times.max() + MEAN_WEIGHT * times.mean()
+    value: float = times.max() + MEAN_WEIGHT * times.mean()
+    return value
 
 
 @kernel
@@ -149,9 +150,12 @@ def _turn(a: float, b: float) -> float:
 @kernel
 def _at(route: IntArray, size: int, position: int, home: bool) -> int:
     # The place at a position of a route; -1 before and after.
+    place = -1
     if 0 <= position < size:
-        return route[position]
-    return route[0] if home and position == size and size > 1 else -1
+        place = route[position]
+    elif home and position == size and size > 1:
+        place = route[0]
+    return place
 
 
 @kernel

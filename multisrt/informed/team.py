@@ -1,10 +1,11 @@
-"""What the search knows of a team: where each robot can go, what it sees, how long its legs take."""
+"""What the search knows of a team: where each robot can go, what it sees, what its legs take."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -56,7 +57,7 @@ def samples(corners: FloatArray) -> FloatArray:
     They are at most `SENSE_SPACING_M` apart, and one is at each corner.
     """
     found = [corners[:0]]
-    for a, b in zip(corners[:-1], corners[1:], strict=True):
+    for a, b in pairwise(corners):
         parts = max(1, math.ceil(float(np.hypot(*(b - a))) / SENSE_SPACING_M - 1e-9))
         share = np.arange(1, parts + 1)[:, None] / parts
         found.append(a + share * (b - a))
@@ -98,8 +99,7 @@ class Team:
         self._see()
 
     def node(self, robot: int, place: int) -> int:
-        """Return the node of a place on a robot's roadmap; -1 for none. A negative place: -1 is
-        the robot's start."""
+        """Return the node of a place (-1: its start) on a robot's roadmap; -1 for none."""
         member = self.members[robot]
         if place < 0:
             return member.node
@@ -113,8 +113,7 @@ class Team:
         return np.where(nodes >= 0, row[nodes], np.inf)
 
     def seen_on_leg(self, robot: int, a: int, b: int) -> Bits:
-        """Return the cells that a robot sees on its way from a place (-1: its start) to another,
-        including there."""
+        """Return the cells that a robot sees behind a place (-1: its start) up to another."""
         member = self.members[robot]
         i, j = self.node(robot, a), self.node(robot, b)
         key = (self.sensors.index(member.sensor), self.roadmaps.index(member.roadmap), i, j)

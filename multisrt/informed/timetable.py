@@ -15,7 +15,7 @@ from typing import Final
 
 import numpy as np
 
-from multisrt.geometry.numerics.kernel import BoolArray, FloatArray, IntArray, kernel
+from multisrt.geometry.numerics.kernel import FloatArray, IntArray, kernel
 from multisrt.planners.motion.trajectory import Trajectory
 
 STEP_S, MAX_STEPS = 0.05, 3_000
@@ -179,7 +179,7 @@ def _progress(
     horizon = others.shape[1]
     free_since = np.full(size, -1, np.int64)
     came = np.zeros((steps + 1, size), np.int8)  # 0 not reached, 1 from behind, 2 waited, 3 back
-    waves = [[(np.int64(0), np.int64(0))]]
+    waves = [[(0, 0)]]
     came[0, 0] = 2
     level = 0
     while level < len(waves):
@@ -205,8 +205,8 @@ def _progress(
                 came[time + 1, to] = move
                 more = 0 if move == 1 and k < end else 1 if move != 3 else 2
                 while len(waves) <= level + more:
-                    waves.append([(np.int64(0), np.int64(0))][:0])
-                waves[level + more].append((np.int64(time + 1), np.int64(to)))
+                    waves.append([(0, 0)][:0])
+                waves[level + more].append((time + 1, to))
         level += 1
     return np.empty(0, np.int64)
 

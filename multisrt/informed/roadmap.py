@@ -17,7 +17,8 @@ import shapely
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components, dijkstra
 from scipy.spatial import KDTree
-from shapely import Polygon
+from shapely import MultiPolygon, Polygon
+from shapely.geometry.base import BaseGeometry
 
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.numerics.kernel import BoolArray, FloatArray, IntArray, kernel
@@ -105,7 +106,7 @@ class Roadmap:
         self._tight: dict[tuple[int, int], Tight | None] = {}
 
     def _build(
-        self, starts: Sequence[Configuration], wide: Polygon, narrow: Polygon, spacing: float
+        self, starts: Sequence[Configuration], wide: Polygon, narrow: BaseGeometry, spacing: float
     ) -> None:
         lattice = _lattice(self.room, spacing)
         corners = _thinned(shapely.get_coordinates(self.room), 0.5 * spacing)
@@ -184,14 +185,18 @@ def line_angle(a: FloatArray, b: FloatArray) -> float:
     return math.atan2(b[1] - a[1], b[0] - a[0]) % math.pi
 
 
-def _without(component: Polygon, discs: Sequence[tuple[float, float, float]]) -> Polygon:
+def _without(
+    component: Polygon, discs: Sequence[tuple[float, float, float]]
+) -> Polygon | MultiPolygon:
     blocked = [shapely.Point(x, y).buffer(radius, quad_segs=8) for x, y, radius in discs]
     if not blocked:
         return component
-    return shapely.difference(component, shapely.union_all(blocked))
+    free = component.difference(shapely.union_all(blocked))
+    assert isinstance(free, Polygon | MultiPolygon)
+    return free
 
 
-def _part_near(area: Polygon, place: shapely.MultiPoint) -> Polygon:
+def _part_near(area: BaseGeometry, place: shapely.MultiPoint) -> Polygon:
     # The part of an area that is nearest to a start: where there is room, it holds it.
     parts = [part for part in shapely.get_parts(area) if isinstance(part, Polygon)]
     first = shapely.get_geometry(place, 0)

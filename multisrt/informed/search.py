@@ -13,6 +13,7 @@ import math
 import random
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -26,6 +27,12 @@ HOT, COLD = 0.02, 0.0005
 
 MAX_REMOVED = 6
 """Most places that are removed at once, and a quarter of all."""
+
+MAX_CHOICES = 64
+"""Most places that are weighed to see one cell."""
+
+INSERTED_WEIGHT = 0.3
+"""Weight of the time of a robot beside the largest, when a place is inserted."""
 
 Routes = tuple[tuple[int, ...], ...]
 """For each robot its places in order."""
@@ -133,7 +140,8 @@ class Search:
     def _in_order(self, places: Sequence[int]) -> Solution:
         # The farthest first, each where it costs least.
         routes: list[list[int]] = [[] for _ in self._team.members]
-        far = np.min([self._team.distances(r, -1) for r in range(len(routes))], axis=0)
+        every = np.arange(len(self._team.places))
+        far = np.min([self._team.distances(r, -1, every) for r in range(len(routes))], axis=0)
         for place in sorted(places, key=lambda p: (-float(far[p]), p)):
             self._insert(routes, np.array([place]), np.zeros(1))
         return self._improved(routes)
@@ -221,9 +229,14 @@ class Search:
     def _repair(self, routes: list[list[int]]) -> bool:
         # Insert places until enough is seen, in place; return whether it is.
         rng, team = self._rng, self._team
+        second_per_cell = self._second_per_cell(routes)
+        seen, is_exact = self._seen(routes), True
         for _ in range(2 * MAX_REMOVED + 4):
-            seen = self._seen(routes)
             lacking = self._target - count(seen)
+            if lacking <= 0 and not is_exact:
+                # Of the legs that were replaced, some cells may be seen no more.
+                seen, is_exact = self._seen(routes), True
+                lacking = self._target - count(seen)
             if lacking <= 0:
                 return True
             missing = numbers_in(self._everything & ~seen)
@@ -232,53 +245,62 @@ class Search:
             able = np.flatnonzero((team.views[:, word] >> bit) & np.uint64(1))
             if not len(able):
                 continue
-            if len(able) > 64:
-                able = able[rng.randrange(len(able) // 64 + 1) :: len(able) // 64 + 1]
+            if len(able) > MAX_CHOICES:
+                stride = len(able) // MAX_CHOICES + 1
+                able = able[rng.randrange(stride) :: stride]
             new = np.bitwise_count(team.views[able] & ~seen).sum(axis=1).astype(np.float64)
             # What is seen beyond need is worth nothing.
-            worth = rng.uniform(0.0, 1.5) * self._second_per_cell(routes)
-            self._insert(routes, able, worth * np.minimum(new, lacking))
-        return count(self._seen(routes)) >= self._target
+            worth = rng.uniform(0.0, 1.5) * second_per_cell
+            robot, position = self._insert(routes, able, worth * np.minimum(new, lacking))
+            if robot >= 0:
+                route = (-1, *routes[robot])
+                for a, b in pairwise(route[position : position + 3]):
+                    seen = seen | team.seen_on_leg(robot, a, b)
+                is_exact = False
+        return self._target <= count(self._seen(routes))
 
     def _second_per_cell(self, routes: Sequence[Sequence[int]]) -> float:
         speed = max(member.kinematics.speed_m_s for member in self._team.members)
         length = 0.0
         for robot, route in enumerate(routes):
             for a, b in zip((-1, *route), route, strict=False):
-                length += float(self._team.distances(robot, a)[b])
+                length += float(self._team.distances(robot, a, np.array([b]))[0])
         return max(length, 1.0) / speed / self._team.cells.count
 
-    def _insert(self, routes: list[list[int]], able: IntArray, bonus: FloatArray) -> None:
-        # Insert one of some places where it costs least, by lengths, less a bonus for each.
-        lengths: list[float] = []
+    def _insert(
+        self, routes: list[list[int]], able: IntArray, bonus: FloatArray
+    ) -> tuple[int, int]:
+        # Insert one of some places where it costs least, by lengths, less a bonus for each; return
+        # the robot and the position in its route, or -1 if no robot gets there.
+        team = self._team
+        times = np.zeros(len(routes))
         added: list[tuple[int, int, FloatArray]] = []
         for robot, route in enumerate(routes):
-            speed = self._team.members[robot].kinematics.speed_m_s
-            rows = [self._team.distances(robot, place) for place in (-1, *route)]
-            total = 0.0
+            speed = team.members[robot].kinematics.speed_m_s
+            # Columns: the places that may be inserted, and those of the route.
+            columns = np.concatenate((able, np.array(route, np.int64)))
+            rows = [team.distances(robot, place, columns) for place in (-1, *route)]
             for k, row in enumerate(rows):
-                more = row[able].astype(np.float64)
+                more, leg = row[: len(able)], 0.0
                 if k < len(route):
-                    leg = float(row[route[k]])
-                    more = more + rows[k + 1][able] - leg
-                    total += leg
-                elif self._team.home:
-                    back = float(rows[0][route[-1]]) if route else 0.0
-                    more = more + rows[0][able] - back
-                    total += back
+                    leg = float(row[len(able) + k])
+                    more = more + rows[k + 1][: len(able)] - leg
+                elif team.home:
+                    leg = float(rows[0][-1]) if route else 0.0
+                    more = more + rows[0][: len(able)] - leg
+                times[robot] += leg / speed
                 added.append((robot, k, more / speed))
-            lengths.append(total / speed)
-        times = np.array(lengths)
         value = np.empty((len(added), len(able)))
         for k, (robot, _, more) in enumerate(added):
             others = float(np.delete(times, robot).max(initial=0.0))
             largest = np.maximum(others, times[robot] + more)
-            value[k] = largest + 0.3 * more - bonus
-        which = int(np.argmin(value))
-        k, place = divmod(which, len(able))
+            value[k] = largest + INSERTED_WEIGHT * more - bonus
+        k, place = divmod(int(np.argmin(value)), len(able))
+        if not math.isfinite(float(value[k, place])):
+            return -1, -1
         robot, position, _ = added[k]
-        if math.isfinite(float(value[k, place])):
-            routes[robot].insert(position, int(able[place]))
+        routes[robot].insert(position, int(able[place]))
+        return robot, position
 
     def _dropped(self, solution: Solution) -> Solution:
         # Leave out every place without which enough is seen, the last of each route first.

@@ -105,12 +105,15 @@ class Team:
             return member.node
         return int(self._nodes[self.roadmaps.index(member.roadmap), place])
 
-    def distances(self, robot: int, place: int) -> FloatArray:
-        """Return the distances of all places from one (-1: its start) for a robot, in metres."""
+    def distances(self, robot: int, place: int, others: IntArray) -> FloatArray:
+        """Return the distances of other places from one (-1: its start) for a robot, in metres.
+
+        They are measured along its roadmap, so a little too long; inf where no way leads.
+        """
         member = self.members[robot]
         row, _ = member.roadmap.row(self.node(robot, place))
-        nodes = self._nodes[self.roadmaps.index(member.roadmap)]
-        return np.where(nodes >= 0, row[nodes], np.inf)
+        nodes = self._nodes[self.roadmaps.index(member.roadmap), others]
+        return np.where(nodes >= 0, row[nodes].astype(np.float64), np.inf)
 
     def seen_on_leg(self, robot: int, a: int, b: int) -> Bits:
         """Return the cells that a robot sees behind a place (-1: its start) up to another."""

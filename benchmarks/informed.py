@@ -69,7 +69,7 @@ def spec_of(number: int) -> ms.RunSpec:
     rng = np.random.default_rng(number)
     worlds: list[tuple[str, dict[str, Scalar]]] = [
         ("rooms", {"size_m": float(rng.integers(8, 15)), "rooms_per_side": 2}),
-        ("clutter", {"size_m": float(rng.integers(8, 14))}),
+        ("clutter", {"size_m": float(rng.integers(9, 14)), "cover": 0.06}),
         ("maze", {"size_m": 10.0, "cells": int(rng.integers(4, 6)), "loops": 0.2}),
         ("garden", {"size_m": float(rng.integers(15, 18)), "plots": 2}),
         ("office", {"width_m": 16.0, "height_m": float(rng.integers(12, 15))}),

@@ -11,6 +11,7 @@ version of the program is made anew.
 from __future__ import annotations
 
 import hashlib
+import math
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
@@ -30,6 +31,10 @@ from multisrt.spec import RunSpec
 
 MAX_FILES = 2_000
 """Number of references that are kept; those used least recently are deleted first."""
+
+
+HOME_M = 0.05
+"""A robot this close to its start is at home."""
 
 
 class Reference(msgspec.Struct, frozen=True, kw_only=True):
@@ -105,7 +110,8 @@ def informed_reference(
     Examples
     --------
     >>> import multisrt as ms
-    >>> spec = ms.RunSpec(environment=ms.CatalogEnvironment(name="apartment"), seed=1)
+    >>> world = ms.CatalogEnvironment(name="open", parameters={"size_m": 8.0})
+    >>> spec = ms.RunSpec(environment=world, seed=1)
     >>> informed_reference(spec).time_to_99_s < ms.explore(spec).metrics.time_to_99_s
     True
     """
@@ -142,16 +148,24 @@ def regret(
     Returns
     -------
     Regret
-        The multiples. If robots of the run drove home, those of the plan for `makespan` do so.
+        The multiples. If the robots of the run drove home, so do those of the plan for `makespan`.
     """
     spec = recording.spec
     there = informed_reference(spec, environment, planning=planning)
     back = there
-    if any(motion.purpose == "home" for motion in recording.of(Motion)):
+    if _drove_home(recording):
         back = informed_reference(spec, environment, home=True, planning=planning)
     return Regret(
         time_to_99=_multiple(metrics.time_to_99_s, there.time_to_99_s),
         makespan=_multiple(metrics.makespan_s, back.makespan_s),
+    )
+
+
+def _drove_home(recording: Recording) -> bool:
+    # Whether every robot that moved ended where it had started.
+    ends = {motion.robot: motion.waypoints[-1][1:3] for motion in recording.of(Motion)}
+    return bool(ends) and all(
+        math.dist(end, recording.starts[robot][:2]) <= HOME_M for robot, end in ends.items()
     )
 
 

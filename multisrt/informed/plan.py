@@ -94,6 +94,7 @@ class _Planner:
         reach = max(robot.range_finder.range_m for robot in robots)
         index = EdgeIndex(environment.edges, reach / 3.0)
         sensors: dict[tuple[float, int | None], Sensor] = {}
+        exact: dict[float, Sensor] = {}
         self._bodies = []
         for robot, start in zip(robots, starts, strict=True):
             finder = (robot.range_finder.range_m, robot.range_finder.beams)
@@ -107,9 +108,12 @@ class _Planner:
                 )
             )
         self._roadmaps = self._roadmaps_without(())
-        # Small rooms of equal sensors are seen from once.
+        # What there is to see does not depend on the number of beams.
+        for body in self._bodies:
+            reach_m = body.sensor.range_m
+            exact.setdefault(reach_m, Sensor(index, reach_m, None))
         seen_from = dict.fromkeys(
-            (roadmap.room, body.sensor)
+            (roadmap.room, exact[body.sensor.range_m])
             for roadmap, body in zip(self._roadmaps, self._bodies, strict=True)
             if roadmap is not None
         )
@@ -119,6 +123,7 @@ class _Planner:
         for region in shown:
             self._at_start |= self._cells.within(region)
         text = f"{environment.digest} {starts} {tuple(robots)} {options}"
+        self._target = 0
         self._seed = int.from_bytes(hashlib.sha256(text.encode()).digest()[:8], "big")
 
     def orders(self, progress: Progress | None) -> tuple[Orders, ...]:
@@ -193,10 +198,12 @@ class _Planner:
         for view in team.views:
             possible |= view
         share = min(1.0, self._options.share + EXTRA_SHARE)
-        target = min(math.ceil(share * self._cells.count), count(possible))
+        self._target = min(math.ceil(share * self._cells.count), count(possible))
         fewer = min(1.0, EASY_PLACES / max(1, len(team.places)))
         iterations = max(MIN_ITERATIONS, int(ITERATIONS * fewer))
-        search = Search(team, self._at_start, target, self._seed)
+        if idle:
+            iterations //= 4
+        search = Search(team, self._at_start, self._target, self._seed)
         found = search.run(round(iterations * self._options.effort), progress)
         return found.routes, active, team
 
@@ -232,17 +239,16 @@ class _Planner:
             for k, stage in enumerate(own)
             if stage.scans
         )
-        wanted = min(1.0, self._options.share + EXTRA_SHARE) * self._cells.count
         seen: Bits = self._at_start.copy()
         end_s = 0.0
         for time_s, number, k in scans:
-            if count(seen) >= wanted:
+            if count(seen) >= self._target:
                 break
             end_s = time_s
             x, y, _ = stages[number][k].motion.end
             seen |= self._cells.within(self._bodies[number].sensor.region(x, y))
         share = count(seen) / max(1, self._cells.count)
-        complete = share >= self._options.share
+        complete = count(seen) >= self._target
         reason = (
             f"has driven the informed plan, by which {math.floor(1000 * share) / 10:g} % is seen"
         )

@@ -19,6 +19,12 @@ from multisrt.planners.motion.kinematics import Differential, Holonomic
 SENSE_SPACING_M = 0.4
 """Largest distance between scans on the way, in metres."""
 
+MAX_LEGS = 10_000
+"""Legs of which it is kept what is seen on them."""
+
+MAX_SLOTS = 1_024
+"""Nodes between which legs are kept in a table."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Member:
@@ -121,6 +127,8 @@ class Team:
         i, j = self.node(robot, a), self.node(robot, b)
         key = (self.sensors.index(member.sensor), self.roadmaps.index(member.roadmap), i, j)
         if key not in self._seen_on:
+            if len(self._seen_on) >= MAX_LEGS:
+                self._seen_on.clear()
             tight = member.roadmap.tight(i, j)
             assert tight is not None
             seen = self.cells.none()
@@ -189,6 +197,9 @@ class _Table:
 
     def of(self, nodes: IntArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return lengths (inf: no way), turning, and angles of the line at the first node."""
+        if len(self._slots) + len(nodes) > MAX_SLOTS:
+            self._slots.clear()
+            self._legs[:] = np.nan
         slots = np.array([self._slot(int(node)) for node in nodes], np.int64)
         asked = self._legs[0][np.ix_(slots, slots)]
         for i, j in np.argwhere(np.isnan(asked)).tolist():

@@ -10,9 +10,19 @@ from multisrt.analysis.metrics import measure
 from multisrt.environments.environment import Environment
 from multisrt.events import NodeAdded
 from multisrt.geometry.errors import InvalidInputError
+from multisrt.robots.registry import strategy
 from multisrt.simulation.simulate import simulate
 from multisrt.simulation.worlds import inline
-from multisrt.spec import Death, DriveSpec, RangeFinderSpec, RobotSpec, RunSpec
+from multisrt.spec import (
+    CatalogEnvironment,
+    Death,
+    DriveSpec,
+    RangeFinderSpec,
+    RobotSpec,
+    RunSpec,
+)
+from multisrt.testing import check_explorer
+from multisrt.testing.defects import ExplorerDefect
 
 ROOM = Environment("room", box(0.0, 0.0, 4.0, 3.0))
 
@@ -160,6 +170,37 @@ def test_a_crowd_in_a_corridor():
     assert metrics.collisions == 0
     assert recording.footer.outcome == "complete"
     assert metrics.coverage >= 0.99
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(3))
+def test_any_drive_is_free_of_collisions_and_reaches_its_share(seed):
+    world = CatalogEnvironment(name="maze", parameters={"size_m": 8.0, "cells": 4}, seed=seed)
+    spec = RunSpec(
+        environment=world,
+        strategy="informed",
+        options={"effort": 0.05},
+        robots=(RobotSpec(),) * 5,
+        starts="clustered",
+    )
+    metrics = measure(simulate(spec))
+    assert metrics.coverage >= 0.99
+    assert metrics.collisions == 0
+    assert metrics.protective_stops == 0
+    assert metrics.makespan_s >= metrics.lower_bound_s - 1.0
+
+
+def test_coarse_beams_see_what_they_can():
+    # Between eight beams little is certain: the plan ends with what they can show, and says so.
+    recording, metrics = driven(ROOM, (1.0, 1.0, 0.0), range_finder=RangeFinderSpec(beams=8))
+    assert recording.footer.outcome == "complete"
+    assert "% is seen" in recording.footer.reason
+    assert 0.3 < metrics.coverage <= 1.0
+
+
+def test_the_checker_of_explorers_finds_that_it_sees_the_truth():
+    with pytest.raises(ExplorerDefect, match="gets at the truth"):
+        check_explorer(strategy("informed"))
 
 
 def test_cars_are_refused():

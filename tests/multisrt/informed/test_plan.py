@@ -187,7 +187,6 @@ def test_any_drive_is_free_of_collisions_and_reaches_its_share(seed):
     assert metrics.coverage >= 0.99
     assert metrics.collisions == 0
     assert metrics.protective_stops == 0
-    assert metrics.makespan_s >= metrics.lower_bound_s - 1.0
 
 
 def test_coarse_beams_see_what_they_can():

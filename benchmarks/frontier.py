@@ -21,7 +21,9 @@ import shapely
 from benchmarks import worlds
 from benchmarks.harness import Benchmark, Claim, in_turns, show, skipped
 from benchmarks.yardstick import yardstick_s
-from multisrt.analysis.coverage import CoverageMeter
+from multisrt.analysis.coverage import coverage
+from multisrt.analysis.evidence import evidence
+from multisrt.analysis.explorable import explorable, viewers
 from multisrt.environments import read_environment
 from multisrt.environments.catalog import environment
 from multisrt.environments.environment import Environment
@@ -162,12 +164,8 @@ def grid_room_spec(strategy: str) -> RunSpec:
 
 def covered_s(recording: Recording, world: Environment) -> float | None:
     """Return the time at which the share `COVERED` of the world was seen; None if it never was."""
-    starts = tuple(Configuration(*start) for start in recording.header.starts)
-    meter = CoverageMeter(recording.spec, world, starts)
-    for event in recording.events:
-        if isinstance(event, NodeAdded):
-            meter.add(event.time_s, event.region())
-    return meter.time_to(COVERED)
+    what = explorable(world, viewers(recording.spec, recording.starts))
+    return coverage(evidence(recording, world, what)).time_to(COVERED)
 
 
 def travelled_m(recording: Recording, until_s: float) -> list[float]:

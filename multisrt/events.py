@@ -95,6 +95,18 @@ class Motion(Event, frozen=True, kw_only=True, tag="motion"):
     purpose: Purpose = "explore"
 
 
+class Sensed(Event, frozen=True, kw_only=True, tag="sensed"):
+    """A range finder took a scan, whatever the robot did with it; recorded by the simulation.
+
+    Attributes
+    ----------
+    configuration : (x, y, heading)
+        Where the robot was.
+    """
+
+    configuration: Pose
+
+
 class NodeAdded(Event, frozen=True, kw_only=True, tag="node"):
     """A robot added a node to its tree.
 
@@ -449,6 +461,7 @@ class Ended(Event, frozen=True, kw_only=True, tag="ended"):
 
 AnyEvent = (
     Motion
+    | Sensed
     | NodeAdded
     | Decision
     | GoalChosen

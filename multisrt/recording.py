@@ -40,6 +40,7 @@ from multisrt.events import (
     NodeAdded,
     NodeName,
     Organized,
+    Sensed,
     Sent,
     Supports,
     TakenAsLost,
@@ -50,7 +51,7 @@ from multisrt.geometry.numerics.kernel import FloatArray
 from multisrt.spec import RobotSpec, RunSpec
 
 FORMAT = "multisrt-recording"
-VERSION = 2
+VERSION = 3
 MAX_BYTES = 2_000_000_000
 """Size of the largest file that is read."""
 
@@ -110,6 +111,9 @@ class Footer(msgspec.Struct, frozen=True, kw_only=True, tag_field="event", tag="
         How it ended.
     reason : str
         Why, in words.
+    chance : bool
+        Whether any random number was drawn in the run. A run without chance is the same for every
+        seed.
     digest : str
         SHA-256 of the spec, the world and the events, as 64 hexadecimal digits.
     """
@@ -117,6 +121,7 @@ class Footer(msgspec.Struct, frozen=True, kw_only=True, tag_field="event", tag="
     time_s: float
     outcome: RunOutcome
     reason: str
+    chance: bool = True
     digest: str
 
 
@@ -314,6 +319,8 @@ def _flaw(event: AnyEvent, robots: Sequence[RobotSpec], nodes: Container[NodeNam
             return f"node {name[1]} of robot {name[0]} is nowhere in the recording"
     if isinstance(event, Motion):
         return _motion_flaw(event)
+    if isinstance(event, Sensed):
+        return _too_far(*event.configuration[:2])
     if isinstance(event, NodeAdded):
         return _node_flaw(event, robots[event.robot].range_finder.range_m)
     return ""
@@ -432,10 +439,16 @@ class Recorder:
         self.events.append(event)
         self._write(line)
 
-    def finish(self, time_s: float, outcome: RunOutcome, reason: str) -> Recording:
+    def finish(
+        self, time_s: float, outcome: RunOutcome, reason: str, *, chance: bool = True
+    ) -> Recording:
         """Write the footer, and return the recording."""
         footer = Footer(
-            time_s=time_s, outcome=outcome, reason=reason, digest=self._digest.hexdigest()
+            time_s=time_s,
+            outcome=outcome,
+            reason=reason,
+            chance=chance,
+            digest=self._digest.hexdigest(),
         )
         self._write(_ENCODER.encode(footer))
         return Recording(header=self.header, events=tuple(self.events), footer=footer)

@@ -121,6 +121,79 @@ def visibility_polygon(
     return boundary, tags
 
 
+def visibility_polygons(
+    index: EdgeIndex,
+    viewpoints: FloatArray,
+    range_m: float,
+    *,
+    arc_tolerance_m: float | None = None,
+) -> list[FloatArray]:
+    """Compute the exact visibility polygons of many points, cut at a range.
+
+    Parameters
+    ----------
+    index : EdgeIndex
+        The edges of the world.
+    viewpoints : (n, 2) array
+        The viewpoints in metres, strictly inside free space.
+    range_m, arc_tolerance_m
+        As for `visibility_polygon`.
+
+    Returns
+    -------
+    list of (k, 2) array
+        For each viewpoint the corners in metres, counter-clockwise, not closed.
+
+    Raises
+    ------
+    ClearanceError, InvalidInputError
+        As `visibility_polygon`.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> corners = np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 3.0], [0.0, 3.0]])
+    >>> room = EdgeIndex(np.hstack([corners, np.roll(corners, -1, axis=0)]), 1.0)
+    >>> views = visibility_polygons(room, np.array([[1.0, 1.0], [3.0, 2.0]]), 10.0)
+    >>> [view.max(axis=0).tolist() for view in views]
+    [[4.0, 3.0], [4.0, 3.0]]
+    """
+    viewpoints = np.ascontiguousarray(viewpoints, np.float64).reshape(-1, 2)
+    for x, y in viewpoints.tolist():
+        check_view(x, y, range_m)
+    divisions = arc_divisions(range_m, arc_tolerance_m or arc_tolerance(range_m))
+    corners, ends, clearances = _visible_from_each(
+        viewpoints, float(range_m), divisions, index.grid
+    )
+    for k in np.flatnonzero(clearances < MIN_CLEARANCE_M).tolist():
+        check_clearance(float(viewpoints[k, 0]), float(viewpoints[k, 1]), float(clearances[k]))
+    cuts = ends.tolist()
+    return [corners[a:b] for a, b in zip([0, *cuts], cuts, strict=False)]
+
+
+@kernel
+def _visible_from_each(
+    viewpoints: FloatArray, radius: float, divisions: int, grid: EdgeGrid
+) -> tuple[FloatArray, IntArray, FloatArray]:
+    # The corners of all polygons, where each of them ends, and the viewpoints' clearances.
+    count = viewpoints.shape[0]
+    ends, clearances = np.empty(count, np.int64), np.empty(count)
+    corners = np.empty((64 * count, 2))
+    filled = 0
+    for k in range(count):
+        seen, _, clearances[k] = _visible(
+            viewpoints[k, 0], viewpoints[k, 1], radius, divisions, grid
+        )
+        end = filled + seen.shape[0]
+        if end > corners.shape[0]:
+            longer = np.empty((2 * end, 2))
+            longer[:filled] = corners[:filled]
+            corners = longer
+        corners[filled:end] = seen
+        ends[k] = filled = end
+    return corners[:filled], ends, clearances
+
+
 @kernel
 def _visible(
     x: float, y: float, radius: float, divisions: int, grid: EdgeGrid

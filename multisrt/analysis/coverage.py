@@ -1,178 +1,280 @@
-"""Areas that a run covered: over time, by several robots, and lost with robots that died."""
+"""Which part of what a team can explore it saw, and which it covered, in the course of a run.
+
+*Seen* is what any scan showed. *Covered* is what robots took into their knowledge: the regions of
+the nodes that they noted, as far as scans had shown them. A robot that notes no node is measured
+by its scans.
+"""
 
 from __future__ import annotations
 
-import itertools
 import math
-from bisect import bisect_left
-from collections import defaultdict
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 
-from multisrt.analysis.explorable import Explorable, explorable, viewers
+from multisrt.analysis.evidence import Evidence
+from multisrt.analysis.explorable import EXPLORABLE, explorable, viewers
+from multisrt.analysis.owners import label_count, owner_tables
+from multisrt.analysis.scans import shown_from
 from multisrt.environments.environment import Environment
-from multisrt.events import Died, Learned, NodeAdded, NodeName
+from multisrt.events import Died, MapComplete, NodeAdded, Sensed
 from multisrt.geometry.configuration import Configuration
-from multisrt.geometry.grids.raster import Raster
-from multisrt.geometry.numerics.kernel import BoolArray, FloatArray
-from multisrt.recording import Recording
+from multisrt.geometry.grids.strip_map import OUTSIDE, StripMap, runs_of
+from multisrt.geometry.numerics.kernel import FloatArray, IntArray
+from multisrt.geometry.regions.edge_index import EdgeIndex
 from multisrt.spec import RunSpec
 
+SEEN: Final = 2
+"""The label of what was seen and is not covered."""
 
-class CoverageMeter:
-    """The share of the explorable area that is covered, node by node.
+CLAIMED: Final = 3
+"""The label of what lies in the region of a node, and no scan has shown: it is not covered."""
+
+COVERED: Final = 4
+"""The label of what is covered."""
+
+SEE, CLAIM, COVER = range(3)
+"""The tables by which a scan, a node, and a scan of a robot without nodes change labels."""
+
+TABLES: Final = np.array(
+    [
+        [OUTSIDE, SEEN, SEEN, COVERED, COVERED],
+        [OUTSIDE, CLAIMED, COVERED, CLAIMED, COVERED],
+        [OUTSIDE, COVERED, COVERED, COVERED, COVERED],
+    ]
+)
+
+KNOWN_SHARE: Final = 0.99
+"""Share of what a team covers in the end that a robot knows when it knows its map complete."""
+
+
+ROUNDING: Final = 1e-9
+"""Tolerance of shares: an area that is covered completely counts as such."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Coverage:
+    """How much of what a team can explore it saw and covered, in the course of a run.
+
+    Attributes
+    ----------
+    explorable_m2 : float
+        Area that the team can explore, in square metres.
+    times_s : (n,) array
+        When a scan was taken or a node was noted, ascending.
+    seen_m2, covered_m2 : (n,) array
+        Area seen and covered from then on; they never fall.
+    overlap_m2 : float
+        Area that at least two robots saw.
+    plane : StripMap
+        What was seen and covered in the end, with the labels of this module.
+    """
+
+    explorable_m2: float
+    times_s: FloatArray
+    seen_m2: FloatArray
+    covered_m2: FloatArray
+    overlap_m2: float
+    plane: StripMap
+
+    @property
+    def seen(self) -> float:
+        """The share seen in the end, from 0 to 1."""
+        return self._share(self.seen_m2)
+
+    @property
+    def share(self) -> float:
+        """The share covered in the end, from 0 to 1."""
+        return self._share(self.covered_m2)
+
+    def _share(self, areas_m2: FloatArray) -> float:
+        return min(1.0, float(areas_m2[-1]) / self.explorable_m2) if len(areas_m2) else 0.0
+
+    def covered_by_m2(self, time_s: float) -> float:
+        """Return the area covered by a time (s), in square metres."""
+        last = int(np.searchsorted(self.times_s, time_s, side="right"))
+        return float(self.covered_m2[last - 1]) if last else 0.0
+
+    def time_to(self, share: float) -> float | None:
+        """Return when a share of the explorable area was covered (s); None if it never was."""
+        needed_m2 = (share - ROUNDING) * self.explorable_m2
+        first = int(np.searchsorted(self.covered_m2, needed_m2))
+        return float(self.times_s[first]) if first < len(self.times_s) else None
+
+    def times_by_percent(self) -> tuple[float | None, ...]:
+        """Return when each percent was covered, from 0 to 100 (s); None if it never was."""
+        return (0.0, *(self.time_to(percent / 100) for percent in range(1, 101)))
+
+    def integral_of_rest(self, end_s: float) -> float:
+        """Return the time integral of the share not yet covered, from 0 to a time (s)."""
+        steps = np.clip(np.concatenate([[0.0], self.times_s, [end_s]]), 0.0, end_s)
+        steps[-1] = end_s
+        rest = 1.0 - np.concatenate([[0.0], self.covered_m2]) / self.explorable_m2
+        return math.fsum((np.maximum(0.0, rest) * np.diff(steps)).tolist())
+
+
+def coverage(proof: Evidence) -> Coverage:
+    """Measure what a team saw and covered in the course of a run.
+
+    Parameters
+    ----------
+    proof : Evidence
+        What the run is judged by.
+
+    Returns
+    -------
+    Coverage
+        Covered lies in seen, and seen in what is explorable.
+    """
+    robots = len(proof.recording.spec.robots)
+    times: list[float] = []
+    regions: list[int] = []
+    # What happened (SEE, CLAIM or COVER), and who saw (-1: nobody).
+    what: list[int] = []
+    who: list[int] = []
+    scans = 0
+    for event in proof.recording.events:
+        match event:
+            case Sensed():
+                regions.append(scans)
+                what.append(SEE if event.robot in proof.with_nodes else COVER)
+                who.append(event.robot)
+                scans += 1
+            case NodeAdded():
+                region = proof.nodes[event.robot, event.serial]
+                if regions and regions[-1] == region and times[-1] == event.time_s:
+                    # The scan became a node at once.
+                    what[-1] = COVER
+                    continue
+                regions.append(region)
+                what.append(CLAIM)
+                who.append(-1)
+            case _:
+                continue
+        times.append(event.time_s)
+    states, owners = TABLES.shape[1], label_count(robots) - 1
+    plane = proof.explorable.plane.mapped([OUTSIDE, EXPLORABLE * owners], states * owners)
+    which = np.array(what, np.int64) * (robots + 2) + np.array(who, np.int64) + 1
+    history = plane.relabel(proof.runs, _tables(robots), regions, which)
+    by_state = history.reshape(-1, states, owners).sum(axis=2)
+    in_the_end = plane.areas_m2.reshape(states, owners)
+    return Coverage(
+        explorable_m2=proof.explorable.area_m2,
+        times_s=np.array(times, np.float64),
+        seen_m2=np.maximum(0.0, by_state[:, SEEN]) + by_state[:, COVERED],
+        covered_m2=by_state[:, COVERED],
+        overlap_m2=float(in_the_end[EXPLORABLE:, -1].sum()),
+        plane=plane.mapped(np.repeat(np.arange(states), owners), states),
+    )
+
+
+def _tables(robots: int) -> IntArray:
+    # A label says both what is covered and who saw it: state * owners + owner. One table for each
+    # thing that happens, and in it for nobody and for each robot that sees.
+    sees = owner_tables(robots)[:, EXPLORABLE:] - EXPLORABLE
+    owners = sees.shape[1]
+    sees = np.vstack([np.arange(owners), sees])
+    tables = TABLES[:, None, :, None] * owners + sees[None, :, None, :]
+    tables[:, :, OUTSIDE] = OUTSIDE
+    flat: IntArray = tables.reshape(len(TABLES) * len(sees), -1)
+    return flat
+
+
+def known_complete_s(proof: Evidence, covered: Coverage) -> float | None:
+    """Return when the first robot knew the map complete, in seconds; None if none did.
+
+    That a robot says so is not enough: what it knows must hold `KNOWN_SHARE` of what the team
+    covered in the end. Who is told more afterwards did not know it complete.
+    """
+    needed_m2 = KNOWN_SHARE * float(covered.plane.areas_m2[COVERED])
+    if needed_m2 <= 0.0:
+        return None
+    for claim in proof.recording.of(MapComplete):
+        # No robot knows more than all of them together.
+        if covered.covered_by_m2(claim.time_s) >= needed_m2:
+            known = proof.known_to(claim.robot, claim.time_s)
+            everything = proof.known_to_any(claim.time_s)
+            if known == everything or known_area_m2(proof, covered, sorted(known)) >= needed_m2:
+                return claim.time_s
+    return None
+
+
+def known_area_m2(proof: Evidence, covered: Coverage, regions: Iterable[int]) -> float:
+    """Return the area of some regions together, as far as scans showed them, in square metres."""
+    plane = seen_plane(covered, 3)
+    plane.relabel(proof.runs, [[OUTSIDE, 2, 2]], list(regions))
+    return float(plane.areas_m2[2])
+
+
+def seen_plane(covered: Coverage, labels: int) -> StripMap:
+    """Return a plane on which what was seen in the end has the label `EXPLORABLE`."""
+    table = [OUTSIDE, OUTSIDE, EXPLORABLE, OUTSIDE, EXPLORABLE]
+    return covered.plane.mapped(table, labels)
+
+
+def lost_areas_m2(proof: Evidence, covered: Coverage) -> tuple[float, tuple[float, ...]]:
+    """Return the area lost with robots that died, in square metres.
+
+    Returns
+    -------
+    lost_m2 : float
+        Area that robots saw which died, and that no survivor saw or knows at the end.
+    by_robot_m2 : tuple of float
+        The part of it that each robot saw; 0 for survivors. Area that two of the dead saw counts
+        for both.
+    """
+    robots = range(len(proof.recording.spec.robots))
+    dead = {event.robot for event in proof.recording.of(Died)}
+    if not dead:
+        return 0.0, (0.0,) * len(robots)
+    kept, lost = 2, 3
+    plane = seen_plane(covered, 4)
+    survivors = [robot for robot in robots if robot not in dead]
+    for robot in survivors:
+        known = [*proof.scans_of(robot), *sorted(proof.known_to(robot, math.inf))]
+        plane.relabel(proof.runs, [[OUTSIDE, kept, kept, kept]], known)
+    table = [[OUTSIDE, lost, kept, lost]]
+    by_robot = [0.0] * len(robots)
+    for robot in dead:
+        alone = plane.copy()
+        alone.relabel(proof.runs, table, proof.scans_of(robot))
+        by_robot[robot] = float(alone.areas_m2[lost])
+    for robot in sorted(dead):
+        plane.relabel(proof.runs, table, proof.scans_of(robot))
+    return float(plane.areas_m2[lost]), tuple(by_robot)
+
+
+class SeenMeter:
+    """How much of what a team can explore it has seen so far, while the run goes on.
 
     Parameters
     ----------
     spec : RunSpec
         The run.
     environment : Environment
-        The truth.
-    starts : sequence of Configuration
-        Where the robots start.
-
-    Attributes
-    ----------
-    explorable : Explorable
-        The area that counts: what the team could see.
-    steps : list of (time_s, share)
-        The share covered after every node.
+        Its world.
+    starts : tuple of Configuration
+        Where its robots start.
     """
 
     def __init__(
         self, spec: RunSpec, environment: Environment, starts: tuple[Configuration, ...]
     ) -> None:
-        self.explorable: Explorable = explorable(environment, viewers(spec, starts))
-        seen = self.explorable.raster
-        # Cells that do not count are marked from the start: each newly painted cell counts.
-        self._raster = Raster(seen.cell_m, environment.bounds)
-        self._raster.cells |= ~seen.cells
-        self._all = int(np.count_nonzero(seen.cells))
-        self._covered = 0
-        self.steps: list[tuple[float, float]] = []
+        what = explorable(environment, viewers(spec, starts))
+        self._finders = [robot.range_finder for robot in spec.robots]
+        team_range_m = max(finder.range_m for finder in self._finders)
+        self._index = EdgeIndex(environment.edges, team_range_m / 3.0)
+        self._explorable_m2 = what.area_m2
+        self._plane = what.plane.mapped([OUTSIDE, EXPLORABLE], 3)
 
     @property
     def share(self) -> float:
-        """The share covered so far, from 0 to 1."""
-        return self._covered / self._all
+        """The share seen so far, from 0 to 1."""
+        return min(1.0, float(self._plane.areas_m2[SEEN]) / self._explorable_m2)
 
-    def add(self, time_s: float, region: FloatArray) -> None:
-        """Add the region of a node, ``(n, 2)`` corners in metres, that was made at a time."""
-        self._covered += self._raster.paint_inside(region)
-        self.steps.append((time_s, self.share))
-
-    def time_to(self, share: float) -> float | None:
-        """Return when a share was covered, in seconds; None if it never was."""
-        return next((time for time, covered in self.steps if covered >= share), None)
-
-    def times_by_percent(self) -> tuple[float | None, ...]:
-        """Return when each percent was covered, from 0 to 100; None if it never was."""
-        times, shares = [0.0], [0.0]
-        for time, share in self.steps:
-            times.append(time)
-            shares.append(share)
-        # Coverage never falls.
-        first = (bisect_left(shares, percent / 100) for percent in range(101))
-        return tuple(times[k] if k < len(times) else None for k in first)
-
-    def integral_of_rest(self, end_s: float) -> float:
-        """Return the time integral of the share not yet covered, from 0 to an end."""
-        times = [0.0, *(time for time, _ in self.steps), end_s]
-        rests = [1.0, *(1.0 - covered for _, covered in self.steps)]
-        return math.fsum(
-            rest * (b - a) for rest, (a, b) in zip(rests, itertools.pairwise(times), strict=True)
-        )
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class TeamAreas:
-    """Parts of the explorable area that were seen twice, or lost.
-
-    Attributes
-    ----------
-    overlap_m2 : float
-        Area that at least two robots saw.
-    lost_m2 : float
-        Area that robots saw which died, and that is in no region that a survivor knows at the end.
-    lost_by_robot_m2 : tuple of float
-        The part of the lost area that each robot saw; 0 for survivors. Area that two of the dead
-        saw counts for both.
-    """
-
-    overlap_m2: float
-    lost_m2: float
-    lost_by_robot_m2: tuple[float, ...]
-
-
-def team_areas(recording: Recording, what: Explorable) -> TeamAreas:
-    """Measure the areas that were seen twice, and those lost with robots that died.
-
-    Parameters
-    ----------
-    recording : Recording
-        The run.
-    what : Explorable
-        The area that counts.
-    """
-    robots = range(len(recording.spec.robots))
-    regions: dict[int, dict[int, FloatArray]] = defaultdict(dict)
-    for node in recording.of(NodeAdded):
-        regions[node.robot][node.serial] = recording.region(node)
-    once = np.zeros_like(what.raster.cells)
-    twice = np.zeros_like(once)
-    if len(robots) > 1:
-        for robot in robots:
-            own = _painted(what, regions[robot].values())
-            twice |= once & own
-            once |= own
-    lost, lost_by_robot = _lost(recording, what, regions)
-    return TeamAreas(
-        overlap_m2=_count(twice) * what.cell_m2,
-        lost_m2=_count(lost) * what.cell_m2,
-        lost_by_robot_m2=tuple(_count(lost_by_robot[r]) * what.cell_m2 for r in robots),
-    )
-
-
-def _lost(
-    recording: Recording, what: Explorable, regions: dict[int, dict[int, FloatArray]]
-) -> tuple[BoolArray, list[BoolArray]]:
-    # Lost cells, of the team and by robot.
-    robots = range(len(recording.spec.robots))
-    dead = {event.robot for event in recording.of(Died)}
-    nothing = np.zeros_like(what.raster.cells)
-    if not dead:
-        return nothing, [nothing for _ in robots]
-    passed_on: set[NodeName] = {
-        name for event in recording.of(Learned) if event.robot not in dead for name in event.nodes
-    }
-    kept = _painted(
-        what,
-        (
-            region
-            for robot in robots
-            for serial, region in regions[robot].items()
-            if robot not in dead or (robot, serial) in passed_on
-        ),
-    )
-    by_robot = [
-        _painted(what, regions[robot].values()) & ~kept if robot in dead else nothing
-        for robot in robots
-    ]
-    return np.logical_or.reduce(by_robot), by_robot
-
-
-def _painted(what: Explorable, regions: Iterable[FloatArray]) -> BoolArray:
-    # The explorable cells that lie in some regions.
-    like = what.raster
-    raster = Raster(like.cell_m)
-    raster.column, raster.row = like.column, like.row
-    raster.cells = np.zeros_like(like.cells)
-    for region in regions:
-        raster.paint_inside(region)
-    return raster.cells & like.cells
-
-
-def _count(cells: BoolArray) -> int:
-    return int(np.count_nonzero(cells))
+    def add(self, scan: Sensed) -> None:
+        """Take in a scan."""
+        shown = shown_from(self._index, self._finders[scan.robot], [scan.configuration])
+        self._plane.relabel(runs_of(self._plane.cut, shown), [[OUTSIDE, SEEN, SEEN]])

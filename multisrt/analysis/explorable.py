@@ -7,30 +7,57 @@ part of the task. The task of a team is what any of its robots can see, includin
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 import shapely
+from scipy.spatial import KDTree
 from shapely import MultiPolygon, Polygon
 
 from multisrt.environments.environment import Environment
 from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.geometry.configuration import Configuration
-from multisrt.geometry.grids.distance_field import distance_field
-from multisrt.geometry.grids.raster import Raster, paint_polygon
+from multisrt.geometry.grids.strip_map import (
+    OUTSIDE,
+    Runs,
+    StripMap,
+    Strips,
+    runs_of,
+    runs_of_polygon,
+    strips,
+)
 from multisrt.geometry.numerics.kernel import BoolArray, FloatArray
 from multisrt.geometry.regions.edge_index import EdgeIndex
-from multisrt.geometry.regions.visibility import visibility_polygon
+from multisrt.geometry.regions.visibility import visibility_polygons
 from multisrt.spec import RunSpec
 
-CELL_M = 0.1
-"""Width of the cells in which areas are counted, in metres, unless the world is too large."""
+MAX_STRIP_M = 0.03
+"""Upper bound of the height of the strips on which areas are measured, in metres."""
 
-MAX_CELLS = 16_000_000
-"""Number of cells from which on cells are larger."""
+MIN_STRIPS = 400
+"""Lower bound of the number of strips over the longer side of a world."""
+
+TILT_RAD = 0.19
+"""Direction of the strips: not that of the walls of most worlds, nor that of the cones of stars."""
+
+SPACING_M = 0.05
+"""Largest distance between neighbouring viewpoints on the border of what a body can reach, in
+metres, where it makes a difference."""
+
+COARSER = (32, 8, 2, 1)
+"""Viewpoints are first taken this many times farther apart; finer ones only near what is still
+unseen."""
+
+MIN_UNSEEN_M = 1e-6
+"""Shorter intervals are rounding, not unseen."""
+
+SAMPLE_M = 0.25
+"""Distance of the points that stand for what is still unseen, in metres."""
+
+EXPLORABLE = 1
+"""The label of what is explorable; all else is `OUTSIDE`."""
 
 Viewer = tuple[Footprint, float, Configuration]
 """The body of a robot, the range of its range finder (m), and its start."""
@@ -42,46 +69,23 @@ class Explorable:
 
     Attributes
     ----------
-    raster : Raster
-        Its window covers the world; cells whose centre can be seen are marked.
-    area_m2 : float
-        The area that can be seen.
+    plane : StripMap
+        What can be seen has the label `EXPLORABLE`. Areas are scaled such that the connected part
+        of free space around the starts has its exact area. It is shared: relabel copies only.
+    free_m2 : float
+        Area of that connected part, in square metres.
     reachable : Polygon or MultiPolygon
         The positions that the reference point of a robot can reach.
     """
 
-    raster: Raster
-    area_m2: float
+    plane: StripMap
+    free_m2: float
     reachable: Polygon | MultiPolygon
 
     @property
-    def cell_m2(self) -> float:
-        """The area that a marked cell stands for, in square metres."""
-        return self.area_m2 / int(np.count_nonzero(self.raster.cells))
-
-    def farthest_m(self, *starts: Configuration) -> float:
-        """Return the largest path length from the nearest start to an explorable point, in metres.
-
-        The path is that of a point through free space, measured on the raster; cells at walls
-        that no free cell connects to the rest are left out.
-        """
-        raster = self.raster
-        cells: BoolArray = raster.cells.copy()
-        sources = [(start.x, start.y) for start in starts]
-        for x, y in sources:
-            column = math.floor((x - raster.x0) / raster.cell_m)
-            row = math.floor((y - raster.y0) / raster.cell_m)
-            cells[row, column] = True
-        field: FloatArray = distance_field(
-            cells, raster.cell_m, sources, x0=raster.x0, y0=raster.y0
-        )
-        return float(np.max(field[np.isfinite(field)], initial=0.0))
-
-
-def cell_width(environment: Environment) -> float:
-    """Return the width of the cells in which the areas of a world are counted, in metres."""
-    x0, y0, x1, y1 = environment.bounds
-    return max(CELL_M, math.sqrt((x1 - x0) * (y1 - y0) / MAX_CELLS))
+    def area_m2(self) -> float:
+        """The area that can be seen, in square metres; never more than that of free space."""
+        return min(self.free_m2, float(self.plane.areas_m2[EXPLORABLE]))
 
 
 def reachable_area(component: Polygon, footprint: Footprint, start: Configuration) -> Polygon:
@@ -112,12 +116,14 @@ def explorable(environment: Environment, team: tuple[Viewer, ...]) -> Explorable
     environment : Environment
         The world.
     team : tuple of (Footprint, range_m, Configuration)
-        The bodies, ranges and starts of the robots; see `viewers`.
+        The bodies, ranges and starts of the robots, in one connected part of free space; see
+        `viewers`.
     """
     # Of robots that reach the same positions, the one with the largest range sees all.
     ranges: dict[_Places, float] = {}
+    component = environment.component(*team[0][2][:2])
     for footprint, range_m, start in team:
-        places = _places(environment.component(start.x, start.y), footprint, start)
+        places = _places(component, footprint, start)
         ranges[places] = max(range_m, ranges.get(places, 0.0))
     return _explorable_from(environment, tuple(ranges.items()))
 
@@ -137,28 +143,6 @@ def _places(component: Polygon, footprint: Footprint, start: Configuration) -> _
 
 
 @lru_cache(maxsize=16)
-def _explorable_from(
-    environment: Environment, seen_from: tuple[tuple[_Places, float], ...]
-) -> Explorable:
-    # What is seen from each of some areas, with the range from there.
-    raster = Raster(cell_width(environment), environment.bounds)
-    area = 0.0
-    for component in dict.fromkeys(places.component for places, _ in seen_from):
-        cells = np.zeros_like(raster.cells)
-        for places, range_m in seen_from:
-            if places.component == component:
-                cells |= _seen_from(environment, places, range_m)
-        # With walls on round coordinates, counted cells are off by up to 0.1 %; their share of the
-        # cells of the component times its exact area is much more precise.
-        whole = int(np.count_nonzero(_filled(environment, component)))
-        area += int(np.count_nonzero(cells)) * float(component.area) / whole
-        raster.cells |= cells
-    reachable_by_any = shapely.union_all([places.reachable for places, _ in seen_from])
-    assert isinstance(reachable_by_any, Polygon | MultiPolygon)
-    return Explorable(raster=raster, area_m2=area, reachable=reachable_by_any)
-
-
-@lru_cache(maxsize=16)
 def _roomy_parts(component: Polygon, footprint: Footprint) -> tuple[_Places, ...]:
     # Chords of the rounded corners lie inside the true border by less than a micrometre.
     eroded = component.buffer(1e-6 - footprint.inscribed_radius_m, quad_segs=16)
@@ -167,26 +151,64 @@ def _roomy_parts(component: Polygon, footprint: Footprint) -> tuple[_Places, ...
 
 
 @lru_cache(maxsize=16)
-def _seen_from(environment: Environment, places: _Places, range_m: float) -> BoolArray:
-    raster = Raster(cell_width(environment), environment.bounds)
-    raster.cells |= _filled(environment, places.reachable)
+def _explorable_from(
+    environment: Environment, seen_from: tuple[tuple[_Places, float], ...]
+) -> Explorable:
+    # What is seen from any of some areas, with the range from there.
+    component = seen_from[0][0].component
+    plane = StripMap(_strips_of(environment, component), 2)
+    for places, range_m in seen_from:
+        plane.relabel(_seen_from(environment, places, range_m), [[EXPLORABLE, EXPLORABLE]])
+    reachable_by_any = shapely.union_all([places.reachable for places, _ in seen_from])
+    assert isinstance(reachable_by_any, Polygon | MultiPolygon)
+    return Explorable(plane=plane, free_m2=component.area, reachable=reachable_by_any)
+
+
+@lru_cache(maxsize=16)
+def _strips_of(environment: Environment, component: Polygon) -> Strips:
+    # Strips with heights scaled such that the area of the component is exact.
+    x0, y0, x1, y1 = environment.bounds
+    height_m = min(MAX_STRIP_M, max(x1 - x0, y1 - y0) / MIN_STRIPS)
+    cut = strips(environment.edges, height_m, TILT_RAD)
+    runs = runs_of_polygon(cut, component)
+    measured = float(((runs.end - runs.begin) * cut.heights[runs.strip]).sum())
+    return cut._replace(heights=cut.heights * (component.area / measured))
+
+
+@lru_cache(maxsize=16)
+def _seen_from(environment: Environment, places: _Places, range_m: float) -> Runs:
+    unseen, seen = 1, 2
+    cut = _strips_of(environment, places.component)
+    plane = StripMap(cut, 3)
+    plane.relabel(runs_of_polygon(cut, places.component), [[unseen, unseen, seen]])
+    see = [[OUTSIDE, seen, seen]]
+    plane.relabel(runs_of_polygon(cut, places.reachable), see)
     # A point outside of the reachable area is seen across its border, and so from a point of the
     # border, which is nearer.
     index = EdgeIndex(environment.edges, range_m / 3.0)
-    border = shapely.segmentize(places.reachable.boundary, raster.cell_m)
-    for x, y in np.unique(shapely.get_coordinates(border), axis=0).tolist():
-        boundary, _ = visibility_polygon(index, x, y, range_m, arc_tolerance_m=raster.cell_m / 10.0)
-        raster.paint_inside(boundary)
-    return raster.cells
+    border = shapely.get_coordinates(shapely.segmentize(places.reachable.boundary, SPACING_M))
+    taken = np.zeros(len(border), np.bool_)
+    for step in COARSER:
+        chosen = np.flatnonzero(~taken[::step]) * step
+        chosen = chosen[_near_unseen(plane, unseen, border[chosen], range_m)]
+        taken[chosen] = True
+        plane.relabel(runs_of(cut, visibility_polygons(index, border[chosen], range_m)), see)
+    return plane.runs(seen)
 
 
-def _filled(environment: Environment, polygon: Polygon) -> BoolArray:
-    # A polygon with holes, by the even-odd rule over all of its rings.
-    raster = Raster(cell_width(environment), environment.bounds)
-    raster.paint_inside(shapely.get_coordinates(polygon.exterior))
-    cells = raster.cells
-    for ring in polygon.interiors:
-        hole = np.zeros_like(cells)
-        paint_polygon(shapely.get_coordinates(ring), raster.x0, raster.y0, raster.cell_m, hole)
-        cells &= ~hole
-    return cells
+def _near_unseen(plane: StripMap, unseen: int, viewpoints: FloatArray, range_m: float) -> BoolArray:
+    # Which viewpoints have anything unseen within their range.
+    runs = plane.runs(unseen)
+    lengths = runs.end - runs.begin
+    count = np.where(lengths > MIN_UNSEEN_M, np.ceil(lengths / SAMPLE_M) + 1, 0).astype(np.int64)
+    which = np.repeat(np.arange(len(lengths)), count)
+    if not len(which):
+        return np.zeros(len(viewpoints), np.bool_)
+    # Points from the one end of each interval to the other.
+    step = np.arange(len(which)) - np.repeat(np.cumsum(count) - count, count)
+    x = runs.begin[which] + step * (lengths[which] / (count[which] - 1))
+    y = plane.cut.middles[runs.strip[which]]
+    distance, _ = KDTree(np.column_stack([x, y])).query(
+        plane.cut.frame(viewpoints), distance_upper_bound=range_m + SAMPLE_M
+    )
+    return np.isfinite(distance)

@@ -2,23 +2,18 @@
 
 from __future__ import annotations
 
-import itertools
 from collections import defaultdict
-from collections.abc import Iterator
 from dataclasses import dataclass
-from operator import attrgetter
 
 import numpy as np
-from numpy.typing import NDArray
 
-from multisrt.events import Died, Learned, NodeAdded, NodeName
-from multisrt.geometry.grids.raster import Raster, runs_inside
-from multisrt.geometry.numerics.boxes import bounds_of
-from multisrt.geometry.numerics.kernel import FloatArray, IntArray, kernel
+from multisrt.analysis.coverage import Coverage, coverage, seen_plane
+from multisrt.analysis.evidence import Evidence, evidence
+from multisrt.analysis.explorable import explorable, viewers
+from multisrt.analysis.owners import label_count, of_one, owner_tables
+from multisrt.environments.environment import Environment
+from multisrt.geometry.numerics.kernel import FloatArray
 from multisrt.recording import Recording
-
-CELL_M = 0.1
-"""Default width of the cells in which known areas are counted, in metres."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -37,154 +32,113 @@ class KnownToOne:
     final_m2: tuple[float, ...]
 
 
-def area_known_to_one(recording: Recording, *, cell_m: float = CELL_M) -> KnownToOne:
+def area_known_to_one(recording: Recording, environment: Environment | None = None) -> KnownToOne:
     """Integrate over time the area that only one robot knew.
 
-    A robot knows the regions of the nodes that it made and of those that it learned of; a robot
-    that dies knows nothing any more. Areas are counted in cells by their centres. They change only
-    at events, so that the integral over time is exact.
+    A robot knows the regions of the nodes that it made and of those that it learned of, as far as
+    they were seen and are explorable; a robot that notes no node knows its own scans. A robot that
+    dies knows nothing any more. The area changes only at events, so that the integral over time is
+    exact.
 
     Parameters
     ----------
     recording : Recording
         The run.
-    cell_m : float
-        Width of a cell in metres.
+    environment : Environment, optional
+        The world, if it has been built already; by default it is built from the recording.
 
     Returns
     -------
     KnownToOne
-        Zeros where no robot made a node.
+        For each robot, until the end of the run.
 
     Raises
     ------
     InvalidInputError
-        If the width is not positive, or so small that there would be too many cells.
+        If the recording holds no valid world, or nodes but no scans.
 
     Examples
     --------
     >>> from multisrt import CatalogEnvironment, RunSpec, area_known_to_one, simulate
     >>> recording = simulate(RunSpec(environment=CatalogEnvironment(name="apartment"), seed=1))
-    >>> known = area_known_to_one(recording, cell_m=0.2)
+    >>> known = area_known_to_one(recording)
     >>> len(known.final_m2), known.final_m2[0] > 10.0
     (1, True)
     """
-    robots, end = len(recording.starts), recording.footer.time_s
-    nodes = recording.of(NodeAdded)
-    if not nodes:
-        return KnownToOne(integral_m2s=(0.0,) * robots, final_m2=(0.0,) * robots)
-    regions = {(node.robot, node.serial): recording.region(node) for node in nodes}
-    areas = _Areas(regions, cell_m, robots)
-    integral, since = np.zeros(robots), 0.0
-    for time, learned, dead in _moments_of_knowledge(recording):
-        integral += areas.alone * (time - since)
-        since = time
-        for name, who in learned.items():
-            areas.learn(name, who)
-        if dead:
-            areas.forget(dead)
-    integral += areas.alone * (end - since)
+    environment = environment or recording.environment()
+    what = explorable(environment, viewers(recording.spec, recording.starts))
+    proof = evidence(recording, environment, what)
+    return known_to_one(proof, coverage(proof), recording.footer.time_s)
+
+
+def known_to_one(proof: Evidence, covered: Coverage, until_s: float) -> KnownToOne:
+    """Integrate the area that only one robot knew from 0 to a time, in seconds."""
+    robots = len(proof.recording.spec.robots)
+    ledger = _Ledger(proof, covered, robots)
+    for time_s, robot, region in proof.knowledge:
+        if time_s > until_s:
+            break
+        if region is None:
+            ledger.forget(robot, time_s)
+        else:
+            ledger.learn(robot, region, time_s)
+    ledger.settle(until_s)
     return KnownToOne(
-        integral_m2s=tuple((integral * cell_m**2).tolist()),
-        final_m2=tuple((areas.alone * cell_m**2).tolist()),
+        integral_m2s=tuple(ledger.integral_m2s.tolist()), final_m2=tuple(ledger.alone_m2.tolist())
     )
 
 
-def _moments_of_knowledge(
-    recording: Recording,
-) -> Iterator[tuple[float, dict[NodeName, list[int]], list[int]]]:
-    # For each moment: the nodes that were learned, each with the robots that did, and the dead.
-    events = [*recording.of(NodeAdded), *recording.of(Learned), *recording.of(Died)]
-    by_time = attrgetter("time_s")
-    events.sort(key=by_time)
-    for time, moment in itertools.groupby(events, key=by_time):
-        learned: dict[NodeName, list[int]] = defaultdict(list)
-        dead = []
-        for event in moment:
-            match event:
-                case NodeAdded():
-                    learned[event.robot, event.serial].append(event.robot)
-                case Learned():
-                    for name in event.nodes:
-                        learned[name].append(event.robot)
-                case Died():
-                    dead.append(event.robot)
-        yield time, learned, dead
+class _Ledger:
+    """What every robot knows, and how much of it no other one does, in the course of time."""
 
+    def __init__(self, proof: Evidence, covered: Coverage, robots: int) -> None:
+        self._proof, self._covered, self._robots = proof, covered, robots
+        self._tables = owner_tables(robots)
+        self._plane = seen_plane(covered, label_count(robots))
+        self._known_by: dict[int, set[int]] = defaultdict(set)
+        # What has been learned since the plane was last up to date: times, regions, tables.
+        self._news: list[tuple[float, int, int]] = []
+        self._latest: dict[int, int] = {}
+        self._settled_s = 0.0
+        self.alone_m2: FloatArray = np.zeros(robots)
+        self.integral_m2s: FloatArray = np.zeros(robots)
 
-NOBODY, SEVERAL = -1, -2
-"""Marks of cells that no robot knows, or several do; others have the number of the one robot."""
-
-
-class _Areas:
-    """Which robots know each node, and for each cell the one robot that knows it, if any."""
-
-    def __init__(self, regions: dict[NodeName, FloatArray], cell_m: float, robots: int) -> None:
-        self.alone: IntArray = np.zeros(robots, np.int64)
-        x0, y0, x1, y1 = bounds_of(np.concatenate(list(regions.values())))
-        self._window = Raster(cell_m, (x0, y0, x1, y1))
-        self._regions = regions
-        self._runs: dict[NodeName, NDArray[np.int32]] = {}
-        self._known_by: dict[NodeName, set[int]] = defaultdict(set)
-        shape = self._window.cells.shape
-        self._owners: NDArray[np.int32] = np.full(shape, NOBODY, np.int32)
-
-    def learn(self, node: NodeName, robots: list[int]) -> None:
-        """Add a node to the knowledge of some robots."""
-        known_by = self._known_by[node]
-        shared = len(known_by) > 1
-        known_by.update(robots)
-        # Cells that several robots know already do not change.
-        if not shared:
-            self._share(node)
-
-    def forget(self, robots: list[int]) -> None:
-        """Remove all knowledge of some robots."""
-        self.alone[:] = 0
-        self._owners[:] = NOBODY
-        for node, known_by in self._known_by.items():
-            known_by.difference_update(robots)
-            self._share(node)
-
-    def _share(self, node: NodeName) -> None:
-        known_by = self._known_by[node]
+    def learn(self, robot: int, region: int, time_s: float) -> None:
+        """Add a region to the knowledge of a robot."""
+        known_by = self._known_by[region]
         if not known_by:
-            return
-        if node not in self._runs:
-            window = self._window
-            boundary = self._regions[node]
-            self._runs[node] = _runs(boundary, window.x0, window.y0, window.cell_m)
-        owner = SEVERAL if len(known_by) > 1 else min(known_by)
-        _share(self._runs[node], owner, self._owners, self.alone)
-
-
-@kernel
-def _runs(boundary: FloatArray, x0: float, y0: float, cell: float) -> NDArray[np.int32]:
-    # The cells of a polygon in the grid, as (row, first column, column after the last).
-    low_x, low_y, high_x, high_y = bounds_of(boundary)
-    column, row = int((low_x - x0) / cell), int((low_y - y0) / cell)
-    rows, columns = int((high_y - y0) / cell) + 1 - row, int((high_x - x0) / cell) + 1 - column
-    runs = runs_inside(boundary, x0 + column * cell, y0 + row * cell, cell, rows, columns)
-    for k in range(runs.shape[0]):
-        runs[k, 0] += row
-        runs[k, 1] += column
-        runs[k, 2] += column
-    return runs
-
-
-@kernel
-def _share(runs: NDArray[np.int32], owner: int, owners: NDArray[np.int32], alone: IntArray) -> None:
-    # Marks cells as known to one robot more, or to several, and counts those known to one.
-    for k in range(runs.shape[0]):
-        row = runs[k, 0]
-        for column in range(runs[k, 1], runs[k, 2]):
-            before = owners[row, column]
-            if before in (owner, SEVERAL):
-                continue
-            if before == NOBODY:
-                owners[row, column] = owner
-                if owner >= 0:
-                    alone[owner] += 1
+            self._latest[region] = len(self._news)
+            self._news.append((time_s, region, robot))
+        elif len(known_by) == 1 and robot not in known_by:
+            to_several = (time_s, region, self._robots)
+            latest = self._latest.get(region, len(self._news))
+            if latest < len(self._news) and self._news[latest][0] == time_s:
+                # Shared as soon as it was known.
+                self._news[latest] = to_several
             else:
-                owners[row, column] = SEVERAL
-                alone[before] -= 1
+                self._news.append(to_several)
+        known_by.add(robot)
+
+    def forget(self, robot: int, time_s: float) -> None:
+        """Remove all knowledge of a robot."""
+        self.settle(time_s)
+        self._plane = seen_plane(self._covered, label_count(self._robots))
+        self.alone_m2 = np.zeros(self._robots)
+        for region, known_by in self._known_by.items():
+            known_by.discard(robot)
+            if known_by:
+                table = self._robots if len(known_by) > 1 else min(known_by)
+                self._news.append((time_s, region, table))
+        self.settle(time_s)
+
+    def settle(self, until_s: float) -> None:
+        """Bring the areas up to date, and their integrals up to a time."""
+        times, regions, tables = zip(*self._news, strict=True) if self._news else ((), (), ())
+        history = self._plane.relabel(self._proof.runs, self._tables, regions, tables)
+        alone = np.vstack([self.alone_m2, of_one(history)])
+        spans = np.diff([self._settled_s, *times, until_s])
+        self.integral_m2s += spans @ alone
+        self.alone_m2 = alone[-1]
+        self._settled_s = until_s
+        self._news.clear()
+        self._latest.clear()

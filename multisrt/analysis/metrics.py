@@ -16,10 +16,18 @@ from multisrt.analysis.clearances import (
     smallest_distance_between_robots,
     tracks,
 )
-from multisrt.analysis.coverage import CoverageMeter, TeamAreas, team_areas
-from multisrt.analysis.explorable import Explorable
+from multisrt.analysis.coverage import (
+    ROUNDING,
+    Coverage,
+    coverage,
+    known_complete_s,
+    lost_areas_m2,
+)
+from multisrt.analysis.evidence import Evidence, evidence
+from multisrt.analysis.explorable import Explorable, explorable, viewers
+from multisrt.analysis.given_up import given_up_m2
 from multisrt.analysis.isolation import team_isolation
-from multisrt.analysis.known_area import area_known_to_one
+from multisrt.analysis.known_area import known_to_one
 from multisrt.analysis.remaining_frontier import remaining_frontier
 from multisrt.environments.environment import Environment
 from multisrt.events import (
@@ -30,13 +38,25 @@ from multisrt.events import (
     Died,
     Ended,
     Joined,
-    MapComplete,
     NodeAdded,
     Organized,
     Sent,
 )
+from multisrt.geometry.errors import InvalidInputError
 from multisrt.recording import Recording, RunOutcome
 from multisrt.spec import LateStart
+
+SUCCESS_COVERAGE = 0.95
+"""Share of the explorable area that a run covers if it is a success, unless another is asked."""
+
+
+def require_threshold(threshold: float) -> float:
+    """Return a share of coverage; raise an `InvalidInputError` unless it is above 0 and up to 1."""
+    if not 0.0 < threshold <= 1.0:
+        raise InvalidInputError(
+            f"a threshold of coverage is a share above 0 and up to 1, not {threshold!r}"
+        )
+    return threshold
 
 
 class Metrics(msgspec.Struct, frozen=True, kw_only=True):
@@ -50,7 +70,9 @@ class Metrics(msgspec.Struct, frozen=True, kw_only=True):
     outcome : {"complete", "stalled", "out_of_time"}
         How the run ended.
     known_complete_s : float or None
-        When the first robot knew that no frontier was left; None if none came to know.
+        When the first robot knew the map complete; None if none came to know. That it says so
+        counts only if it knew what the team had covered in the end; see
+        `multisrt.analysis.coverage.known_complete_s`.
     makespan_s : float
         When the run ended: all robots home, if it is complete.
     time_to_90_s, time_to_95_s, time_to_99_s : float or None
@@ -67,9 +89,12 @@ class Metrics(msgspec.Struct, frozen=True, kw_only=True):
     distance_spread_m : float
         Standard deviation of the path length over all robots of the team.
     coverage : float
-        Share of the explorable area that lies in a safe region of any robot, from 0 to 1.
+        Share of the explorable area that robots covered, from 0 to 1: that lies in the safe
+        region of any node and was seen; for robots that note no node, that was seen.
+    seen : float
+        Share of the explorable area that any scan showed, from 0 to 1, whatever robots made of it.
     coverage_integral_s : float
-        Time integral of the share not yet covered, up to the makespan: lower is better, and
+        Time integral of the share not yet covered, up to the horizon: lower is better, and
         early coverage counts more.
     free_area_m2 : float
         Area of all free space of the world, reachable or not.
@@ -78,12 +103,17 @@ class Metrics(msgspec.Struct, frozen=True, kw_only=True):
         die or start late count: it is the task that the team was given.
     covered_area_m2 : float
         Explorable area that was covered.
+    seen_area_m2 : float
+        Explorable area that was seen.
     unseen_m2 : float
         Explorable area that no robot saw.
+    given_up_m2 : dict of str to float
+        Explorable area that was not covered, by the reason for which the frontier before it was
+        given up; see `multisrt.analysis.given_up`.
     overlap_area_m2 : float
         Explorable area that at least two robots saw.
     overlap_share : float
-        The same as a share of the covered area, from 0 to 1; 0 where nothing was covered.
+        The same as a share of the seen area, from 0 to 1; 0 where nothing was seen.
     frontier_left_m : float
         Length of the frontier left open at the end.
     lost_area_m2 : float
@@ -92,7 +122,8 @@ class Metrics(msgspec.Struct, frozen=True, kw_only=True):
     lost_area_by_robot_m2 : tuple of float
         The part of it that each robot saw; what two of the dead saw counts for both.
     known_to_one_m2s : float
-        Time integral of the area that only one robot knew (m2 s): what its loss would have cost.
+        Time integral of the area that only one robot knew (m2 s), up to the horizon: what its loss
+        would have cost.
     known_to_one_by_robot_m2s : tuple of float
         The same for each robot.
     known_to_one_m2 : float
@@ -170,11 +201,14 @@ class Metrics(msgspec.Struct, frozen=True, kw_only=True):
     waiting_time_s: float
     waiting_time_by_robot_s: tuple[float, ...]
     coverage: float
+    seen: float
     coverage_integral_s: float
     free_area_m2: float
     explorable_area_m2: float
     covered_area_m2: float
+    seen_area_m2: float
     unseen_m2: float
+    given_up_m2: dict[str, float]
     overlap_area_m2: float
     overlap_share: float
     lost_area_m2: float
@@ -213,6 +247,21 @@ class Metrics(msgspec.Struct, frozen=True, kw_only=True):
     lower_bound_reach_s: float
     lower_bound_area_s: float
 
+    def reached(self, threshold: float = SUCCESS_COVERAGE) -> bool:
+        """Whether the run was a success: whether it covered enough, however it ended.
+
+        Parameters
+        ----------
+        threshold : float
+            Share of the explorable area, above 0 and up to 1.
+
+        Raises
+        ------
+        InvalidInputError
+            If it is no such share.
+        """
+        return self.coverage >= require_threshold(threshold) - ROUNDING
+
 
 METRIC_GROUPS: dict[str, tuple[str, ...]] = {
     "time": (
@@ -228,11 +277,14 @@ METRIC_GROUPS: dict[str, tuple[str, ...]] = {
     "distance": ("total_distance_m", "distance_by_robot_m", "distance_spread_m"),
     "area": (
         "coverage",
+        "seen",
         "coverage_integral_s",
         "free_area_m2",
         "explorable_area_m2",
         "covered_area_m2",
+        "seen_area_m2",
         "unseen_m2",
+        "given_up_m2",
         "overlap_area_m2",
         "overlap_share",
         "frontier_left_m",
@@ -280,7 +332,12 @@ METRIC_GROUPS: dict[str, tuple[str, ...]] = {
 """The names of all metrics by subject; each subject is measured by a function of its own."""
 
 
-def measure(recording: Recording, environment: Environment | None = None) -> Metrics:
+def measure(
+    recording: Recording,
+    environment: Environment | None = None,
+    *,
+    horizon_s: float | None = None,
+) -> Metrics:
     """Measure a run.
 
     Parameters
@@ -289,6 +346,9 @@ def measure(recording: Recording, environment: Environment | None = None) -> Met
         The run.
     environment : Environment, optional
         The world, if it has been built already; by default it is built from the recording.
+    horizon_s : float, optional
+        Time up to which integrals run, in seconds; by default the end of the run. Runs that are
+        compared need one horizon, for what is not covered when a run ends stays uncovered.
 
     Returns
     -------
@@ -298,27 +358,37 @@ def measure(recording: Recording, environment: Environment | None = None) -> Met
     Raises
     ------
     InvalidInputError
-        If the recording holds no valid world.
+        If the recording holds no valid world, or nodes but no scans, or the horizon is not a
+        positive time.
 
     Examples
     --------
     >>> from multisrt import CatalogEnvironment, RunSpec, measure, simulate
     >>> spec = RunSpec(environment=CatalogEnvironment(name="apartment"), seed=1)
-    >>> metrics = measure(simulate(spec))
+    >>> recording = simulate(spec)
+    >>> metrics = measure(recording)
     >>> metrics.lower_bound_s < metrics.known_complete_s <= metrics.makespan_s
     True
+    >>> metrics.reached(0.95), metrics.coverage <= metrics.seen <= 1.0
+    (True, True)
+    >>> later = measure(recording, horizon_s=metrics.makespan_s + 100.0)
+    >>> later.coverage_integral_s >= metrics.coverage_integral_s
+    True
     """
-    return measure_with_curve(recording, environment)[0]
+    return measure_with_curve(recording, environment, horizon_s=horizon_s)[0]
 
 
 def measure_with_curve(
-    recording: Recording, environment: Environment | None = None
+    recording: Recording,
+    environment: Environment | None = None,
+    *,
+    horizon_s: float | None = None,
 ) -> tuple[Metrics, tuple[float | None, ...]]:
     """Measure a run, and how its coverage grew.
 
     Parameters
     ----------
-    recording, environment
+    recording, environment, horizon_s
         As for `measure`.
 
     Returns
@@ -328,24 +398,29 @@ def measure_with_curve(
     covered_at_s : tuple of (float or None)
         When each percent of the explorable area was covered, from 0 to 100; None if it never was.
     """
+    if horizon_s is None:
+        horizon_s = recording.footer.time_s
+    elif not 0.0 < horizon_s < math.inf:
+        raise InvalidInputError(
+            f"the horizon of integrals is a positive number of seconds, not {horizon_s!r}"
+        )
     if environment is None:
         environment = recording.environment()
-    meter = CoverageMeter(recording.spec, environment, recording.starts)
-    for node in recording.of(NodeAdded):
-        meter.add(node.time_s, recording.region(node))
-    areas = team_areas(recording, meter.explorable)
+    what = explorable(environment, viewers(recording.spec, recording.starts))
+    proof = evidence(recording, environment, what)
+    covered = coverage(proof)
     metrics = Metrics(
-        **_time(recording, meter),
+        **_time(proof, covered),
         **_distance(recording),
-        **_area(recording, environment, meter, areas),
-        **_knowledge(recording, meter.explorable, areas),
+        **_area(proof, covered, environment, horizon_s),
+        **_knowledge(proof, covered, horizon_s),
         **_isolation(recording, environment),
         **_radio(recording),
         **_effort(recording),
         **_safety(recording, environment),
-        **_bounds(recording, meter.explorable),
+        **_bounds(recording, environment, what),
     )
-    return metrics, meter.times_by_percent()
+    return metrics, covered.times_by_percent()
 
 
 def waiting_times(recording: Recording) -> tuple[float, ...]:
@@ -376,17 +451,16 @@ def waiting_times(recording: Recording) -> tuple[float, ...]:
 # One function for each of the METRIC_GROUPS.
 
 
-def _time(recording: Recording, meter: CoverageMeter) -> dict[str, Any]:
+def _time(proof: Evidence, covered: Coverage) -> dict[str, Any]:
+    recording = proof.recording
     waiting = waiting_times(recording)
     return {
         "outcome": recording.footer.outcome,
-        "known_complete_s": min(
-            (event.time_s for event in recording.of(MapComplete)), default=None
-        ),
+        "known_complete_s": known_complete_s(proof, covered),
         "makespan_s": recording.footer.time_s,
-        "time_to_90_s": meter.time_to(0.90),
-        "time_to_95_s": meter.time_to(0.95),
-        "time_to_99_s": meter.time_to(0.99),
+        "time_to_90_s": covered.time_to(0.90),
+        "time_to_95_s": covered.time_to(0.95),
+        "time_to_99_s": covered.time_to(0.99),
         "waiting_time_s": math.fsum(waiting),
         "waiting_time_by_robot_s": waiting,
     }
@@ -402,29 +476,33 @@ def _distance(recording: Recording) -> dict[str, Any]:
 
 
 def _area(
-    recording: Recording, environment: Environment, meter: CoverageMeter, areas: TeamAreas
+    proof: Evidence, covered: Coverage, environment: Environment, horizon_s: float
 ) -> dict[str, Any]:
-    explorable_m2 = meter.explorable.area_m2
-    covered_m2 = meter.share * explorable_m2
-    left = [s for segments in remaining_frontier(recording).values() for s in segments]
+    explorable_m2 = proof.explorable.area_m2
+    lost_m2, lost_by_robot_m2 = lost_areas_m2(proof, covered)
+    left = [s for segments in remaining_frontier(proof.recording).values() for s in segments]
+    seen_m2 = covered.seen * explorable_m2
     return {
-        "coverage": meter.share,
-        "coverage_integral_s": meter.integral_of_rest(recording.footer.time_s),
+        "coverage": covered.share,
+        "seen": covered.seen,
+        "coverage_integral_s": covered.integral_of_rest(horizon_s),
         "free_area_m2": environment.area_m2,
         "explorable_area_m2": explorable_m2,
-        "covered_area_m2": covered_m2,
-        "unseen_m2": (1.0 - meter.share) * explorable_m2,
-        "overlap_area_m2": areas.overlap_m2,
-        "overlap_share": areas.overlap_m2 / covered_m2 if covered_m2 else 0.0,
+        "covered_area_m2": covered.share * explorable_m2,
+        "seen_area_m2": seen_m2,
+        "unseen_m2": explorable_m2 - seen_m2,
+        "given_up_m2": given_up_m2(proof, covered),
+        "overlap_area_m2": covered.overlap_m2,
+        "overlap_share": min(1.0, covered.overlap_m2 / seen_m2) if seen_m2 else 0.0,
+        "lost_area_m2": lost_m2,
+        "lost_area_by_robot_m2": lost_by_robot_m2,
         "frontier_left_m": math.fsum(math.hypot(x1 - x0, y1 - y0) for x0, y0, x1, y1 in left),
     }
 
 
-def _knowledge(recording: Recording, explorable: Explorable, areas: TeamAreas) -> dict[str, Any]:
-    known = area_known_to_one(recording, cell_m=explorable.raster.cell_m)
+def _knowledge(proof: Evidence, covered: Coverage, horizon_s: float) -> dict[str, Any]:
+    known = known_to_one(proof, covered, horizon_s)
     return {
-        "lost_area_m2": areas.lost_m2,
-        "lost_area_by_robot_m2": areas.lost_by_robot_m2,
         "known_to_one_m2s": math.fsum(known.integral_m2s),
         "known_to_one_by_robot_m2s": known.integral_m2s,
         "known_to_one_m2": math.fsum(known.final_m2),
@@ -478,8 +556,8 @@ def _safety(recording: Recording, environment: Environment) -> dict[str, Any]:
     }
 
 
-def _bounds(recording: Recording, explorable: Explorable) -> dict[str, Any]:
-    reach_s, area_s = lower_bounds(recording.spec, explorable, recording.starts)
+def _bounds(recording: Recording, environment: Environment, what: Explorable) -> dict[str, Any]:
+    reach_s, area_s = lower_bounds(recording.spec, environment, what, recording.starts)
     return {
         "lower_bound_s": max(reach_s, area_s),
         "lower_bound_reach_s": reach_s,

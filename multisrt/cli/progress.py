@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 class Progress(LiveLine):
-    """Progress bar of a run: the share of the environment that is covered.
+    """Progress bar of a run: the share of the environment that was seen.
 
     Parameters
     ----------
@@ -68,24 +68,24 @@ class Progress(LiveLine):
         """
         if not self.shown:
             return None
-        from multisrt.analysis.coverage import CoverageMeter
-        from multisrt.events import NodeAdded
+        from multisrt.analysis.coverage import SeenMeter
+        from multisrt.events import Sensed
         from multisrt.simulation.starts import starts_of
 
         self.say(f"{spec.strategy}: preparing (the first run compiles, up to a minute)")
-        meter = CoverageMeter(spec, world, starts_of(spec, world))
-        nodes = 0
+        meter = SeenMeter(spec, world, starts_of(spec, world))
+        scans = 0
 
         def watch(event: AnyEvent) -> None:
-            nonlocal nodes
-            if isinstance(event, NodeAdded):
-                nodes += 1
-                meter.add(event.time_s, event.region())
+            nonlocal scans
+            if isinstance(event, Sensed):
+                scans += 1
+                meter.add(event)
                 self.update(
                     description=spec.strategy,
                     total=1.0,
                     completed=meter.share,
-                    note=f"covered, {nodes} scans, {event.time_s:.0f} s",
+                    note=f"seen, {scans} scans, {event.time_s:.0f} s",
                 )
 
         return watch

@@ -10,8 +10,9 @@ from collections.abc import Generator
 from dataclasses import dataclass
 from typing import Any
 
-from multisrt.events import Ended, Organized
+from multisrt.events import Ended, Organized, Sensed
 from multisrt.geometry.errors import InvalidInputError
+from multisrt.geometry.regions.scan import Scan
 from multisrt.robots.explorer import (
     Action,
     Done,
@@ -129,7 +130,7 @@ class Interpreter:
                     self._faults.on_setting_out(robot)
                     outcome = yield from self._wait(None, hears=action.listen)
                 case Sense():
-                    outcome = self._sensing.scan(robot, self._clock.now_s)
+                    outcome = self._scan()
                 case Look():
                     outcome = self._sensing.look(robot, self._clock.now_s)
                 case Stop():
@@ -166,6 +167,15 @@ class Interpreter:
             raise InvalidInputError(
                 f"the explorer of robot {number} stopped without a last action Done"
             ) from None
+
+    def _scan(self) -> Scan:
+        now_s = self._clock.now_s
+        scan = self._sensing.scan(self._robot, now_s)
+        # What a run is judged by is recorded here, whatever the explorer makes of it.
+        self._journal.record(
+            Sensed(time_s=now_s, robot=self._robot.number, configuration=(*scan.configuration,))
+        )
+        return scan
 
     def _stop(self) -> Moved:
         if self._robot.motion is None:

@@ -43,6 +43,6 @@ class Journal:
         if self.last_s < time_s:
             self.last_s = time_s
 
-    def finish(self, time_s: float, outcome: RunOutcome, reason: str) -> Recording:
-        """Return the finished recording of a run that ended at a time."""
-        return self._recorder.finish(time_s, outcome, reason)
+    def finish(self, time_s: float, outcome: RunOutcome, reason: str, *, chance: bool) -> Recording:
+        """Return the finished recording of a run that ended at a time, by chance or not."""
+        return self._recorder.finish(time_s, outcome, reason, chance=chance)

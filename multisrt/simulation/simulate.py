@@ -29,7 +29,7 @@ from multisrt.simulation.journal import Journal, Watcher
 from multisrt.simulation.mail import Mail
 from multisrt.simulation.motions import Motions
 from multisrt.simulation.radio import Radio
-from multisrt.simulation.random_streams import random_stream
+from multisrt.simulation.random_streams import RandomStreams
 from multisrt.simulation.robot import Robot
 from multisrt.simulation.sensing import Sensing
 from multisrt.simulation.starts import starts_of
@@ -89,10 +89,11 @@ def simulate(
     chosen.require_fit(spec)
     if environment is None:
         environment = build_environment(spec.environment)
-    starts = starts_of(spec, environment)
+    streams = RandomStreams(spec.seed)
+    starts = starts_of(spec, environment, streams)
     team_range_m = max(robot.range_finder.range_m for robot in spec.robots)
     index = EdgeIndex(environment.edges, team_range_m / 3.0)
-    radio = Radio(spec.radio, index, random_stream(spec.seed, "radio"))
+    radio = Radio(spec.radio, index, streams.of("radio"))
     joins = late_starts(spec.faults)
     orders: Sequence[object] = [None] * len(spec.robots)
     if chosen.plan is not None:
@@ -105,7 +106,7 @@ def simulate(
                 footprint=Footprint.parse(robot.footprint),
                 kinematics=robot.drive.kinematics(),
                 range_m=robot.range_finder.range_m,
-                rng=random_stream(spec.seed, "robots", number),
+                rng=streams.of("robots", number),
                 team=len(spec.robots),
                 radio=radio.datasheet(),
                 time_s=joins.get(number, 0.0),
@@ -121,7 +122,9 @@ def simulate(
     opened = nullcontext() if path is None else atomic_write(Path(path))
     with opened as file:
         journal = Journal(Recorder(header, file), watch)
-        return _Simulation(spec, world, index, radio, journal, starts).run(explorers)
+        simulation = _Simulation(spec, world, index, radio, journal, starts)
+        time_s, outcome, reason = simulation.run(explorers)
+        return journal.finish(time_s, outcome, reason, chance=streams.are_drawn_from)
 
 
 @lru_cache(maxsize=8)
@@ -171,7 +174,8 @@ class _Simulation:
             faults=self.faults,
         )
 
-    def run(self, explorers: list[Explorer]) -> Recording:
+    def run(self, explorers: list[Explorer]) -> tuple[float, RunOutcome, str]:
+        """Return when the run ended (s), how, and why."""
         joins = late_starts(self.spec.faults)
         for robot in self.robots:
             if robot.number not in joins:
@@ -194,9 +198,8 @@ class _Simulation:
         if not self._is_over() and max_time_s < self.clock.next_s < math.inf:
             self.motions.end_all(max_time_s)
             reason = f"the {max_time_s:g} s of the stop rule are over"
-            return self.journal.finish(max_time_s, "out_of_time", reason)
-        outcome, reason = self._outcome()
-        return self.journal.finish(self.journal.last_s, outcome, reason)
+            return max_time_s, "out_of_time", reason
+        return self.journal.last_s, *self._outcome()
 
     def _is_over(self) -> bool:
         # All are done or dead, and no message is on its way that could call one on.

@@ -19,7 +19,7 @@ from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import ClearanceError, InvalidInputError
 from multisrt.geometry.numerics.kernel import BoolArray, FloatArray
 from multisrt.planners.motion.kinematics import Car
-from multisrt.simulation.random_streams import random_stream
+from multisrt.simulation.random_streams import RandomStreams
 from multisrt.spec import RunSpec
 
 GAP_M = 0.25
@@ -35,7 +35,9 @@ CIRCLE_PRECISION_M = 0.01
 """Precision of the largest circle in free space, in metres."""
 
 
-def starts_of(spec: RunSpec, environment: Environment) -> tuple[Configuration, ...]:
+def starts_of(
+    spec: RunSpec, environment: Environment, streams: RandomStreams | None = None
+) -> tuple[Configuration, ...]:
     """Return the configurations in which the robots of a run start.
 
     Robots with a start in the spec start there. A single robot without one starts where the
@@ -50,6 +52,8 @@ def starts_of(spec: RunSpec, environment: Environment) -> tuple[Configuration, .
         The run.
     environment : Environment
         The world.
+    streams : RandomStreams, optional
+        The random streams of the run; by default those of its seed.
 
     Returns
     -------
@@ -65,6 +69,7 @@ def starts_of(spec: RunSpec, environment: Environment) -> tuple[Configuration, .
         If starts lie in different components, bodies overlap or touch, the team does not fit, or
         the turning circle of a car fits nowhere.
     """
+    streams = streams or RandomStreams(spec.seed)
     footprints = [Footprint.parse(robot.footprint) for robot in spec.robots]
     starts: dict[int, Configuration] = {}
     for number, robot in enumerate(spec.robots):
@@ -75,11 +80,11 @@ def starts_of(spec: RunSpec, environment: Environment) -> tuple[Configuration, .
     _require_apart(footprints, starts)
     if len(starts) < len(footprints):
         if len(footprints) == 1:
-            starts[0] = _alone(spec, environment, footprints[0])
+            starts[0] = _alone(streams, environment, footprints[0])
         elif spec.starts == "scattered":
-            _scatter(spec, environment, component, footprints, starts)
+            _scatter(streams, environment, component, footprints, starts)
         else:
-            _cluster(spec, environment, footprints, starts)
+            _cluster(streams, environment, footprints, starts)
     ordered = tuple(starts[number] for number in range(len(footprints)))
     _require_turning_circles(spec, environment, footprints, ordered[0])
     return ordered
@@ -184,12 +189,12 @@ def _require_turning_circles(
 # A robot alone ------------------------------------------------------------------------------
 
 
-def _alone(spec: RunSpec, environment: Environment, footprint: Footprint) -> Configuration:
+def _alone(streams: RandomStreams, environment: Environment, footprint: Footprint) -> Configuration:
     if environment.starts:
         start = Configuration(*environment.starts[0])
     else:
         area = _largest_room(environment, environment.free, footprint)
-        start = _drawn_place(area, random_stream(spec.seed, "starts", 0))
+        start = _drawn_place(area, streams.of("starts"))
     _require_fit(environment, footprint, start)
     return start
 
@@ -224,7 +229,7 @@ def _drawn_place(area: Polygon, rng: RandomGenerator) -> Configuration:
 
 
 def _scatter(
-    spec: RunSpec,
+    streams: RandomStreams,
     environment: Environment,
     component: Polygon,
     footprints: list[Footprint],
@@ -239,7 +244,7 @@ def _scatter(
         needed = np.array(
             [radius + GAP_M + footprints[other].circumscribed_radius_m for other in starts]
         )
-        rng = random_stream(spec.seed, "starts", number)
+        rng = streams.of("starts", number)
         place = _farthest(room.draw(rng), others, needed)
         if place is None:
             # If all draws were too near the others, draw from what these leave free.
@@ -299,13 +304,13 @@ def _room(environment: Environment, component: Polygon, footprint: Footprint) ->
 
 
 def _cluster(
-    spec: RunSpec,
+    streams: RandomStreams,
     environment: Environment,
     footprints: list[Footprint],
     starts: dict[int, Configuration],
 ) -> None:
     if not starts:
-        starts[0] = _alone(spec, environment, footprints[0])
+        starts[0] = _alone(streams, environment, footprints[0])
     anchor = starts[min(starts)]
     waiting = [number for number in range(len(footprints)) if number not in starts]
     radius = max(footprints[number].circumscribed_radius_m for number in waiting)

@@ -6,7 +6,7 @@ import pytest
 import shapely
 
 from multisrt.environments.environment import Environment
-from multisrt.events import AnyEvent, Died, Motion, NodeAdded, Stage
+from multisrt.events import AnyEvent, Died, Motion, NodeAdded, Sensed, Stage
 from multisrt.geometry.configuration import Configuration
 from multisrt.recording import Recorder, Recording, header_of
 from multisrt.simulation.worlds import inline
@@ -34,6 +34,7 @@ def recorded() -> Callable[..., Recording]:
         radio: RadioSpec | None = None,
         faults: tuple[Fault, ...] = (),
         end_s: float = 50.0,
+        scans: bool = True,
     ) -> Recording:
         robots = tuple(
             RobotSpec(start=start, footprint=body, range_finder=RangeFinderSpec(range_m=range_m))
@@ -44,6 +45,10 @@ def recorded() -> Callable[..., Recording]:
         )
         at = tuple(Configuration(*start) for start in starts)
         recorder = Recorder(header_of(spec, world, at))
+        # Robots see before they note: from the start, which shows all of the hall.
+        with_nodes = dict.fromkeys(e.robot for e in events if isinstance(e, NodeAdded))
+        for robot in with_nodes if scans else ():
+            recorder.record(Sensed(time_s=0.0, robot=robot, configuration=(*at[robot],)))
         for event in events:
             recorder.record(event)
         return recorder.finish(end_s, "complete", "")

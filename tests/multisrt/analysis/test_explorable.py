@@ -1,14 +1,14 @@
-import math
-
 import numpy as np
 import pytest
 import shapely
 from shapely.geometry.base import BaseGeometry
 
-from multisrt.analysis.explorable import Explorable, cell_width, explorable, reachable_area
+from multisrt.analysis.explorable import EXPLORABLE, Explorable, explorable, reachable_area
 from multisrt.environments.environment import Environment
 from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.geometry.configuration import Configuration
+from multisrt.geometry.regions.edge_index import EdgeIndex
+from multisrt.geometry.regions.visibility import visibility_polygons
 
 DISC = Footprint.disc(0.25)
 FAR = 50.0
@@ -25,7 +25,6 @@ def what(
 
 
 def test_an_empty_room_is_explorable_completely():
-    # Cell centres lie at (c + 0.118) / 10: 60 of them in 6 m, 50 in 5 m.
     room = what(shapely.box(0, 0, 6, 5))
     assert room.area_m2 == pytest.approx(30.0)
     # The centre of the disc keeps 0.25 m off the walls.
@@ -84,16 +83,6 @@ def test_a_slim_body_gets_where_its_inscribed_disc_does():
     assert what(*room, body=Footprint.box(0.6, 0.5)).reachable.area < 30.0
 
 
-def test_the_farthest_point():
-    # From one corner region to the other, round a wall: 1 m to its end, then on to (10, 0).
-    free = shapely.box(0, 0, 10, 4).difference(shapely.box(5, 0, 5.1, 3))
-    space = what(free, start=(5.5, 1.0))
-    expected = math.hypot(0.4, 2.0) + 0.1 + math.hypot(5.0, 3.0)
-    assert space.farthest_m(Configuration(5.5, 1.0)) == pytest.approx(expected, rel=0.02)
-    corridor = what(shapely.box(0, 0, 20, 1), start=(1.0, 0.5))
-    assert corridor.farthest_m(Configuration(1.0, 0.5)) == pytest.approx(19.0, rel=0.01)
-
-
 def test_a_body_that_barely_fits():
     lane = shapely.box(0, 0, 9, 0.5 + 1e-6)
     tight = what(lane, start=(1.0, 0.25 + 5e-7))
@@ -111,11 +100,6 @@ def test_reachable_places_are_those_around_the_start():
     assert left.area == pytest.approx(3.5 * 3.5, abs=0.1)
 
 
-def test_huge_worlds_are_counted_in_larger_cells():
-    assert cell_width(Environment("small", shapely.box(0, 0, 40, 40))) == 0.1
-    assert cell_width(Environment("huge", shapely.box(0, 0, 4000, 4000))) == 1.0
-
-
 def test_equal_teams_share_one_result():
     world = Environment("room", shapely.box(0, 0, 6, 5))
     start = Configuration(1.0, 1.0)
@@ -123,12 +107,29 @@ def test_equal_teams_share_one_result():
     assert explorable(world, team) is explorable(world, team)
 
 
-def test_nothing_outside_of_the_component_is_marked():
-    world = shapely.box(0, 0, 6, 5).difference(shapely.Point(3, 2.5).buffer(1.0))
-    space = what(world, start=(1.0, 1.0), range_m=2.0)
-    x, y = space.raster.centres()
-    marked = np.stack(np.meshgrid(x, y), axis=-1)[space.raster.cells]
-    assert shapely.contains_xy(world.buffer(1e-9), marked).all()
+def test_what_is_explorable_is_never_more_than_what_is_free():
+    diamond = shapely.Polygon([(10, 0), (20, 10), (10, 20), (0, 10)])
+    space = what(diamond, start=(10.0, 10.0))
+    assert space.area_m2 <= diamond.area
+    assert space.area_m2 == pytest.approx(200.0, rel=1e-9)
+    pillar = shapely.box(0, 0, 6, 5).difference(shapely.Point(3, 2.5).buffer(1.0))
+    assert what(pillar, range_m=2.0).area_m2 == pytest.approx(pillar.area, rel=1e-9)
+
+
+def test_what_can_be_seen_agrees_with_a_union_of_views():
+    """Views from dense places on the border of what can be reached, united by GEOS."""
+    world = shapely.union_all(
+        [shapely.box(0, 0, 6, 5), shapely.box(6, 2, 16, 2.3), shapely.box(0.5, 5, 0.9, 9)]
+    )
+    space = what(world, range_m=4.0)
+    assert isinstance(world, shapely.Polygon)
+    edges = shapely.get_coordinates(shapely.orient_polygons(world).exterior)
+    index = EdgeIndex(np.hstack([edges[:-1], edges[1:]]), 1.0)
+    border = shapely.get_coordinates(shapely.segmentize(space.reachable.boundary, 0.01))
+    views = shapely.union_all([shapely.Polygon(v) for v in visibility_polygons(index, border, 4.0)])
+    seen = shapely.union(views, space.reachable)
+    assert space.area_m2 == pytest.approx(seen.area, rel=1e-4)
+    assert space.area_m2 < world.area - 1.5
 
 
 TWO_ROOMS = shapely.union(shapely.box(0, 0, 6, 5), shapely.box(6.2, 0, 12, 5))
@@ -142,19 +143,20 @@ def of_team(world: BaseGeometry, *team: tuple[Footprint, float, float, float]) -
 
 
 def test_a_team_can_explore_what_any_of_its_robots_can():
-    one = of_team(TWO_ROOMS, (DISC, FAR, 1.0, 1.0))
-    both = of_team(TWO_ROOMS, (DISC, FAR, 1.0, 1.0), (DISC, FAR, 8.0, 1.0))
-    assert one.area_m2 == pytest.approx(30.0)
-    assert both.area_m2 == pytest.approx(30.0 + 29.0)
-    assert both.reachable.area == pytest.approx(5.5 * 4.5 + 5.3 * 4.5, rel=1e-4)
-    assert both.area_m2 == pytest.approx(both.cell_m2 * both.raster.cells.sum())
+    # The disc of 0.6 m keeps to the lower room, and sees only a part of the upper one.
+    door = shapely.box(2, 5, 3, 5.2)
+    world = shapely.union_all([shapely.box(0, 0, 6, 5), door, shapely.box(0, 5.2, 6, 9)])
+    large, small = (Footprint.disc(0.6), 2.0, 1.0, 1.0), (DISC, 2.0, 4.0, 1.0)
+    alone, together = of_team(world, large), of_team(world, large, small)
+    assert alone.area_m2 < world.area - 10.0
+    assert together.area_m2 == pytest.approx(world.area, rel=1e-6)
+    assert together.reachable.area > alone.reachable.area
 
 
 def test_robots_in_one_room_can_explore_as_much_as_one_of_them():
     one = of_team(TWO_ROOMS, (DISC, 4.0, 1.0, 1.0))
     three = of_team(TWO_ROOMS, *((DISC, 4.0, x, 1.0) for x in (1.0, 2.0, 3.0)))
     assert three.area_m2 == one.area_m2
-    assert (three.raster.cells == one.raster.cells).all()
 
 
 def test_a_team_of_different_bodies_and_ranges():
@@ -165,15 +167,7 @@ def test_a_team_of_different_bodies_and_ranges():
     near = of_team(world, (slim, 4.0, 1.0, 1.0))
     far = of_team(world, (fat, 20.0, 1.0, 1.0))
     both = of_team(world, (slim, 4.0, 1.0, 1.0), (fat, 20.0, 3.0, 1.0))
-    assert (both.raster.cells == near.raster.cells | far.raster.cells).all()
+    everything = near.plane.copy()
+    everything.relabel(far.plane.runs(EXPLORABLE), [[EXPLORABLE, EXPLORABLE]])
+    assert both.area_m2 == pytest.approx(float(everything.areas_m2[EXPLORABLE]), rel=1e-9)
     assert both.area_m2 > max(near.area_m2, far.area_m2) + 0.5
-
-
-def test_the_farthest_point_is_far_from_the_nearest_start():
-    corridor = of_team(shapely.box(0, 0, 20, 1), (DISC, FAR, 1.0, 0.5), (DISC, FAR, 15.0, 0.5))
-    left, right = Configuration(1.0, 0.5), Configuration(15.0, 0.5)
-    assert corridor.farthest_m(left) == pytest.approx(19.0, rel=0.01)
-    assert corridor.farthest_m(left, right) == pytest.approx(7.0, rel=0.02)
-    rooms = of_team(TWO_ROOMS, (DISC, FAR, 1.0, 1.0), (DISC, FAR, 7.0, 1.0))
-    apart = rooms.farthest_m(Configuration(1.0, 1.0), Configuration(7.0, 1.0))
-    assert apart == pytest.approx(math.hypot(5.0, 4.0), rel=0.02)

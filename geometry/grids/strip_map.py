@@ -1,0 +1,499 @@
+"""Areas that regions cover together, on thin parallel strips.
+
+Along the middle of each strip regions are intervals with exact ends, so that their unions,
+differences and overlaps are exact there; the area of an interval is its length times the height
+of its strip. That is the area itself, to rounding, where the borders of regions run straight
+through the strip. Where they have corners within it, it is wrong by about the square of its
+height, one way or the other.
+
+Unlike unions of polygons, intervals know no degenerate cases: walls that many regions share are
+shared ends.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Final, NamedTuple, TypeVar
+
+import numpy as np
+import shapely
+from numpy.typing import ArrayLike, NDArray
+from shapely import Polygon
+
+from multisrt.geometry.numerics.kernel import FloatArray, IntArray, kernel, unsigned
+
+SAME_PLACE_M: Final = 1e-9
+"""Ends of intervals that are at most this far apart are one, in metres."""
+
+OUTSIDE: Final = 0
+"""The label of all that no region has given another one."""
+
+Labels = NDArray[np.int16]
+Number = TypeVar("Number", bound=np.generic)
+
+
+class Strips(NamedTuple):
+    """A cut of a part of the plane into parallel strips.
+
+    Attributes
+    ----------
+    middles : (n,) array
+        Distance of the middle of each strip from the line through the origin along the strips,
+        in metres, ascending.
+    heights : (n,) array
+        Height of each strip in metres.
+    tilt_rad : float
+        Direction of the strips; 0: along the x axis.
+    """
+
+    middles: FloatArray
+    heights: FloatArray
+    tilt_rad: float = 0.0
+
+    def frame(self, points: FloatArray) -> FloatArray:
+        """Return points ``(n, 2)`` with their coordinates along and across the strips."""
+        cos, sin = math.cos(self.tilt_rad), math.sin(self.tilt_rad)
+        turned: FloatArray = points @ np.array([[cos, -sin], [sin, cos]])
+        return turned
+
+
+def strips(edges: FloatArray, height_m: float, tilt_rad: float = 0.0) -> Strips:
+    """Return strips over a world, with borders at its walls that run along them.
+
+    Parameters
+    ----------
+    edges : (n, 4) array
+        x0, y0, x1, y1 of every wall in metres.
+    height_m : float
+        Upper bound of the height of a strip in metres.
+    tilt_rad : float
+        Direction of the strips. Borders of regions that run along a strip without being walls are
+        wrong by up to half of its height; few do so at an odd angle.
+
+    Returns
+    -------
+    Strips
+        From the lowest to the highest corner.
+
+    Examples
+    --------
+    >>> room = np.array([(0, 0, 4, 0), (4, 0, 4, 1), (4, 1, 0, 1), (0, 1, 0, 0)], float)
+    >>> cut = strips(room, 0.3)
+    >>> cut.middles.tolist(), cut.heights.tolist()
+    ([0.125, 0.375, 0.625, 0.875], [0.25, 0.25, 0.25, 0.25])
+    """
+    flat = Strips(np.empty(0), np.empty(0), tilt_rad)
+    across = flat.frame(np.asarray(edges, np.float64).reshape(-1, 2))[:, 1].reshape(-1, 2)
+    along = np.abs(across[:, 0] - across[:, 1]) < height_m
+    borders = np.unique([across.min(), across.max(), *across[along].ravel()])
+    gaps = np.diff(borders)
+    counts = np.maximum(1, np.ceil(gaps / height_m)).astype(np.int64)
+    heights = np.repeat(gaps / counts, counts)
+    first = np.repeat(np.cumsum(counts) - counts, counts)
+    middles = np.repeat(borders[:-1], counts) + (np.arange(len(first)) - first + 0.5) * heights
+    return Strips(middles, heights, tilt_rad)
+
+
+class _Part(NamedTuple):
+    # Intervals one after the other on a strip: where each begins, and its label. The first begins
+    # at -inf, the last one has no end.
+    begins: FloatArray
+    labels: Labels
+
+
+class _Span(NamedTuple):
+    # A part of a line: its ends in metres, and the first and the last interval that it touches.
+    begin: float
+    end: float
+    first: int
+    last: int
+
+
+class Runs(NamedTuple):
+    """The intervals of some regions on strips.
+
+    Attributes
+    ----------
+    starts : (n + 1,) array of int
+        Those of region i are at indices ``starts[i]`` to ``starts[i + 1]``.
+    strip : (m,) array of int
+        The strip of each interval.
+    begin, end : (m,) array
+        Its ends: distance along the strips in metres.
+    """
+
+    starts: IntArray
+    strip: IntArray
+    begin: FloatArray
+    end: FloatArray
+
+
+def runs_of(cut: Strips, regions: Sequence[FloatArray]) -> Runs:
+    """Return the intervals of regions on strips, by the even-odd rule.
+
+    Parameters
+    ----------
+    cut : Strips
+        The strips.
+    regions : sequence of (k, 2) array
+        Corners of each region in metres; the last is joined to the first. A region without
+        corners has no intervals.
+
+    Returns
+    -------
+    Runs
+        In the order of the regions, by strip, each from its begin to its end.
+
+    Examples
+    --------
+    >>> triangle = np.array([(0.0, 0.0), (2.0, 0.0), (0.0, 2.0)])
+    >>> walls = np.hstack([triangle, np.roll(triangle, -1, axis=0)])
+    >>> runs = runs_of(strips(walls, 1.0), [triangle])
+    >>> runs.strip.tolist(), runs.begin.tolist(), runs.end.tolist()
+    ([0, 1], [0.0, 0.0], [1.5, 0.5])
+    """
+    sizes = [len(region) for region in regions]
+    corners = cut.frame(np.concatenate(regions)) if sizes else np.empty((0, 2))
+    return Runs(*_runs(corners, np.cumsum([0, *sizes]), cut.middles))
+
+
+def runs_of_polygon(cut: Strips, polygon: Polygon) -> Runs:
+    """Return the intervals of a polygon with holes on strips, as one region."""
+    rings = [shapely.get_coordinates(r)[:-1] for r in (polygon.exterior, *polygon.interiors)]
+    starts = np.cumsum([0, *map(len, rings)])
+    return Runs(*_runs_of_rings(cut.frame(np.concatenate(rings)), starts, cut.middles))
+
+
+class StripMap:
+    """A plane whose every point has a label, on strips; at first all is `OUTSIDE`.
+
+    Parameters
+    ----------
+    cut : Strips
+        The strips.
+    labels : int
+        Number of labels; they count from 0.
+
+    Attributes
+    ----------
+    cut : Strips
+        The strips.
+    areas_m2 : (labels,) array
+        Area with each label in square metres; that of `OUTSIDE` is 0 less all others.
+
+    Examples
+    --------
+    Two squares of 2 x 2 m that overlap by 1 x 1 m; what lies in both gets label 2:
+
+    >>> cut = strips(np.array([(0.0, 0.0, 0.0, 3.0)]), 0.5)
+    >>> square = np.array([(0.0, 0.0), (2.0, 0.0), (2.0, 2.0), (0.0, 2.0)])
+    >>> plane = StripMap(cut, 3)
+    >>> history = plane.relabel(runs_of(cut, [square, square + 1.0]), [[1, 2, 2]])
+    >>> history[:, 1:].tolist()
+    [[4.0, 0.0], [6.0, 1.0]]
+    """
+
+    def __init__(self, cut: Strips, labels: int) -> None:
+        self.cut = cut
+        self.areas_m2: FloatArray = np.zeros(labels)
+        rows = len(cut.middles)
+        self._counts: IntArray = np.ones(rows, np.int64)
+        self._begins: FloatArray = np.full((rows, 8), -np.inf)
+        self._labels: Labels = np.zeros((rows, 8), np.int16)
+
+    def copy(self) -> StripMap:
+        """Return an independent copy."""
+        labels = len(self.areas_m2)
+        return self.mapped(np.arange(labels), labels)
+
+    def mapped(self, table: ArrayLike, labels: int) -> StripMap:
+        """Return an independent copy with other labels everywhere.
+
+        Parameters
+        ----------
+        table : (old labels,) array_like of int
+            The new label of every old one; that of `OUTSIDE` is `OUTSIDE`.
+        labels : int
+            Number of new labels.
+
+        Examples
+        --------
+        >>> cut = strips(np.array([(0.0, 0.0, 0.0, 3.0)]), 0.5)
+        >>> plane = StripMap(cut, 3)
+        >>> square = np.array([(0.0, 0.0), (2.0, 0.0), (2.0, 2.0), (0.0, 2.0)])
+        >>> _ = plane.relabel(runs_of(cut, [square, square + 1.0]), [[1, 2, 2]])
+        >>> float(plane.mapped([OUTSIDE, 1, 1], 2).areas_m2[1])
+        7.0
+        """
+        new = np.asarray(table, np.int16)
+        twin = StripMap(self.cut, labels)
+        np.add.at(twin.areas_m2, new, self.areas_m2)
+        twin._counts, twin._begins = self._counts.copy(), self._begins.copy()
+        twin._labels = self._labels.copy()
+        _map(twin._counts, twin._begins, twin._labels, new)
+        return twin
+
+    def relabel(
+        self,
+        runs: Runs,
+        tables: ArrayLike,
+        regions: ArrayLike | None = None,
+        which: ArrayLike | None = None,
+    ) -> FloatArray:
+        """Give the points of regions new labels, one region after the other.
+
+        Parameters
+        ----------
+        runs : Runs
+            Intervals of regions, on the same strips.
+        tables : (t, labels) array_like of int
+            For each table the new label of every old one.
+        regions : (n,) array_like of int, optional
+            The regions, in the order in which they are relabelled; default: each once.
+        which : (n,) array_like of int, optional
+            The table of each; default: the first.
+
+        Returns
+        -------
+        (n, labels) array
+            The areas with each label after every region, in square metres.
+        """
+        order = np.arange(len(runs.starts) - 1) if regions is None else np.asarray(regions)
+        table = np.zeros(len(order)) if which is None else np.asarray(which)
+        history = np.empty((len(order), len(self.areas_m2)))
+        self._counts, self._begins, self._labels = _relabel(
+            (self._counts, self._begins, self._labels),
+            runs,
+            (order.astype(np.int64), table.astype(np.int64)),
+            np.asarray(tables, np.int16),
+            self.cut.heights,
+            self.areas_m2,
+            history,
+        )
+        return history
+
+    def runs(self, label: int) -> Runs:
+        """Return all that has a label as one region."""
+        columns = np.arange(self._labels.shape[1])
+        rows, columns = np.nonzero((self._labels == label) & (columns < self._counts[:, None]))
+        last = columns + 1 == self._counts[rows]
+        ends = self._begins[rows, np.minimum(columns + 1, self._begins.shape[1] - 1)]
+        return Runs(
+            np.array([0, len(rows)]),
+            rows,
+            self._begins[rows, columns],
+            np.where(last, np.inf, ends),
+        )
+
+
+@kernel
+def _runs(
+    corners: FloatArray, starts: IntArray, middles: FloatArray
+) -> tuple[IntArray, IntArray, FloatArray, FloatArray]:
+    regions = starts.shape[0] - 1
+    firsts = np.zeros(regions + 1, np.int64)
+    room = 1024
+    strip, begin, end = np.empty(room, np.int64), np.empty(room), np.empty(room)
+    n = 0
+    ring = np.zeros(2, np.int64)
+    for k in range(regions):
+        ring[1] = starts[k + 1] - starts[k]
+        low, offsets, crossings = _crossings(corners[starts[k] : starts[k + 1]], ring, middles)
+        needed = n + crossings.shape[0] // 2
+        while needed > room:
+            room *= 2
+            strip = _longer(strip, room)
+            begin, end = _longer(begin, room), _longer(end, room)
+        for r in range(offsets.shape[0] - 1):
+            for i in range(offsets[r], offsets[r + 1] - 1, 2):
+                if crossings[i + 1] > crossings[i]:
+                    strip[n], begin[n], end[n] = low + r, crossings[i], crossings[i + 1]
+                    n += 1
+        firsts[k + 1] = n
+    return firsts, strip[:n].copy(), begin[:n].copy(), end[:n].copy()
+
+
+@kernel
+def _runs_of_rings(
+    corners: FloatArray, rings: IntArray, middles: FloatArray
+) -> tuple[IntArray, IntArray, FloatArray, FloatArray]:
+    low, offsets, crossings = _crossings(corners, rings, middles)
+    room = crossings.shape[0] // 2
+    strip, begin, end = np.empty(room, np.int64), np.empty(room), np.empty(room)
+    n = 0
+    for r in range(offsets.shape[0] - 1):
+        for i in range(offsets[r], offsets[r + 1] - 1, 2):
+            if crossings[i + 1] > crossings[i]:
+                strip[n], begin[n], end[n] = low + r, crossings[i], crossings[i + 1]
+                n += 1
+    return np.array([0, n]), strip[:n].copy(), begin[:n].copy(), end[:n].copy()
+
+
+@kernel
+def _longer(values: NDArray[Number], room: int) -> NDArray[Number]:
+    longer = np.empty(room, values.dtype)
+    longer[: values.shape[0]] = values
+    return longer
+
+
+@kernel
+def _crossings(
+    corners: FloatArray, rings: IntArray, middles: FloatArray
+) -> tuple[int, IntArray, FloatArray]:
+    # Where the middles of strips cross rings: the first strip, and for those from there on where
+    # its crossings begin, sorted.
+    if corners.shape[0] == 0:
+        return 0, np.zeros(1, np.int64), np.empty(0)
+    low = np.searchsorted(middles, corners[:, 1].min())
+    high = np.searchsorted(middles, corners[:, 1].max())
+    spans = np.empty((corners.shape[0], 2), np.int64)
+    offsets = np.zeros(high - low + 1, np.int64)
+    for ring in range(rings.shape[0] - 1):
+        at = np.searchsorted(middles, corners[rings[ring + 1] - 1, 1])
+        for i in range(rings[ring], rings[ring + 1]):
+            to = np.searchsorted(middles, corners[i, 1])
+            spans[i, 0], spans[i, 1] = min(at, to), max(at, to)
+            for r in range(spans[i, 0], spans[i, 1]):
+                offsets[r - low + 1] += 1
+            at = to
+    for r in range(high - low):
+        offsets[r + 1] += offsets[r]
+    crossings, filled = np.empty(offsets[high - low]), offsets.copy()
+    for ring in range(rings.shape[0] - 1):
+        before = rings[ring + 1] - 1
+        for i in range(rings[ring], rings[ring + 1]):
+            if spans[i, 0] < spans[i, 1]:
+                ax, ay = corners[before, 0], corners[before, 1]
+                bx, by = corners[i, 0], corners[i, 1]
+                # Edges that regions share give the same x in both directions.
+                if ay > by:
+                    ax, ay, bx, by = bx, by, ax, ay
+                slope = (bx - ax) / (by - ay)
+                for r in range(spans[i, 0], spans[i, 1]):
+                    x = ax + (middles[r] - ay) * slope
+                    k = filled[r - low]
+                    while k > offsets[r - low] and crossings[k - 1] > x:
+                        crossings[k] = crossings[k - 1]
+                        k -= 1
+                    crossings[k] = x
+                    filled[r - low] += 1
+            before = i
+    return low, offsets, crossings
+
+
+@kernel
+def _relabel(
+    held: tuple[IntArray, FloatArray, Labels],
+    runs: Runs,
+    order: tuple[IntArray, IntArray],
+    tables: Labels,
+    heights: FloatArray,
+    areas: FloatArray,
+    history: FloatArray,
+) -> tuple[IntArray, FloatArray, Labels]:
+    counts, begins, labels = held
+    regions, which = order
+    room = begins.shape[1]
+    for step in range(regions.shape[0]):
+        table, region = tables[which[step]], regions[step]
+        for run in range(unsigned(runs.starts[region]), unsigned(runs.starts[region + 1])):
+            row = unsigned(runs.strip[run])
+            a, b = runs.begin[run], runs.end[run]
+            count = counts[row]
+            # The intervals in which the run begins and ends.
+            first, beyond = 0, count
+            while beyond - first > 1:
+                middle = (first + beyond) // 2
+                if begins[row, unsigned(middle)] <= a + SAME_PLACE_M:
+                    first = middle
+                else:
+                    beyond = middle
+            last = first
+            label = labels[row, unsigned(first)]
+            changes = table[label] != label
+            while last + 1 < count and begins[row, unsigned(last + 1)] < b - SAME_PLACE_M:
+                last += 1
+                label = labels[row, unsigned(last)]
+                changes |= table[label] != label
+            if changes:
+                if count + 2 > room:
+                    room *= 2
+                    begins, labels = _wider(begins, room), _wider(labels, room)
+                line = _Part(begins[row], labels[row])
+                span = _Span(a, b, first, last)
+                counts[row] = _relabel_span(line, count, span, table, heights[row], areas)
+        history[step] = areas
+    return counts, begins, labels
+
+
+@kernel
+def _relabel_span(
+    line: _Part, count: int, span: _Span, table: Labels, height: float, areas: FloatArray
+) -> int:
+    # Gives the points of a span new labels; returns how many intervals the line has then.
+    first, last = span.first, span.last
+    part = _Part(np.empty(last - first + 3), np.empty(last - first + 3, np.int16))
+    # What takes the place of intervals `first` to `last`, neighbours of one label joined.
+    n = 0
+    if line.begins[first] < span.begin - SAME_PLACE_M:
+        part.begins[0], part.labels[0] = line.begins[first], line.labels[first]
+        n = 1
+    for k in range(first, last + 1):
+        begin = span.begin if k == first and n else line.begins[k]
+        end = line.begins[k + 1] if k + 1 < count else np.inf
+        end = end if end <= span.end + SAME_PLACE_M else span.end
+        before = line.labels[k]
+        after = table[before]
+        if after != before:
+            areas[before] -= (end - begin) * height
+            areas[after] += (end - begin) * height
+        if n == 0 or part.labels[n - 1] != after:
+            part.begins[n], part.labels[n] = begin, after
+            n += 1
+    remainder = line.labels[last]
+    goes_on = last + 1 == count or line.begins[last + 1] > span.end + SAME_PLACE_M
+    if goes_on and part.labels[n - 1] != remainder:
+        part.begins[n], part.labels[n] = span.end, remainder
+        n += 1
+    return _spliced(line, count, (first, last + 1), part, n)
+
+
+@kernel
+def _spliced(line: _Part, count: int, cut: tuple[int, int], part: _Part, n: int) -> int:
+    # Puts the first n intervals of a part in the place of some of a line; returns their number.
+    first, beyond = cut
+    if beyond < count and line.labels[beyond] == part.labels[n - 1]:
+        beyond += 1
+    skip = 1 if first > 0 and line.labels[first - 1] == part.labels[0] else 0
+    shift = first + n - skip - beyond
+    if shift > 0:
+        for k in range(count - 1, beyond - 1, -1):
+            line.begins[k + shift], line.labels[k + shift] = line.begins[k], line.labels[k]
+    elif shift < 0:
+        for k in range(beyond, count):
+            line.begins[k + shift], line.labels[k + shift] = line.begins[k], line.labels[k]
+    for k in range(skip, n):
+        line.begins[first + k - skip] = part.begins[k]
+        line.labels[first + k - skip] = part.labels[k]
+    return count + shift
+
+
+@kernel
+def _map(counts: IntArray, begins: FloatArray, labels: Labels, table: Labels) -> None:
+    # Gives all intervals new labels, and joins neighbours of one label.
+    for row in range(counts.shape[0]):
+        n = 0
+        for k in range(counts[row]):
+            label = table[labels[row, k]]
+            if n == 0 or labels[row, n - 1] != label:
+                begins[row, n], labels[row, n] = begins[row, k], label
+                n += 1
+        counts[row] = n
+
+
+@kernel
+def _wider(values: NDArray[Number], room: int) -> NDArray[Number]:
+    wider = np.empty((values.shape[0], room), values.dtype)
+    wider[:, : values.shape[1]] = values
+    return wider

@@ -123,7 +123,8 @@ class _Planner:
         for region in shown:
             self._at_start |= self._cells.within(region)
         text = f"{environment.digest} {starts} {tuple(robots)} {options}"
-        self._target = 0
+        # Number of cells to see: by the present robots, and at first, by all.
+        self._target = self._wanted = 0
         self._seed = int.from_bytes(hashlib.sha256(text.encode()).digest()[:8], "big")
 
     def orders(self, progress: Progress | None) -> tuple[Orders, ...]:
@@ -199,6 +200,8 @@ class _Planner:
             possible |= view
         share = min(1.0, self._options.share + EXTRA_SHARE)
         self._target = min(math.ceil(share * self._cells.count), count(possible))
+        if not idle:
+            self._wanted = self._target
         fewer = min(1.0, EASY_PLACES / max(1, len(team.places)))
         iterations = max(MIN_ITERATIONS, int(ITERATIONS * fewer))
         if idle:
@@ -248,10 +251,20 @@ class _Planner:
             x, y, _ = stages[number][k].motion.end
             seen |= self._cells.within(self._bodies[number].sensor.region(x, y))
         share = count(seen) / max(1, self._cells.count)
-        complete = count(seen) >= self._target
+        complete = share >= self._options.share
         reason = (
             f"has driven the informed plan, by which {math.floor(1000 * share) / 10:g} % is seen"
         )
+        shut_in = [
+            number
+            for number, roadmap in enumerate(self._roadmaps)
+            if roadmap is not None and roadmap.shuts_in(self._bodies[number].start)
+        ]
+        if not complete and shut_in:
+            reason += f"; robots {shut_in} have no room to leave their starts"
+        elif not complete:
+            # Coarse beams may show less, from wherever robots can be.
+            complete = count(seen) >= self._wanted
         if not self._options.home:
             stages = [_until(own, end_s) for own in stages]
         return tuple(Orders(stages=tuple(own), complete=complete, reason=reason) for own in stages)

@@ -137,6 +137,11 @@ class Roadmap:
         half = coo_array((lengths, (pairs[:, 0], pairs[:, 1])), shape=(size, size)).tocsr()
         self._graph = (half + half.T).tocsr()
 
+    def shuts_in(self, start: Configuration) -> bool:
+        """Whether a body has room elsewhere, but none to leave its start."""
+        node = int(np.argmin(np.hypot(*(self.places - start[:2]).T)))
+        return not self.room.is_empty and self._graph.indptr[node] == self._graph.indptr[node + 1]
+
     def row(self, node: int) -> tuple[FloatArray, IntArray]:
         """Return the distances of all nodes from one along the roadmap, and where they lead.
 

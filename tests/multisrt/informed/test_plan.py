@@ -202,6 +202,29 @@ def test_the_checker_of_explorers_finds_that_it_sees_the_truth():
         check_explorer(strategy("informed"))
 
 
+def test_progress_of_the_plan_is_told():
+    spec = RunSpec(
+        environment=inline(L_CORRIDOR),
+        strategy="informed",
+        options={"effort": 0.1},
+        robots=(RobotSpec(start=(1.0, 0.5, 0.0)),),
+    )
+    told: list[float] = []
+    simulate(spec, L_CORRIDOR, planning=told.append)
+    assert told == sorted(told)
+    assert told[0] == 0.0
+    assert 0.9 < told[-1] < 1.0
+
+
+def test_a_robot_that_cannot_turn_at_its_start_says_so():
+    # A box that fits into a niche lengthways only; it is planned as a disc.
+    niche = Environment("niche", shapely.union(box(0, 0, 4, 4), box(4, 1.8, 6, 2.2)))
+    recording, metrics = driven(niche, (5.0, 2.0, 0.0), footprint="box:0.5x0.3")
+    assert recording.footer.outcome == "stalled"
+    assert "robots [0] have no room to leave their starts" in recording.footer.reason
+    assert metrics.total_distance_m == 0.0
+
+
 def test_cars_are_refused():
     with pytest.raises(InvalidInputError, match="robot 0 is a car"):
         driven(ROOM, (1.0, 1.0, 0.0), drive=DriveSpec(kind="dubins"))

@@ -123,8 +123,7 @@ class _Planner:
         for region in shown:
             self._at_start |= self._cells.within(region)
         text = f"{environment.digest} {starts} {tuple(robots)} {options}"
-        # Number of cells to see: by the present robots, and at first, by all.
-        self._target = self._wanted = 0
+        self._target = 0
         self._seed = int.from_bytes(hashlib.sha256(text.encode()).digest()[:8], "big")
 
     def orders(self, progress: Progress | None) -> tuple[Orders, ...]:
@@ -200,8 +199,6 @@ class _Planner:
             possible |= view
         share = min(1.0, self._options.share + EXTRA_SHARE)
         self._target = min(math.ceil(share * self._cells.count), count(possible))
-        if not idle:
-            self._wanted = self._target
         fewer = min(1.0, EASY_PLACES / max(1, len(team.places)))
         iterations = max(MIN_ITERATIONS, int(ITERATIONS * fewer))
         if idle:
@@ -263,8 +260,7 @@ class _Planner:
         if not complete and shut_in:
             reason += f"; robots {shut_in} have no room to leave their starts"
         elif not complete:
-            # Coarse beams may show less, from wherever robots can be.
-            complete = count(seen) >= self._wanted
+            reason += ", and no place shows more"
         if not self._options.home:
             stages = [_until(own, end_s) for own in stages]
         return tuple(Orders(stages=tuple(own), complete=complete, reason=reason) for own in stages)

@@ -30,6 +30,14 @@ MIN_CELL_M, MAX_CELLS = 0.1, 40_000
 MAX_BORDER_PLACES = 6_000
 """Places on the border of an area from which the cells that can be seen are found."""
 
+TILT_RAD = 0.19
+"""Direction of the rows of cells: not that of the walls of most worlds, along which beams leave
+narrow slivers that no centre, or every one, would lie in."""
+
+_TILT = np.array(
+    [[math.cos(TILT_RAD), math.sin(TILT_RAD)], [-math.sin(TILT_RAD), math.cos(TILT_RAD)]]
+)
+
 
 class Sensor:
     """The range finder of a robot, and what it sees of a world.
@@ -84,17 +92,17 @@ class Cells:
         seen_from: Iterable[tuple[Polygon, Sensor]],
         regions: Iterable[FloatArray],
     ) -> None:
-        x0, y0, x1, y1 = bounds
+        corners = _tilted(shapely.get_coordinates(shapely.box(*bounds)))
+        (x0, y0), (x1, y1) = corners.min(axis=0).tolist(), corners.max(axis=0).tolist()
         self.cell_m = cell = max(MIN_CELL_M, math.sqrt(area_m2 / MAX_CELLS))
-        # Walls on round coordinates do not lie on centres.
-        self._x0, self._y0 = x0 - 0.377 * cell, y0 - 0.377 * cell
+        self._x0, self._y0 = x0, y0
         shape = (math.ceil((y1 - y0) / cell) + 1, math.ceil((x1 - x0) / cell) + 1)
         cells = np.zeros(shape, np.bool_)
         for area, sensor in seen_from:
             if not area.is_empty:
                 self._paint_seen_from(cells, area, sensor)
         for region in regions:
-            paint_polygon(region, self._x0, self._y0, cell, cells)
+            paint_polygon(_tilted(region), self._x0, self._y0, cell, cells)
         self.count = int(np.count_nonzero(cells))
         self._numbers = np.full(shape, -1, np.int32)
         self._numbers[cells] = np.arange(self.count, dtype=np.int32)
@@ -116,13 +124,15 @@ class Cells:
 
     def within(self, region: FloatArray) -> Bits:
         """Return the cells whose centres lie in a polygon, ``(n, 2)`` corners in metres."""
-        return _bits_within(region, self._x0, self._y0, self.cell_m, self._numbers, self.words)
+        return _bits_within(
+            _tilted(region), self._x0, self._y0, self.cell_m, self._numbers, self.words
+        )
 
     def _paint_seen_from(self, cells: BoolArray, area: Polygon, sensor: Sensor) -> None:
         filled = np.zeros_like(cells)
         for ring in (area.exterior, *area.interiors):
             inner = np.zeros_like(cells)
-            corners = shapely.get_coordinates(ring)
+            corners = _tilted(shapely.get_coordinates(ring))
             paint_polygon(corners, self._x0, self._y0, self.cell_m, inner)
             filled ^= inner
         cells |= filled
@@ -130,7 +140,12 @@ class Cells:
         step = max(self.cell_m, area.length / MAX_BORDER_PLACES)
         border = np.unique(shapely.get_coordinates(shapely.segmentize(area.boundary, step)), axis=0)
         for x, y in border.tolist():
-            paint_polygon(sensor.region(x, y), self._x0, self._y0, self.cell_m, cells)
+            region = _tilted(sensor.region(x, y))
+            paint_polygon(region, self._x0, self._y0, self.cell_m, cells)
+
+
+def _tilted(points: FloatArray) -> FloatArray:
+    return np.ascontiguousarray(points @ _TILT)
 
 
 def count(bits: Bits) -> int:

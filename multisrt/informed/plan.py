@@ -30,7 +30,7 @@ from multisrt.spec import RobotSpec, RunSpec
 EXTRA_SHARE = 0.001
 """Share beyond that asked for which is planned: cells are not exact."""
 
-ITERATIONS = 1_200
+ITERATIONS = 2_000
 """How often the routes of a plan are changed."""
 
 EASY_PLACES = 6_000

@@ -95,6 +95,9 @@ def test_regret_compares_with_a_plan_that_drives_home_if_the_run_did():
     found = regret(explored, metrics, HALL)
     there = informed_reference(spec(), HALL)
     back = informed_reference(spec(), HALL, home=True)
+    assert metrics.time_to_99_s is not None
+    assert there.time_to_99_s is not None
+    assert found.makespan is not None
     assert found.time_to_99 == metrics.time_to_99_s / there.time_to_99_s
     assert found.makespan == metrics.makespan_s / back.makespan_s
     assert found.makespan > 1.0

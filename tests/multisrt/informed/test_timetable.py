@@ -13,7 +13,8 @@ from multisrt.planners.motion.kinematics import Holonomic
 
 def drive(*corners):
     way = np.array(corners, np.float64)
-    return drive_along(Configuration(*corners[0], 0.0), Holonomic(speed_m_s=0.5), [way])
+    x, y = corners[0]
+    return drive_along(Configuration(x, y, 0.0), Holonomic(speed_m_s=0.5), [way])
 
 
 def course(drive, radius_m=0.25):

@@ -38,6 +38,7 @@ def test_what_a_sensor_sees_is_counted_by_area(place):
 def test_a_short_range_leaves_what_no_place_shows():
     # From the axis of a corridor that is too narrow for the body, nothing of it is seen.
     world = shapely.union(box(0, 0, 4, 4), box(4, 1.9, 10, 2.1))
+    assert isinstance(world, Polygon)
     sensor = Sensor(EdgeIndex(edges_of(world), 1.0), 3.0, None)
     cells = Cells(world.bounds, world.area, [(box(0.25, 0.25, 3.75, 3.75), sensor)], [])
     assert 16.0 < cells.count * cells.cell_m**2 < 16.0 + 0.2 * 3.0

@@ -139,5 +139,5 @@ def _print_verdicts(preset: Preset, results: Results, claims: list[Claim]) -> No
     click.echo(f"{preset.name}: {complete} of {results.planned} runs complete")
     verdicts = table("claim", "verdict")
     for claim in claims:
-        verdicts.add_row(claim.text, claim.verdict)
+        verdicts.add_row(claim.text, claim.told)
     show(verdicts)

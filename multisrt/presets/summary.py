@@ -6,8 +6,8 @@ from collections.abc import Iterable, Sequence
 
 from multisrt.experiments.crossing import conditions
 from multisrt.experiments.results import Results
-from multisrt.presets.judging import failed_runs
 from multisrt.presets.preset import Preset
+from multisrt.presets.words import failed_runs
 from multisrt.reporting.claims import Claim, PrintedTable
 
 MAX_FAILURES = 50
@@ -47,7 +47,7 @@ def summary(
         f"Made with `{command}`. The paper: {preset.paper}.",
         _bullets(_account(results)),
         "## Claims",
-        markdown_table(("claim", "verdict"), [(claim.text, claim.verdict) for claim in claims]),
+        markdown_table(("claim", "verdict"), [(claim.text, claim.told) for claim in claims]),
         *(_claim(claim) for claim in claims),
         "## Figures beside the paper's",
         *(_printed(table) for table in tables if table.source),
@@ -89,7 +89,7 @@ def _claim(claim: Claim) -> str:
     return "\n\n".join(
         (
             f"### {claim.text}",
-            f"**{claim.verdict[0].upper()}{claim.verdict[1:]}.** Claimed in: {claim.source}.",
+            f"**{claim.told[0].upper()}{claim.told[1:]}.** Claimed in: {claim.source}.",
             _bullets(claim.grounds),
         )
     )

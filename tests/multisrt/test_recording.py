@@ -266,8 +266,10 @@ def test_a_region_that_is_none(tmp_path, lines, fields):
 def test_another_format_or_version(tmp_path, lines):
     with pytest.raises(InvalidInputError, match="no header"):
         load(tmp_path, [changed(lines[0], format="music")], lines[1:])
-    with pytest.raises(InvalidInputError, match="version 99; this program reads 2"):
-        load(tmp_path, [changed(lines[0], format_version=99)], lines[1:])
+    for version in (2, 99):
+        told = f"version {version}; this program reads 3: make the run again"
+        with pytest.raises(InvalidInputError, match=told):
+            load(tmp_path, [changed(lines[0], format_version=version)], lines[1:])
 
 
 def test_lines_out_of_their_place(tmp_path, lines):

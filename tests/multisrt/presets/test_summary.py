@@ -16,7 +16,7 @@ def test_a_summary_has_everything(name):
         claims, tables = preset.claims(results), preset.tables(results)
         text = summary(preset, results, "multisrt reproduce it", claims=claims, tables=tables)
         for claim in claims:
-            assert f"| {claim.text} | {claim.verdict} |" in text
+            assert f"| {claim.text} | {claim.told} |" in text
             assert claim.source
             assert claim.grounds
         for table in tables:

@@ -30,7 +30,7 @@ from multisrt.spec import RobotSpec, RunSpec
 EXTRA_SHARE = 0.001
 """Share beyond that asked for which is planned: cells are not exact."""
 
-ITERATIONS = 2_000
+ITERATIONS = 1_500
 """How often the routes of a plan are changed."""
 
 EASY_PLACES = 6_000

@@ -12,6 +12,7 @@ from multisrt.cli.reach import MIN_SHARE, elsewhere
 from multisrt.cli.tables import show, table
 
 if TYPE_CHECKING:
+    from multisrt.informed.reference import Regret
     from multisrt.run import Run
 
 MAX_ROBOTS = 16
@@ -20,7 +21,9 @@ MAX_ROBOTS = 16
 Rows = dict[str, str]
 
 
-def print_summary(runs: list[Run], folders: list[Path]) -> None:
+def print_summary(
+    runs: list[Run], folders: list[Path], regrets: list[Regret] | None = None
+) -> None:
     """Print how runs in one environment ended, their metrics side by side, and their files.
 
     Parameters
@@ -29,6 +32,8 @@ def print_summary(runs: list[Run], folders: list[Path]) -> None:
         Runs in the same environment, at least one.
     folders : list of Path
         Folders with the files of each run.
+    regrets : list of Regret, optional
+        For each run its times as multiples of those of the informed plan.
     """
     from multisrt.run import RECORDING_NAME, RUN_NAME, SPEC_NAME, TREE_NAME
 
@@ -44,6 +49,8 @@ def print_summary(runs: list[Run], folders: list[Path]) -> None:
         "nodes or scans" if len(scans) > 1 else "informative scans" if True in scans else "nodes"
     )
     rows = [_rows(run, nodes, runs) for run in runs]
+    for row, run, times in zip(rows, runs, regrets or (), strict=False):
+        row |= _regret_rows(run, times)
     columns = [">value"] if len(runs) == 1 else [f">{run.spec.strategy}" for run in runs]
     measures = table("measure", *columns)
     for name in dict.fromkeys(name for row in rows for name in row):
@@ -110,6 +117,20 @@ def _rows(run: Run, nodes: str, runs: list[Run]) -> Rows:
         "collisions": str(m.collisions),
         "smallest clearance": f"{m.min_clearance_m:.3f} m",
     }
+
+
+def _regret_rows(run: Run, times: Regret) -> Rows:
+    m = run.metrics
+    bound = m.makespan_s / m.lower_bound_s if m.lower_bound_s else None
+    return {
+        "time to 99 % / informed": _multiple(times.time_to_99),
+        "makespan / informed": _multiple(times.makespan),
+        "makespan / lower bound": _multiple(bound),
+    }
+
+
+def _multiple(value: float | None) -> str:
+    return "none" if value is None else f"{value:.2f}"
 
 
 def _team_rows(run: Run) -> Rows:

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from multisrt.informed import reference
 from multisrt.recording import Recording
 from tests.multisrt.cli.commands import everything
 
@@ -155,3 +156,13 @@ def test_summary_of_a_bidding_team(call, folder):
     assert code == 0
     assert "How it chose: minpos" in out
     assert "> robot 1" in out
+
+
+def test_regret_is_printed_as_multiples(call, monkeypatch, tmp_path):
+    monkeypatch.setattr(reference, "_folder", lambda: tmp_path / "cache")
+    code, out, err = call("explore", "pillar.wkt", "--range", "3", "--regret")
+    assert (code, err) == (0, "")
+    for name in ("time to 99 % / informed", "makespan / informed", "makespan / lower bound"):
+        found = re.search(rf"{name} +(\d+\.\d\d)", out)
+        assert found is not None
+        assert float(found[1]) >= 1.0

@@ -16,6 +16,7 @@ import numpy as np
 
 from multisrt.analysis.evidence import Evidence
 from multisrt.analysis.explorable import EXPLORABLE, explorable, viewers
+from multisrt.analysis.metrics import ROUNDING
 from multisrt.analysis.owners import label_count, owner_tables
 from multisrt.analysis.scans import shown_from
 from multisrt.environments.environment import Environment
@@ -48,10 +49,6 @@ TABLES: Final = np.array(
 
 KNOWN_SHARE: Final = 0.99
 """Share of what a team covers in the end that a robot knows when it knows its map complete."""
-
-
-ROUNDING: Final = 1e-9
-"""Tolerance of shares: an area that is covered completely counts as such."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

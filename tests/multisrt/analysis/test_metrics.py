@@ -6,7 +6,8 @@ from functools import partial
 import pytest
 import shapely
 
-from multisrt.analysis.metrics import METRIC_GROUPS, Metrics, measure
+from multisrt.analysis.measuring import measure
+from multisrt.analysis.metrics import METRIC_GROUPS, Metrics
 from multisrt.environments.environment import Environment
 from multisrt.events import (
     AnyEvent,

@@ -7,7 +7,7 @@ import shapely
 from multisrt.testing.defects import ExplorerDefect
 from shapely import box
 
-from multisrt.analysis.metrics import measure
+from multisrt.analysis.measuring import measure
 from multisrt.environments.environment import Environment
 from multisrt.events import NodeAdded
 from multisrt.geometry.errors import InvalidInputError

@@ -4,7 +4,7 @@ import math
 
 import pytest
 import shapely
-from multisrt.testing.defects import ExplorerDefect
+from multisrt.robots.defects import ExplorerDefect
 from shapely import box
 
 from multisrt.analysis.measuring import measure

@@ -183,7 +183,7 @@ def known_complete_s(proof: Evidence, covered: Coverage) -> float | None:
     """Return when the first robot knew the map complete, in seconds; None if none did.
 
     That a robot says so is not enough: what it knows must hold `KNOWN_SHARE` of what the team
-    covered in the end. Who is told more afterwards did not know it complete.
+    covered in the end. A robot that learns more afterwards did not know the map complete.
     """
     needed_m2 = KNOWN_SHARE * float(covered.plane.areas_m2[COVERED])
     if needed_m2 <= 0.0:

@@ -69,7 +69,7 @@ success_coverage = 0.95
 # Time to which integrals run (s); by default that of the longest run of each setting.
 # horizon_s = 600.0
 
-# Recordings to keep beside the results: "none", "failed" (of runs that are no success) or "all".
+# Recordings to keep beside the results: "none", "failed" (of unsuccessful runs) or "all".
 recordings = "failed"
 
 # Conditions to leave out, by their labels in tables; any number of these tables.

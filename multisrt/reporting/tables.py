@@ -150,7 +150,7 @@ def success_table(study: Study) -> Table:
         notes.append(constants_note(study))
     return Table(
         name="success-rates",
-        title=f"Runs that are a success: {success_words(study.results)}",
+        title=f"Successful runs: {success_words(study.results)}",
         columns=("World", "Team", *study.strategies),
         rows=_rows(study, cell),
         labels=2,
@@ -185,7 +185,7 @@ def gap_table(study: Study) -> Table | None:
         notes=(
             f"Interquartile mean over all runs in {where} that all strategies share, with its 95 % "
             "interval (stratified bootstrap). 0 % is a time in which no team of these robots can "
-            "see everything, even if it knows the world. Runs that are no success count as "
+            "see everything, even if it knows the world. Unsuccessful runs count as "
             "infinite.",
         ),
     )
@@ -245,7 +245,7 @@ def growth_table(study: Study, measure: Measure) -> Table | None:
         notes=(
             "Exponent of a power law in the number of robots, fitted to all runs, with its 95 % "
             "interval: with -1 twice the robots need half, with 0 team size has no effect. "
-            "Empty if runs are no success, or there are too few of them.",
+            "Empty if any run was unsuccessful, or if there are too few runs.",
         ),
     )
 

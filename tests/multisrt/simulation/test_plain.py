@@ -265,7 +265,9 @@ def test_events_of_no_kind_are_refused(drive):
     class Mine(Event, frozen=True, kw_only=True, tag="mine"):
         pass
 
-    with pytest.raises(ExplorerDefect, match="it put a Mine on record, which explorers do not note"):
+    with pytest.raises(
+        ExplorerDefect, match="it put a Mine on record, which explorers do not note"
+    ):
         drive(Note(Mine(time_s=0.0, robot=0)), END)
 
 

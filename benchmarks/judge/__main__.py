@@ -45,33 +45,24 @@ class Case:
 
 
 def main() -> None:
-    """Make the runs, and print the table."""
+    """Make the runs, and print exceptions as they are found, and the table."""
     given = _arguments()
     begin = time.perf_counter()
     places = worlds()
     print(f"{given.runs} runs in {len(places)} worlds, seed {given.seed}", flush=True)
-    shares = [range(k, given.runs, len(places)) for k in range(min(len(places), given.runs))]
     cases: list[Case] = []
     context = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(given.workers, mp_context=context) as pool:
         jobs = [
-            pool.submit(judged_runs, where, list(share), given.seed)
-            for where, share in zip(places, shares, strict=False)
+            pool.submit(judged_runs, where, list(range(k, given.runs, len(places))), given.seed)
+            for k, where in enumerate(places[: given.runs])
         ]
         for job in as_completed(jobs):
             cases += job.result()
             print(f"{len(cases)} runs judged, {time.perf_counter() - begin:.0f} s", flush=True)
-    cases.sort(key=lambda case: case.spec.seed)
+            for case in job.result():
+                print("\n".join(exceptions(case, given.specs)), end="", flush=True)
     print("\n" + "\n".join(table(cases)))
-    for case in cases:
-        for figure in case.figures:
-            if not figure.holds:
-                print(
-                    f"\n{case.name}: {figure.name} is {figure.ours:.9g}, judged {figure.judged:.9g}"
-                    f" (differs by {figure.difference:.2g}, allowed {figure.allowed:.2g})"
-                )
-                if given.specs:
-                    print(case.spec.to_toml())
 
 
 def judged_runs(where: EnvironmentSpec, numbers: list[int], seed: int) -> list[Case]:
@@ -86,6 +77,17 @@ def judged_runs(where: EnvironmentSpec, numbers: list[int], seed: int) -> list[C
         figures = judge(recording, world, judged)
         cases.append(Case(spec=spec, world=world.name, figures=figures))
     return cases
+
+
+def exceptions(case: Case, specs: bool = False) -> list[str]:
+    """Return the lines of the figures of a run that differ by more than is allowed."""
+    lines = [
+        f"{case.name}: {figure.name} is {figure.ours:.9g}, judged {figure.judged:.9g}; "
+        f"they differ by {figure.difference:.2g}, allowed is {figure.allowed:.2g}"
+        for figure in case.figures
+        if not figure.holds
+    ]
+    return [*lines, case.spec.to_toml(), ""] if lines and specs else [*lines, ""] if lines else []
 
 
 def _accepted(

@@ -29,6 +29,12 @@ something is left that they could see."""
 ROUND_SEGMENTS: Final = 128
 """Segments of a quarter of a circle, where a body passes a corner."""
 
+BATCH: Final = 64
+"""Number of views that are united before they are taken from what is unseen."""
+
+SAMPLE_M: Final = 0.05
+"""Distance of the points that stand for the borders of what is unseen, in metres."""
+
 ENOUGH: Final = 2e-6
 """Share of free space that may be left unseen without more viewpoints."""
 
@@ -109,45 +115,44 @@ class World:
 
     def _seen_from(self, reachable: BaseGeometry, range_m: float) -> BaseGeometry:
         unseen = minus(self.component, reachable)
-        taken: set[tuple[float, float]] = set()
         for spacing_m in SPACINGS_M:
-            border = shapely.segmentize(shapely.simplify(reachable.boundary, 1e-5), spacing_m)
-            places = [place for place in _points(border) if place not in taken]
-            for place in self._in_sight(unseen, places, range_m, spacing_m == SPACINGS_M[0]):
-                taken.add(place)
-                unseen = minus(unseen, area_of(self.views.view(*place, range_m)))
-                if unseen.area <= ENOUGH * self.component.area:
-                    return minus(self.component, unseen)
+            places = self._in_sight(unseen, _spread(reachable.boundary, spacing_m), range_m)
+            for first in range(0, len(places), BATCH):
+                views = (
+                    area_of(self.views.view(x, y, range_m))
+                    for x, y in places[first : first + BATCH]
+                )
+                unseen = minus(unseen, together(views))
+            if unseen.area <= ENOUGH * self.component.area:
+                break
         return minus(self.component, unseen)
 
     def _in_sight(
-        self,
-        unseen: BaseGeometry,
-        places: list[tuple[float, float]],
-        range_m: float,
-        is_first: bool,
+        self, unseen: BaseGeometry, places: FloatArray, range_m: float
     ) -> list[tuple[float, float]]:
         # The places from which something unseen may be in sight: what sees a piece sees its border.
-        at = shapely.points(np.array(places).reshape(-1, 2))
-        near = np.asarray(shapely.dwithin(unseen, at, range_m)).tolist()
-        places = list(itertools.compress(places, near))
-        if is_first:
-            return places
+        near = places[np.asarray(shapely.dwithin(unseen, shapely.points(places), range_m))]
         inner = unseen.intersection(self.component.buffer(-1e-4))
-        pieces = [p for p in shapely.get_parts(inner) if isinstance(p, Polygon) and p.area > 1e-7]
-        samples = _points(shapely.segmentize(shapely.boundary(MultiPolygon(pieces)), 0.05))
-        if len(samples) >= len(places):
-            return places
-        sighted = together(
-            area_of(self.views.view(*sample, range_m + 0.05)) for sample in samples
-        ).buffer(0.05)
-        shapely.prepare(sighted)
-        kept = np.asarray(shapely.contains_xy(sighted, np.array(places).reshape(-1, 2))).tolist()
-        return list(itertools.compress(places, kept))
+        pieces = [p for p in shapely.get_parts(inner) if isinstance(p, Polygon) and p.area > 1e-6]
+        samples = _spread(shapely.boundary(MultiPolygon(pieces)), SAMPLE_M)
+        if len(samples) < len(near):
+            views = (area_of(self.views.view(x, y, range_m + SAMPLE_M)) for x, y in samples)
+            sighted = together(views).buffer(SAMPLE_M)
+            shapely.prepare(sighted)
+            near = near[np.asarray(shapely.contains_xy(sighted, near))]
+        return [(x, y) for x, y in near.tolist()]
 
 
-def _points(lines: BaseGeometry) -> list[tuple[float, float]]:
-    return list(dict.fromkeys(map(tuple, shapely.get_coordinates(lines).tolist())))
+def _spread(lines: BaseGeometry, spacing_m: float) -> FloatArray:
+    # Points on lines, evenly spaced: the number on each is rounded up.
+    found = [np.empty((0, 2))]
+    for line in shapely.get_parts(lines):
+        count = math.ceil(line.length / spacing_m)
+        along = (np.arange(count) + 0.5) / count
+        found.append(
+            shapely.get_coordinates(shapely.line_interpolate_point(line, along, normalized=True))
+        )
+    return np.concatenate(found)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -107,7 +107,8 @@ class Track:
         lasting = self.legs[which, 4] - self.legs[which, 0]
         reach = self.lengths[which] + np.abs(self.turns[which]) * radius_m
         rates: FloatArray = np.zeros_like(reach)
-        return np.divide(reach, lasting, out=rates, where=lasting > 0.0)
+        rates[lasting > 0.0] = reach[lasting > 0.0] / lasting[lasting > 0.0]
+        return rates
 
     def along(self, leg: int, step_rad: float = STEP_RAD) -> FloatArray:
         """Return poses ``(n, 3)`` along a leg; a step turns by at most an angle."""

@@ -12,6 +12,9 @@ import shapely
 from benchmarks.judge.areas import KNOWN, Areas, World, areas
 from benchmarks.judge.links import STEP_S, Links, links
 from benchmarks.judge.motions import Track, between_robots_m, clearance_m, tracks
+from multisrt.analysis.coverage import coverage
+from multisrt.analysis.evidence import evidence
+from multisrt.analysis.explorable import explorable, viewers
 from multisrt.analysis.metrics import Metrics, measure
 from multisrt.environments.environment import Environment
 from multisrt.recording import Recording
@@ -71,9 +74,10 @@ def judge(recording: Recording, world: Environment, part: World) -> list[Figure]
     part : World
         The connected part of it in which the team is, as the judge sees it.
     """
-    ours = measure(recording, world)
+    ours, judged = measure(recording, world), areas(recording, part)
     return [
-        *_areas(ours, areas(recording, part)),
+        *_areas(ours, judged),
+        _curve(recording, world, judged),
         *_motions(ours, recording, world),
     ]
 
@@ -126,6 +130,27 @@ def _areas(ours: Metrics, judged: Areas) -> list[Figure]:
     complete_s = judged.complete_s(KNOWN)
     figures.append(_time("known complete", ours.known_complete_s, complete_s, (first_s, last_s)))
     return figures
+
+
+def _curve(recording: Recording, world: Environment, judged: Areas) -> Figure:
+    # The largest difference of the area covered, after any scan and any node.
+    what = explorable(world, viewers(recording.spec, recording.starts))
+    ours = coverage(evidence(recording, world, what))
+    times, backwards = np.unique(judged.times[::-1], return_index=True)
+    theirs = judged.curve[::-1][backwards]
+    differences = [
+        ours.covered_by_m2(time_s) - area_m2
+        for time_s, area_m2 in zip(times.tolist(), theirs.tolist(), strict=True)
+    ]
+    worst = int(np.argmax(np.abs(differences)))
+    area_m2 = float(theirs[worst])
+    return _figure(
+        "covered, at any time",
+        area_m2 + differences[worst],
+        area_m2,
+        AREA,
+        of=judged.explorable,
+    )
 
 
 def _motions(ours: Metrics, recording: Recording, world: Environment) -> list[Figure]:

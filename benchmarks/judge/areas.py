@@ -44,7 +44,7 @@ KNOWN: Final = 0.99
 
 def solid(geometry: BaseGeometry) -> BaseGeometry:
     """Return the polygons of a geometry, without the points and lines at which others touch."""
-    if geometry.geom_type != "GeometryCollection":
+    if isinstance(geometry, Polygon | MultiPolygon):
         return geometry
     parts = shapely.get_parts(geometry)
     return MultiPolygon([part for part in parts if isinstance(part, Polygon)])

@@ -26,6 +26,10 @@ SPACINGS_M: Final = (1.6, 0.4, 0.1, 0.025)
 """Distances of viewpoints on the border of what a body can reach: the finer ones only where
 something is left that they could see."""
 
+CORNER_M: Final = 1e-3
+"""Viewpoints are also the corners of that border that a simpler one needs, to within this: in
+narrow gaps the view from a cusp is a view of its own."""
+
 ROUND_SEGMENTS: Final = 128
 """Segments of a quarter of a circle, where a body passes a corner."""
 
@@ -115,32 +119,37 @@ class World:
 
     def _seen_from(self, reachable: BaseGeometry, range_m: float) -> BaseGeometry:
         unseen = minus(self.component, reachable)
+        border = reachable.boundary
+        corners = shapely.get_coordinates(border.simplify(CORNER_M))
         for spacing_m in SPACINGS_M:
-            places = self._in_sight(unseen, _spread(reachable.boundary, spacing_m), range_m)
+            places = _spread(border, spacing_m)
+            if spacing_m < SPACINGS_M[0]:
+                places = np.concatenate([corners, places])
+            places = self._in_sight(unseen, places, range_m)
             for first in range(0, len(places), BATCH):
                 views = (
                     area_of(self.views.view(x, y, range_m))
-                    for x, y in places[first : first + BATCH]
+                    for x, y in places[first : first + BATCH].tolist()
                 )
                 unseen = minus(unseen, together(views))
             if unseen.area <= ENOUGH * self.component.area:
                 break
         return minus(self.component, unseen)
 
-    def _in_sight(
-        self, unseen: BaseGeometry, places: FloatArray, range_m: float
-    ) -> list[tuple[float, float]]:
+    def _in_sight(self, unseen: BaseGeometry, places: FloatArray, range_m: float) -> FloatArray:
         # The places from which something unseen may be in sight: what sees a piece sees its border.
         near = places[np.asarray(shapely.dwithin(unseen, shapely.points(places), range_m))]
         inner = unseen.intersection(self.component.buffer(-1e-4))
         pieces = [p for p in shapely.get_parts(inner) if isinstance(p, Polygon) and p.area > 1e-6]
         samples = _spread(shapely.boundary(MultiPolygon(pieces)), SAMPLE_M)
         if len(samples) < len(near):
-            views = (area_of(self.views.view(x, y, range_m + SAMPLE_M)) for x, y in samples)
+            views = (
+                area_of(self.views.view(x, y, range_m + SAMPLE_M)) for x, y in samples.tolist()
+            )
             sighted = together(views).buffer(SAMPLE_M)
             shapely.prepare(sighted)
             near = near[np.asarray(shapely.contains_xy(sighted, near))]
-        return [(x, y) for x, y in near.tolist()]
+        return near
 
 
 def _spread(lines: BaseGeometry, spacing_m: float) -> FloatArray:

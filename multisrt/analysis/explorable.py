@@ -51,6 +51,13 @@ SPACING_M = 0.05
 """Largest distance between neighbouring viewpoints on the border of what a body can reach, in
 metres, where it makes a difference."""
 
+OUTLINE_M = 5e-4
+"""Viewpoints lie at most this far beyond the border, where it bends, in metres."""
+
+ROUNDING_M = 1e-6
+"""Bodies are smaller by this, and by up to as much again where they pass a corner, in metres: a
+gap that just fits lets them through."""
+
 COARSER = (32, 8, 2, 1)
 """Viewpoints are first taken this many times farther apart; finer ones only near what is still
 unseen."""
@@ -149,8 +156,11 @@ def _places(component: Polygon, footprint: Footprint, start: Configuration) -> _
 
 @lru_cache(maxsize=16)
 def _roomy_parts(component: Polygon, footprint: Footprint) -> tuple[_Places, ...]:
-    # Chords of the rounded corners lie inside the true border by less than a micrometre.
-    eroded = component.buffer(1e-6 - footprint.inscribed_radius_m, quad_segs=16)
+    # Where the body passes a corner, its way is an arc, and the chords that stand for it lie nearer
+    # to the corner: coarse ones would let the body through gaps that are too narrow.
+    radius_m = footprint.inscribed_radius_m
+    segments = math.ceil(math.pi / 4.0 / math.acos(1.0 - min(1.0, ROUNDING_M / radius_m)))
+    eroded = component.buffer(ROUNDING_M - radius_m, quad_segs=segments)
     parts = (part for part in shapely.get_parts(eroded) if not part.is_empty)
     return tuple(_Places(component, part) for part in parts)
 
@@ -200,7 +210,8 @@ def _seen_from(environment: Environment, places: _Places, range_m: float) -> Run
     # A point outside of the reachable area is seen across its border, and so from a point of the
     # border, which is nearer.
     index = EdgeIndex(environment.edges, range_m / 3.0)
-    border = shapely.get_coordinates(shapely.segmentize(places.reachable.boundary, SPACING_M))
+    outline = shapely.simplify(places.reachable.boundary, OUTLINE_M)
+    border = shapely.get_coordinates(shapely.segmentize(outline, SPACING_M))
     taken = np.zeros(len(border), np.bool_)
     for step in COARSER:
         chosen = np.flatnonzero(~taken[::step]) * step

@@ -207,3 +207,15 @@ def test_areas_are_those_of_overlays_wherever_walls_run(free, turn_rad, shape):
     areas = seen.relabel(runs_of(seen.cut, corners), [[OUTSIDE, 2, 2]])[:, 2]
     overlays = [shapely.union_all(regions[: k + 1], grid_size=1e-7).area for k in range(15)]
     assert areas == pytest.approx(np.array(overlays), abs=1e-4 * world.area_m2)
+
+
+@pytest.mark.parametrize(("gap_m", "fits"), [(0.4994, False), (0.5002, True)])
+def test_a_gap_between_pointed_jambs_is_as_wide_as_it_is(gap_m, fits):
+    # The disc is 0.5 m wide. Its way round a tip is an arc, not chords that come nearer to it.
+    dx, dy = gap_m / 2 * np.sin(0.05), gap_m / 2 * np.cos(0.05)
+    below = shapely.Polygon([(5, 0), (5.4, 0), (5.2 + dx, 2.5 - dy)])
+    above = shapely.Polygon([(5.4, 5), (5, 5), (5.2 - dx, 2.5 + dy)])
+    rooms = shapely.box(0, 0, 10, 5).difference(shapely.union_all([below, above]))
+    found = what(rooms, range_m=2.0)
+    assert (found.area_m2 == pytest.approx(rooms.area)) is fits
+    assert found.area_m2 > 30.0

@@ -176,8 +176,8 @@ class Environment:
         return hashlib.sha256(shapely.to_wkb(self._free, byte_order=1)).hexdigest()
 
     @cached_property
-    def _components(self) -> tuple[Polygon, ...]:
-        # The same objects for every caller, so that caches by object find them again.
+    def components(self) -> tuple[Polygon, ...]:
+        """The connected components of free space: the same objects at every call."""
         return tuple(self._free.geoms)
 
     def contains(self, x: float, y: float) -> bool:
@@ -251,7 +251,7 @@ class Environment:
         >>> Environment("two rooms", two).component(4.0, 1.0).area
         6.0
         """
-        for part in self._components:
+        for part in self.components:
             if shapely.contains_xy(part, x, y):
                 return part
         raise ClearanceError(

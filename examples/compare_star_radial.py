@@ -7,10 +7,10 @@ import multisrt as ms
 
 
 def main(environments=("apartment", "open"), robots=(1, 2, 4), seeds=5, folder="out/examples"):
-    """Compare the strategies; print a table of exploration times and draw it."""
+    """Compare the strategies; print an overview and draw the times to 95 % coverage."""
     found = ms.compare(environments, ["srt-star", "srt-radial"], robots=robots, seeds=seeds)
-    print(found.table("known_complete_s"))
-    found.plot("known_complete_s").save(folder)
+    print(found.overview())
+    found.plot("time_to_95_s").save(folder)
 
 
 if __name__ == "__main__":

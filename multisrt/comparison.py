@@ -6,10 +6,12 @@ import tempfile
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import fields as dataclass_fields
+from numbers import Integral
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import msgspec
+import numpy as np
 
 from multisrt.environments.environment import Environment
 from multisrt.experiments.live import LiveProgress
@@ -26,6 +28,7 @@ from multisrt.experiments.spec import (
 )
 from multisrt.experiments.store import Store
 from multisrt.geometry.errors import InvalidInputError
+from multisrt.geometry.numerics.arrays import builtin
 from multisrt.reporting.layout import Table
 from multisrt.simulation.worlds import inline
 from multisrt.spec import RadioSpec
@@ -36,7 +39,7 @@ if TYPE_CHECKING:
     from multisrt.experiments.measures import Measure
     from multisrt.reporting.style import Picture
 
-FIRST_MEASURE = "known_complete_s"
+FIRST_MEASURE = "time_to_95_s"
 """The measure that tables and figures show by default."""
 
 World = str | Path | Environment | EnvironmentChoice
@@ -102,7 +105,7 @@ def compare(
         Whether to show a progress bar, on a terminal only.
     **fields
         Further fields of `ExperimentSpec`: `bodies`, `blocks`, `exclude`, `drive`,
-        `range_finder`, `stop`, `limits`, `about`.
+        `range_finder`, `stop`, `limits`, `success_coverage`, `horizon_s`, `about`.
 
     Returns
     -------
@@ -152,7 +155,7 @@ def compare(
                 "an ExperimentSpec is complete: with it, give only workers, cluster, store, "
                 f"imports and progress, and leave out {', '.join(given)}"
             )
-        spec = environments
+        spec = _experiment_of(environments)
         if store is None and spec.recordings == "failed":
             spec = msgspec.structs.replace(spec, recordings="none")
     else:
@@ -201,6 +204,34 @@ class Comparison:
         self.results = results
         self._folder = folder
 
+    def overview(self, *, baseline: str | None = None) -> ShownTable:
+        """Return success, coverage, both ends of the exploration and distance in one table.
+
+        Parameters
+        ----------
+        baseline : str, optional
+            Strategy that the marks compare with; the first one by default.
+
+        Returns
+        -------
+        ShownTable
+            One row for each setting and strategy.
+
+        Raises
+        ------
+        InvalidInputError
+            If there is no such strategy.
+
+        Examples
+        --------
+        >>> import multisrt as ms
+        >>> found = ms.compare("open", ["minpos", "closest"], [2, 4], seeds=20)  # doctest: +SKIP
+        >>> found.overview(baseline="closest")  # doctest: +SKIP
+        """
+        from multisrt.reporting.overview import overview_table
+
+        return _shown(overview_table(self.results, baseline=baseline))
+
     def table(
         self, measure: str | Measure = FIRST_MEASURE, *, baseline: str | None = None
     ) -> ShownTable:
@@ -231,10 +262,7 @@ class Comparison:
         """
         from multisrt.reporting.tables import summary_table
 
-        made = summary_table(self.results, measure, baseline=baseline)
-        return ShownTable(
-            **{field.name: getattr(made, field.name) for field in dataclass_fields(Table)}
-        )
+        return _shown(summary_table(self.results, measure, baseline=baseline))
 
     def plot(
         self, measure: str | Measure = FIRST_MEASURE, *, baseline: str | None = None
@@ -329,9 +357,10 @@ class Comparison:
         return frame_of(self.results)
 
     def __repr__(self) -> str:
-        """Return the table of the first measure, and how many runs are complete."""
-        complete = sum(result.status == "complete" for result in self.results)
-        return f"{self.table()}\n{complete} of {self.results.planned} runs complete\n"
+        """Return the overview, and how many runs are a success."""
+        from multisrt.reporting.words import totals
+
+        return f"{self.overview()}\n{totals(self.results)}\n"
 
 
 class ShownTable(Table):
@@ -342,6 +371,12 @@ class ShownTable(Table):
 
     def _repr_html_(self) -> str:
         return self.html()
+
+
+def _shown(table: Table) -> ShownTable:
+    return ShownTable(
+        **{field.name: getattr(table, field.name) for field in dataclass_fields(Table)}
+    )
 
 
 class Drawings(tuple["Picture", ...]):
@@ -402,8 +437,13 @@ def _experiment(given: Mapping[str, Any]) -> ExperimentSpec:
         fields["radios"] = [_radio(one) for one in fields["radios"]]
     if "seeds" in fields:
         fields |= _repetitions(fields.pop("seeds"))
+    return _experiment_of(fields)
+
+
+def _experiment_of(fields: object) -> ExperimentSpec:
+    # An experiment from its fields or parts, with numbers of numpy as builtin ones.
     try:
-        plain = msgspec.to_builtins(fields)
+        plain = msgspec.to_builtins(fields, enc_hook=builtin)
     except (TypeError, NotImplementedError) as error:
         raise InvalidInputError(
             f"an experiment consists of text, numbers and the parts of an ExperimentSpec "
@@ -425,9 +465,9 @@ def _repetitions(seeds: object) -> dict[str, int]:
                 f"seeds are consecutive numbers, as in range(100, 120), not {seeds}"
             )
         return {"first_seed": seeds.start, "repetitions": len(seeds)}
-    if isinstance(seeds, bool) or not isinstance(seeds, int):
+    if isinstance(seeds, bool) or not isinstance(seeds, Integral):
         raise InvalidInputError(f"seeds are a number of repetitions, or a range, not {seeds!r}")
-    return {"repetitions": seeds}
+    return {"repetitions": int(seeds)}
 
 
 def _environment(given: object) -> object:
@@ -438,7 +478,7 @@ def _environment(given: object) -> object:
 
 
 def _radio(given: object) -> object:
-    if isinstance(given, (int, float)) and not isinstance(given, bool):
+    if isinstance(given, int | float | np.integer | np.floating) and not isinstance(given, bool):
         return RadioChoice(range_m=float(given))
     if isinstance(given, RadioSpec) and not isinstance(given, RadioChoice):
         return RadioChoice(**msgspec.structs.asdict(given))

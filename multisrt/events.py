@@ -54,8 +54,11 @@ Choice = Literal[
 Stage = Literal["root", "draw", "approach", "complete", "bypass", "coordinate", "passed", "scan"]
 """How the place of a node was found; see `NodeAdded`."""
 
-ArcReason = Literal["too narrow", "seen from near", "not reachable", "blocked by a robot"]
-"""Why a robot gave up a frontier arc; see `ArcClosed`."""
+ClosingReason = Literal["too narrow", "seen from near", "not reachable"]
+"""Why a robot gave up a frontier arc for good; see `ArcClosed`."""
+
+ArcReason = Literal[ClosingReason, "blocked by a robot"]
+"""Why a robot gave up a frontier arc, for good or until a body is gone; see `ArcClosed`."""
 
 Purpose = Literal["explore", "support", "home", "give way"]
 """Why a robot moves; see `Motion`."""
@@ -400,7 +403,7 @@ class Joined(Event, frozen=True, kw_only=True, tag="joined"):
 
 
 class ArcClosed(Event, frozen=True, kw_only=True, tag="arc_closed"):
-    """A robot gave up a frontier arc.
+    """A robot gave up a frontier arc: for good, or `blocked by a robot` until `ArcReopened`.
 
     Attributes
     ----------
@@ -411,7 +414,8 @@ class ArcClosed(Event, frozen=True, kw_only=True, tag="arc_closed"):
         would fit, but no known path leads there. `seen from near`: the robot has taken scans from
         every such place, or has set out for the spot `max_views` times. `blocked by a robot`: a
         known path leads there, but past a body that the robot plans around: that of a robot that
-        does not answer, that is left out of its group, or that did not clear the way.
+        does not answer, that is left out of its group, or that did not clear the way; such an
+        arc is left for later, and stays part of the frontier.
     arc : tuple of (x0, y0, x1, y1)
         The segments of the arc.
     """
@@ -421,8 +425,18 @@ class ArcClosed(Event, frozen=True, kw_only=True, tag="arc_closed"):
     arc: tuple[Segment, ...]
 
 
+class ArcReopened(Event, frozen=True, kw_only=True, tag="arc_reopened"):
+    """A robot takes up an arc that was `blocked by a robot`: a body is gone, or responds again."""
+
+    node: NodeName
+    arc: tuple[Segment, ...]
+
+
 class MapComplete(Event, frozen=True, kw_only=True, tag="map_complete"):
-    """No frontier is left in the map of a robot; for a robot that bids, none that it can reach."""
+    """No frontier is left in the map of a robot, not even behind bodies of other robots.
+
+    For a robot that bids: none that it could reach if no body stood in its way.
+    """
 
 
 class Collision(Event, frozen=True, kw_only=True, tag="collision"):
@@ -449,7 +463,7 @@ class Ended(Event, frozen=True, kw_only=True, tag="ended"):
     reason : str
         Why it ended, in words.
     complete : bool
-        Whether it left no frontier that it knew a way to open.
+        Whether it left no frontier that it knew a way to open, if robots that answer went.
     frontier : tuple of (x0, y0, x1, y1)
         The frontier segments that it left open.
     """
@@ -459,20 +473,27 @@ class Ended(Event, frozen=True, kw_only=True, tag="ended"):
     frontier: tuple[Segment, ...]
 
 
-AnyEvent = (
-    Motion
-    | Sensed
-    | NodeAdded
+NotedEvent = (
+    NodeAdded
     | Decision
     | GoalChosen
     | Coordinated
     | Organized
     | Supports
     | ArcClosed
+    | ArcReopened
     | MapComplete
-    | Sent
     | Learned
     | TakenAsLost
+)
+"""Events that explorers put on record. All others are recorded by the simulation: they say what
+robots did, not what they say of it."""
+
+AnyEvent = (
+    NotedEvent
+    | Motion
+    | Sensed
+    | Sent
     | Blocked
     | Died
     | FellSilent

@@ -31,6 +31,7 @@ from multisrt.environments.environment import Environment
 from multisrt.events import (
     AnyEvent,
     ArcClosed,
+    ArcReopened,
     Blocked,
     Coordinated,
     Decision,
@@ -282,12 +283,12 @@ class Recording:
                 raise InvalidInputError(
                     f"{path}, line {number}: not a line of a recording: {error}"
                 ) from None
-        if not lines or not isinstance(header := lines[0], Header) or header.format != FORMAT:
+            if number == 1:
+                _require_header(lines[0], path)
+        if not lines:
             raise InvalidInputError(f"{path}: not a recording: its first line is no header")
-        if header.format_version != VERSION:
-            raise InvalidInputError(
-                f"{path}: format version {header.format_version}; this program reads {VERSION}"
-            )
+        header = lines[0]
+        assert isinstance(header, Header)
         if not isinstance(footer := lines[-1], Footer):
             raise InvalidInputError(f"{path}: the run was cut off: the last line is missing")
         events = tuple(e for e in lines[1:-1] if not isinstance(e, Header | Footer))
@@ -307,6 +308,16 @@ class Recording:
                 f"{digest[:12]}...: the file was changed after the run; run its spec again"
             )
         return cls(header=header, events=events, footer=footer)
+
+
+def _require_header(line: Header | AnyEvent | Footer, path: Path) -> None:
+    if not isinstance(line, Header) or line.format != FORMAT:
+        raise InvalidInputError(f"{path}: not a recording: its first line is no header")
+    if line.format_version != VERSION:
+        raise InvalidInputError(
+            f"{path}: format version {line.format_version}; this program reads {VERSION}: make "
+            "the run again from its spec"
+        )
 
 
 def _flaw(event: AnyEvent, robots: Sequence[RobotSpec], nodes: Container[NodeName]) -> str:
@@ -393,7 +404,7 @@ def _nodes_named(event: AnyEvent) -> Iterable[NodeName]:
     match event:
         case NodeAdded():
             return () if event.parent is None else (event.parent,)
-        case Decision() | ArcClosed():
+        case Decision() | ArcClosed() | ArcReopened():
             return (event.node,)
         case Learned():
             return event.nodes

@@ -27,6 +27,7 @@ from multisrt.spec import (
     Scalar,
     StopRule,
 )
+from multisrt.spec.keywords import checked, start_of
 
 RECORDING_NAME = "recording.jsonl"
 RUN_NAME = "run.json"
@@ -373,7 +374,10 @@ def explore(
 
 def _run_fields(given: Mapping[str, Any]) -> dict[str, Any]:
     """Return the fields of a `RunSpec` that the keywords of `explore` set."""
-    fields = {name: given[name] for name in ("strategy", "seed", "radio") if name in given}
+    given = {name: checked(name, value) for name, value in given.items()}
+    fields: dict[str, Any] = {
+        name: given[name] for name in ("strategy", "seed", "radio") if name in given
+    }
     if "options" in given:
         fields["options"] = dict(given["options"])
     if "radio_range_m" in given:
@@ -425,7 +429,7 @@ def _equal_robots(given: Mapping[str, Any]) -> tuple[RobotSpec, ...]:
     if sensor:
         fields["range_finder"] = RangeFinderSpec(**sensor)
     return tuple(
-        RobotSpec(**fields) if place is None else RobotSpec(start=tuple(place), **fields)
+        RobotSpec(**fields) if place is None else RobotSpec(start=start_of(place), **fields)
         for place in _start_configurations(given)
     )
 

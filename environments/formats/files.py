@@ -2,7 +2,9 @@
 
 import math
 from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
 from shapely import MultiPolygon
 from shapely.geometry.base import BaseGeometry
@@ -79,12 +81,27 @@ def require_resolution(path: Path, resolution_m: float | None) -> float:
             f"{path} does not say how large a cell is; "
             "give the metres per cell with --resolution (resolution_m)"
         )
+    resolution_m = require_number(path, "resolution", resolution_m)
     if not (math.isfinite(resolution_m) and resolution_m >= SLIVER_WIDTH_M):
         raise MapFormatError(
             f"{path}: the resolution is {resolution_m:g} m per cell; "
             f"it is a finite number of at least {SLIVER_WIDTH_M:g} m"
         )
-    return float(resolution_m)
+    return resolution_m
+
+
+def require_number(path: Path, what: str, value: Any) -> float:
+    """Return an option of a reader as a float.
+
+    Raises
+    ------
+    MapFormatError
+        If it is no number.
+    """
+    if not isinstance(value, bool | str):
+        with suppress(TypeError, ValueError):
+            return float(value)
+    raise MapFormatError(f"{path}: the {what} is a number, not {value!r}")
 
 
 def refuse_resolution(path: Path, resolution_m: float | None) -> None:

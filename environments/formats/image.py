@@ -16,6 +16,7 @@ from multisrt.environments.formats.files import (
     build_environment,
     grid_polygons,
     require_file,
+    require_number,
     require_resolution,
 )
 from multisrt.geometry.errors import MapFormatError
@@ -71,8 +72,10 @@ def read_image(
         pixel.
     """
     resolution_m = require_resolution(path, resolution_m)
-    if threshold is not None and not 0 <= threshold <= 1:
-        raise MapFormatError(f"{path}: the threshold is {threshold:g}; lightness is in [0, 1]")
+    if threshold is not None:
+        threshold = require_number(path, "threshold", threshold)
+        if not 0.0 <= threshold <= 1.0:
+            raise MapFormatError(f"{path}: the threshold is {threshold:g}; lightness is in [0, 1]")
     pixels = read_pixels(path)
     levels, full = pixels.weighted(LUMA)
     if threshold is None:

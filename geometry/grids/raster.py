@@ -19,11 +19,20 @@ MAX_CELLS = 400_000_000
 MAX_CELL_INDEX = 2.0**52
 """Largest distance from the origin, in cells, at which floats tell neighbouring cells apart."""
 
-OFFSET = 0.3819660112501051
-"""Shift of the lattice in cells.
+OFFSET_X, OFFSET_Y = 0.6947927077420251, 0.9741538717342381
+"""Shift of the lattice in cells: ``3 u - v - 1`` and ``3 u + 3 v - 3``.
 
-Walls tend to lie on round coordinates. Shifted by an irrational fraction of a cell, no cell
-centre lies exactly on one, so that no cell depends on how a tie is broken.
+Here u = 1 / r and v = 1 / r**2, and r is the real root of r**3 = r + 1.
+Walls tend to lie on round coordinates, along the axes or at angles whose slopes are ratios of
+small numbers. No cell centre lies on such a wall, so that no cell depends on how a tie is broken.
+
+Proof: a centre on a line ``p x + q y = s / m`` (in cells; p, q, s, m whole numbers) would make
+``L = 2 m p OFFSET_X + 2 m q OFFSET_Y + n`` zero for a whole number n, and with it a sum of whole
+multiples of 1, u and v that are not all zero. These are a basis of a cubic field of algebraic
+integers, so that the norm of L is a whole number other than zero: L times the squared modulus of
+its complex conjugate, which is at most proportional to ``h = m * max(abs(p), abs(q))`` for
+abs(L) < 1. So abs(L) is at least a constant divided by h**2. These two multiples of u and v keep
+centres farthest from walls along the axes and at 45 degrees on multiples of 1/10 of a cell.
 """
 
 Corners = tuple[int, int, int, int]
@@ -103,12 +112,12 @@ class Raster:
     @property
     def x0(self) -> float:
         """Left border of the window in metres."""
-        return (self.column - OFFSET) * self.cell_m
+        return (self.column - OFFSET_X) * self.cell_m
 
     @property
     def y0(self) -> float:
         """Lower border of the window in metres."""
-        return (self.row - OFFSET) * self.cell_m
+        return (self.row - OFFSET_Y) * self.cell_m
 
     def paint(self, boundary: FloatArray) -> int:
         """Paint the cells whose centres lie in a polygon, by the even-odd rule.
@@ -240,10 +249,10 @@ def window_over(
     >>> window_over((-1.0, 0.0, 1.0, 1.0), 1.0, Window(0, 0, 3, 5))
     Window(row=0, column=-3, rows=3, columns=8)
     """
-    first_column = math.floor(bounds[0] / cell_m + OFFSET)
-    first_row = math.floor(bounds[1] / cell_m + OFFSET)
-    last_column = math.floor(bounds[2] / cell_m + OFFSET)
-    last_row = math.floor(bounds[3] / cell_m + OFFSET)
+    first_column = math.floor(bounds[0] / cell_m + OFFSET_X)
+    first_row = math.floor(bounds[1] / cell_m + OFFSET_Y)
+    last_column = math.floor(bounds[2] / cell_m + OFFSET_X)
+    last_row = math.floor(bounds[3] / cell_m + OFFSET_Y)
     row, column, rows, columns = held
     if rows == 0:
         row, column = first_row, first_column

@@ -1,6 +1,6 @@
 """Types of the arrays that this package passes around."""
 
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,3 +31,40 @@ def grown(array: Array, length: int) -> Array:
     larger = np.zeros((length, *array.shape[1:]), array.dtype)
     larger[: len(array)] = array
     return larger
+
+
+def builtin(value: Any) -> Any:
+    """Return the builtin equivalent of a number, a text or an array of numpy.
+
+    Parameters
+    ----------
+    value : numpy scalar or array
+        What is converted.
+
+    Returns
+    -------
+    bool, int, float, str or list
+        Nested lists for an array; a number for an array without dimensions.
+
+    Raises
+    ------
+    TypeError
+        If it is anything else, such as a complex number.
+
+    Examples
+    --------
+    >>> builtin(np.float32(0.5)), builtin(np.array([[1, 2]]))
+    (0.5, [[1, 2]])
+    """
+    match value:
+        case np.ndarray():
+            return value.tolist()
+        case np.bool_():
+            return bool(value)
+        case np.integer():
+            return int(value)
+        case np.floating():
+            return float(value)
+        case np.str_():
+            return str(value)
+    raise TypeError(f"a {type(value).__name__} is no number, text or array")

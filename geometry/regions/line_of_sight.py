@@ -49,11 +49,12 @@ def line_of_sight(index: EdgeIndex, ax: float, ay: float, bx: float, by: float) 
     """
     if not (math.isfinite(ax + ay) and math.isfinite(bx + by)):
         raise InvalidInputError(f"points are finite, not ({ax}, {ay}) and ({bx}, {by})")
-    return bool(_line_of_sight(ax, ay, bx, by, index.grid))
+    return bool(segment_is_free(ax, ay, bx, by, index.grid))
 
 
 @kernel
-def _line_of_sight(ax: float, ay: float, bx: float, by: float, grid: EdgeGrid) -> bool:
+def segment_is_free(ax: float, ay: float, bx: float, by: float, grid: EdgeGrid) -> bool:
+    """Return what `line_of_sight` returns, as a kernel."""
     # Add up how much of the segment lies inside obstacles: minus the distance of every crossing
     # into one, plus that of every crossing out of one. An end exactly on the line counts as right
     # of it in one sum and as left of it in the other; what is only touched, or run along on one

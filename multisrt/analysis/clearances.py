@@ -1,7 +1,7 @@
 """How near bodies came to obstacles and to one another in a run.
 
-Distances are computed with shapely, independently of the collision queries of the simulation;
-those of two discs follow from their centres and radii.
+Distances are computed with shapely and in closed form, independently of the collision queries of
+the simulation.
 
 Between two waypoints a body moves with a constant twist. Over a share `s` of such a leg, with
 turn `a` and chord `C`, its reference point has moved by the chord turned by `(s - 1) a / 2` and
@@ -19,22 +19,22 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 import shapely
-from numpy.typing import ArrayLike
 
+from multisrt.analysis.arc_distances import arcs_to_segments, centres_of_rotation
 from multisrt.environments.environment import Environment
 from multisrt.events import Motion
 from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.geometry.numerics.kernel import BoolArray, FloatArray, IntArray
 from multisrt.recording import Recording
 
-TURN_STEP_RAD = math.radians(2.0)
-"""Largest step in which turns are sampled."""
+MIN_TURN_RAD = 1e-7
+"""A leg that translates and turns by less is straight, in radians: its arc would be less exact."""
 
-SAGITTA_M = 1e-4
-"""Largest distance of an arc from the chords that stand for it, in metres."""
-
-TOLERANCE_M = 1e-4
+TOLERANCE_M = 1e-6
 """Tolerance of the smallest distance between robots, in metres."""
+
+MAX_PAIRS = 20_000
+"""Pairs of a leg and a wall that are computed at once, which bounds the memory."""
 
 ROUNDING_M = 1e-9
 """Bound of the difference of distances that are computed in two ways, in metres."""
@@ -110,14 +110,19 @@ def _track(start: tuple[float, float, float], motions: list[Motion], end: float)
 def smallest_clearance(recording: Recording, environment: Environment) -> float:
     """Return the smallest distance between a body and an obstacle during a run, in metres.
 
-    It is negative where the centre of a disc came nearer than its radius. Turns of other bodies
-    are sampled in steps of `TURN_STEP_RAD`.
+    It is negative where the centre of a disc came nearer than its radius. It is exact but for
+    rounding: a leg sweeps a polygon where it is straight, and where it turns each corner of the
+    body moves on an arc about one centre of rotation, as each end of a wall does seen from the
+    body. Two polygons are nearest to each other at a corner of one of them.
     """
     walls = _walls(environment)
     smallest = math.inf
     for robot, track in zip(recording.spec.robots, tracks(recording), strict=True):
         footprint = Footprint.parse(robot.footprint)
-        shapes = _outlines(footprint, track.legs[:1, 1:4]) + _swept(footprint, track.driven)
+        turns = _turns(footprint, track.driven)
+        shapes = _outlines(footprint, track.legs[:1, 1:4])
+        shapes += _outlines(footprint, track.driven[turns, 1:4])
+        shapes += _swept(footprint, track.driven[~turns])
         radius = footprint.radius_m if footprint.is_disc else 0.0
         # Walls farther away than the smallest distance so far need not be measured.
         at_start = float(shapely.distance(shapes[0], walls.geometries).min())
@@ -125,6 +130,7 @@ def smallest_clearance(recording: Recording, environment: Environment) -> float:
         which, wall = walls.query(shapes, predicate="dwithin", distance=least)
         distances = shapely.distance(np.array(shapes)[which], walls.geometries[wall])
         smallest = min(smallest, float(np.min(distances, initial=math.inf)) - radius)
+        smallest = min(smallest, _on_turns(footprint, track.driven[turns], walls, smallest))
     return smallest
 
 
@@ -179,61 +185,58 @@ def _poses(legs: FloatArray, share: FloatArray) -> FloatArray:
     )
 
 
+def _turns(footprint: Footprint, legs: FloatArray) -> BoolArray:
+    # Whether a body turns on each leg: the centre of a disc only where it moves as well.
+    stays = (legs[:, 1:3] == legs[:, 5:7]).all(axis=1)
+    turn = np.abs(legs[:, 7] - legs[:, 3])
+    turns: BoolArray = np.where(stays, (turn > 0.0) & (not footprint.is_disc), turn >= MIN_TURN_RAD)
+    return turns
+
+
 def _swept(footprint: Footprint, legs: FloatArray) -> list[shapely.Geometry]:
-    # The areas that a body covers on legs; for a disc the path of its centre.
-    lengths, turns = _lengths(legs), np.abs(legs[:, 7] - legs[:, 3])
-    still = (lengths == 0.0) & (footprint.is_disc | (turns == 0.0))
+    # The areas that a body covers on straight legs; for a disc the path of its centre.
+    still = (legs[:, 1:3] == legs[:, 5:7]).all(axis=1)
     shapes = _outlines(footprint, legs[still, 1:4])
     if footprint.is_disc:
-        straight = (turns == 0.0) & ~still
-        arcs = ~still & ~straight
-        ends = legs[straight][:, [1, 2, 5, 6]].reshape(-1, 2, 2)
-        shapes += shapely.linestrings(ends).tolist()
-        return shapes + _arcs(legs[arcs], lengths[arcs], turns[arcs])
-    for leg, length, turn in zip(legs[~still], lengths[~still], turns[~still], strict=True):
-        shapes += _swept_on(footprint, leg, length, turn)
-    return shapes
+        ends = legs[~still][:, [1, 2, 5, 6]].reshape(-1, 2, 2)
+        shapes += np.asarray(shapely.linestrings(ends)).tolist()
+        return shapes
+    return shapes + [
+        footprint.swept((*leg[1:3], leg[3]), (*leg[5:7], leg[3])) for leg in legs[~still]
+    ]
 
 
-def _arcs(legs: FloatArray, lengths: FloatArray, turns: FloatArray) -> list[shapely.Geometry]:
-    # The paths of the centre of a disc on legs that are arcs.
-    steps = np.ceil(turns / _steps(lengths / turns)).astype(np.int64) + 1
-    which = np.repeat(np.arange(len(legs)), steps + 1)
-    step = np.arange(len(which)) - np.repeat(np.cumsum(steps + 1) - (steps + 1), steps + 1)
-    poses = _poses(legs[which], step / steps[which])
-    arcs: list[shapely.Geometry] = np.asarray(
-        shapely.linestrings(poses[:, :2], indices=which)
-    ).tolist()
-    return arcs
-
-
-def _swept_on(
-    footprint: Footprint, leg: FloatArray, length: float, turn: float
-) -> list[shapely.Geometry]:
-    # The areas that a polygon covers on one leg on which it moves or turns.
-    if turn == 0.0:
-        return [footprint.swept((*leg[1:3], leg[3]), (*leg[5:7], leg[3]))]
-    radius = length / turn + footprint.circumscribed_radius_m
-    poses = _along(leg, max(2, math.ceil(turn / float(_steps(radius)))))
-    if length == 0.0:
-        return _outlines(footprint, poses)
-    pieces = []
-    for piece in footprint.convex_pieces:
-        placed = _placed(piece, poses)
-        both = np.concatenate([placed[:-1], placed[1:]], axis=1)
-        pieces += np.asarray(shapely.convex_hull(shapely.multipoints(both))).tolist()
-    return pieces
-
-
-def _steps(radius_m: ArrayLike) -> FloatArray:
-    # The largest step of a turn on arcs of given radii, in radians.
-    steps: FloatArray = np.minimum(TURN_STEP_RAD, np.sqrt(8.0 * SAGITTA_M / np.asarray(radius_m)))
-    return steps
-
-
-def _along(leg: FloatArray, steps: int) -> FloatArray:
-    shares = np.linspace(0.0, 1.0, steps + 1)
-    return _poses(np.broadcast_to(leg, (steps + 1, 8)), shares)
+def _on_turns(
+    footprint: Footprint, legs: FloatArray, walls: shapely.STRtree, least: float
+) -> float:
+    # The smallest clearance on legs on which a body turns, or `least` if none is smaller.
+    turns = legs[:, 7] - legs[:, 3]
+    centres = centres_of_rotation(legs[:, 1:3], legs[:, 5:7], turns)
+    # An arc is no farther from its chord than its sagitta.
+    sagittas = np.hypot(*(legs[:, 1:3] - centres).T) * (1.0 - np.cos(0.5 * turns))
+    stays = (legs[:, 1:3] == legs[:, 5:7]).all(axis=1)
+    chords = np.asarray(shapely.linestrings(legs[:, [1, 2, 5, 6]].reshape(-1, 2, 2)))
+    chords[stays] = shapely.points(legs[stays, 1:3])
+    reach = np.maximum(0.0, least + footprint.circumscribed_radius_m + sagittas) + ROUNDING_M
+    which, wall = walls.query(chords, predicate="dwithin", distance=reach)
+    segments = shapely.get_coordinates(walls.geometries).reshape(-1, 2, 2)[wall]
+    for first in range(0, len(which), MAX_PAIRS):
+        part = slice(first, first + MAX_PAIRS)
+        leg, wall_ends = which[part], segments[part]
+        turn, centre = turns[leg, None], centres[leg, None]
+        if footprint.is_disc:
+            at = legs[leg, None, 1:3]
+            distances = arcs_to_segments(centre, at, turn, wall_ends[:, None])
+            least = min(least, float(distances.min()) - footprint.radius_m)
+            continue
+        corners = _placed(footprint.vertices, legs[leg, 1:4])
+        sides = np.stack([corners, np.roll(corners, -1, axis=1)], axis=2)
+        of_corners = arcs_to_segments(centre, corners, turn, wall_ends[:, None])
+        of_walls = arcs_to_segments(
+            centre[:, None], wall_ends[:, :, None], -turn[:, None], sides[:, None]
+        )
+        least = min(least, float(of_corners.min()), float(of_walls.min()))
+    return least
 
 
 def _placed(points: FloatArray, poses: FloatArray) -> FloatArray:
@@ -257,23 +260,6 @@ def _outlines(footprint: Footprint, poses: FloatArray) -> list[shapely.Geometry]
 # Two robots at a time.
 
 
-class _Pair(NamedTuple):
-    """Two bodies."""
-
-    one: Footprint
-    two: Footprint
-
-    def distances(self, at_one: FloatArray, at_two: FloatArray) -> FloatArray:
-        gaps: FloatArray
-        if self.one.is_disc and self.two.is_disc:
-            gaps = np.linalg.norm((at_one - at_two)[:, :2], axis=1)
-        else:
-            gaps = shapely.distance(
-                np.array(_outlines(self.one, at_one)), np.array(_outlines(self.two, at_two))
-            )
-        return gaps - sum(body.radius_m for body in self if body.is_disc)
-
-
 class _Spans(NamedTuple):
     """Spans of time in which each of two robots is on one leg."""
 
@@ -293,6 +279,40 @@ class _Spans(NamedTuple):
             np.concatenate([self.start, middle]),
             np.concatenate([middle, self.end]),
         )
+
+
+class _Pair(NamedTuple):
+    """Two bodies."""
+
+    one: Footprint
+    two: Footprint
+
+    def distances(self, at_one: FloatArray, at_two: FloatArray) -> FloatArray:
+        gaps: FloatArray
+        if self.one.is_disc and self.two.is_disc:
+            gaps = np.linalg.norm((at_one - at_two)[:, :2], axis=1)
+        else:
+            gaps = shapely.distance(
+                np.array(_outlines(self.one, at_one)), np.array(_outlines(self.two, at_two))
+            )
+        return gaps - self._radii()
+
+    def distances_over(self, spans: _Spans) -> FloatArray:
+        # Where both move straight: one is swept along its motion as seen from the other.
+        at_one, at_two = _poses_at(spans.one, spans.start), _poses_at(spans.two, spans.start)
+        later = _poses_at(spans.one, spans.end) - (_poses_at(spans.two, spans.end) - at_two)
+        later[:, 2] = at_one[:, 2]
+        others = np.array(_outlines(self.two, at_two))
+        gaps = np.full(len(others), np.inf)
+        pieces = [np.zeros((1, 2))] if self.one.is_disc else self.one.convex_pieces
+        for piece in pieces:
+            both = np.concatenate([_placed(piece, at_one), _placed(piece, later)], axis=1)
+            swept = shapely.convex_hull(shapely.multipoints(both))
+            gaps = np.minimum(gaps, shapely.distance(swept, others))
+        return gaps - self._radii()
+
+    def _radii(self) -> float:
+        return sum(body.radius_m for body in self if body.is_disc)
 
 
 def _lasting(legs: FloatArray) -> FloatArray:
@@ -320,29 +340,64 @@ def _closest_approach(pair: _Pair, spans: _Spans, best: float) -> float:
     the bodies can approach in half of the span.
     """
     reach = sum(body.circumscribed_radius_m for body in pair)
-    exact_bodies = all(body.is_disc for body in pair)
     spans = spans.where(_apart(spans) - reach < best)
     while len(spans.start):
-        velocity, rate = _speeds(pair, spans)
-        straight = rate == 0.0
-        moment = (spans.start + spans.end) / 2.0
-        if exact_bodies:
-            moment = np.where(straight, _nearest_moment(spans, velocity), moment)
+        moment, nearer = (spans.start + spans.end) / 2.0, _approach(pair, spans)
         at_one, at_two = _poses_at(spans.one, moment), _poses_at(spans.two, moment)
-        half = (spans.end - spans.start) / 2.0
-        nearer = (np.hypot(*velocity.T) + rate) * half
-        if exact_bodies:
-            nearer[straight] = 0.0
         near = np.hypot(*(at_one - at_two)[:, :2].T) - reach - nearer < best - TOLERANCE_M
+        straight = near & _are_straight(pair, spans)
+        if straight.any():
+            best = min(best, float(pair.distances_over(spans.where(straight)).min()))
+        near &= ~straight
         if not near.any():
             return best
         distances = pair.distances(at_one[near], at_two[near])
         best = min(best, float(distances.min()))
+        if best <= 0.0:
+            return best
         spans = spans.where(near).where(
             (distances - nearer[near] < best - TOLERANCE_M) & (nearer[near] > 0.0)
         )
         spans = spans.halves()
     return best
+
+
+def _approach(pair: _Pair, spans: _Spans) -> FloatArray:
+    """Return how much two bodies can approach from the middle of a span to one of its ends.
+
+    Their nearest points p and q approach at most as fast as ``n . (p' - q')`` for the direction n
+    between them, to which ``W x (p - q)`` is perpendicular for every rate W. With the reference
+    points r and s, velocities v and u and turn rates f and g, that is bounded by
+    ``|v - u - W x (r - s)| + |f - W| R + |g - W| Q``, R and Q being the radii of the bodies, 0 for
+    discs. The first term changes by at most ``|f - W| |v| + |g - W| |u|`` per second. The smallest
+    bound for the rates W = 0, f and g is returned: it is 0 for bodies at rest to one another, also
+    where they turn together.
+    """
+    half = (spans.end - spans.start) / 2.0
+    moment = spans.start + half
+    (r, v, f), (s, u, g) = (_motion_at(legs, moment) for legs in (spans.one, spans.two))
+    radius_r, radius_s = (0.0 if body.is_disc else body.circumscribed_radius_m for body in pair)
+    speed_v, speed_u = np.hypot(*v.T), np.hypot(*u.T)
+    smallest = np.full(len(half), np.inf)
+    for rate in (np.zeros_like(f), f, g):
+        x, y = (r - s).T
+        aside = v - u - rate[:, None] * np.column_stack([-y, x])
+        off_f, off_g = np.abs(f - rate), np.abs(g - rate)
+        change = off_f * speed_v + off_g * speed_u
+        speed = np.hypot(*aside.T) + off_f * radius_r + off_g * radius_s
+        smallest = np.minimum(smallest, half * (speed + 0.5 * half * change))
+    return smallest
+
+
+def _motion_at(legs: FloatArray, times: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    # Position, velocity and turn rate of reference points.
+    poses, duration = _poses_at(legs, times), _duration(legs)
+    turn = legs[:, 7] - legs[:, 3]
+    angle = np.arctan2(legs[:, 6] - legs[:, 2], legs[:, 5] - legs[:, 1])
+    angle = angle + poses[:, 2] - legs[:, 3] - turn / 2.0
+    speed = _lengths(legs) / duration
+    velocity = np.column_stack([speed * np.cos(angle), speed * np.sin(angle)])
+    return poses[:, :2], velocity, turn / duration
 
 
 def _apart(spans: _Spans) -> FloatArray:
@@ -361,29 +416,9 @@ def _duration(legs: FloatArray) -> FloatArray:
     return np.where(duration > 0.0, duration, 1.0)
 
 
-def _speeds(pair: _Pair, spans: _Spans) -> tuple[FloatArray, FloatArray]:
-    # The relative velocity where both bodies move straight, else 0; and a bound on how fast their
-    # points move besides: 0 where both move straight, else the full speed.
-    velocities, rates, turning = [], [], np.zeros(len(spans.start), np.bool_)
+def _are_straight(pair: _Pair, spans: _Spans) -> BoolArray:
+    # Whether both bodies move straight; the centre of a disc does where it turns in place.
+    straight = np.ones(len(spans.start), np.bool_)
     for body, legs in zip(pair, (spans.one, spans.two), strict=True):
-        duration = _duration(legs)
-        turn = np.abs(legs[:, 7] - legs[:, 3]) / duration
-        length = _lengths(legs)
-        if body.is_disc:
-            turning |= (turn > 0.0) & (length > 0.0)
-            rates.append(length / duration)
-        else:
-            turning |= turn > 0.0
-            rates.append(length / duration + turn * body.circumscribed_radius_m)
-        velocities.append((legs[:, 5:7] - legs[:, 1:3]) / duration[:, None])
-    velocity = np.where(turning[:, None], 0.0, velocities[0] - velocities[1])
-    return velocity, np.where(turning, rates[0] + rates[1], 0.0)
-
-
-def _nearest_moment(spans: _Spans, velocity: FloatArray) -> FloatArray:
-    # The moment at which two points that move straight are nearest to each other.
-    apart = (_poses_at(spans.one, spans.start) - _poses_at(spans.two, spans.start))[:, :2]
-    speed2 = np.maximum((velocity**2).sum(axis=1), 1e-300)
-    after = -(apart * velocity).sum(axis=1) / speed2
-    moment: FloatArray = spans.start + np.clip(after, 0.0, spans.end - spans.start)
-    return moment
+        straight &= ~_turns(body, legs)
+    return straight

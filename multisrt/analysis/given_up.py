@@ -12,13 +12,16 @@ from scipy.sparse.csgraph import connected_components
 from multisrt.analysis.coverage import Coverage
 from multisrt.analysis.evidence import Evidence
 from multisrt.analysis.explorable import EXPLORABLE
-from multisrt.analysis.remaining_frontier import remaining_frontier
-from multisrt.events import ArcClosed, Segment
+from multisrt.analysis.remaining_frontier import arcs_given_up, remaining_frontier
+from multisrt.events import ArcReason, Segment
 from multisrt.geometry.grids.strip_map import OUTSIDE, Runs, Strips
 from multisrt.geometry.numerics.kernel import FloatArray, IntArray, kernel
 
 LEFT_OPEN: Final = "left open"
 """Why an area is left whose frontier no robot gave up."""
+
+BLOCKED: Final[ArcReason] = "blocked by a robot"
+"""Why an area is left before which a body stood."""
 
 NO_FRONTIER: Final = "no frontier"
 """Why an area is left that borders on no frontier: robots took what lies there for covered, as
@@ -59,6 +62,9 @@ def given_up_m2(proof: Evidence, covered: Coverage) -> dict[str, float]:
     lengths: dict[str, FloatArray] = {}
     for reason, segments in _frontier(proof).items():
         lengths[reason] = _lengths_by_part(segments, left, parts, plane.cut)
+    if BLOCKED in lengths and LEFT_OPEN in lengths:
+        # What was blocked to the end is left open, too.
+        lengths[LEFT_OPEN] = np.maximum(0.0, lengths[LEFT_OPEN] - lengths[BLOCKED])
     total = sum(lengths.values(), np.zeros(len(areas)))
     lengths[NO_FRONTIER] = np.where(total > 0.0, 0.0, 1.0)
     shares = np.where(total > 0.0, total, 1.0)
@@ -69,7 +75,7 @@ def given_up_m2(proof: Evidence, covered: Coverage) -> dict[str, float]:
 def _frontier(proof: Evidence) -> dict[str, list[Segment]]:
     # The frontier that robots gave up, by reason, and what they left open.
     segments: dict[str, list[Segment]] = defaultdict(list)
-    for closed in proof.recording.of(ArcClosed):
+    for closed in arcs_given_up(proof.recording):
         segments[closed.reason] += closed.arc
     for left in remaining_frontier(proof.recording).values():
         segments[LEFT_OPEN] += left

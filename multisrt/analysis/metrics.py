@@ -175,11 +175,15 @@ class Metrics(msgspec.Struct, frozen=True, kw_only=True):
     min_distance_between_robots_m : float or None
         Smallest distance between two bodies during the run; None for a single robot.
     lower_bound_s : float
-        No run can be shorter: the larger one of the two bounds that follow.
+        No team can have seen the share of the explorable area that this run covered in a shorter
+        time, whatever it knows: the largest of the bounds that follow. See
+        `multisrt.analysis.bounds`.
     lower_bound_reach_s : float
-        Time to where the farthest point comes into range.
+        Time to come within range of what is far away.
     lower_bound_area_s : float
-        Time to sweep the explorable area with a range finder that never sees a point twice.
+        Time to sweep the area with range finders that never see a point twice.
+    lower_bound_witness_s : float or None
+        Time to serve places no two of which are seen at once; None if it was not asked for.
 
     Examples
     --------
@@ -246,6 +250,7 @@ class Metrics(msgspec.Struct, frozen=True, kw_only=True):
     lower_bound_s: float
     lower_bound_reach_s: float
     lower_bound_area_s: float
+    lower_bound_witness_s: float | None
 
     def reached(self, threshold: float = SUCCESS_COVERAGE) -> bool:
         """Whether the run was a success: whether it covered enough, however it ended.
@@ -327,7 +332,12 @@ METRIC_GROUPS: dict[str, tuple[str, ...]] = {
         "min_clearance_m",
         "min_distance_between_robots_m",
     ),
-    "bounds": ("lower_bound_s", "lower_bound_reach_s", "lower_bound_area_s"),
+    "bounds": (
+        "lower_bound_s",
+        "lower_bound_reach_s",
+        "lower_bound_area_s",
+        "lower_bound_witness_s",
+    ),
 }
 """The names of all metrics by subject; each subject is measured by a function of its own."""
 
@@ -337,6 +347,7 @@ def measure(
     environment: Environment | None = None,
     *,
     horizon_s: float | None = None,
+    witnesses: bool = False,
 ) -> Metrics:
     """Measure a run.
 
@@ -349,6 +360,9 @@ def measure(
     horizon_s : float, optional
         Time up to which integrals run, in seconds; by default the end of the run. Runs that are
         compared need one horizon, for what is not covered when a run ends stays uncovered.
+    witnesses : bool, default False
+        Whether to compute `Metrics.lower_bound_witness_s`, which takes about a second for each
+        world.
 
     Returns
     -------
@@ -375,7 +389,7 @@ def measure(
     >>> later.coverage_integral_s >= metrics.coverage_integral_s
     True
     """
-    return measure_with_curve(recording, environment, horizon_s=horizon_s)[0]
+    return measure_with_curve(recording, environment, horizon_s=horizon_s, witnesses=witnesses)[0]
 
 
 def measure_with_curve(
@@ -383,12 +397,13 @@ def measure_with_curve(
     environment: Environment | None = None,
     *,
     horizon_s: float | None = None,
+    witnesses: bool = False,
 ) -> tuple[Metrics, tuple[float | None, ...]]:
     """Measure a run, and how its coverage grew.
 
     Parameters
     ----------
-    recording, environment, horizon_s
+    recording, environment, horizon_s, witnesses
         As for `measure`.
 
     Returns
@@ -418,7 +433,7 @@ def measure_with_curve(
         **_radio(recording),
         **_effort(recording),
         **_safety(recording, environment),
-        **_bounds(recording, environment, what),
+        **_bounds(recording, environment, what, covered, witnesses=witnesses),
     )
     return metrics, covered.times_by_percent()
 
@@ -556,12 +571,22 @@ def _safety(recording: Recording, environment: Environment) -> dict[str, Any]:
     }
 
 
-def _bounds(recording: Recording, environment: Environment, what: Explorable) -> dict[str, Any]:
-    reach_s, area_s = lower_bounds(recording.spec, environment, what, recording.starts)
+def _bounds(
+    recording: Recording,
+    environment: Environment,
+    what: Explorable,
+    covered: Coverage,
+    *,
+    witnesses: bool,
+) -> dict[str, Any]:
+    spec, starts = recording.spec, recording.starts
+    share = min(1.0, covered.share)
+    bounds = lower_bounds(spec, environment, what, starts, share, witnesses=witnesses)
     return {
-        "lower_bound_s": max(reach_s, area_s),
-        "lower_bound_reach_s": reach_s,
-        "lower_bound_area_s": area_s,
+        "lower_bound_s": bounds.largest_s,
+        "lower_bound_reach_s": bounds.reach_s,
+        "lower_bound_area_s": bounds.area_s,
+        "lower_bound_witness_s": bounds.witness_s,
     }
 
 

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import msgspec
 import numpy as np
 
-from multisrt.events import ArcClosed, Ended, Motion, NodeAdded, Segment
+from multisrt.events import ArcClosed, ArcReopened, Ended, Motion, NodeAdded, Segment
 from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import InvalidInputError
@@ -22,7 +22,7 @@ def remaining_frontier(recording: Recording) -> dict[int, tuple[Segment, ...]]:
 
     For a robot that ended it is what its last `Ended` says. For one that did something after its
     last end, or died or was cut off before any, it is the part of the frontiers of its nodes that
-    no region of the team covers, without the arcs that any robot gave up.
+    no region of the team covers, without the arcs that any robot gave up for good.
 
     Parameters
     ----------
@@ -45,6 +45,29 @@ def remaining_frontier(recording: Recording) -> dict[int, tuple[Segment, ...]]:
     return {robot: said.get(robot, tuple(left[robot])) for robot in robots}
 
 
+def arcs_given_up(recording: Recording) -> tuple[ArcClosed, ...]:
+    """Return the frontier arcs that robots gave up and did not take up again.
+
+    Parameters
+    ----------
+    recording : Recording
+        The run.
+
+    Returns
+    -------
+    tuple of ArcClosed
+        In the order in which they were given up. Those that bodies barred to the end are among
+        them, and among the frontier that was left open.
+    """
+    given_up: dict[tuple[object, ...], ArcClosed] = {}
+    for event in recording.events:
+        if isinstance(event, ArcClosed):
+            given_up[event.robot, event.node, event.arc, event.reason] = event
+        elif isinstance(event, ArcReopened):
+            given_up.pop((event.robot, event.node, event.arc, "blocked by a robot"), None)
+    return tuple(given_up.values())
+
+
 def _said(recording: Recording) -> dict[int, tuple[Segment, ...]]:
     # The frontiers that robots stated at their last ends, unless they went on afterwards.
     last: dict[int, Ended | Motion | NodeAdded] = {}
@@ -57,7 +80,7 @@ def _said(recording: Recording) -> dict[int, tuple[Segment, ...]]:
 
 
 def _team_map(recording: Recording) -> ExplorationMap:
-    # The map of all robots together, with the arcs that any of them gave up.
+    # The map of all robots together, with the arcs that any of them gave up for good.
     spec = recording.spec
     widths = [Footprint.parse(robot.footprint).width_m for robot in spec.robots]
     team_map = ExplorationMap(
@@ -71,7 +94,7 @@ def _team_map(recording: Recording) -> ExplorationMap:
         match event:
             case NodeAdded():
                 team_map.add(_node(event, spec.robots[event.robot].range_finder.range_m))
-            case ArcClosed():
+            case ArcClosed() if event.reason != "blocked by a robot":
                 closing = Closing(
                     id=ClosingId(event.robot, number),
                     node=NodeId(*event.node),

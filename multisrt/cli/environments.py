@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from multisrt.cli.reach import areas, around
 from multisrt.cli.tables import show as show_table
 from multisrt.cli.tables import table
 
@@ -63,11 +64,12 @@ def show(
         out = Path(f"{Path(environment).stem}.svg")
     save_environment_svg(world, out)
     x0, y0, x1, y1 = world.bounds
-    parts = len(world.free.geoms)
     click.echo(
         f"{world.name}: {x1 - x0:.4g} x {y1 - y0:.4g} m, {world.area_m2:.4g} m2 free, "
-        f"{parts} component{'s' * (parts != 1)}, {len(world.edges)} edges"
+        f"{len(world.edges)} edges, {areas(world)}"
     )
+    if said := around(world):
+        click.echo(said)
     for entry in catalog():
         if entry.name == environment and entry.parameters:
             values = ", ".join(f"{name}={value}" for name, value in entry.parameters)

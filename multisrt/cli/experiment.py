@@ -14,11 +14,11 @@ from multisrt.cli.spec_files import read_experiment
 if TYPE_CHECKING:
     from multisrt.experiments.results import Results
 
-NOT_COMPLETE = 3
-"""Exit code if some runs are not complete."""
+NO_SUCCESS = 3
+"""Exit code if some runs are no success."""
 
 MAX_FAILURES = 10
-"""Failed runs that are printed; the others are only counted."""
+"""Runs without success that are printed; the others are only counted."""
 
 EXAMPLES = """
 \b
@@ -116,8 +116,8 @@ def run(
 
     \b
     Exit code:
-      0  all runs are complete        2    bad input
-      3  some runs are not complete   130  interrupted
+      0  all runs are a success: enough covered, no collision   2    bad input
+      3  some runs are no success                               130  interrupted
     """
     import msgspec
 
@@ -131,19 +131,17 @@ def run(
     results = make_runs(path, spec, file.parent, running=running, modules=modules)
     if not running.quiet:
         _print_results(results, path)
-    if any(result.status != "complete" for result in results):
-        raise SystemExit(NOT_COMPLETE)
+    if any(result.failed for result in results):
+        raise SystemExit(NO_SUCCESS)
 
 
 def _print_results(results: Results, path: Path) -> None:
-    from multisrt.reporting.tables import summary_table
+    from multisrt.reporting.overview import overview_table
+    from multisrt.reporting.words import totals
 
-    complete = sum(result.status == "complete" for result in results)
-    click.echo(
-        f"{results.experiment.name}: {complete} of {results.planned} runs complete, in {path}\n"
-    )
-    if complete:
-        click.echo(summary_table(results, "known_complete_s").text(_width()))
+    click.echo(f"{results.experiment.name}: {totals(results)}, in {path}\n")
+    if any(result.metrics is not None for result in results):
+        click.echo(overview_table(results).text(_width()))
     _print_failures(results, path)
     click.echo(f"next: multisrt report {path} --out {path.with_suffix('')}-report")
 
@@ -151,11 +149,11 @@ def _print_results(results: Results, path: Path) -> None:
 def _print_failures(results: Results, path: Path) -> None:
     from multisrt.experiments.store import UNFINISHED
 
-    failed = [result for result in results if result.failed]
+    failed = [result for result in results if result.failed and result.same_as is None]
     for result in failed[:MAX_FAILURES]:
-        reason = result.reason if result.status != "complete" else "collided"
+        ended = f"{result.status}, no success" if result.status == "complete" else result.status
         where = f"[{result.condition}] repetition {result.repetition}"
-        click.echo(f"{result.status}: {where}: {reason}")
+        click.echo(f"{ended}: {where}: {result.account}")
     if len(failed) > MAX_FAILURES:
         click.echo(f"... and {len(failed) - MAX_FAILURES} more, which {path} and the report list")
     if any(result.status in UNFINISHED for result in failed):

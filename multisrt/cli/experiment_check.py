@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from multisrt.cli.reach import elsewhere
 from multisrt.cli.spec_files import read_experiment
 
 if TYPE_CHECKING:
@@ -68,7 +69,7 @@ def check(file: Path, workers: int | None, seconds: float, modules: tuple[str, .
         f"{spec.repetitions} repetition{many} (seeds {spec.first_seed} to "
         f"{spec.first_seed + spec.repetitions - 1})"
     )
-    warnings = _impossible_starts(planned)
+    warnings = _poor_starts(planned)
     found = _estimate(spec, planned, seconds, modules) if seconds else None
     _print_conditions(everything, {} if found is None else found.by_condition_s)
     if found is not None:
@@ -81,10 +82,11 @@ def check(file: Path, workers: int | None, seconds: float, modules: tuple[str, .
     click.echo(f"next: multisrt experiment run {file}")
 
 
-def _impossible_starts(planned: Sequence[PlannedRun]) -> dict[Condition, str]:
-    """Return why the team does not fit, for conditions whose first repetition has no room."""
+def _poor_starts(planned: Sequence[PlannedRun]) -> dict[Condition, str]:
+    """Return why the team does not fit in the first repetition of conditions, or what it misses."""
     import msgspec
 
+    from multisrt.environments.pieces import is_minor
     from multisrt.experiments.mission import world_of
     from multisrt.geometry.errors import InvalidInputError
     from multisrt.simulation.starts import starts_of
@@ -97,8 +99,9 @@ def _impossible_starts(planned: Sequence[PlannedRun]) -> dict[Condition, str]:
         alike = msgspec.structs.replace(run.condition, strategy="", radio="", faults="")
         if alike not in tried:
             try:
-                starts_of(run.spec, world_of(run.spec.environment))
-                tried[alike] = ""
+                world = world_of(run.spec.environment)
+                x, y, _ = starts_of(run.spec, world)[0]
+                tried[alike] = elsewhere(world, (x, y)) if is_minor(world, x, y) else ""
             except InvalidInputError as error:
                 tried[alike] = str(error)
         if tried[alike]:
@@ -184,7 +187,7 @@ def _print_estimate(found: Estimate, conditions: int, workers: int | None) -> No
 
 def _failures(probes: Sequence[Result]) -> dict[Condition, str]:
     return {
-        probe.condition: f"{probe.status}: {probe.reason}"
+        probe.condition: f"{probe.status}: {probe.account}"
         for probe in probes
-        if probe.status not in ("complete", "over_time")
+        if probe.failed and probe.status != "over_time"
     }

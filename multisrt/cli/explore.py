@@ -15,11 +15,12 @@ from multisrt.cli.spec_files import read_run_spec
 from multisrt.cli.summary import print_summary
 
 if TYPE_CHECKING:
+    from multisrt.informed.reference import Regret
     from multisrt.run import Run
     from multisrt.spec import RunSpec
 
-NOT_COMPLETE = 3
-"""Exit code if an exploration stalled or ran out of time."""
+NO_SUCCESS = 3
+"""Exit code if an exploration is no success."""
 
 SECTIONS = {
     "Run": ("--strategy", "--option", "--seed", "--max-time", "--spec"),
@@ -27,7 +28,7 @@ SECTIONS = {
     "Robots": ("--range", "--beams", "--footprint", "--drive", "--speed", "--turning-radius"),
     "Radio": ("--radio-range", "--no-multi-hop", "--latency", "--jitter", "--loss", "--walls"),
     "Image maps": ("--resolution", "--threshold"),
-    "Output": ("--out", "--quiet"),
+    "Output": ("--out", "--regret", "--quiet"),
 }
 """Headings of the help page, and the options below each."""
 
@@ -53,8 +54,8 @@ Files written, with several strategies in one folder each:
 
 \b
 Exit code:
-  0  every run is complete        2    bad input
-  3  a run stalled or timed out   130  interrupted
+  0  every run is a success: 95 % covered, no collision   2    bad input
+  3  a run is no success, however it ended                130  interrupted
 """
 
 
@@ -85,7 +86,7 @@ Exit code:
     "spec_file",
     type=click.Path(path_type=Path),
     metavar="FILE",
-    help="Run this spec (TOML or JSON), instead of ENV and all options but --out and --quiet.",
+    help="Run this spec (TOML or JSON), instead of ENV and all options but those of output.",
 )
 @click.option("--robots", type=int, metavar="N", help="Number of robots.  [default: 1]")
 @click.option(
@@ -154,6 +155,11 @@ Exit code:
     metavar="DIR",
     help="Folder for the results.  [default: runs/ENV-STRATEGY-SEED]",
 )
+@click.option(
+    "--regret",
+    is_flag=True,
+    help="Compare with a plan that knows the map; making it takes up to a minute.",
+)
 @click.option("--quiet", is_flag=True, help="Print errors only.")
 @click.pass_context
 def explore(
@@ -163,6 +169,7 @@ def explore(
     strategies: tuple[str, ...],
     out: Path | None,
     spec_file: Path | None,
+    regret: bool,
     quiet: bool,
     **given: Any,
 ) -> None:
@@ -173,6 +180,8 @@ def explore(
     ENV is a name that 'multisrt environments' lists, or a map file: a ROS map_server YAML, an
     image with --resolution (its origin is the lower left corner), GeoJSON or WKT.
     """
+    from multisrt.experiments.results import is_success
+
     if spec_file is not None:
         _require_nothing_else(context)
         specs = [read_run_spec(spec_file)]
@@ -187,15 +196,23 @@ def explore(
     folders = _folders(specs, out, name)
     runs = _run_all(specs, folders, quiet)
     if not quiet:
-        print_summary(runs, folders)
-    if any(run.outcome != "complete" for run in runs):
-        raise SystemExit(NOT_COMPLETE)
+        print_summary(runs, folders, _regrets(runs) if regret else None)
+    if not all(is_success(run.metrics) for run in runs):
+        raise SystemExit(NO_SUCCESS)
+
+
+def _regrets(runs: list[Run]) -> list[Regret]:
+    from multisrt.informed.reference import regret
+
+    with Progress(quiet=False) as progress:
+        planning = progress.planning("informed plan")
+        return [regret(run.recording, run.metrics, run.environment, planning) for run in runs]
 
 
 def _require_nothing_else(context: click.Context) -> None:
     for parameter in context.command.params:
         name = parameter.name
-        if name is None or name in ("spec_file", "out", "quiet"):
+        if name is None or name in ("spec_file", "out", "regret", "quiet"):
             continue
         if context.get_parameter_source(name) is ParameterSource.COMMANDLINE:
             given = "ENV" if isinstance(parameter, click.Argument) else parameter.opts[0]
@@ -227,7 +244,8 @@ def _run_all(specs: list[RunSpec], folders: list[Path], quiet: bool) -> list[Run
         for spec, out in zip(specs, folders, strict=True):
             with output_folder(out) as folder:
                 watch = progress.watcher(spec, world)
-                run = Run(simulate(spec, world, path=folder / RECORDING_NAME, watch=watch), world)
+                path, planning = folder / RECORDING_NAME, progress.planning(spec.strategy)
+                run = Run(simulate(spec, world, path=path, watch=watch, planning=planning), world)
                 progress.say(f"{spec.strategy}: measuring and drawing")
                 run.save_svg(folder / TREE_NAME)
                 run.save_summary(folder / RUN_NAME)

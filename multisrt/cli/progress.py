@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from multisrt.terminal import LiveLine
@@ -28,6 +29,27 @@ class Progress(LiveLine):
     def say(self, note: str) -> None:
         """Show an activity without a share."""
         self.update(description=note, total=None, note="")
+
+    def planning(self, what: str) -> Callable[[float], None] | None:
+        """Return a callback that moves the bar with the planning on a known map.
+
+        Parameters
+        ----------
+        what : str
+            What is planned.
+
+        Returns
+        -------
+        callable or None
+            Takes the share that is done; None if the bar is hidden.
+        """
+        if not self.shown:
+            return None
+
+        def show(share: float) -> None:
+            self.update(description=what, total=1.0, completed=share, note="planned")
+
+        return show
 
     def watcher(self, spec: RunSpec, world: Environment) -> Watcher | None:
         """Return a callback that moves the bar with the events of a run, or None if it is hidden.

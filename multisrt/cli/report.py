@@ -23,7 +23,7 @@ import click
     "measures",
     multiple=True,
     metavar="NAME",
-    help="Measure to report; repeatable.  [default: time, distance and coverage]",
+    help="Measure to report; repeatable.  [default: times, distance and coverage]",
 )
 @click.option(
     "--baseline",

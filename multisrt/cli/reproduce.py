@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 STORE_NAME, REPORT_NAME, SUMMARY_NAME = "results.sqlite", "report", "summary.md"
 
 RUNS_FAILED = 3
-"""Exit code if a run is not complete or had a collision."""
+"""Exit code if a run is no success."""
 
 
 @click.command()
@@ -79,8 +79,8 @@ def reproduce(
 
     \b
     Exit code:
-      0  all runs are complete and without a collision    2    bad input
-      3  some are not; the claims are judged all the same 130  interrupted
+      0  all runs are a success: enough covered, no collision   2    bad input
+      3  some are not; the claims are judged all the same       130  interrupted
     """
     import msgspec
 
@@ -134,10 +134,10 @@ def _make_folder(folder: Path) -> None:
 
 def _print_verdicts(preset: Preset, results: Results, claims: list[Claim]) -> None:
     from multisrt.cli.tables import show, table
+    from multisrt.reporting.words import totals
 
-    complete = sum(result.status == "complete" for result in results)
-    click.echo(f"{preset.name}: {complete} of {results.planned} runs complete")
+    click.echo(f"{preset.name}: {totals(results)}")
     verdicts = table("claim", "verdict")
     for claim in claims:
-        verdicts.add_row(claim.text, claim.verdict)
+        verdicts.add_row(claim.text, claim.told)
     show(verdicts)

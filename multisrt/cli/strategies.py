@@ -28,7 +28,9 @@ def strategies(name: str | None) -> None:
     if name is None:
         listed = table("strategy", "description")
         for entry in all_strategies():
-            listed.add_row(entry.name, entry.summary)
+            listed.add_row(
+                entry.name, entry.summary + (" (sees the map)" if entry.sees_truth else "")
+            )
         show(listed)
         for broken, reason in broken_strategies().items():
             click.echo(f"{broken}: could not be loaded ({reason})", err=True)

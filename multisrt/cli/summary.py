@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
+from multisrt.cli.reach import MIN_SHARE, elsewhere
 from multisrt.cli.tables import show, table
 
 if TYPE_CHECKING:
+    from multisrt.informed.reference import Regret
     from multisrt.run import Run
-
-MIN_EXPLORABLE = 0.9
-"""Share of the free space; if less is explorable, the summary says so."""
 
 MAX_ROBOTS = 16
 """Largest team whose robots are listed one by one."""
@@ -21,7 +21,9 @@ MAX_ROBOTS = 16
 Rows = dict[str, str]
 
 
-def print_summary(runs: list[Run], folders: list[Path]) -> None:
+def print_summary(
+    runs: list[Run], folders: list[Path], regrets: list[Regret] | None = None
+) -> None:
     """Print how runs in one environment ended, their metrics side by side, and their files.
 
     Parameters
@@ -30,6 +32,8 @@ def print_summary(runs: list[Run], folders: list[Path]) -> None:
         Runs in the same environment, at least one.
     folders : list of Path
         Folders with the files of each run.
+    regrets : list of Regret, optional
+        For each run its times as multiples of those of the informed plan.
     """
     from multisrt.run import RECORDING_NAME, RUN_NAME, SPEC_NAME, TREE_NAME
 
@@ -44,7 +48,9 @@ def print_summary(runs: list[Run], folders: list[Path]) -> None:
     nodes = (
         "nodes or scans" if len(scans) > 1 else "informative scans" if True in scans else "nodes"
     )
-    rows = [_rows(run, nodes, alone=len(runs) == 1) for run in runs]
+    rows = [_rows(run, nodes, runs) for run in runs]
+    for row, run, times in zip(rows, runs, regrets or (), strict=False):
+        row |= _regret_rows(run, times)
     columns = [">value"] if len(runs) == 1 else [f">{run.spec.strategy}" for run in runs]
     measures = table("measure", *columns)
     for name in dict.fromkeys(name for row in rows for name in row):
@@ -58,38 +64,73 @@ def print_summary(runs: list[Run], folders: list[Path]) -> None:
 
 
 def _print_reach(run: Run) -> None:
-    m = run.metrics
-    if m.explorable_area_m2 < MIN_EXPLORABLE * m.free_area_m2:
+    # Why a part of free space is no part of the task: other areas, then the body.
+    m, start = run.metrics, run.recording.starts[0]
+    if said := elsewhere(run.environment, start):
+        click.echo(f"  {said}")
+    area_m2 = run.environment.component(start.x, start.y).area
+    if m.explorable_area_m2 < MIN_SHARE * area_m2:
         bodies = ", ".join(dict.fromkeys(robot.footprint for robot in run.spec.robots))
         click.echo(
-            f"  with the body {bodies} only {m.explorable_area_m2:.1f} of {m.free_area_m2:.1f} m2 "
-            "of free space are explorable"
+            f"  with the body {bodies} only {m.explorable_area_m2:.1f} of {area_m2:.1f} m2 "
+            f"{'there' if said else 'of free space'} are explorable"
         )
 
 
-def _rows(run: Run, nodes: str, alone: bool) -> Rows:
+def _rows(run: Run, nodes: str, runs: list[Run]) -> Rows:
+    from multisrt.analysis.metrics import SUCCESS_COVERAGE
+    from multisrt.experiments.results import is_success
+
     m = run.metrics
     team = len(run.spec.robots) > 1
     x, y, _ = run.recording.starts[0]
     return {
         **({} if team else {"start": f"({x:.2f}, {y:.2f})"}),
+        f"success ({100 * SUCCESS_COVERAGE:g} % covered)": "yes" if is_success(m) else "no",
         **(
             {"covered": f"{m.coverage:.2%} of {m.explorable_area_m2:.1f} m2 explorable"}
-            if alone
+            if len(runs) == 1
             else {"covered": f"{m.coverage:.2%}", "explorable": f"{m.explorable_area_m2:.1f} m2"}
         ),
+        "seen": f"{m.seen:.2%}",
+        **{
+            f"uncovered: {why}": f"{m.given_up_m2.get(why, 0.0):.1f} m2"
+            for why in _kinds(run.metrics.given_up_m2 for run in runs)
+        },
         "free space": f"{m.free_area_m2:.1f} m2",
-        "exploration time": _seconds(m.known_complete_s),
-        "makespan": _seconds(m.makespan_s),
         "90, 95, 99 % covered at": _times(m.time_to_90_s, m.time_to_95_s, m.time_to_99_s),
+        "map known complete at": _seconds(m.known_complete_s),
+        "all done and home at": _seconds(m.makespan_s),
         "lower bound of the time": _seconds(m.lower_bound_s),
         "distance": f"{m.total_distance_m:.1f} m",
         **(_team_rows(run) if team else {}),
-        nodes: _counted(m.nodes, {} if _scans(run) else m.nodes_by_stage),
-        "frontier arcs given up": _counted(sum(m.arcs_closed.values()), m.arcs_closed),
+        nodes: str(m.nodes),
+        **{
+            f"nodes: {kind}": str(m.nodes_by_stage.get(kind, 0))
+            for kind in _kinds(run.metrics.nodes_by_stage for run in runs if not _scans(run))
+        },
+        "frontier arcs given up": str(sum(m.arcs_closed.values())),
+        **{
+            f"arcs given up: {why}": str(m.arcs_closed.get(why, 0))
+            for why in _kinds(run.metrics.arcs_closed for run in runs)
+        },
         "collisions": str(m.collisions),
         "smallest clearance": f"{m.min_clearance_m:.3f} m",
     }
+
+
+def _regret_rows(run: Run, times: Regret) -> Rows:
+    m = run.metrics
+    bound = m.makespan_s / m.lower_bound_s if m.lower_bound_s else None
+    return {
+        "time to 99 % / informed": _multiple(times.time_to_99),
+        "makespan / informed": _multiple(times.makespan),
+        "makespan / lower bound": _multiple(bound),
+    }
+
+
+def _multiple(value: float | None) -> str:
+    return "none" if value is None else f"{value:.2f}"
 
 
 def _team_rows(run: Run) -> Rows:
@@ -100,9 +141,8 @@ def _team_rows(run: Run) -> Rows:
         "waiting": f"{m.waiting_time_s:.1f} s",
         "seen by several robots": f"{m.overlap_area_m2:.1f} m2 ({m.overlap_share:.1%})",
         **({} if m.beyond_range_m is None and not m.isolated_total_s else _isolation(run)),
-        "known to one robot only": (
-            f"{m.known_to_one_m2s:.0f} m2 s ({m.known_to_one_m2:.1f} m2 at the end)"
-        ),
+        "known to one robot only": f"{m.known_to_one_m2s:.0f} m2 s",
+        "the same at the end": f"{m.known_to_one_m2:.1f} m2",
         "coordinations": f"{m.coordinations} ({m.deadlocks} deadlocks)",
         "protective stops": str(m.protective_stops),
         "messages": f"{m.messages} ({m.bytes_sent / 1e6:.2f} MB)",
@@ -118,8 +158,10 @@ def _team_rows(run: Run) -> Rows:
 
 def _isolation(run: Run) -> Rows:
     m = run.metrics
-    total = f"{m.isolated_total_s:.1f} s (longest {m.isolated_longest_s:.1f} s)"
-    rows = {"a robot isolated for": total}
+    rows = {
+        "a robot isolated for": f"{m.isolated_total_s:.1f} s",
+        "longest isolation": f"{m.isolated_longest_s:.1f} s",
+    }
     if m.isolated_total_s and m.beyond_range_m is not None:
         rows["farthest beyond radio range"] = f"{m.beyond_range_m:.1f} m"
     return rows
@@ -153,7 +195,6 @@ def _times(*values: float | None) -> str:
     return ", ".join("never" if value is None else f"{value:.0f} s" for value in values)
 
 
-def _counted(count: int, kinds: dict[str, int]) -> str:
-    if not kinds:
-        return str(count)
-    return f"{count} ({', '.join(f'{n} {kind}' for kind, n in kinds.items())})"
+def _kinds(counts: Iterable[Mapping[str, float]]) -> list[str]:
+    """Return the kinds that occur in any run: all runs have the same rows."""
+    return sorted({kind for own in counts for kind in own})

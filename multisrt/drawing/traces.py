@@ -9,7 +9,7 @@ from typing import Final
 
 import numpy as np
 
-from multisrt.analysis.remaining_frontier import remaining_frontier
+from multisrt.analysis.remaining_frontier import arcs_given_up, remaining_frontier
 from multisrt.events import (
     ArcClosed,
     Blocked,
@@ -57,7 +57,7 @@ class Trace:
     edges : dict from int to list of Edge
         The edges to its nodes, by the robot that owns the root of their tree.
     motions, closed, stops, collisions : list of events
-        Its other events, in order.
+        Its other events, in order; `closed` without the arcs that it took up again.
     death : Died or None
         Its death.
     frontier : tuple of Segment
@@ -154,13 +154,14 @@ def traces_of(recording: Recording) -> list[Trace]:
                 trace.motions.append(event)
             case ArcClosed():
                 _require_known(event.node, trees, "closes an arc of")
-                trace.closed.append(event)
             case Blocked():
                 trace.stops.append(event)
             case Died():
                 trace.death = event
             case Collision():
                 trace.collisions.append(event)
+    for arc in arcs_given_up(recording):
+        traces[arc.robot].closed.append(arc)
     if not any(trace.scans for trace in traces):
         for robot, segments in remaining_frontier(recording).items():
             traces[robot].frontier = segments

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 import time
+from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
@@ -17,6 +18,7 @@ import msgspec
 import numpy as np
 
 from multisrt.experiments.crossing import Condition, PlannedRun
+from multisrt.experiments.distinct import twin_key
 from multisrt.experiments.results import ENDED, Result
 from multisrt.experiments.spec import ExperimentSpec, Limits
 from multisrt.geometry.numerics.arrays import FloatArray
@@ -48,7 +50,8 @@ class Estimate:
     Attributes
     ----------
     computing_s, low_s, high_s : float
-        Computing time of all runs (s of one core), and its bounds: one standard deviation.
+        Computing time of all runs that are made (s of one core), and its bounds: one standard
+        deviation.
     by_condition_s : dict of Condition to float
         Computing time of one run of each condition (s).
     probes : tuple of Result
@@ -123,7 +126,7 @@ def estimate(
     if not model.probes:
         return None
     each = dict(zip(everything, model.predicted(everything), strict=True))
-    total = spec.repetitions * sum(each.values())
+    total = sum(many * each[one] for one, many in _counts(planned, probes).items())
     factor = math.exp(model.spread())
     cut_off = sum(probe.status == "over_time" for probe in probes)
     return Estimate(
@@ -135,6 +138,16 @@ def estimate(
         cut_off=cut_off,
         took_s=time.perf_counter() - begin,
     )
+
+
+def _counts(planned: Sequence[PlannedRun], probes: Sequence[Result]) -> dict[Condition, int]:
+    """Return how many runs of each condition are made; twins of a run without chance are not."""
+    counts = Counter(run.condition for run in planned)
+    for probe in probes:
+        if not probe.chance:
+            own = {twin_key(run) for run in planned if run.condition == probe.condition}
+            counts[probe.condition] = len(own)
+    return counts
 
 
 def _next(

@@ -6,13 +6,15 @@ import csv
 import io
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, get_args
 
 import msgspec
 
+from multisrt.analysis.given_up import LEFT_OPEN, NO_FRONTIER
 from multisrt.analysis.metrics import Metrics
+from multisrt.events import ArcReason
 from multisrt.experiments.crossing import Condition
-from multisrt.experiments.measures import MEASURES
+from multisrt.experiments.measures import MEASURES, Measure
 from multisrt.experiments.results import Result, Results
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.recording import atomic_write
@@ -21,6 +23,12 @@ if TYPE_CHECKING:
     import pandas
 
 Value = bool | int | float | str | None
+
+_GIVEN_UP = {
+    f"given_up_{reason.replace(' ', '_')}_m2": reason
+    for reason in (*get_args(ArcReason), LEFT_OPEN, NO_FRONTIER)
+}
+"""Columns of the area that was left uncovered, with their reasons."""
 
 _KINDS: dict[object, type] = {
     bool: bool,
@@ -35,7 +43,8 @@ def columns() -> dict[str, type]:
     """Return the columns of a table of results.
 
     They are the labels of the condition, the identity and the end of a run, the metrics that are
-    a single number, and the measures computed from them.
+    a single number, the area left by reason, and the measures computed from them. Integrals
+    run to `horizon_s`. `same_as` is the repetition of which a run is a copy, if it is one.
 
     Returns
     -------
@@ -55,14 +64,24 @@ def columns() -> dict[str, type]:
         "seed": int,
         "status": str,
         "reason": str,
+        "success": bool,
         "digest": str,
         "key": str,
+        "chance": bool,
+        "same_as": int,
+        "horizon_s": float,
         "computing_s": float,
         "wall_s": float,
         "memory_mb": float,
         **_scalars(),
-        **{measure.name: float for measure in MEASURES if measure.name not in _scalars()},
+        **dict.fromkeys(_GIVEN_UP, float),
+        **{measure.name: float for measure in _computed()},
     }
+
+
+def _computed() -> list[Measure]:
+    """Return the measures that are neither a metric nor told of every run."""
+    return [m for m in MEASURES if m.name not in _scalars() and m.name not in _OF_RESULTS]
 
 
 def _scalars() -> dict[str, type]:
@@ -87,8 +106,7 @@ def rows(results: Results) -> Iterator[dict[str, Value]]:
         Values by the names of `columns`, None where the run has none; runs in the experiment's
         order.
     """
-    scalars = _scalars()
-    others = [measure for measure in MEASURES if measure.name not in scalars]
+    scalars, computed = _scalars(), _computed()
     for result in results:
         yield {
             **{name: getattr(result.condition, name) for name in Condition.__struct_fields__},
@@ -96,11 +114,28 @@ def rows(results: Results) -> Iterator[dict[str, Value]]:
             "seed": results.experiment.first_seed + result.repetition,
             **{name: getattr(result, name) for name in _OF_RESULTS},
             **{name: _metric(result, name) for name in scalars},
-            **{measure.name: measure.of(result) for measure in others},
+            **{name: _given_up(result, reason) for name, reason in _GIVEN_UP.items()},
+            **{measure.name: measure.of(result) for measure in computed},
         }
 
 
-_OF_RESULTS = ("status", "reason", "digest", "key", "computing_s", "wall_s", "memory_mb")
+_OF_RESULTS = (
+    "status",
+    "reason",
+    "success",
+    "digest",
+    "key",
+    "chance",
+    "same_as",
+    "horizon_s",
+    "computing_s",
+    "wall_s",
+    "memory_mb",
+)
+
+
+def _given_up(result: Result, reason: str) -> float | None:
+    return None if result.metrics is None else result.metrics.given_up_m2.get(reason, 0.0)
 
 
 def _metric(result: Result, name: str) -> Value:

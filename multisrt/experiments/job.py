@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import msgspec
 
+from multisrt.analysis.metrics import SUCCESS_COVERAGE
 from multisrt.experiments.crossing import Condition, PlannedRun
 from multisrt.experiments.provenance import Provenance
 from multisrt.experiments.results import Result, Status
@@ -23,7 +24,11 @@ class Job(msgspec.Struct, frozen=True, kw_only=True):
     recording : str
         File for the recording; empty: none is written.
     only_failed : bool
-        Whether to write the recording only if the run is not complete or has a collision.
+        Whether to write the recording only if the run is no success.
+    success_coverage : float
+        Share of the explorable area that the run must cover to be a success.
+    horizon_s : float or None
+        Time to which integrals run (s); None: to the end of the run.
     """
 
     key: str
@@ -33,6 +38,8 @@ class Job(msgspec.Struct, frozen=True, kw_only=True):
     limits: Limits
     recording: str = ""
     only_failed: bool = False
+    success_coverage: float = SUCCESS_COVERAGE
+    horizon_s: float | None = None
 
     @property
     def run(self) -> PlannedRun:
@@ -66,6 +73,7 @@ class Job(msgspec.Struct, frozen=True, kw_only=True):
             repetition=self.repetition,
             status=status,
             reason=reason,
+            success_coverage=self.success_coverage,
             wall_s=wall_s,
             computing_s=computing_s,
         )

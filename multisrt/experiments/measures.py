@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from operator import attrgetter
 
 from multisrt.analysis.metrics import Metrics
 from multisrt.experiments.results import Result
@@ -26,7 +27,7 @@ class Measure:
     lower_is_better : bool
         Whether lower values are better.
     get : callable
-        Computes the value from a run's metrics; None where the run has none.
+        Computes the value of a run that was measured; None where it has none.
     digits : int
         Digits after the point in tables.
     """
@@ -35,7 +36,7 @@ class Measure:
     title: str
     unit: str
     lower_is_better: bool
-    get: Callable[[Metrics], float | None]
+    get: Callable[[Result], float | None]
     digits: int = 1
 
     def of(self, result: Result) -> float | None:
@@ -53,7 +54,7 @@ class Measure:
         """
         if result.metrics is None:
             return None
-        value = self.get(result.metrics)
+        value = self.get(result)
         return None if value is None else float(value)
 
     def values(self, results: Iterable[Result]) -> list[float]:
@@ -67,17 +68,32 @@ class Measure:
         Returns
         -------
         list of float
-            One value for each run. Where lower is better, a run that is not complete is ``inf``,
+            One value for each run. Where lower is better, a run that is no success is ``inf``,
             worse than all others: its times and distances are not those of an exploration. Where
             higher is better, it has the value it reached, or 0 if it was not measured.
         """
         return [self._value(result) for result in results]
 
+    def counts(self, result: Result) -> bool:
+        """Return whether a run has a value that is compared with those of others.
+
+        Parameters
+        ----------
+        result : Result
+            The run.
+
+        Returns
+        -------
+        bool
+            Whether it has a value and, where lower is better, is a success.
+        """
+        return self.of(result) is not None and (not self.lower_is_better or result.success)
+
     def _value(self, result: Result) -> float:
         value = self.of(result)
-        if not self.lower_is_better:
-            return 0.0 if value is None else value
-        return math.inf if value is None or result.status != "complete" else value
+        if value is None or not self.counts(result):
+            return math.inf if self.lower_is_better else 0.0
+        return value
 
     @property
     def heading(self) -> str:
@@ -85,15 +101,23 @@ class Measure:
         return f"{self.title} ({self.unit})" if self.unit else self.title
 
 
-def _plain(
-    name: str, title: str, unit: str, *, lower_is_better: bool = True, digits: int = 1
+def _measure(
+    name: str,
+    title: str,
+    unit: str,
+    get: Callable[[Metrics], float | None] | None = None,
+    *,
+    lower_is_better: bool = True,
+    digits: int = 1,
 ) -> Measure:
+    """Return a measure of the metrics of a run, by default the one of its name."""
+    read: Callable[[Metrics], float | None] = get or attrgetter(name)
     return Measure(
         name=name,
         title=title,
         unit=unit,
         lower_is_better=lower_is_better,
-        get=lambda metrics: getattr(metrics, name),
+        get=lambda result: None if result.metrics is None else read(result.metrics),
         digits=digits,
     )
 
@@ -103,59 +127,74 @@ def _ratio(above: float | None, below: float) -> float | None:
 
 
 MEASURES = (
-    _plain("known_complete_s", "Time until a robot knows the map complete", "s"),
-    _plain("makespan_s", "Time until all are home", "s"),
-    _plain("total_distance_m", "Distance of all robots", "m"),
-    Measure(
-        name="distance_per_robot_m",
-        title="Distance per robot",
-        unit="m",
-        lower_is_better=True,
-        get=lambda m: m.total_distance_m / len(m.distance_by_robot_m),
+    _measure("time_to_95_s", "Time to 95 % coverage", "s"),
+    _measure("known_complete_s", "Time until a robot knows the map complete", "s"),
+    _measure("makespan_s", "Time until all are home", "s"),
+    _measure("total_distance_m", "Distance of all robots", "m"),
+    _measure(
+        "distance_per_robot_m",
+        "Distance per robot",
+        "m",
+        lambda m: m.total_distance_m / len(m.distance_by_robot_m),
     ),
-    Measure(
-        name="longest_distance_m",
-        title="Distance of the robot that went farthest",
-        unit="m",
-        lower_is_better=True,
-        get=lambda m: max(m.distance_by_robot_m),
+    _measure(
+        "longest_distance_m",
+        "Distance of the robot that went farthest",
+        "m",
+        lambda m: max(m.distance_by_robot_m),
     ),
-    Measure(
-        name="imbalance",
-        title="Imbalance of distances: their spread over their mean",
-        unit="",
-        lower_is_better=True,
-        get=lambda m: _ratio(m.distance_spread_m, m.total_distance_m / len(m.distance_by_robot_m)),
+    _measure(
+        "imbalance",
+        "Imbalance of distances: their spread over their mean",
+        "",
+        lambda m: _ratio(m.distance_spread_m, m.total_distance_m / len(m.distance_by_robot_m)),
         digits=2,
     ),
-    _plain("waiting_time_s", "Waiting time of all robots", "s"),
-    _plain("coverage", "Coverage", "", lower_is_better=False, digits=4),
-    _plain("coverage_integral_s", "Integral of what is not yet covered", "s"),
-    _plain("time_to_90_s", "Time to 90 % coverage", "s"),
-    _plain("time_to_95_s", "Time to 95 % coverage", "s"),
-    _plain("time_to_99_s", "Time to 99 % coverage", "s"),
-    _plain("overlap_share", "Share seen by several robots", "", digits=3),
-    _plain("lost_area_m2", "Area lost with robots that died", "m2"),
-    _plain("isolated_total_s", "Time in which a robot was isolated", "s"),
-    _plain("isolated_longest_s", "Longest isolation of a robot", "s"),
-    _plain("split_s", "Time in which the team was split", "s"),
-    _plain("beyond_range_m", "Largest distance beyond the radio's range", "m"),
-    _plain("known_to_one_m2s", "Area known to one robot only, over time", "m2 s", digits=0),
-    _plain("messages", "Messages", "", digits=0),
-    _plain("bytes_sent", "Bytes sent", "B", digits=0),
-    _plain("nodes", "Nodes", "", digits=0),
-    _plain("deadlocks", "Rounds in which a master could let nobody go", "", digits=2),
-    _plain("protective_stops", "Protective stops", "", digits=1),
+    _measure("waiting_time_s", "Waiting time of all robots", "s"),
     Measure(
-        name="over_bound",
-        title="Exploration time over its lower bound",
+        name="success",
+        title="Success",
         unit="",
-        lower_is_better=True,
-        get=lambda m: _ratio(m.known_complete_s, m.lower_bound_s),
+        lower_is_better=False,
+        get=lambda result: float(result.success),
+        digits=2,
+    ),
+    _measure("coverage", "Coverage", "", lower_is_better=False, digits=4),
+    _measure("seen", "Share seen by scans", "", lower_is_better=False, digits=4),
+    _measure(
+        "given_up_m2",
+        "Explorable area left uncovered",
+        "m2",
+        lambda m: math.fsum(m.given_up_m2.values()),
+    ),
+    _measure("coverage_integral_s", "Integral of what is not yet covered", "s"),
+    _measure("time_to_90_s", "Time to 90 % coverage", "s"),
+    _measure("time_to_99_s", "Time to 99 % coverage", "s"),
+    _measure("overlap_share", "Share seen by several robots", "", digits=3),
+    _measure("lost_area_m2", "Area lost with robots that died", "m2"),
+    _measure("isolated_total_s", "Time in which a robot was isolated", "s"),
+    _measure("isolated_longest_s", "Longest isolation of a robot", "s"),
+    _measure("split_s", "Time in which the team was split", "s"),
+    _measure("beyond_range_m", "Largest distance beyond the radio's range", "m"),
+    _measure("known_to_one_m2s", "Area known to one robot only, over time", "m2 s", digits=0),
+    _measure("messages", "Messages", "", digits=0),
+    _measure("bytes_sent", "Bytes sent", "B", digits=0),
+    _measure("nodes", "Nodes", "", digits=0),
+    _measure("deadlocks", "Rounds in which a master could let nobody go", "", digits=2),
+    _measure("protective_stops", "Protective stops", "", digits=1),
+    _measure(
+        "over_bound",
+        "Makespan over its lower bound",
+        "",
+        lambda m: _ratio(m.makespan_s, m.lower_bound_s),
         digits=2,
     ),
 )
-"""All measures; the first is the main one."""
+"""All measures; the first is the main one: it needs no word of a robot, only what was covered."""
+
+
+INTEGRALS = ("coverage_integral_s", "known_to_one_m2s")
+"""Names of the measures that are integrals over time, to the horizon of the runs."""
 
 
 def measure_named(name: str) -> Measure:

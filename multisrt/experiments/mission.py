@@ -9,7 +9,7 @@ from pathlib import Path
 
 import msgspec
 
-from multisrt.analysis.metrics import Metrics, measure_with_curve
+from multisrt.analysis.metrics import SUCCESS_COVERAGE, Metrics, measure_with_curve
 from multisrt.environments.environment import Environment
 from multisrt.experiments.crossing import PlannedRun
 from multisrt.experiments.limits import OverTimeError, within
@@ -35,6 +35,8 @@ def make_run(
     recording_path: Path | None = None,
     *,
     only_failed: bool = False,
+    success_coverage: float = SUCCESS_COVERAGE,
+    horizon_s: float | None = None,
 ) -> Result:
     """Make a run in this process, in its main thread.
 
@@ -47,7 +49,11 @@ def make_run(
     recording_path : Path, optional
         File for the recording; a run that does not come to an end has none.
     only_failed : bool
-        Whether to write the recording only if the run is not complete or has a collision.
+        Whether to write the recording only if the run is no success.
+    success_coverage : float
+        Share of the explorable area that the run must cover to be a success.
+    horizon_s : float, optional
+        Time to which integrals run (s); by default to the end of the run.
 
     Returns
     -------
@@ -69,7 +75,7 @@ def make_run(
         with within(limits):
             where = world_of(run.spec.environment)
             recording = simulate(run.spec, where)
-            metrics, curve = measure_with_curve(recording, where)
+            metrics, curve = measure_with_curve(recording, where, horizon_s=horizon_s)
             # A value that JSON cannot hold, such as infinity, is an error of this run.
             metrics = msgspec.json.decode(msgspec.json.encode(metrics), type=Metrics)
         status, reason = recording.footer.outcome, recording.footer.reason
@@ -86,6 +92,9 @@ def make_run(
         reason=_one_line(reason),
         digest="" if recording is None else recording.footer.digest,
         metrics=metrics,
+        horizon_s=None if metrics is None else horizon_s,
+        success_coverage=success_coverage,
+        chance=recording is None or recording.footer.chance,
         covered_at_s=curve,
         computing_s=time.process_time() - computed_s,
         wall_s=time.perf_counter() - begin,

@@ -7,10 +7,11 @@ from typing import Literal
 
 import msgspec
 
-from multisrt.analysis.metrics import Metrics
+from multisrt.analysis.metrics import SUCCESS_COVERAGE, Metrics
 from multisrt.experiments.crossing import Condition
 from multisrt.experiments.provenance import Provenance
 from multisrt.experiments.spec import ExperimentSpec
+from multisrt.geometry.errors import InvalidInputError
 
 Status = Literal[
     "complete", "stalled", "out_of_time", "over_time", "over_memory", "crashed", "refused", "error"
@@ -42,6 +43,16 @@ class Result(msgspec.Struct, frozen=True, kw_only=True):
         Digest of the recording; empty if the run did not come to an end.
     metrics : Metrics or None
         Metrics of the run; None if it did not come to an end.
+    horizon_s : float or None
+        Time to which the integrals of its metrics run (s); None: to the end of the run.
+        `known_to_one_by_robot_m2s` is not continued beyond the end of the run.
+    success_coverage : float
+        Share of the explorable area that the run must cover to be a success.
+    chance : bool
+        Whether any random number was drawn in the run; if not, it is the same for every seed.
+    same_as : int or None
+        The repetition that was made, of which this one is a copy: they differ by their seed
+        alone, and nothing in the run depends on it.
     covered_at_s : tuple of (float or None)
         Simulated time (s) at which 0, 1, ..., 100 % of the explorable area were covered; None
         where that never happened.
@@ -57,8 +68,8 @@ class Result(msgspec.Struct, frozen=True, kw_only=True):
     >>> from multisrt.experiments.mission import make_run
     >>> spec = ms.ExperimentSpec(name="x", environments=("open",), strategies=("srt-radial",))
     >>> result = make_run(runs(spec)[0], spec.limits)
-    >>> result.condition.strategy, result.status, result.failed
-    ('srt-radial', 'complete', False)
+    >>> result.condition.strategy, result.status, result.success
+    ('srt-radial', 'complete', True)
     """
 
     key: str
@@ -68,17 +79,148 @@ class Result(msgspec.Struct, frozen=True, kw_only=True):
     reason: str
     digest: str = ""
     metrics: Metrics | None = None
+    horizon_s: float | None = None
+    success_coverage: float = SUCCESS_COVERAGE
+    chance: bool = True
+    same_as: int | None = None
     covered_at_s: tuple[float | None, ...] = ()
     computing_s: float = 0.0
     wall_s: float = 0.0
     memory_mb: float = 0.0
 
     @property
+    def success(self) -> bool:
+        """Whether the run covered enough, however it ended, and nothing collided."""
+        return is_success(self.metrics, self.success_coverage)
+
+    @property
     def failed(self) -> bool:
-        """Whether the run needs a look: it is not complete, or has a collision."""
-        return self.status != "complete" or (
-            self.metrics is not None and self.metrics.collisions > 0
+        """Whether the run is no success."""
+        return not self.success
+
+    @property
+    def account(self) -> str:
+        """How the run ended and, if it is no success, what it left and why: one line.
+
+        Examples
+        --------
+        >>> where = Condition(environment="open", strategy="srt-star", robots=1)
+        >>> Result(key="k", condition=where, repetition=0, status="crashed", reason="died").account
+        'died'
+        """
+        m = self.metrics
+        if m is None or self.success:
+            return self.reason
+        if m.collisions > 0:
+            return f"collided: {self.reason}"
+        areas = {why: f"{area:.1f} m2" for why, area in m.given_up_m2.items()}
+        by_reason = ", ".join(f"{area} {why}" for why, area in areas.items() if area != "0.0 m2")
+        left = f"; left: {by_reason}" if by_reason else ""
+        return f"covered {100 * m.coverage:.1f} %, seen {100 * m.seen:.1f} %{left}; {self.reason}"
+
+    def to_horizon(self, horizon_s: float) -> Result:
+        """Return the result with integrals that run to a horizon.
+
+        Nothing changes after the end of a run: from there on the integrals grow by what is left
+        uncovered, and by the area that only one robot knows.
+
+        Parameters
+        ----------
+        horizon_s : float
+            Time to which the integrals run (s).
+
+        Returns
+        -------
+        Result
+            The result; itself if it was not measured.
+
+        Raises
+        ------
+        InvalidInputError
+            If the horizon or the one that the integrals have is before the end of the run, and
+            they differ: then the run must be measured again.
+
+        Examples
+        --------
+        >>> import multisrt as ms
+        >>> run = ms.explore("open", seed=1)
+        >>> where = Condition(environment="open", strategy="srt-radial", robots=1)
+        >>> result = Result(
+        ...     key="k", condition=where, repetition=0, status=run.outcome, reason="",
+        ...     metrics=run.metrics,
+        ... )
+        >>> later = result.to_horizon(run.metrics.makespan_s + 100.0).metrics
+        >>> more_s = later.coverage_integral_s - run.metrics.coverage_integral_s
+        >>> round(more_s / 100.0, 6) == round(1.0 - run.metrics.coverage, 6)
+        True
+        """
+        m = self.metrics
+        if m is None:
+            return self
+        end_s = m.makespan_s if self.horizon_s is None else self.horizon_s
+        if not can_move_horizon(m.makespan_s, self.horizon_s, horizon_s):
+            raise InvalidInputError(
+                f"run {self.key}: its integrals run to {end_s:g} s and cannot be brought to "
+                f"{horizon_s:g} s; measure it with that horizon"
+            )
+        more_s = horizon_s - end_s
+        metrics = msgspec.structs.replace(
+            m,
+            coverage_integral_s=m.coverage_integral_s + more_s * (1.0 - m.coverage),
+            known_to_one_m2s=m.known_to_one_m2s + more_s * m.known_to_one_m2,
         )
+        return msgspec.structs.replace(self, metrics=metrics, horizon_s=horizon_s)
+
+
+def is_success(metrics: Metrics | None, threshold: float = SUCCESS_COVERAGE) -> bool:
+    """Return whether a run is a success: it covered enough, and nothing collided.
+
+    Parameters
+    ----------
+    metrics : Metrics or None
+        Metrics of the run; None if it was not measured.
+    threshold : float
+        Share of the explorable area that must be covered.
+
+    Returns
+    -------
+    bool
+        Whether it is; how the run ended does not matter.
+
+    Examples
+    --------
+    >>> import multisrt as ms
+    >>> is_success(ms.explore("open", seed=1, max_time_s=10.0).metrics), is_success(None)
+    (False, False)
+    """
+    return metrics is not None and metrics.collisions == 0 and metrics.reached(threshold)
+
+
+def can_move_horizon(makespan_s: float, from_s: float | None, to_s: float) -> bool:
+    """Return whether integrals can be brought to a horizon without measuring the run again.
+
+    Parameters
+    ----------
+    makespan_s : float
+        End of the run (s).
+    from_s : float or None
+        Time to which the integrals run (s); None: to the end of the run.
+    to_s : float
+        Time to which they shall run (s).
+
+    Returns
+    -------
+    bool
+        Whether they run to that time already, or both times are not before the end of the run.
+
+    Examples
+    --------
+    >>> can_move_horizon(80.0, None, 100.0), can_move_horizon(80.0, 50.0, 100.0)
+    (True, False)
+    """
+    if from_s is None:
+        return makespan_s <= to_s
+    return from_s == to_s or makespan_s <= min(from_s, to_s)
 
 
 class Results:
@@ -87,7 +229,7 @@ class Results:
     Parameters
     ----------
     experiment : ExperimentSpec
-        The experiment.
+        The experiment, whose threshold of success and horizon they get.
     results : iterable of Result
         The results, in the order of the experiment's runs.
     planned : int
@@ -114,7 +256,7 @@ class Results:
         provenance: Provenance,
     ) -> None:
         self.experiment = experiment
-        self.results = tuple(results)
+        self.results = _comparable(experiment, tuple(results))
         self.planned = planned
         self.provenance = provenance
 
@@ -169,3 +311,46 @@ class Results:
         """
         found = [result for result in self.results if result.condition == condition]
         return sorted(found, key=lambda result: result.repetition)
+
+
+def setting_of(condition: Condition) -> Condition:
+    """Return a condition without its strategy: what all strategies have in common.
+
+    Parameters
+    ----------
+    condition : Condition
+        The condition.
+
+    Returns
+    -------
+    Condition
+        The same with an empty strategy.
+
+    Examples
+    --------
+    >>> setting_of(Condition(environment="open", strategy="srt-star", robots=2)).strategy
+    ''
+    """
+    return msgspec.structs.replace(condition, strategy="")
+
+
+def _comparable(experiment: ExperimentSpec, results: tuple[Result, ...]) -> tuple[Result, ...]:
+    """Return results that are judged by one threshold, with one horizon in each setting."""
+    horizons_s: dict[Condition, float] = {}
+    for result in results:
+        if experiment.horizon_s is None and result.metrics is not None:
+            setting = setting_of(result.condition)
+            end_s = result.metrics.makespan_s
+            horizons_s[setting] = max(end_s, horizons_s.get(setting, end_s))
+    threshold = experiment.success_coverage
+    return tuple(
+        msgspec.structs.replace(
+            result.to_horizon(
+                horizons_s.get(setting_of(result.condition), 0.0)
+                if experiment.horizon_s is None
+                else experiment.horizon_s
+            ),
+            success_coverage=threshold,
+        )
+        for result in results
+    )

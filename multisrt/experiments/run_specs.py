@@ -96,6 +96,11 @@ def run_spec(
     """
     world = _environment(choices.environment, seed, folder)
     chosen = strategy(choices.strategy.name)
+    if chosen.sees_truth:
+        raise InvalidInputError(
+            f"{chosen.name} knows the map: it does not compete with strategies that explore; "
+            "leave it out, and use it as the reference of their times"
+        )
     _check_options(chosen, msgspec.json.encode(choices.strategy.options))
     robots = _placed(choices.starts, _team(spec, choices), world, seed)
     run = RunSpec(

@@ -7,10 +7,11 @@ import queue
 import threading
 import time
 from collections.abc import Callable, Generator, Iterator, Sequence
-from contextlib import closing
+from contextlib import closing, contextmanager
 from dataclasses import dataclass
 
 from multisrt.experiments.crossing import PlannedRun
+from multisrt.experiments.distinct import Twins
 from multisrt.experiments.job import Job
 from multisrt.experiments.modules import import_modules
 from multisrt.experiments.results import Result
@@ -31,9 +32,9 @@ class Progress:
     done : int
         Number of stored runs, of earlier calls and of this one.
     failed : int
-        Number of stored runs that are not complete or have a collision.
+        Number of stored runs that are no success.
     made : int
-        Number of runs made by this call.
+        Number of runs made by this call; copies of them do not count.
     elapsed_s : float
         Elapsed time of this call (s).
     latest : Result or None
@@ -81,7 +82,8 @@ def run_experiment(
 
     Each result is stored as its run ends: an interruption loses only runs under way, and the next
     call continues. Results do not depend on the number of workers or on the machine that made
-    them, except for computing time and memory.
+    them, except for computing time and memory. Repetitions that differ by their seed alone wait
+    for the first of them: if it draws no random number, it is their result, too.
 
     Parameters
     ----------
@@ -116,39 +118,60 @@ def run_experiment(
     if cluster is not None and workers is not None:
         raise InvalidInputError("give workers or a cluster, not both: a cluster has its own")
     import_modules(modules)
-    missing = store.missing()
-    total, failed = store.planned, store.failed
-    earlier = total - len(missing)
-    begin = time.perf_counter()
-
-    def tell(made: int, latest: Result | None) -> None:
-        if progress is not None:
-            progress(
-                Progress(
-                    total=total,
-                    done=earlier + made,
-                    failed=failed,
-                    made=made,
-                    elapsed_s=time.perf_counter() - begin,
-                    latest=latest,
-                )
-            )
-
-    tell(0, None)
+    tally = _Tally(store, progress)
+    tally.tell(None)
+    missing = len(store.missing())
     if not missing:
         return
-    jobs = _jobs(store, missing)
-    if cluster is None:
-        results = _made_here(jobs, min(workers or cores(), len(missing)), modules)
-    else:
-        from multisrt.experiments.cluster import made_on_cluster
+    twins = Twins(store)
+    with _makers(cluster, min(workers or cores(), missing), modules) as make:
+        tally.add_copies(twins.copies())
+        while batch := twins.next_batch():
+            with closing(make(_jobs(store, batch))) as results:
+                for result in results:
+                    tally.add(result)
+            tally.add_copies(twins.copies())
 
-        results = made_on_cluster(jobs, cluster, modules)
-    with closing(results):
-        for made, result in enumerate(results, start=1):
-            store.add(result)
-            failed += result.failed
-            tell(made, result)
+
+class _Tally:
+    """Stores results and reports the progress."""
+
+    def __init__(self, store: Store, progress: Watch | None) -> None:
+        self._store = store
+        self._progress = progress
+        self._done, self._failed, self._made = store.done, store.failed, 0
+        self._begin = time.perf_counter()
+
+    def add(self, result: Result) -> None:
+        """Store the result of a run that was made."""
+        self._made += 1
+        self._add(result)
+
+    def add_copies(self, copies: Sequence[Result]) -> None:
+        """Store the results of runs that need not be made."""
+        for result in copies:
+            self._add(result)
+
+    def _add(self, result: Result) -> None:
+        self._store.add(result)
+        self._done += 1
+        self._failed += result.failed
+        self.tell(result)
+
+    def tell(self, latest: Result | None) -> None:
+        """Report the progress."""
+        if self._progress is None:
+            return
+        self._progress(
+            Progress(
+                total=self._store.planned,
+                done=self._done,
+                failed=self._failed,
+                made=self._made,
+                elapsed_s=time.perf_counter() - self._begin,
+                latest=latest,
+            )
+        )
 
 
 def cores() -> int:
@@ -202,6 +225,8 @@ def job_of(run: PlannedRun, experiment: ExperimentSpec, recording: str = "") -> 
         limits=experiment.limits,
         recording="" if experiment.recordings == "none" else recording,
         only_failed=experiment.recordings == "failed",
+        success_coverage=experiment.success_coverage,
+        horizon_s=experiment.horizon_s,
     )
 
 
@@ -210,9 +235,27 @@ def _jobs(store: Store, missing: Sequence[PlannedRun]) -> Iterator[Job]:
         yield job_of(run, store.experiment, str(store.recording_path(run.key)))
 
 
-def _made_here(
-    jobs: Iterator[Job], workers: int, modules: Sequence[str]
-) -> Generator[Result, None, None]:
+Make = Callable[[Iterator[Job]], Generator[Result, None, None]]
+"""Makes runs; their results come in the order in which they end."""
+
+
+@contextmanager
+def _makers(cluster: str | None, workers: int, modules: Sequence[str]) -> Iterator[Make]:
+    """Provide what makes runs: the cluster, or workers on this machine that are kept meanwhile."""
+    if cluster is not None:
+        from multisrt.experiments.cluster import made_on_cluster
+
+        yield lambda jobs: made_on_cluster(jobs, cluster, modules)
+        return
+    handles = [Worker(modules) for _ in range(workers)]
+    try:
+        yield lambda jobs: _made_here(jobs, handles)
+    finally:
+        for handle in handles:
+            handle.stop()
+
+
+def _made_here(jobs: Iterator[Job], workers: Sequence[Worker]) -> Generator[Result, None, None]:
     """Yield results as runs end; a thread for each worker gives it one job after another."""
     waiting = _Shared(jobs)
     answers: queue.SimpleQueue[Result | BaseException | None] = queue.SimpleQueue()
@@ -227,12 +270,11 @@ def _made_here(
         except BaseException as error:
             answers.put(error)
 
-    handles = [Worker(modules) for _ in range(workers)]
-    threads = [threading.Thread(target=serve, args=(handle,), daemon=True) for handle in handles]
+    threads = [threading.Thread(target=serve, args=(worker,), daemon=True) for worker in workers]
+    busy = len(threads)
     try:
         for thread in threads:
             thread.start()
-        busy = workers
         while busy:
             answer = answers.get()
             if isinstance(answer, BaseException):
@@ -242,8 +284,9 @@ def _made_here(
             else:
                 yield answer
     finally:
-        for handle in handles:
-            handle.stop()
+        if busy:
+            for worker in workers:
+                worker.stop()
         for thread in threads:
             thread.join()
 

@@ -6,10 +6,28 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
+import msgspec
+
+from multisrt.experiments.spec import ExperimentSpec
+from multisrt.spec import RadioSpec
+
 DIALECT = "http://json-schema.org/draft-07/schema#"
 """The newest dialect of JSON Schema that Taplo, and with it Even Better TOML, understands."""
 
 Schema = dict[str, Any]
+
+
+def schema() -> Schema:
+    """Return the JSON Schema of experiment files, for editors.
+
+    Returns
+    -------
+    dict
+        The schema, whose descriptions are those of the docstrings in `multisrt.experiments.spec`.
+    """
+    return for_editors(
+        msgspec.json.schema(ExperimentSpec), bases={"RadioChoice": RadioSpec.__doc__ or ""}
+    )
 
 
 def for_editors(made: Schema, bases: Mapping[str, str]) -> Schema:

@@ -12,7 +12,7 @@ from typing import Annotated, Any, Literal
 import msgspec
 from msgspec import Meta
 
-from multisrt.experiments.schema import for_editors
+from multisrt.analysis.metrics import SUCCESS_COVERAGE
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.spec import (
     DriveSpec,
@@ -311,16 +311,23 @@ class ExperimentSpec(_Part, frozen=True, kw_only=True, omit_defaults=True):
         Repetitions of every condition.
     first_seed : int
         Seed of repetition 0; repetition k has this seed plus k.
-    drive : DriveSpec
-        Kinematics and speed of bodies without a drive of their own.
-    range_finder : RangeFinderSpec
-        Range finder of bodies without one of their own.
+    drive, range_finder : DriveSpec, RangeFinderSpec
+        Those of bodies without a drive or a range finder of their own.
     stop : StopRule
         When a run is stopped.
     limits : Limits
         Computing time and memory of a run.
+    success_coverage : float
+        Share of the explorable area that a run must cover to be a success.
+    horizon_s : float or None
+        Time to which integrals run (s); None: that of the longest run of each setting.
     recordings : {"none", "failed", "all"}
-        Recordings to keep.
+        Recordings to keep; a run failed if it is no success.
+
+    Raises
+    ------
+    InvalidInputError
+        If `success_coverage` or `horizon_s` is out of range.
 
     Examples
     --------
@@ -355,7 +362,19 @@ class ExperimentSpec(_Part, frozen=True, kw_only=True, omit_defaults=True):
     range_finder: RangeFinderSpec = RangeFinderSpec()
     stop: StopRule = StopRule()
     limits: Limits = Limits()
+    success_coverage: float = SUCCESS_COVERAGE
+    horizon_s: float | None = None
     recordings: Literal["none", "failed", "all"] = "failed"
+
+    def __post_init__(self) -> None:
+        share, horizon_s, last_s = self.success_coverage, self.horizon_s, self.stop.max_time_s
+        if not 0.0 < share <= 1.0:
+            raise InvalidInputError(f"success_coverage is above 0 and at most 1, not {share:g}")
+        if horizon_s is not None and not 0.0 < horizon_s <= last_s:
+            raise InvalidInputError(
+                "horizon_s is a time after the start and at most max_time_s of the stop rule "
+                f"({last_s:g} s), not {horizon_s:g} s"
+            )
 
     def to_toml(self) -> str:
         """Return the experiment as TOML.
@@ -477,16 +496,3 @@ def _decoded(decode: Callable[[], ExperimentSpec], length: int) -> ExperimentSpe
         return decode()
     except (msgspec.MsgspecError, RecursionError, UnicodeDecodeError) as error:
         raise InvalidInputError(f"not an experiment: {explained(error, ExperimentSpec)}") from None
-
-
-def schema() -> dict[str, Any]:
-    """Return the JSON Schema of experiment files, for editors.
-
-    Returns
-    -------
-    dict
-        The schema, whose descriptions are those of the docstrings in this module.
-    """
-    return for_editors(
-        msgspec.json.schema(ExperimentSpec), bases={"RadioChoice": RadioSpec.__doc__ or ""}
-    )

@@ -34,13 +34,16 @@ from multisrt.experiments.store_file import (
     require_format,
     require_store,
 )
+from multisrt.experiments.store_growth import Plan, move, require_continuable
 from multisrt.geometry.errors import InvalidInputError
 
 UNFINISHED: tuple[Status, ...] = ("over_time", "over_memory", "crashed", "refused", "error")
 """Statuses of runs that failed without a result; see `Store.forget`."""
 
 _LABELS = Condition.__struct_fields__
-_FIELDS = tuple(name for name in Result.__struct_fields__ if name != "condition")
+_FIELDS = tuple(
+    name for name in Result.__struct_fields__ if name not in ("condition", "success_coverage")
+)
 _COLUMNS = ("position", *_LABELS, *_FIELDS)
 
 
@@ -76,7 +79,7 @@ class Store:
         self.path = path
         self._connection = connection
         self._lock = lock
-        self._planned: dict[str, tuple[int, PlannedRun]] | None = None
+        self._planned: Plan | None = None
         with errors_of(path):
             meta = dict(connection.execute("SELECT name, value FROM meta"))
         try:
@@ -220,6 +223,23 @@ class Store:
 
     # Runs -----------------------------------------------------------------------------------
 
+    def runs(self) -> list[PlannedRun]:
+        """Return all runs of the experiment, in its order.
+
+        Returns
+        -------
+        list of PlannedRun
+            The runs.
+
+        Examples
+        --------
+        >>> spec = ExperimentSpec(name="x", environments=("open",), strategies=("minpos",))
+        >>> with Store.create_or_open("all.sqlite", spec) as store:
+        ...     len(store.runs())
+        20
+        """
+        return [run for _, run in self._plan().values()]
+
     def missing(self) -> list[PlannedRun]:
         """Return the runs that have no result yet.
 
@@ -322,16 +342,33 @@ class Store:
         ...     len(store.results())
         0
         """
+        return Results(
+            self.experiment, self._read(), planned=self.planned, provenance=self.provenance
+        )
+
+    def of_no_chance(self) -> list[Result]:
+        """Return the runs that were made and in which no random number was drawn.
+
+        Returns
+        -------
+        list of Result
+            Their results, in the experiment's order.
+
+        Examples
+        --------
+        >>> spec = ExperimentSpec(name="x", environments=("open",), strategies=("minpos",))
+        >>> with Store.create_or_open("n.sqlite", spec) as store:
+        ...     store.of_no_chance()
+        []
+        """
+        return self._read("WHERE chance = 0 AND same_as IS NULL")
+
+    def _read(self, where: str = "") -> list[Result]:
         with errors_of(self.path):
             rows = self._connection.execute(
-                f"SELECT {', '.join(_COLUMNS)} FROM runs ORDER BY position"
+                f"SELECT {', '.join(_COLUMNS)} FROM runs {where} ORDER BY position"
             ).fetchall()
-        return Results(
-            self.experiment,
-            map(self._result, rows),
-            planned=self.planned,
-            provenance=self.provenance,
-        )
+        return [self._result(row) for row in rows]
 
     @property
     def done(self) -> int:
@@ -341,13 +378,8 @@ class Store:
 
     @property
     def failed(self) -> int:
-        """Number of results that are not complete or have a collision."""
-        with errors_of(self.path):
-            (count,) = self._connection.execute(
-                "SELECT count(*) FROM runs WHERE status != 'complete' "
-                "OR json_extract(metrics, '$.collisions') > 0"
-            ).fetchone()
-        return int(count)
+        """Number of results that are no success."""
+        return sum(result.failed for result in self._read())
 
     def recording_path(self, key: str) -> Path:
         """Return the path of a run's recording.
@@ -371,7 +403,7 @@ class Store:
         """
         return _recordings(self.path) / f"{key}.jsonl"
 
-    def _plan(self) -> dict[str, tuple[int, PlannedRun]]:
+    def _plan(self) -> Plan:
         if self._planned is None:
             every = runs(self.experiment, self.folder)
             self._planned = {run.key: (k, run) for k, run in enumerate(every)}
@@ -383,10 +415,13 @@ class Store:
         condition = Condition(**{label: given.pop(label) for label in _LABELS})
         try:
             metrics, curve = given.pop("metrics"), given.pop("covered_at_s")
+            chance = bool(given.pop("chance"))
             return Result(
                 condition=condition,
                 metrics=None if metrics is None else msgspec.json.decode(metrics, type=Metrics),
                 covered_at_s=msgspec.json.decode(curve, type=tuple[float | None, ...]),
+                chance=chance,
+                success_coverage=self.experiment.success_coverage,
                 **given,
             )
         except msgspec.MsgspecError as error:
@@ -398,39 +433,17 @@ class Store:
 
     def _continue(self, spec: ExperimentSpec, folder: Path) -> None:
         """Replace the stored experiment by one that contains it, or raise InvalidInputError."""
-        stored = self._stored_places()
-        if stored and (other := differences(self.provenance, provenance())):
+        if self.done and (other := differences(self.provenance, provenance())):
             raise InvalidInputError(
                 f"{self.path}: its runs were made by another program ({other}), and new ones "
                 "would not compare with them; choose another file, or install what made them"
             )
-        plan, old = self._plan(), self.experiment
-        gone = sum(key not in plan for key in stored)
-        if gone:
-            raise InvalidInputError(
-                f"{self.path}: holds another experiment: {gone} of its {len(stored)} runs are none "
-                f"of this one (what differs: {_what_differs(old, spec)}); choose another file, or "
-                "ask for those runs, too"
-            )
-        less = [
-            name
-            for name in spec.limits.__struct_fields__
-            if stored and getattr(spec.limits, name) < getattr(old.limits, name)
-        ]
-        if less:
-            raise InvalidInputError(
-                f"{self.path}: its runs were allowed more ({', '.join(f'limits.{n}' for n in less)}"
-                "); choose another file, or allow as much again"
-            )
-        places = {
-            key: (k, *_labels(run.condition), run.repetition) for key, (k, run) in plan.items()
-        }
-        moved = [(*places[key], key) for key, place in stored.items() if place != places[key]]
-        columns = ", ".join(f"{name} = ?" for name in ("position", *_LABELS, "repetition"))
+        plan = self._plan()
+        require_continuable(self.path, self._connection, self.experiment, spec, plan)
         with self._connection as transaction:
-            transaction.executemany(f"UPDATE runs SET {columns} WHERE key = ?", moved)
+            move(transaction, plan)
             for status, name in (("over_time", "computing_s"), ("over_memory", "memory_mb")):
-                if getattr(spec.limits, name) > getattr(old.limits, name):
+                if getattr(spec.limits, name) > getattr(self.experiment.limits, name):
                     transaction.execute("DELETE FROM runs WHERE status = ?", (status,))
             transaction.executemany(
                 "UPDATE meta SET value = ? WHERE name = ?",
@@ -439,13 +452,6 @@ class Store:
         self.experiment, self.folder, self.planned = spec, folder, len(plan)
         self.provenance = provenance()
         self._clear_recordings()
-
-    def _stored_places(self) -> dict[str, tuple[str | int, ...]]:
-        """Return, by key, the position of each stored run, its labels and its repetition."""
-        rows = self._connection.execute(
-            f"SELECT key, position, {', '.join(_LABELS)}, repetition FROM runs"
-        )
-        return {key: tuple(place) for key, *place in rows}
 
     def _clear_recordings(self) -> None:
         """Make the folder of recordings, and remove those whose run was cut off."""
@@ -459,16 +465,6 @@ class Store:
             raise InvalidInputError(
                 f"cannot write recordings to {folder}: {error.strerror or error}"
             ) from None
-
-
-def _what_differs(old: ExperimentSpec, new: ExperimentSpec) -> str:
-    names = [name for name in old.__struct_fields__ if getattr(old, name) != getattr(new, name)]
-    beside = ("name", "about", "limits", "recordings")
-    return ", ".join(n for n in names if n not in beside) or "what its environments' files hold"
-
-
-def _labels(condition: Condition) -> tuple[str | int, ...]:
-    return tuple(getattr(condition, name) for name in _LABELS)
 
 
 def _row(result: Result, position: int) -> tuple[Any, ...]:

@@ -12,7 +12,7 @@ from multisrt.geometry.errors import InvalidInputError
 APPLICATION = 0x4D535254
 """Application id in the header of the file: "MSRT"."""
 
-FORMAT = 1
+FORMAT = 2
 """Version of the tables, stored as the `user_version` of the file."""
 
 BUSY_S = 30.0
@@ -36,6 +36,9 @@ CREATE TABLE runs (
     reason TEXT NOT NULL,
     digest TEXT NOT NULL,
     metrics TEXT,
+    horizon_s REAL,
+    chance INTEGER NOT NULL,
+    same_as INTEGER,
     covered_at_s TEXT NOT NULL,
     computing_s REAL NOT NULL,
     wall_s REAL NOT NULL,

@@ -5,7 +5,8 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from multisrt.experiments.spec import ExperimentSpec, schema
+from multisrt.experiments.schema import schema
+from multisrt.experiments.spec import ExperimentSpec
 from multisrt.geometry.errors import InvalidInputError
 
 SCHEMA_NAME = "experiment.schema.json"
@@ -62,7 +63,13 @@ bodies = ["disc:0.25"]
 faults = ["none"]
 # faults = ["none", { label = "one dies", deaths = 1, between_s = [10, 60] }]
 
-# Recordings to keep beside the results: "none", "failed" or "all".
+# Share of the explorable area that a run must cover to be a success.
+success_coverage = 0.95
+
+# Time to which integrals run (s); by default that of the longest run of each setting.
+# horizon_s = 600.0
+
+# Recordings to keep beside the results: "none", "failed" (of runs that are no success) or "all".
 recordings = "failed"
 
 # Conditions to leave out, by their labels in tables; any number of these tables.

@@ -62,7 +62,14 @@ def main(modules: Sequence[str]) -> None:
         job = decoder.decode(lines.get())
         path = Path(job.recording) if job.recording else None
         try:
-            result = make_run(job.run, job.limits, path, only_failed=job.only_failed)
+            result = make_run(
+                job.run,
+                job.limits,
+                path,
+                only_failed=job.only_failed,
+                success_coverage=job.success_coverage,
+                horizon_s=job.horizon_s,
+            )
         except InvalidInputError as error:
             _answer(answers, Unable(str(error)))
         else:

@@ -93,6 +93,11 @@ def explain(recording: Recording, robot: int, time_s: float | None = None) -> st
         raise InvalidInputError(
             f"{asked:g} s is not within the run, which lasts from 0 to {end:.2f} s"
         )
+    if recording.spec.strategy == "informed":
+        return (
+            f"Robot {robot} at {asked:.2f} s: it drives a route that was planned on the true map "
+            "before it set out, and decides nothing on the way.\n"
+        )
     index, choice = _last_choice(recording.events, robot, asked)
     if isinstance(choice, GoalChosen):
         lines = choice_lines(recording, index, choice, asked)

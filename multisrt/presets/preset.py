@@ -39,7 +39,7 @@ class Preset:
     >>> for name, preset in PRESETS.items():
     ...     print(name, preset.experiment(True).repetitions)
     multi-srt 10
-    sbx-r 5
+    sbx-r 6
     minpos 8
     alvarez 7
     """

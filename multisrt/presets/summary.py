@@ -6,8 +6,8 @@ from collections.abc import Iterable, Sequence
 
 from multisrt.experiments.crossing import conditions
 from multisrt.experiments.results import Results
-from multisrt.presets.judging import failed_runs
 from multisrt.presets.preset import Preset
+from multisrt.presets.words import failed_runs
 from multisrt.reporting.claims import Claim, PrintedTable
 
 MAX_FAILURES = 50
@@ -47,7 +47,7 @@ def summary(
         f"Made with `{command}`. The paper: {preset.paper}.",
         _bullets(_account(results)),
         "## Claims",
-        markdown_table(("claim", "verdict"), [(claim.text, claim.verdict) for claim in claims]),
+        markdown_table(("claim", "verdict"), [(claim.text, claim.told) for claim in claims]),
         *(_claim(claim) for claim in claims),
         "## Figures beside the paper's",
         *(_printed(table) for table in tables if table.source),
@@ -55,7 +55,7 @@ def summary(
         *(_printed(table) for table in tables if not table.source),
         "## Differences from the paper's experiment",
         _bullets(preset.deviations),
-        "## Runs that failed",
+        "## Runs that are no success",
         _bullets(failed_runs([r for r in results if r.failed], MAX_FAILURES)) or "None.",
     ]
     return "\n\n".join(section.rstrip() for section in sections if section) + "\n"
@@ -71,7 +71,8 @@ def _account(results: Results) -> list[str]:
         f"Experiment: {spec.name}; teams of {', '.join(map(str, teams))}; {spec.repetitions} "
         "repetitions. The verdicts refer to these.",
         f"Runs: {len(results)} of {results.planned}; {complete} complete, "
-        f"{sum(result.failed for result in results)} failed.",
+        f"{sum(result.success for result in results)} a success: without a collision, and covering "
+        f"at least {spec.success_coverage:.0%} of what can be explored.",
         f"Computing time of all runs: {seconds / 3600.0:.2f} h of one core.",
         f"Versions: {', '.join(f'{name} {versions[name]}' for name in versions)}; "
         f"{results.provenance.system}, {results.provenance.machine}.",
@@ -89,7 +90,7 @@ def _claim(claim: Claim) -> str:
     return "\n\n".join(
         (
             f"### {claim.text}",
-            f"**{claim.verdict[0].upper()}{claim.verdict[1:]}.** Claimed in: {claim.source}.",
+            f"**{claim.told[0].upper()}{claim.told[1:]}.** Claimed in: {claim.source}.",
             _bullets(claim.grounds),
         )
     )

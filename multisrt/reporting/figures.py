@@ -168,7 +168,8 @@ def _box(
 
 def _with_count(study: Study, measure: Measure, setting: Condition, strategy: str) -> str:
     # The label of a strategy, with the number of runs that are drawn unless all of them are.
-    drawn_, runs = len(study.finite(measure, setting, strategy)), len(study.of(setting, strategy))
+    drawn_ = len(study.finite(measure, setting, strategy))
+    runs = len(study.distinct(setting, strategy))
     label = label_of(study.strategies, strategy)
     return label if drawn_ == runs else f"{label} {drawn_}/{runs}"
 
@@ -230,7 +231,7 @@ def _sizes(
 def _curves(study: Study, setting: Condition, strategy: str) -> list[StepCurve]:
     # The time at which each percent was covered; runs that were not measured have no curve.
     curves: list[StepCurve] = []
-    for result in study.of(setting, strategy):
+    for result in study.distinct(setting, strategy):
         steps = [
             (time, percent / 100.0)
             for percent, time in enumerate(result.covered_at_s)

@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import PercentFormatter
 
-from multisrt.experiments.measures import Measure, measure_named
+from multisrt.experiments.measures import MEASURES, Measure, measure_named
 from multisrt.geometry.numerics.arrays import FloatArray
 from multisrt.reporting.layout import number, slug
 from multisrt.reporting.study import SEED, Study
@@ -77,7 +77,7 @@ def improvement(study: Study, measure: Measure) -> list[Picture]:
 
 
 def gaps(study: Study) -> list[Picture]:
-    """Return the gaps between exploration times and their lower bounds."""
+    """Return the gaps between makespans and their lower bounds."""
     found = {s: v for s, v in gaps_to_bounds(study).items() if math.isfinite(v.value)}
     if not found:
         return []
@@ -87,38 +87,39 @@ def gaps(study: Study) -> list[Picture]:
         axes.set_xlim(left=0.0)
         axes.set_xlabel("above the lower bound")
 
-    title = "Exploration time above its lower bound"
+    title = "Makespan above its lower bound"
     return [_forest(study, "gap", title, title, found, finish, digits=2)]
 
 
 def success_rates(study: Study) -> list[Picture]:
-    """Return the success rates of the strategies over all settings; no figure if no run failed."""
+    """Return the success rates of the strategies over all settings; no figure if none failed."""
     if not any(result.failed for result in study.results):
         return []
     found = {}
     for strategy in study.strategies:
-        own = [r for setting in study.settings for r in study.of(setting, strategy)]
-        found[strategy] = wilson(sum(not r.failed for r in own), len(own))
+        own = [r for setting in study.settings for r in study.distinct(setting, strategy)]
+        found[strategy] = wilson(sum(r.success for r in own), len(own))
 
     def finish(axes: Axes) -> None:
         axes.set_xlim(-0.02, 1.02)
         axes.xaxis.set_major_formatter(PercentFormatter(1.0, decimals=0, symbol=" %"))
-        axes.set_xlabel("complete, without a collision")
+        share = 100.0 * study.results.experiment.success_coverage
+        axes.set_xlabel(f"at least {share:g} % covered, without a collision")
 
     title = "Success rates over all settings"
-    return [_forest(study, "success", title, title, found, finish, digits=2)]
+    return [_forest(study, "success-rates", title, title, found, finish, digits=2)]
 
 
 def _ratios(study: Study) -> tuple[dict[str, list[FloatArray]], str]:
-    # Exploration times by strategy and setting, divided by a reference time of the setting.
+    # Times by strategy and setting, divided by a reference time of the setting.
     bounded = bounded_settings(study)
     if bounded:
         over = measure_named("over_bound")
         return {
             strategy: [np.array(over.values(study.of(s, strategy))) for s in bounded]
             for strategy in study.strategies
-        }, "exploration time over its lower bound"
-    time = measure_named("known_complete_s")
+        }, "makespan over its lower bound"
+    time = MEASURES[0]
     found: dict[str, list[FloatArray]] = {strategy: [] for strategy in study.strategies}
     for setting in study.shared_settings():
         own = {s: np.array(time.values(study.of(setting, s))) for s in study.strategies}
@@ -126,7 +127,9 @@ def _ratios(study: Study) -> tuple[dict[str, list[FloatArray]], str]:
         if 0.0 < best < math.inf:
             for strategy, values in own.items():
                 found[strategy].append(values / best)
-    return {s: v for s, v in found.items() if v}, "exploration time over the setting's best"
+    return {
+        s: v for s, v in found.items() if v
+    }, f"{short(time.title).lower()} over the setting's best"
 
 
 def _profile(
@@ -190,7 +193,7 @@ def _forest(
             high = min(interval.high, beyond)
             axes.plot([interval.low, high], [at, at], color=look.colour, linewidth=3.0)
             if high < interval.high:
-                # With failed runs the interval has no upper end.
+                # With runs that are no success the interval has no upper end.
                 axes.plot([high], [at], ">", color=look.colour, markersize=6.0)
             axes.plot([interval.value], [at], look.marker, color=look.colour, markersize=7.0)
         axes.set_yticks(

@@ -20,6 +20,7 @@ from multisrt.geometry.errors import InvalidInputError
 from multisrt.reporting import figures, overall_figures, tables
 from multisrt.reporting.claims import Claim, PrintedTable
 from multisrt.reporting.layout import Cell, Table, number, slug
+from multisrt.reporting.overview import overview
 from multisrt.reporting.reruns import MAX_FAILURES, Failure, Gallery, Specs, Tree, failures
 from multisrt.reporting.reruns import gallery as drawn_gallery
 from multisrt.reporting.study import Study, chosen_measures, other_measures
@@ -61,6 +62,7 @@ class Contents:
     of_teams: list[MeasurePart] = field(default_factory=list)
     others: list[MeasurePart] = field(default_factory=list)
     same_everywhere: list[str] = field(default_factory=list)
+    overview: Table | None = None
     success: Table | None = None
     gap: Table | None = None
     computing: Table | None = None
@@ -76,7 +78,7 @@ class Contents:
         """Return all tables."""
         parts = (*self.headlines, *self.of_teams, *self.others)
         growth = [part.growth for part in parts]
-        found = [self.success, *(part.table for part in parts), *growth]
+        found = [self.overview, self.success, *(part.table for part in parts), *growth]
         return [t for t in (*found, self.gap, self.computing, *self.printed) if t is not None]
 
     def pictures(self) -> list[Picture]:
@@ -189,6 +191,7 @@ def _contents(study: Study, chosen: Sequence[Measure], say: Callable[[str], None
             )
     if study.settings:
         say("coverage and comparisons over all settings")
+        found.overview = overview(study)
         found.success = tables.success_table(study)
         found.gap = tables.gap_table(study)
         found.computing = tables.computing_table(study)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from multisrt.experiments.crossing import Condition, runs
-from multisrt.experiments.measures import measure_named
+from multisrt.experiments.measures import MEASURES, measure_named
 from multisrt.experiments.results import Result, Results
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.reporting.layout import slug
@@ -50,7 +50,7 @@ class Tree:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Failure:
-    """Runs of one strategy that failed in the same way.
+    """Runs of one strategy that are no success, in the same way.
 
     Attributes
     ----------
@@ -59,7 +59,7 @@ class Failure:
     status : str
         Status of the runs, or "collision".
     reason : str
-        Reason of the first run.
+        What the first run left and why: its `Result.account`.
     results : tuple of Result
         The runs.
     spec : RunSpec or None
@@ -153,7 +153,7 @@ def gallery(study: Study, specs: Specs, progress: Callable[[str], None] | None =
     for setting in gallery_settings(study):
         for strategy in study.here(setting)[:MAX_TREES]:
             what = f"{study.name(setting)}, {strategy}"
-            result = median_run(study.of(setting, strategy))
+            result = median_run(study.distinct(setting, strategy))
             if result is None:
                 notes.append(f"{what}: no run has ended.")
                 continue
@@ -195,16 +195,15 @@ def gallery_settings(study: Study) -> list[Condition]:
 
 
 def median_run(results: list[Result]) -> Result | None:
-    """Return the median run: by exploration time if any run is complete, else by coverage.
+    """Return the median run: by the main measure if any run is a success, else by coverage.
 
-    Of an even number the lower of the two in the middle is taken; None if no run has ended.
+    Of an even number the lower of the two in the middle is taken; None if no run was measured.
     """
-    time, coverage = measure_named("known_complete_s"), measure_named("coverage")
-    for measure, wanted in ((time, ("complete",)), (coverage, ("stalled", "out_of_time"))):
+    for measure in (MEASURES[0], measure_named("coverage")):
         found = [
             (value, result.repetition, result)
             for result in results
-            if result.status in wanted and (value := measure.of(result)) is not None
+            if measure.counts(result) and (value := measure.of(result)) is not None
         ]
         if found:
             return sorted(found, key=lambda entry: entry[:2])[(len(found) - 1) // 2][2]
@@ -212,21 +211,22 @@ def median_run(results: list[Result]) -> Result | None:
 
 
 def failures(study: Study, specs: Specs) -> list[Failure]:
-    """Group failed runs by strategy, status and reason, ignoring numbers in the reason.
+    """Group the distinct runs that are no success by strategy, status and what they left.
 
-    The largest group comes first.
+    Numbers in the account of a run are ignored. The largest group comes first.
     """
     groups: dict[tuple[str, str, str], list[Result]] = defaultdict(list)
     for result in study.results:
-        if result.failed:
-            status = result.status if result.status != "complete" else "collision"
-            pattern = re.sub(r"\d+(\.\d+)?", "#", result.reason)
+        if result.failed and result.same_as is None:
+            collided = result.metrics is not None and result.metrics.collisions > 0
+            status = "collision" if collided else result.status
+            pattern = re.sub(r"\d+(\.\d+)?", "#", result.account)
             groups[result.condition.strategy, status, pattern].append(result)
     found = [
         Failure(
             strategy=strategy,
             status=status,
-            reason=results[0].reason,
+            reason=results[0].account,
             results=tuple(results),
             spec=specs.of(results[0]) if number < MAX_FAILURES else None,
         )

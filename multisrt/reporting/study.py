@@ -9,13 +9,14 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 import msgspec
 import numpy as np
 
 from multisrt.experiments.crossing import Condition
 from multisrt.experiments.measures import MEASURES, Measure, measure_named
-from multisrt.experiments.results import Result, Results
+from multisrt.experiments.results import Result, Results, setting_of
 from multisrt.geometry.errors import InvalidInputError, did_you_mean
 from multisrt.statistics.effect_size import Magnitude, magnitude, vargha_delaney
 from multisrt.statistics.intervals import Interval, bootstrap
@@ -32,8 +33,18 @@ from multisrt.statistics.summaries import interquartile_mean, median
 SEED = 0
 """Seed of every bootstrap: equal results give equal reports."""
 
-HEADLINES = ("known_complete_s", "total_distance_m", "coverage_integral_s", "coverage")
+HEADLINES = (
+    "time_to_95_s",
+    "known_complete_s",
+    "makespan_s",
+    "total_distance_m",
+    "coverage_integral_s",
+    "coverage",
+)
 """Names of the measures that reports discuss by default; the others have tables only."""
+
+Kind = Literal["paired", "one-sample", "none"]
+"""Test of a comparison: of two samples, of a sample and one run for every seed, or of two such."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -43,9 +54,11 @@ class Summary:
     Attributes
     ----------
     runs : int
-        Number of runs.
+        Number of runs, copies included.
+    distinct : int
+        Number of distinct runs, from which all else is computed.
     measured : int
-        Number of runs with a finite value.
+        Number of distinct runs with a finite value.
     median : float
         Median; infinite if half of the runs or more have no value.
     middle : Interval
@@ -53,6 +66,7 @@ class Summary:
     """
 
     runs: int
+    distinct: int
     measured: int
     median: float
     middle: Interval
@@ -72,11 +86,15 @@ class Comparison:
         Labels of the two strategies.
     median, baseline_median : float
         Their medians over the pairs.
+    kind : {"paired", "one-sample", "none"}
+        How the two are tested. A strategy whose runs do not depend on the seed has one value:
+        a sample is compared with it by the one-sample signed-rank test, and two such values are
+        not tested, because they do not vary.
     pairs : int
-        Number of repetitions that both have.
-    p_value : float
-        P-value of the paired rank test, adjusted by Holm's procedure over all comparisons by the
-        measure.
+        Number of repetitions that both have, or of distinct runs that are compared with one value.
+    p_value : float or None
+        P-value of the signed-rank test, adjusted by Holm's procedure over all tests by the
+        measure; None without a test.
     better_share : float
         Vargha and Delaney's A: probability that a run of the strategy is better, where a tie
         counts half.
@@ -94,8 +112,9 @@ class Comparison:
     baseline: str
     median: float
     baseline_median: float
+    kind: Kind
     pairs: int
-    p_value: float
+    p_value: float | None
     better_share: float
     size: Magnitude
     mark: Mark
@@ -161,6 +180,20 @@ class Study:
         """Return the results of a strategy in a setting in the order of repetitions, maybe none."""
         return self._by_condition.get(in_setting(setting, strategy), [])
 
+    def distinct(self, setting: Condition, strategy: str) -> list[Result]:
+        """Return the distinct runs of a strategy in a setting: those that were made."""
+        return [result for result in self.of(setting, strategy) if result.same_as is None]
+
+    def is_constant(self, setting: Condition, strategy: str) -> bool:
+        """Return whether a strategy has one run in a setting that is the same for every seed."""
+        distinct = self.distinct(setting, strategy)
+        return len(distinct) == 1 and not distinct[0].chance
+
+    @property
+    def has_constants(self) -> bool:
+        """Whether some strategy has one run in a setting that is the same for every seed."""
+        return any(self.is_constant(s, name) for s in self.settings for name in self.here(s))
+
     def here(self, setting: Condition) -> list[str]:
         """Return the labels of the strategies that have results in a setting."""
         return [strategy for strategy in self.strategies if self.of(setting, strategy)]
@@ -217,13 +250,14 @@ class Study:
 
     def summary(self, measure: Measure, setting: Condition, strategy: str) -> Summary | None:
         """Return a summary of a measure in a condition; None if no run has a value."""
-        results = self.of(setting, strategy)
+        results = self.distinct(setting, strategy)
         if not results or not self.has(measure, setting):
             return None
         values = np.array(measure.values(results))
         return Summary(
-            runs=len(values),
-            measured=sum(self._counts(measure, result) for result in results),
+            runs=len(self.of(setting, strategy)),
+            distinct=len(results),
+            measured=sum(map(measure.counts, results)),
             median=float(median(values)),
             middle=bootstrap([values], interquartile_mean, rng=SEED),
         )
@@ -232,20 +266,14 @@ class Study:
         self, measure: Measure, setting: Condition, strategy: str
     ) -> Interval | None:
         """Return the median of a measure in a condition with its interval; None as in `summary`."""
-        results = self.of(setting, strategy)
+        results = self.distinct(setting, strategy)
         if not results or not self.has(measure, setting):
             return None
         return bootstrap([measure.values(results)], median, rng=SEED)
 
     def finite(self, measure: Measure, setting: Condition, strategy: str) -> list[float]:
         """Return the finite values of a measure in a condition."""
-        results = [r for r in self.of(setting, strategy) if self._counts(measure, r)]
-        return measure.values(results)
-
-    def _counts(self, measure: Measure, result: Result) -> bool:
-        return measure.of(result) is not None and (
-            not measure.lower_is_better or result.status == "complete"
-        )
+        return measure.values(filter(measure.counts, self.distinct(setting, strategy)))
 
     # Comparing ---------------------------------------------------------------------------------
 
@@ -259,64 +287,72 @@ class Study:
         return self._compared[measure.name]
 
     def _compare(self, measure: Measure) -> list[Comparison]:
-        found = []
+        found: list[_Sides] = []
         for setting in self.settings:
-            if not self.has(measure, setting):
-                continue
-            for strategy in self.rivals:
-                a, b = self._pairs(measure, setting, strategy)
-                if a:
-                    found.append((setting, strategy, a, b))
-        tests = corrected([paired(a, b) for _, _, a, b in found])
-        pairs = [len(a) for _, _, a, _ in found]
+            if self.has(measure, setting):
+                for strategy in self.rivals:
+                    sides = self._sides(measure, setting, strategy)
+                    if sides.mine:
+                        found.append(sides)
+        tested = [sides for sides in found if sides.kind != "none"]
+        tests = iter(corrected([paired(sides.mine, sides.theirs) for sides in tested]))
+        pairs = [len(sides.mine) for sides in tested]
         return [
-            self._comparison(measure, setting, strategy, a, b, test, pairs)
-            for (setting, strategy, a, b), test in zip(found, tests, strict=True)
+            self._comparison(measure, sides, None if sides.kind == "none" else next(tests), pairs)
+            for sides in found
         ]
 
-    def _pairs(
-        self, measure: Measure, setting: Condition, strategy: str
-    ) -> tuple[list[float], list[float]]:
-        mine = {result.repetition: result for result in self.of(setting, strategy)}
-        theirs = {result.repetition: result for result in self.of(setting, self.baseline)}
+    def _sides(self, measure: Measure, setting: Condition, strategy: str) -> _Sides:
+        """Return the values of a strategy and of the baseline that are compared."""
+        mine = {result.repetition: result for result in self.distinct(setting, strategy)}
+        theirs = {result.repetition: result for result in self.distinct(setting, self.baseline)}
+        constant = [self.is_constant(setting, name) for name in (strategy, self.baseline)]
+        kind: Kind = "none" if all(constant) else "one-sample" if any(constant) else "paired"
         both = sorted(mine.keys() & theirs.keys())
-        return (
-            measure.values(mine[repetition] for repetition in both),
-            measure.values(theirs[repetition] for repetition in both),
-        )
+        a = measure.values(mine[k] for k in (mine if any(constant) else both))
+        b = measure.values(theirs[k] for k in (theirs if any(constant) else both))
+        # One value stands for each run of the other side.
+        if constant[0] and not constant[1]:
+            a *= len(b)
+        elif constant[1] and not constant[0]:
+            b *= len(a)
+        if not (a and b):
+            a, b = [], []
+        return _Sides(setting=setting, strategy=strategy, kind=kind, mine=a, theirs=b)
 
     def _comparison(
-        self,
-        measure: Measure,
-        setting: Condition,
-        strategy: str,
-        a: Sequence[float],
-        b: Sequence[float],
-        test: RankTest,
-        pairs: Iterable[int],
+        self, measure: Measure, sides: _Sides, test: RankTest | None, pairs: Iterable[int]
     ) -> Comparison:
+        a, b = sides.mine, sides.theirs
         a_lower = vargha_delaney(a, b)
         # The smallest adjusted p-value that this number of pairs can have.
         clearest = 2.0 ** (1 - len(a)) * sum(other <= len(a) for other in pairs)
         return Comparison(
             measure=measure,
-            setting=setting,
-            strategy=strategy,
+            setting=sides.setting,
+            strategy=sides.strategy,
             baseline=self.baseline,
             median=float(median(np.array(a))),
             baseline_median=float(median(np.array(b))),
+            kind=sides.kind,
             pairs=len(a),
-            p_value=test.p_value,
+            p_value=None if test is None else test.p_value,
             better_share=a_lower if measure.lower_is_better else 1.0 - a_lower,
             size=magnitude(a_lower),
-            mark=mark(test, lower_is_better=measure.lower_is_better),
-            decidable=clearest < SIGNIFICANCE,
+            mark="" if test is None else mark(test, lower_is_better=measure.lower_is_better),
+            decidable=test is not None and clearest < SIGNIFICANCE,
         )
 
 
-def setting_of(condition: Condition) -> Condition:
-    """Return a condition without its strategy."""
-    return in_setting(condition, "")
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Sides:
+    """Values of a strategy and of the baseline in a setting, in pairs; empty without runs."""
+
+    setting: Condition
+    strategy: str
+    kind: Kind
+    mine: list[float]
+    theirs: list[float]
 
 
 def in_setting(setting: Condition, strategy: str) -> Condition:
@@ -341,6 +377,6 @@ def chosen_measures(names: Sequence[str] = ()) -> tuple[Measure, ...]:
 
 
 def other_measures(chosen: Sequence[Measure]) -> list[Measure]:
-    """Return all measures but the given ones."""
-    names = {measure.name for measure in chosen}
+    """Return all measures but the given ones; success has tables of its own."""
+    names = {"success", *(measure.name for measure in chosen)}
     return [measure for measure in MEASURES if measure.name not in names]

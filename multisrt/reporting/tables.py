@@ -3,16 +3,24 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections import Counter
+from collections.abc import Callable
 
 import numpy as np
 
 from multisrt.experiments.crossing import Condition
-from multisrt.experiments.measures import Measure, measure_named
-from multisrt.experiments.results import Result, Results
+from multisrt.experiments.measures import INTEGRALS, Measure, measure_named
+from multisrt.experiments.results import Results
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.reporting.layout import Cell, Table, number, slug
 from multisrt.reporting.study import SEED, Comparison, Study, team_name
+from multisrt.reporting.words import (
+    INFINITY_NOTE,
+    constants_note,
+    horizon_note,
+    significance_note,
+    success_words,
+)
 from multisrt.statistics.intervals import Interval, wilson
 from multisrt.statistics.power_law import fit_power_law
 from multisrt.statistics.profiles import gap
@@ -71,31 +79,32 @@ def measure_table(study: Study, measure: Measure) -> Table:
             _summary_cell(study, measure, setting, strategy, compared.get((setting, strategy)))
             for strategy in study.strategies
         ]
-        rows.append((*_labels(study, setting), *cells))
+        rows.append((*labels(study, setting), *cells))
     notes = [
         "Median of all runs, and in brackets the interquartile mean with its "
         f"95 % interval (stratified bootstrap). "
         f"{'Lower' if measure.lower_is_better else 'Higher'} is better."
     ]
-    fewest = min(
-        (len(study.of(s, name)) for s in study.settings for name in study.here(s)), default=0
-    )
+    sizes = [
+        len(study.distinct(s, name))
+        for s in study.settings
+        for name in study.here(s)
+        if not study.is_constant(s, name)
+    ]
+    fewest = min(sizes, default=0)
     if 1 < fewest < MIN_RUNS_FOR_INTERVALS:
         notes.append(
             f"Some conditions have only {fewest} runs: bootstrap intervals of so few runs are too "
             "narrow."
         )
-    if study.rivals:
-        notes.append(
-            f"+ significantly better than {study.baseline}, - significantly worse, no mark: no "
-            "significant difference (paired Wilcoxon signed-rank test, p < 0.05 after Holm's "
-            f"correction over all {len(compared)} comparisons of this table)."
-        )
+    if measure.name in INTEGRALS:
+        notes.append(horizon_note(study))
+    if any(c.kind != "none" for c in compared.values()):
+        notes.append(significance_note(study, measure))
+    if study.has_constants:
+        notes.append(constants_note(study))
     if any("∞" in cell.line for row in rows for cell in row):
-        notes.append(
-            "∞: too many runs were not complete, or did not get there, for a finite value; they "
-            "count as worse than all others."
-        )
+        notes.append(INFINITY_NOTE)
     return Table(
         name=slug(measure.name),
         title=measure.heading,
@@ -107,35 +116,50 @@ def measure_table(study: Study, measure: Measure) -> Table:
 
 
 def success_table(study: Study) -> Table:
-    """Return the table of the shares of runs that were complete, without a collision."""
+    """Return the table of the shares of runs that are a success, and of how runs ended."""
 
-    def cell(results: Sequence[Result]) -> Cell:
-        good = sum(not result.failed for result in results)
+    def cell(setting: Condition, strategy: str) -> Cell:
+        results = study.distinct(setting, strategy)
+        good = sum(result.success for result in results)
         share = wilson(good, len(results))
+        ends = Counter(result.status for result in results)
+        told = [f"{100 * share.low:.0f} to {100 * share.high:.0f} %"]
+        if study.is_constant(setting, strategy):
+            told = ["1 run"]
+        if set(ends) != {"complete"}:
+            told += [f"{count} {status.replace('_', ' ')}" for status, count in ends.items()]
         return Cell(
             text=f"{good} of {len(results)}",
-            detail=f"({100 * share.low:.0f} to {100 * share.high:.0f} %)",
+            detail=f"({', '.join(told)})",
             sort=share.value,
             data={
                 "successes": good,
-                "runs": len(results),
+                "runs": len(study.of(setting, strategy)),
+                "distinct": len(results),
                 "low": share.low,
                 "high": share.high,
+                **{str(status): count for status, count in ends.items()},
             },
         )
 
+    notes = [
+        "In brackets Wilson's 95 % interval of the success rate; then how the runs ended, unless "
+        "all of them were complete."
+    ]
+    if study.has_constants:
+        notes.append(constants_note(study))
     return Table(
-        name="success",
-        title="Runs that were complete, without a collision",
+        name="success-rates",
+        title=f"Runs that are a success: {success_words(study.results)}",
         columns=("World", "Team", *study.strategies),
         rows=_rows(study, cell),
         labels=2,
-        notes=("In brackets Wilson's 95 % interval of the success rate.",),
+        notes=tuple(notes),
     )
 
 
 def gap_table(study: Study) -> Table | None:
-    """Return the table of gaps to the lower bound of the exploration time; None without bounds."""
+    """Return the table of gaps between makespans and their lower bounds; None without bounds."""
     gaps = gaps_to_bounds(study)
     if not gaps:
         return None
@@ -155,19 +179,20 @@ def gap_table(study: Study) -> Table | None:
     where = "the only setting" if settings == 1 else f"the {settings} settings"
     return Table(
         name="gap",
-        title="Exploration time above its lower bound",
+        title="Makespan above its lower bound",
         columns=("Strategy", "Gap"),
         rows=tuple(rows),
         notes=(
             f"Interquartile mean over all runs in {where} that all strategies share, with its 95 % "
-            "interval (stratified bootstrap). 0 % is a time that no team of these robots can beat, "
-            "even if it knows the world. Runs that were not complete count as infinite.",
+            "interval (stratified bootstrap). 0 % is a time in which no team of these robots can "
+            "see everything, even if it knows the world. Runs that are no success count as "
+            "infinite.",
         ),
     )
 
 
 def gaps_to_bounds(study: Study) -> dict[str, Interval]:
-    """Return the gaps to the lower bound of the exploration time, by strategy."""
+    """Return the gaps between makespans and their lower bounds, by strategy."""
     over = measure_named("over_bound")
     settings = bounded_settings(study)
     if not settings:
@@ -180,8 +205,8 @@ def gaps_to_bounds(study: Study) -> dict[str, Interval]:
 
 
 def bounded_settings(study: Study) -> list[Condition]:
-    """Return the settings that all strategies share and whose complete runs all have a bound."""
-    over, time = measure_named("over_bound"), measure_named("known_complete_s")
+    """Return the settings that all strategies share and whose measured runs all have a bound."""
+    over = measure_named("over_bound")
     return [
         setting
         for setting in study.shared_settings()
@@ -190,7 +215,7 @@ def bounded_settings(study: Study) -> list[Condition]:
             over.of(result) is not None
             for strategy in study.strategies
             for result in study.of(setting, strategy)
-            if time.of(result) is not None
+            if result.metrics is not None
         )
     ]
 
@@ -204,7 +229,7 @@ def growth_table(study: Study, measure: Measure) -> Table | None:
             sizes: list[float] = []
             values: list[float] = []
             for setting in settings:
-                own = measure.values(study.of(setting, strategy))
+                own = measure.values(study.distinct(setting, strategy))
                 sizes += [float(setting.robots)] * len(own)
                 values += own
             cells.append(_growth_cell(sizes, values))
@@ -220,7 +245,7 @@ def growth_table(study: Study, measure: Measure) -> Table | None:
         notes=(
             "Exponent of a power law in the number of robots, fitted to all runs, with its 95 % "
             "interval: with -1 twice the robots need half, with 0 team size has no effect. "
-            "Empty if runs were not complete, or there are too few of them.",
+            "Empty if runs are no success, or there are too few of them.",
         ),
     )
 
@@ -228,7 +253,8 @@ def growth_table(study: Study, measure: Measure) -> Table | None:
 def computing_table(study: Study) -> Table:
     """Return the table of computing time and memory of runs."""
 
-    def cell(results: Sequence[Result]) -> Cell:
+    def cell(setting: Condition, strategy: str) -> Cell:
+        results = study.distinct(setting, strategy)
         times = [result.computing_s for result in results]
         memory = max(result.memory_mb for result in results)
         middle = float(np.median(times))
@@ -249,17 +275,20 @@ def computing_table(study: Study) -> Table:
     )
 
 
-def _rows(study: Study, cell: Callable[[Sequence[Result]], Cell]) -> tuple[tuple[Cell, ...], ...]:
+def _rows(study: Study, cell: Callable[[Condition, str], Cell]) -> tuple[tuple[Cell, ...], ...]:
     """Return a row for each setting, with a cell for each strategy."""
     rows = []
     for setting in study.settings:
-        found = [study.of(setting, strategy) for strategy in study.strategies]
-        cells = [cell(results) if results else NOTHING for results in found]
-        rows.append((*_labels(study, setting), *cells))
+        cells = [
+            cell(setting, strategy) if study.distinct(setting, strategy) else NOTHING
+            for strategy in study.strategies
+        ]
+        rows.append((*labels(study, setting), *cells))
     return tuple(rows)
 
 
-def _labels(study: Study, setting: Condition) -> tuple[Cell, Cell]:
+def labels(study: Study, setting: Condition) -> tuple[Cell, Cell]:
+    """Return the cells that name a setting: its world and its team."""
     return (
         Cell(text=study.scene_name(setting)),
         Cell(text=team_name(setting), sort=None if setting.team else setting.robots),
@@ -284,12 +313,16 @@ def _summary_cell(
         "low": middle.low,
         "high": middle.high,
         "runs": found.runs,
+        "distinct": found.distinct,
         "measured": found.measured,
     }
     if compared is not None:
-        data |= {"mark": compared.mark, "p": compared.p_value, "A": compared.better_share}
+        data |= {"mark": compared.mark, "A": compared.better_share}
+        data |= {} if compared.p_value is None else {"p": compared.p_value}
     # One run has no interval.
-    detail = f"[{value}: {low} to {high}]" if found.runs > 1 else ""
+    detail = f"[{value}: {low} to {high}]" if found.distinct > 1 else ""
+    if study.is_constant(setting, strategy):
+        detail = "(1 run)"
     return Cell(
         text=number(found.median, measure.digits),
         detail=detail,

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 from multisrt.experiments.measures import Measure
+from multisrt.experiments.results import Results
 from multisrt.reporting.layout import number
 from multisrt.reporting.study import Comparison, Study, team_name
 from multisrt.statistics.rank_tests import SIGNIFICANCE
 
 LESS_AND_MORE = {
+    "time_to_95_s": ("covers 95 % in {} less time", "covers 95 % in {} more time"),
     "known_complete_s": ("needs {} less time", "needs {} more time"),
     "makespan_s": ("is home {} sooner", "is home {} later"),
     "total_distance_m": ("drives {} less", "drives {} more"),
@@ -20,12 +23,94 @@ LESS_AND_MORE = {
 
 HOW_TO_READ = (
     "Strategies are compared in pairs of runs under the same conditions (paired Wilcoxon "
-    "signed-rank test). P-values are adjusted by Holm's procedure over all comparisons by one "
+    "signed-rank test). A strategy whose runs are the same for every seed has one run; the runs of "
+    "another are compared with it by the one-sample signed-rank test, and two such runs without a "
+    "test. P-values are adjusted by Holm's procedure over all tests by one "
     f"measure; a difference is significant if p < {SIGNIFICANCE:g}. A is the probability that a "
     "run of the first strategy is better than a run of the second (Vargha and Delaney); 0.5 means "
-    "no difference. Runs that were not complete count as worse than all others. A difference that "
+    "no difference. Runs that are no success count as worse than all others. A difference that "
     "is not significant may still exist."
 )
+
+INFINITY_NOTE = (
+    "∞: too many runs are no success, or did not get there, for a finite value; they count as "
+    "worse than all others."
+)
+
+
+def success_words(results: Results) -> str:
+    """Return what makes a run a success.
+
+    Parameters
+    ----------
+    results : Results
+        Results of an experiment.
+
+    Returns
+    -------
+    str
+        The threshold, in words.
+    """
+    percent = 100.0 * results.experiment.success_coverage
+    return f"at least {percent:g} % of the explorable area covered, without a collision"
+
+
+def totals(results: Results) -> str:
+    """Return how many runs are a success, how many of them are distinct, and how all ended.
+
+    Parameters
+    ----------
+    results : Results
+        Results of an experiment.
+
+    Returns
+    -------
+    str
+        Such as "38 of 40 runs are a success (39 complete, 1 stalled)".
+    """
+    good = sum(result.success for result in results)
+    copies = sum(result.same_as is not None for result in results)
+    ends = Counter(result.status.replace("_", " ") for result in results)
+    told = [f"{count} {status}" for status, count in ends.items()]
+    if copies:
+        told.append(f"{len(results) - copies} distinct")
+    outcome = f" ({', '.join(told)})" if told else ""
+    return f"{good} of {results.planned} runs are a success{outcome}"
+
+
+def horizon_note(study: Study) -> str:
+    """Return a sentence on the time to which integrals run."""
+    if study.results.experiment.horizon_s is not None:
+        return f"Integrals run to {study.results.experiment.horizon_s:g} s."
+    found = sorted({r.horizon_s for r in study.results if r.horizon_s is not None})
+    if not found:
+        return "No run was measured."
+    span = number(found[0], 1) + (f" to {number(found[-1], 1)}" if len(found) > 1 else "")
+    return f"Integrals run to the end of the longest run of each setting ({span} s)."
+
+
+def constants_note(study: Study) -> str:
+    """Return a sentence on strategies that have one run in a setting, the same for every seed."""
+    copies = max(
+        len(study.of(setting, strategy))
+        for setting in study.settings
+        for strategy in study.here(setting)
+        if study.is_constant(setting, strategy)
+    )
+    return (
+        f"(1 run): {_counted(copies, 'repetition')}, 1 distinct run, because nothing in it depends "
+        "on the seed. It counts once and has no interval."
+    )
+
+
+def significance_note(study: Study, measure: Measure) -> str:
+    """Return a sentence on the marks of a table whose columns are each a family of tests."""
+    tests = sum(found.kind != "none" for found in study.comparisons(measure))
+    return (
+        f"+ significantly better than {study.baseline}, - significantly worse, no mark: no "
+        "significant difference (Wilcoxon signed-rank test, p < 0.05 after Holm's correction over "
+        f"all {tests} comparisons by one measure)."
+    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -41,7 +126,8 @@ class Findings:
     significant : tuple of str
         A sentence per significant difference.
     others : tuple of str
-        A sentence per group of comparisons without a significant difference.
+        A sentence per group of comparisons without a significant difference, and per pair of
+        strategies that have one run each.
     too_few : str
         The numbers of comparisons and pairs if they are too few for any significance, else empty.
     """
@@ -63,8 +149,13 @@ def findings(study: Study, measure: Measure) -> Findings:
         measure=measure,
         counts=tuple(_counts(study, compared)),
         significant=tuple(difference(study, c) for c in compared if c.mark),
-        others=tuple(_groups(study, [c for c in compared if not c.mark])),
-        too_few="" if any(c.decidable for c in compared) else _too_few(compared),
+        others=(
+            *_groups(study, [c for c in compared if not c.mark and c.kind != "none"]),
+            *(_without_test(study, c) for c in compared if c.kind == "none"),
+        ),
+        too_few=""
+        if any(c.decidable or c.kind == "none" for c in compared)
+        else _too_few(compared),
     )
 
 
@@ -73,11 +164,30 @@ def difference(study: Study, found: Comparison) -> str:
     digits, unit = found.measure.digits, found.measure.unit
     of = " ".join((number(found.median, digits), unit)).strip()
     against = " ".join((number(found.baseline_median, digits), unit)).strip()
-    where = study.words(found.setting)
+    assert found.p_value is not None
+    test = (
+        f"{found.pairs} pairs, paired rank test"
+        if found.kind == "paired"
+        else f"{found.pairs} runs against one, one-sample rank test"
+    )
     return (
-        f"{where[0].upper()}{where[1:]} {_what_differs(found)} "
-        f"(median {of} against {against}; {found.pairs} pairs, paired rank test, Holm-corrected "
-        f"p {p_value(found.p_value)}; A = {found.better_share:.2f}, {found.size})."
+        f"{_where(study, found)} {_what_differs(found)} (median {of} against {against}; {test}, "
+        f"Holm-corrected p {p_value(found.p_value)}; A = {found.better_share:.2f}, {found.size})."
+    )
+
+
+def _where(study: Study, found: Comparison) -> str:
+    where = study.words(found.setting)
+    return f"{where[0].upper()}{where[1:]}"
+
+
+def _without_test(study: Study, found: Comparison) -> str:
+    digits, unit = found.measure.digits, found.measure.unit
+    mine, theirs = number(found.median, digits), number(found.baseline_median, digits)
+    return (
+        f"{_where(study, found)} {found.strategy} and {found.baseline} have one run each, the same "
+        f"for every seed: {mine} against {theirs} {unit}".rstrip()
+        + "."
     )
 
 
@@ -93,16 +203,26 @@ def p_value(p: float) -> str:
 
 
 def what_was_run(study: Study) -> str:
-    """Return a sentence or two on the numbers of runs, failures, strategies, worlds and teams."""
+    """Return some sentences on the numbers of runs, failures, strategies, worlds and teams."""
     results = study.results
     made, planned = len(results), results.planned
     worlds = len({setting.environment for setting in study.settings})
     teams = list(dict.fromkeys(team_name(setting) for setting in study.settings))
-    failed = sum(result.failed for result in results)
+    failed = Counter(r.status.replace("_", " ") for r in results if r.failed)
+    copies = sum(result.same_as is not None for result in results)
     text = f"{_counted(planned, 'run')} asked for, {made} made"
     if made < planned:
         text += f" ({planned - made} still missing; this report covers those that were made)"
-    text += f"; {failed or 'none'} of them failed. "
+    if copies:
+        text += (
+            f", {made - copies} of them distinct: where nothing depends on the seed, repetitions "
+            "are one run"
+        )
+    ends = ", ".join(f"{count} {status}" for status, count in failed.items())
+    text += (
+        f"; {failed.total() or 'none'} of the runs {'is' if failed.total() == 1 else 'are'} no "
+        f"success{f' ({ends})' if ends else ''}. Success: {success_words(results)}. "
+    )
     if study.strategies:
         text += (
             f"{_counted(len(study.strategies), 'strategy', 'strategies')} "
@@ -154,7 +274,11 @@ def _counts(study: Study, compared: Sequence[Comparison]) -> list[str]:
             ("better in {}", sum(c.mark == "+" for c in own)),
             ("worse in {}", sum(c.mark == "-" for c in own)),
             ("no significant difference in {}", sum(not c.mark and c.decidable for c in own)),
-            ("too few runs to tell in {}", sum(not c.mark and not c.decidable for c in own)),
+            (
+                "too few runs to tell in {}",
+                sum(not c.mark and not c.decidable and c.kind != "none" for c in own),
+            ),
+            ("one run each in {}", sum(c.kind == "none" for c in own)),
         )
         if own:
             told = ", ".join(text.format(count) for text, count in kinds if count)
@@ -173,6 +297,7 @@ def _groups(study: Study, unclear: Sequence[Comparison]) -> list[str]:
             which = "; ".join(
                 f"{study.name(c.setting)} (p {p_value(c.p_value)}, A = {c.better_share:.2f})"
                 for c in decided
+                if c.p_value is not None
             )
             sentences.append(
                 f"No significant difference between {strategy} and {study.baseline}: {which}."

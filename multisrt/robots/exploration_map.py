@@ -50,8 +50,8 @@ class ExplorationMap:
         Width of the robot's own body in metres; default: `min_arc_m`. What was too narrow
         for another robot is closed if the own body is no narrower.
     robot : int, optional
-        The robot whose map this is: arcs that other robots could not reach, or found blocked by a
-        robot, stay open for it. Default: nobody's, and all such arcs are closed.
+        The robot whose map this is: arcs that other robots could not reach stay open for it.
+        Default: nobody's, and all such arcs are closed.
 
     Attributes
     ----------
@@ -185,7 +185,7 @@ class ExplorationMap:
         What lies along the closed arc is no longer frontier of its node, also if the node becomes
         known later. Whether this holds for the own body depends on the reason: arcs seen from
         near are closed for all; those too narrow, where the own body is no narrower; those not
-        reachable or blocked by a robot, for the robot that closed them.
+        reachable, for the robot that closed them.
 
         Parameters
         ----------

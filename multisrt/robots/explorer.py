@@ -442,6 +442,8 @@ class RobotSelf:
         When it begins.
     team_range_m : float or None
         Largest sensing range in the team; None: its own.
+    orders : object
+        What the plan of a strategy that sees the truth wants it to do; None for all others.
 
     Examples
     --------
@@ -469,6 +471,7 @@ class RobotSelf:
     radio: RadioSelf = RadioSelf()
     time_s: float = 0.0
     team_range_m: float | None = None
+    orders: object = None
 
     @property
     def max_range_m(self) -> float:

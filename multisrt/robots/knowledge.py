@@ -8,15 +8,15 @@ from typing import ClassVar, Final, NamedTuple, get_args
 
 import numpy as np
 
-from multisrt.events import ArcReason, NodeAdded, Stage
+from multisrt.events import ClosingReason, NodeAdded, Stage
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.numerics.kernel import FloatArray
 from multisrt.geometry.regions.safe_region import LocalSafeRegion
 from multisrt.robots.messages import Message
 
-REASONS: Final[tuple[ArcReason, ...]] = get_args(ArcReason)
-"""Reasons for which an arc is given up, as recordings have them."""
+REASONS: Final[tuple[ClosingReason, ...]] = get_args(ClosingReason)
+"""Reasons for which an arc is given up for good, as recordings have them."""
 
 CountsByRobot = Mapping[int, tuple[int, int]]
 """By robot, how many of its nodes and of its closings are known without a gap from its first."""
@@ -139,7 +139,7 @@ class Node:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Closing:
-    """A frontier arc that a robot gave up.
+    """A frontier arc that a robot gave up for good.
 
     Attributes
     ----------
@@ -149,7 +149,7 @@ class Closing:
         The node to whose frontier the arc belongs.
     arc : (k, 4) array
         The arc's segments x0, y0, x1, y1 in metres; read-only.
-    reason : ArcReason
+    reason : ClosingReason
         One of `REASONS`, which `multisrt.events.ArcClosed` explains.
     width_m : float
         Width in metres of the body of the robot that gave the arc up.
@@ -173,7 +173,7 @@ class Closing:
     id: ClosingId
     node: NodeId
     arc: FloatArray
-    reason: ArcReason
+    reason: ClosingReason
     width_m: float
 
     def __post_init__(self) -> None:

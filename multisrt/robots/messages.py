@@ -7,12 +7,15 @@ from typing import Any, ClassVar
 import msgspec
 import numpy as np
 
+from multisrt.geometry.numerics.arrays import builtin
+
 
 class Message(msgspec.Struct, frozen=True, kw_only=True):
     """A message from one robot to others; derive a class for every kind of message.
 
-    Fields may be numbers, strings, tuples, other structures, immutable dataclasses and read-only
-    numpy arrays. A message is not copied when it is sent, so nothing in it may change.
+    Fields may be numbers (also those of numpy), strings, tuples, other structures, immutable
+    dataclasses and read-only numpy arrays. A message is not copied when it is sent, so nothing in
+    it may change.
 
     Attributes
     ----------
@@ -47,7 +50,7 @@ class Message(msgspec.Struct, frozen=True, kw_only=True):
 def _plain(value: Any) -> Any:
     if isinstance(value, np.ndarray):
         return value.tobytes()
-    raise TypeError(f"a message cannot hold a {type(value).__name__}")
+    return builtin(value)
 
 
 _ENCODER = msgspec.msgpack.Encoder(enc_hook=_plain)

@@ -7,15 +7,16 @@ Other packages add their own by an entry point in the group ``multisrt.strategie
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cache
-from importlib.metadata import entry_points
+from importlib.metadata import EntryPoint, entry_points
 from typing import Any
 
 import msgspec
 
+from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import InvalidInputError, did_you_mean
 from multisrt.geometry.regions.safe_region import Shape
 from multisrt.planners.motion.kinematics import Car
@@ -38,6 +39,11 @@ from multisrt.robots.multi_srt.options import MultiSrtOptions
 from multisrt.spec import RunSpec
 from multisrt.validation_errors import explained
 
+Plan = Callable[
+    [RunSpec, Any, Sequence[Configuration], Callable[[float], None] | None], Sequence[object]
+]
+"""Plans a run on the truth; its second parameter is the environment, which robots do not know."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Strategy:
@@ -57,6 +63,10 @@ class Strategy:
         Builds the `Explorer` of one robot from its `RobotSelf` and the options.
     fits : callable or None
         Takes a `RunSpec`, and raises `InvalidInputError` if the strategy cannot make that run.
+    plan : callable or None
+        For a strategy that sees the truth: takes the `RunSpec`, the environment, the starts and
+        a callable that is told of its progress or None; returns for each robot what its
+        `RobotSelf.orders` are to be. None: robots know what they sense and hear.
 
     Examples
     --------
@@ -79,6 +89,12 @@ class Strategy:
     options: type[msgspec.Struct]
     explorer: Callable[[RobotSelf, Any], Explorer]
     fits: Callable[[RunSpec], None] | None = None
+    plan: Plan | None = None
+
+    @property
+    def sees_truth(self) -> bool:
+        """Whether its robots know the map: it is a reference then, and no competitor."""
+        return self.plan is not None
 
     def require_fit(self, spec: RunSpec) -> None:
         """Check that this strategy can make a run.
@@ -274,7 +290,7 @@ def broken_strategies() -> Mapping[str, str]:
 
 @cache
 def _registry() -> dict[str, Strategy]:
-    found = {s.name: s for s in _OWN}
+    found = {s.name: s for s in (*_OWN, _INFORMED.load())}
     for entry, loaded in _from_entry_points()[0].items():
         if loaded.name in found:
             raise InvalidInputError(
@@ -399,3 +415,7 @@ _OWN = (
         fits=_require_talk,
     ),
 )
+
+_INFORMED = EntryPoint("informed", "multisrt.informed.registration:INFORMED", "multisrt.strategies")
+"""The strategy that sees the truth. It is loaded by its name, as those of other packages are: what
+runs on robots imports nothing of it."""

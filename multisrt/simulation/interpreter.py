@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from typing import Any
 
 from multisrt.events import Ended, Organized, Sensed
-from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.regions.scan import Scan
 from multisrt.robots.explorer import (
     Action,
@@ -29,6 +28,7 @@ from multisrt.robots.explorer import (
     Stop,
     TimedOut,
 )
+from multisrt.simulation import plain
 from multisrt.simulation.clock import LATE, ROUNDING_S, Clock
 from multisrt.simulation.faults import Faults
 from multisrt.simulation.journal import Journal
@@ -105,9 +105,9 @@ class Interpreter:
             pass
 
     def _interpret(self) -> Process:
-        robot = self._robot
+        robot, number = self._robot, self._robot.number
         outcome: Outcome = None
-        actions = self._explorer.run()
+        actions = self._begin()
         while True:
             action = self._next_action(actions, outcome)
             outcome = None
@@ -117,18 +117,20 @@ class Interpreter:
                     if robot.mailbox and robot.motion is None and not self._faults.is_doomed(robot):
                         outcome = self._received()
                     else:
-                        outcome = yield from self._wait(action.timeout_s)
+                        outcome = yield from self._wait(plain.timeout_s(action, number))
                 case Send():
                     self._mail.send(robot, action.message, action.to)
                 case Note():
-                    self._journal.record(action.event)
-                    if isinstance(action.event, Organized):
+                    event = plain.event(action.event, number, self._clock.now_s)
+                    self._journal.record(event)
+                    if isinstance(event, Organized):
                         self._faults.on_doing(robot, "master")
                 case Move():
-                    if not self._motions.begin(robot, action):
+                    move = plain.motion(action, number)
+                    if not self._motions.begin(robot, move):
                         return
                     self._faults.on_setting_out(robot)
-                    outcome = yield from self._wait(None, hears=action.listen)
+                    outcome = yield from self._wait(None, hears=move.listen)
                 case Sense():
                     outcome = self._scan()
                 case Look():
@@ -136,18 +138,26 @@ class Interpreter:
                 case Stop():
                     outcome = self._stop()
                 case Done():
+                    on_call = plain.is_on_call(action, number)
                     self._finish(action)
-                    if not action.on_call:
+                    if not on_call:
                         return
                     outcome = yield from self._wait(None)
                     robot.state = "on"
                 case _:
-                    raise InvalidInputError(
-                        f"the explorer of robot {robot.number} yielded {action!r}, "
-                        "which is no action"
-                    )
+                    plain.refuse_action(action, number)
             if robot.state == "dead" or self._motions.collision is not None:
                 return
+
+    def _begin(self) -> Generator[Action, Outcome, None]:
+        actions = self._explorer.run()
+        if not hasattr(actions, "send"):
+            plain.refuse(
+                self._robot.number,
+                f"run() gave a {type(actions).__name__}, not a generator",
+                "write run() as a generator: it yields actions and is sent their outcomes",
+            )
+        return actions
 
     def _next_action(self, actions: Generator[Action, Outcome, None], outcome: Outcome) -> Action:
         now_s, number = self._clock.now_s, self._robot.number
@@ -156,17 +166,15 @@ class Interpreter:
         self._journal.note_time(now_s)
         self._actions += 1
         if self._actions > MAX_ACTIONS:
-            raise InvalidInputError(
-                f"the explorer of robot {number} yielded {MAX_ACTIONS:,} actions at "
-                f"{now_s:g} s and lets no time pass; have it move, or wait with a Receive "
-                "that does not end at once"
+            plain.refuse(
+                number,
+                f"it yielded {MAX_ACTIONS:,} actions at {now_s:g} s and lets no time pass",
+                "have it move, or wait with a Receive that does not end at once",
             )
         try:
             return actions.send(outcome)
         except StopIteration:
-            raise InvalidInputError(
-                f"the explorer of robot {number} stopped without a last action Done"
-            ) from None
+            plain.refuse(number, "run() ended without a last action Done", "yield Done at the end")
 
     def _scan(self) -> Scan:
         now_s = self._clock.now_s
@@ -179,25 +187,32 @@ class Interpreter:
 
     def _stop(self) -> Moved:
         if self._robot.motion is None:
-            raise InvalidInputError(
-                f"the explorer of robot {self._robot.number} yielded Stop, but it stands"
+            plain.refuse(
+                self._robot.number,
+                "it yielded Stop, but it stands",
+                "Stop ends a motion: Move first",
             )
         return self._motions.end(self._robot, self._clock.now_s)
 
     def _finish(self, done: Done) -> None:
         robot = self._robot
         if robot.motion is not None:
-            raise InvalidInputError(
-                f"the explorer of robot {robot.number} yielded Done while a motion "
-                "goes on; yield Receive to wait for its end, or Stop"
+            plain.refuse(
+                robot.number,
+                "it yielded Done while a motion goes on",
+                "yield Receive to wait for its end, or Stop",
             )
-        end = Ended(
-            time_s=self._clock.now_s,
-            robot=robot.number,
-            reason=done.reason,
-            complete=done.complete,
-            frontier=done.frontier,
+        end = plain.as_declared(
+            Ended(
+                time_s=self._clock.now_s,
+                robot=robot.number,
+                reason=done.reason,
+                complete=done.complete,
+                frontier=done.frontier,
+            ),
+            robot.number,
         )
+        assert isinstance(end, Ended)
         # A robot that is called on and ends as before is not recorded again.
         if robot.end is None or _statement(robot.end) != _statement(end):
             self._journal.record(end)

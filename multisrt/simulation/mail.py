@@ -7,6 +7,7 @@ from functools import partial
 
 from multisrt.events import Sent
 from multisrt.robots.messages import Message
+from multisrt.simulation import plain
 from multisrt.simulation.clock import Clock
 from multisrt.simulation.journal import Journal
 from multisrt.simulation.radio import Radio
@@ -61,6 +62,7 @@ class Mail:
 
     def send(self, robot: Robot, message: Message, to: int | None) -> None:
         """Send a message to one robot, or to all that the radio reaches (None)."""
+        to, size_bytes = plain.addressee(to, robot.number), plain.size_bytes(message, robot.number)
         deliveries: list[tuple[int, float]] = []
         lost: list[int] = []
         if robot.hears:
@@ -70,7 +72,7 @@ class Mail:
                 time_s=self._clock.now_s,
                 robot=robot.number,
                 kind=message.kind,
-                size_bytes=message.size_bytes,
+                size_bytes=size_bytes,
                 reached=tuple(receiver for receiver, _ in deliveries),
                 lost=tuple(lost),
             )

@@ -9,9 +9,9 @@ from itertools import pairwise
 from multisrt.events import Blocked, Collision, Motion
 from multisrt.geometry.bodies.collision import Body, CollisionWorld
 from multisrt.geometry.configuration import Configuration
-from multisrt.geometry.errors import InvalidInputError
 from multisrt.planners.motion.trajectory import Trajectory, Waypoint
 from multisrt.robots.explorer import Move, Moved
+from multisrt.simulation import plain
 from multisrt.simulation.clock import ROUNDING_S, Clock
 from multisrt.simulation.encounters import Encounter
 from multisrt.simulation.journal import Journal
@@ -77,13 +77,14 @@ class Motions:
 
         Raises
         ------
-        InvalidInputError
+        ExplorerDefect
             If the robot moves already, or the trajectory does not start where it is.
         """
         if robot.motion is not None:
-            raise InvalidInputError(
-                f"the explorer of robot {robot.number} yielded Move while a motion goes on; "
-                "yield Receive to wait for its end, or Stop"
+            plain.refuse(
+                robot.number,
+                "it yielded Move while a motion goes on",
+                "yield Receive to wait for its end, or Stop",
             )
         now_s, number, trajectory = self._clock.now_s, robot.number, move.trajectory
         _require_start(trajectory, self._traffic.where(number, now_s), number)
@@ -234,7 +235,8 @@ def _require_start(trajectory: Trajectory, configuration: Configuration, number:
     start = trajectory.start
     turn = abs(math.remainder(start.heading - configuration.heading, 2.0 * math.pi))
     if start.distance(configuration) > START_TOLERANCE or turn > START_TOLERANCE:
-        raise InvalidInputError(
-            f"the explorer of robot {number} yielded a trajectory from {start}, "
-            f"but the robot is at {configuration}"
+        plain.refuse(
+            number,
+            f"it yielded a trajectory from {start}, but the robot is at {configuration}",
+            "begin every trajectory where the last motion ended",
         )

@@ -9,6 +9,7 @@ how long that takes.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Sequence
 from contextlib import nullcontext
 from functools import lru_cache
 from pathlib import Path
@@ -43,6 +44,7 @@ def simulate(
     *,
     path: str | Path | None = None,
     watch: Watcher | None = None,
+    planning: Callable[[float], None] | None = None,
 ) -> Recording:
     """Simulate an exploration.
 
@@ -56,6 +58,8 @@ def simulate(
         File to which the recording is written while the run goes on.
     watch : callable, optional
         Called with every event as it is recorded.
+    planning : callable, optional
+        Called with the share that is done while a strategy that sees the truth plans the run.
 
     Returns
     -------
@@ -65,8 +69,10 @@ def simulate(
     Raises
     ------
     InvalidInputError
-        If the spec cannot be run (the world, a start, the strategy or its options), if an
-        explorer yields something that it cannot do, or if `path` cannot be written.
+        If the spec cannot be run (the world, a start, the strategy or its options), or if `path`
+        cannot be written.
+    ExplorerDefect
+        If an explorer yields something that it cannot do; it is an `InvalidInputError`, too.
 
     Examples
     --------
@@ -91,6 +97,9 @@ def simulate(
     index = EdgeIndex(environment.edges, team_range_m / 3.0)
     radio = Radio(spec.radio, index, streams.of("radio"))
     joins = late_starts(spec.faults)
+    orders: Sequence[object] = [None] * len(spec.robots)
+    if chosen.plan is not None:
+        orders = chosen.plan(spec, environment, starts, planning)
     explorers = [
         chosen.explorer(
             RobotSelf(
@@ -104,6 +113,7 @@ def simulate(
                 radio=radio.datasheet(),
                 time_s=joins.get(number, 0.0),
                 team_range_m=team_range_m,
+                orders=orders[number],
             ),
             options,
         )

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from functools import cache
 from typing import Any, Literal, cast
 
 import msgspec
 
 from multisrt.geometry.errors import InvalidInputError
+from multisrt.geometry.numerics.arrays import builtin
 from multisrt.spec.environments import EnvironmentSpec
 from multisrt.spec.faults import Death, Fault, LateStart
 from multisrt.spec.part import Part, Scalar
@@ -126,7 +128,13 @@ class RunSpec(Part, frozen=True, kw_only=True):
         Returns
         -------
         RunSpec
-            The equal spec; fields that equal their defaults are not written.
+            The equal spec; fields that equal their defaults are not written, and numbers of numpy
+            are builtin ones.
+
+        Raises
+        ------
+        InvalidInputError
+            If a field has a value of another type than it declares; the message names it.
 
         Examples
         --------
@@ -136,7 +144,7 @@ class RunSpec(Part, frozen=True, kw_only=True):
         >>> same.canonical().to_json() == RunSpec(environment=world).canonical().to_json()
         True
         """
-        return cast(RunSpec, _less_defaults(RunSpec.from_json(msgspec.json.encode(self))))
+        return cast(RunSpec, _less_defaults(RunSpec.from_json(_written(self, msgspec.json.encode))))
 
     def to_json(self) -> str:
         """Return the spec as indented JSON.
@@ -159,7 +167,8 @@ class RunSpec(Part, frozen=True, kw_only=True):
           "seed": 7
         }
         """
-        return msgspec.json.format(msgspec.json.encode(self), indent=2).decode()
+        text: bytes = msgspec.json.format(_written(self, msgspec.json.encode), indent=2)
+        return text.decode()
 
     def to_toml(self) -> str:
         """Return the spec as TOML.
@@ -181,7 +190,8 @@ class RunSpec(Part, frozen=True, kw_only=True):
         name = "open"
         <BLANKLINE>
         """
-        return msgspec.toml.encode(self).decode()
+        text: bytes = _written(self, msgspec.toml.encode)
+        return text.decode()
 
     def to_dict(self) -> dict[str, Any]:
         """Return the spec as dictionaries, lists and scalars.
@@ -197,7 +207,7 @@ class RunSpec(Part, frozen=True, kw_only=True):
         >>> ms.RunSpec(environment=ms.CatalogEnvironment(name="open"), seed=7).to_dict()
         {'environment': {'from': 'catalog', 'name': 'open'}, 'seed': 7}
         """
-        return cast(dict[str, Any], msgspec.to_builtins(self))
+        return cast(dict[str, Any], _written(self, msgspec.to_builtins))
 
     @classmethod
     def from_json(cls, text: str | bytes) -> RunSpec:
@@ -262,6 +272,17 @@ class RunSpec(Part, frozen=True, kw_only=True):
             return msgspec.toml.decode(text, type=cls)
         except (msgspec.MsgspecError, RecursionError) as error:
             raise InvalidInputError(f"not a run spec: {explained(error, cls)}") from None
+
+
+def _written(spec: RunSpec, write: Callable[..., Any]) -> Any:
+    # Written by msgspec, with numbers of numpy as builtin ones.
+    try:
+        return write(spec, enc_hook=builtin)
+    except TypeError as error:
+        raise InvalidInputError(
+            f"a run spec holds text, numbers and its parts: {error}; convert numbers by float(x) "
+            "or int(x)"
+        ) from None
 
 
 def _less_defaults(part: Any) -> Any:

@@ -1,7 +1,8 @@
-"""Confidence intervals: stratified bootstrap of any statistic, and Wilson's for a share."""
+"""Intervals: stratified bootstrap of any statistic, Student's of a mean, Wilson's of a share."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
@@ -11,7 +12,12 @@ from scipy import stats
 
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.numerics.arrays import FloatArray
-from multisrt.statistics.samples import checked_level, checked_resamples, strata_of
+from multisrt.statistics.samples import (
+    checked_level,
+    checked_resamples,
+    finite_sample_of,
+    strata_of,
+)
 from multisrt.statistics.summaries import Statistic, quantile
 
 RESAMPLES = 2000
@@ -219,6 +225,41 @@ def wilson(successes: int, count: int, level: float = LEVEL) -> Interval:
     result = stats.binomtest(successes, count)
     ends = result.proportion_ci(checked_level(level), method="wilson")
     return Interval(successes / count, float(ends.low), float(ends.high))
+
+
+def student(values: ArrayLike, level: float = LEVEL) -> Interval:
+    """Return the mean of values with Student's interval.
+
+    Parameters
+    ----------
+    values : array_like, shape (n,)
+        At least two finite values.
+    level : float
+        Confidence level, between 0 and 1.
+
+    Returns
+    -------
+    Interval
+        The mean and its interval.
+
+    Raises
+    ------
+    InvalidInputError
+        If there are fewer than two values, one is not finite, or the level is out of range.
+
+    Examples
+    --------
+    >>> found = student([1.0, 2.0, 3.0])
+    >>> found.value, round(found.low, 3), round(found.high, 3)
+    (2.0, -0.484, 4.484)
+    """
+    sample = finite_sample_of(values)
+    if sample.size < 2:
+        raise InvalidInputError("Student's interval needs at least two values, not one")
+    middle = float(sample.mean())
+    quantile_of_t = float(stats.t.ppf(0.5 + 0.5 * checked_level(level), sample.size - 1))
+    half = quantile_of_t * float(sample.std(ddof=1)) / math.sqrt(sample.size)
+    return Interval(middle, middle - half, middle + half)
 
 
 def _resampled(

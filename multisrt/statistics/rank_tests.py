@@ -1,8 +1,8 @@
 """Rank tests of two sets of runs, Holm's correction, and the marks of a table.
 
-The tests are two-sided. Up to `MAX_EXACT` runs they are exact: scipy's without ties, and with ties
-by counting the arrangements of the ranks. Beyond that they are scipy's normal approximations,
-which account for ties.
+The tests are two-sided. Up to `MAX_EXACT` runs in both samples together, or pairs that differ,
+they are exact: scipy's without ties, and with ties by counting the arrangements of the ranks.
+Beyond that they are scipy's normal approximations, which account for ties.
 """
 
 from __future__ import annotations
@@ -16,12 +16,16 @@ from numpy.typing import ArrayLike
 from scipy import stats
 
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.geometry.numerics.arrays import FloatArray, IntArray
+from multisrt.geometry.numerics.arrays import FloatArray
+from multisrt.statistics.permutations import (
+    MAX_EXACT,
+    doubled_ranks,
+    two_sided,
+    ways_of_choosing,
+    ways_of_signing,
+)
 from multisrt.statistics.samples import finite_sample_of, sample_of
 from multisrt.statistics.wins import share_of_wins
-
-MAX_EXACT = 50
-"""Number of runs in both samples together, or of pairs that differ, up to which a test is exact."""
 
 SIGNIFICANCE = 0.05
 """Default significance level: a smaller p-value is significant."""
@@ -80,9 +84,9 @@ def unpaired(a: ArrayLike, b: ArrayLike) -> RankTest:
         return RankTest(p_value=1.0, a_lower=a_lower)
     small = pooled.size <= MAX_EXACT
     if small and _has_ties(pooled):
-        doubled = _doubled(ranks)
-        ways = _ways_of_choosing(doubled, of_a.size)
-        p_value = _two_sided(ways, int(doubled[: of_a.size].sum()))
+        doubled = doubled_ranks(pooled)
+        ways = ways_of_choosing(doubled, of_a.size)
+        p_value = two_sided(ways, int(doubled[: of_a.size].sum()))
     else:
         p_value = float(
             stats.mannwhitneyu(
@@ -134,8 +138,8 @@ def paired(a: ArrayLike, b: ArrayLike) -> RankTest:
     ranks = stats.rankdata(sizes)
     a_is_lower = differences > 0.0
     if sizes.size <= MAX_EXACT and _has_ties(sizes):
-        doubled = _doubled(ranks)
-        p_value = _two_sided(_ways_of_signing(doubled), int(doubled[a_is_lower].sum()))
+        doubled = doubled_ranks(sizes)
+        p_value = two_sided(ways_of_signing(doubled), int(doubled[a_is_lower].sum()))
     else:
         # scipy chooses the exact distribution up to fifty pairs without ties.
         p_value = float(stats.wilcoxon(np.where(a_is_lower, ranks, -ranks)).pvalue)
@@ -242,40 +246,6 @@ def mark(
     if test.p_value >= significance or test.a_lower == 0.5:
         return ""
     return "+" if (test.a_lower > 0.5) == lower_is_better else "-"
-
-
-# Exact distributions with ties ---------------------------------------------------------------
-# Source: Streitberg and Röhmel, Exact distributions for permutation and rank tests: an
-# introduction to some recently published algorithms, Statistical Software Newsletter 12, 1986.
-# Mean ranks of ties are multiples of a half; doubled, all are integers.
-
-
-def _ways_of_choosing(ranks: IntArray, chosen: int) -> FloatArray:
-    """Return, at index s, the number of ways to choose `chosen` ranks with sum s."""
-    ways = np.zeros((chosen + 1, int(ranks.sum()) + 1))
-    ways[0, 0] = 1.0
-    for rank in ranks:
-        ways[1:, rank:] += ways[:-1, :-rank].copy()
-    return np.asarray(ways[chosen])
-
-
-def _ways_of_signing(ranks: IntArray) -> FloatArray:
-    """Return, at index s, the number of sign vectors whose positive ranks sum to s."""
-    ways = np.zeros(int(ranks.sum()) + 1)
-    ways[0] = 1.0
-    for rank in ranks:
-        ways[rank:] += ways[:-rank].copy()
-    return ways
-
-
-def _two_sided(ways: FloatArray, seen: int) -> float:
-    """Return twice the smaller probability of the two tails that include the observed sum."""
-    lighter = min(ways[: seen + 1].sum(), ways[seen:].sum())
-    return float(min(1.0, 2.0 * lighter / ways.sum()))
-
-
-def _doubled(ranks: FloatArray) -> IntArray:
-    return np.rint(2.0 * ranks).astype(np.int64)
 
 
 def _has_ties(values: FloatArray) -> bool:

@@ -14,12 +14,13 @@ import numpy as np
 from multisrt.environments.environment import Environment
 from multisrt.events import Collision
 from multisrt.recording import Recording, RunOutcome
+from multisrt.robots.defects import ExplorerDefect, brief
 from multisrt.robots.explorer import Action, Explorer, Move, Outcome, RobotSelf
 from multisrt.robots.registry import Strategy, registered
 from multisrt.simulation.random_streams import random_stream
 from multisrt.simulation.simulate import simulate
 from multisrt.spec import RunSpec
-from multisrt.testing.defects import ExplorerDefect, brief
+from multisrt.testing.account import differences
 from multisrt.testing.fingerprint import fingerprint
 from multisrt.testing.hidden_truth import named_by_code
 from multisrt.testing.supervision import SupervisedExplorer, Supervision
@@ -47,6 +48,9 @@ class CheckedRun:
         Number of actions that the explorers yielded.
     digest : str
         Digest of the recording.
+    differences : tuple of str
+        Where the explorers' own account and their scans differ; see
+        `multisrt.testing.account.differences`.
 
     Examples
     --------
@@ -63,12 +67,16 @@ class CheckedRun:
     time_s: float
     actions: int
     digest: str
+    differences: tuple[str, ...] = ()
 
     def __str__(self) -> str:
         team = "1 robot" if self.robots == 1 else f"{self.robots} robots"
-        return (
-            f"{team} in {self.world!r}: {self.outcome} after {self.time_s:.0f} s, "
-            f"{self.actions} actions"
+        return "\n".join(
+            (
+                f"{team} in {self.world!r}: {self.outcome} after {self.time_s:.0f} s, "
+                f"{self.actions} actions",
+                *(f"  it {difference}" for difference in self.differences),
+            )
         )
 
 
@@ -192,6 +200,7 @@ class Case:
             time_s=footer.time_s,
             actions=sum(len(robot.turns) for robot in self.robots),
             digest=footer.digest,
+            differences=differences(self.recording, self.world),
         )
 
     def _simulate(

@@ -16,6 +16,10 @@ It checks that
 - neither what it holds nor what its code names leads to the world or to the simulation;
 - it does not collide, and ends with `Done`.
 
+Where its own account of a run and its scans differ, the summary says so: it says that it is
+complete where little was covered, or notes nodes that hold less or more than was seen. This is no
+defect, since runs are measured by what they did.
+
 An explorer that computes for ever without yielding anything cannot be detected.
 
 >>> from multisrt.robots.explorer import Done, Move, Sense
@@ -34,7 +38,9 @@ Glance keeps to the contract of explorers:
   repeats; shares no state; changes nothing that it is given; yields what its body can do;
   stays in what it knows; does not reach the truth; does not collide; ends
   1 robot in 'two rooms': stalled after 0 s, 2 actions
+    it notes no node, and is measured by its scans
   3 robots in 'two rooms': stalled after 0 s, 6 actions
+    it notes no node, and is measured by its scans
 
 >>> class Blind(Glance):
 ...     '''Drives without looking.'''
@@ -45,13 +51,14 @@ Glance keeps to the contract of explorers:
 ...         yield Done(complete=False, reason="enough")
 >>> check_explorer(Blind, worlds=[two_rooms()])  # doctest: +ELLIPSIS
 Traceback (most recent call last):
-multisrt.testing.defects.ExplorerDefect: the robot in 'two rooms', action 1: on its way from ...
+multisrt.robots.defects.ExplorerDefect: the robot in 'two rooms', action 1: on its way from ...
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from textwrap import indent
 
 import msgspec
 import shapely
@@ -59,12 +66,12 @@ import shapely
 from multisrt.environments.catalog import environment
 from multisrt.environments.environment import Environment
 from multisrt.geometry.errors import InvalidInputError
+from multisrt.robots.defects import ExplorerDefect
 from multisrt.robots.explorer import Explorer, RobotSelf
 from multisrt.robots.registry import Strategy
 from multisrt.simulation.worlds import inline
 from multisrt.spec import RadioSpec, RobotSpec, RunSpec, StopRule
 from multisrt.testing.cases import Case, CheckedRun, repeat_interleaved
-from multisrt.testing.defects import ExplorerDefect
 
 __all__ = ["CheckedExplorer", "CheckedRun", "ExplorerDefect", "check_explorer", "two_rooms"]
 
@@ -125,7 +132,7 @@ class CheckedExplorer:
                 f"{self.name} keeps to the contract of explorers:",
                 f"  {'; '.join(self.checks[:half])};",
                 f"  {'; '.join(self.checks[half:])}",
-                *(f"  {run}" for run in self.runs),
+                *(indent(str(run), "  ") for run in self.runs),
             )
         )
 

@@ -24,7 +24,7 @@ from multisrt.environments.environment import Environment
 from multisrt.experiments.provenance import parts_behind
 from multisrt.geometry.bodies.collision import CollisionWorld
 from multisrt.geometry.regions.edge_index import EdgeIndex
-from multisrt.testing.defects import brief
+from multisrt.robots.defects import brief
 
 MAX_KEY_LENGTH = 40
 """Letters of the key of a table that a path shows."""

@@ -11,7 +11,7 @@ import numpy as np
 from multisrt.geometry.configuration import Configuration
 from multisrt.planners.motion.kinematics import Car, Differential, Holonomic, Kinematics
 from multisrt.planners.motion.trajectory import NO_TURN_RAD, Trajectory, Waypoint, leg_length
-from multisrt.testing.defects import Flaw, brief
+from multisrt.robots.defects import Flaw, brief
 
 LIMIT_TOLERANCE = 1e-6
 """Share by which a body may exceed its speed, its turn rate and its curvature, for rounding."""

@@ -6,15 +6,18 @@ from collections.abc import Generator
 from dataclasses import dataclass
 from typing import NoReturn
 
+import msgspec
 import numpy as np
 import shapely
 from shapely.geometry.base import BaseGeometry
 
 from multisrt.environments.environment import Environment
 from multisrt.events import Event
+from multisrt.geometry.numerics.arrays import builtin
 from multisrt.geometry.regions.scan import ExactScan, LaserScan, Scan
 from multisrt.planners.motion.sweep import Sweep
 from multisrt.planners.motion.trajectory import Trajectory, standing_at
+from multisrt.robots.defects import ExplorerDefect, brief
 from multisrt.robots.explorer import (
     Action,
     Done,
@@ -33,7 +36,7 @@ from multisrt.robots.explorer import (
     TimedOut,
 )
 from multisrt.robots.messages import Message
-from multisrt.testing.defects import ExplorerDefect, brief
+from multisrt.simulation.plain import as_declared
 from multisrt.testing.fingerprint import fingerprint
 from multisrt.testing.hidden_truth import named_by_code, truth_named_by_code, way_to_truth
 from multisrt.testing.motion_rules import is_number, pose, trajectory_flaw
@@ -285,6 +288,7 @@ class SupervisedExplorer:
                         f"it put {event!r} on record",
                         f"give Note an event of multisrt.events with robot={self.me.robot}",
                     )
+                self._check_types(event)
             case Done():
                 if self._moving is not None:
                     self._refuse("it was Done while it moved", "wait for Moved, or yield Stop")
@@ -296,6 +300,19 @@ class SupervisedExplorer:
                 )
         if len(self.turns) in SEARCHES or isinstance(action, Done):
             self._search()
+
+    def _check_types(self, event: Event) -> None:
+        # What is recorded is read again with the types that its class declares.
+        try:
+            declared = as_declared(event, self.me.robot)
+        except ExplorerDefect as defect:
+            self._refuse(defect.what, defect.remedy)
+        before, after = (msgspec.json.encode(e, enc_hook=builtin) for e in (event, declared))
+        if before != after:
+            self._refuse(
+                f"its {type(event).__name__} has a whole number where its class declares a float",
+                "write 1.0 or float(x): a recording is read with the declared types",
+            )
 
     def _check_send(self, send: Send) -> None:
         if not isinstance(send.message, Message):

@@ -128,6 +128,9 @@ RUNS = {
     "self-bidding path, weak radio": _spec(
         CLUTTER, "self-bidding", *[SMALL] * 4, radio=WEAK_RADIO, options={"drive": "path"}
     ),
+    "informed team": _spec(
+        MAZE, "informed", *[ROBOT] * 2, starts="clustered", options={"effort": 0.05}
+    ),
     "rules team": _spec(ROOMS, "rules", *[ROBOT] * 3, starts="clustered"),
     "rules crowd": _spec(MAZE, "rules", *[SMALL] * 5, starts="clustered"),
     "minpos crowd": _spec(MAZE, "minpos", *[ROBOT] * 6, starts="clustered"),

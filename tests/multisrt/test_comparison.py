@@ -238,8 +238,10 @@ def test_tables_figures_and_frames(found, tmp_path):
     assert table.columns[-2:] == ("srt-star", "srt-radial")
     assert "Distance of all robots" in str(table)
     assert "<table" in table._repr_html_()
-    assert repr(found).startswith("Exploration time (s)")
-    assert repr(found).endswith("8 of 8 runs complete\n")
+    assert repr(found).startswith("Overview: two rooms")
+    assert all(head in repr(found) for head in ("95 % (s)", "known (s)", "home (s)"))
+    assert max(map(len, found.overview().text(80).splitlines())) <= 80
+    assert repr(found).endswith("8 of 8 runs are a success (8 complete)\n")
     swapped = found.table("makespan_s", baseline="srt-radial")
     assert any("srt-radial" in note for note in swapped.notes)
 
@@ -287,10 +289,12 @@ def test_the_example_script(here, tmp_path, capsys):
     spec.loader.exec_module(example)
     example.main(environments=["open"], robots=[1, 2], seeds=2, folder=tmp_path)
     told = capsys.readouterr().out
-    assert told.startswith("Exploration time (s)")
-    assert [line.split()[:3] for line in told.splitlines() if line.startswith("open")] == [
-        ["open", "1", "robot"],
-        ["open", "2", "robots"],
+    assert told.startswith("Overview: open")
+    assert [line.split()[:3] for line in told.splitlines() if line[1:7] == " robot"] == [
+        ["1", "robot", "srt-star"],
+        ["1", "robot", "srt-radial"],
+        ["2", "robots", "srt-star"],
+        ["2", "robots", "srt-radial"],
     ]
     assert len(list(tmp_path.glob("*.svg"))) == 1
 

@@ -197,6 +197,7 @@ NODE = '"time_s":0,"robot":0'
             "robot 3",
         ),
         ('"arc_closed",$,"node":[0,99],"reason":"too narrow","arc":[]', "node 99"),
+        ('"arc_reopened",$,"node":[0,99],"arc":[]', "node 99"),
         ('"learned",$,"nodes":[[0,0],[0,99]]', "node 99"),
         ('"sent",$,"kind":"map","size_bytes":9,"reached":[7]', "robot 7"),
         ('"sent",$,"kind":"map","size_bytes":9,"lost":[-1]', "robot -1"),
@@ -266,8 +267,10 @@ def test_a_region_that_is_none(tmp_path, lines, fields):
 def test_another_format_or_version(tmp_path, lines):
     with pytest.raises(InvalidInputError, match="no header"):
         load(tmp_path, [changed(lines[0], format="music")], lines[1:])
-    with pytest.raises(InvalidInputError, match="version 99; this program reads 2"):
-        load(tmp_path, [changed(lines[0], format_version=99)], lines[1:])
+    for version in (2, 99):
+        told = f"version {version}; this program reads 3: make the run again"
+        with pytest.raises(InvalidInputError, match=told):
+            load(tmp_path, [changed(lines[0], format_version=version)], lines[1:])
 
 
 def test_lines_out_of_their_place(tmp_path, lines):

@@ -6,7 +6,14 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from multisrt.geometry.grids.raster import MAX_CELL_INDEX, OFFSET, Window, moved, window_over
+from multisrt.geometry.grids.raster import (
+    MAX_CELL_INDEX,
+    OFFSET_X,
+    OFFSET_Y,
+    Window,
+    moved,
+    window_over,
+)
 from multisrt.geometry.numerics.arrays import BoolArray, ByteArray, FloatArray, Int32Array
 from multisrt.geometry.numerics.boxes import bounds_of
 from multisrt.geometry.numerics.kernel import kernel
@@ -132,8 +139,8 @@ def holds_region(layers: Layers, boundary: FloatArray, margin_m: float) -> bool:
     rows, columns = layers.states.shape
     x0, y0, x1, y1 = bounds_of(boundary)
     return (
-        int(np.floor((x0 - margin_m) / cell + OFFSET)) >= layers.column
-        and int(np.floor((y0 - margin_m) / cell + OFFSET)) >= layers.row
-        and int(np.floor((x1 + margin_m) / cell + OFFSET)) < layers.column + columns
-        and int(np.floor((y1 + margin_m) / cell + OFFSET)) < layers.row + rows
+        int(np.floor((x0 - margin_m) / cell + OFFSET_X)) >= layers.column
+        and int(np.floor((y0 - margin_m) / cell + OFFSET_Y)) >= layers.row
+        and int(np.floor((x1 + margin_m) / cell + OFFSET_X)) < layers.column + columns
+        and int(np.floor((y1 + margin_m) / cell + OFFSET_Y)) < layers.row + rows
     )

@@ -25,7 +25,13 @@ from multisrt.geometry.grids.occupancy.passability import (
     frontier_is_within,
     nearest_passable,
 )
-from multisrt.geometry.grids.raster import OFFSET, Corners, refuse_cell_width, refuse_corners
+from multisrt.geometry.grids.raster import (
+    OFFSET_X,
+    OFFSET_Y,
+    Corners,
+    refuse_cell_width,
+    refuse_corners,
+)
 from multisrt.geometry.numerics.arrays import BoolArray, ByteArray, FloatArray, IntArray
 from multisrt.geometry.numerics.boxes import bounds_of
 from multisrt.geometry.regions.safe_region import LocalSafeRegion
@@ -146,12 +152,12 @@ class Occupancy:
     @property
     def x0(self) -> float:
         """Left border of the window in metres."""
-        return (self.column - OFFSET) * self.cell_m
+        return (self.column - OFFSET_X) * self.cell_m
 
     @property
     def y0(self) -> float:
         """Lower border of the window in metres."""
-        return (self.row - OFFSET) * self.cell_m
+        return (self.row - OFFSET_Y) * self.cell_m
 
     @property
     def diagonal_m(self) -> float:
@@ -220,7 +226,7 @@ class Occupancy:
         x, y : float
             The point in metres, inside the window or not.
         """
-        return math.floor(y / self.cell_m + OFFSET), math.floor(x / self.cell_m + OFFSET)
+        return math.floor(y / self.cell_m + OFFSET_Y), math.floor(x / self.cell_m + OFFSET_X)
 
     def cells_of(self, places: ArrayLike) -> IntArray:
         """Return the lattice rows and columns of the cells that hold points, ``(k, 2)``.
@@ -231,12 +237,12 @@ class Occupancy:
             Points x, y in metres, inside the window or not.
         """
         points = np.asarray(places, np.float64).reshape(-1, 2)
-        return np.floor(points[:, ::-1] / self.cell_m + OFFSET).astype(np.int64)
+        return np.floor(points[:, ::-1] / self.cell_m + (OFFSET_Y, OFFSET_X)).astype(np.int64)
 
     def centre_of(self, row: int, column: int) -> tuple[float, float]:
         """Return the centre x, y of a cell in metres, by its lattice row and column."""
-        shift = OFFSET * self.cell_m
-        return (column + 0.5) * self.cell_m - shift, (row + 0.5) * self.cell_m - shift
+        cell = self.cell_m
+        return (column + 0.5) * cell - OFFSET_X * cell, (row + 0.5) * cell - OFFSET_Y * cell
 
     def centres_of(self, cells: ArrayLike) -> FloatArray:
         """Return the centres x, y of cells in metres, ``(k, 2)``.
@@ -248,7 +254,7 @@ class Occupancy:
         """
         rows_columns = np.asarray(cells, np.int64).reshape(-1, 2)
         centres = rows_columns[:, ::-1].astype(np.float64)
-        return (centres + 0.5) * self.cell_m - OFFSET * self.cell_m
+        return (centres + 0.5) * self.cell_m - np.array((OFFSET_X, OFFSET_Y)) * self.cell_m
 
     def indices_of(self, cells: ArrayLike) -> tuple[IntArray, IntArray]:
         """Return where cells are in the arrays at present.

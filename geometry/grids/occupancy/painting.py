@@ -20,7 +20,7 @@ from multisrt.geometry.grids.occupancy.layers import (
     UNKNOWN,
     Layers,
 )
-from multisrt.geometry.grids.raster import OFFSET, row_crossings
+from multisrt.geometry.grids.raster import OFFSET_X, OFFSET_Y, row_crossings
 from multisrt.geometry.numerics.arrays import ByteArray, FloatArray, IntArray
 from multisrt.geometry.numerics.kernel import kernel
 from multisrt.geometry.regions.boundary import OBSTACLE, TagArray
@@ -61,8 +61,8 @@ def paint_region(
     holds = np.empty((n, 2), np.int64)
     for i in range(n):
         # The cell that holds a corner, by the same arithmetic as in `_occupy`.
-        holds[i, 0] = int(np.floor(boundary[i, 1] / layers.cell_m + OFFSET)) - layers.row
-        holds[i, 1] = int(np.floor(boundary[i, 0] / layers.cell_m + OFFSET)) - layers.column
+        holds[i, 0] = int(np.floor(boundary[i, 1] / layers.cell_m + OFFSET_Y)) - layers.row
+        holds[i, 1] = int(np.floor(boundary[i, 0] / layers.cell_m + OFFSET_X)) - layers.column
     for first in range(0, n, BATCH):
         end = min(first + BATCH, n)
         all_near = _surroundings_are_near(boundary, tags, first, end, layers, radius_m)
@@ -101,7 +101,8 @@ def _occupy(ax: float, ay: float, bx: float, by: float, layers: Layers, changed:
     # the cell in which the segment crosses from one to the other, so that its cells are
     # connected over their four neighbours.
     cell, states = layers.cell_m, layers.states
-    ax, ay, bx, by = ax / cell + OFFSET, ay / cell + OFFSET, bx / cell + OFFSET, by / cell + OFFSET
+    ax, ay = ax / cell + OFFSET_X, ay / cell + OFFSET_Y
+    bx, by = bx / cell + OFFSET_X, by / cell + OFFSET_Y
     left, right = min(ax, bx), max(ax, bx)
     first, last = int(np.floor(ay)), int(np.floor(by))
     new = 0
@@ -140,10 +141,10 @@ def _surroundings_are_near(
             high = max(high, boundary[i, 1], boundary[j, 1])
     if left > right:
         return True
-    c0 = int(np.ceil((left - radius_m) / cell + OFFSET - 0.5)) - layers.column
-    c1 = int(np.floor((right + radius_m) / cell + OFFSET - 0.5)) - layers.column
-    r0 = int(np.ceil((low - radius_m) / cell + OFFSET - 0.5)) - layers.row
-    r1 = int(np.floor((high + radius_m) / cell + OFFSET - 0.5)) - layers.row
+    c0 = int(np.ceil((left - radius_m) / cell + OFFSET_X - 0.5)) - layers.column
+    c1 = int(np.floor((right + radius_m) / cell + OFFSET_X - 0.5)) - layers.column
+    r0 = int(np.ceil((low - radius_m) / cell + OFFSET_Y - 0.5)) - layers.row
+    r1 = int(np.floor((high + radius_m) / cell + OFFSET_Y - 0.5)) - layers.row
     near = np.uint8(NEAR)
     for r in range(r0, r1 + 1):
         # Without a branch per cell, so that the loop is vectorized.
@@ -167,26 +168,26 @@ def _keep_away(
     # Mark the cells whose centres are closer to a segment with ay <= by than the radius. Cells
     # that are near a surface already are skipped.
     cell = layers.cell_m
-    shift = OFFSET * cell
+    shift_x, shift_y = OFFSET_X * cell, OFFSET_Y * cell
     dx, dy = bx - ax, by - ay
     length2 = dx * dx + dy * dy
-    first = int(np.ceil((ay - radius_m) / cell + OFFSET - 0.5))
-    last = int(np.floor((by + radius_m) / cell + OFFSET - 0.5))
+    first = int(np.ceil((ay - radius_m) / cell + OFFSET_Y - 0.5))
+    last = int(np.floor((by + radius_m) / cell + OFFSET_Y - 0.5))
     for r in range(first, last + 1):
         # Only the part of the segment within the radius of the row's centre line matters.
-        y = (r + 0.5) * cell - shift
+        y = (r + 0.5) * cell - shift_y
         begin, end = ax, bx
         if dy > 0.0:
             begin = ax + min(1.0, max(0.0, (y - radius_m - ay) / dy)) * dx
             end = ax + min(1.0, max(0.0, (y + radius_m - ay) / dy)) * dx
-        left = int(np.ceil((min(begin, end) - radius_m) / cell + OFFSET - 0.5)) - layers.column
-        right = int(np.floor((max(begin, end) + radius_m) / cell + OFFSET - 0.5)) - layers.column
+        left = int(np.ceil((min(begin, end) - radius_m) / cell + OFFSET_X - 0.5)) - layers.column
+        right = int(np.floor((max(begin, end) + radius_m) / cell + OFFSET_X - 0.5)) - layers.column
         marks = layers.marks[r - layers.row, left : right + 1]
         passable = layers.passable[r - layers.row, left : right + 1]
         for i in range(marks.shape[0]):
             if marks[i] & NEAR:
                 continue
-            px, py = (layers.column + left + i + 0.5) * cell - shift - ax, y - ay
+            px, py = (layers.column + left + i + 0.5) * cell - shift_x - ax, y - ay
             t = min(1.0, max(0.0, (px * dx + py * dy) / length2)) if length2 > 0.0 else 0.0
             ex, ey = px - t * dx, py - t * dy
             if ex * ex + ey * ey < radius_m * radius_m:
@@ -202,14 +203,14 @@ def _set_free(boundary: FloatArray, layers: Layers, changed: IntArray) -> int:
     cell, states = layers.cell_m, layers.states
     rows, columns = states.shape
     first_row, starts, crossings = row_crossings(
-        boundary, -OFFSET * cell, cell, layers.row, layers.row + rows - 1
+        boundary, -OFFSET_Y * cell, cell, layers.row, layers.row + rows - 1
     )
     new = 0
     for k in range(starts.shape[0] - 1):
         r = first_row + k - layers.row
         for i in range(starts[k], starts[k + 1] - 1, 2):
-            begin = int(np.ceil(crossings[i] / cell + OFFSET - 0.5)) - layers.column
-            end = int(np.ceil(crossings[i + 1] / cell + OFFSET - 0.5)) - layers.column
+            begin = int(np.ceil(crossings[i] / cell + OFFSET_X - 0.5)) - layers.column
+            end = int(np.ceil(crossings[i + 1] / cell + OFFSET_X - 0.5)) - layers.column
             begin, end = max(0, begin), min(columns, end)
             if _all_are_known(states[r, begin:end]):
                 continue

@@ -125,7 +125,7 @@ class FrontierExplorer:
     def why_no_goal(self) -> Event:
         """Return what a robot without a goal is to do."""
         robot, progress = self.robot, self.progress
-        if robot.frontiers.reopen():
+        if robot.frontiers.reopen(robot.bodies.numbers()):
             return Event.NO_WAY
         if progress.is_jammed:
             return Event.JAMMED
@@ -159,7 +159,7 @@ class FrontierExplorer:
         """Give a goal up if it is the second to which the path was not free from here."""
         robot, here = self.robot, self.progress.standstill
         if robot.car is not None:
-            robot.frontiers.note_no_path(goal.place)
+            robot.frontiers.note_no_path(goal.place, robot.bodies.numbers())
         if here.found_no_path:
             robot.frontiers.give_up(goal.place)
         here.found_no_path = True

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 
 import numpy as np
 
@@ -32,8 +33,9 @@ class Frontiers:
         self._width_m = width_m
         self._min_length_m = min_length_m
         self._given_up: dict[Place, None] = {}
-        # Places to which a car found no path, with the revision of the raster by which it did.
-        self._no_path: dict[Place, int] = {}
+        # Places to which a car found no path, with the revision of the raster by which it did, and
+        # the robots whose bodies it had to drive round.
+        self._no_path: dict[Place, tuple[int, frozenset[int]]] = {}
         # By identity, as groups are kept until their cells change; the values keep them alive.
         self._unreachable: dict[int, FrontierGroup] = {}
         self._substitutes: dict[int, tuple[FrontierGroup, Place]] = {}
@@ -128,22 +130,39 @@ class Frontiers:
         """Exclude a place, and all within half the body's width, from the targets permanently."""
         self._given_up[place] = None
 
-    def note_no_path(self, place: Place) -> None:
-        """Record that a car found no path to a place; see `reopen`."""
-        self._no_path[place] = self._raster.revision
+    def note_no_path(self, place: Place, bodies: Iterable[int]) -> None:
+        """Record that a car found no path to a place round the bodies of robots; see `reopen`."""
+        self._no_path[place] = self._raster.revision, frozenset(bodies)
 
-    def reopen(self) -> bool:
-        """Return to the targets the places to which a car found no path, if the map has changed.
+    def has_no_path_past_bodies(self) -> bool:
+        """Whether a frontier was given up to which a car found no path round bodies."""
+        return any(
+            barring and place in self._given_up and self.is_frontier(*place)
+            for place, (_, barring) in self._no_path.items()
+        )
 
-        Whether there is a path for a car depends on its configuration, and on the space that it
-        knows for turning round.
+    def reopen(self, bodies: Iterable[int]) -> bool:
+        """Return to the targets the places to which a car found no path, if something has changed.
+
+        Whether there is a path for a car depends on its configuration, on the space that it knows
+        for turning round, and on the bodies in the way.
+
+        Parameters
+        ----------
+        bodies : iterable of int
+            The robots whose bodies are in the way now.
 
         Returns
         -------
         bool
             Whether there were any.
         """
-        again = [p for p, known in self._no_path.items() if known != self._raster.revision]
+        standing = frozenset(bodies)
+        again = [
+            place
+            for place, (known, barring) in self._no_path.items()
+            if known != self._raster.revision or not barring <= standing
+        ]
         for place in again:
             del self._no_path[place]
             self._given_up.pop(place, None)

@@ -26,7 +26,7 @@
 
 ============  ======================================================================================
 CHOOSING      The rule chooses a goal. If there is none, a car tries goals given up for want of a
-              path again once more is known (``no way``, back to CHOOSING).
+              path again once more is known, or a body is gone (``no way``, to CHOOSING).
 DRIVING       The robot drives to its goal.
 MEETING       The protective stop has ended a motion before another body. The robot looks for a
               detour, or asks the other to give way.

@@ -171,6 +171,8 @@ class FrontierRobot:
         """Whether there are frontiers to which only bodies in the way bar all paths."""
         if not len(self.bodies):
             return False
+        if self.frontiers.has_no_path_past_bodies():
+            return True
         field = self.own_field()
         if field is None:
             return False
@@ -249,7 +251,10 @@ class FrontierRobot:
             yield from self._watch(self)
 
     def tell_when_complete(self) -> Steps:
-        """Put on record, once, that no frontier is left that the robot can reach."""
+        """Put on record, once, that no frontier is left that the robot could reach.
+
+        Frontier behind bodies counts as left: they may go.
+        """
         if not self._told_complete:
             self._told_complete = True
             yield Note(MapComplete(time_s=self.time_s, robot=self.me.robot))

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-import math
-
-from multisrt.geometry.numerics.kernel import FloatArray
-from multisrt.geometry.regions.frontier_arcs import total_length
 from multisrt.geometry.regions.safe_region import Shape
 from multisrt.robots.explorer import Done, RobotSelf, Steps
 from multisrt.robots.multi_srt.build_srt import build_srt, until_boxed_in
 from multisrt.robots.multi_srt.options import MultiSrtOptions
 from multisrt.robots.multi_srt.robot import SrtRobot
-from multisrt.robots.multi_srt.support import Supported, follow_orders, support_others
+from multisrt.robots.multi_srt.support import (
+    Supported,
+    ask_those_in_the_way,
+    follow_orders,
+    support_others,
+)
 from multisrt.robots.multi_srt.trees import segments_of
 
 
@@ -41,23 +42,35 @@ class SrtExplorer:
         while True:
             if not robot.team.is_alone:
                 yield from support_others(robot, supported)
+                yield from ask_those_in_the_way(robot)
+                if robot.deferred.is_due():
+                    continue
             outcome = yield self.done()
             yield from robot.team.take(outcome)
             yield from follow_orders(robot)
 
     def done(self) -> Done:
         """Return how it ended: all that it knows of is explored, or what was left and why."""
-        robot = self.robot
+        robot, deferred = self.robot, self.robot.deferred
         nodes = robot.map.open_nodes(robot.trees.root)
         frontier = [robot.map.frontier(node) for node in nodes]
-        if nodes and robot.progress.is_boxed_in:
+        open_m = deferred.open_m(robot.trees.root)
+        barred_m, barring = deferred.left()
+        may_leave = any(map(robot.team.roster.answers, barring))
+        if open_m and robot.progress.is_boxed_in:
             around = sorted(robot.obstacles.all)
             by = f" by robots {around}, which do not give way" if around else ""
-            reason = f"boxed in{by}, with {_length(frontier):.1f} m of frontier left open"
-        elif nodes:
+            reason = f"boxed in{by}, with {open_m:.1f} m of frontier left open"
+        elif open_m:
             reason = (
-                f"the planner has no target, with {_length(frontier):.1f} m of frontier left open "
-                f"at {len(nodes)} nodes"
+                f"the planner has no target, with {open_m:.1f} m of frontier left open at "
+                f"{sum(map(deferred.has_frontier, nodes))} nodes"
+            )
+        elif barring:
+            do_not = "give way" if may_leave else "answer"
+            reason = (
+                f"robots {barring}, which do not {do_not}, stand in the way to {barred_m:.1f} m of "
+                "frontier; every other arc is explored or closed"
             )
         else:
             reason = "every frontier arc is explored or closed"
@@ -68,12 +81,9 @@ class SrtExplorer:
                     f"those left in the trees of robots {others} are theirs or out of reach"
                 )
         return Done(
-            complete=not nodes,
+            # What is left is behind robots that cannot be told to leave, if it is anywhere.
+            complete=not open_m and not may_leave,
             reason=reason,
             frontier=tuple(segment for arcs in frontier for segment in segments_of(arcs)),
             on_call=not robot.team.is_alone,
         )
-
-
-def _length(frontier: list[FloatArray]) -> float:
-    return math.fsum(total_length(arcs) for arcs in frontier)

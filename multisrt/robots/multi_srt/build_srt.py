@@ -122,8 +122,11 @@ def look(robot: SrtRobot) -> Steps:
 
 
 def local_frontier(robot: SrtRobot) -> FloatArray:
-    """LOCAL_FRONTIER: the part ``(m, 4)`` of the current region's boundary in no other region."""
-    return robot.map.frontier(robot.at.node)
+    """LOCAL_FRONTIER: the part ``(m, 4)`` of the current region's boundary in no other region.
+
+    Without the arcs that the robot leaves for later.
+    """
+    return robot.deferred.frontier(robot.at.node)
 
 
 def decide(
@@ -156,6 +159,7 @@ def decide(
     target = journey.target if _is_worth_it(robot) else None
     if target is None:
         draws = Draws()
+        yield from robot.trees.reopen()
         yield from robot.trees.tell_when_complete()
         found = yield from choose(frontier, draws)
         choice, target = found

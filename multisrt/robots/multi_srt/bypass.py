@@ -156,6 +156,16 @@ class Bypass:
         self._track = None
         return None
 
+    def leads_without_bodies(
+        self, wanted: Wanted | None = None, goal: tuple[float, float] | None = None
+    ) -> bool:
+        """Whether there would be a way if no body stood there; see `first_leg`."""
+        obstacles = self.routes.obstacles
+        if not obstacles or self.at.here is None or self.routes.ways.is_car:
+            return False
+        with obstacles.ignored():
+            return self._search(wanted, goal) is not None
+
     def _rest_of_the_track(
         self, wanted: Wanted | None, goal: tuple[float, float] | None
     ) -> Track | None:

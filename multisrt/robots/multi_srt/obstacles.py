@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+
 import numpy as np
 
 from multisrt.geometry.bodies.clearance import paths_keep_clear
@@ -67,12 +70,7 @@ class Obstacles:
         in_sight = {sighting.robot: sighting for sighting in seen}
         for standing in (self.silent, self.avoided):
             for number, sighting in list(standing.items()):
-                x, y, _ = place = sighting.configuration
-                if number in in_sight:
-                    is_gone = place.distance(in_sight[number].configuration) > UNMOVED_M
-                else:
-                    is_gone = view is not None and inside(view, x, y)
-                if is_gone:
+                if is_gone(sighting, in_sight, view):
                     del standing[number]
 
     def blocking(self, at: Configuration, motion: Trajectory) -> int | None:
@@ -94,13 +92,52 @@ class Obstacles:
 
         For straight ways in any heading; x, y and distance in metres.
         """
+        return self._berths(self.all)
+
+    def _berths(self, bodies: Mapping[int, Sighting]) -> FloatArray:
         own = self._body.outer_radius_m + max_gap(self._guard_m)
         rows = [
             (*sighting.configuration[:2], own + sighting.footprint.circumscribed_radius_m)
-            for sighting in self.all.values()
+            for sighting in bodies.values()
         ]
         return np.array(rows).reshape(-1, 3)
 
     def are_passed_by(self, ways: FloatArray) -> BoolArray:
         """Return which straight ways ``(n, 4)`` keep off all bodies, in any heading."""
         return paths_keep_clear(ways, self.berths)
+
+    def on(self, ways: FloatArray) -> dict[int, Sighting]:
+        """Return the bodies, by robot, that some of these straight ways do not keep off."""
+        return {
+            number: sighting
+            for number, sighting in self.all.items()
+            if not paths_keep_clear(ways, self._berths({number: sighting})).all()
+        }
+
+    @contextmanager
+    def ignored(self) -> Iterator[None]:
+        """Plan as if no body stood there, for the duration of a block."""
+        kept = self.silent, self.avoided
+        self.silent, self.avoided = {}, {}
+        try:
+            yield
+        finally:
+            self.silent, self.avoided = kept
+
+
+def is_gone(then: Sighting, in_sight: Mapping[int, Sighting], view: FloatArray | None) -> bool:
+    """Whether a body is no longer where it was seen.
+
+    Parameters
+    ----------
+    then : Sighting
+        Where it was seen.
+    in_sight : mapping of int to Sighting
+        All bodies in sight now, by robot.
+    view : (n, 2) array or None
+        Boundary in metres of the region in which it would be seen now; None: it may be anywhere.
+    """
+    x, y, _ = place = then.configuration
+    if then.robot in in_sight:
+        return place.distance(in_sight[then.robot].configuration) > UNMOVED_M
+    return view is not None and inside(view, x, y)

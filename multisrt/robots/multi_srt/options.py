@@ -28,6 +28,7 @@ _AT_LEAST_ONE = (
     "jammed_after",
     "boxed_in_after",
     "gives_up_after",
+    "max_reopenings",
     "max_rounds",
 )
 
@@ -86,6 +87,9 @@ class MultiSrtOptions(SrtOptions, frozen=True, kw_only=True, forbid_unknown_fiel
     gives_up_after : int
         Setbacks without progress after which a robot gives up its task. Robots that block each
         other, all of them on their way somewhere, would wait for ever.
+    max_reopenings : int
+        Number of times that the arcs of one node, which bodies barred, are taken up again when a
+        body is gone. Robots that give way to each other by turns would otherwise never end.
     max_rounds : int
         Rounds of questions within one step after which a robot goes on without those that do not
         agree on the group. Robots that hear one another, but not the same others, may never.
@@ -117,6 +121,7 @@ class MultiSrtOptions(SrtOptions, frozen=True, kw_only=True, forbid_unknown_fiel
     jammed_after: int = 12
     boxed_in_after: int = 12
     gives_up_after: int = 60
+    max_reopenings: int = 10
     max_rounds: int = 40
     left_out_s: float = 30.0
     check_period_s: float = 30.0

@@ -13,10 +13,10 @@ from typing import Literal
 from multisrt.events import Choice
 from multisrt.geometry.numerics.kernel import FloatArray
 from multisrt.planners.srt import Draws
-from multisrt.robots.explorer import Action, Outcome
+from multisrt.robots.explorer import Action, Outcome, Sighting
 from multisrt.robots.knowledge import NodeId
 from multisrt.robots.multi_srt.robot import SrtRobot
-from multisrt.robots.multi_srt.targets import KnownNode, NewPlace, Target
+from multisrt.robots.multi_srt.targets import Barred, KnownNode, NewPlace, Target
 
 Found = tuple[Choice, Target | None]
 """What a planner chose, and the target. Without a target the choice says what the robot does: `end`
@@ -107,7 +107,7 @@ class Planner:
         place = robot.planner.approach(
             robot.at.q_act,
             node.region,
-            robot.map.frontier_arcs(here),
+            robot.deferred.arcs(here),
             others,
             accept=robot.refuse,
             draws=draws,
@@ -146,25 +146,36 @@ class Planner:
         trees, routes = robot.trees, robot.routes
         while (way := routes.to_nearest(here, trees.may_extend)) is not None:
             node = way[-1]
-            for arc in robot.map.frontier_arcs(node):
+            for arc in robot.deferred.arcs(node):
                 found = robot.views.viewing_place(node, arc)
                 if isinstance(found, NewPlace):
                     return ("bypass" if found.is_interim else "complete"), found
                 if node not in robot.views.drawn_out:
                     # A node of another robot, at which this one has drawn no candidate yet.
                     return "nearest_open", KnownNode(tuple(way), node)
-                yield from trees.close(node, arc, found)
+                if isinstance(found, Barred):
+                    yield from trees.defer(node, arc, found.bodies)
+                else:
+                    yield from trees.close(node, arc, found)
         past_bodies = robot.bypass.to(trees.may_extend)
         if past_bodies is not None:
             return "bypass", past_bodies
         for node in robot.map.open_nodes(tree):
-            # Known ways that are not routes lead past bodies that the robot plans around.
-            joined = robot.ways.way(here, node) is not None
-            for arc in robot.map.frontier_arcs(node):
-                yield from trees.close(
-                    node, arc, "blocked by a robot" if joined else "not reachable"
-                )
+            bodies = self._bodies_before(here, node)
+            for arc in robot.deferred.arcs(node):
+                if bodies:
+                    yield from trees.defer(node, arc, bodies)
+                else:
+                    yield from trees.close(node, arc, "not reachable")
         return None
+
+    def _bodies_before(self, here: NodeId, node: NodeId) -> dict[int, Sighting]:
+        # The bodies that bar the way to a node, by robot; none if nothing leads there without them.
+        robot = self._robot
+        way = robot.ways.way(here, node)
+        if way is not None:
+            return robot.routes.bodies_on(way)
+        return robot.obstacles.all if robot.bypass.leads_without_bodies(node.__eq__) else {}
 
 
 def on_the_way(robot: SrtRobot, end: NodeId, choice: Literal["home", "transfer"]) -> Found:

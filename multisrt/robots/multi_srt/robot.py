@@ -10,6 +10,7 @@ from multisrt.planners.srt import SrtPlanner
 from multisrt.robots.exploration_map import ExplorationMap
 from multisrt.robots.explorer import RobotSelf, Sighting
 from multisrt.robots.multi_srt.bypass import Bypass
+from multisrt.robots.multi_srt.deferred_arcs import DeferredArcs
 from multisrt.robots.multi_srt.journey import Journey
 from multisrt.robots.multi_srt.obstacles import Obstacles
 from multisrt.robots.multi_srt.options import MultiSrtOptions
@@ -51,6 +52,8 @@ class SrtRobot:
         How its body gets from node to node, and to a new place.
     obstacles : Obstacles
         Bodies of others that it plans around.
+    deferred : DeferredArcs
+        The frontier that is left to it, without the arcs to which bodies bar the way.
     routes, bypass : Routes, Bypass
         Routes over the roadmap that keep off them, and where there is none, ways off the roadmap.
     views : Views
@@ -79,15 +82,16 @@ class SrtRobot:
         )
         self.at = Whereabouts(q_act=me.start, time_s=me.time_s)
         self.ways = Ways(me, body, self.map)
-        self.trees = Trees(me, self.at, self.map, self.ways)
-        self.at.tree = self.trees.root
         self.obstacles = Obstacles(body, options.guard_m)
+        roster = Roster(me, options, self.at, self.obstacles)
+        self.deferred = DeferredArcs(self.map, roster, options.max_reopenings)
+        self.trees = Trees(me, self.at, self.map, self.ways, self.deferred)
+        self.at.tree = self.trees.root
         self.routes = Routes(self.at, self.map, self.ways, self.obstacles)
         self.bypass = Bypass(me, body, self.routes)
         self.views = Views(me, self.planner, self.bypass, options.max_views)
         self.journey = Journey(self.at, self.map, self.ways)
         self.progress = Progress(options)
-        roster = Roster(me, options, self.at, self.obstacles)
         self.team = Team(me, options, self.at, self.map, roster)
 
     @property
@@ -111,6 +115,7 @@ class SrtRobot:
         here = self.at.here
         view = None if here is None else self.map[here].region.boundary
         self.obstacles.forget_gone(seen, view)
+        self.deferred.notice(seen, view)
         for sighting in seen:
             self.heed(sighting)
 

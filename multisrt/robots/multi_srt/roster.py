@@ -99,6 +99,10 @@ class Roster:
         """Whether a robot was heard from and is not taken as lost."""
         return number in self.states and number not in self.lost
 
+    def responds(self, number: int) -> bool:
+        """Whether a robot answers and belongs to groups, so that it can be asked to give way."""
+        return self.answers(number) and not self.is_out(number)
+
     def is_news(self, sighting: Sighting) -> bool:
         """Whether a robot that answers is seen elsewhere than where it said that it stands."""
         if not self.answers(sighting.robot):

@@ -10,10 +10,14 @@ import numpy as np
 
 from multisrt.planners.motion.trajectory import Trajectory, Waypoint
 from multisrt.robots.exploration_map import ExplorationMap
+from multisrt.robots.explorer import Sighting
 from multisrt.robots.knowledge import NodeId
 from multisrt.robots.multi_srt.obstacles import Obstacles
 from multisrt.robots.multi_srt.ways import Ways
 from multisrt.robots.multi_srt.whereabouts import Whereabouts
+
+Place = tuple[float, float]
+"""x and y in metres."""
 
 
 class Routes:
@@ -54,6 +58,12 @@ class Routes:
         """Return the length of a route in metres."""
         places = [self.map[node].configuration for node in way]
         return math.fsum(a.distance(b) for a, b in itertools.pairwise(places))
+
+    def bodies_on(self, way: list[NodeId], beyond: Place | None = None) -> dict[int, Sighting]:
+        """Return the bodies, by robot, on a way and on that from its end to a place beyond."""
+        places = [self.map[node].configuration[:2] for node in way]
+        places += [places[-1] if beyond is None else beyond]
+        return self.obstacles.on(np.hstack([places[:-1], places[1:]]))
 
     def is_passable(self, a: NodeId, b: NodeId) -> bool:
         """Whether no body blocks the straight way between two nodes."""

@@ -7,7 +7,7 @@ Source: Multi-SRT, paper section 2, SUPPORT_OTHERS. Differs in:
 - A robot that has extended another's tree goes home from where it stands, not by way of the root
   of that tree.
 - A tree that the robot has supported before is selected again only if its open frontier is longer
-  than what the robot left then.
+  than what the robot left then, or if a body that barred the way to a part of it is gone.
 """
 
 from __future__ import annotations
@@ -77,10 +77,18 @@ def select(robot: SrtRobot, supported: Supported) -> Generator[Action, Outcome, 
     robot that is active in it; one that this robot has supported before, only if its open frontier
     is also longer than what was left of it then.
     """
+    yield from robot.trees.reopen()
     yield from robot.trees.tell_when_complete()
-    if not robot.options.support or robot.at.here is None:
+    if robot.at.here is None:
         return None
-    open_m = {root: open_frontier(robot, root) for root in robot.map.roots()}
+    reopened = {robot.map.tree(node) for node in robot.trees.reopened}
+    robot.trees.reopened.clear()
+    for root in reopened:
+        supported.left_m.pop(root, None)
+    # Without support, a robot goes on with its own tree if arcs of it were opened again.
+    own = reopened.intersection((robot.trees.root,))
+    roots = robot.map.roots() if robot.options.support else own
+    open_m = {root: open_frontier(robot, root) for root in roots}
     active = {root: active_robots(robot, root) for root in open_m}
     candidates = tuple(
         root
@@ -135,8 +143,11 @@ def _choose(robot: SrtRobot, candidates: tuple[NodeId, ...]) -> NodeId | None:
 
 
 def open_frontier(robot: SrtRobot, root: NodeId) -> float:
-    """OPEN_FRONTIER: total length in metres of the local frontiers of a tree's nodes."""
-    return robot.map.open_frontier_m(root)
+    """OPEN_FRONTIER: total length in metres of the local frontiers of a tree's nodes.
+
+    Without the arcs that the robot leaves for later.
+    """
+    return robot.deferred.open_m(root)
 
 
 def active_robots(robot: SrtRobot, root: NodeId) -> int:
@@ -230,13 +241,25 @@ def wait_for_news(robot: SrtRobot) -> Steps:
         )
 
 
+def ask_those_in_the_way(robot: SrtRobot) -> Steps:
+    """Ask the robots that bar ways whether they are still there: those that stand may be dead."""
+    team, roster = robot.team, robot.team.roster
+    asked_s = robot.at.time_s
+    pending = robot.deferred.to_ask()
+    while pending:
+        yield from team.ask(pending)
+        yield from team.pause(team.period_s)
+        heard_s = {number: roster.heard_s.get(number, 0.0) for number in pending}
+        pending = [n for n in pending if roster.answers(n) and heard_s[n] < asked_s]
+
+
 def stand_by(robot: SrtRobot, until_s: float) -> Steps:
     """Stand and listen, and give way where a master orders it, until there is news or until_s."""
     news = robot.team.news()
     while robot.at.time_s < until_s:
         yield from robot.team.hear(until_s - robot.at.time_s)
         yield from follow_orders(robot)
-        if robot.team.news() != news:
+        if robot.team.news() != news or robot.deferred.is_due():
             # More of it may follow at once.
             yield from robot.team.pause(robot.options.settle_s)
             yield from follow_orders(robot)
@@ -285,6 +308,6 @@ def _gives_up_s(robot: SrtRobot, number: int) -> float:
 
 def _next_take_over_s(robot: SrtRobot) -> float:
     # When the next tree of those that have open frontier is free to be taken over.
-    open_trees = [root for root in robot.map.roots() if robot.map.open_frontier_m(root) > 0.0]
+    open_trees = [root for root in robot.map.roots() if open_frontier(robot, root) > 0.0]
     times = [_take_over_s(robot, root) for root in open_trees]
     return min((time for time in times if time > robot.at.time_s), default=math.inf)

@@ -7,6 +7,7 @@ from typing import Literal
 
 from multisrt.events import Stage
 from multisrt.planners.motion.trajectory import Trajectory
+from multisrt.robots.explorer import Sighting
 from multisrt.robots.knowledge import NodeId
 from multisrt.robots.multi_srt.ways import OutAndBack
 
@@ -57,6 +58,19 @@ class KnownNode:
 
 
 Target = NewPlace | KnownNode
+
+
+@dataclass(frozen=True, slots=True)
+class Barred:
+    """Says that there is no target for now, as bodies of other robots stand in the way.
+
+    Attributes
+    ----------
+    bodies : dict of int to Sighting
+        These bodies, by robot.
+    """
+
+    bodies: dict[int, Sighting]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -2,13 +2,23 @@
 
 from __future__ import annotations
 
-from multisrt.events import ArcClosed, ArcReason, MapComplete, Segment
+from collections.abc import Mapping
+
+from multisrt.events import (
+    ArcClosed,
+    ArcReason,
+    ArcReopened,
+    ClosingReason,
+    MapComplete,
+    Segment,
+)
 from multisrt.geometry.numerics.kernel import FloatArray
 from multisrt.geometry.regions.safe_region import LocalSafeRegion
 from multisrt.planners.motion.trajectory import Trajectory
 from multisrt.robots.exploration_map import ExplorationMap
-from multisrt.robots.explorer import Note, RobotSelf, Steps
+from multisrt.robots.explorer import Note, RobotSelf, Sighting, Steps
 from multisrt.robots.knowledge import Closing, ClosingId, Node, NodeId
+from multisrt.robots.multi_srt.deferred_arcs import DeferredArcs
 from multisrt.robots.multi_srt.targets import Step
 from multisrt.robots.multi_srt.ways import OutAndBack, Ways
 from multisrt.robots.multi_srt.whereabouts import Whereabouts
@@ -29,14 +39,32 @@ class Trees:
         Its map.
     ways : Ways
         Its roadmap.
+    deferred : DeferredArcs
+        The arcs that it leaves for later.
+
+    Attributes
+    ----------
+    root : NodeId
+        Root of its own tree.
+    reopened : list of NodeId
+        Nodes of which arcs were opened again since the robot last chose a tree to support.
     """
 
-    def __init__(self, me: RobotSelf, at: Whereabouts, known: ExplorationMap, ways: Ways) -> None:
+    def __init__(
+        self,
+        me: RobotSelf,
+        at: Whereabouts,
+        known: ExplorationMap,
+        ways: Ways,
+        deferred: DeferredArcs,
+    ) -> None:
         self.me = me
         self.at = at
         self.map = known
         self.ways = ways
+        self.deferred = deferred
         self.root = NodeId(me.robot, 0)
+        self.reopened: list[NodeId] = []
         self._nodes = 0
         self._closings = 0
         self._told_complete = False
@@ -76,8 +104,8 @@ class Trees:
         self.map.add(node)
         return node
 
-    def close(self, node: NodeId, arc: FloatArray, reason: ArcReason) -> Steps:
-        """Give up a frontier arc ``(k, 4)`` of a node for a reason."""
+    def close(self, node: NodeId, arc: FloatArray, reason: ClosingReason) -> Steps:
+        """Give up a frontier arc ``(k, 4)`` of a node for a reason that lasts."""
         self.map.close(
             Closing(
                 id=ClosingId(self.me.robot, self._closings),
@@ -88,7 +116,28 @@ class Trees:
             )
         )
         self._closings += 1
-        yield Note(
+        yield self._closed(node, arc, reason)
+
+    def defer(self, node: NodeId, arc: FloatArray, bodies: Mapping[int, Sighting]) -> Steps:
+        """Leave a frontier arc ``(k, 4)`` of a node for later, as bodies bar the way."""
+        self.deferred.defer(node, arc, bodies)
+        yield self._closed(node, arc, "blocked by a robot")
+
+    def reopen(self) -> Steps:
+        """Take up the arcs again to which a body no longer bars the way."""
+        for node, arc in self.deferred.take_back():
+            self.reopened.append(node)
+            yield Note(
+                ArcReopened(
+                    time_s=self.at.time_s,
+                    robot=self.me.robot,
+                    node=node,
+                    arc=segments_of(arc),
+                )
+            )
+
+    def _closed(self, node: NodeId, arc: FloatArray, reason: ArcReason) -> Note:
+        return Note(
             ArcClosed(
                 time_s=self.at.time_s,
                 robot=self.me.robot,
@@ -99,7 +148,7 @@ class Trees:
         )
 
     def tell_when_complete(self) -> Steps:
-        """Record, once, that there is no frontier left in the map."""
+        """Record, once, that there is no frontier left in the map, not even behind bodies."""
         here = self.at.here
         if self._told_complete or (here is not None and self.map.has_frontier(here)):
             return
@@ -108,8 +157,8 @@ class Trees:
             yield Note(MapComplete(time_s=self.at.time_s, robot=self.me.robot))
 
     def may_extend(self, node: NodeId) -> bool:
-        """Whether a node has a local frontier and belongs to the tree that the robot extends."""
-        if self.at.tree is None or not self.map.has_frontier(node):
+        """Whether a node of the tree that the robot extends has frontier that no body bars."""
+        if self.at.tree is None or not self.deferred.has_frontier(node):
             return False
         return self.map.tree(node) == self.map.tree(self.at.tree)
 

@@ -9,14 +9,14 @@ from collections.abc import Callable
 import numpy as np
 from shapely.geometry.base import BaseGeometry
 
-from multisrt.events import ArcReason
+from multisrt.events import ClosingReason
 from multisrt.geometry.numerics.kernel import FloatArray
 from multisrt.planners.srt import SrtPlanner
 from multisrt.planners.viewing import CLOSE_BY, Refusal, Way, arc_points
 from multisrt.robots.explorer import RobotSelf
 from multisrt.robots.knowledge import Node, NodeId
 from multisrt.robots.multi_srt.bypass import Bypass
-from multisrt.robots.multi_srt.targets import NewPlace
+from multisrt.robots.multi_srt.targets import Barred, NewPlace
 
 WIDEST_WINDOW = 1.5
 """Half width of the widest window in which a place is looked for, in sensing ranges."""
@@ -53,8 +53,8 @@ class Views:
         self._looked: Counter[tuple[int, int]] = Counter()
         self._last_choice: tuple[tuple[int, int], NodeId] | None = None
 
-    def viewing_place(self, node: NodeId, arc: FloatArray) -> NewPlace | ArcReason:
-        """Return a place from which an arc can be seen, or why there is none.
+    def viewing_place(self, node: NodeId, arc: FloatArray) -> NewPlace | Barred | ClosingReason:
+        """Return a place from which an arc can be seen, or what bars it, or why there is none.
 
         Parameters
         ----------
@@ -68,12 +68,16 @@ class Views:
         x, y, *_ = arc_points(arc, spot_m)[0]
         spot = round(x / spot_m), round(y / spot_m)
         if self._looked[spot] >= self._max_views:
-            return "seen from near"
+            # Not so near as it could be without the bodies, if these bar better places.
+            refused = self._refused("seen from near", arc, x, y)
+            if isinstance(refused, Barred):
+                del self._looked[spot]
+            return refused
         found = self._view(arc, x, y)
         if isinstance(found, str) and routes.obstacles:
             found = self._view(arc, x, y, past_bodies=True)
         if isinstance(found, str):
-            return found
+            return self._refused(found, arc, x, y)
         place, start = found
         way = routes.way(here, start)
         last = np.array([[*self._map[start].configuration[:2], place.x, place.y]])
@@ -85,7 +89,7 @@ class Views:
             return NewPlace(place.x, place.y, "complete", tuple(way), place.roomy, node)
         target = self._bypass.to_place(place.x, place.y, node)
         if target is None:
-            return "blocked by a robot" if routes.ways.way(here, start) else "not reachable"
+            return self._barred("not reachable", found)
         self._looked[spot] += not target.is_interim and not again
         return target
 
@@ -117,6 +121,27 @@ class Views:
             if refusal != "not reachable" and window >= self._me.range_m:
                 break
         return refusal
+
+    def _refused(
+        self, reason: ClosingReason, arc: FloatArray, x: float, y: float
+    ) -> Barred | ClosingReason:
+        # Why an arc cannot be seen: the reason, unless bodies bar the best place that sees it.
+        if not self._routes.obstacles:
+            return reason
+        with self._routes.obstacles.ignored():
+            found = self._view(arc, x, y)
+        return reason if isinstance(found, str) else self._barred(reason, found)
+
+    def _barred(self, reason: ClosingReason, found: tuple[Way, NodeId]) -> Barred | ClosingReason:
+        # What stands in the way to a place; the reason, if no body does.
+        (x, y, *_), start = found
+        way = self._routes.ways.way(self._bypass.at.node, start)
+        if way is not None:
+            bodies = self._routes.bodies_on(way, (x, y))
+        else:
+            leads = self._bypass.leads_without_bodies(goal=(x, y))
+            bodies = self._routes.obstacles.all if leads else {}
+        return Barred(bodies) if bodies else reason
 
     def _leads(self, near: list[Node], known: BaseGeometry) -> Callable[[int, float, float], bool]:
         return lambda k, x, y: self._routes.ways.leads(near[k], known, x, y)

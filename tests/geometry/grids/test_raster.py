@@ -9,7 +9,7 @@ from scipy.ndimage import distance_transform_edt
 from shapely.geometry.base import BaseGeometry
 
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.geometry.grids.raster import OFFSET, Raster, eroded, paint_polygon
+from multisrt.geometry.grids.raster import OFFSET_X, OFFSET_Y, Raster, eroded, paint_polygon
 from multisrt.geometry.regions.visibility import visibility_polygon
 
 
@@ -134,7 +134,31 @@ def test_lattice_depends_on_the_cell_alone():
     a = Raster(0.1, (0.0, 0.0, 1.0, 1.0))
     b = Raster(0.1, (-7.31, 3.07, 2.0, 9.0))
     assert a.x0 - b.x0 == pytest.approx(0.1 * round((a.x0 - b.x0) / 0.1))
-    assert a.x0 / 0.1 + OFFSET == pytest.approx(round(a.x0 / 0.1 + OFFSET))
+    assert a.x0 / 0.1 + OFFSET_X == pytest.approx(round(a.x0 / 0.1 + OFFSET_X))
+    assert a.y0 / 0.1 + OFFSET_Y == pytest.approx(round(a.y0 / 0.1 + OFFSET_Y))
+
+
+@given(
+    st.sampled_from([0.05, 0.1, 0.25, 0.5]),
+    st.tuples(st.integers(-5, 5), st.integers(-5, 5)).filter(lambda slope: slope != (0, 0)),
+    st.tuples(st.integers(-200, 200), st.integers(-200, 200)),
+    st.sampled_from([1, 2, 4, 5, 10]),
+    st.sampled_from([0.05, 0.1, 0.25, 0.5, 1.0]),
+)
+def test_no_centre_lies_on_a_wall_through_round_coordinates(cell, slope, corner, part, unit):
+    # The wall goes through a corner that is a multiple of a unit, or of a part of a cell.
+    p, q = slope
+    x, y = np.array(corner) * (cell / part if part > 1 else unit)
+    i, j = np.mgrid[-60:60, -60:60] + 0.5
+    away = p * ((i - OFFSET_X) * cell - x) + q * ((j - OFFSET_Y) * cell - y)
+    assert np.abs(away).min() / np.hypot(p, q) > 2e-4 * cell
+
+
+@pytest.mark.parametrize("cell", [0.05, 0.1])
+def test_a_diamond_on_round_coordinates_is_counted_to_a_thousandth(cell):
+    raster = Raster(cell)
+    raster.paint(np.array([(0.0, -10.0), (10.0, 0.0), (0.0, 10.0), (-10.0, 0.0)]))
+    assert raster.area_m2() == pytest.approx(200.0, rel=1e-3)
 
 
 def test_the_window_holds_its_bounds():

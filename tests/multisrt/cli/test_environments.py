@@ -20,7 +20,7 @@ def test_environments_show_draws_a_map(call, folder):
     assert ET.parse(folder / "office.svg").getroot().tag.endswith("svg")
     code, out, _ = call("environments", "show", "pillar.wkt", "--out", "p.svg")
     assert code == 0
-    assert "9 x 6 m, 50 m2 free, 1 component, 8 edges" in out
+    assert "9 x 6 m, 50 m2 free, 8 edges, 1 area" in out
     assert (folder / "p.svg").exists()
 
 

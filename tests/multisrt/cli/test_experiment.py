@@ -12,8 +12,11 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+import msgspec
 import pytest
 
+import multisrt as ms
+from multisrt.analysis.metrics import Metrics
 from multisrt.cli.experiment_check import MAX_ROWS
 from multisrt.experiments import runner, template, worker
 from multisrt.experiments.crossing import runs
@@ -22,7 +25,8 @@ from multisrt.experiments.live import LiveProgress, duration, note_of
 from multisrt.experiments.mission import make_run
 from multisrt.experiments.results import Result
 from multisrt.experiments.runner import Progress
-from multisrt.experiments.spec import ExperimentSpec, schema
+from multisrt.experiments.schema import schema
+from multisrt.experiments.spec import ExperimentSpec
 from multisrt.experiments.store import Store
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.presets import PRESETS
@@ -51,9 +55,18 @@ def call(call: Call) -> Call:
     return partial(call, "experiment")
 
 
+@pytest.fixture(scope="module")
+def measured() -> Metrics:
+    """Metrics of a run that is a success."""
+    return ms.explore("open", strategy="closest").metrics
+
+
 @pytest.fixture
-def fake_runs(monkeypatch) -> dict[str, Any]:
-    """Simulate nothing: results have the status that is set here for their repetition."""
+def fake_runs(monkeypatch, measured) -> dict[str, Any]:
+    """Simulate nothing: results have the status that is set here for their repetition.
+
+    Complete runs are a success, the others were not measured.
+    """
     said: dict[str, Any] = {"status": {}, "stop": None, "lost": None, "calls": []}
 
     def run_experiment(store, *, workers, cluster, modules, progress):
@@ -63,7 +76,9 @@ def fake_runs(monkeypatch) -> dict[str, Any]:
                 raise InvalidInputError("the cluster is lost")
             if number == said["stop"]:
                 raise KeyboardInterrupt
-            store.add(result_of(run, said["status"].get(run.repetition, "complete")))
+            status = said["status"].get(run.repetition, "complete")
+            metrics = measured if status == "complete" else None
+            store.add(result_of(run, status, metrics=metrics))
 
     monkeypatch.setattr(runner, "run_experiment", run_experiment)
     return said
@@ -226,8 +241,8 @@ def test_check_cuts_a_long_table(call, folder):
 
 
 @pytest.mark.slow
-def test_check_estimates_from_a_few_runs(call, monkeypatch):
-    monkeypatch.setattr(worker.Worker, "make", lambda self, job: _priced(job))
+def test_check_estimates_from_a_few_runs(call, monkeypatch, measured):
+    monkeypatch.setattr(worker.Worker, "make", lambda self, job: _priced(job, measured))
     code, out, err = call("check", "small.toml", "--seconds", "9", "--workers", "1")
     assert (code, err) == (0, "")
     # 2 repetitions of 2 x (0.5 + 1.0) s.
@@ -236,8 +251,18 @@ def test_check_estimates_from_a_few_runs(call, monkeypatch):
     assert re.findall(r"^ room .* (\S+) *$", out, re.MULTILINE) == ["0.5", "1", "0.5", "1"]
 
 
-def _priced(job: Job) -> Result:
-    return result_of(job, computing_s=0.5 * job.condition.robots, wall_s=0.5)
+@pytest.mark.slow
+def test_check_warns_of_trial_runs_without_success(call, monkeypatch, measured):
+    little = msgspec.structs.replace(measured, coverage=0.3, seen=0.4)
+    monkeypatch.setattr(worker.Worker, "make", lambda self, job: _priced(job, little))
+    _, _, err = call("check", "small.toml", "--seconds", "9", "--workers", "1")
+    told = "warning: [room, srt-star, 1 robot, scattered, unlimited, disc:0.25]: complete: covered"
+    assert f"{told} 30.0 %, seen 40.0 %" in err
+
+
+def _priced(job: Job, metrics: Metrics) -> Result:
+    computing_s = 0.5 * job.condition.robots
+    return result_of(job, computing_s=computing_s, wall_s=0.5, metrics=metrics)
 
 
 def test_check_warns_of_impossible_runs(call, folder):
@@ -263,8 +288,8 @@ def test_run_stores_results_and_prints_them(call, folder, monkeypatch):
     monkeypatch.setattr(runner, "run_experiment", run_experiment)
     code, out, err = call("run", "small.toml")
     assert (code, err) == (0, "")
-    assert out.startswith("small: 8 of 8 runs complete, in small.sqlite\n")
-    assert "Exploration time (s)" in out
+    assert out.startswith("small: 8 of 8 runs are a success (8 complete), in small.sqlite\n")
+    assert all(head in out for head in ("success", "95 % (s)", "known (s)", "home (s)"))
     assert "srt-radial" in out
     assert out.endswith("next: multisrt report small.sqlite --out small-report\n")
     code, out, _ = call("export", "small.sqlite", "small.csv")
@@ -276,7 +301,7 @@ def test_incomplete_runs_are_exit_code_3(call, folder, fake_runs):
     fake_runs["status"] = {1: "crashed"}
     code, out, err = call("run", "small.toml", "--store", "r.sqlite", "--workers", "3")
     assert (code, err) == (3, "")
-    assert out.startswith("small: 4 of 8 runs complete, in r.sqlite\n")
+    assert out.startswith("small: 4 of 8 runs are a success (4 complete, 4 crashed), in r.sqlite\n")
     assert out.count("repetition 1: no reason") == 4
     assert "--retry repeats runs that failed without a result" in out
     assert fake_runs["calls"] == [{"workers": 3, "cluster": None, "modules": ()}]
@@ -285,7 +310,7 @@ def test_incomplete_runs_are_exit_code_3(call, folder, fake_runs):
     assert call("run", "small.toml", "--store", "r.sqlite", "--quiet") == (3, "", "")
     code, out, _ = call("run", "small.toml", "--store", "r.sqlite", "--retry")
     assert code == 0
-    assert "8 of 8 runs complete" in out
+    assert "8 of 8 runs are a success" in out
 
 
 def test_an_interrupted_run_reports_and_continues(call, folder, fake_runs):

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from multisrt.informed import reference
 from multisrt.recording import Recording
 from tests.multisrt.cli.commands import everything
 
@@ -16,6 +17,9 @@ def test_explore_writes_its_files(call, folder):
     code, out, err = call("explore", "room.wkt", "--seed", "3")
     assert (code, err) == (0, "")
     assert "srt-radial in room, seed 3: complete" in out
+    assert re.search(r"success \(95 % covered\) +yes", out)
+    assert re.search(r"map known complete at +[\d.]+ s", out)
+    assert re.search(r"all done and home at +[\d.]+ s", out)
     results = folder / "runs" / "room-srt-radial-3"
     assert sorted(os.listdir(results)) == FILES
     summary = json.loads((results / "run.json").read_text())
@@ -143,10 +147,22 @@ def test_summary_of_a_bidding_team(call, folder):
     code, out, _ = call("explore", *words, "--out", "bids")
     assert code == 0
     assert re.search(r"informative scans +\d+", out)
-    assert re.search(r"a robot isolated for +0\.0 s \(longest 0\.0 s\)", out)
-    assert re.search(r"known to one robot only +\d+ m2 s \(0\.0 m2 at the end\)", out)
+    assert re.search(r"a robot isolated for +0\.0 s\b", out)
+    assert re.search(r"longest isolation +0\.0 s\b", out)
+    assert re.search(r"known to one robot only +\d+ m2 s\b", out)
+    assert re.search(r"the same at the end +0\.0 m2\b", out)
     assert "nodes" not in out
     code, out, _ = call("why", "bids/recording.jsonl", "--robot", "1", "--time", "0")
     assert code == 0
     assert "How it chose: minpos" in out
     assert "> robot 1" in out
+
+
+def test_regret_is_printed_as_multiples(call, monkeypatch, tmp_path):
+    monkeypatch.setattr(reference, "_folder", lambda: tmp_path / "cache")
+    code, out, err = call("explore", "pillar.wkt", "--range", "3", "--regret")
+    assert (code, err) == (0, "")
+    for name in ("time to 99 % / informed", "makespan / informed", "makespan / lower bound"):
+        found = re.search(rf"{name} +(\d+\.\d\d)", out)
+        assert found is not None
+        assert float(found[1]) >= 1.0

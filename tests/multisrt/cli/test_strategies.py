@@ -7,6 +7,8 @@ def test_strategies_lists_names_and_options(call):
     code, out, err = call("strategies")
     assert (code, err) == (0, "")
     assert all(known.name in out for known in strategies())
+    # The strategy that sees the truth says so.
+    assert [line.split()[0] for line in out.splitlines() if "sees the map" in line] == ["informed"]
     code, out, err = call("strategies", "srt-star")
     assert (code, err) == (0, "")
     for option, default in (("alpha", "0.8"), ("cones", "16"), ("approach", "true")):

@@ -19,6 +19,14 @@ def test_why_explains_decisions(call, folder):
     assert len(out.splitlines()) == 1 + len(decisions)
 
 
+def test_a_robot_that_was_told_its_route_decides_nothing(call):
+    call("explore", "room.wkt", "--strategy", "informed", "--out", "out", "--quiet")
+    code, out, err = call("why", "out/recording.jsonl")
+    assert (code, err) == (0, "")
+    assert "a route that was planned on the true map" in out
+    assert call("why", "out/recording.jsonl", "--all")[0] == 0
+
+
 @pytest.mark.parametrize(
     ("words", "named"),
     [

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 import shapely
 
-from multisrt.analysis.remaining_frontier import remaining_frontier
+from multisrt.analysis.remaining_frontier import arcs_given_up, remaining_frontier
 from multisrt.drawing import tree_svg
 from multisrt.environments.catalog import environment
-from multisrt.events import ArcClosed, Died, Ended, NodeAdded, Segment
+from multisrt.events import ArcClosed, ArcReason, ArcReopened, Died, Ended, NodeAdded, Segment
 from tests.multisrt.drawing.pictures import SVG, layers, lines, paths, texts
 from tests.multisrt.drawing.recordings import A, C, F, node, recorded, run, team
 
@@ -98,9 +98,7 @@ def test_going_on_after_an_end_withdraws_its_report(support):
         assert shapely.box(1e-6, 1e-6, 20 - 1e-6, 8 - 1e-6).contains(middle)
 
 
-@pytest.mark.parametrize(
-    "reason", ["too narrow", "not reachable", "seen from near", "blocked by a robot"]
-)
+@pytest.mark.parametrize("reason", ["too narrow", "not reachable", "seen from near"])
 def test_an_arc_that_any_robot_gave_up_counts_as_closed(reason):
     events = [node(0.0, 0, 0, A), node(0.0, 1, 0, C)]
     arc = remaining_frontier(recorded([A, C], events))[0]
@@ -112,3 +110,24 @@ def test_an_arc_that_any_robot_gave_up_counts_as_closed(reason):
     svg = tree_svg(closed)
     assert f"frontier given up: {reason}" in texts(svg)
     assert len(layers(svg)["robot 1: frontier given up"]) == 1
+
+
+def test_an_arc_blocked_by_a_robot_stays_open_and_may_be_taken_up_again():
+    nodes = [node(0.0, 0, 0, A), node(0.0, 1, 0, C)]
+    arc = remaining_frontier(recorded([A, C], nodes))[0]
+    assert arc
+    reason: ArcReason = "blocked by a robot"
+    closing = ArcClosed(time_s=1.0, robot=1, node=(0, 0), reason=reason, arc=arc)
+    blocked = recorded([A, C], [*nodes, closing])
+    assert remaining_frontier(blocked)[0] == arc
+    svg = tree_svg(blocked)
+    assert f"frontier given up: {reason}" in texts(svg)
+    assert len(layers(svg)["robot 1: frontier given up"]) == 1
+    assert arcs_given_up(blocked) == (closing,)
+    opening = ArcReopened(time_s=2.0, robot=1, node=(0, 0), arc=arc)
+    again = recorded([A, C], [*nodes, closing, opening])
+    assert arcs_given_up(again) == ()
+    assert remaining_frontier(again)[0] == arc
+    svg = tree_svg(again)
+    assert f"frontier given up: {reason}" not in texts(svg)
+    assert len(layers(svg)["robot 1: frontier given up"]) == 0

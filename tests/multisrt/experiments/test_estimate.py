@@ -4,6 +4,7 @@ import math
 from itertools import count
 from typing import Any
 
+import msgspec
 import pytest
 
 from multisrt.experiments import estimate as module
@@ -120,3 +121,17 @@ def test_there_is_no_estimate_if_no_trial_run_ends():
         return result_of(run, "refused")
 
     assert estimate(SPEC, PLANNED, refuse, budget_s=1.0) is None
+
+
+def test_runs_that_are_the_same_for_every_seed_count_once(monkeypatch):
+    machine = Machine(monkeypatch)
+    planned = [run for run in PLANNED if run.condition.environment == "open"]
+    usual = estimated(SPEC, planned, machine, budget_s=1e4)
+
+    def without_chance(run: PlannedRun, limits: Limits) -> Result:
+        return msgspec.structs.replace(machine(run, limits), chance=run.condition.robots > 1)
+
+    # One robot's second repetition need not be made.
+    found = estimated(SPEC, planned, without_chance, budget_s=1e4)
+    once = sum(cost(run.condition) for run in planned if run.condition.robots == 1) / 2
+    assert found.computing_s == pytest.approx(usual.computing_s - once, rel=0.05)

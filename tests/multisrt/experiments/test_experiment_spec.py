@@ -8,6 +8,7 @@ import pytest
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
+from multisrt.experiments.schema import schema
 from multisrt.experiments.spec import (
     Block,
     BodyChoice,
@@ -21,7 +22,6 @@ from multisrt.experiments.spec import (
     StartsChoice,
     StrategyChoice,
     TeamChoice,
-    schema,
 )
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.spec import Death, DriveSpec, LateStart, RangeFinderSpec, Silence, StopRule

@@ -8,8 +8,8 @@ from typing import Any
 
 import msgspec
 import pytest
+import shapely
 
-from multisrt.analysis.coverage import CoverageMeter
 from multisrt.analysis.metrics import measure, measure_with_curve
 from multisrt.environments.catalog import environment
 from multisrt.events import NodeAdded
@@ -72,13 +72,19 @@ def test_the_curve_holds_the_time_of_each_percent():
     run = planned(environments=("rooms",), robots=(2,))
     recording = simulate(run.spec)
     metrics, curve = measure_with_curve(recording)
-    meter = CoverageMeter(run.spec, recording.environment(), recording.starts)
-    for event in recording.events:
-        if isinstance(event, NodeAdded):
-            meter.add(event.time_s, event.region())
     assert len(curve) == 101
     assert curve[0] == 0.0
-    assert curve[1:] == tuple(meter.time_to(percent / 100) for percent in range(1, 101))
+    nodes = recording.of(NodeAdded)
+    for percent in (20, 50, 80, 95):
+        time = curve[percent]
+        assert time is not None
+        until, before = (
+            shapely.union_all([shapely.Polygon(n.boundary) for n in nodes if reached(n.time_s)])
+            for reached in (time.__ge__, time.__gt__)
+        )
+        share_m2 = percent / 100 * metrics.explorable_area_m2
+        tolerance_m2 = 1e-4 * metrics.explorable_area_m2
+        assert before.area - tolerance_m2 <= share_m2 <= until.area + tolerance_m2
     assert (curve[90], curve[95], curve[99]) == (
         metrics.time_to_90_s,
         metrics.time_to_95_s,
@@ -157,8 +163,8 @@ def test_messages_of_exceptions_become_one_line(register):
 
 
 def test_metrics_that_are_no_json_are_an_error(monkeypatch):
-    def measured(recording, environment):
-        metrics, curve = measure_with_curve(recording, environment)
+    def measured(recording, environment, *, horizon_s):
+        metrics, curve = measure_with_curve(recording, environment, horizon_s=horizon_s)
         return msgspec.structs.replace(metrics, min_clearance_m=math.inf), curve
 
     monkeypatch.setattr("multisrt.experiments.mission.measure_with_curve", measured)

@@ -245,6 +245,12 @@ def test_impossible_experiments_are_refused(said, told, tmp_path):
     assert message.startswith(("x: ", "environment "))
 
 
+def test_a_strategy_that_knows_the_map_does_not_compete(tmp_path):
+    message = refused(experiment(strategies=["minpos", "informed"]), tmp_path)
+    assert "informed knows the map" in message
+    assert "use it as the reference" in message
+
+
 def test_an_empty_experiment_is_refused():
     assert "there are no runs; name 'environments'" in refused(ExperimentSpec(name="x"))
 

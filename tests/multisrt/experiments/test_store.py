@@ -43,6 +43,7 @@ def filled(path):
 def test_results_are_read_back_unchanged(path):
     first, second, *_ = runs(SPEC)
     made = make_run(first, SPEC.limits)
+    made = made.to_horizon(metrics_of(made).makespan_s)
     crashed = result_of(second, "crashed", wall_s=1.5)
     with Store.create_or_open(path, SPEC) as store:
         store.add(crashed)

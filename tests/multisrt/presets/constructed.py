@@ -85,6 +85,7 @@ def srt(
         vary = 1.0 + spread * noise_of(at, repetition, "time")
         return {
             "known_complete_s": slower * time(at) * vary,
+            "makespan_s": 1.1 * slower * time(at) * vary,
             "total_distance_m": slower * distance(at) * vary,
         }
 
@@ -97,7 +98,7 @@ def bidding(
     def values(at: Condition, repetition: int) -> dict[str, object]:
         ours = factors(at) if at.strategy == "self-bidding" else 1.0
         value = 100.0 * ours * (1.0 + spread * noise_of(at, repetition, "any"))
-        names = [table.measure.name for table in sbx_r.PAPER]
+        names = [*(table.measure.name for table in sbx_r.PAPER), "makespan_s"]
         return dict.fromkeys(names, value)
 
     return values
@@ -117,7 +118,8 @@ def times(
         shared = Condition(environment=at.environment, strategy="", robots=1)
         world = 1000.0 * (1.0 + 0.5 * noise_of(shared, repetition, "world"))
         vary = 1.0 + spread * noise_of(at, repetition, "time")
-        return {"known_complete_s": world / at.robots * (1.0 - percent / 100.0) * vary}
+        time = world / at.robots * (1.0 - percent / 100.0) * vary
+        return {"known_complete_s": time, "makespan_s": time + 1.0}
 
     return values
 
@@ -133,6 +135,7 @@ def laws(
         vary = 1.0 + spread * noise_of(at, repetition, "time")
         return {
             "known_complete_s": 1000.0 * at.robots**exponent * vary,
+            "makespan_s": 1010.0 * at.robots**exponent * vary,
             "total_distance_m": 300.0 * at.robots ** (1.0 + distance) * vary,
             "distance_by_robot_m": (1.0,) * at.robots,
             "coverage": 0.94 if lost(at, repetition) else 0.99,

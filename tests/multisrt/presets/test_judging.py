@@ -5,42 +5,45 @@ import pytest
 
 from multisrt.experiments.results import Results
 from multisrt.presets import multi_srt
-from multisrt.presets.judging import (
-    Cells,
-    Comparison,
-    Saying,
-    could_be_significant,
-    judge,
-    verdict,
-    weigh,
-)
-from tests.multisrt.presets.constructed import QUICK_SRT, results_of
+from multisrt.presets.cells import Cells, Comparison, Family
+from multisrt.presets.findings import Saying, weigh, weigh_family
+from multisrt.presets.judging import could_be_significant, judge, verdict
+from tests.multisrt.presets.constructed import QUICK_SRT, noise_of, results_of
 
 SAYINGS: dict[str, Saying] = {"f": "for", "a": "against", "n": "nothing"}
 
 
 @pytest.mark.parametrize(
-    ("sayings", "always", "mostly", "somewhere"),
+    ("family", "cells", "always", "mostly", "somewhere"),
     [
-        ("ffff", "holds", "holds", "holds"),
-        ("fffn", "holds", "holds", "holds"),
-        ("ffnn", "not significant", "not significant", "holds"),
-        ("fffa", "does not hold", "holds", "holds"),
-        ("ffaa", "does not hold", "does not hold", "holds"),
-        ("nnna", "does not hold", "does not hold", "not significant"),
-        ("nnnn", "not significant", "not significant", "not significant"),
-        ("aaaa", "does not hold", "does not hold", "does not hold"),
+        ("f", "ffff", "holds", "holds", "holds"),
+        ("f", "nnnn", "holds", "holds", "not significant"),
+        ("f", "fffa", "does not hold", "holds", "holds"),
+        ("n", "ffaa", "does not hold", "not significant", "holds"),
+        ("n", "nnnn", "not significant", "not significant", "not significant"),
+        ("a", "nnnn", "does not hold", "does not hold", "not significant"),
+        ("a", "nnna", "does not hold", "does not hold", "not significant"),
+        ("a", "aaaa", "does not hold", "does not hold", "does not hold"),
     ],
 )
-def test_verdict(sayings, always, mostly, somewhere):
-    says = [SAYINGS[letter] for letter in sayings]
-    assert verdict(says, "always") == always
-    assert verdict(says, "mostly") == mostly
-    assert verdict(says, "somewhere") == somewhere
+def test_verdict(family, cells, always, mostly, somewhere):
+    says = [SAYINGS[letter] for letter in cells]
+    assert verdict(SAYINGS[family], says, "always") == always
+    assert verdict(SAYINGS[family], says, "mostly") == mostly
+    assert verdict(SAYINGS[family], says, "somewhere") == somewhere
 
 
 def compared(lower: Iterable[float], higher: Iterable[float], paired: bool = False) -> Comparison:
-    return Comparison(where="there", lower=tuple(lower), higher=tuple(higher), paired=paired)
+    return Comparison(
+        where="there",
+        lower=dict(enumerate(lower)),
+        higher=dict(enumerate(higher)),
+        paired=paired,
+    )
+
+
+def family_of(*comparisons: Comparison, paired: bool = True) -> Family:
+    return Family(comparisons=[*comparisons], quantity=multi_srt.TIME, paired=paired)
 
 
 def test_p_values_are_adjusted_over_the_comparisons_of_a_claim():
@@ -76,18 +79,28 @@ def test_runs_that_failed_are_worse_than_all_others():
         (10, True, 26, False),
     ],
 )
-def test_how_many_runs_are_enough(n, paired, many, enough):
-    family = [compared(range(n), range(n), paired)] * many
-    assert could_be_significant(family, "always") is enough
+def test_how_many_runs_are_enough_for_one_of_many_cells(n, paired, many, enough):
+    family = family_of(*[compared(range(n), range(n), paired)] * many)
     assert could_be_significant(family, "somewhere") is enough
+
+
+@pytest.mark.parametrize(
+    ("n", "paired", "enough"),
+    # 2 / 32, 2 / 64; 2 of 20 and of 70 ways to choose half of six and of eight.
+    [(5, True, False), (6, True, True), (3, False, False), (4, False, True)],
+)
+def test_how_many_repetitions_are_enough_for_a_family(n, paired, enough):
+    family = family_of(*[compared(range(n), range(n))] * 3, paired=paired)
+    assert could_be_significant(family, "always") is enough
 
 
 def test_half_of_the_comparisons_is_not_enough():
     there, missing = compared(range(20), range(20)), compared([], [])
-    assert not could_be_significant([there, missing], "always")
-    assert could_be_significant([there, there, missing], "always")
-    assert could_be_significant([there, missing], "somewhere")
-    assert not could_be_significant([], "always")
+    assert not could_be_significant(family_of(there, missing), "always")
+    assert could_be_significant(family_of(there, there, missing), "always")
+    assert could_be_significant(family_of(there, missing), "somewhere")
+    assert not could_be_significant(family_of(), "always")
+    assert not could_be_significant(family_of(missing), "mostly")
 
 
 def test_pairs_are_of_one_repetition_also_where_runs_are_missing():
@@ -95,27 +108,114 @@ def test_pairs_are_of_one_repetition_also_where_runs_are_missing():
     left = [r for r in whole if (r.condition.robots, r.repetition) not in {(1, 0), (1, 5), (2, 3)}]
     cells = Cells(Results(whole.experiment, left, whole.planned, whole.provenance))
     alone, two = (next(at for at in cells.conditions() if at.robots == n) for n in (1, 2))
-    pairs = cells.paired("there", lower=alone, higher=two, measure=multi_srt.TIME)
-    assert pairs.lower == (101.0, 102.0, 104.0, 106.0, 107.0, 108.0, 109.0)
-    assert pairs.higher == (201.0, 202.0, 204.0, 206.0, 207.0, 208.0, 209.0)
-    both = cells.unpaired("there", lower=alone, higher=two, measure=multi_srt.TIME)
-    assert (len(both.lower), len(both.higher)) == (8, 9)
+    found = cells.compared("there", lower=alone, higher=two, measure=multi_srt.KNOWN)
+    assert found.repetitions == [1, 2, 4, 6, 7, 8, 9]
+    assert found.sides == found.pairs
+    assert found.pairs == (
+        [101.0, 102.0, 104.0, 106.0, 107.0, 108.0, 109.0],
+        [201.0, 202.0, 204.0, 206.0, 207.0, 208.0, 209.0],
+    )
+    apart = cells.compared("there", lower=alone, higher=two, measure=multi_srt.KNOWN, paired=False)
+    assert [len(side) for side in apart.sides] == [8, 9]
 
 
-def test_grounds_give_the_numbers():
-    judged = judge(
+def small_gains(cells: int, pairs: int) -> list[Comparison]:
+    """Return cells in which the first set is lower by a tenth, in noise of four tenths."""
+
+    def value(cell: int, repetition: int, side: str) -> float:
+        return 100.0 * (1.0 + 0.4 * noise_of(QUICK_AT, 100 * cell + repetition, side))
+
+    return [
+        compared(
+            [0.9 * value(cell, k, "lower") for k in range(pairs)],
+            [value(cell, k, "higher") for k in range(pairs)],
+        )
+        for cell in range(cells)
+    ]
+
+
+QUICK_AT = Cells(results_of(QUICK_SRT, lambda at, k: {})).conditions()[0]
+
+
+def judged_gains(*comparisons: Comparison, scope="always", beside=None):
+    return judge(
         "Tortoises are faster.",
         "Zeno",
-        [compared([1, 2, 3, 4, 5], [6, 7, 8, 9, 10])],
-        scope="always",
-        quantity=multi_srt.TIME,
+        family_of(*comparisons),
+        scope=scope,
         so="they are faster",
         otherwise="slower",
         sides=("tortoise", "hare"),
+        beside=beside,
     )
+
+
+def test_a_family_holds_where_no_cell_is_significant():
+    cells = small_gains(12, 8)
+    assert {finding.saying for finding in weigh(cells)} == {"nothing"}
+    claim = judged_gains(*cells).claim
+    assert (claim.verdict, claim.would_show) == ("holds", "")
+    assert "all 12 cells together, by 8 pairs of repetitions: tortoise -" in claim.grounds[0]
+
+
+def test_the_order_of_cells_and_repetitions_is_irrelevant():
+    cells = small_gains(4, 8)
+    turned = [
+        Comparison(
+            where=cell.where,
+            lower={k: cell.lower[k] for k in reversed(cell.repetitions)},
+            higher=cell.higher,
+        )
+        for cell in reversed(cells)
+    ]
+    assert weigh_family(family_of(*turned)) == weigh_family(family_of(*cells))
+
+
+def test_what_is_not_significant_comes_with_what_would_have_shown():
+    few = judged_gains(*small_gains(2, 8)).claim
+    assert few.verdict == "not significant"
+    assert few.would_show.endswith("% would have shown")
+    assert few.told == f"not significant ({few.would_show})"
+    assert any("80 % would find a true difference of" in ground for ground in few.grounds)
+    many = judged_gains(*small_gains(4, 8)).claim
+    one = judged_gains(*small_gains(2, 8), scope="somewhere").claim
+    assert one.would_show.endswith("% would have shown in one cell")
+
+    def percent(claim):
+        return float(claim.would_show.split()[3])
+
+    assert percent(many) < percent(few) < percent(one)
+
+
+def test_runs_that_show_nothing_say_so():
+    # Of nothing there is no share; of values without spread any share would show.
+    equal = judged_gains(*[compared([0.0] * 8, [0.0] * 8)] * 2).claim
+    assert equal.verdict == "not significant"
+    assert equal.would_show == "these runs would have shown no difference"
+    equal = judged_gains(*[compared([5.0] * 8, [5.0] * 8)] * 2).claim
+    assert equal.would_show == "a difference of 0.0 % would have shown"
+
+
+def test_another_quantity_is_judged_beside():
+    lower, higher = [1, 2, 3, 4, 5, 6], [6, 7, 8, 9, 10, 12]
+    slower = Family(comparisons=[compared(higher, lower)], quantity=multi_srt.KNOWN)
+    claim = judged_gains(compared(lower, higher), beside=slower).claim
+    assert claim.verdict == "holds"
+    (line,) = [ground for ground in claim.grounds if multi_srt.KNOWN.title in ground]
+    assert "does not hold" in line
+
+
+def test_grounds_give_the_numbers():
+    judged = judged_gains(compared([1, 2, 3, 4, 5, 6], [11, 12, 13, 14, 15, 16]))
     assert judged.claim.verdict == "holds"
     text = "\n".join(judged.claim.grounds)
-    assert "in 1 of 1 comparisons, significantly in 1" in text
+    assert "the one cell, by 6 pairs of repetitions: tortoise -" in text
+    assert "against hare, p = 0.031" in text
+    assert "in 1 of 1 comparisons, significantly by itself in 1" in text
     assert "Mann-Whitney" in text
-    assert "median 3.0 s (tortoise) and 8.0 s (hare), n = 5, p = 0.008, A = 1.00" in text
-    assert judged.table.rows == (("there", "3.0", "8.0", "5", "0.008", "1.00", "for"),)
+    # 2 of the 924 ways to choose six of twelve.
+    assert "median 3.5 s (tortoise) and 13.5 s (hare), n = 6, p = 0.002, A = 1.00" in text
+    assert judged.table.rows == (
+        ("in pairs", "", "", "6 repetitions", "0.031", "", "for"),
+        ("there", "3.5", "13.5", "6", "0.002", "1.00", "for"),
+    )

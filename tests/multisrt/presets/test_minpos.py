@@ -1,15 +1,21 @@
 import math
 
 import msgspec
-import numpy as np
 import pytest
 
 from multisrt.experiments.crossing import Condition
 from multisrt.presets import minpos
 from multisrt.statistics.intervals import Interval
-from tests.multisrt.presets.constructed import claim_on, no_results, results_of, times
+from tests.multisrt.presets.constructed import (
+    claim_on,
+    no_results,
+    noise_of,
+    results_of,
+    times,
+)
 
 FULL_MINPOS = minpos.experiment(False)
+QUICK_AT = Condition(environment="maze", strategy="", robots=2)
 
 
 def test_figures_of_minpos_are_the_printed_ones():
@@ -18,7 +24,7 @@ def test_figures_of_minpos_are_the_printed_ones():
     assert minpos.LARGEST_GAINS == {"hospital": 15.0, "maze": 20.0}
 
 
-def gain_of(ratios: np.ndarray) -> Interval:
+def gain_of(ratios: minpos.Ratios) -> Interval:
     gain = minpos.gain([ratios])
     assert gain is not None
     return gain
@@ -85,13 +91,24 @@ def test_pairs_of_which_one_failed_are_left_out_of_gains():
 
     of = minpos.Times(results_of(FULL_MINPOS, values))
     ratios = of.ratios("maze", 4, "minpos", "closest")
-    assert len(ratios) == 17
+    assert [k for k in ratios if ratios[k] == math.inf] == [0, 1, 2]
+    assert len(minpos.complete(ratios)) == 17
     assert gain_of(ratios).value == pytest.approx(20.0)
     # The test counts them as lost.
-    assert of.compared("maze", 4, "minpos", "closest").lower.count(math.inf) == 3
+    lower = of.compared("maze", 4, "minpos", "closest").lower
+    assert [k for k in lower if math.isinf(lower[k])] == [0, 1, 2]
     table = minpos.gains(of)
     assert table.rows[0][-1] == "20/17"
     assert table.rows[-3] == ("paper: mean", "", "+8.0", "+12.0", "")
+
+
+def test_repetitions_are_drawn_in_all_conditions_together():
+    # Twelve conditions that share their chance are no more evidence than one.
+    ratios = {k: 0.1 * noise_of(QUICK_AT, k, "world") for k in range(20)}
+    alone, many = minpos.gain([ratios]), minpos.gain([ratios] * 12)
+    assert alone is not None
+    assert many is not None
+    assert [many.low, many.high] == pytest.approx([alone.low, alone.high])
 
 
 @pytest.mark.parametrize(

@@ -17,7 +17,7 @@ from multisrt.spec import CatalogEnvironment
         ("multi-srt", False, 2 * 2 * (1 + 4 * 2 * 2), 20),
         ("multi-srt", True, 2 * 2 * (1 + 2 * 2 * 2), 10),
         ("sbx-r", False, 1 + 3 * 3 * 4, 10),
-        ("sbx-r", True, 1 + 3 * 3 * 1, 5),
+        ("sbx-r", True, 1 + 3 * 3 * 1, 6),
         ("minpos", False, 2 * (1 + 3 * 6), 20),
         ("minpos", True, 2 * (1 + 3 * 2), 8),
         ("alvarez", False, 10 * 8, 10),

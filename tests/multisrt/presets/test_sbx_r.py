@@ -4,7 +4,7 @@ import msgspec
 import pytest
 
 from multisrt.presets import sbx_r
-from multisrt.presets.judging import Cells, Saying, verdict
+from multisrt.presets.cells import Cells
 from tests.multisrt.presets.constructed import bidding, claim_on, no_results, results_of
 
 FULL_SBX = sbx_r.experiment(False)
@@ -54,11 +54,9 @@ def test_marks_of_sbx_r_agree_with_the_counts_in_its_text(number, other, better,
 @pytest.mark.parametrize("claim", sbx_r.CLAIMS, ids=lambda claim: claim.text)
 def test_the_marks_of_sbx_r_bear_its_own_claims_out(claim):
     sign = "+" if claim.better else "-"
-    sayings: list[Saying] = [
-        "nothing" if not mark else "for" if mark == sign else "against"
-        for mark in (claim.table.mark(*cell) for cell in claim.cells)
-    ]
-    assert verdict(sayings, "always") == "holds"
+    marks = Counter(claim.table.mark(*cell) for cell in claim.cells)
+    assert 2 * marks[sign] > len(claim.cells)
+    assert set(marks) <= {sign, ""}
 
 
 def test_claims_of_sbx_r_that_hold_and_do_not():

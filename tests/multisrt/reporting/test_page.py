@@ -98,7 +98,9 @@ def made_up(
                         reason=f"its process died after {k} s" if failed else "",
                         metrics=None
                         if failed
-                        else msgspec.structs.replace(template, known_complete_s=time),
+                        else msgspec.structs.replace(
+                            template, time_to_95_s=time, known_complete_s=1.1 * time
+                        ),
                         covered_at_s=()
                         if failed
                         else tuple(time * p / 100.0 if p < 99 else None for p in range(101)),
@@ -142,7 +144,12 @@ def real() -> Results:
 def report(real, tmp_path_factory):
     """A report with all its sections."""
     stalled = msgspec.structs.replace(
-        real.results[1], status="stalled", reason="robot 0 sees 3.5 m of frontier"
+        real.results[1],
+        status="stalled",
+        reason="robot 0 sees 3.5 m of frontier",
+        metrics=msgspec.structs.replace(
+            metrics_of(real.results[1]), coverage=0.8, given_up_m2={"too narrow": 12.5}
+        ),
     )
     results = Results(real.experiment, (real.results[0], stalled), 4, real.provenance)
     claims = [
@@ -212,13 +219,13 @@ def test_page_has_all_sections_and_tables(report):
     page = Page(report.read_text())
     sections = {attributes["id"] for attributes in page.all("section")}
     assert sections >= {
-        "claims", "findings", "success", "measures", "across", "gallery", "failures", "computing",
-        "run", "known_complete_s",
+        "claims", "overview", "findings", "success-rates", "measures", "across", "gallery",
+        "failures", "computing", "run", "known_complete_s",
     }  # fmt: skip
     tables = {table["id"].removeprefix("table-") for table in page.all("table")}
     assert {path.stem for path in (report.parent / "tables").glob("*.csv")} == tables
     assert {path.stem for path in (report.parent / "tables").glob("*.tex")} == tables
-    assert tables >= {"exploration-time-s", "coverage", "success", "computing"}
+    assert tables >= {"overview", "known-complete-s", "coverage", "success-rates", "computing"}
     assert "printed-1-their-times" in tables
     assert "4 runs asked for, 2 made (2 still missing" in page.text
     assert provenance().program in page.text
@@ -229,7 +236,7 @@ def test_figures_lie_beside_it_as_svg_and_pdf(report):
     folder = report.parent / "figures"
     drawings = sorted(path.stem for path in folder.glob("*.svg"))
     assert drawings == sorted(path.stem for path in folder.glob("*.pdf"))
-    assert "boxes-exploration-time-s-open" in drawings
+    assert "boxes-known-complete-s-open" in drawings
     for path in folder.glob("*.svg"):
         ET.parse(path)
     assert all(path.read_bytes().startswith(b"%PDF") for path in folder.glob("*.pdf"))
@@ -323,7 +330,7 @@ def test_gallery_shows_every_world_before_smaller_teams():
 
 def time_of(result: Result | None) -> float:
     assert result is not None
-    time = metrics_of(result).known_complete_s
+    time = metrics_of(result).time_to_95_s
     assert time is not None
     return time
 
@@ -341,6 +348,8 @@ def test_failures_come_with_a_spec_that_repeats_them(report, real):
     (path,) = (report.parent / "failures").iterdir()
     assert f"multisrt explore --spec failures/{path.name} --out again" in page.text
     assert "robot 0 sees 3.5 m of frontier" in page.text
+    assert "covered 80.0 %" in page.text
+    assert "left: 12.5 m2 too narrow" in page.text
     spec = RunSpec.from_toml(path.read_text())
     assert tomllib.loads(path.read_text())["strategy"] == "closest"
     assert ms.explore(spec).digest == real.results[1].digest
@@ -447,6 +456,6 @@ def test_command_writes_a_report(real, tmp_path):
     done = click.testing.CliRunner().invoke(cli, [*arguments, "--measure", *ONE, "--latex"])
     assert done.exception is None, done.output
     assert "2 of 2 runs" in done.output
-    assert (out / "tables" / "exploration-time-s.tex").is_file()
+    assert (out / "tables" / "known-complete-s.tex").is_file()
     failed = click.testing.CliRunner().invoke(cli, [*arguments, "--baseline", "nobody"])
     assert isinstance(failed.exception, InvalidInputError)

@@ -68,7 +68,13 @@ def make(measured: Metrics) -> Make:
                 status="crashed",
                 reason="its process died",
             )
-        metrics = msgspec.structs.replace(measured, known_complete_s=time, lower_bound_s=10.0)
+        metrics = msgspec.structs.replace(
+            measured,
+            known_complete_s=time,
+            makespan_s=time,
+            coverage=1.0,
+            lower_bound_s=10.0,
+        )
         return Result(
             key=key,
             condition=condition,
@@ -338,7 +344,7 @@ def test_no_percentage_where_there_is_no_median(make):
     times = lognormal(1, 100.0)
     study = Study(make({("w", "a", 1): times, ("w", "b", 1): [None] * 20}))
     (said,) = findings(study, TIME).significant
-    assert "b does significantly worse than a by exploration time" in said
+    assert "b does significantly worse than a by time until a robot knows the map complete" in said
     assert "nan" not in said
     assert "100 %" not in said
 
@@ -386,7 +392,7 @@ def test_single_strategy_has_nothing_to_be_compared_with(make):
 def test_missing_runs_are_said_to_be_missing(make):
     text = what_was_run(Study(make({("w", "a", 1): [1.0, None]}, planned=5)))
     assert "5 runs asked for, 2 made (3 still missing" in text
-    assert "1 of them failed" in text
+    assert "1 of the runs is no success (1 crashed)" in text
 
 
 def test_p_values_are_rounded_to_two_digits():

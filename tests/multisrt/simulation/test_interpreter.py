@@ -4,7 +4,7 @@ import pytest
 
 from multisrt.events import Ended, Motion
 from multisrt.geometry.configuration import Configuration
-from multisrt.geometry.errors import InvalidInputError
+from multisrt.robots.defects import ExplorerDefect
 from multisrt.robots.explorer import Done, Moved, Receive, Received, Send, Sense, Stop, TimedOut
 from multisrt.spec import RadioSpec
 
@@ -14,14 +14,27 @@ TWO = [(1.0, 1.0), (1.0, 5.0)]
 
 
 def test_an_explorer_ends_with_done(drive):
-    with pytest.raises(InvalidInputError, match="Done"):
+    with pytest.raises(ExplorerDefect, match="Done"):
         drive(Sense())
 
 
-@pytest.mark.parametrize("action", [None, Sense, "sense"])
-def test_an_explorer_yields_actions(drive, action):
-    with pytest.raises(InvalidInputError, match="no action"):
+@pytest.mark.parametrize(
+    ("action", "said"),
+    [
+        (None, "yielded None, which is no action"),
+        ("sense", "yielded 'sense', which is no action"),
+        (Sense, r"the class Sense; yield an instance: Sense\("),
+    ],
+)
+def test_an_explorer_yields_actions(drive, action, said):
+    with pytest.raises(ExplorerDefect, match=said):
         drive(action, Done(complete=True, reason=""))
+
+
+def test_a_run_that_is_no_generator_is_refused(drive, monkeypatch):
+    monkeypatch.setattr("tests.multisrt.simulation.conftest.Actor.run", lambda _: [Sense()])
+    with pytest.raises(ExplorerDefect, match=r"run\(\) gave a list, not a generator"):
+        drive()
 
 
 def test_an_explorers_own_error_comes_through(play):
@@ -121,7 +134,7 @@ def test_an_explorer_that_lets_no_time_pass_is_refused(play, call, straight, mon
         while True:
             yield Receive(0.0)
 
-    with pytest.raises(InvalidInputError, match=r"robot 0 yielded 50 actions at 2 s and lets no"):
+    with pytest.raises(ExplorerDefect, match=r"robot 0: it yielded 50 actions at 2 s and lets no"):
         play(waits_for_nothing(), starts=[(1.0, 5.0)])
 
     def answers(robot):
@@ -130,7 +143,7 @@ def test_an_explorer_that_lets_no_time_pass_is_refused(play, call, straight, mon
             yield Receive()
             yield Send(call(sender=robot))
 
-    with pytest.raises(InvalidInputError, match=r"yielded 50 actions at 0 s and lets no time"):
+    with pytest.raises(ExplorerDefect, match=r"yielded 50 actions at 0 s and lets no time"):
         play(answers(0), answers(1), starts=TWO)
 
 
@@ -147,9 +160,9 @@ def test_actions_are_counted_separately_at_each_time(play, monkeypatch):
 
 
 def test_stop_requires_a_motion_and_move_a_standing_robot(play, call, straight, sends_each_second):
-    with pytest.raises(InvalidInputError, match=r"robot 1 yielded Stop, but it stands"):
+    with pytest.raises(ExplorerDefect, match=r"robot 1: it yielded Stop, but it stands"):
         play([END], [Stop(), END], starts=TWO)
-    with pytest.raises(InvalidInputError, match=r"robot 1 yielded Move while a motion goes on"):
+    with pytest.raises(ExplorerDefect, match=r"robot 1: it yielded Move while a motion goes on"):
         play(
             sends_each_second(call(sender=0)),
             [straight(1, 5, 5, 5, listen=True), straight(1.5, 5, 5, 5, listen=True)],

@@ -5,9 +5,12 @@ import math
 import weakref
 from itertools import pairwise
 
+import msgspec
 import pytest
+import shapely
 
-from multisrt.events import ArcClosed, Collision, Ended, Event, MapComplete, Motion
+from multisrt.environments.environment import Environment
+from multisrt.events import ArcClosed, Collision, Ended, Event, MapComplete, Motion, Sensed
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.regions.scan import ExactScan, LaserScan
 from multisrt.robots.explorer import Done, Moved, Note, Send, Sense
@@ -42,12 +45,32 @@ def test_a_run_by_hand(drive, straight):
     assert (second.configuration, second.time_s) == (Configuration(4.0, 1.0, 0.0), 6.0)
     assert noted is None
     assert recording.events == (
+        Sensed(time_s=0.0, robot=0, configuration=(1.0, 1.0, 0.0)),
         Motion(time_s=0.0, robot=0, waypoints=((0.0, 1.0, 1.0, 0.0), (6.0, 4.0, 1.0, 0.0))),
+        Sensed(time_s=6.0, robot=0, configuration=(4.0, 1.0, 0.0)),
         note,
         Ended(time_s=6.0, robot=0, reason="enough", complete=True, frontier=arc),
     )
     assert (recording.footer.outcome, recording.footer.time_s) == ("complete", 6.0)
     assert "enough" in recording.footer.reason
+
+
+def test_a_run_knows_whether_chance_had_a_part_in_it():
+    alone = RunSpec(
+        environment=inline(Environment("lane", shapely.box(0.0, 0.0, 12.0, 4.0))),
+        strategy="closest",
+        robots=(RobotSpec(start=(2.0, 2.0, 0.0)),),
+    )
+    runs = [simulate(msgspec.structs.replace(alone, seed=seed)) for seed in (1, 2)]
+    assert [run.footer.chance for run in runs] == [False, False]
+    assert runs[0].events == runs[1].events
+    # Starts that are drawn, a planner that draws, a radio that loses messages.
+    drawn = msgspec.structs.replace(alone, robots=(RobotSpec(), RobotSpec()))
+    planned = msgspec.structs.replace(alone, strategy="srt-radial")
+    starts = tuple(RobotSpec(start=(x, 2.0, 0.0)) for x in (2.0, 3.0))
+    lossy = msgspec.structs.replace(alone, robots=starts, radio=RadioSpec(loss=0.5))
+    for spec in (drawn, planned, lossy):
+        assert simulate(spec).footer.chance
 
 
 def test_times_count_from_the_start_of_the_run(drive, straight, events_of):

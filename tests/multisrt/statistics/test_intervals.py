@@ -13,6 +13,7 @@ from multisrt.statistics.intervals import (
     Interval,
     bootstrap,
     drawn_counts,
+    student,
     wilson,
 )
 from multisrt.statistics.samples import finite_sample_of, sample_of, strata_of
@@ -273,3 +274,22 @@ class TestWilson:
     def test_impossible_counts_are_refused(self, successes, count):
         with pytest.raises(InvalidInputError, match="at least one run"):
             wilson(successes, count)
+
+
+class TestStudent:
+    @given(st.lists(st.floats(-100.0, 100.0), min_size=2, max_size=12))
+    def test_it_is_scipys_interval(self, values):
+        found = student(values, 0.9)
+        if np.ptp(values) < 1e-6:
+            assert [found.low, found.high] == pytest.approx([found.value] * 2, abs=1e-5)
+            return
+        ends = stats.ttest_1samp(values, 0.0).confidence_interval(0.9)
+        assert [found.low, found.high] == pytest.approx([ends.low, ends.high], abs=1e-6)
+
+    def test_bad_values_are_refused(self):
+        with pytest.raises(InvalidInputError, match="at least two"):
+            student([1.0])
+        with pytest.raises(InvalidInputError, match="finite"):
+            student([1.0, INF])
+        with pytest.raises(InvalidInputError, match="level"):
+            student([1.0, 2.0], 1.0)

@@ -8,8 +8,9 @@ from time import time as clock
 import numpy as np
 import pytest
 
+from multisrt.events import NodeAdded
 from multisrt.geometry.errors import InvalidInputError, MultiSrtError
-from multisrt.robots.explorer import Done, Receive, Sense
+from multisrt.robots.explorer import Done, Note, Receive, Sense
 from multisrt.robots.registry import strategies, strategy
 from multisrt.spec import DriveSpec, RangeFinderSpec, RobotSpec
 from multisrt.testing import check_explorer
@@ -150,3 +151,44 @@ def test_errors_of_the_explorer_are_reported_as_the_cause():
 def test_explorers_that_cannot_be_built_are_found():
     refused(lambda me: me.nonsense, "building .* raised AttributeError")
     refused(lambda me: 7, r"a int, which has no run\(\)")
+
+
+class ClaimsAll(Base):
+    """Looks round once, and says that it knows everything."""
+
+    def act(self):
+        scan = yield Sense()
+        x, y, _ = self.me.start
+        ring = ((x - 3, y - 3), (x + 3, y - 3), (x + 3, y + 3), (x - 3, y + 3))
+        yield Note(
+            NodeAdded(
+                time_s=scan.time_s,
+                robot=self.me.robot,
+                serial=0,
+                parent=None,
+                configuration=(x, y, 0.0),
+                stage="root",
+                boundary=ring,
+                tags="0000",
+            )
+        )
+
+
+class LooksRound(Base):
+    """Looks round once, and puts nothing on record."""
+
+    def act(self):
+        yield Sense()
+
+
+def test_the_summary_says_where_its_own_account_differs_from_its_scans():
+    narrow = RobotSpec(range_finder=RangeFinderSpec(range_m=2.0))
+    (run,) = check_explorer(LooksRound, worlds=[HALL], teams=[1], robot=narrow).runs
+    assert run.outcome == "complete"
+    told = " ".join(run.differences)
+    assert "says that it is complete, but covered" in told
+    assert "notes no node, and is measured by its scans" in told
+    (run,) = check_explorer(ClaimsAll, worlds=[HALL], teams=[1], robot=narrow).runs
+    assert "no scan had shown" in " ".join(run.differences)
+    (run,) = check_explorer(strategy("srt-radial"), worlds=[HALL], teams=[1]).runs
+    assert run.differences == ()

@@ -6,12 +6,15 @@ import msgspec
 import numpy as np
 import pytest
 
+from multisrt.events import ArcClosed, MapComplete
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.regions.safe_region import local_safe_region
 from multisrt.planners.motion.trajectory import Trajectory, Waypoint
 from multisrt.robots.explorer import Look, Move, Note, Receive, Received, Send, Sense, Stop
 from multisrt.spec import DriveSpec, RangeFinderSpec, RobotSpec
 from tests.multisrt.testing.explorers import WORLD, Hello, check, explorer, refused
+
+ARC = ArcClosed(time_s=0.0, robot=0, node=(0, 0), reason=cast(Any, "narrow"), arc=())
 
 
 def test_a_scan_that_is_changed_is_found():
@@ -122,6 +125,8 @@ def test_what_is_no_action_is_found(nonsense):
         (Receive(-1.0), "timeout_s=-1.0"),
         (Receive(float("nan")), "timeout_s=nan"),
         (Note(cast(Any, "hello")), "on record"),
+        (Note(MapComplete(time_s=0, robot=0)), "a whole number where its class declares a float"),
+        (Note(ARC), "reason: Invalid enum value 'narrow'; allowed: 'blocked by"),
         (Stop(), "it stands"),
         (Move(trajectory=cast(Any, ((0.0, 3.0, 3.0, 0.0),))), "Move with"),
         (Move(trajectory=Trajectory(())), "waypoints are"),

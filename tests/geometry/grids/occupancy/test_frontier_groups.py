@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from scipy import ndimage
 
 from multisrt.geometry.grids.occupancy import Occupancy
-from multisrt.geometry.grids.raster import OFFSET
+from multisrt.geometry.grids.raster import OFFSET_X, OFFSET_Y
 from multisrt.geometry.regions.boundary import GAP, OBSTACLE, RANGE
 
 EIGHT = np.ones((3, 3), int)
@@ -148,12 +148,10 @@ def test_a_group_is_as_long_as_its_opening_is_wide(seen):
 
 def test_a_group_exactly_as_wide_as_the_body_is_kept(seen):
     # Cells (3, 5) to (3, 8): four of 0.1 m for a body of 0.4 m.
-    shift = OFFSET * 0.1
+    dx, dy = OFFSET_X * 0.1, OFFSET_Y * 0.1
     for count in (3, 4):
         occupancy = Occupancy(0.1, 0.2)
-        occupancy.add(
-            seen.rectangle(0.5 - shift, 0.3 - shift, 0.5 + 0.1 * count - shift, 0.4 - shift)
-        )
+        occupancy.add(seen.rectangle(0.5 - dx, 0.3 - dy, 0.5 + 0.1 * count - dx, 0.4 - dy))
         cells = [g.cells.tolist() for g in occupancy.frontier_groups()]
         assert cells == ([[[3, 5], [3, 6], [3, 7], [3, 8]]] if count == 4 else [])
     # Its centroid lies between (3, 6) and (3, 7): the first is the target.

@@ -9,7 +9,7 @@ from scipy import ndimage
 from shapely import affinity, box
 
 from multisrt.geometry.grids.occupancy import FREE, OCCUPIED, UNKNOWN, Occupancy
-from multisrt.geometry.grids.raster import OFFSET, Raster
+from multisrt.geometry.grids.raster import OFFSET_X, OFFSET_Y, Raster
 from multisrt.geometry.regions.boundary import GAP, OBSTACLE
 
 
@@ -120,7 +120,7 @@ def test_visiting_all_targets_explores_everything(worlds, name, beams, seen):
 def test_the_cells_of_a_wall_are_four_connected(seen, a, b, on_lattice):
     cell = 0.5
     if on_lattice:
-        a, b = ((np.round(p) - OFFSET) * cell for p in (a, b))
+        a, b = ((np.round(p) - (OFFSET_X, OFFSET_Y)) * cell for p in (a, b))
     cells = []
     for corners in ((a, b), (b, a)):
         occupancy = Occupancy(cell, 0.5, (-12.0, -12.0, 12.0, 12.0))

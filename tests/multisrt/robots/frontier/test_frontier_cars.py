@@ -27,6 +27,7 @@ from multisrt.robots.frontier.car_planning import MIN_LENGTH_M, ends_of, spaced_
 from multisrt.robots.frontier.explore import FrontierExplorer
 from multisrt.robots.frontier.goal import Goal
 from multisrt.robots.frontier.options import FrontierOptions
+from multisrt.robots.frontier.progress import Event
 from multisrt.robots.frontier.robot import FrontierRobot
 from multisrt.simulation.simulate import simulate
 from multisrt.simulation.worlds import inline
@@ -354,11 +355,30 @@ def test_a_goal_without_a_path_is_tried_again_on_news():
         assert is_target()
         explorer.judge_no_way(goal)
     assert not is_target()
-    assert not robot.frontiers.reopen()
+    assert not robot.frontiers.reopen(())
     robot.raster._changes.revision += 1
-    assert robot.frontiers.reopen()
+    assert robot.frontiers.reopen(())
     assert is_target()
-    assert not robot.frontiers.reopen()
+    assert not robot.frontiers.reopen(())
+
+
+def test_a_goal_without_a_path_round_a_body_is_not_explored():
+    robot = robot_in(HALL, 2.0, 2.0)
+    no_rule: Any = None
+    explorer = FrontierExplorer(robot.me, robot.options, rule=no_rule)
+    explorer.robot = robot
+    robot.bodies.add(
+        Sighting(robot=1, configuration=Configuration(3.0, 2.0), footprint=Footprint.disc(0.25))
+    )
+    # Each place that is given up leaves other cells of its frontier, a finite number.
+    while len(targets := robot.targets()):
+        x, y = targets[0].tolist()
+        explorer.judge_no_way(Goal(x, y, np.array([(2.0, 2.0), (x, y)]), 2.24))
+    # The body does not answer: the robot does not wait, but its map is not complete.
+    assert explorer.why_no_goal() is Event.BOXED_IN
+    robot.bodies.note_heard(1)
+    assert explorer.why_no_goal() is Event.NO_WAY
+    assert len(robot.targets()) > 0
 
 
 # Places along a path ---------------------------------------------------------------------------

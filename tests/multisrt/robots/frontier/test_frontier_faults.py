@@ -21,6 +21,7 @@ from multisrt.events import (
     GoalChosen,
     Joined,
     Learned,
+    MapComplete,
     Motion,
     NodeAdded,
     Sent,
@@ -251,6 +252,7 @@ def test_no_robot_touches_a_dead_one_in_the_only_passage(events_of, explored, na
     assert not events_of(recording, Collision)
     assert all(robot.at.x < died.configuration[0] - 0.5 for robot in crew[1:])
     assert not any(e.complete for e in events_of(recording, Ended))
+    assert not events_of(recording, MapComplete)
 
 
 @pytest.mark.slow
@@ -269,6 +271,7 @@ def test_a_dead_robot_in_the_only_passage_boxes_others_in(events_of, explored, n
         assert not events_of(recording, Ended, robot)[-1].complete
     reasons = [events_of(recording, Ended, robot)[-1].reason for robot in (1, 2)]
     assert any(reason.startswith("boxed in by robots 0") for reason in reasons)
+    assert not events_of(recording, MapComplete)
 
 
 # Narrow ways -----------------------------------------------------------------------------------

@@ -149,6 +149,7 @@ def test_a_jammed_robot_is_done_in_the_end(name, monkeypatch):
     assert [(e.complete, e.reason) for e in boxed_in] == [
         (False, "boxed in by robots 1, which do not give way")
     ]
+    assert not events(run, MapComplete)
     assert run.footer.outcome == "stalled"
 
 

@@ -332,7 +332,7 @@ def test_path_gaps_agree_with_dense_sampling(seed):
     ("body", "pocket", "west", "begins_in"),
     [
         ((10.575, 7.0), 2, 4, "west"),
-        ((9.425, 7.0), 2, 4, "pocket"),
+        ((9.44, 6.85), 2, 4, "pocket"),
         ((10.5, 7.35), 7, 4, "west"),
         ((10.5, 7.35), 7, 16, "nowhere"),
         (None, 2, 4, "own cell"),

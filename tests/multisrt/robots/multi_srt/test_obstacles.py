@@ -72,3 +72,19 @@ def test_a_body_out_of_view_is_believed_to_stand(obstacles, view):
     obstacles.silent[1] = obstacles.avoided[2] = seen_at(2.0, 0.0)
     obstacles.forget_gone((), view)
     assert sorted(obstacles.all) == [1, 2]
+
+
+def test_the_bodies_on_a_way_are_those_that_it_does_not_keep_off(obstacles):
+    obstacles.silent[1], obstacles.avoided[2] = seen_at(2.0, 0.0), seen_at(4.0, 2.0, robot=2)
+    along, round_the_corner = [0.0, 0.0, 4.0, 0.0], [4.0, 0.0, 4.0, 2.0]
+    assert [*obstacles.on(np.array([along]))] == [1]
+    assert [*obstacles.on(np.array([along, round_the_corner]))] == [1, 2]
+    assert obstacles.on(np.array([[0.0, 0.63, 2.0, 0.63]])) == {}
+
+
+def test_ignored_bodies_are_back_after_the_block(obstacles):
+    obstacles.silent[1], obstacles.avoided[2] = seen_at(2.0, 0.0), seen_at(4.0, 2.0, robot=2)
+    with obstacles.ignored():
+        assert not obstacles
+        assert obstacles.blocking(Configuration(0.0, 0.0, 0.0), straight(4.0, 0.0)) is None
+    assert sorted(obstacles.all) == [1, 2]

@@ -63,7 +63,9 @@ def test_a_robot_is_left_out_only_until_its_time(roster_of, robot_state):
         at.time_s = time_s
         assert roster.is_out(1) == out
         assert (1 in roster.present()) != out
+        assert roster.responds(1) != out
     assert roster.answers(1)
+    assert not roster.responds(2)  # never heard from
 
 
 def test_only_newer_states_are_kept(roster_of, robot_state):

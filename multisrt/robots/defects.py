@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from multisrt.geometry.errors import MultiSrtError
+from multisrt.geometry.errors import InvalidInputError
 
 
 class Flaw(NamedTuple):
@@ -14,15 +14,18 @@ class Flaw(NamedTuple):
     remedy: str
 
 
-class ExplorerDefect(MultiSrtError, AssertionError):
+class ExplorerDefect(InvalidInputError, AssertionError):
     """An explorer does what the contract of explorers does not allow.
+
+    The simulation raises it where it cannot do what an explorer yields, and
+    `multisrt.testing.check_explorer` for all else that the contract asks for.
 
     Attributes
     ----------
     what : str
         What it did.
     where : str
-        In which run, which robot, at which action.
+        Which robot; for `check_explorer` also in which run, and at which action.
     remedy : str
         What to change.
 

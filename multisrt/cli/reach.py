@@ -1,0 +1,120 @@
+"""The separate areas of a world, and in which of them robots start, in words."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from shapely import Polygon
+
+    from multisrt.environments.environment import Environment
+
+MIN_SHARE = 0.9
+"""Share of the free space; if less is in reach of the robots, it is said."""
+
+MAX_AREAS = 5
+"""Number of areas that are listed by size."""
+
+
+def areas(environment: Environment) -> str:
+    """Return how many separate areas a world has, and how large they are.
+
+    Examples
+    --------
+    >>> import shapely
+    >>> from multisrt.environments.environment import Environment
+    >>> two = shapely.union_all([shapely.box(0, 0, 2, 2), shapely.box(3, 0, 6, 2)])
+    >>> areas(Environment("two rooms", two))
+    '2 separate areas (6, 4 m2)'
+    >>> areas(Environment("a room", shapely.box(0, 0, 2, 2)))
+    '1 area'
+    """
+    from multisrt.environments.pieces import pieces
+
+    sizes = [piece.area for piece in pieces(environment)]
+    if len(sizes) == 1:
+        return "1 area"
+    listed = ", ".join(f"{size:.4g}" for size in sizes[:MAX_AREAS])
+    return f"{len(sizes)} separate areas ({listed}{', ...' * (len(sizes) > MAX_AREAS)} m2)"
+
+
+def around(environment: Environment) -> str:
+    """Return that an area of a world lies around all others, empty if none does.
+
+    Examples
+    --------
+    >>> import shapely
+    >>> from multisrt.environments.environment import Environment
+    >>> wall = shapely.box(1, 1, 9, 9) - shapely.box(2, 2, 8, 8)
+    >>> plan = Environment.from_outline("plan", shapely.box(0, 0, 10, 10), [wall])
+    >>> around(plan)
+    'the area of 36 m2 lies around the others: it touches the border of the map'
+    """
+    from multisrt.environments.pieces import enclosing
+
+    found = enclosing(environment)
+    if found is None:
+        return ""
+    return (
+        f"the area of {found.area.area:.4g} m2 lies around "
+        f"{'the others' if len(found.inside) + 1 == len(environment.components) else 'others'}: "
+        "it touches the border of the map"
+    )
+
+
+def elsewhere(environment: Environment, start: Sequence[float]) -> str:
+    """Return that a team starts in a minor one of several areas, empty if it does not.
+
+    Parameters
+    ----------
+    environment : Environment
+        The world.
+    start : (x, y, ...)
+        Where a robot starts, in metres; all robots of a team start in the same area.
+
+    Returns
+    -------
+    str
+        How many areas there are, which of them is that of the team, whether it lies around the
+        others, and where the largest of those is.
+
+    Examples
+    --------
+    >>> import shapely
+    >>> from multisrt.environments.environment import Environment
+    >>> two = shapely.union_all([shapely.box(0, 0, 2, 2), shapely.box(3, 0, 6, 2)])
+    >>> rooms = Environment("two rooms", two)
+    >>> elsewhere(rooms, (1.0, 1.0, 0.0)).partition("; ")[0]
+    'free space has 2 separate areas (6, 4 m2), and the start is in that of 4 m2 (40%)'
+    >>> elsewhere(rooms, (1.0, 1.0, 0.0)).partition("; ")[2]
+    'the largest has 6 m2, e.g. at (4.50, 1.00)'
+    """
+    from multisrt.environments.pieces import enclosing, pieces
+
+    here = environment.component(*start[:2])
+    share = here.area / environment.area_m2
+    outside = enclosing(environment)
+    starts_outside = outside is not None and outside.area is here
+    if share >= MIN_SHARE and not starts_outside:
+        return ""
+    said = (
+        f"free space has {areas(environment)}, and the start is in that of {here.area:.4g} m2 "
+        f"({share:.0%})"
+    )
+    largest = pieces(environment)[0]
+    if outside is not None and starts_outside:
+        inside = outside.inside[0]
+        return (
+            f"{said}, which lies around others and touches the border of the map; the largest "
+            f"inside has {inside.area:.4g} m2, e.g. at {_place(inside)}"
+        )
+    if here is not largest:
+        said += f"; the largest has {largest.area:.4g} m2, e.g. at {_place(largest)}"
+    return said
+
+
+def _place(area: Polygon) -> str:
+    point = area.representative_point()
+    return f"({point.x:.2f}, {point.y:.2f})"

@@ -1,0 +1,108 @@
+"""What it takes to continue a store with an experiment that contains its own."""
+
+from __future__ import annotations
+
+import sqlite3
+from pathlib import Path
+
+from multisrt.experiments.crossing import Condition, PlannedRun
+from multisrt.experiments.results import can_move_horizon
+from multisrt.experiments.spec import ExperimentSpec
+from multisrt.geometry.errors import InvalidInputError
+
+Plan = dict[str, tuple[int, PlannedRun]]
+"""The runs of an experiment by key, each with its position."""
+
+_LABELS = Condition.__struct_fields__
+_PLACE = ("position", *_LABELS, "repetition")
+
+
+def require_continuable(
+    path: Path, connection: sqlite3.Connection, old: ExperimentSpec, new: ExperimentSpec, plan: Plan
+) -> None:
+    """Raise InvalidInputError unless stored runs are runs of another experiment, too.
+
+    Parameters
+    ----------
+    path : Path
+        The file, for messages.
+    connection : sqlite3.Connection
+        A connection to it.
+    old, new : ExperimentSpec
+        The stored experiment and the one that replaces it.
+    plan : dict
+        The runs of the new experiment.
+    """
+    stored = [key for (key,) in connection.execute("SELECT key FROM runs")]
+    gone = sum(key not in plan for key in stored)
+    if gone:
+        raise InvalidInputError(
+            f"{path}: holds another experiment: {gone} of its {len(stored)} runs are none "
+            f"of this one (what differs: {_what_differs(old, new)}); choose another file, or "
+            "ask for those runs, too"
+        )
+    less = [
+        name
+        for name in new.limits.__struct_fields__
+        if stored and getattr(new.limits, name) < getattr(old.limits, name)
+    ]
+    if less:
+        raise InvalidInputError(
+            f"{path}: its runs were allowed more ({', '.join(f'limits.{n}' for n in less)}"
+            "); choose another file, or allow as much again"
+        )
+    _require_horizon(path, connection, old, new)
+
+
+def move(transaction: sqlite3.Connection, plan: Plan) -> None:
+    """Give stored runs the positions, labels and repetitions that they have in a plan.
+
+    Parameters
+    ----------
+    transaction : sqlite3.Connection
+        A connection to the store, in a transaction.
+    plan : dict
+        The runs of the experiment; all stored runs are among them.
+    """
+    places = {
+        key: (position, *(getattr(run.condition, name) for name in _LABELS), run.repetition)
+        for key, (position, run) in plan.items()
+    }
+    rows = transaction.execute(f"SELECT key, {', '.join(_PLACE)} FROM runs").fetchall()
+    columns = ", ".join(f"{name} = :{name}" for name in _PLACE)
+    transaction.executemany(
+        # Twins move by the same number; a right-hand side has the values from before.
+        f"UPDATE runs SET same_as = same_as + :repetition - repetition, {columns} WHERE key = :key",
+        [
+            dict(zip(_PLACE, places[key], strict=True)) | {"key": key}
+            for key, *place in rows
+            if tuple(place) != places[key]
+        ],
+    )
+
+
+def _require_horizon(
+    path: Path, connection: sqlite3.Connection, old: ExperimentSpec, new: ExperimentSpec
+) -> None:
+    """Raise InvalidInputError if stored integrals cannot be brought to the new horizon."""
+    if new.horizon_s == old.horizon_s:
+        return
+    ends = connection.execute(
+        "SELECT json_extract(metrics, '$.makespan_s'), horizon_s FROM runs "
+        "WHERE metrics IS NOT NULL"
+    ).fetchall()
+    cut = sum(
+        not can_move_horizon(end_s, at_s, end_s if new.horizon_s is None else new.horizon_s)
+        for end_s, at_s in ends
+    )
+    if cut:
+        raise InvalidInputError(
+            f"{path}: the integrals of {cut} of its runs cannot be brought from horizon_s = "
+            f"{old.horizon_s} to {new.horizon_s}; choose another file, or leave it as it was"
+        )
+
+
+def _what_differs(old: ExperimentSpec, new: ExperimentSpec) -> str:
+    names = [name for name in old.__struct_fields__ if getattr(old, name) != getattr(new, name)]
+    beside = ("name", "about", "limits", "success_coverage", "horizon_s", "recordings")
+    return ", ".join(n for n in names if n not in beside) or "what its environments' files hold"

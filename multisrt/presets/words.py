@@ -1,0 +1,184 @@
+"""The words and tables in which comparisons are told."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from multisrt.experiments.results import Result
+from multisrt.presets.cells import Comparison, Quantity
+from multisrt.presets.findings import FamilyFinding, Finding
+from multisrt.reporting.claims import PrintedTable
+from multisrt.statistics.intervals import Interval
+from multisrt.statistics.ratios import POWER, smallest_reduction
+from multisrt.statistics.summaries import median
+
+Sides = tuple[str, str]
+"""Names of two sets of runs: of the one claimed to be lower, and of the other."""
+
+
+def number(value: float, digits: int) -> str:
+    """Return a value as text, and a word for an infinite one."""
+    return f"{value:.{digits}f}" if math.isfinite(value) else "incomplete"
+
+
+def p_text(p_value: float) -> str:
+    """Return a p-value as text."""
+    return "< 0.001" if p_value < 0.001 else f"{p_value:.3f}"
+
+
+def failed_runs(bad: Sequence[Result], limit: int) -> list[str]:
+    """Return a line for each of the first runs that failed, and one that counts the others.
+
+    Parameters
+    ----------
+    bad : sequence of Result
+        Runs that were no success, or not complete.
+    limit : int
+        Upper bound of the runs with a line of their own.
+    """
+    lines = [
+        f"{result.condition}, repetition {result.repetition}: "
+        f"{result.status.replace('_', ' ')}: {result.account}"
+        for result in bad[:limit]
+    ]
+    return [*lines, f"and {len(bad) - limit} more"] if len(bad) > limit else lines
+
+
+# A family -----------------------------------------------------------------------------------
+
+
+def family_line(found: FamilyFinding, sides: Sides) -> str:
+    """Return the sentence on the one test of a family."""
+    cells = f"all {found.cells} cells together" if found.cells > 1 else "the one cell"
+    kind = "pairs of repetitions" if found.paired else "unpaired repetitions"
+    return (
+        f"{cells}, by {found.repetitions} {kind}: {sides[0]} {_change(found.ratio)} against "
+        f"{sides[1]}, p {_equals(found.test.p_value)}"
+    )
+
+
+def would_show(found: FamilyFinding) -> str:
+    """Return the difference that four of five such experiments find, as a clause."""
+    share = smallest_reduction(found.ratio, power=POWER, level=found.level)
+    if share >= 1.0:
+        return "these runs would have shown no difference"
+    return f"a difference of {100.0 * share:.1f} % would have shown"
+
+
+def power_line(found: FamilyFinding, quantity: Quantity) -> str:
+    """Return the sentence on the smallest differences that a family would have shown."""
+    true, seen = (
+        smallest_reduction(found.ratio, power=power, level=found.level) for power in (POWER, None)
+    )
+    if true >= 1.0:
+        return "runs with such a spread would have shown no difference, however large"
+    unit = f" {quantity.unit}" if quantity.unit else ""
+    of = ""
+    if math.isfinite(found.reference):
+        parts = (number(x * found.reference, quantity.digits) for x in (true, 1.0))
+        of = f" ({' of '.join(parts)}{unit})"
+    return (
+        f"of experiments with such a spread, {100.0 * POWER:.0f} % would find a true difference of "
+        f"{100.0 * true:.1f} %{of}; of observed differences {100.0 * seen:.1f} % is the smallest "
+        "that is significant"
+    )
+
+
+def _change(ratio: Interval) -> str:
+    value, low, high = (
+        f"{100.0 * (end - 1.0):+.1f}" if math.isfinite(end) else "no bound"
+        for end in (ratio.value, ratio.low, ratio.high)
+    )
+    return f"{value} % (95 % interval {low} to {high} %)"
+
+
+# Cells --------------------------------------------------------------------------------------
+
+
+def count_line(findings: Sequence[Finding], so: str, otherwise: str) -> str:
+    """Return the sentence that counts the cells for and against a claim."""
+    sayings = [finding.saying for finding in findings]
+    return (
+        f"{so} in {sum(finding.is_lower for finding in findings)} of {len(findings)} comparisons, "
+        f"significantly by itself in {sayings.count('for')}; {otherwise} significantly in "
+        f"{sayings.count('against')}"
+    )
+
+
+def method_line(findings: Sequence[Finding]) -> str:
+    """Return the sentence on the tests of the cells."""
+    names = {False: "Mann-Whitney's test", True: "Wilcoxon's signed-rank test on pairs"}
+    kinds = sorted({finding.comparison.paired for finding in findings})
+    sizes = [len(side) for finding in findings for side in finding.comparison.sides]
+    runs = f"{min(sizes)}" if min(sizes) == max(sizes) else f"{min(sizes)} to {max(sizes)}"
+    effect = float(median(np.array([finding.effect for finding in findings])))
+    return (
+        f"the cells by {' and '.join(names[kind] for kind in kinds)}, two-sided, p after Holm over "
+        f"{len(findings)} comparisons; n = {runs} each; median effect size A {effect:.2f} (0.5: "
+        "none, 1: always as claimed)"
+    )
+
+
+def cell_line(finding: Finding, quantity: Quantity, sides: Sides) -> str:
+    """Return the sentence on one cell."""
+    below, above = (
+        number(float(median(np.array(side))), quantity.digits) for side in finding.comparison.sides
+    )
+    unit = f" {quantity.unit}" if quantity.unit else ""
+    return (
+        f"{finding.comparison.where}: median {below}{unit} ({sides[0]}) and {above}{unit} "
+        f"({sides[1]}), n = {_sizes(finding.comparison)}, p {_equals(finding.p_value)}, "
+        f"A = {finding.effect:.2f}"
+    )
+
+
+def cells_table(
+    text: str,
+    family: FamilyFinding | None,
+    findings: Sequence[Finding],
+    quantity: Quantity,
+    sides: Sides,
+) -> PrintedTable:
+    """Return the table of the cells of a claim, below the family's test."""
+    rows = [
+        (
+            finding.comparison.where,
+            *(
+                number(float(median(np.array(side))), quantity.digits)
+                for side in finding.comparison.sides
+            ),
+            _sizes(finding.comparison),
+            p_text(finding.p_value),
+            f"{finding.effect:.2f}",
+            "" if finding.saying == "nothing" else finding.saying,
+        )
+        for finding in findings
+    ]
+    if family is not None:
+        evidence = "" if family.saying == "nothing" else family.saying
+        whole = (f"{family.repetitions} repetitions", p_text(family.test.p_value))
+        what = f"all {family.cells} together" if family.cells > 1 else "in pairs"
+        rows.insert(0, (what, "", "", *whole, "", evidence))
+    return PrintedTable(
+        title=f"{text} {quantity.heading}, medians",
+        source="",
+        columns=("where", *sides, "n", "p", "A", "evidence"),
+        rows=tuple(rows),
+        note="The first row is the one test of all cells; below it each cell by itself, p after "
+        "Holm." * (family is not None),
+    )
+
+
+def _equals(p_value: float) -> str:
+    text = p_text(p_value)
+    return text if text.startswith("<") else f"= {text}"
+
+
+def _sizes(comparison: Comparison) -> str:
+    n, m = map(len, comparison.sides)
+    if comparison.paired:
+        return f"{n} pairs"
+    return str(n) if n == m else f"{n} and {m}"

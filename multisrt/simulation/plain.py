@@ -1,0 +1,305 @@
+"""What explorers yield as plain data: numbers of numpy become builtin ones, the rest is refused.
+
+Everything that enters the simulation passes here once, so that no later computation, comparison or
+recording depends on the type of a number.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator
+from itertools import chain
+from typing import Any, NoReturn, cast, get_args
+
+import msgspec
+import numpy as np
+
+from multisrt.events import AnyEvent, Event, NotedEvent, Purpose
+from multisrt.geometry.numerics.arrays import builtin
+from multisrt.planners.motion.trajectory import Trajectory, Waypoint
+from multisrt.robots.defects import ExplorerDefect, brief
+from multisrt.robots.explorer import Action, Done, Move, Receive
+from multisrt.robots.messages import Message
+from multisrt.validation_errors import explained
+
+PURPOSES = get_args(Purpose)
+
+_EVENTS = frozenset(get_args(NotedEvent))
+
+_ENCODER = msgspec.msgpack.Encoder(enc_hook=builtin)
+_BUILTIN_ENCODER = msgspec.msgpack.Encoder()
+_DECODER = msgspec.msgpack.Decoder(AnyEvent)
+
+SAME_TIME_S = 1e-6
+"""Times that differ by less are one, in seconds."""
+
+_NOT_FINITE = re.compile(rb"\xcb[\x7f\xff][\xf0-\xff]")
+"""How floats that are infinite or no number begin in MessagePack; other data may look the same."""
+
+
+def refuse(robot: int, what: str, remedy: str) -> NoReturn:
+    """Raise the error of an explorer that does what it may not.
+
+    Parameters
+    ----------
+    robot : int
+        Its robot.
+    what : str
+        What it did.
+    remedy : str
+        What to change.
+
+    Raises
+    ------
+    ExplorerDefect
+        Always.
+    """
+    raise ExplorerDefect(what, f"the explorer of robot {robot}", remedy) from None
+
+
+def refuse_action(action: object, robot: int) -> NoReturn:
+    """Raise the error of an explorer that yields what is no action."""
+    if isinstance(action, type) and action in get_args(Action):
+        name = action.__name__
+        refuse(robot, f"it yielded the class {name}", f"yield an instance: {name}(...)")
+    refuse(
+        robot,
+        f"it yielded {brief(action)}, which is no action",
+        "yield instances of Sense, Look, Move, Stop, Send, Receive, Note and Done",
+    )
+
+
+def timeout_s(receive: Receive, robot: int) -> float | None:
+    """Return how long a robot waits at most, in seconds; None: without limit."""
+    if receive.timeout_s is None:
+        return None
+    limit_s = _number(receive.timeout_s, robot, "timeout_s of its Receive", or_inf=True)
+    return None if limit_s == math.inf else limit_s
+
+
+def addressee(to: Any, robot: int) -> int | None:
+    """Return the robot that a message is for, None for all."""
+    if to is None:
+        return None
+    if isinstance(to, int | np.integer) or (_is_single(to) and to.dtype.kind in "iu"):
+        return int(to)
+    _refuse_value(robot, "to of its Send", to, "give the number of a robot, as int(x), or None")
+
+
+def size_bytes(message: Any, robot: int) -> int:
+    """Return the size of a message."""
+    if not isinstance(message, Message):
+        refuse(
+            robot,
+            f"it sent {brief(message)}, which is no message",
+            "derive a class from multisrt.robots.messages.Message, and send an instance",
+        )
+    try:
+        return message.size_bytes
+    except (TypeError, ValueError, OverflowError, RecursionError) as error:
+        found = next(_unwritable(message, type(message).__name__, arrays=True), None)
+        refuse(
+            robot,
+            "it sent a message that cannot be written: "
+            + (f"{found[0]} is {_described(found[1])}" if found else str(error)),
+            "messages hold numbers, text, tuples, structures and read-only numpy arrays",
+        )
+
+
+def motion(move: Move, robot: int) -> Move:
+    """Return a motion with builtin numbers: the same one if it has them already."""
+    trajectory = _trajectory(move.trajectory, robot)
+    guard_m, purpose = move.guard_m, move.purpose
+    if guard_m is not None:
+        guard_m = _number(guard_m, robot, "guard_m of its Move")
+    listen = _flag(move.listen, robot, "listen of its Move")
+    if purpose not in PURPOSES:
+        allowed = f"give one of {', '.join(map(repr, PURPOSES))}"
+        _refuse_value(robot, "purpose of its Move", purpose, allowed)
+    if trajectory is move.trajectory and guard_m is move.guard_m and listen is move.listen:
+        return move
+    return Move(trajectory=trajectory, purpose=purpose, guard_m=guard_m, listen=listen)
+
+
+def is_on_call(done: Done, robot: int) -> bool:
+    """Return whether messages are still delivered to a robot that is done."""
+    return _flag(done.on_call, robot, "on_call of its Done")
+
+
+def event(noted: Any, robot: int, now_s: float) -> AnyEvent:
+    """Return an event as it can be recorded.
+
+    Parameters
+    ----------
+    noted : object
+        What the explorer puts on record.
+    robot : int
+        Its robot.
+    now_s : float
+        The time in seconds, which is that of the event: runs are measured by when things happened.
+
+    Returns
+    -------
+    Event
+        The same event if all that is in it can be written, else that of `as_declared`. So values
+        of a wrong builtin type pass here: `multisrt.testing.check_explorer` finds them.
+
+    Raises
+    ------
+    ExplorerDefect
+        If it is no event that explorers put on record, has another time, or `as_declared` raises
+        it.
+    """
+    found = _recordable(noted, robot)
+    if abs(found.time_s - now_s) > SAME_TIME_S:
+        refuse(
+            robot,
+            f"its {type(found).__name__} has time_s={found.time_s:g} at {now_s:g} s",
+            "give the present time, which scans, motions and messages tell",
+        )
+    return found
+
+
+def _recordable(noted: Any, robot: int) -> AnyEvent:
+    # To write an event costs little; to read it again would cost 2 to 4 percent of a run.
+    if type(noted) in _EVENTS and type(noted.time_s) is float and noted.robot == robot:
+        try:
+            if _NOT_FINITE.search(_BUILTIN_ENCODER.encode(noted)) is None:
+                return cast(AnyEvent, noted)
+        except (TypeError, ValueError, OverflowError, RecursionError):
+            pass
+    if not isinstance(noted, Event):
+        refuse(
+            robot,
+            f"it put {brief(noted)} on record",
+            f"give Note an instance of a class of multisrt.events, with robot={robot}",
+        )
+    if type(noted) not in _EVENTS:
+        refuse(
+            robot,
+            f"it put a {type(noted).__name__} on record, which the simulation records itself",
+            f"note {', '.join(sorted(kind.__name__ for kind in _EVENTS))} only",
+        )
+    return as_declared(noted, robot)
+
+
+def as_declared(noted: Event, robot: int) -> AnyEvent:
+    """Return a copy of an event whose values have exactly the types that its class declares.
+
+    Raises
+    ------
+    ExplorerDefect
+        If it is an event of another robot, or has a field whose value cannot be converted or is
+        no finite number.
+    """
+    kind = type(noted).__name__
+    try:
+        data = _ENCODER.encode(noted)
+        if _NOT_FINITE.search(data):
+            _refuse_unwritable(noted, robot)
+        declared: AnyEvent = _DECODER.decode(data)
+    except msgspec.ValidationError as error:
+        refuse(
+            robot,
+            f"its {kind} is not as its class declares: {explained(error, type(noted))}",
+            "see multisrt.events for its fields; float(x) and int(x) convert numbers",
+        )
+    except (TypeError, ValueError, OverflowError, RecursionError) as error:
+        _refuse_unwritable(noted, robot)
+        refuse(robot, f"its {kind} cannot be recorded: {error}", "give numbers, text and tuples")
+    if declared.robot != robot:
+        refuse(
+            robot,
+            f"it put an event of robot {declared.robot} on record",
+            f"give its {kind} robot={robot}: a robot speaks for itself alone",
+        )
+    return declared
+
+
+def _trajectory(trajectory: Any, robot: int) -> Trajectory:
+    remedy = "give a Trajectory of Waypoint(time_s, x, y, heading) with finite numbers"
+    if not isinstance(trajectory, Trajectory):
+        _refuse_value(robot, "trajectory of its Move", trajectory, remedy)
+    waypoints = trajectory.waypoints
+    if (
+        type(waypoints) is tuple
+        and waypoints
+        and all(type(waypoint) is Waypoint for waypoint in waypoints)
+        and all(type(value) is float for value in chain.from_iterable(waypoints))
+        and math.isfinite(sum(chain.from_iterable(waypoints)))
+    ):
+        return trajectory
+    found = []
+    for k, waypoint in enumerate(waypoints):
+        field = f"waypoint {k} of its trajectory"
+        if np.shape(waypoint) != (4,):
+            _refuse_value(robot, field, waypoint, remedy)
+        found.append(Waypoint(*(_number(value, robot, field) for value in waypoint)))
+    if not found:
+        refuse(robot, "its trajectory has no waypoint", remedy)
+    return Trajectory(tuple(found))
+
+
+def _number(value: Any, robot: int, field: str, *, or_inf: bool = False) -> float:
+    if not (isinstance(value, int | float | np.integer | np.floating) or _is_single(value)):
+        _refuse_value(robot, field, value, "give a number: float(x)")
+    number = float(value)
+    if not (math.isfinite(number) or (or_inf and number == math.inf)):
+        _refuse_value(robot, field, number, "give a finite number" + " or inf" * or_inf)
+    return number
+
+
+def _flag(value: object, robot: int, field: str) -> bool:
+    if not isinstance(value, bool | np.bool_):
+        _refuse_value(robot, field, value, "give True or False: bool(x)")
+    return bool(value)
+
+
+def _is_single(value: object) -> bool:
+    # An array without dimensions that holds a real number.
+    return isinstance(value, np.ndarray) and value.ndim == 0 and value.dtype.kind in "iuf"
+
+
+def _refuse_value(robot: int, field: str, value: object, remedy: str) -> NoReturn:
+    refuse(robot, f"{field} is {_described(value)}", remedy)
+
+
+def _described(value: object) -> str:
+    return f"{brief(value)}, a {type(value).__name__}"
+
+
+def _refuse_unwritable(noted: Event, robot: int) -> None:
+    for place, value in _unwritable(noted, type(noted).__name__):
+        is_float = isinstance(value, float | np.floating)
+        remedy = "give a finite number" if is_float else "give plain numbers: float(x) or int(x)"
+        _refuse_value(robot, f"{place} of what it put on record", value, remedy)
+
+
+def _unwritable(value: Any, place: str, *, arrays: bool = False) -> Iterator[tuple[str, object]]:
+    # The values in an event or a message that cannot be written, each with its place.
+    parts: Iterator[tuple[str, Any]] = iter(())
+    match value:
+        case msgspec.Struct():
+            fields = value.__struct_fields__
+            parts = ((f"{place}.{field}", getattr(value, field)) for field in fields)
+        case list() | tuple():
+            parts = ((f"{place}[{k}]", part) for k, part in enumerate(value))
+        case dict():
+            for key in value:
+                yield from _unwritable(key, f"a key of {place}", arrays=arrays)
+            parts = ((f"{place}[{key!r}]", part) for key, part in value.items())
+        case np.ndarray() if not arrays:
+            parts = iter([(place, value.tolist())])
+        case float() | np.floating():
+            if not (arrays or math.isfinite(value)):
+                yield place, value
+        case int() | np.integer():
+            if not -(2**63) <= value < 2**64:
+                yield place, value
+        case None | str() | np.bool_() | np.ndarray():
+            pass
+        case _:
+            yield place, value
+    for inner, part in parts:
+        yield from _unwritable(part, inner, arrays=arrays)

@@ -1,0 +1,93 @@
+"""Values of the keywords of `multisrt.explore`: numbers of numpy taken, other kinds refused."""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any
+
+from multisrt.geometry.errors import InvalidInputError
+from multisrt.spec.faults import Death, LateStart, Silence
+
+
+def checked(name: str, value: Any) -> Any:
+    """Return the value of a keyword, with builtin numbers where it is a number.
+
+    Parameters
+    ----------
+    name : str
+        The keyword.
+    value : object
+        What was given for it, not None.
+
+    Returns
+    -------
+    object
+        The value; a tuple for faults.
+
+    Raises
+    ------
+    InvalidInputError
+        If the value is of another kind than the keyword asks for.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> checked("range_m", np.float32(0.5)), checked("seed", np.int64(3))
+    (0.5, 3)
+    """
+    if name in ("range_m", "radio_range_m", "max_time_s"):
+        return _converted(name, value, float, "a number")
+    if name in ("seed", "beams"):
+        return _converted(name, value, operator.index, "a whole number")
+    if name == "options" and not isinstance(value, Mapping):
+        raise InvalidInputError(f"options are a dictionary of names and values, not {value!r}")
+    if name == "faults":
+        value = tuple(value) if isinstance(value, Iterable) else (value,)
+        for fault in value:
+            if not isinstance(fault, Death | Silence | LateStart):
+                raise InvalidInputError(
+                    f"faults are instances of Death, Silence and LateStart, not {fault!r}"
+                )
+    return value
+
+
+def _converted(name: str, value: Any, convert: Callable[[Any], Any], kind: str) -> Any:
+    if isinstance(value, bool | str):
+        raise InvalidInputError(f"{name} is {kind}, not {value!r}")
+    try:
+        return convert(value)
+    except (TypeError, ValueError):
+        raise InvalidInputError(f"{name} is {kind}, not {value!r}") from None
+
+
+def start_of(start: Iterable[float]) -> tuple[float, ...]:
+    """Return a start as a tuple of builtin numbers.
+
+    Parameters
+    ----------
+    start : iterable of float
+        x and y in metres, and perhaps the heading in radians.
+
+    Returns
+    -------
+    tuple of float
+        As many as were given.
+
+    Raises
+    ------
+    InvalidInputError
+        If it is no sequence of numbers.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> start_of(np.array([1, 2]))
+    (1.0, 2.0)
+    """
+    try:
+        return tuple(float(value) for value in start)
+    except (TypeError, ValueError):
+        raise InvalidInputError(
+            f"a start is (x, y) or (x, y, heading) in metres and radians, not {start!r}"
+        ) from None

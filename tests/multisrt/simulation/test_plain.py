@@ -1,0 +1,269 @@
+"""Numbers of numpy in what explorers yield: taken as builtin numbers, or refused in words."""
+
+# Values of wrong types are what is tested here.
+# mypy: disable-error-code="arg-type, dict-item"
+
+import math
+from typing import Any, ClassVar
+
+import msgspec
+import numpy as np
+import pytest
+
+from multisrt.events import (
+    AnyEvent,
+    ArcClosed,
+    Decision,
+    Event,
+    GoalChosen,
+    Learned,
+    MapComplete,
+    NodeAdded,
+    Organized,
+    Supports,
+)
+from multisrt.geometry.errors import InvalidInputError
+from multisrt.planners.motion.trajectory import Trajectory, Waypoint
+from multisrt.recording import Recording
+from multisrt.robots.defects import ExplorerDefect
+from multisrt.robots.explorer import Done, Look, Move, Note, Receive, Send, Sense
+from multisrt.robots.messages import Message
+
+END = Done(complete=True, reason="enough")
+NUMBERS = [np.float64, np.float32, np.float16, np.longdouble, np.int64, np.uint8, np.array, int]
+NODE = NodeAdded(
+    time_s=1.0,
+    robot=0,
+    serial=2,
+    parent=(0, 1),
+    configuration=(1.0, 2.0, 0.0),
+    stage="draw",
+    boundary=((0.0, 0.0), (1.0, 0.0), (1.0, 1.0)),
+    tags="012",
+)
+
+
+class Word(Message, frozen=True, kw_only=True):
+    kind: ClassVar[str] = "word"
+    content: Any
+
+
+def noted(drive, event):
+    """Record one event, and return it as the recording has it."""
+    recording, _ = drive(Note(event), END)
+    return recording.events[0]
+
+
+def assert_plain(value: Any) -> None:
+    if isinstance(value, msgspec.Struct):
+        value = msgspec.structs.asdict(value)
+    if isinstance(value, dict):
+        value = (*value, *value.values())
+    if isinstance(value, tuple):
+        for part in value:
+            assert_plain(part)
+    else:
+        assert type(value) in (float, int, bool, str, type(None))
+
+
+def reloaded(recording: Recording, folder: Any) -> Recording:
+    recording.save(folder / "recording.jsonl")
+    return Recording.load(folder / "recording.jsonl")
+
+
+@pytest.mark.parametrize("number", NUMBERS)
+def test_motions_take_numbers_of_numpy(drive, straight, number, tmp_path):
+    plain, _ = drive(straight(1.0, 1.0, 3.0, 1.0, guard_m=1.0), END)
+    way = (
+        Waypoint(number(0), number(1), number(1), number(0)),
+        Waypoint(number(4), number(3), number(1), number(0)),
+    )
+    recording, explorer = drive(
+        Move(trajectory=Trajectory(way), guard_m=number(1), listen=np.bool_(False)), END
+    )
+    assert recording.footer.digest == plain.footer.digest
+    assert_plain(recording.events[0])
+    assert_plain(explorer.told[0].configuration)
+    assert reloaded(recording, tmp_path).events == recording.events
+
+
+def test_motions_take_rows_of_an_array(drive, straight):
+    plain, _ = drive(straight(1.0, 1.0, 3.0, 1.0), END)
+    rows = np.array([[0.0, 1.0, 1.0, 0.0], [4.0, 3.0, 1.0, 0.0]])
+    recording, _ = drive(Move(trajectory=Trajectory([Waypoint(*row) for row in rows])), END)
+    assert recording.footer.digest == plain.footer.digest
+
+
+@pytest.mark.parametrize("number", NUMBERS)
+def test_timeouts_take_numbers_of_numpy(drive, number):
+    _, explorer = drive(Receive(number(2)), END)
+    assert explorer.told[0].time_s == 2.0
+    assert type(explorer.told[0].time_s) is float
+
+
+def test_an_infinite_timeout_is_none(play):
+    recording, _ = play([Receive(math.inf), END], starts=[(1.0, 1.0)])
+    assert "wait for a message that never comes" in recording.footer.reason
+
+
+@pytest.mark.parametrize("to", [np.int64(1), np.uint8(1), np.array(1), 1])
+def test_messages_take_numbers_of_numpy(play, to):
+    content = {"x": np.float32(1.5), "n": np.int64(3), "on": np.bool_(True), "s": np.str_("a")}
+    message = Word(sender=np.int64(0), content=content)
+    plain = Word(sender=0, content={"x": 1.5, "n": 3, "on": True, "s": "a"})
+    assert message.size_bytes == plain.size_bytes
+    recording, (_, told) = play([Send(message, to=to), END], [Receive(1.0), END])
+    assert told[0].messages == (message,)
+    assert recording.events[0].reached == (1,)
+
+
+def test_done_takes_arrays_of_numpy(drive, tmp_path):
+    frontier = np.array([[0.0, 1.0, 2.0, 3.0]], dtype=np.float32)
+    recording, _ = drive(
+        Done(
+            complete=np.bool_(True),
+            reason=np.str_("enough"),
+            frontier=frontier,
+            on_call=np.bool_(False),
+        )
+    )
+    (end,) = recording.events
+    assert (end.complete, end.frontier) == (True, ((0.0, 1.0, 2.0, 3.0),))
+    assert_plain(end)
+    assert reloaded(recording, tmp_path).events == recording.events
+
+
+@pytest.mark.parametrize(
+    ("changes", "plain"),
+    [
+        ({"time_s": np.float64(1.0)}, {}),
+        ({"time_s": 1, "robot": np.int32(0), "serial": np.array(2)}, {}),
+        ({"parent": np.array([0, 1]), "configuration": np.array([1, 2, 0])}, {}),
+        ({"configuration": [np.float32(1), np.longdouble(2), 0]}, {}),
+        ({"boundary": np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]], np.float32)}, {}),
+        ({"boundary": [np.array([0, 0]), (np.int8(1), 0), [1.0, np.float16(1)]]}, {}),
+        ({"stage": np.str_("scan"), "tags": np.str_("000")}, {"stage": "scan", "tags": "000"}),
+    ],
+)
+def test_nodes_take_numbers_and_arrays_of_numpy(drive, changes, plain):
+    event = noted(drive, msgspec.structs.replace(NODE, **changes))
+    assert event == msgspec.structs.replace(NODE, **plain)
+    assert_plain(event)
+
+
+f, i, b = np.float32, np.int64, np.bool_
+
+
+@pytest.mark.parametrize(
+    "event",
+    [
+        Decision(time_s=f(1), robot=i(0), node=(i(0), i(1)), frontier_m=f(2), choice="draw",
+                 target=np.array([1.0, 2.0]), draws=i(3), refused={"no room": i(2)},
+                 candidates=((f(1), f(2), "no room"),), gpr=np.array([0, 1]), ger=(i(0),)),
+        GoalChosen(time_s=f(1), robot=i(0), rule="minpos", because="start", goal=(f(1), f(2)),
+                   cost_m=f(3), frontiers=np.ones((2, 2)), robots=np.arange(2),
+                   costs=((f(1), None),), ranks=((i(1), None),), rounds=((i(0), i(1), f(2), f(1)),),
+                   bids=((None, f(2)),), phi_m=np.ones(2), scores=np.ones((1, 6))),
+        Organized(time_s=f(1), robot=i(0), feasible=(i(0),), unfeasible=np.array([1]),
+                  before={i(0): (f(1), f(2))}, after={i(0): np.ones(2)}, orders={i(0): "keep"},
+                  conflicts=np.array([[0, 1]]), deadlock=b(True)),
+        Supports(time_s=f(1), robot=i(0), tree=i(1), open_frontier_m={i(1): f(2)},
+                 active_robots={i(1): i(0)}, candidates=np.array([1])),
+        Learned(time_s=f(1), robot=i(0), nodes=np.array([[1, 0]])),
+        ArcClosed(time_s=f(1), robot=i(0), node=(i(0), i(1)), reason="too narrow",
+                  arc=np.ones((2, 4))),
+        MapComplete(time_s=f(1), robot=i(0)),
+    ],
+    ids=lambda event: type(event).__name__,
+)  # fmt: skip
+def test_events_take_numbers_of_numpy(drive, event):
+    recorded = noted(drive, event)
+    assert type(recorded) is type(event)
+    assert_plain(recorded)
+    # Every field holds what it was given.
+    plain = msgspec.convert(_builtins(event), AnyEvent)
+    assert recorded == plain
+
+
+def _builtins(value: Any) -> Any:
+    match value:
+        case msgspec.Struct():
+            tag = value.__struct_config__.tag
+            fields = msgspec.structs.asdict(value).items()
+            return {"event": tag} | {name: _builtins(part) for name, part in fields}
+        case np.ndarray():
+            return value.tolist()
+        case dict():
+            return {_builtins(key): _builtins(part) for key, part in value.items()}
+        case tuple():
+            return [_builtins(part) for part in value]
+        case np.generic():
+            return value.item()
+    return value
+
+
+NAN, INF = float("nan"), float("inf")
+STRAIGHT = Waypoint(0.0, 1.0, 1.0, 0.0), Waypoint(4.0, 3.0, 1.0, 0.0)
+WAY = Trajectory(STRAIGHT)
+
+
+@pytest.mark.parametrize(
+    ("action", "said"),
+    [
+        (Receive(NAN), r"timeout_s of its Receive is nan, a float; give a finite number or inf"),
+        (Receive("2"), r"timeout_s of its Receive is '2', a str; give a number: float\(x\)"),
+        (Receive(np.array([1.0])), r"Receive is array\(\[1\.\]\), a ndarray; give a number"),
+        (Receive(2j), r"Receive is 2j, a complex"),
+        (Send(Word(sender=0, content=1), to=1.0), r"to of its Send is 1\.0, a float; .*int\(x\)"),
+        (Send(Word(sender=0, content=1), to=np.float64(1)), r"to of its Send is .*, a float64"),
+        (Send(Word), r"which is no message"),
+        (Send(Word(sender=0, content=(1, 2j))), r"Word\.content\[1\] is 2j, a complex"),
+        (Send(Word(sender=0, content={"n": 2**70})), r"Word\.content\['n'\] is 118.*, a int"),
+        (Note(MapComplete), r"it put <class .*MapComplete'> on record; give Note an instance"),
+        (Note(None), r"it put None on record"),
+        (Note(MapComplete(time_s=NAN, robot=0)), r"MapComplete\.time_s .* is nan, a float; give a"),
+        (Note(MapComplete(time_s=np.float32(INF), robot=0)), r"MapComplete\.time_s .*, a float32"),
+        (Note(MapComplete(time_s="now", robot=0)), r"MapComplete is not .*time_s: .*float.* got"),
+        (Note(MapComplete(time_s=0.0, robot=0.5)), r"MapComplete is not .*robot: .*int"),
+        (Note(MapComplete(time_s=0.0, robot=np.int64(1))), r"event of robot 1 on record; .*=0"),
+        (Note(MapComplete(time_s=2j, robot=0)), r"MapComplete\.time_s .* is 2j, a complex"),
+        (Note(MapComplete(time_s=0.0, robot=2**70)), r"MapComplete\.robot .* is 118.*, a int"),
+        (Note(msgspec.structs.replace(NODE, boundary=np.full((3, 2), NAN))),
+         r"NodeAdded\.boundary\[0\]\[0\] of what it put on record is nan"),
+        (Note(GoalChosen(time_s=0.0, robot=0, rule="", because="", goal=None, bids=((INF,),))),
+         r"GoalChosen\.bids\[0\]\[0\] of what it put on record is inf, a float"),
+        (Done(complete=1, reason="x"), r"Ended is not .*complete: .*bool"),
+        (Done(complete=True, reason="x", on_call=2), r"on_call of its Done is 2, a int"),
+        (Done(complete=True, reason="x", frontier=((0.0, 1.0, NAN, 3.0),)),
+         r"Ended\.frontier\[0\]\[2\] of what it put on record is nan"),
+        (Done(complete=True, reason="x", frontier=np.ones((1, 3))), r"Ended is not .*frontier"),
+        (Move(trajectory=STRAIGHT), r"trajectory of its Move is \(Waypoint.*, a tuple"),
+        (Move(trajectory=Trajectory(())), r"its trajectory has no waypoint"),
+        (Move(trajectory=Trajectory((STRAIGHT[0], Waypoint(NAN, 1.0, 1.0, 0.0)))),
+         r"waypoint 1 of its trajectory is nan, a float"),
+        (Move(trajectory=Trajectory((Waypoint(0.0, "1", 1.0, 0.0),))), r"trajectory is '1', a str"),
+        (Move(trajectory=Trajectory((np.ones(3),))), r"waypoint 0 of its trajectory is array"),
+        (Move(trajectory=WAY, guard_m=np.float32(INF)), r"guard_m of its Move is inf, a float"),
+        (Move(trajectory=WAY, listen=1), r"listen of its Move is 1, a int; give True or False"),
+        (Move(trajectory=WAY, purpose="fun"), r"purpose of its Move is 'fun', a str; .*'explore'"),
+        (Look, r"the class Look"),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_used_is_refused_in_words(play, action, said):
+    with pytest.raises(ExplorerDefect, match=said) as caught:
+        play([Sense(), action, END], [END])
+    assert caught.value.where == "the explorer of robot 0"
+    assert isinstance(caught.value, InvalidInputError)
+    assert "\n" not in str(caught.value)
+
+
+def test_events_of_no_kind_are_refused(drive):
+    class Mine(Event, frozen=True, kw_only=True, tag="mine"):
+        pass
+
+    with pytest.raises(ExplorerDefect, match="Mine is not as its class declares"):
+        drive(Note(Mine(time_s=0.0, robot=0)), END)
+
+
+def test_events_that_can_be_written_are_recorded_as_they_are(drive):
+    assert noted(drive, NODE) is NODE

@@ -21,8 +21,9 @@ from multisrt.spec import LateStart, RadioSpec
 
 BoolArray = NDArray[np.bool_]
 
-STEP_S: Final = 0.05
-"""Time between two samples."""
+STEP_S: Final = 0.01
+"""Time between two samples: links that hold for less than this may be missed, and join the spells of
+isolation before and after them."""
 
 TOUCH_M: Final = 1e-9
 """A line that is in an obstacle for no more than this touches it, in metres."""

@@ -22,8 +22,8 @@ from multisrt.spec import LateStart, RadioSpec
 BoolArray = NDArray[np.bool_]
 
 STEP_S: Final = 0.01
-"""Time between two samples: links that hold for less than this may be missed, and join the spells of
-isolation before and after them."""
+"""Time between two samples: a link that holds for less than this may be missed, and then joins the
+spells of isolation before and after it."""
 
 TOUCH_M: Final = 1e-9
 """A line that is in an obstacle for no more than this touches it, in metres."""

@@ -20,7 +20,7 @@ Examples
 from __future__ import annotations
 
 import itertools
-from typing import Literal
+from typing import Final, Literal
 
 import msgspec
 import numpy as np
@@ -59,6 +59,9 @@ ClosingReason = Literal["too narrow", "seen from near", "not reachable"]
 
 ArcReason = Literal[ClosingReason, "blocked by a robot"]
 """Why a robot gave up a frontier arc, for good or until a body is gone; see `ArcClosed`."""
+
+BLOCKED: Final = "blocked by a robot"
+"""The one reason that passes: such an arc is taken up again when the body is gone."""
 
 Purpose = Literal["explore", "support", "home", "give way"]
 """Why a robot moves; see `Motion`."""

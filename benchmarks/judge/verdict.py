@@ -15,7 +15,8 @@ from benchmarks.judge.motions import Track, between_robots_m, clearance_m, track
 from multisrt.analysis.coverage import coverage
 from multisrt.analysis.evidence import evidence
 from multisrt.analysis.explorable import explorable, viewers
-from multisrt.analysis.metrics import Metrics, measure
+from multisrt.analysis.measuring import measure
+from multisrt.analysis.metrics import Metrics
 from multisrt.environments.environment import Environment
 from multisrt.recording import Recording
 

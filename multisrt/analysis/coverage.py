@@ -1,13 +1,14 @@
 """Which part of what a team can explore it saw, and which it covered, in the course of a run.
 
 *Seen* is what any scan showed. *Covered* is what robots took into their knowledge: the regions of
-the nodes that they noted, as far as scans had shown them. A robot that notes no node is measured
-by its scans.
+the nodes that they noted, as far as their scans there had shown them. A robot that notes no node
+is measured by its scans.
 """
 
 from __future__ import annotations
 
 import math
+from collections import defaultdict
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Final
@@ -16,36 +17,37 @@ import numpy as np
 
 from multisrt.analysis.evidence import Evidence
 from multisrt.analysis.explorable import EXPLORABLE, explorable, viewers
-from multisrt.analysis.metrics import ROUNDING
+from multisrt.analysis.metrics import ROUNDING, SUCCESS_COVERAGE
 from multisrt.analysis.owners import label_count, owner_tables
 from multisrt.analysis.scans import shown_from
 from multisrt.environments.environment import Environment
-from multisrt.events import Died, MapComplete, NodeAdded, Sensed
+from multisrt.events import (
+    BLOCKED,
+    ArcClosed,
+    ArcReopened,
+    Died,
+    MapComplete,
+    NodeAdded,
+    Sensed,
+)
 from multisrt.geometry.configuration import Configuration
-from multisrt.geometry.grids.strip_map import OUTSIDE, StripMap, runs_of
+from multisrt.geometry.grids.strip_map import OUTSIDE, StripMap
+from multisrt.geometry.grids.strips import runs_of
 from multisrt.geometry.numerics.kernel import FloatArray, IntArray
 from multisrt.geometry.regions.edge_index import EdgeIndex
+from multisrt.recording import Recording
 from multisrt.spec import RunSpec
 
 SEEN: Final = 2
 """The label of what was seen and is not covered."""
 
-CLAIMED: Final = 3
-"""The label of what lies in the region of a node, and no scan has shown: it is not covered."""
-
-COVERED: Final = 4
+COVERED: Final = 3
 """The label of what is covered."""
 
-SEE, CLAIM, COVER = range(3)
-"""The tables by which a scan, a node, and a scan of a robot without nodes change labels."""
+SEE, COVER = range(2)
+"""The tables by which a scan changes labels, and a node or a scan of a robot without nodes."""
 
-TABLES: Final = np.array(
-    [
-        [OUTSIDE, SEEN, SEEN, COVERED, COVERED],
-        [OUTSIDE, CLAIMED, COVERED, CLAIMED, COVERED],
-        [OUTSIDE, COVERED, COVERED, COVERED, COVERED],
-    ]
-)
+TABLES: Final = np.array([[OUTSIDE, SEEN, SEEN, COVERED], [OUTSIDE, COVERED, COVERED, COVERED]])
 
 KNOWN_SHARE: Final = 0.99
 """Share of what a team covers in the end that a robot knows when it knows its map complete."""
@@ -128,7 +130,7 @@ def coverage(proof: Evidence) -> Coverage:
     robots = len(proof.recording.spec.robots)
     times: list[float] = []
     regions: list[int] = []
-    # What happened (SEE, CLAIM or COVER), and who saw (-1: nobody).
+    # What happened (SEE or COVER), and who saw (-1: nobody).
     what: list[int] = []
     who: list[int] = []
     scans = 0
@@ -146,7 +148,7 @@ def coverage(proof: Evidence) -> Coverage:
                     what[-1] = COVER
                     continue
                 regions.append(region)
-                what.append(CLAIM)
+                what.append(COVER)
                 who.append(-1)
             case _:
                 continue
@@ -182,20 +184,45 @@ def _tables(robots: int) -> IntArray:
 def known_complete_s(proof: Evidence, covered: Coverage) -> float | None:
     """Return when the first robot knew the map complete, in seconds; None if none did.
 
-    That a robot says so is not enough: what it knows must hold `KNOWN_SHARE` of what the team
-    covered in the end. A robot that learns more afterwards did not know the map complete.
+    That a robot says so is not enough. Its last word counts, and only if no arc that it gave up as
+    blocked by a robot was then still to be taken up again, and if it knew `KNOWN_SHARE` of what the
+    team covered in the end, and enough for a success (`SUCCESS_COVERAGE`). So a robot that ends
+    early, or is told of more afterwards, did not know the map complete.
     """
-    needed_m2 = KNOWN_SHARE * float(covered.plane.areas_m2[COVERED])
-    if needed_m2 <= 0.0:
-        return None
-    for claim in proof.recording.of(MapComplete):
+    needed_m2 = max(
+        KNOWN_SHARE * float(covered.plane.areas_m2[COVERED]),
+        SUCCESS_COVERAGE * covered.explorable_m2,
+    )
+    for claim in _last_claims(proof.recording):
         # No robot knows more than all of them together.
-        if covered.covered_by_m2(claim.time_s) >= needed_m2:
+        if covered.covered_by_m2(claim.time_s) >= needed_m2 * (1.0 - ROUNDING):
             known = proof.known_to(claim.robot, claim.time_s)
             everything = proof.known_to_any(claim.time_s)
-            if known == everything or known_area_m2(proof, covered, sorted(known)) >= needed_m2:
+            area_m2 = (
+                covered.covered_by_m2(claim.time_s)
+                if known == everything
+                else known_area_m2(proof, covered, sorted(known))
+            )
+            if area_m2 >= needed_m2 * (1.0 - ROUNDING):
                 return claim.time_s
     return None
+
+
+def _last_claims(recording: Recording) -> list[MapComplete]:
+    # The last claim of each robot that was made with no arc blocked, in the order of time.
+    blocked: dict[int, set[object]] = defaultdict(set)
+    last: dict[int, MapComplete] = {}
+    for event in recording.events:
+        match event:
+            case ArcClosed() if event.reason == BLOCKED:
+                blocked[event.robot].add((event.node, event.arc))
+            case ArcReopened():
+                blocked[event.robot].discard((event.node, event.arc))
+            case MapComplete():
+                last.pop(event.robot, None)
+                if not blocked[event.robot]:
+                    last[event.robot] = event
+    return sorted(last.values(), key=lambda claim: claim.time_s)
 
 
 def known_area_m2(proof: Evidence, covered: Coverage, regions: Iterable[int]) -> float:
@@ -207,7 +234,7 @@ def known_area_m2(proof: Evidence, covered: Coverage, regions: Iterable[int]) ->
 
 def seen_plane(covered: Coverage, labels: int) -> StripMap:
     """Return a plane on which what was seen in the end has the label `EXPLORABLE`."""
-    table = [OUTSIDE, OUTSIDE, EXPLORABLE, OUTSIDE, EXPLORABLE]
+    table = [OUTSIDE, OUTSIDE, EXPLORABLE, EXPLORABLE]
     return covered.plane.mapped(table, labels)
 
 

@@ -1,12 +1,15 @@
 """What a run is judged by: the scans that robots took, and the regions that they noted as known.
 
 *Seen* is what a scan showed, whatever the robot did with it. What a robot *knows* are the regions
-of the nodes that it made and of those that it learned of; a robot that notes no node knows its
-own scans.
+of the nodes that it made, as far as its scans at their places had shown them, and of those that it
+learned of from a robot that knew them and whose messages reached it. A robot that notes no node
+knows its own scans.
 """
 
 from __future__ import annotations
 
+import math
+from collections import defaultdict
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,9 +17,15 @@ import numpy as np
 from multisrt.analysis.explorable import Explorable
 from multisrt.analysis.scans import scanned_regions
 from multisrt.environments.environment import Environment
-from multisrt.events import Died, Learned, NodeAdded, NodeName, Sensed
-from multisrt.geometry.grids.strip_map import Runs, runs_of
+from multisrt.events import Died, Learned, NodeAdded, NodeName, Pose, Sensed, Sent
+from multisrt.geometry.grids.strips import Runs, clipped, runs_of
 from multisrt.recording import Recording
+
+WHOLE, NOTHING = -1, -2
+"""Masks of regions that count whole, and not at all; see `clipped`."""
+
+SAME_PLACE_M = 1e-6
+"""Places that are at most so far apart are one, in metres."""
 
 Learning = tuple[float, int, int | None]
 """A robot came to know a region: time (s), robot, number of the region; instead of a region None
@@ -42,6 +51,9 @@ class Evidence:
         The robots that noted nodes.
     knowledge : tuple of Learning
         What robots came to know, in the order of the recording.
+    unshown_m2 : float
+        Area of regions of nodes that no scan of their robots had shown at their places; it does
+        not count.
     """
 
     recording: Recording
@@ -50,6 +62,7 @@ class Evidence:
     nodes: dict[NodeName, int]
     with_nodes: frozenset[int]
     knowledge: tuple[Learning, ...]
+    unshown_m2: float
 
     def scans_of(self, robot: int) -> list[int]:
         """Return the numbers of the regions that the scans of a robot showed."""
@@ -91,36 +104,99 @@ def evidence(recording: Recording, environment: Environment, what: Explorable) -
         As `scanned_regions`.
     """
     regions = scanned_regions(recording, environment)
+    masks = [WHOLE] * len(regions)
     nodes: dict[NodeName, int] = {}
     knowledge: list[Learning] = []
     with_nodes = frozenset(node.robot for node in recording.of(NodeAdded))
-    scans = 0
-    last_scan: dict[int, int] = {}
+    scans = _Scans()
+    heard = _Heard()
     for event in recording.events:
         match event:
             case Sensed():
-                last_scan[event.robot] = scans
+                number = scans.add(event)
                 if event.robot not in with_nodes:
-                    knowledge.append((event.time_s, event.robot, scans))
-                scans += 1
+                    knowledge.append((event.time_s, event.robot, number))
             case NodeAdded():
-                region = recording.region(event)
+                region, scan = recording.region(event), scans.at(event)
                 # A radial region is what the scan showed, and need not be measured twice.
-                number = last_scan.get(event.robot)
-                if number is None or not np.array_equal(regions[number], region):
+                if scan is not None and np.array_equal(regions[scan], region):
+                    number = scan
+                else:
                     number = len(regions)
                     regions.append(region)
+                    masks.append(NOTHING if scan is None else scan)
                 nodes[event.robot, event.serial] = number
+                heard.know((event.robot, event.serial), event.robot, event.time_s)
                 knowledge.append((event.time_s, event.robot, number))
+            case Sent():
+                heard.hear(event)
             case Learned():
-                knowledge += [(event.time_s, event.robot, nodes[name]) for name in event.nodes]
+                for name in event.nodes:
+                    if heard.could_learn(name, event.robot):
+                        heard.know(name, event.robot, event.time_s)
+                        knowledge.append((event.time_s, event.robot, nodes[name]))
             case Died():
                 knowledge.append((event.time_s, event.robot, None))
+    claimed = runs_of(what.plane.cut, regions)
+    shown = clipped(claimed, np.array(masks, np.int64))
     return Evidence(
         recording=recording,
         explorable=what,
-        runs=runs_of(what.plane.cut, regions),
+        runs=shown,
         nodes=nodes,
         with_nodes=with_nodes,
         knowledge=tuple(knowledge),
+        unshown_m2=_area_m2(claimed, what) - _area_m2(shown, what),
     )
+
+
+def _area_m2(runs: Runs, what: Explorable) -> float:
+    return float(((runs.end - runs.begin) * what.plane.cut.heights[runs.strip]).sum())
+
+
+class _Scans:
+    """The scans so far: which one a node is made from."""
+
+    def __init__(self) -> None:
+        self._count = 0
+        self._by_robot: dict[int, list[tuple[Pose, int]]] = defaultdict(list)
+
+    def add(self, scan: Sensed) -> int:
+        """Take in a scan, and return its number."""
+        self._by_robot[scan.robot].append((scan.configuration, self._count))
+        self._count += 1
+        return self._count - 1
+
+    def at(self, node: NodeAdded) -> int | None:
+        """Return the number of the last scan that a robot took at the place of its node."""
+        x, y, _ = node.configuration
+        for (at_x, at_y, _), number in reversed(self._by_robot[node.robot]):
+            if math.hypot(at_x - x, at_y - y) <= SAME_PLACE_M:
+                return number
+        return None
+
+
+class _Heard:
+    """Which nodes robots know, and when robots heard from one another."""
+
+    def __init__(self) -> None:
+        self._knew_s: dict[NodeName, dict[int, float]] = defaultdict(dict)
+        self._heard_s: dict[int, dict[int, float]] = defaultdict(dict)
+
+    def know(self, name: NodeName, robot: int, time_s: float) -> None:
+        """Take in that a robot knows a node."""
+        self._knew_s[name].setdefault(robot, time_s)
+
+    def hear(self, sent: Sent) -> None:
+        """Take in a message."""
+        for robot in sent.reached:
+            self._heard_s[robot][sent.robot] = sent.time_s
+
+    def could_learn(self, name: NodeName, robot: int) -> bool:
+        """Whether a robot that knew a node has sent something to another one since."""
+        heard_s = self._heard_s[robot]
+        return any(
+            since_s <= heard_s.get(other, -math.inf)
+            for other, since_s in self._knew_s.get(name, {}).items()
+            if other != robot
+        )

@@ -20,15 +20,8 @@ from shapely import MultiPolygon, Polygon
 from multisrt.environments.environment import Environment
 from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.geometry.configuration import Configuration
-from multisrt.geometry.grids.strip_map import (
-    OUTSIDE,
-    Runs,
-    StripMap,
-    Strips,
-    runs_of,
-    runs_of_polygon,
-    strips,
-)
+from multisrt.geometry.grids.strip_map import OUTSIDE, StripMap
+from multisrt.geometry.grids.strips import Runs, Strips, runs_of, runs_of_polygon, strips
 from multisrt.geometry.numerics.kernel import BoolArray, FloatArray
 from multisrt.geometry.regions.edge_index import EdgeIndex
 from multisrt.geometry.regions.visibility import visibility_polygons

@@ -13,15 +13,13 @@ from multisrt.analysis.coverage import Coverage
 from multisrt.analysis.evidence import Evidence
 from multisrt.analysis.explorable import EXPLORABLE
 from multisrt.analysis.remaining_frontier import arcs_given_up, remaining_frontier
-from multisrt.events import ArcReason, Segment
-from multisrt.geometry.grids.strip_map import OUTSIDE, Runs, Strips
+from multisrt.events import BLOCKED, Segment
+from multisrt.geometry.grids.strip_map import OUTSIDE
+from multisrt.geometry.grids.strips import Runs, Strips
 from multisrt.geometry.numerics.kernel import FloatArray, IntArray, kernel
 
 LEFT_OPEN: Final = "left open"
 """Why an area is left whose frontier no robot gave up."""
-
-BLOCKED: Final[ArcReason] = "blocked by a robot"
-"""Why an area is left before which a body stood."""
 
 NO_FRONTIER: Final = "no frontier"
 """Why an area is left that borders on no frontier: robots took what lies there for covered, as
@@ -29,6 +27,9 @@ between regions that nearly touch."""
 
 SAMPLE_M: Final = 0.1
 """Longest part of a frontier that counts for one area, in metres."""
+
+MAX_SAMPLES: Final = 10_000
+"""Upper bound of the parts of one segment."""
 
 MIN_AREA_M2: Final = 1e-6
 """Smaller areas are rounding."""
@@ -53,7 +54,7 @@ def given_up_m2(proof: Evidence, covered: Coverage) -> dict[str, float]:
         By the reasons of `multisrt.events.ArcClosed`, `LEFT_OPEN` and `NO_FRONTIER`; their sum is
         all that was not covered. Sorted by reason; areas of rounding are left out.
     """
-    plane = covered.plane.mapped([OUTSIDE, EXPLORABLE, EXPLORABLE, EXPLORABLE, OUTSIDE], 2)
+    plane = covered.plane.mapped([OUTSIDE, EXPLORABLE, EXPLORABLE, OUTSIDE], 2)
     left = plane.runs(EXPLORABLE)
     if not len(left.strip):
         return {}
@@ -123,7 +124,9 @@ def _lengths_by_part(
     along = ends[:, 2:] - ends[:, :2]
     lengths = np.hypot(*along.T)
     ends, along, lengths = ends[lengths > 0.0], along[lengths > 0.0], lengths[lengths > 0.0]
-    count = np.ceil(lengths / SAMPLE_M).astype(np.int64)
+    if not len(ends):
+        return np.zeros(int(parts.max()) + 1)
+    count = np.minimum(np.ceil(lengths / SAMPLE_M), MAX_SAMPLES).astype(np.int64)
     which = np.repeat(np.arange(len(lengths)), count)
     share = (np.arange(len(which)) - np.repeat(np.cumsum(count) - count, count) + 0.5) / count[
         which

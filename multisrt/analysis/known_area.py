@@ -72,19 +72,27 @@ def area_known_to_one(recording: Recording, environment: Environment | None = No
 
 
 def known_to_one(proof: Evidence, covered: Coverage, until_s: float) -> KnownToOne:
-    """Integrate the area that only one robot knew from 0 to a time, in seconds."""
+    """Integrate the area that only one robot knew from 0 to a time, in seconds.
+
+    The final areas are those at the end of the run.
+    """
     robots = len(proof.recording.spec.robots)
     ledger = _Ledger(proof, covered, robots)
+    integral_m2s: FloatArray | None = None
     for time_s, robot, region in proof.knowledge:
-        if time_s > until_s:
-            break
+        if time_s > until_s and integral_m2s is None:
+            ledger.settle(until_s)
+            integral_m2s = ledger.integral_m2s.copy()
         if region is None:
             ledger.forget(robot, time_s)
         else:
             ledger.learn(robot, region, time_s)
-    ledger.settle(until_s)
+    if integral_m2s is None:
+        ledger.settle(until_s)
+        integral_m2s = ledger.integral_m2s.copy()
+    ledger.settle(max(until_s, proof.recording.footer.time_s))
     return KnownToOne(
-        integral_m2s=tuple(ledger.integral_m2s.tolist()), final_m2=tuple(ledger.alone_m2.tolist())
+        integral_m2s=tuple(integral_m2s.tolist()), final_m2=tuple(ledger.alone_m2.tolist())
     )
 
 
@@ -135,7 +143,7 @@ class _Ledger:
         """Bring the areas up to date, and their integrals up to a time."""
         times, regions, tables = zip(*self._news, strict=True) if self._news else ((), (), ())
         history = self._plane.relabel(self._proof.runs, self._tables, regions, tables)
-        alone = np.vstack([self.alone_m2, of_one(history)])
+        alone = np.vstack([self.alone_m2, np.maximum(0.0, of_one(history))])
         spans = np.diff([self._settled_s, *times, until_s])
         self.integral_m2s += spans @ alone
         self.alone_m2 = alone[-1]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from multisrt.analysis.coverage import CLAIMED, coverage, known_complete_s
+from multisrt.analysis.coverage import coverage, known_complete_s
 from multisrt.analysis.evidence import evidence
 from multisrt.analysis.explorable import explorable, viewers
 from multisrt.analysis.metrics import SUCCESS_COVERAGE
@@ -53,11 +53,10 @@ def differences(recording: Recording, world: Environment) -> tuple[str, ...]:
             f"notes nodes that cover {covered.share:.1%}, where its scans showed "
             f"{covered.seen:.1%}: only what it notes counts as covered"
         )
-    unseen = float(covered.plane.areas_m2[CLAIMED]) / covered.explorable_m2
-    if unseen > MIN_DIFFERENCE:
+    if proof.unshown_m2 > MIN_DIFFERENCE * covered.explorable_m2:
         told.append(
-            f"notes nodes whose regions hold {unseen:.1%} of what can be explored that no scan "
-            "had shown: it does not count"
+            f"notes nodes whose regions hold {proof.unshown_m2:.1f} m2 that its scans at their "
+            "places had not shown: it does not count"
         )
     claims = recording.of(MapComplete)
     if claims and known_complete_s(proof, covered) is None:

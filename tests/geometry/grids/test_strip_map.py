@@ -6,7 +6,8 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from multisrt.geometry.grids.strip_map import OUTSIDE, StripMap, runs_of, runs_of_polygon, strips
+from multisrt.geometry.grids.strip_map import OUTSIDE, StripMap
+from multisrt.geometry.grids.strips import runs_of, runs_of_polygon, strips
 
 FRAME = np.array([(0.0, 0.0, 20.0, 0.0), (20.0, 20.0, 0.0, 20.0)])
 """Walls of a world of 20 x 20 m."""

@@ -6,7 +6,7 @@ import pytest
 import shapely
 
 from multisrt.environments.environment import Environment
-from multisrt.events import AnyEvent, Died, Motion, NodeAdded, Sensed, Stage
+from multisrt.events import AnyEvent, Died, Learned, Motion, NodeAdded, Sensed, Sent, Stage
 from multisrt.geometry.configuration import Configuration
 from multisrt.recording import Recorder, Recording, header_of
 from multisrt.simulation.worlds import inline
@@ -45,11 +45,19 @@ def recorded() -> Callable[..., Recording]:
         )
         at = tuple(Configuration(*start) for start in starts)
         recorder = Recorder(header_of(spec, world, at))
-        # Robots see before they note: from the start, which shows all of the hall.
+        # Robots see before they note: from where nodes are, which shows all of the hall.
         with_nodes = dict.fromkeys(e.robot for e in events if isinstance(e, NodeAdded))
         for robot in with_nodes if scans else ():
-            recorder.record(Sensed(time_s=0.0, robot=robot, configuration=(*at[robot],)))
+            recorder.record(Sensed(time_s=0.0, robot=robot, configuration=(1.0, 1.0, 0.0)))
         for event in events:
+            if isinstance(event, Learned):
+                # Who made a node has told of it.
+                for maker, _ in event.nodes:
+                    told = Sent(
+                        time_s=event.time_s, robot=maker, kind="map", size_bytes=0,
+                        reached=(event.robot,),
+                    )  # fmt: skip
+                    recorder.record(told)
             recorder.record(event)
         return recorder.finish(end_s, "complete", "")
 

@@ -14,7 +14,8 @@ from multisrt.analysis.explorable import (
 from multisrt.environments.environment import Environment
 from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.geometry.configuration import Configuration
-from multisrt.geometry.grids.strip_map import OUTSIDE, runs_of
+from multisrt.geometry.grids.strip_map import OUTSIDE
+from multisrt.geometry.grids.strips import runs_of
 from multisrt.geometry.regions.edge_index import EdgeIndex
 from multisrt.geometry.regions.safe_region import local_safe_region
 from multisrt.geometry.regions.scan import take_scan

@@ -1,5 +1,6 @@
 """Metrics of a run: coverage, counts, distances, waiting, losses and messages."""
 
+import dataclasses
 import math
 from functools import partial
 
@@ -12,6 +13,7 @@ from multisrt.environments.environment import Environment
 from multisrt.events import (
     AnyEvent,
     ArcClosed,
+    ArcReopened,
     Blocked,
     Collision,
     Decision,
@@ -120,7 +122,7 @@ def test_counts(recorded, hall, growing):
     assert metrics.decisions == 2
     assert metrics.arcs_closed == {"not reachable": 1, "too narrow": 2}
     assert metrics.collisions == 1
-    assert metrics.known_complete_s == 41.0
+    assert metrics.known_complete_s == 42.0
     assert metrics.frontier_left_m == 3.5
 
 
@@ -304,6 +306,52 @@ def test_a_claim_to_know_the_map_counts_if_it_was_known(recorded, hall, growing)
     metrics = measure(recorded(*growing, told, other, starts=starts), hall)
     assert metrics.known_complete_s == 42.0
     assert measure(recorded(early), hall).known_complete_s is None
+    # What it says last counts, and nobody knows a map complete by ending early.
+    again = MapComplete(time_s=45.0, robot=0)
+    assert measure(recorded(*growing, late, again), hall).known_complete_s == 45.0
+    half = MapComplete(time_s=3.0, robot=0)
+    assert measure(recorded(growing[0], half), hall).known_complete_s is None
+    # An arc that a body blocks makes a map never complete, until it is taken up again.
+    arc = ((0.0, 0.0, 1.0, 0.0),)
+    blocked = ArcClosed(time_s=40.0, robot=0, node=(0, 0), reason="blocked by a robot", arc=arc)
+    freed = ArcReopened(time_s=40.5, robot=0, node=(0, 0), arc=arc)
+    assert measure(recorded(*growing, blocked, late), hall).known_complete_s is None
+    assert measure(recorded(*growing, blocked, freed, late), hall).known_complete_s == 41.0
+
+
+def test_what_a_robot_says_that_it_learned_counts_if_it_was_told(recorded, hall, growing):
+    starts = [(1.0, 1.0, 0.0), (1.0, 5.0, 0.0)]
+    learned = Learned(time_s=41.0, robot=1, nodes=((0, 0), (0, 1), (0, 2), (0, 3), (0, 9)))
+
+    def alone_m2(*events):
+        # The recording as it is: its builder would add the messages.
+        run = recorded(*growing, starts=starts)
+        last = sorted([*run.events, *events], key=lambda event: event.time_s)
+        return measure(dataclasses.replace(run, events=tuple(last)), hall).known_to_one_m2
+
+    sent = Sent(time_s=40.5, robot=0, kind="map", size_bytes=9, reached=(1,))
+    assert alone_m2(learned) == pytest.approx(100.0, rel=1e-4)
+    assert alone_m2(sent, learned) == pytest.approx(0.0, abs=1e-6)
+    # A message that came before the nodes were made told nothing of them.
+    early = Sent(time_s=5.0, robot=0, kind="map", size_bytes=9, reached=(1,))
+    assert alone_m2(early, learned) == pytest.approx(50.0, rel=1e-3)
+
+
+def test_a_node_where_no_scan_was_taken_covers_nothing(short, hall):
+    scan, _ = looked(0.0, 2.0)
+    _, node = looked(1.0, 8.0)
+    metrics = measure(short(scan, node), hall)
+    assert metrics.seen_area_m2 == pytest.approx(DISC_M2, abs=0.02)
+    assert metrics.covered_area_m2 == 0.0
+    assert metrics.given_up_m2 == {"no frontier": pytest.approx(100.0)}
+
+
+def test_frontier_of_any_length_can_be_left(recorded, hall, seen):
+    known = seen(0.0, shapely.box(1, 0, 8, 10))
+    for frontier in (((1.0, 1.0, 1.0, 1.0),), ((0.0, 0.0, 1e8, 0.0),)):
+        end = Ended(time_s=2.0, robot=0, reason="", complete=False, frontier=frontier)
+        left = measure(recorded(known, end), hall).given_up_m2
+        assert sum(left.values()) == pytest.approx(30.0, abs=0.01)
 
 
 def test_the_overlap_is_the_area_seen_by_several_robots(short, hall):

@@ -189,6 +189,6 @@ def test_the_summary_says_where_its_own_account_differs_from_its_scans():
     assert "says that it is complete, but covered" in told
     assert "notes no node, and is measured by its scans" in told
     (run,) = check_explorer(ClaimsAll, worlds=[HALL], teams=[1], robot=narrow).runs
-    assert "no scan had shown" in " ".join(run.differences)
+    assert "its scans at their places had not shown" in " ".join(run.differences)
     (run,) = check_explorer(strategy("srt-radial"), worlds=[HALL], teams=[1]).runs
     assert run.differences == ()

@@ -125,7 +125,7 @@ def compare(
     >>> len(found.results)
     4
     >>> print(found.table("makespan_s"))  # doctest: +ELLIPSIS
-    Time until all are home (s)...
+    Time until all are done (s)...
 
     The same from an experiment, as its file would describe it:
 

@@ -35,7 +35,7 @@ from multisrt.events import (
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.numerics.kernel import FloatArray
-from multisrt.recording_flaws import flaw_of
+from multisrt.recording_flaws import flaw_of, order_flaws
 from multisrt.spec import RunSpec
 
 FORMAT = "multisrt-recording"
@@ -280,6 +280,8 @@ class Recording:
         for number, event in enumerate(events, 2):
             if flaw := flaw_of(event, header.spec.robots, nodes):
                 raise InvalidInputError(f"{path}, line {number}: {flaw}")
+        for number, flaw in order_flaws(events, footer.time_s):
+            raise InvalidInputError(f"{path}, line {number + 2}: {flaw}")
         if (digest := _digest(header, events)) != footer.digest:
             raise InvalidInputError(
                 f"{path}: its last line says digest {footer.digest[:12]}..., but its contents have "

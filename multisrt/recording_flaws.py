@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Container, Iterable, Sequence
+from collections.abc import Container, Iterable, Iterator, Sequence
 
 from multisrt.events import (
     AnyEvent,
@@ -13,11 +13,13 @@ from multisrt.events import (
     Blocked,
     Coordinated,
     Decision,
+    Ended,
     Learned,
     Motion,
     NodeAdded,
     NodeName,
     Organized,
+    Segment,
     Sensed,
     Sent,
     Supports,
@@ -30,6 +32,9 @@ MAX_COORDINATE_M = 1e9
 
 MAX_TURN_RAD = 4.0 * math.pi
 """Bound of the turn on one leg of a motion, in radians."""
+
+ROUNDING_S = 1e-6
+"""Times that differ by less are one, in seconds."""
 
 ROUNDING_M = 1e-3
 """Distance by which a region may exceed the range of its robot, for rounding."""
@@ -59,7 +64,43 @@ def flaw_of(event: AnyEvent, robots: Sequence[RobotSpec], nodes: Container[NodeN
         return _too_far(*event.configuration[:2])
     if isinstance(event, NodeAdded):
         return _node_flaw(event, robots[event.robot].range_finder.range_m)
+    for x0, y0, x1, y1 in _segments(event):
+        if flaw := _too_far(x0, y0) or _too_far(x1, y1):
+            return flaw
     return ""
+
+
+def order_flaws(events: Sequence[AnyEvent], end_s: float) -> Iterator[tuple[int, str]]:
+    """Yield what is wrong with the order of events: the index of each such event, and why.
+
+    Parameters
+    ----------
+    events : sequence of AnyEvent
+        The events of a recording.
+    end_s : float
+        When the run ended, in seconds.
+    """
+    last_s, nodes = 0.0, set()
+    for number, event in enumerate(events):
+        if not -ROUNDING_S <= event.time_s <= end_s + ROUNDING_S:
+            yield number, f"time {event.time_s:g} s, in a run from 0 to {end_s:g} s"
+        if not isinstance(event, Motion):
+            if event.time_s < last_s - ROUNDING_S:
+                yield number, f"time {event.time_s:g} s after one of {last_s:g} s"
+            last_s = event.time_s
+        if isinstance(event, NodeAdded):
+            if (event.robot, event.serial) in nodes:
+                yield number, f"node {event.serial} of robot {event.robot} stands there twice"
+            nodes.add((event.robot, event.serial))
+
+
+def _segments(event: AnyEvent) -> Iterable[Segment]:
+    match event:
+        case ArcClosed() | ArcReopened():
+            return event.arc
+        case Ended():
+            return event.frontier
+    return ()
 
 
 def _motion_flaw(motion: Motion) -> str:

@@ -26,7 +26,7 @@ from multisrt.analysis.explorable import Explorable, explorable, viewers
 from multisrt.analysis.given_up import given_up_m2
 from multisrt.analysis.isolation import team_isolation
 from multisrt.analysis.known_area import known_to_one
-from multisrt.analysis.metrics import Metrics
+from multisrt.analysis.metrics import Metrics, is_between
 from multisrt.analysis.remaining_frontier import remaining_frontier
 from multisrt.environments.environment import Environment
 from multisrt.events import (
@@ -44,6 +44,9 @@ from multisrt.events import (
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.recording import Recording
 from multisrt.spec import LateStart
+
+MAX_HORIZON_S = 1e12
+"""Upper bound of the horizon of integrals, in seconds."""
 
 
 def measure(
@@ -119,7 +122,7 @@ def measure_with_curve(
     """
     if horizon_s is None:
         horizon_s = recording.footer.time_s
-    elif not 0.0 < horizon_s < math.inf:
+    elif not is_between(horizon_s, 0.0, MAX_HORIZON_S):
         raise InvalidInputError(
             f"the horizon of integrals is a positive number of seconds, not {horizon_s!r}"
         )

@@ -16,11 +16,19 @@ SUCCESS_COVERAGE = 0.95
 
 def require_threshold(threshold: float) -> float:
     """Return a share of coverage; raise an `InvalidInputError` unless it is above 0 and up to 1."""
-    if not 0.0 < threshold <= 1.0:
+    if not is_between(threshold, 0.0, 1.0):
         raise InvalidInputError(
             f"a threshold of coverage is a share above 0 and up to 1, not {threshold!r}"
         )
     return threshold
+
+
+def is_between(value: object, above: float, most: float) -> bool:
+    """Whether a value is a number above a bound and up to another one."""
+    try:
+        return bool(above < value <= most)  # type: ignore[operator]
+    except (TypeError, ValueError):
+        return False
 
 
 class Metrics(msgspec.Struct, frozen=True, kw_only=True):

@@ -100,7 +100,7 @@ def _rows(run: Run, nodes: str, runs: list[Run]) -> Rows:
         "free space": f"{m.free_area_m2:.1f} m2",
         "90, 95, 99 % covered at": _times(m.time_to_90_s, m.time_to_95_s, m.time_to_99_s),
         "map known complete at": _seconds(m.known_complete_s),
-        "all done and home at": _seconds(m.makespan_s),
+        "all done at": _seconds(m.makespan_s),
         "lower bound of the time": _seconds(m.lower_bound_s),
         "distance": f"{m.total_distance_m:.1f} m",
         **(_team_rows(run) if team else {}),

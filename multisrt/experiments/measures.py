@@ -129,7 +129,7 @@ def _ratio(above: float | None, below: float) -> float | None:
 MEASURES = (
     _measure("time_to_95_s", "Time to 95 % coverage", "s"),
     _measure("known_complete_s", "Time until a robot knows the map complete", "s"),
-    _measure("makespan_s", "Time until all are home", "s"),
+    _measure("makespan_s", "Time until all are done", "s"),
     _measure("total_distance_m", "Distance of all robots", "m"),
     _measure(
         "distance_per_robot_m",
@@ -218,7 +218,7 @@ def measure_named(name: str) -> Measure:
     Examples
     --------
     >>> measure_named("makespan_s").heading
-    'Time until all are home (s)'
+    'Time until all are done (s)'
     """
     known = {measure.name: measure for measure in MEASURES}
     if name not in known:

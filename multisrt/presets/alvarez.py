@@ -120,7 +120,7 @@ class Outcome:
     runs, successes : int
         Numbers of runs and of successful runs.
     time, home, distance : dict from int to float
-        Means over the successful runs by team size: exploration time (s), time until all are home
+        Means over the successful runs by team size: exploration time (s), time until all are done
         (s), path length of a robot (m).
     """
 
@@ -199,7 +199,7 @@ def tables(results: Results) -> list[PrintedTable]:
     return [
         beside(found),
         _means_table("Mean exploration time (s)", [(one, one.time) for one in found]),
-        _means_table("Mean time until all are home (s)", [(one, one.home) for one in found]),
+        _means_table("Mean time until all are done (s)", [(one, one.home) for one in found]),
         _means_table("Mean path length of a robot (m)", [(one, one.distance) for one in found]),
         *(judged.table for judged in _doublings(results)),
     ]

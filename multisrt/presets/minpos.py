@@ -70,7 +70,7 @@ DEVIATIONS = (
     "only: there are no printed figures for single team sizes.",
     "All strategies choose again on news, at most once per second.",
     "An exploration ends when one of the robots has a complete map, as in the paper (section II). "
-    "The claims are judged by the time until all are home as well, and both are shown.",
+    "The claims are judged by the time until all are done as well, and both are shown.",
 )
 
 

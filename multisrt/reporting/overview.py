@@ -104,7 +104,7 @@ def _notes(study: Study, main: Measure, rows: Sequence[Sequence[Cell]]) -> tuple
     notes = [
         f"Success: {success_words(study.results)}. The other columns are medians: the area "
         "covered; the time to 95 % of it; the time at which a robot knows its map complete, and at "
-        "which all are done and home; the distance of all robots."
+        "which all are done; the distance of all robots."
     ]
     if any(found.kind != "none" for found in study.comparisons(main)):
         notes.append(significance_note(study, main))

@@ -121,10 +121,7 @@ class Interpreter:
                 case Send():
                     self._mail.send(robot, action.message, action.to)
                 case Note():
-                    event = plain.event(action.event, number, self._clock.now_s)
-                    self._journal.record(event)
-                    if isinstance(event, Organized):
-                        self._faults.on_doing(robot, "master")
+                    self._note(action)
                 case Move():
                     move = plain.motion(action, number)
                     if not self._motions.begin(robot, move):
@@ -175,6 +172,15 @@ class Interpreter:
             return actions.send(outcome)
         except StopIteration:
             plain.refuse(number, "run() ended without a last action Done", "yield Done at the end")
+
+    def _note(self, note: Note) -> None:
+        number = self._robot.number
+        event = plain.event(note.event, number, self._clock.now_s)
+        if flaw := self._journal.flaw(event):
+            plain.refuse(number, f"its {type(event).__name__}: {flaw}", "see multisrt.events")
+        self._journal.record(event)
+        if isinstance(event, Organized):
+            self._faults.on_doing(self._robot, "master")
 
     def _scan(self) -> Scan:
         now_s = self._clock.now_s

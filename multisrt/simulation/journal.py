@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from multisrt.events import AnyEvent
+from multisrt.events import AnyEvent, NodeAdded, NodeName
 from multisrt.recording import Recorder, Recording, RunOutcome
+from multisrt.recording_flaws import flaw_of
 
 Watcher = Callable[[AnyEvent], None]
 """A function that is called with every event as it is recorded."""
@@ -31,9 +32,18 @@ class Journal:
         self._recorder = recorder
         self._watch = watch
         self.last_s = 0.0
+        self._nodes: set[NodeName] = set()
+
+    def flaw(self, event: AnyEvent) -> str:
+        """Return what is wrong with an event at this point of the run; empty if nothing is."""
+        if isinstance(event, NodeAdded) and (event.robot, event.serial) in self._nodes:
+            return f"node {event.serial} of robot {event.robot} is on record already"
+        return flaw_of(event, self._recorder.header.spec.robots, self._nodes)
 
     def record(self, event: AnyEvent) -> None:
         """Record an event."""
+        if isinstance(event, NodeAdded):
+            self._nodes.add((event.robot, event.serial))
         self._recorder.record(event)
         if self._watch is not None:
             self._watch(event)

@@ -19,7 +19,7 @@ def test_explore_writes_its_files(call, folder):
     assert "srt-radial in room, seed 3: complete" in out
     assert re.search(r"success \(95 % covered\) +yes", out)
     assert re.search(r"map known complete at +[\d.]+ s", out)
-    assert re.search(r"all done and home at +[\d.]+ s", out)
+    assert re.search(r"all done at +[\d.]+ s", out)
     results = folder / "runs" / "room-srt-radial-3"
     assert sorted(os.listdir(results)) == FILES
     summary = json.loads((results / "run.json").read_text())

@@ -111,7 +111,7 @@ def test_maps_are_judged_together():
     # Table 4.1, b (T) is -0.862 on average, b (D) -1.053.
     assert "ours minus the thesis's, by map: -0.038" in time[2]
     assert "ours minus the thesis's, by map: -0.047" in distance[2]
-    assert "Time until all are home (s): -0.900" in time[3]
+    assert "Time until all are done (s): -0.900" in time[3]
 
 
 def test_what_is_open_comes_with_what_would_have_shown():

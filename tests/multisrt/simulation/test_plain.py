@@ -32,6 +32,7 @@ from multisrt.recording import Recording
 from multisrt.robots.defects import ExplorerDefect
 from multisrt.robots.explorer import Done, Look, Move, Note, Receive, Send, Sense
 from multisrt.robots.messages import Message
+from multisrt.spec import RobotSpec
 
 END = Done(complete=True, reason="enough")
 NUMBERS = [np.float64, np.float32, np.float16, np.longdouble, np.int64, np.uint8, np.array, int]
@@ -52,10 +53,18 @@ class Word(Message, frozen=True, kw_only=True):
     content: Any
 
 
-def noted(drive, event):
-    """Record one event, and return it as the recording has it."""
-    recording, _ = drive(Receive(timeout_s=event.time_s), Note(event), END)
-    return recording.events[0]
+def noted(act, event):
+    """Record one event after some nodes that it may name, and return it as it was recorded."""
+    before = [
+        Note(msgspec.structs.replace(NODE, serial=serial, parent=None)) for serial in (0, 1, 3, 4)
+    ]
+    other = msgspec.structs.replace(NODE, time_s=0.0, robot=1, serial=0, parent=None)
+    recording, _ = act(
+        (Receive(timeout_s=1.0), *before, Note(event), END),
+        (Note(other), END),
+        robots=[RobotSpec(start=(1.0, 1.0)), RobotSpec(start=(5.0, 1.0))],
+    )
+    return [recorded for recorded in recording.events if recorded.robot == 0][len(before)]
 
 
 def assert_plain(value: Any) -> None:
@@ -149,8 +158,8 @@ def test_done_takes_arrays_of_numpy(drive, tmp_path):
         ({"stage": np.str_("scan"), "tags": np.str_("000")}, {"stage": "scan", "tags": "000"}),
     ],
 )
-def test_nodes_take_numbers_and_arrays_of_numpy(drive, changes, plain):
-    event = noted(drive, msgspec.structs.replace(NODE, **changes))
+def test_nodes_take_numbers_and_arrays_of_numpy(act, changes, plain):
+    event = noted(act, msgspec.structs.replace(NODE, **changes))
     assert event == msgspec.structs.replace(NODE, **plain)
     assert_plain(event)
 
@@ -180,8 +189,8 @@ f, i, b = np.float32, np.int64, np.bool_
     ],
     ids=lambda event: type(event).__name__,
 )  # fmt: skip
-def test_events_take_numbers_of_numpy(drive, event):
-    recorded = noted(drive, event)
+def test_events_take_numbers_of_numpy(act, event):
+    recorded = noted(act, event)
     assert type(recorded) is type(event)
     assert_plain(recorded)
     # Every field holds what it was given.
@@ -291,5 +300,5 @@ def test_what_is_noted_has_the_present_time(drive):
             drive(Receive(timeout_s=1.0), Note(MapComplete(time_s=time_s, robot=0)), END)
 
 
-def test_events_that_can_be_written_are_recorded_as_they_are(drive):
-    assert noted(drive, NODE) is NODE
+def test_events_that_can_be_written_are_recorded_as_they_are(act):
+    assert noted(act, NODE) is NODE

@@ -51,7 +51,7 @@ class MissingPlans:
         alike: dict[bytes, list[PlannedRun]] = {}
         for run in store.runs():
             if run.key in missing:
-                alike.setdefault(_place_of(run.spec), []).append(run)
+                alike.setdefault(place_of(run.spec), []).append(run)
         for runs in alike.values():
             self._ask(runs)
 
@@ -106,6 +106,17 @@ class MissingPlans:
         self._store.plans.add(keys, reference)
 
 
-def _place_of(spec: RunSpec) -> bytes:
-    """Return what a plan may depend on; the seed draws starts."""
+def place_of(spec: RunSpec) -> bytes:
+    """Return what the informed plan of a run may depend on.
+
+    Parameters
+    ----------
+    spec : RunSpec
+        The run.
+
+    Returns
+    -------
+    bytes
+        Equal for runs with the same world, team, starts and faults; the seed draws starts.
+    """
     return msgspec.json.encode((spec.environment, spec.robots, spec.starts, spec.seed, spec.faults))

@@ -491,10 +491,9 @@ class ExperimentSpec(_Part, frozen=True, kw_only=True, omit_defaults=True):
 
 
 def _decoded(decode: Callable[[], ExperimentSpec], length: int) -> ExperimentSpec:
-    if length > MAX_FILE_LENGTH:
-        raise InvalidInputError(
-            f"not an experiment: {length} characters, where {MAX_FILE_LENGTH} are allowed"
-        )
+    most = MAX_FILE_LENGTH
+    if length > most:
+        raise InvalidInputError(f"not an experiment: {length} characters, where {most} are allowed")
     try:
         return decode()
     except (msgspec.MsgspecError, RecursionError, UnicodeDecodeError) as error:

@@ -25,12 +25,12 @@ from multisrt.geometry.errors import InvalidInputError
 from multisrt.reporting.layout import Cell, Table, latex_escaped, number, slug
 from multisrt.reporting.study import Study, chosen_measures
 from multisrt.reporting.tables import (
-    bounded_settings,
     computing_table,
     gap_table,
-    gaps_to_bounds,
+    gaps_above,
     growth_table,
     measure_table,
+    settings_with,
     success_table,
     summary_table,
 )
@@ -288,9 +288,9 @@ def test_gaps_are_of_settings_that_all_strategies_met(make):
             }
         )
     )
-    assert [setting.environment for setting in bounded_settings(study)] == ["v", "x"]
+    assert [setting.environment for setting in settings_with(study, "over_bound")] == ["v", "x"]
     # Over a bound of 10 s: 1, 1, 3, 3 and 0.5, 0.5, 1.5, 1.5, of which the middle half is taken.
-    found = gaps_to_bounds(study)
+    found = gaps_above(study, "over_bound")
     assert {name: gap.value for name, gap in found.items()} == pytest.approx({"a": 2.0, "b": 1.0})
     # Equal runs of a setting leave nothing to chance.
     assert (found["a"].low, found["a"].high) == pytest.approx((2.0, 2.0))

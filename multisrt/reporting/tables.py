@@ -224,7 +224,7 @@ def gap_table(study: Study) -> Table | None:
         )
     return Table(
         name="gap",
-        title="; ".join(GAPS[name].title for name in there),
+        title="; ".join(GAPS[name].title for name in there).replace("; M", "; m"),
         columns=("Strategy", *(GAPS[name].column for name in there)),
         rows=tuple(rows),
         notes=(*notes, *reference_notes(study)),

@@ -55,7 +55,7 @@ class Gap:
     column : str
         Heading of a column.
     there : callable
-        Whether a run that was measured has the other time.
+        Whether a run that was measured has the other time, or needs none.
     """
 
     title: str
@@ -72,7 +72,8 @@ GAPS = {
     "over_bound": Gap(
         title="Makespan above its lower bound",
         column="Makespan above bound",
-        there=lambda result: measure_named("over_bound").of(result) is not None,
+        # What has been seen from the start has no bound; who stops then is no success.
+        there=lambda result: result.failed or measure_named("over_bound").of(result) is not None,
     ),
 }
 """What times are divided by, by the names of the measures."""
@@ -259,7 +260,7 @@ def gaps_above(study: Study, name: str) -> dict[str, Interval]:
 
 
 def settings_with(study: Study, name: str) -> list[Condition]:
-    """Return the settings that all strategies share and whose measured runs can be divided.
+    """Return the settings that all strategies share and whose times can all be divided.
 
     Parameters
     ----------

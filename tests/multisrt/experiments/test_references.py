@@ -7,7 +7,7 @@ from multisrt.experiments.crossing import runs
 from multisrt.experiments.provenance import provenance
 from multisrt.experiments.references import MissingPlans, place_of
 from multisrt.experiments.results import Result, Results
-from multisrt.experiments.runner import run_experiment
+from multisrt.experiments.runner import Progress, run_experiment
 from multisrt.experiments.store import Store
 from multisrt.informed import reference
 from multisrt.informed.reference import Reference
@@ -170,7 +170,7 @@ def test_a_run_that_never_covered_99_percent_has_no_multiple(measured):
 
 @pytest.mark.slow
 def test_an_experiment_makes_runs_and_then_plans(path):
-    told = []
+    told: list[Progress] = []
     plain = msgspec.structs.replace(SPEC, radios=("unlimited",), reference="none")
     with Store.create_or_open(path, plain) as store:
         run_experiment(store, workers=1)

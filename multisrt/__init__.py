@@ -20,7 +20,8 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from multisrt.analysis.isolation import isolation
     from multisrt.analysis.known_area import area_known_to_one
-    from multisrt.analysis.metrics import Metrics, measure
+    from multisrt.analysis.measuring import measure
+    from multisrt.analysis.metrics import Metrics
     from multisrt.comparison import Comparison, compare
     from multisrt.environments.catalog import catalog, environment
     from multisrt.environments.environment import Environment
@@ -81,7 +82,7 @@ _HOMES = {
     "explore": "run",
     "isolation": "analysis.isolation",
     "load_results": "experiments.frames",
-    "measure": "analysis.metrics",
+    "measure": "analysis.measuring",
     "read_environment": "environments.formats",
     "register": "robots.registry",
     "simulate": "simulation.simulate",

@@ -12,11 +12,9 @@ digests, in any process and on any machine of the same architecture with the sam
 from __future__ import annotations
 
 import hashlib
-import itertools
-import math
 import os
 import platform
-from collections.abc import Container, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from functools import cache
@@ -30,40 +28,20 @@ import shapely
 from multisrt.environments.environment import Environment
 from multisrt.events import (
     AnyEvent,
-    ArcClosed,
-    ArcReopened,
-    Blocked,
-    Coordinated,
-    Decision,
     Event,
-    Learned,
-    Motion,
     NodeAdded,
     NodeName,
-    Organized,
-    Sensed,
-    Sent,
-    Supports,
-    TakenAsLost,
 )
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.numerics.kernel import FloatArray
-from multisrt.spec import RobotSpec, RunSpec
+from multisrt.recording_flaws import flaw_of
+from multisrt.spec import RunSpec
 
 FORMAT = "multisrt-recording"
 VERSION = 3
 MAX_BYTES = 2_000_000_000
 """Size of the largest file that is read."""
-
-MAX_COORDINATE_M = 1e9
-"""Bound of the absolute coordinates in a recording, in metres."""
-
-MAX_TURN_RAD = 4.0 * math.pi
-"""Bound of the turn on one leg of a motion, in radians."""
-
-ROUNDING_M = 1e-3
-"""Distance by which a region may exceed the range of its robot, for rounding."""
 
 RunOutcome = Literal["complete", "stalled", "out_of_time"]
 
@@ -300,7 +278,7 @@ class Recording:
             )
         nodes = {(event.robot, event.serial) for event in events if isinstance(event, NodeAdded)}
         for number, event in enumerate(events, 2):
-            if flaw := _flaw(event, header.spec.robots, nodes):
+            if flaw := flaw_of(event, header.spec.robots, nodes):
                 raise InvalidInputError(f"{path}, line {number}: {flaw}")
         if (digest := _digest(header, events)) != footer.digest:
             raise InvalidInputError(
@@ -318,97 +296,6 @@ def _require_header(line: Header | AnyEvent | Footer, path: Path) -> None:
             f"{path}: format version {line.format_version}; this program reads {VERSION}: make "
             "the run again from its spec"
         )
-
-
-def _flaw(event: AnyEvent, robots: Sequence[RobotSpec], nodes: Container[NodeName]) -> str:
-    # What is wrong with an event whose fields have the right types; empty if nothing is.
-    for robot in (event.robot, *_others(event)):
-        if not 0 <= robot < len(robots):
-            return f"robot {robot} is none of the {len(robots)}, which count from 0"
-    for name in _nodes_named(event):
-        if name not in nodes:
-            return f"node {name[1]} of robot {name[0]} is nowhere in the recording"
-    if isinstance(event, Motion):
-        return _motion_flaw(event)
-    if isinstance(event, Sensed):
-        return _too_far(*event.configuration[:2])
-    if isinstance(event, NodeAdded):
-        return _node_flaw(event, robots[event.robot].range_finder.range_m)
-    return ""
-
-
-def _motion_flaw(motion: Motion) -> str:
-    legs = list(itertools.pairwise(motion.waypoints))
-    if not motion.waypoints:
-        return "a motion has at least one waypoint"
-    if any(b[0] < a[0] for a, b in legs):
-        return "the times of a motion's waypoints never fall"
-    if any(abs(b[3] - a[3]) > MAX_TURN_RAD for a, b in legs):
-        return f"a leg of a motion turns by more than {MAX_TURN_RAD:.4g} rad"
-    for _, x, y, _ in motion.waypoints:
-        if flaw := _too_far(x, y):
-            return flaw
-    return ""
-
-
-def _node_flaw(node: NodeAdded, range_m: float) -> str:
-    if len(node.boundary) < 3 or len(node.tags) != len(node.boundary):
-        return (
-            f"a region of {len(node.boundary)} corners with {len(node.tags)} tags; "
-            "it has at least 3 corners and as many tags"
-        )
-    if not set(node.tags) <= set("0123"):
-        return f"tags are digits from 0 to 3, not {node.tags!r}"
-    x, y, _ = node.configuration
-    if flaw := _too_far(x, y):
-        return flaw
-    farthest_m = max(math.dist((x, y), corner) for corner in node.boundary)
-    if farthest_m > range_m + ROUNDING_M:
-        return f"a region reaches {farthest_m:g} m, but robot {node.robot} sees {range_m:g} m"
-    return ""
-
-
-def _too_far(x: float, y: float) -> str:
-    if max(abs(x), abs(y)) <= MAX_COORDINATE_M:
-        return ""
-    return (
-        f"a place at ({x:g}, {y:g}); none lies farther than {MAX_COORDINATE_M:g} m from the origin"
-    )
-
-
-def _others(event: AnyEvent) -> Iterable[int]:
-    # The other robots that an event names.
-    match event:
-        case Decision():
-            return (*event.gpr, *event.ger)
-        case Coordinated():
-            return (*event.ger, event.master, *event.feasible, *event.unfeasible)
-        case Organized():
-            in_tables = (*event.before, *event.after, *event.orders)
-            in_conflict = itertools.chain.from_iterable(event.conflicts)
-            return (*event.feasible, *event.unfeasible, *in_tables, *in_conflict)
-        case Supports():
-            chosen = () if event.tree is None else (event.tree,)
-            return (*chosen, *event.open_frontier_m, *event.active_robots, *event.candidates)
-        case Sent():
-            return (*event.reached, *event.lost)
-        case TakenAsLost():
-            return (event.other,)
-        case Blocked():
-            return (event.by,)
-    return ()
-
-
-def _nodes_named(event: AnyEvent) -> Iterable[NodeName]:
-    # The nodes that an event refers to.
-    match event:
-        case NodeAdded():
-            return () if event.parent is None else (event.parent,)
-        case Decision() | ArcClosed() | ArcReopened():
-            return (event.node,)
-        case Learned():
-            return event.nodes
-    return ()
 
 
 _ENCODER = msgspec.json.Encoder()

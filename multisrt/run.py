@@ -10,7 +10,8 @@ from typing import Any, Literal
 
 import msgspec
 
-from multisrt.analysis.metrics import Metrics, measure
+from multisrt.analysis.measuring import measure
+from multisrt.analysis.metrics import Metrics
 from multisrt.environments.environment import Environment
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.recording import Recording, RunOutcome, atomic_write

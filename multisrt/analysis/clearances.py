@@ -28,7 +28,7 @@ from multisrt.geometry.numerics.kernel import BoolArray, FloatArray, IntArray
 from multisrt.recording import Recording
 
 MIN_TURN_RAD = 1e-7
-"""A leg that translates and turns by less is straight, in radians: its arc would be less exact."""
+"""Turn in radians below which a leg that translates is taken as straight, which is more exact."""
 
 TOLERANCE_M = 1e-6
 """Tolerance of the smallest distance between robots, in metres."""

@@ -16,6 +16,7 @@ import numpy as np
 
 from multisrt.analysis.evidence import Evidence
 from multisrt.analysis.explorable import EXPLORABLE, explorable, viewers
+from multisrt.analysis.metrics import ROUNDING
 from multisrt.analysis.owners import label_count, owner_tables
 from multisrt.analysis.scans import shown_from
 from multisrt.environments.environment import Environment
@@ -48,10 +49,6 @@ TABLES: Final = np.array(
 
 KNOWN_SHARE: Final = 0.99
 """Share of what a team covers in the end that a robot knows when it knows its map complete."""
-
-
-ROUNDING: Final = 1e-9
-"""Tolerance of shares: an area that is covered completely counts as such."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -186,7 +183,7 @@ def known_complete_s(proof: Evidence, covered: Coverage) -> float | None:
     """Return when the first robot knew the map complete, in seconds; None if none did.
 
     That a robot says so is not enough: what it knows must hold `KNOWN_SHARE` of what the team
-    covered in the end. Who is told more afterwards did not know it complete.
+    covered in the end. A robot that learns more afterwards did not know the map complete.
     """
     needed_m2 = KNOWN_SHARE * float(covered.plane.areas_m2[COVERED])
     if needed_m2 <= 0.0:

@@ -7,6 +7,7 @@ part of the task. The task of a team is what any of its robots can see, includin
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -36,15 +37,26 @@ from multisrt.spec import RunSpec
 MAX_STRIP_M = 0.03
 """Upper bound of the height of the strips on which areas are measured, in metres."""
 
-MIN_STRIPS = 400
-"""Lower bound of the number of strips over the longer side of a world."""
+STRIP_SHARE = 1e-3
+"""Upper bound of their height as a share of the side of a square of the same area: errors grow
+with the square of the height, and are judged as shares of the area."""
 
-TILT_RAD = 0.19
-"""Direction of the strips: not that of the walls of most worlds, nor that of the cones of stars."""
+TILTS_RAD = tuple(0.15 + k * math.pi / 8.0 for k in range(8))
+"""Directions that strips may have: not those of the cones of stars with 8, 16, 32 or 64 cones."""
+
+ALONG_RAD = 0.1
+"""Walls whose direction differs by less from that of the strips run along them."""
 
 SPACING_M = 0.05
 """Largest distance between neighbouring viewpoints on the border of what a body can reach, in
 metres, where it makes a difference."""
+
+OUTLINE_M = 5e-4
+"""Viewpoints lie at most this far beyond the border, where it bends, in metres."""
+
+ROUNDING_M = 1e-6
+"""Bodies are smaller by this, and by up to as much again where they pass a corner, in metres: a
+gap that just fits lets them through."""
 
 COARSER = (32, 8, 2, 1)
 """Viewpoints are first taken this many times farther apart; finer ones only near what is still
@@ -144,8 +156,11 @@ def _places(component: Polygon, footprint: Footprint, start: Configuration) -> _
 
 @lru_cache(maxsize=16)
 def _roomy_parts(component: Polygon, footprint: Footprint) -> tuple[_Places, ...]:
-    # Chords of the rounded corners lie inside the true border by less than a micrometre.
-    eroded = component.buffer(1e-6 - footprint.inscribed_radius_m, quad_segs=16)
+    # Where the body passes a corner, its way is an arc, and the chords that stand for it lie nearer
+    # to the corner: coarse ones would let the body through gaps that are too narrow.
+    radius_m = footprint.inscribed_radius_m
+    segments = math.ceil(math.pi / 4.0 / math.acos(1.0 - min(1.0, ROUNDING_M / radius_m)))
+    eroded = component.buffer(ROUNDING_M - radius_m, quad_segs=segments)
     parts = (part for part in shapely.get_parts(eroded) if not part.is_empty)
     return tuple(_Places(component, part) for part in parts)
 
@@ -167,12 +182,21 @@ def _explorable_from(
 @lru_cache(maxsize=16)
 def _strips_of(environment: Environment, component: Polygon) -> Strips:
     # Strips with heights scaled such that the area of the component is exact.
-    x0, y0, x1, y1 = environment.bounds
-    height_m = min(MAX_STRIP_M, max(x1 - x0, y1 - y0) / MIN_STRIPS)
-    cut = strips(environment.edges, height_m, TILT_RAD)
+    height_m = min(MAX_STRIP_M, STRIP_SHARE * math.sqrt(component.area))
+    cut = strips(environment.edges, height_m, _tilt_rad(environment.edges))
     runs = runs_of_polygon(cut, component)
     measured = float(((runs.end - runs.begin) * cut.heights[runs.strip]).sum())
     return cut._replace(heights=cut.heights * (component.area / measured))
+
+
+def _tilt_rad(walls: FloatArray) -> float:
+    # The direction in which the least length of walls runs: where regions end along strips, beside
+    # walls or at an arc that touches one, they are wrong by up to half a strip.
+    along = walls[:, 2:] - walls[:, :2]
+    lengths, directions = np.hypot(*along.T), np.arctan2(along[:, 1], along[:, 0])
+    between = np.abs(np.subtract.outer(TILTS_RAD, directions)) % math.pi
+    runs_along = np.minimum(between, math.pi - between) < ALONG_RAD
+    return TILTS_RAD[int(np.argmin(runs_along @ lengths))]
 
 
 @lru_cache(maxsize=16)
@@ -186,7 +210,8 @@ def _seen_from(environment: Environment, places: _Places, range_m: float) -> Run
     # A point outside of the reachable area is seen across its border, and so from a point of the
     # border, which is nearer.
     index = EdgeIndex(environment.edges, range_m / 3.0)
-    border = shapely.get_coordinates(shapely.segmentize(places.reachable.boundary, SPACING_M))
+    outline = shapely.simplify(places.reachable.boundary, OUTLINE_M)
+    border = shapely.get_coordinates(shapely.segmentize(outline, SPACING_M))
     taken = np.zeros(len(border), np.bool_)
     for step in COARSER:
         chosen = np.flatnonzero(~taken[::step]) * step

@@ -118,8 +118,8 @@ def run(
 
     \b
     Exit code:
-      0  all runs are a success: enough covered, no collision   2    bad input
-      3  some runs are no success                               130  interrupted
+      0  all runs succeeded: enough covered, no collision   2    bad input
+      3  some runs did not succeed                          130  interrupted
     """
     import msgspec
 
@@ -154,7 +154,7 @@ def _print_failures(results: Results, path: Path) -> None:
 
     failed = [result for result in results if result.failed and result.same_as is None]
     for result in failed[:MAX_FAILURES]:
-        ended = f"{result.status}, no success" if result.status == "complete" else result.status
+        ended = f"{result.status}, unsuccessful" if result.status == "complete" else result.status
         where = f"[{result.condition}] repetition {result.repetition}"
         click.echo(f"{ended}: {where}: {result.account}")
     if len(failed) > MAX_FAILURES:

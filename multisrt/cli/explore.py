@@ -54,8 +54,8 @@ Files written, with several strategies in one folder each:
 
 \b
 Exit code:
-  0  every run is a success: 95 % covered, no collision   2    bad input
-  3  a run is no success, however it ended                130  interrupted
+  0  every run succeeded: 95 % covered, no collision   2    bad input
+  3  a run did not succeed, however it ended           130  interrupted
 """
 
 

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from multisrt.environments.environment import Environment
 
 MIN_SHARE = 0.9
-"""Share of the free space; if less is in reach of the robots, it is said."""
+"""Share of free space; if the robots can reach less, the summary says so."""
 
 MAX_AREAS = 5
 """Number of areas that are listed by size."""
@@ -41,7 +41,7 @@ def areas(environment: Environment) -> str:
 
 
 def around(environment: Environment) -> str:
-    """Return that an area of a world lies around all others, empty if none does.
+    """Return a note on the area of a world that lies around others; empty if there is none.
 
     Examples
     --------
@@ -65,7 +65,7 @@ def around(environment: Environment) -> str:
 
 
 def elsewhere(environment: Environment, start: Sequence[float]) -> str:
-    """Return that a team starts in a minor one of several areas, empty if it does not.
+    """Return a note if a team starts in a minor one of several areas; empty if it does not.
 
     Parameters
     ----------

@@ -80,8 +80,8 @@ def reproduce(
 
     \b
     Exit code:
-      0  all runs are a success: enough covered, no collision   2    bad input
-      3  some are not; the claims are judged all the same       130  interrupted
+      0  all runs succeeded: enough covered, no collision       2    bad input
+      3  some did not; the claims are judged all the same       130  interrupted
     """
     import msgspec
 

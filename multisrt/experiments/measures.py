@@ -68,7 +68,7 @@ class Measure:
         Returns
         -------
         list of float
-            One value for each run. Where lower is better, a run that is no success is ``inf``,
+            One value for each run. Where lower is better, an unsuccessful run is ``inf``,
             worse than all others: its times and distances are not those of an exploration. Where
             higher is better, it has the value it reached, or 0 if it was not measured.
         """
@@ -180,7 +180,7 @@ MEASURES = (
     _measure("messages", "Messages", "", digits=0),
     _measure("bytes_sent", "Bytes sent", "B", digits=0),
     _measure("nodes", "Nodes", "", digits=0),
-    _measure("deadlocks", "Rounds in which a master could let nobody go", "", digits=2),
+    _measure("deadlocks", "Rounds in which a master could let no robot move", "", digits=2),
     _measure("protective_stops", "Protective stops", "", digits=1),
     Measure(
         name="over_informed",

@@ -9,7 +9,8 @@ from pathlib import Path
 
 import msgspec
 
-from multisrt.analysis.metrics import SUCCESS_COVERAGE, Metrics, measure_with_curve
+from multisrt.analysis.measuring import measure_with_curve
+from multisrt.analysis.metrics import SUCCESS_COVERAGE, Metrics
 from multisrt.environments.environment import Environment
 from multisrt.experiments.crossing import PlannedRun
 from multisrt.experiments.limits import OverTimeError, within

@@ -102,7 +102,7 @@ class Result(msgspec.Struct, frozen=True, kw_only=True):
 
     @property
     def failed(self) -> bool:
-        """Whether the run is no success."""
+        """Whether the run did not succeed."""
         return not self.success
 
     @property
@@ -115,7 +115,7 @@ class Result(msgspec.Struct, frozen=True, kw_only=True):
 
     @property
     def account(self) -> str:
-        """How the run ended and, if it is no success, what it left and why: one line.
+        """One line on how the run ended and, if it failed, what it left uncovered and why.
 
         Examples
         --------

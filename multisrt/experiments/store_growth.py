@@ -37,9 +37,9 @@ def require_continuable(
     gone = sum(key not in plan for key in stored)
     if gone:
         raise InvalidInputError(
-            f"{path}: holds another experiment: {gone} of its {len(stored)} runs are none "
-            f"of this one (what differs: {_what_differs(old, new)}); choose another file, or "
-            "ask for those runs, too"
+            f"{path}: holds another experiment: {gone} of its {len(stored)} runs do not "
+            f"belong to this one (what differs: {_what_differs(old, new)}); choose another file, "
+            "or extend the experiment by those runs"
         )
     less = [
         name

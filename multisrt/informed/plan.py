@@ -34,7 +34,7 @@ ITERATIONS = 1_500
 """How often the routes of a plan are changed."""
 
 EASY_PLACES = 6_000
-"""Places from which on the iterations are fewer, so that large worlds take no longer."""
+"""Number of places above which iterations are reduced, which bounds the time in large worlds."""
 
 MIN_ITERATIONS = 100
 

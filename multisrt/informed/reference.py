@@ -19,7 +19,8 @@ from pathlib import Path
 import msgspec
 from platformdirs import user_cache_path
 
-from multisrt.analysis.metrics import Metrics, measure
+from multisrt.analysis.measuring import measure
+from multisrt.analysis.metrics import Metrics
 from multisrt.environments.environment import Environment
 from multisrt.events import Motion
 from multisrt.geometry.errors import MultiSrtError

@@ -38,14 +38,14 @@ def _require_fit(spec: RunSpec) -> None:
     for fault in spec.faults:
         if isinstance(fault, Death | LateStart):
             raise InvalidInputError(
-                f"informed plans for robots that all begin at once and live, and robot "
-                f"{fault.robot} does not; leave the fault out"
+                f"informed requires that all robots begin at time 0 and survive, which robot "
+                f"{fault.robot} does not; remove the fault"
             )
 
 
 INFORMED = Strategy(
     name="informed",
-    summary="The reference for others: a plan of what there is to see, driven",
+    summary="Reference for other strategies: follows routes planned on the true map",
     options=InformedOptions,
     explorer=_explorer,
     fits=_require_fit,

@@ -1,4 +1,4 @@
-"""When each robot drives along its route, so that no two come near one another.
+"""A schedule of robots along their routes, in which no two come close to one another.
 
 Robots are timed one after another. Each keeps off those before it by waiting on its route, or by
 backing on it; one that is done may go back along its route to make room. Its motion is a shortest

@@ -228,7 +228,7 @@ def succeeds(found: list[Outcome]) -> Claim:
     would_show = ""
     if decision == "not significant":
         enough = next(k for k in range(good, runs + 1) if wilson(k, runs).low >= least)
-        would_show = f"a rate of {100.0 * enough / runs:.1f} % would have shown"
+        would_show = f"a rate of {100.0 * enough / runs:.1f} % would have sufficed"
     return Claim(
         text=f"At least {MIN_SUCCESS:g} % of all explorations succeed.",
         source="Álvarez, Table 4.1 (94.06 to 99.06 % by map)",
@@ -289,7 +289,7 @@ def exponents_between(what: str, maps: list[Laws], limits: tuple[float, float]) 
         grounds += [
             f"all maps together: {_interval_text(together)}; "
             f"{sum(low <= value <= high for value in values)} of {len(known)} exponents lie "
-            f"between, and of {sayings.count('against')} none of the interval does",
+            f"between, and {sayings.count('against')} intervals lie entirely outside",
             f"ours are {_span(values)}; the thesis's {_span([one.printed for one in maps])}",
         ]
         apart = student(
@@ -299,7 +299,7 @@ def exponents_between(what: str, maps: list[Laws], limits: tuple[float, float]) 
         if 2 * len(known) > len(maps):
             decision = verdict(_says_between(together, limits), sayings, "always")
         if decision == "not significant":
-            would_show = f"a mean of {low + half:.2f} to {high - half:.2f} would have shown"
+            would_show = f"a mean of {low + half:.2f} to {high - half:.2f} would have sufficed"
     if decision == "not tested":
         grounds.append("too few runs: a fit needs three team sizes with successful runs")
     home = [fit.exponent.value for one in maps if (fit := law(one.beside))]

@@ -434,7 +434,7 @@ def _would_show(found: Interval | None, verdict: Verdict, level: float = LEVEL) 
     # A gain of g percent is a ratio of 1 - g / 100 of the times.
     value, low, high = (1.0 - 0.01 * end for end in (found.value, found.high, found.low))
     share = smallest_reduction(Interval(value, low, high), power=POWER, level=level)
-    return f"a gain of {100.0 * share:.1f} % would have shown"
+    return f"a gain of {100.0 * share:.1f} % would have been detected"
 
 
 # Table --------------------------------------------------------------------------------------

@@ -60,7 +60,7 @@ def summary(
         _gaps(results),
         "## Differences from the paper's experiment",
         _bullets(preset.deviations),
-        "## Runs that are no success",
+        "## Unsuccessful runs",
         _bullets(failed_runs([r for r in results if r.failed], MAX_FAILURES)) or "None.",
     ]
     return "\n\n".join(section.rstrip() for section in sections if section) + "\n"
@@ -76,7 +76,7 @@ def _account(results: Results) -> list[str]:
         f"Experiment: {spec.name}; teams of {', '.join(map(str, teams))}; {spec.repetitions} "
         "repetitions. The verdicts refer to these.",
         f"Runs: {len(results)} of {results.planned}; {complete} complete, "
-        f"{sum(result.success for result in results)} a success: without a collision, and covering "
+        f"{sum(result.success for result in results)} successful: without a collision, covering "
         f"at least {spec.success_coverage:.0%} of what can be explored.",
         f"Computing time of all runs: {seconds / 3600.0:.2f} h of one core.",
         f"Versions: {', '.join(f'{name} {versions[name]}' for name in versions)}; "

@@ -61,29 +61,29 @@ def family_line(found: FamilyFinding, sides: Sides) -> str:
 
 
 def would_show(found: FamilyFinding) -> str:
-    """Return the difference that four of five such experiments find, as a clause."""
+    """Return the difference that is detected with a power of `POWER`, as a clause."""
     share = smallest_reduction(found.ratio, power=POWER, level=found.level)
     if share >= 1.0:
-        return "these runs would have shown no difference"
-    return f"a difference of {100.0 * share:.1f} % would have shown"
+        return "no difference would have been detected in these runs"
+    return f"a difference of {100.0 * share:.1f} % would have been detected"
 
 
 def power_line(found: FamilyFinding, quantity: Quantity) -> str:
-    """Return the sentence on the smallest differences that a family would have shown."""
+    """Return the sentence on the smallest differences that a family can detect."""
     true, seen = (
         smallest_reduction(found.ratio, power=power, level=found.level) for power in (POWER, None)
     )
     if true >= 1.0:
-        return "runs with such a spread would have shown no difference, however large"
+        return "with this spread no difference, however large, would have been detected"
     unit = f" {quantity.unit}" if quantity.unit else ""
     of = ""
     if math.isfinite(found.reference):
         parts = (number(x * found.reference, quantity.digits) for x in (true, 1.0))
         of = f" ({' of '.join(parts)}{unit})"
     return (
-        f"of experiments with such a spread, {100.0 * POWER:.0f} % would find a true difference of "
-        f"{100.0 * true:.1f} %{of}; of observed differences {100.0 * seen:.1f} % is the smallest "
-        "that is significant"
+        f"of experiments with this spread, {100.0 * POWER:.0f} % would find a true difference of "
+        f"{100.0 * true:.1f} %{of}; the smallest observed difference that would be significant is "
+        f"{100.0 * seen:.1f} %"
     )
 
 

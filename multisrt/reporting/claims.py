@@ -24,8 +24,8 @@ class Claim:
     grounds : tuple of str
         The figures behind the verdict, one sentence each.
     would_show : str
-        Of a verdict that is "not significant": which difference that many runs would have shown.
-        Without it nobody can tell whether there is none or too little was run.
+        For the verdict "not significant": the difference that this number of runs can detect, which
+        tells a small effect from too few runs. Empty for other verdicts.
 
     Examples
     --------
@@ -34,10 +34,10 @@ class Claim:
     ...     source="",
     ...     verdict="not significant",
     ...     grounds=(),
-    ...     would_show="a difference of 12 % would have shown",
+    ...     would_show="a difference of 12 % would have been detected",
     ... )
     >>> claim.told
-    'not significant (a difference of 12 % would have shown)'
+    'not significant (a difference of 12 % would have been detected)'
     """
 
     text: str
@@ -48,7 +48,7 @@ class Claim:
 
     @property
     def told(self) -> str:
-        """The verdict, with the difference that would have shown where there is one."""
+        """The verdict, followed by the detectable difference where there is one."""
         return f"{self.verdict} ({self.would_show})" if self.would_show else self.verdict
 
 

@@ -50,7 +50,7 @@ class Tree:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Failure:
-    """Runs of one strategy that are no success, in the same way.
+    """Runs of one strategy that were unsuccessful in the same way.
 
     Attributes
     ----------
@@ -211,7 +211,7 @@ def median_run(results: list[Result]) -> Result | None:
 
 
 def failures(study: Study, specs: Specs) -> list[Failure]:
-    """Group the distinct runs that are no success by strategy, status and what they left.
+    """Group the distinct unsuccessful runs by strategy, status and area left uncovered.
 
     Numbers in the account of a run are ignored. The largest group comes first.
     """

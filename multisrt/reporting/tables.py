@@ -72,7 +72,7 @@ GAPS = {
     "over_bound": Gap(
         title="Makespan above its lower bound",
         column="Makespan above bound",
-        # What has been seen from the start has no bound; who stops then is no success.
+        # A run that covers no more than is seen from the starts has no bound.
         there=lambda result: result.failed or measure_named("over_bound").of(result) is not None,
     ),
 }
@@ -187,7 +187,7 @@ def success_table(study: Study) -> Table:
         notes.append(constants_note(study))
     return Table(
         name="success-rates",
-        title=f"Runs that are a success: {success_words(study.results)}",
+        title=f"Successful runs: {success_words(study.results)}",
         columns=("World", "Team", *study.strategies),
         rows=_rows(study, cell),
         labels=2,
@@ -210,8 +210,8 @@ def gap_table(study: Study) -> Table | None:
     ]
     notes = [
         "Interquartile mean over all runs in the settings that all strategies share, with its 95 % "
-        "interval (stratified bootstrap). Runs that are no success, or did not get there, count as "
-        "infinite."
+        "interval (stratified bootstrap). Unsuccessful runs, and runs that never cover 99 % where this is "
+        "compared, count as infinite."
     ]
     if "over_informed" in there:
         notes.append(
@@ -303,7 +303,7 @@ def growth_table(study: Study, measure: Measure) -> Table | None:
         notes=(
             "Exponent of a power law in the number of robots, fitted to all runs, with its 95 % "
             "interval: with -1 twice the robots need half, with 0 team size has no effect. "
-            "Empty if runs are no success, or there are too few of them.",
+            "Empty if any run was unsuccessful, or if there are too few runs.",
         ),
     )
 

@@ -28,13 +28,13 @@ HOW_TO_READ = (
     "test. P-values are adjusted by Holm's procedure over all tests by one "
     f"measure; a difference is significant if p < {SIGNIFICANCE:g}. A is the probability that a "
     "run of the first strategy is better than a run of the second (Vargha and Delaney); 0.5 means "
-    "no difference. Runs that are no success count as worse than all others. A difference that "
+    "no difference. Unsuccessful runs count as worse than all others. A difference that "
     "is not significant may still exist."
 )
 
 INFINITY_NOTE = (
-    "∞: too many runs are no success, or did not get there, for a finite value; they count as "
-    "worse than all others."
+    "∞: too many runs were unsuccessful, or did not reach the threshold, for a finite value; "
+    "they count as worse than all others."
 )
 
 
@@ -62,7 +62,7 @@ def success_words(results: Results) -> str:
 
 
 def totals(results: Results) -> str:
-    """Return how many runs are a success, how many of them are distinct, and how all ended.
+    """Return how many runs succeeded, how many are distinct, and how they ended.
 
     Parameters
     ----------
@@ -72,7 +72,7 @@ def totals(results: Results) -> str:
     Returns
     -------
     str
-        Such as "38 of 40 runs are a success (39 complete, 1 stalled)".
+        Such as "38 of 40 runs succeeded (39 complete, 1 stalled)".
     """
     good = sum(result.success for result in results)
     copies = sum(result.same_as is not None for result in results)
@@ -81,7 +81,7 @@ def totals(results: Results) -> str:
     if copies:
         told.append(f"{len(results) - copies} distinct")
     outcome = f" ({', '.join(told)})" if told else ""
-    return f"{good} of {results.planned} runs are a success{outcome}"
+    return f"{good} of {results.planned} runs succeeded{outcome}"
 
 
 def horizon_note(study: Study) -> str:
@@ -249,8 +249,8 @@ def what_was_run(study: Study) -> str:
         )
     ends = ", ".join(f"{count} {status}" for status, count in failed.items())
     text += (
-        f"; {failed.total() or 'none'} of the runs {'is' if failed.total() == 1 else 'are'} no "
-        f"success{f' ({ends})' if ends else ''}. Success: {success_words(results)}. "
+        f"; {failed.total() or 'none'} of the runs {'is' if failed.total() == 1 else 'are'} "
+        f"unsuccessful{f' ({ends})' if ends else ''}. Success: {success_words(results)}. "
     )
     if study.strategies:
         text += (

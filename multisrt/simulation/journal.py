@@ -44,5 +44,5 @@ class Journal:
             self.last_s = time_s
 
     def finish(self, time_s: float, outcome: RunOutcome, reason: str, *, chance: bool) -> Recording:
-        """Return the finished recording of a run that ended at a time, by chance or not."""
+        """Return the recording of a run that ended; `chance`: whether a number was drawn."""
         return self._recorder.finish(time_s, outcome, reason, chance=chance)

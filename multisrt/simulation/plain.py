@@ -178,7 +178,7 @@ def _recordable(noted: Any, robot: int) -> AnyEvent:
     if type(noted) not in _EVENTS:
         refuse(
             robot,
-            f"it put a {type(noted).__name__} on record, which the simulation records itself",
+            f"it put a {type(noted).__name__} on record, which explorers do not note",
             f"note {', '.join(sorted(kind.__name__ for kind in _EVENTS))} only",
         )
     return as_declared(noted, robot)

@@ -3,7 +3,7 @@
 A cell is one condition, such as a radio range and a team size, with runs of `a` and of `b`. Values
 are ranked within each cell, so that cells of different scales can be added, one large value cannot
 decide, and a failed run is worse than all others. One p-value answers the question for the family;
-it finds what no cell alone has the runs to show.
+it can find effects for which no cell alone has enough runs.
 
 Both tests have a parameter `ratio`, by which the values of `b` are multiplied first; `ratios`
 inverts them to estimates and intervals.

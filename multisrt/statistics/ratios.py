@@ -2,7 +2,7 @@
 
 A rank test of `a` against `ratio * b` is inverted: the estimate is the ratio at which neither side
 is lower, and the interval holds the ratios that the test does not reject. So estimate and interval
-agree with the test: the interval is beside 1 exactly if the test is significant. They are as
+agree with the test: the interval excludes 1 exactly if the test is significant. They are as
 robust as ranks are: failed runs are worse than all others at any ratio.
 
 Source: Hodges and Lehmann, Estimates of location based on rank tests, Annals of Mathematical

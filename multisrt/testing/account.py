@@ -44,7 +44,7 @@ def differences(recording: Recording, world: Environment) -> tuple[str, ...]:
     if recording.footer.outcome == "complete" and covered.share < SUCCESS_COVERAGE:
         told.append(
             f"says that it is complete, but covered {covered.share:.1%} of what can be explored: "
-            f"below {SUCCESS_COVERAGE:.0%} the run is no success"
+            f"below {SUCCESS_COVERAGE:.0%} a run does not count as a success"
         )
     if not proof.with_nodes and recording.of(Sensed):
         told.append("notes no node, and is measured by its scans")

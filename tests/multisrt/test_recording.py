@@ -8,7 +8,7 @@ import msgspec
 import pytest
 import shapely
 
-from multisrt.analysis.metrics import measure
+from multisrt.analysis.measuring import measure
 from multisrt.environments.environment import Environment
 from multisrt.events import Died, Ended, Motion, NodeAdded
 from multisrt.geometry.errors import InvalidInputError

@@ -1,4 +1,4 @@
-"""How long the ways of some robots must be in total that serve places far from each other.
+"""Lower bound of the total path length of robots that visit regions far from each other.
 
 **Theorem.** Let the robots' ways begin at a common point, the root, and come into each of n
 regions, but for some that are left out, whose amounts sum to at most `spare`. Let d(i, j) bound
@@ -32,7 +32,7 @@ import numpy as np
 from multisrt.geometry.numerics.kernel import BoolArray, FloatArray, IntArray, kernel
 
 MIN_GAIN_M = 1e-6
-"""Regions are taken or dropped for more than this, in metres."""
+"""Minimum gain of the bound for which a region is added or dropped, in metres."""
 
 
 class Service(NamedTuple):
@@ -45,7 +45,7 @@ class Service(NamedTuple):
     start : (n,) array
         Those from the root.
     amounts : (n,) array
-        What it amounts to to leave out each; positive.
+        Weight of each region if it is left out; positive.
     spare : float
         How much may be left out.
     price : float

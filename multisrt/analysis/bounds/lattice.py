@@ -1,4 +1,4 @@
-"""A set of places, enclosed in square cells, and how long ways in it must at least be.
+"""Lower bounds of path lengths in a set of places, from the square cells that cover it.
 
 The cells that a set touches hold it, so a way in the set is a way through those cells, and the
 shortest way through the cells is at most as long. It turns only at corners of cells, and between

@@ -18,8 +18,8 @@ from multisrt.geometry.errors import InvalidInputError
 from multisrt.spec import RunSpec
 
 AREA_ERROR: Final = 1e-4
-"""Measured areas are right to this share of the explorable area; so much may be unseen by a team
-whose measured share is 1."""
+"""Error of measured areas as a share of the explorable area; a team whose measured share is 1 may
+have left this much unseen."""
 
 
 class Task(Protocol):

@@ -1,4 +1,4 @@
-"""How long a team needs at least to come within range of what is far away.
+"""Lower bound of the time that a team needs to come within range of what is far away.
 
 **Theorem.** Let d(x) be the length of the shortest way from a robot's start to a point x through
 the space in which lines of sight run: free space, and around it as much as the robot's range

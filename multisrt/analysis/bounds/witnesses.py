@@ -1,4 +1,4 @@
-"""How long a team needs at least to serve places no two of which are seen at once.
+"""Lower bound of the time to see places no two of which are seen from one position.
 
 A *witness* is a square of the plane; its area is that of the places in it that bodies can reach,
 which is explorable. Its *region* are the places from which any point of it is seen. A team that

@@ -1,8 +1,8 @@
-"""Frontier arcs that a robot leaves for later, as bodies of other robots bar the way to them.
+"""Frontier arcs that a robot defers because bodies of other robots block the way to them.
 
-That a body bars the way is no fact of the world, but of the moment: such an arc is no entry of the
-map, where it stays open. The robot that could not get there leaves it out of its plans until one of
-the bodies is gone, and no longer. While an arc is left for later no map of this robot is complete.
+A body blocks the way only for a time, so such an arc is not closed but stays open in the map. The
+robot that could not get there leaves it out of its plans until one of the bodies is gone. While an
+arc is deferred, the map of this robot is not complete.
 """
 
 from __future__ import annotations

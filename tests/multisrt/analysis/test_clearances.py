@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 
 from multisrt.analysis import clearances
 from multisrt.analysis.clearances import smallest_clearance, smallest_distance_between_robots
-from multisrt.analysis.metrics import measure
+from multisrt.analysis.measuring import measure
 from multisrt.environments.environment import Environment
 from multisrt.events import Motion
 from multisrt.geometry.bodies.footprint import Footprint

@@ -1,13 +1,23 @@
 import numpy as np
 import pytest
 import shapely
+from shapely import affinity
 from shapely.geometry.base import BaseGeometry
 
-from multisrt.analysis.explorable import EXPLORABLE, Explorable, explorable, reachable_area
+from multisrt.analysis.explorable import (
+    EXPLORABLE,
+    TILTS_RAD,
+    Explorable,
+    explorable,
+    reachable_area,
+)
 from multisrt.environments.environment import Environment
 from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.geometry.configuration import Configuration
+from multisrt.geometry.grids.strip_map import OUTSIDE, runs_of
 from multisrt.geometry.regions.edge_index import EdgeIndex
+from multisrt.geometry.regions.safe_region import local_safe_region
+from multisrt.geometry.regions.scan import take_scan
 from multisrt.geometry.regions.visibility import visibility_polygons
 
 DISC = Footprint.disc(0.25)
@@ -171,3 +181,41 @@ def test_a_team_of_different_bodies_and_ranges():
     everything.relabel(far.plane.runs(EXPLORABLE), [[EXPLORABLE, EXPLORABLE]])
     assert both.area_m2 == pytest.approx(float(everything.areas_m2[EXPLORABLE]), rel=1e-9)
     assert both.area_m2 > max(near.area_m2, far.area_m2) + 0.5
+
+
+def comb(slits: int) -> BaseGeometry:
+    teeth = [shapely.box(0.15 * k, 2, 0.15 * k + 0.05, 6) for k in range(slits)]
+    return shapely.union_all([shapely.box(0, 0, 0.15 * slits, 2), *teeth])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("shape", ["radial", "star"])
+@pytest.mark.parametrize("free", [shapely.box(0, 0, 50, 1), comb(40)], ids=["corridor", "comb"])
+@pytest.mark.parametrize("turn_rad", [0.0, 0.19, *TILTS_RAD[::2]])
+def test_areas_are_those_of_overlays_wherever_walls_run(free, turn_rad, shape):
+    world = Environment("world", affinity.rotate(free, turn_rad, (0, 0), use_radians=True))
+    inner = world.free.buffer(-0.2)
+    shares = np.linspace(0.02, 0.98, 15)
+    places = shapely.line_interpolate_point(inner.boundary, shares, normalized=True)
+    index = EdgeIndex(world.edges, 2.0)
+    scans = (take_scan(index, Configuration(p.x, p.y), 0.0, 6.0) for p in places)
+    regions = [local_safe_region(scan, shape, cones=32).polygon() for scan in scans]
+
+    plane = what(world.free, start=(places[0].x, places[0].y), body=Footprint.disc(0.01)).plane
+    seen = plane.mapped([OUTSIDE, EXPLORABLE], 3)
+    corners = [shapely.get_coordinates(region)[:-1] for region in regions]
+    areas = seen.relabel(runs_of(seen.cut, corners), [[OUTSIDE, 2, 2]])[:, 2]
+    overlays = [shapely.union_all(regions[: k + 1], grid_size=1e-7).area for k in range(15)]
+    assert areas == pytest.approx(np.array(overlays), abs=1e-4 * world.area_m2)
+
+
+@pytest.mark.parametrize(("gap_m", "fits"), [(0.4994, False), (0.5002, True)])
+def test_a_gap_between_pointed_jambs_is_as_wide_as_it_is(gap_m, fits):
+    # The disc is 0.5 m wide. Its way round a tip is an arc, not chords that come nearer to it.
+    dx, dy = gap_m / 2 * np.sin(0.05), gap_m / 2 * np.cos(0.05)
+    below = shapely.Polygon([(5, 0), (5.4, 0), (5.2 + dx, 2.5 - dy)])
+    above = shapely.Polygon([(5.4, 5), (5, 5), (5.2 - dx, 2.5 + dy)])
+    rooms = shapely.box(0, 0, 10, 5).difference(shapely.union_all([below, above]))
+    found = what(rooms, range_m=2.0)
+    assert (found.area_m2 == pytest.approx(rooms.area)) is fits
+    assert found.area_m2 > 30.0

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from multisrt.analysis.isolation import isolation, team_isolation
 from multisrt.analysis.known_area import area_known_to_one
-from multisrt.analysis.metrics import measure
+from multisrt.analysis.measuring import measure
 from multisrt.environments.environment import Environment
 from multisrt.events import AnyEvent, CameBack, FellSilent, Joined, Learned, Motion
 from multisrt.geometry.regions.edge_index import EdgeIndex

@@ -297,7 +297,7 @@ def test_run_stores_results_and_prints_them(call, folder, monkeypatch):
     monkeypatch.setattr(runner, "run_experiment", run_experiment)
     code, out, err = call("run", "small.toml")
     assert (code, err) == (0, "")
-    assert out.startswith("small: 8 of 8 runs are a success (8 complete), in small.sqlite\n")
+    assert out.startswith("small: 8 of 8 runs succeeded (8 complete), in small.sqlite\n")
     assert all(head in out for head in ("success", "95 % (s)", "known (s)", "home (s)"))
     assert "srt-radial" in out
     assert out.endswith("next: multisrt report small.sqlite --out small-report\n")
@@ -310,7 +310,7 @@ def test_incomplete_runs_are_exit_code_3(call, folder, fake_runs):
     fake_runs["status"] = {1: "crashed"}
     code, out, err = call("run", "small.toml", "--store", "r.sqlite", "--workers", "3")
     assert (code, err) == (3, "")
-    assert out.startswith("small: 4 of 8 runs are a success (4 complete, 4 crashed), in r.sqlite\n")
+    assert out.startswith("small: 4 of 8 runs succeeded (4 complete, 4 crashed), in r.sqlite\n")
     assert out.count("repetition 1: no reason") == 4
     assert "--retry repeats runs that failed without a result" in out
     assert fake_runs["calls"] == [{"workers": 3, "cluster": None, "modules": ()}]
@@ -319,7 +319,7 @@ def test_incomplete_runs_are_exit_code_3(call, folder, fake_runs):
     assert call("run", "small.toml", "--store", "r.sqlite", "--quiet") == (3, "", "")
     code, out, _ = call("run", "small.toml", "--store", "r.sqlite", "--retry")
     assert code == 0
-    assert "8 of 8 runs are a success" in out
+    assert "8 of 8 runs succeeded" in out
 
 
 def test_an_interrupted_run_reports_and_continues(call, folder, fake_runs):

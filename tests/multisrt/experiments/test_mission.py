@@ -10,7 +10,7 @@ import msgspec
 import pytest
 import shapely
 
-from multisrt.analysis.metrics import measure, measure_with_curve
+from multisrt.analysis.measuring import measure, measure_with_curve
 from multisrt.environments.catalog import environment
 from multisrt.events import NodeAdded
 from multisrt.experiments import limits as limits_module

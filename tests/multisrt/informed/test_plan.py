@@ -4,13 +4,13 @@ import math
 
 import pytest
 import shapely
-from multisrt.testing.defects import ExplorerDefect
 from shapely import box
 
-from multisrt.analysis.metrics import measure
+from multisrt.analysis.measuring import measure
 from multisrt.environments.environment import Environment
 from multisrt.events import NodeAdded
 from multisrt.geometry.errors import InvalidInputError
+from multisrt.robots.defects import ExplorerDefect
 from multisrt.robots.registry import strategy
 from multisrt.simulation.simulate import simulate
 from multisrt.simulation.worlds import inline

@@ -3,7 +3,7 @@
 import pytest
 from shapely import box
 
-from multisrt.analysis.metrics import measure
+from multisrt.analysis.measuring import measure
 from multisrt.environments.environment import Environment
 from multisrt.informed import reference
 from multisrt.informed.reference import (

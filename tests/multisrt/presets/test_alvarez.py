@@ -120,7 +120,7 @@ def test_what_is_open_comes_with_what_would_have_shown():
         results_of(some, laws(-0.9, -1.1, lost=lambda at, k: at.robots == 2 and k < 2))
     )
     # Of 108 runs 107 must succeed: their interval begins at 94.9 %, that of 106 at 93.5 %.
-    assert found[0].would_show == "a rate of 99.1 % would have shown"
+    assert found[0].would_show == "a rate of 99.1 % would have sufficed"
     wide = alvarez.claims(results_of(QUICK_ALVAREZ, laws(-0.9, -1.1, spread=0.6)))
     assert wide[1].would_show.startswith("a mean of ")
 

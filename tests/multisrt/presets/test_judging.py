@@ -174,12 +174,12 @@ def test_the_order_of_cells_and_repetitions_is_irrelevant():
 def test_what_is_not_significant_comes_with_what_would_have_shown():
     few = judged_gains(*small_gains(2, 8)).claim
     assert few.verdict == "not significant"
-    assert few.would_show.endswith("% would have shown")
+    assert few.would_show.endswith("% would have been detected")
     assert few.told == f"not significant ({few.would_show})"
     assert any("80 % would find a true difference of" in ground for ground in few.grounds)
     many = judged_gains(*small_gains(4, 8)).claim
     one = judged_gains(*small_gains(2, 8), scope="somewhere").claim
-    assert one.would_show.endswith("% would have shown in one cell")
+    assert one.would_show.endswith("% would have been detected in one cell")
 
     def percent(claim):
         return float(claim.would_show.split()[3])
@@ -191,9 +191,9 @@ def test_runs_that_show_nothing_say_so():
     # Of nothing there is no share; of values without spread any share would show.
     equal = judged_gains(*[compared([0.0] * 8, [0.0] * 8)] * 2).claim
     assert equal.verdict == "not significant"
-    assert equal.would_show == "these runs would have shown no difference"
+    assert equal.would_show == "no difference would have been detected in these runs"
     equal = judged_gains(*[compared([5.0] * 8, [5.0] * 8)] * 2).claim
-    assert equal.would_show == "a difference of 0.0 % would have shown"
+    assert equal.would_show == "a difference of 0.0 % would have been detected"
 
 
 def test_another_quantity_is_judged_beside():

@@ -76,5 +76,5 @@ def test_a_summary_lists_runs_that_failed():
     )
     text = summary(preset, results, "it", claims=[], tables=[])
     assert text.count("repetition 1: over time: beyond 900 s") == 3
-    assert "6 complete, 60 a success" not in text
-    assert "60 complete, 60 a success" in text
+    assert "6 complete, 60 successful" not in text
+    assert "60 complete, 60 successful" in text

@@ -88,7 +88,7 @@ def test_whoever_senses_once_is_complete_and_no_success(study):
     assert all(r.success for r in (*of(study, "closest"), *of(study, "silent")))
     (row,) = success_table(study).rows
     assert [cell.text for cell in row[2:]] == ["7 of 7", "0 of 7", "7 of 7"]
-    assert "7 of the runs are no success (7 complete)" in what_was_run(study)
+    assert "7 of the runs are unsuccessful (7 complete)" in what_was_run(study)
     assert "at least 95 % of the explorable area covered" in what_was_run(study)
 
 

@@ -463,7 +463,7 @@ def test_single_strategy_has_nothing_to_be_compared_with(make):
 def test_missing_runs_are_said_to_be_missing(make):
     text = what_was_run(Study(make({("w", "a", 1): [1.0, None]}, planned=5)))
     assert "5 runs asked for, 2 made (3 still missing" in text
-    assert "1 of the runs is no success (1 crashed)" in text
+    assert "1 of the runs is unsuccessful (1 crashed)" in text
 
 
 def test_p_values_are_rounded_to_two_digits():

@@ -3,7 +3,7 @@
 import pytest
 import shapely
 
-from multisrt.analysis.metrics import measure
+from multisrt.analysis.measuring import measure
 from multisrt.environments.environment import Environment
 from multisrt.events import Blocked, Collision, Motion
 from multisrt.geometry.configuration import Configuration

@@ -2,7 +2,7 @@
 
 import pytest
 
-from multisrt.analysis.metrics import measure
+from multisrt.analysis.measuring import measure
 from multisrt.events import Ended, Sent
 from multisrt.robots.explorer import Done, Receive, Received, Send, TimedOut
 from multisrt.spec import RadioSpec

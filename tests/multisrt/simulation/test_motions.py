@@ -5,7 +5,7 @@ import math
 import pytest
 import shapely
 
-from multisrt.analysis.metrics import measure
+from multisrt.analysis.measuring import measure
 from multisrt.environments.environment import Environment
 from multisrt.events import Collision, Motion
 from multisrt.geometry.errors import InvalidInputError

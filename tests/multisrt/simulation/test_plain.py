@@ -14,12 +14,16 @@ from multisrt.events import (
     AnyEvent,
     ArcClosed,
     Decision,
+    Died,
+    Ended,
     Event,
     GoalChosen,
     Learned,
     MapComplete,
+    Motion,
     NodeAdded,
     Organized,
+    Sensed,
     Supports,
 )
 from multisrt.geometry.errors import InvalidInputError
@@ -50,7 +54,7 @@ class Word(Message, frozen=True, kw_only=True):
 
 def noted(drive, event):
     """Record one event, and return it as the recording has it."""
-    recording, _ = drive(Note(event), END)
+    recording, _ = drive(Receive(timeout_s=event.time_s), Note(event), END)
     return recording.events[0]
 
 
@@ -261,8 +265,30 @@ def test_events_of_no_kind_are_refused(drive):
     class Mine(Event, frozen=True, kw_only=True, tag="mine"):
         pass
 
-    with pytest.raises(ExplorerDefect, match="Mine is not as its class declares"):
+    with pytest.raises(
+        ExplorerDefect, match="it put a Mine on record, which explorers do not note"
+    ):
         drive(Note(Mine(time_s=0.0, robot=0)), END)
+
+
+@pytest.mark.parametrize(
+    "event",
+    [
+        Sensed(time_s=0.0, robot=0, configuration=(3.0, 3.0, 0.0)),
+        Motion(time_s=0.0, robot=0, waypoints=((0.0, 1.0, 1.0, 0.0),)),
+        Died(time_s=0.0, robot=0, configuration=(1.0, 1.0, 0.0), doing="waiting"),
+        Ended(time_s=0.0, robot=0, reason="", complete=True, frontier=()),
+    ],
+)
+def test_what_robots_did_is_not_theirs_to_note(drive, event):
+    with pytest.raises(ExplorerDefect, match="on record, which explorers do not note"):
+        drive(Note(event), END)
+
+
+def test_what_is_noted_has_the_present_time(drive):
+    for time_s in (0.0, 2.0):
+        with pytest.raises(ExplorerDefect, match=rf"MapComplete has time_s={time_s:g} at 1 s"):
+            drive(Receive(timeout_s=1.0), Note(MapComplete(time_s=time_s, robot=0)), END)
 
 
 def test_events_that_can_be_written_are_recorded_as_they_are(drive):

@@ -8,7 +8,7 @@ from shapely import affinity
 
 from multisrt.analysis.bounds import lower_bounds
 from multisrt.analysis.explorable import explorable, viewers
-from multisrt.analysis.metrics import measure
+from multisrt.analysis.measuring import measure
 from multisrt.environments.environment import Environment
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import InvalidInputError

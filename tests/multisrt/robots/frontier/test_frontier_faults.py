@@ -11,7 +11,7 @@ import pytest
 import shapely
 
 from multisrt.analysis.clearances import smallest_distance_between_robots
-from multisrt.analysis.metrics import measure
+from multisrt.analysis.measuring import measure
 from multisrt.environments.environment import Environment
 from multisrt.events import (
     Blocked,

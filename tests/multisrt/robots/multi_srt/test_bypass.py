@@ -82,7 +82,7 @@ def test_a_robot_gets_round_a_body_step_by_step(corridor, stand_at, body_y):
 
 
 def test_a_track_is_followed_without_searching_again(corridor, stand_at, monkeypatch):
-    robot = corridor(2.2, 0.0)
+    robot = corridor(2.2, -0.1)
     searches: list[object] = []
     search = Bypass._search
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import shapely
 
-from multisrt.analysis.metrics import measure
+from multisrt.analysis.measuring import measure
 from multisrt.environments.catalog import environment
 from multisrt.environments.environment import Environment
 from multisrt.events import (

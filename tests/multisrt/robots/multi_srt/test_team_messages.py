@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 import shapely
 
-from multisrt.analysis.metrics import measure
+from multisrt.analysis.measuring import measure
 from multisrt.environments.environment import Environment
 from multisrt.events import Learned, NodeAdded, Sent
 from multisrt.geometry.bodies.footprint import Footprint

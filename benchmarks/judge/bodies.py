@@ -1,0 +1,81 @@
+"""Bodies as their spec describes them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from shapely import Polygon
+from shapely.geometry.base import BaseGeometry
+
+from benchmarks.judge.views import FloatArray
+from multisrt.spec import RunSpec
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Body:
+    """A disc, or a polygon, about its reference point.
+
+    Attributes
+    ----------
+    radius_m : float
+        Of a disc; 0 for a polygon.
+    outline : Polygon or None
+        Of a polygon.
+    """
+
+    radius_m: float
+    outline: Polygon | None
+
+    @property
+    def inscribed_m(self) -> float:
+        """Radius of the largest disc around the reference point in the body."""
+        if self.outline is None:
+            return self.radius_m
+        return float(self.outline.boundary.distance(shapely.Point(0.0, 0.0)))
+
+    @property
+    def circumscribed_m(self) -> float:
+        """Distance of the reference point to the farthest point of the body."""
+        if self.outline is None:
+            return self.radius_m
+        return float(np.hypot(*shapely.get_coordinates(self.outline).T).max())
+
+    def pieces(self) -> list[FloatArray]:
+        """Return triangles that make up a polygon, each ``(3, 2)``."""
+        triangles = shapely.get_parts(shapely.constrained_delaunay_triangles(self.outline))
+        return [shapely.get_coordinates(triangle)[:3] for triangle in triangles]
+
+    def at(self, poses: FloatArray) -> list[BaseGeometry]:
+        """Return the body at some poses ``(n, 3)``; of a disc the centre."""
+        if self.outline is None:
+            return [shapely.Point(x, y) for x, y in poses[:, :2].tolist()]
+        corners = shapely.get_coordinates(self.outline)
+        shapes: list[BaseGeometry] = np.asarray(shapely.polygons(placed(corners, poses))).tolist()
+        return shapes
+
+
+def placed(corners: FloatArray, poses: FloatArray) -> FloatArray:
+    """Return corners ``(k, 2)`` at some poses ``(n, 3)``, as ``(n, k, 2)``."""
+    cos, sin = np.cos(poses[:, 2])[:, None], np.sin(poses[:, 2])[:, None]
+    x, y = corners[:, 0], corners[:, 1]
+    return np.stack([poses[:, :1] + cos * x - sin * y, poses[:, 1:2] + sin * x + cos * y], axis=-1)
+
+
+def bodies_of(spec: RunSpec) -> list[Body]:
+    """Return the bodies of a team."""
+    return [body_of(robot.footprint) for robot in spec.robots]
+
+
+def body_of(text: str) -> Body:
+    """Return the body that a text describes: ``disc:R``, ``box:LxW`` or ``polygon:X,Y ...``."""
+    kind, _, numbers = text.partition(":")
+    if kind == "disc":
+        return Body(radius_m=float(numbers), outline=None)
+    if kind == "box":
+        length, width = map(float, numbers.split("x"))
+        outline = shapely.box(-length / 2, -width / 2, length / 2, width / 2)
+        return Body(radius_m=0.0, outline=outline)
+    corners = [tuple(map(float, word.split(","))) for word in numbers.split()]
+    return Body(radius_m=0.0, outline=Polygon(corners))

@@ -86,8 +86,8 @@ def running_options(command: Callable[..., None]) -> Callable[..., None]:
         click.option(
             "--reference",
             type=click.Choice(["none", "informed"]),
-            help="Also report times as multiples of those of a team that knows the map: one plan for "
-            "each world, team and starts, up to a minute each.",
+            help="Also report times as multiples of those of a team that knows the map: one plan "
+            "for each world, team and starts, up to a minute each.",
         ),
         click.option("--retry", is_flag=True, help="Repeat runs that failed without a result."),
         click.option("--quiet", is_flag=True, help="Print errors only."),

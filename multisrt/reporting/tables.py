@@ -210,8 +210,8 @@ def gap_table(study: Study) -> Table | None:
     ]
     notes = [
         "Interquartile mean over all runs in the settings that all strategies share, with its 95 % "
-        "interval (stratified bootstrap). Unsuccessful runs, and runs that never cover 99 % where this is "
-        "compared, count as infinite."
+        "interval (stratified bootstrap). Unsuccessful runs, and runs that never cover 99 % where "
+        "this is compared, count as infinite."
     ]
     if "over_informed" in there:
         notes.append(

@@ -106,7 +106,7 @@ def test_cars_and_deaths_have_no_plan(path, measured):
         assert job.condition.faults == "none"
         told = {(s.body, s.faults): why for s, why in store.results().unreferenced.items()}
     assert told["disc:0.25", "none"] == "not planned yet"
-    assert "live" in told["disc:0.25", "dies"]
+    assert "survive" in told["disc:0.25", "dies"]
     assert "car" in told["disc:0.2", "none"]
     assert "car" in told["disc:0.2", "dies"]
 

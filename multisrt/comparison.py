@@ -105,7 +105,7 @@ def compare(
         Whether to show a progress bar, on a terminal only.
     **fields
         Further fields of `ExperimentSpec`: `bodies`, `blocks`, `exclude`, `drive`,
-        `range_finder`, `stop`, `limits`, `success_coverage`, `horizon_s`, `about`.
+        `range_finder`, `stop`, `limits`, `success_coverage`, `horizon_s`, `reference`, `about`.
 
     Returns
     -------

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from multisrt.cli.experiment_check import check
-from multisrt.cli.running import Running, make_runs, running_options
+from multisrt.cli.running import Running, make_runs, print_gaps, running_options, width
 from multisrt.cli.spec_files import read_experiment
 
 if TYPE_CHECKING:
@@ -105,13 +105,15 @@ def run(
     """Make the runs of an experiment that have no result yet.
 
     Each run is stored as it ends; after an interruption of any kind the same command continues.
-    The experiment may be extended meanwhile by repetitions or conditions.
+    The experiment may be extended meanwhile by repetitions or conditions, and by the reference:
+    then only plans are made.
 
     \b
     Examples:
       multisrt experiment run star.toml
       multisrt experiment run star.toml --workers 2 --recordings all
       multisrt experiment run star.toml --cluster tcp://node1:8786
+      multisrt experiment run star.toml --reference informed
       multisrt experiment run mine.toml --import my_strategy --retry
 
     \b
@@ -141,7 +143,8 @@ def _print_results(results: Results, path: Path) -> None:
 
     click.echo(f"{results.experiment.name}: {totals(results)}, in {path}\n")
     if any(result.metrics is not None for result in results):
-        click.echo(overview_table(results).text(_width()))
+        click.echo(overview_table(results).text(width()))
+        print_gaps(results)
     _print_failures(results, path)
     click.echo(f"next: multisrt report {path} --out {path.with_suffix('')}-report")
 
@@ -158,15 +161,6 @@ def _print_failures(results: Results, path: Path) -> None:
         click.echo(f"... and {len(failed) - MAX_FAILURES} more, which {path} and the report list")
     if any(result.status in UNFINISHED for result in failed):
         click.echo("--retry repeats runs that failed without a result")
-
-
-def _width() -> int:
-    import shutil
-    import sys
-
-    from multisrt.cli.tables import WIDTH
-
-    return shutil.get_terminal_size((WIDTH, 24)).columns if sys.stdout.isatty() else WIDTH
 
 
 @experiment.command()

@@ -58,6 +58,7 @@ def check(file: Path, workers: int | None, seconds: float, modules: tuple[str, .
     """
     from multisrt.experiments.crossing import runs
     from multisrt.experiments.modules import import_modules
+    from multisrt.experiments.references import place_of
 
     import_modules(modules)
     spec = read_experiment(file)
@@ -69,6 +70,9 @@ def check(file: Path, workers: int | None, seconds: float, modules: tuple[str, .
         f"{spec.repetitions} repetition{many} (seeds {spec.first_seed} to "
         f"{spec.first_seed + spec.repetitions - 1})"
     )
+    if spec.reference == "informed":
+        plans = len({place_of(run.spec) for run in planned})
+        click.echo(f"beside the informed plan: at most {plans} plans, up to a minute each")
     warnings = _poor_starts(planned)
     found = _estimate(spec, planned, seconds, modules) if seconds else None
     _print_conditions(everything, {} if found is None else found.by_condition_s)

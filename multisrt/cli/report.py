@@ -45,7 +45,8 @@ def report(
     """Write a report of an experiment's results.
 
     The report is one self-contained HTML page, with figures and tables beside it. RESULTS is the
-    file written by 'multisrt experiment run', which may still be running.
+    file written by 'multisrt experiment run', which may still be running. Times beside those of a
+    team that knows the map are in it if that command was given --reference informed.
 
     \b
     Examples:

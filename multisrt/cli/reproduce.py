@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from multisrt.cli.running import Running, make_runs, running_options
+from multisrt.cli.running import Running, make_runs, print_gaps, running_options
 
 if TYPE_CHECKING:
     from multisrt.experiments.results import Results
@@ -63,6 +63,7 @@ def reproduce(
       multisrt reproduce multi-srt --quick
       multisrt reproduce sbx-r --seeds 31 --workers 2
       multisrt reproduce minpos --cluster tcp://node1:8786
+      multisrt reproduce alvarez --quick --reference informed
 
     \b
     Repetitions:   full   --quick   in the paper
@@ -102,6 +103,8 @@ def reproduce(
     command = f"multisrt reproduce {name}{' --quick' * quick}"
     if seeds is not None:
         command += f" --seeds {seeds}"
+    if running.reference is not None:
+        command += f" --reference {running.reference}"
     text = summary(preset, results, command, claims=claims, tables=tables)
     with atomic_write(out / SUMMARY_NAME) as file:
         file.write(text.encode())
@@ -141,3 +144,4 @@ def _print_verdicts(preset: Preset, results: Results, claims: list[Claim]) -> No
     for claim in claims:
         verdicts.add_row(claim.text, claim.told)
     show(verdicts)
+    print_gaps(results)

@@ -29,16 +29,19 @@ class Running:
         Whether runs that failed without a result are made again.
     quiet : bool
         Whether only errors are printed.
+    reference : str or None
+        What times are also compared with; None: as the experiment says.
     """
 
     workers: int | None
     cluster: str | None
     retry: bool
     quiet: bool
+    reference: str | None = None
 
 
 def running_options(command: Callable[..., None]) -> Callable[..., None]:
-    """Add the options --workers, --cluster, --retry and --quiet to a command.
+    """Add the options --workers, --cluster, --reference, --retry and --quiet to a command.
 
     Parameters
     ----------
@@ -56,13 +59,16 @@ def running_options(command: Callable[..., None]) -> Callable[..., None]:
         *args: Any,
         workers: int | None,
         cluster: str | None,
+        reference: str | None,
         retry: bool,
         quiet: bool,
         **others: Any,
     ) -> None:
         if workers is not None and cluster is not None:
             raise click.UsageError("give --workers or --cluster, not both: a cluster has its own")
-        running = Running(workers=workers, cluster=cluster, retry=retry, quiet=quiet)
+        running = Running(
+            workers=workers, cluster=cluster, retry=retry, quiet=quiet, reference=reference
+        )
         command(*args, running=running, **others)
 
     options = (
@@ -76,6 +82,12 @@ def running_options(command: Callable[..., None]) -> Callable[..., None]:
             "--cluster",
             metavar="ADDRESS",
             help="Address of a dask.distributed scheduler to use instead: tcp://HOST:8786.",
+        ),
+        click.option(
+            "--reference",
+            type=click.Choice(["none", "informed"]),
+            help="Also report times as multiples of those of a team that knows the map: one plan "
+            "for each world, team and starts, up to a minute each.",
         ),
         click.option("--retry", is_flag=True, help="Repeat runs that failed without a result."),
         click.option("--quiet", is_flag=True, help="Print errors only."),
@@ -122,11 +134,15 @@ def make_runs(
     click.Abort
         If interrupted, after a message that says how many runs are stored.
     """
+    import msgspec
+
     from multisrt.experiments.live import LiveProgress
     from multisrt.experiments.runner import run_experiment
     from multisrt.experiments.store import Store
     from multisrt.geometry.errors import InvalidInputError
 
+    if running.reference is not None:
+        spec = msgspec.structs.replace(spec, reference=running.reference)
     was_there, has_begun = path.exists(), True
     try:
         with Store.create_or_open(path, spec, folder) as opened:
@@ -143,6 +159,9 @@ def make_runs(
                     )
             except KeyboardInterrupt:
                 stored = f"{opened.done} of {opened.planned} runs are stored in {path}"
+                waiting = len(opened.plans.missing()) if spec.reference == "informed" else 0
+                if waiting:
+                    stored += f"; {waiting} of them wait for the informed plan"
                 click.echo(f"{stored}; the same command continues", err=True)
                 raise click.Abort from None
             except InvalidInputError:
@@ -153,3 +172,29 @@ def make_runs(
         if not (was_there or has_begun):
             path.unlink()
         raise
+
+
+def print_gaps(results: Results) -> None:
+    """Print times above those of the informed plan and above lower bounds, if a plan was made.
+
+    Parameters
+    ----------
+    results : Results
+        Results of an experiment.
+    """
+    from multisrt.reporting.study import Study
+    from multisrt.reporting.tables import gap_table
+
+    asked = results.unreferenced or any(result.reference for result in results)
+    if asked and (gaps := gap_table(Study(results))) is not None:
+        click.echo(gaps.text(width()))
+
+
+def width() -> int:
+    """Return the width of tables on the terminal, in characters."""
+    import shutil
+    import sys
+
+    from multisrt.cli.tables import WIDTH
+
+    return shutil.get_terminal_size((WIDTH, 24)).columns if sys.stdout.isatty() else WIDTH

@@ -24,7 +24,7 @@ class LiveProgress(LiveLine):
 
     def __call__(self, now: Progress) -> None:
         """Show the progress."""
-        self.update(total=now.total, completed=now.done, note=note_of(now))
+        self.update(description=now.what, total=now.total, completed=now.done, note=note_of(now))
 
 
 def note_of(now: Progress) -> str:

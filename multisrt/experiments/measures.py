@@ -182,6 +182,14 @@ MEASURES = (
     _measure("nodes", "Nodes", "", digits=0),
     _measure("deadlocks", "Rounds in which a master could let no robot move", "", digits=2),
     _measure("protective_stops", "Protective stops", "", digits=1),
+    Measure(
+        name="over_informed",
+        title="Time to 99 % coverage over that of the informed plan",
+        unit="",
+        lower_is_better=True,
+        get=lambda result: result.over_informed,
+        digits=2,
+    ),
     _measure(
         "over_bound",
         "Makespan over its lower bound",

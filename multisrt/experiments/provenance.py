@@ -87,11 +87,13 @@ def program_digest() -> str:
     """Return a digest of what decides a run's outcome: code, and the bundled maps.
 
     That is everything in `multisrt.simulation` and in every part of this package that it imports,
-    directly or not. Docstrings, blank lines, lines of comment and the messages of raised errors
-    do not count.
+    directly or not, and `multisrt.informed`, which it loads by name. Docstrings, blank lines,
+    lines of comment and the messages of raised errors do not count.
     """
     digest = hashlib.sha256()
-    for name, content in sorted(_files_behind("simulation").items()):
+    # What `informed` imports besides is `analysis`, by which all runs are measured.
+    informed = {name: content for name, (content, _) in _files_in("informed").items()}
+    for name, content in sorted((_files_behind("simulation") | informed).items()):
         digest.update(f"{name} {len(content)}\n".encode())
         digest.update(content)
     return digest.hexdigest()[:16]
@@ -116,19 +118,26 @@ def parts_behind(part: str) -> frozenset[str]:
 
 def _files_behind(part: str) -> dict[str, bytes]:
     # An imported file stands for its whole folder: some files are loaded by name, from a table.
-    top = Path(__file__).parents[1]
     found: dict[str, bytes] = {}
     parts, waiting = {part}, [part]
     while waiting:
-        name = waiting.pop()
-        # rglob does not descend into a symbolic link.
-        folder = (top / name).resolve()
-        for path in _files_of(folder) if folder.is_dir() else [top / f"{name}.py"]:
-            inner = path.relative_to(folder).as_posix() if folder.is_dir() else ""
-            found[f"{name}/{inner}"], imported = _read(path)
+        for name, (content, imported) in _files_in(waiting.pop()).items():
+            found[name] = content
             waiting.extend(imported - parts)
             parts |= imported
     return found
+
+
+def _files_in(part: str) -> dict[str, tuple[bytes, set[str]]]:
+    """Return what counts of each file of a part, and the parts that it imports, by its name."""
+    top = Path(__file__).parents[1]
+    # rglob does not descend into a symbolic link.
+    folder = (top / part).resolve()
+    if not folder.is_dir():
+        return {f"{part}/": _read(top / f"{part}.py")}
+    return {
+        f"{part}/{path.relative_to(folder).as_posix()}": _read(path) for path in _files_of(folder)
+    }
 
 
 def _files_of(folder: Path) -> Iterator[Path]:

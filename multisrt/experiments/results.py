@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Literal
 
 import msgspec
@@ -12,6 +12,7 @@ from multisrt.experiments.crossing import Condition
 from multisrt.experiments.provenance import Provenance
 from multisrt.experiments.spec import ExperimentSpec
 from multisrt.geometry.errors import InvalidInputError
+from multisrt.informed.reference import Reference
 
 Status = Literal[
     "complete", "stalled", "out_of_time", "over_time", "over_memory", "crashed", "refused", "error"
@@ -56,6 +57,10 @@ class Result(msgspec.Struct, frozen=True, kw_only=True):
     covered_at_s : tuple of (float or None)
         Simulated time (s) at which 0, 1, ..., 100 % of the explorable area were covered; None
         where that never happened.
+    reference : Reference or None
+        What the informed plan took with the same team from the same starts; None without one.
+    no_reference : str
+        Why there is none; empty if there is one, or none was made yet.
     computing_s, wall_s : float
         Computing time and elapsed time of the run (s).
     memory_mb : float
@@ -84,6 +89,8 @@ class Result(msgspec.Struct, frozen=True, kw_only=True):
     chance: bool = True
     same_as: int | None = None
     covered_at_s: tuple[float | None, ...] = ()
+    reference: Reference | None = None
+    no_reference: str = ""
     computing_s: float = 0.0
     wall_s: float = 0.0
     memory_mb: float = 0.0
@@ -97,6 +104,14 @@ class Result(msgspec.Struct, frozen=True, kw_only=True):
     def failed(self) -> bool:
         """Whether the run did not succeed."""
         return not self.success
+
+    @property
+    def over_informed(self) -> float | None:
+        """Time to 99 % coverage over that of the informed plan; None if either never was."""
+        m, plan = self.metrics, self.reference
+        if m is None or plan is None or m.time_to_99_s is None or not plan.time_to_99_s:
+            return None
+        return m.time_to_99_s / plan.time_to_99_s
 
     @property
     def account(self) -> str:
@@ -237,6 +252,13 @@ class Results:
     provenance : Provenance
         Versions and machine that made the results.
 
+    Attributes
+    ----------
+    unreferenced : dict of Condition to str
+        Settings, with an empty strategy, that lack the time of an informed plan to 99 % for some
+        of their runs, and why; empty if no plan was asked for. None of their results has a
+        reference, so that all strategies of a setting are compared by the same repetitions.
+
     Examples
     --------
     >>> from multisrt.experiments.provenance import provenance
@@ -256,7 +278,9 @@ class Results:
         provenance: Provenance,
     ) -> None:
         self.experiment = experiment
-        self.results = _comparable(experiment, tuple(results))
+        given = tuple(results)
+        self.unreferenced = _unreferenced(experiment, given)
+        self.results = _comparable(experiment, given, self.unreferenced)
         self.planned = planned
         self.provenance = provenance
 
@@ -334,8 +358,58 @@ def setting_of(condition: Condition) -> Condition:
     return msgspec.structs.replace(condition, strategy="")
 
 
-def _comparable(experiment: ExperimentSpec, results: tuple[Result, ...]) -> tuple[Result, ...]:
-    """Return results that are judged by one threshold, with one horizon in each setting."""
+def referred(results: Iterable[Result], plans: Mapping[str, Reference | str]) -> tuple[Result, ...]:
+    """Return results with their references.
+
+    Parameters
+    ----------
+    results : iterable of Result
+        The results.
+    plans : mapping of str to Reference or str
+        By the key of a run its reference, or why it has none; runs without a plan are left out.
+
+    Returns
+    -------
+    tuple of Result
+        The results.
+    """
+    found = []
+    for result in results:
+        plan = plans.get(result.key)
+        if isinstance(plan, str):
+            result = msgspec.structs.replace(result, no_reference=plan)
+        elif plan is not None:
+            result = msgspec.structs.replace(result, reference=plan)
+        found.append(result)
+    return tuple(found)
+
+
+def _unreferenced(experiment: ExperimentSpec, results: tuple[Result, ...]) -> dict[Condition, str]:
+    """Return the settings without multiples of the informed plan's times, and why."""
+    if experiment.reference == "none" and not any(r.reference or r.no_reference for r in results):
+        return {}
+    lacking: dict[Condition, str] = {}
+    for result in results:
+        if result.metrics is not None and (why := _why_no_multiple(result)):
+            lacking.setdefault(setting_of(result.condition), why)
+    return lacking
+
+
+def _why_no_multiple(result: Result) -> str:
+    plan = result.reference
+    if plan is None:
+        return result.no_reference or "not planned yet"
+    if plan.time_to_99_s is None:
+        return f"the informed plan covers {100 * plan.coverage:.1f} %"
+    return "" if plan.time_to_99_s > 0.0 else "99 % are seen from the starts"
+
+
+def _comparable(
+    experiment: ExperimentSpec,
+    results: tuple[Result, ...],
+    unreferenced: Mapping[Condition, str],
+) -> tuple[Result, ...]:
+    """Return results judged by one threshold, with one horizon and all plans in each setting."""
     horizons_s: dict[Condition, float] = {}
     for result in results:
         if experiment.horizon_s is None and result.metrics is not None:
@@ -351,6 +425,7 @@ def _comparable(experiment: ExperimentSpec, results: tuple[Result, ...]) -> tupl
                 else experiment.horizon_s
             ),
             success_coverage=threshold,
+            reference=(None if setting_of(result.condition) in unreferenced else result.reference),
         )
         for result in results
     )

@@ -14,6 +14,7 @@ from multisrt.experiments.crossing import PlannedRun
 from multisrt.experiments.distinct import Twins
 from multisrt.experiments.job import Job
 from multisrt.experiments.modules import import_modules
+from multisrt.experiments.references import MissingPlans
 from multisrt.experiments.results import Result
 from multisrt.experiments.spec import ExperimentSpec
 from multisrt.experiments.store import Store
@@ -39,6 +40,8 @@ class Progress:
         Elapsed time of this call (s).
     latest : Result or None
         The result that was stored last; None at the beginning.
+    what : str
+        What is made: "runs", or then "informed plans" if the experiment asks for them.
 
     Examples
     --------
@@ -53,6 +56,7 @@ class Progress:
     made: int
     elapsed_s: float
     latest: Result | None
+    what: str = "runs"
 
     @property
     def per_hour(self) -> float | None:
@@ -83,7 +87,8 @@ def run_experiment(
     Each result is stored as its run ends: an interruption loses only runs under way, and the next
     call continues. Results do not depend on the number of workers or on the machine that made
     them, except for computing time and memory. Repetitions that differ by their seed alone wait
-    for the first of them: if it draws no random number, it is their result, too.
+    for the first of them: if it draws no random number, it is their result, too. If the experiment
+    asks for a reference, the plans that stored runs lack are made then.
 
     Parameters
     ----------
@@ -120,17 +125,49 @@ def run_experiment(
     import_modules(modules)
     tally = _Tally(store, progress)
     tally.tell(None)
-    missing = len(store.missing())
-    if not missing:
-        return
+    if missing := len(store.missing()):
+        with _makers(cluster, min(workers or cores(), missing), modules) as make:
+            _make_missing(store, make, tally)
+    if store.experiment.reference == "informed":
+        plans = MissingPlans(store)
+        if jobs := plans.jobs:
+            with _makers(cluster, min(workers or cores(), len(jobs)), modules) as make:
+                _make_plans(plans, make, progress)
+
+
+def _make_missing(store: Store, make: Make, tally: _Tally) -> None:
     twins = Twins(store)
-    with _makers(cluster, min(workers or cores(), missing), modules) as make:
+    tally.add_copies(twins.copies())
+    while batch := twins.next_batch():
+        with closing(make(_jobs(store, batch))) as results:
+            for result in results:
+                tally.add(result)
         tally.add_copies(twins.copies())
-        while batch := twins.next_batch():
-            with closing(make(_jobs(store, batch))) as results:
-                for result in results:
-                    tally.add(result)
-            tally.add_copies(twins.copies())
+
+
+def _make_plans(plans: MissingPlans, make: Make, progress: Watch | None) -> None:
+    begin, total = time.perf_counter(), len(plans.jobs)
+
+    def tell(made: int, latest: Result | None) -> None:
+        if progress is not None:
+            elapsed_s = time.perf_counter() - begin
+            progress(
+                Progress(
+                    total=total,
+                    done=made,
+                    failed=0,
+                    made=made,
+                    elapsed_s=elapsed_s,
+                    latest=latest,
+                    what="informed plans",
+                )
+            )
+
+    tell(0, None)
+    with closing(make(iter(plans.jobs))) as results:
+        for made, result in enumerate(results, start=1):
+            plans.add(result)
+            tell(made, result)
 
 
 class _Tally:

@@ -321,6 +321,8 @@ class ExperimentSpec(_Part, frozen=True, kw_only=True, omit_defaults=True):
         Share of the explorable area that a run must cover to be a success.
     horizon_s : float or None
         Time to which integrals run (s); None: that of the longest run of each setting.
+    reference : {"none", "informed"}
+        Whether times are also reported as multiples of those of the informed plan.
     recordings : {"none", "failed", "all"}
         Recordings to keep; a run failed if it is no success.
 
@@ -364,6 +366,7 @@ class ExperimentSpec(_Part, frozen=True, kw_only=True, omit_defaults=True):
     limits: Limits = Limits()
     success_coverage: float = SUCCESS_COVERAGE
     horizon_s: float | None = None
+    reference: Literal["none", "informed"] = "none"
     recordings: Literal["none", "failed", "all"] = "failed"
 
     def __post_init__(self) -> None:
@@ -488,10 +491,9 @@ class ExperimentSpec(_Part, frozen=True, kw_only=True, omit_defaults=True):
 
 
 def _decoded(decode: Callable[[], ExperimentSpec], length: int) -> ExperimentSpec:
-    if length > MAX_FILE_LENGTH:
-        raise InvalidInputError(
-            f"not an experiment: {length} characters, where {MAX_FILE_LENGTH} are allowed"
-        )
+    most = MAX_FILE_LENGTH
+    if length > most:
+        raise InvalidInputError(f"not an experiment: {length} characters, where {most} are allowed")
     try:
         return decode()
     except (msgspec.MsgspecError, RecursionError, UnicodeDecodeError) as error:

@@ -6,8 +6,8 @@ SQLite's write-ahead mode, so that reports can read it; closed, it is a single f
 `synchronous=NORMAL` a power failure may lose the last runs, which are then made again, but cannot
 damage the file.
 
-Tables: `meta` (experiment, folder, provenance, number of runs), and `runs` (the labels of a
-condition and the fields of `Result`; fields with parts are JSON).
+Tables: `meta` (experiment, folder, provenance, number of runs), `runs` (the labels of a condition
+and the fields of `Result`; fields with parts are JSON), and `plans` (see `store_plans`).
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from multisrt.analysis.metrics import Metrics
 from multisrt.experiments.crossing import Condition, PlannedRun, runs
 from multisrt.experiments.lock import WriteLock
 from multisrt.experiments.provenance import Provenance, differences, provenance
-from multisrt.experiments.results import Result, Results, Status
+from multisrt.experiments.results import Result, Results, Status, referred
 from multisrt.experiments.spec import ExperimentSpec
 from multisrt.experiments.store_file import (
     begin,
@@ -35,6 +35,7 @@ from multisrt.experiments.store_file import (
     require_store,
 )
 from multisrt.experiments.store_growth import Plan, move, require_continuable
+from multisrt.experiments.store_plans import PlanTable
 from multisrt.geometry.errors import InvalidInputError
 
 UNFINISHED: tuple[Status, ...] = ("over_time", "over_memory", "crashed", "refused", "error")
@@ -42,7 +43,9 @@ UNFINISHED: tuple[Status, ...] = ("over_time", "over_memory", "crashed", "refuse
 
 _LABELS = Condition.__struct_fields__
 _FIELDS = tuple(
-    name for name in Result.__struct_fields__ if name not in ("condition", "success_coverage")
+    name
+    for name in Result.__struct_fields__
+    if name not in ("condition", "success_coverage", "reference", "no_reference")
 )
 _COLUMNS = ("position", *_LABELS, *_FIELDS)
 
@@ -64,6 +67,8 @@ class Store:
         Versions and machine that make the results.
     planned : int
         Number of runs of the experiment.
+    plans : PlanTable
+        What the informed plan takes, for the runs that are compared with it.
 
     Examples
     --------
@@ -80,6 +85,7 @@ class Store:
         self._connection = connection
         self._lock = lock
         self._planned: Plan | None = None
+        self.plans = PlanTable(path, connection)
         with errors_of(path):
             meta = dict(connection.execute("SELECT name, value FROM meta"))
         try:
@@ -297,7 +303,7 @@ class Store:
             )
 
     def forget(self, statuses: Sequence[Status] = UNFINISHED) -> int:
-        """Delete the results of some statuses, so that their runs are missing again.
+        """Delete the results of some statuses, and plans that failed: they are missing again.
 
         Parameters
         ----------
@@ -318,9 +324,11 @@ class Store:
         """
         marks = ", ".join("?" * len(statuses))
         with errors_of(self.path), self._connection as transaction:
-            return transaction.execute(
+            deleted = transaction.execute(
                 f"DELETE FROM runs WHERE status IN ({marks})", tuple(statuses)
             ).rowcount
+        self.plans.forget()
+        return deleted
 
     def results(self) -> Results:
         """Return the results so far.
@@ -342,9 +350,8 @@ class Store:
         ...     len(store.results())
         0
         """
-        return Results(
-            self.experiment, self._read(), planned=self.planned, provenance=self.provenance
-        )
+        results = referred(self._read(), self.plans.read())
+        return Results(self.experiment, results, planned=self.planned, provenance=self.provenance)
 
     def of_no_chance(self) -> list[Result]:
         """Return the runs that were made and in which no random number was drawn.

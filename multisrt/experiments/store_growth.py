@@ -104,5 +104,5 @@ def _require_horizon(
 
 def _what_differs(old: ExperimentSpec, new: ExperimentSpec) -> str:
     names = [name for name in old.__struct_fields__ if getattr(old, name) != getattr(new, name)]
-    beside = ("name", "about", "limits", "success_coverage", "horizon_s", "recordings")
+    beside = ("name", "about", "limits", "success_coverage", "horizon_s", "reference", "recordings")
     return ", ".join(n for n in names if n not in beside) or "what its environments' files hold"

@@ -69,6 +69,10 @@ success_coverage = 0.95
 # Time to which integrals run (s); by default that of the longest run of each setting.
 # horizon_s = 600.0
 
+# Also report times as multiples of those of a team that knows the map: "none" or "informed". It
+# takes one plan for each world, team and starts, of up to a minute.
+# reference = "informed"
+
 # Recordings to keep beside the results: "none", "failed" (of unsuccessful runs) or "all".
 recordings = "failed"
 

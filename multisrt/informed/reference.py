@@ -118,13 +118,78 @@ def informed_reference(
     """
     if environment is None:
         environment = build_environment(spec.environment)
-    asked = _informed(spec, environment, home)
-    path = _folder() / f"{_key(asked, environment)}.json"
-    found = _read(path)
+    asked = informed_run(spec, environment, home=home)
+    found = kept_reference(asked, environment)
     if found is None:
         found = _driven(asked, environment, planning)
-        _write(path, found)
+        keep_reference(asked, environment, found)
     return found
+
+
+def informed_run(spec: RunSpec, environment: Environment, *, home: bool = False) -> RunSpec:
+    """Return the run in which the informed plan is driven by the team of a run.
+
+    Parameters
+    ----------
+    spec : RunSpec
+        The run: its environment, robots and starts count.
+    environment : Environment
+        Its world.
+    home : bool
+        Whether the robots drive home in the end.
+
+    Returns
+    -------
+    RunSpec
+        A run of `informed`, equal for runs that are judged by the same plan.
+
+    Raises
+    ------
+    InvalidInputError
+        If the team does not fit into the world.
+
+    Examples
+    --------
+    >>> import multisrt as ms
+    >>> world = ms.CatalogEnvironment(name="open", parameters={"size_m": 8.0})
+    >>> runs = [ms.RunSpec(environment=world, strategy=s) for s in ("minpos", "closest")]
+    >>> plans = [informed_run(run, build_environment(world)) for run in runs]
+    >>> plans[0].strategy, plans[0] == plans[1]
+    ('informed', True)
+    """
+    starts = starts_of(spec, environment)
+    return RunSpec(
+        environment=spec.environment,
+        strategy="informed",
+        options={"home": home},
+        robots=tuple(
+            msgspec.structs.replace(robot, start=tuple(start))
+            for robot, start in zip(spec.robots, starts, strict=True)
+        ),
+    ).canonical()
+
+
+def reference_of(metrics: Metrics) -> Reference:
+    """Return the reference that a run of the informed plan is.
+
+    Parameters
+    ----------
+    metrics : Metrics
+        The metrics of the run.
+
+    Returns
+    -------
+    Reference
+        Its times, distance and coverage.
+    """
+    return Reference(
+        time_to_90_s=metrics.time_to_90_s,
+        time_to_95_s=metrics.time_to_95_s,
+        time_to_99_s=metrics.time_to_99_s,
+        makespan_s=metrics.makespan_s,
+        distance_m=metrics.total_distance_m,
+        coverage=metrics.coverage,
+    )
 
 
 def regret(
@@ -174,45 +239,71 @@ def _multiple(time_s: float | None, reference_s: float | None) -> float | None:
     return time_s / reference_s if time_s is not None and reference_s else None
 
 
-def _informed(spec: RunSpec, environment: Environment, home: bool) -> RunSpec:
-    # Only what the plan depends on.
-    starts = starts_of(spec, environment)
-    return RunSpec(
-        environment=spec.environment,
-        strategy="informed",
-        options={"home": home},
-        robots=tuple(
-            msgspec.structs.replace(robot, start=tuple(start))
-            for robot, start in zip(spec.robots, starts, strict=True)
-        ),
-    ).canonical()
-
-
 def _driven(
     spec: RunSpec, environment: Environment, planning: Callable[[float], None] | None
 ) -> Reference:
-    metrics = measure(simulate(spec, environment, planning=planning), environment)
-    return Reference(
-        time_to_90_s=metrics.time_to_90_s,
-        time_to_95_s=metrics.time_to_95_s,
-        time_to_99_s=metrics.time_to_99_s,
-        makespan_s=metrics.makespan_s,
-        distance_m=metrics.total_distance_m,
-        coverage=metrics.coverage,
-    )
+    return reference_of(measure(simulate(spec, environment, planning=planning), environment))
 
 
 # The cache ----------------------------------------------------------------------------------
+
+
+def kept_reference(asked: RunSpec, environment: Environment) -> Reference | None:
+    """Return a reference from the cache.
+
+    Parameters
+    ----------
+    asked : RunSpec
+        The run of the plan; see `informed_run`.
+    environment : Environment
+        Its world.
+
+    Returns
+    -------
+    Reference or None
+        None if it is not there.
+    """
+    path = _path(asked, environment)
+    try:
+        found = msgspec.json.decode(path.read_bytes(), type=Reference)
+        path.touch()
+    except (OSError, msgspec.MsgspecError):
+        return None
+    return found
+
+
+def keep_reference(asked: RunSpec, environment: Environment, reference: Reference) -> None:
+    """Write a reference to the cache; one that cannot be written costs time, and nothing else.
+
+    Parameters
+    ----------
+    asked : RunSpec
+        The run of the plan; see `informed_run`.
+    environment : Environment
+        Its world.
+    reference : Reference
+        What the plan took.
+    """
+    path = _path(asked, environment)
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with atomic_write(path) as file:
+            file.write(msgspec.json.encode(reference))
+        files = sorted(path.parent.glob("*.json"), key=lambda file: file.stat().st_mtime)
+        for old in files[:-MAX_FILES]:
+            old.unlink(missing_ok=True)
+    except (OSError, MultiSrtError):
+        return
 
 
 def _folder() -> Path:
     return user_cache_path("multisrt") / "informed"
 
 
-def _key(spec: RunSpec, environment: Environment) -> str:
+def _path(spec: RunSpec, environment: Environment) -> Path:
     team = msgspec.json.encode((spec.robots, spec.options))
     text = b" ".join((_program().encode(), environment.digest.encode(), team))
-    return hashlib.sha256(text).hexdigest()[:32]
+    return _folder() / f"{hashlib.sha256(text).hexdigest()[:32]}.json"
 
 
 @cache
@@ -226,25 +317,3 @@ def _program() -> str:
             digest.update(f"{folder.name}/{path.relative_to(folder.resolve())}".encode())
             digest.update(path.read_bytes())
     return digest.hexdigest()
-
-
-def _read(path: Path) -> Reference | None:
-    try:
-        found = msgspec.json.decode(path.read_bytes(), type=Reference)
-        path.touch()
-    except (OSError, msgspec.MsgspecError):
-        return None
-    return found
-
-
-def _write(path: Path, reference: Reference) -> None:
-    # A cache that cannot be written costs time, and nothing else.
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with atomic_write(path) as file:
-            file.write(msgspec.json.encode(reference))
-        files = sorted(path.parent.glob("*.json"), key=lambda file: file.stat().st_mtime)
-        for old in files[:-MAX_FILES]:
-            old.unlink(missing_ok=True)
-    except (OSError, MultiSrtError):
-        return

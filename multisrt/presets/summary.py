@@ -9,6 +9,9 @@ from multisrt.experiments.results import Results
 from multisrt.presets.preset import Preset
 from multisrt.presets.words import failed_runs
 from multisrt.reporting.claims import Claim, PrintedTable
+from multisrt.reporting.study import Study
+from multisrt.reporting.tables import gap_table
+from multisrt.reporting.words import HOW_TO_REFER
 
 MAX_FAILURES = 50
 """Upper bound of the failed runs that are listed."""
@@ -53,6 +56,8 @@ def summary(
         *(_printed(table) for table in tables if table.source),
         "## Figures behind the claims",
         *(_printed(table) for table in tables if not table.source),
+        "## Beside a team that knows the map",
+        _gaps(results),
         "## Differences from the paper's experiment",
         _bullets(preset.deviations),
         "## Unsuccessful runs",
@@ -84,6 +89,16 @@ def _account(results: Results) -> list[str]:
             "them.**"
         )
     return lines
+
+
+def _gaps(results: Results) -> str:
+    if not results.unreferenced and all(result.reference is None for result in results):
+        return HOW_TO_REFER
+    table = gap_table(Study(results))
+    if table is None:
+        return "There are no results yet."
+    rows = [[cell.line for cell in row] for row in table.rows]
+    return "\n\n".join((markdown_table(table.columns, rows), _bullets(table.notes)))
 
 
 def _claim(claim: Claim) -> str:

@@ -24,7 +24,7 @@ from multisrt.reporting.style import (
     shade,
     short,
 )
-from multisrt.reporting.tables import bounded_settings, gaps_to_bounds
+from multisrt.reporting.tables import GAPS, gaps_above, settings_with
 from multisrt.statistics.improvement import probability_of_improvement
 from multisrt.statistics.intervals import Interval, wilson
 from multisrt.statistics.profiles import performance_profile
@@ -77,18 +77,24 @@ def improvement(study: Study, measure: Measure) -> list[Picture]:
 
 
 def gaps(study: Study) -> list[Picture]:
-    """Return the gaps between makespans and their lower bounds."""
-    found = {s: v for s, v in gaps_to_bounds(study).items() if math.isfinite(v.value)}
-    if not found:
-        return []
+    """Return the gaps above the times of the informed plan, and above lower bounds."""
+    pictures = []
+    for name, told in GAPS.items():
+        found = {s: v for s, v in gaps_above(study, name).items() if math.isfinite(v.value)}
+        if found:
+            pictures.append(_gap(study, name, told.title, found))
+    return pictures
+
+
+def _gap(study: Study, name: str, title: str, found: dict[str, Interval]) -> Picture:
+    lowest = min(interval.low for interval in found.values())
 
     def finish(axes: Axes) -> None:
         axes.xaxis.set_major_formatter(PercentFormatter(1.0, decimals=0, symbol=" %"))
-        axes.set_xlim(left=0.0)
-        axes.set_xlabel("above the lower bound")
+        axes.set_xlim(left=min(0.0, 1.1 * lowest))
+        axes.set_xlabel("above the lower bound" if name == "over_bound" else "above informed")
 
-    title = "Makespan above its lower bound"
-    return [_forest(study, "gap", title, title, found, finish, digits=2)]
+    return _forest(study, f"gap-{slug(name)}", title, title, found, finish, digits=2)
 
 
 def success_rates(study: Study) -> list[Picture]:
@@ -112,7 +118,7 @@ def success_rates(study: Study) -> list[Picture]:
 
 def _ratios(study: Study) -> tuple[dict[str, list[FloatArray]], str]:
     # Times by strategy and setting, divided by a reference time of the setting.
-    bounded = bounded_settings(study)
+    bounded = settings_with(study, "over_bound")
     if bounded:
         over = measure_named("over_bound")
         return {

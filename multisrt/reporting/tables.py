@@ -5,12 +5,13 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 
 from multisrt.experiments.crossing import Condition
 from multisrt.experiments.measures import INTEGRALS, Measure, measure_named
-from multisrt.experiments.results import Results
+from multisrt.experiments.results import Result, Results
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.reporting.layout import Cell, Table, number, slug
 from multisrt.reporting.study import SEED, Comparison, Study, team_name
@@ -18,6 +19,7 @@ from multisrt.reporting.words import (
     INFINITY_NOTE,
     constants_note,
     horizon_note,
+    reference_notes,
     significance_note,
     success_words,
 )
@@ -40,6 +42,41 @@ MIN_RUNS_FOR_INTERVALS = 10
 
 NOTHING = Cell(text="", sort=math.inf)
 """Cell of a condition without runs."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Gap:
+    """How a time is told as a gap above another.
+
+    Attributes
+    ----------
+    title : str
+        Title of tables and figures.
+    column : str
+        Heading of a column.
+    there : callable
+        Whether a run that was measured has the other time, or needs none.
+    """
+
+    title: str
+    column: str
+    there: Callable[[Result], bool]
+
+
+GAPS = {
+    "over_informed": Gap(
+        title="Time to 99 % above that of the informed plan",
+        column="99 % above informed",
+        there=lambda result: result.reference is not None,
+    ),
+    "over_bound": Gap(
+        title="Makespan above its lower bound",
+        column="Makespan above bound",
+        # A run that covers no more than is seen from the starts has no bound.
+        there=lambda result: result.failed or measure_named("over_bound").of(result) is not None,
+    ),
+}
+"""What times are divided by, by the names of the measures."""
 
 
 def summary_table(
@@ -159,42 +196,60 @@ def success_table(study: Study) -> Table:
 
 
 def gap_table(study: Study) -> Table | None:
-    """Return the table of gaps between makespans and their lower bounds; None without bounds."""
-    gaps = gaps_to_bounds(study)
-    if not gaps:
+    """Return the table of times above those of the informed plan and above lower bounds.
+
+    None if runs have neither.
+    """
+    found = {name: gaps_above(study, name) for name in GAPS}
+    there = {name: gaps for name, gaps in found.items() if gaps}
+    if not there:
         return None
-    settings = len(bounded_settings(study))
     rows = [
-        (
-            Cell(text=strategy),
-            Cell(
-                text=_percent(found.value),
-                detail=f"({_percent(found.low)} to {_percent(found.high)})",
-                sort=found.value,
-                data={"gap": found.value, "low": found.low, "high": found.high},
-            ),
-        )
-        for strategy, found in gaps.items()
+        (Cell(text=strategy), *(_gap_cell(gaps[strategy]) for gaps in there.values()))
+        for strategy in study.strategies
     ]
-    where = "the only setting" if settings == 1 else f"the {settings} settings"
+    notes = [
+        "Interquartile mean over all runs in the settings that all strategies share, with its 95 % "
+        "interval (stratified bootstrap). Unsuccessful runs, and runs that never cover 99 % where "
+        "this is compared, count as infinite."
+    ]
+    if "over_informed" in there:
+        notes.append(
+            f"Informed: {_settings(study, 'over_informed')}; 0 % is the time in which a team that "
+            "knows the map covers 99 % from the same starts: less may be possible."
+        )
+    if "over_bound" in there:
+        notes.append(
+            f"Bound: {_settings(study, 'over_bound')}; 0 % is a time in which no team of these "
+            "robots can see the share that was covered, even if it knows the map."
+        )
     return Table(
         name="gap",
-        title="Makespan above its lower bound",
-        columns=("Strategy", "Gap"),
+        title="; ".join(GAPS[name].title for name in there).replace("; M", "; m"),
+        columns=("Strategy", *(GAPS[name].column for name in there)),
         rows=tuple(rows),
-        notes=(
-            f"Interquartile mean over all runs in {where} that all strategies share, with its 95 % "
-            "interval (stratified bootstrap). 0 % is a time in which no team of these robots can "
-            "see everything, even if it knows the world. Unsuccessful runs count as "
-            "infinite.",
-        ),
+        notes=(*notes, *reference_notes(study)),
     )
 
 
-def gaps_to_bounds(study: Study) -> dict[str, Interval]:
-    """Return the gaps between makespans and their lower bounds, by strategy."""
-    over = measure_named("over_bound")
-    settings = bounded_settings(study)
+def _settings(study: Study, name: str) -> str:
+    count = len(settings_with(study, name))
+    return f"{count} setting{'s' * (count != 1)}"
+
+
+def _gap_cell(found: Interval) -> Cell:
+    return Cell(
+        text=_percent(found.value),
+        detail=f"({_percent(found.low)} to {_percent(found.high)})",
+        sort=found.value,
+        data={"gap": found.value, "low": found.low, "high": found.high},
+    )
+
+
+def gaps_above(study: Study, name: str) -> dict[str, Interval]:
+    """Return the gaps between times and what a measure in `GAPS` divides them by, by strategy."""
+    over = measure_named(name)
+    settings = settings_with(study, name)
     if not settings:
         return {}
     gaps = {}
@@ -204,20 +259,23 @@ def gaps_to_bounds(study: Study) -> dict[str, Interval]:
     return gaps
 
 
-def bounded_settings(study: Study) -> list[Condition]:
-    """Return the settings that all strategies share and whose measured runs all have a bound."""
-    over = measure_named("over_bound")
-    return [
-        setting
-        for setting in study.shared_settings()
-        if study.has(over, setting)
-        and all(
-            over.of(result) is not None
-            for strategy in study.strategies
-            for result in study.of(setting, strategy)
-            if result.metrics is not None
-        )
-    ]
+def settings_with(study: Study, name: str) -> list[Condition]:
+    """Return the settings that all strategies share and whose times can all be divided.
+
+    Parameters
+    ----------
+    study : Study
+        The results.
+    name : str
+        A measure in `GAPS`: every measured run has what its time is divided by.
+    """
+    found = []
+    for setting in study.shared_settings():
+        results = [r for strategy in study.strategies for r in study.of(setting, strategy)]
+        measured = [result for result in results if result.metrics is not None]
+        if measured and all(map(GAPS[name].there, measured)):
+            found.append(setting)
+    return found
 
 
 def growth_table(study: Study, measure: Measure) -> Table | None:

@@ -38,6 +38,12 @@ INFINITY_NOTE = (
 )
 
 
+HOW_TO_REFER = (
+    "For times beside those of a team that knows the map, repeat the command that made the runs "
+    'with --reference informed (in Python reference="informed"): it makes no run again.'
+)
+
+
 def success_words(results: Results) -> str:
     """Return what makes a run a success.
 
@@ -87,6 +93,29 @@ def horizon_note(study: Study) -> str:
         return "No run was measured."
     span = number(found[0], 1) + (f" to {number(found[-1], 1)}" if len(found) > 1 else "")
     return f"Integrals run to the end of the longest run of each setting ({span} s)."
+
+
+def reference_notes(study: Study) -> list[str]:
+    """Return which settings have no informed plan, and why; without any plan, how to get them.
+
+    Parameters
+    ----------
+    study : Study
+        The results.
+
+    Returns
+    -------
+    list of str
+        A sentence for each reason.
+    """
+    results = study.results
+    lacking = results.unreferenced
+    if not lacking and all(result.reference is None for result in results):
+        return [HOW_TO_REFER]
+    by_reason: dict[str, list[str]] = {}
+    for setting, why in lacking.items():
+        by_reason.setdefault(why, []).append(study.name(setting))
+    return [f"Not beside the plan: {'; '.join(names)} ({why})." for why, names in by_reason.items()]
 
 
 def constants_note(study: Study) -> str:

@@ -226,6 +226,15 @@ def test_check_lists_the_conditions(call):
     assert "all: starts scattered, radio unlimited, body disc:0.25, faults none" in out
     assert out.endswith("next: multisrt experiment run small.toml\n")
     assert "about" not in out
+    assert "informed" not in out
+
+
+def test_check_counts_the_plans_of_the_reference(call, folder):
+    (folder / "beside.toml").write_text('reference = "informed"\n' + SMALL)
+    code, out, _ = call("check", "beside.toml", "--seconds", "0")
+    assert code == 0
+    # Two teams, two seeds; the strategies share them.
+    assert "beside the informed plan: at most 4 plans" in out
 
 
 def test_check_cuts_a_long_table(call, folder):
@@ -344,7 +353,7 @@ def test_options_of_run_are_passed_on(call, folder, fake_runs):
     (folder / "my_strategies.py").write_text("")
     code, _, err = call(
         *("run", "small.toml", "--recordings", "all", "--cluster", "tcp://host:8786"),
-        *("--import", "my_strategies", "--quiet"),
+        *("--import", "my_strategies", "--reference", "informed", "--quiet"),
     )
     assert (code, err) == (0, "")
     assert fake_runs["calls"] == [
@@ -352,6 +361,7 @@ def test_options_of_run_are_passed_on(call, folder, fake_runs):
     ]
     with Store.open(folder / "small.sqlite") as store:
         assert store.experiment.recordings == "all"
+        assert store.experiment.reference == "informed"
         assert store.folder == folder
 
 

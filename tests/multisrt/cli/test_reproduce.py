@@ -70,9 +70,10 @@ def test_reproduce_writes_a_report_and_a_summary(reproduce, tmp_path):
     assert {path.name for path in folder.iterdir()} >= {"results.sqlite", "report", "summary.md"}
     assert "63 runs, 5 claims" in (folder / "report" / "index.html").read_text()
     assert "`multisrt reproduce alvarez --quick`" in (folder / "summary.md").read_text()
-    # More repetitions go on in the same store.
-    code, out, _ = reproduce("alvarez", "--quick", "--seeds", "8")
+    # More repetitions go on in the same store, and so does a reference.
+    code, out, _ = reproduce("alvarez", "--quick", "--seeds", "8", "--reference", "informed")
     assert "72 of 72 runs succeeded" in out
+    assert "--seeds 8 --reference informed`" in (folder / "summary.md").read_text()
 
 
 @pytest.mark.slow

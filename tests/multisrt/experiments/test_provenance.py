@@ -45,6 +45,7 @@ def test_words_keep_the_digest(package):
         ("environments/generators/maze.py", "import", "import sys\nimport"),
         ("geometry/numerics/segments.py", "-(ax * ex + ay * ey)", "-(ax * ex - ay * ey)"),
         ("environments/maps/museum.geojson", "1", "2"),
+        ("informed/plan.py", "import", "import sys\nimport"),
     ],
 )
 def test_changes_of_code_and_maps_change_the_digest(package, file, old, new):

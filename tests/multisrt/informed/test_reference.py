@@ -6,7 +6,13 @@ from shapely import box
 from multisrt.analysis.measuring import measure
 from multisrt.environments.environment import Environment
 from multisrt.informed import reference
-from multisrt.informed.reference import Reference, informed_reference, regret
+from multisrt.informed.reference import (
+    Reference,
+    informed_reference,
+    informed_run,
+    keep_reference,
+    regret,
+)
 from multisrt.simulation.simulate import simulate
 from multisrt.simulation.worlds import inline
 from multisrt.spec import RobotSpec, RunSpec
@@ -84,8 +90,8 @@ def test_the_folder_is_bounded(monkeypatch, folder):
         distance_m=1.0,
         coverage=0.99,
     )
-    for name in "abcd":
-        reference._write(folder / f"{name}.json", some)
+    for x in (1.0, 2.0, 3.0, 4.0):
+        keep_reference(informed_run(spec(x=x), HALL), HALL, some)
     assert len(list(folder.iterdir())) == 2
 
 

@@ -1,7 +1,12 @@
+import msgspec
 import pytest
 
+from multisrt.experiments.results import Results
+from multisrt.informed.reference import Reference
 from multisrt.presets import PRESETS
 from multisrt.presets.summary import summary
+from multisrt.reporting.words import HOW_TO_REFER
+from tests.multisrt.experiments.results import metrics_of
 from tests.multisrt.presets.constructed import SOME, no_results, results_of
 
 
@@ -27,6 +32,40 @@ def test_a_summary_has_everything(name):
         assert f"{preset.experiment(True).repetitions} repetitions" in text
         assert f"Runs: {len(results)} of {results.planned}" in text
         assert ("runs are missing" in text) == (len(results) < results.planned)
+
+
+def test_a_summary_tells_times_beside_the_informed_plan():
+    preset = PRESETS["alvarez"]
+    results = results_of(preset.experiment(True), SOME["alvarez"])
+    assert HOW_TO_REFER in summary(preset, results, "it", claims=[], tables=[])
+    asked = msgspec.structs.replace(preset.experiment(True), reference="informed")
+    waiting = summary(preset, results_of(asked, SOME["alvarez"]), "it", claims=[], tables=[])
+    assert HOW_TO_REFER not in waiting
+    plan = Reference(
+        time_to_90_s=1.0,
+        time_to_95_s=1.0,
+        time_to_99_s=2.0,
+        makespan_s=2.0,
+        distance_m=1.0,
+        coverage=1.0,
+    )
+    planned = [
+        msgspec.structs.replace(
+            result,
+            reference=plan,
+            metrics=msgspec.structs.replace(metrics_of(result), time_to_99_s=5.0),
+        )
+        for result in results
+    ]
+    text = summary(
+        preset,
+        Results(asked, planned, len(planned), results.provenance),
+        "it",
+        claims=[],
+        tables=[],
+    )
+    assert "| Strategy | 99 % above informed |" in text
+    assert "| 150 % (150 % to 150 %) |" in text
 
 
 def test_a_summary_lists_runs_that_failed():

@@ -16,7 +16,7 @@ from multisrt.experiments.results import Results
 from multisrt.reporting import overall_figures
 from multisrt.reporting.overview import overview
 from multisrt.reporting.study import Study
-from multisrt.reporting.tables import gaps_to_bounds, measure_table, success_table
+from multisrt.reporting.tables import gaps_above, measure_table, success_table
 from multisrt.reporting.words import findings, what_was_run
 from multisrt.robots.explorer import Done, Note, Sense
 from multisrt.robots.registry import Strategy, _registry, register, strategy
@@ -131,7 +131,7 @@ def test_it_is_behind_in_every_rank_and_probability(study, monkeypatch):
     lines = {line.get_label(): line for line in found["profiles-0"].lines}
     assert np.max(np.asarray(lines["once"].get_ydata())) == 0.0
     assert np.max(np.asarray(lines["closest"].get_ydata())) == 1.0
-    gaps = gaps_to_bounds(study)
+    gaps = gaps_above(study, "over_bound")
     assert gaps["once"].value == math.inf
     assert math.isfinite(gaps["closest"].value)
 

@@ -22,19 +22,22 @@ from multisrt.experiments.provenance import provenance
 from multisrt.experiments.results import Result, Results
 from multisrt.experiments.spec import ExperimentSpec
 from multisrt.geometry.errors import InvalidInputError
+from multisrt.informed.reference import Reference
+from multisrt.reporting import overall_figures
 from multisrt.reporting.layout import Cell, Table, latex_escaped, number, slug
 from multisrt.reporting.study import Study, chosen_measures
 from multisrt.reporting.tables import (
-    bounded_settings,
     computing_table,
     gap_table,
-    gaps_to_bounds,
+    gaps_above,
     growth_table,
     measure_table,
+    settings_with,
     success_table,
     summary_table,
 )
-from multisrt.reporting.words import difference, findings, p_value, what_was_run
+from multisrt.reporting.words import HOW_TO_REFER, difference, findings, p_value, what_was_run
+from tests.multisrt.experiments.results import metrics_of
 
 TIME = measure_named("known_complete_s")
 Times = Mapping[tuple[str, str, int], Sequence[float | None]]
@@ -211,6 +214,74 @@ def test_gap_is_that_of_the_interquartile_mean(make):
     assert value(table.rows[0][1], "gap") == pytest.approx(middle / 10.0 - 1.0)
 
 
+def with_plans(results: Results, by_team: dict[int, float | None]) -> Results:
+    """Return results with the times of informed plans to 99 %, by team size."""
+    made = []
+    for result in results:
+        time_s = by_team[result.condition.robots]
+        plan = Reference(
+            time_to_90_s=5.0,
+            time_to_95_s=5.0,
+            time_to_99_s=time_s,
+            makespan_s=20.0,
+            distance_m=5.0,
+            coverage=0.98 if time_s is None else 0.99,
+        )
+        made.append(msgspec.structs.replace(result, reference=plan))
+    return Results(results.experiment, made, results.planned, results.provenance)
+
+
+def test_gaps_beside_the_informed_plan_by_hand(make):
+    # Runs of a are at 99 % after 30 s, those of b after 50 s; plans of one robot take 20 s.
+    times: Times = {("w", s, n): [t] * 4 for s, t in (("a", 30.0), ("b", 50.0)) for n in (1, 2)}
+    made = make(times)
+    at_99 = [
+        msgspec.structs.replace(
+            result,
+            metrics=msgspec.structs.replace(
+                metrics_of(result), time_to_99_s=metrics_of(result).makespan_s
+            ),
+        )
+        for result in made
+    ]
+    results = Results(made.experiment, at_99, len(at_99), made.provenance)
+    table = gap_table(Study(with_plans(results, {1: 20.0, 2: None})))
+    assert table is not None
+    assert table.columns == ("Strategy", "99 % above informed", "Makespan above bound")
+    found = [(value(row[1], "gap"), value(row[2], "gap")) for row in table.rows]
+    # The bound is 10 s.
+    assert found == [pytest.approx((0.5, 2.0)), pytest.approx((1.5, 4.0))]
+    notes = " ".join(table.notes)
+    assert "Informed: 1 setting;" in notes
+    assert "Bound: 2 settings;" in notes
+    assert "w, 2 robots (the informed plan covers 98.0 %)" in notes
+    assert HOW_TO_REFER not in notes
+    pictures = overall_figures.gaps(
+        Study(with_plans(results, {1: 20.0, 2: 40.0})),
+    )
+    assert [picture.name for picture in pictures] == ["gap-over-informed", "gap-over-bound"]
+
+
+def test_without_plans_the_gap_says_how_to_get_them(make):
+    table = gap_table(Study(make({("w", "a", 1): [20.0, 30.0]})))
+    assert table is not None
+    assert table.title == "Makespan above its lower bound"
+    assert table.notes[-1] == HOW_TO_REFER
+
+
+def test_who_never_covers_99_percent_is_infinitely_above_the_plan(make):
+    made = make({("w", "a", 1): [20.0, 30.0]})
+    never = [
+        msgspec.structs.replace(
+            result, metrics=msgspec.structs.replace(metrics_of(result), time_to_99_s=None)
+        )
+        for result in made
+    ]
+    results = Results(made.experiment, never, len(never), made.provenance)
+    found = gaps_above(Study(with_plans(results, {1: 20.0})), "over_informed")
+    assert found["a"].value == math.inf
+
+
 def test_growth_finds_the_exponent_that_was_put_in(make):
     noise = lognormal(7, 1.0, 10)
     results = make({("w", "a", n): [300.0 * n**-0.8 * e for e in noise] for n in (1, 2, 4)})
@@ -288,9 +359,9 @@ def test_gaps_are_of_settings_that_all_strategies_met(make):
             }
         )
     )
-    assert [setting.environment for setting in bounded_settings(study)] == ["v", "x"]
+    assert [setting.environment for setting in settings_with(study, "over_bound")] == ["v", "x"]
     # Over a bound of 10 s: 1, 1, 3, 3 and 0.5, 0.5, 1.5, 1.5, of which the middle half is taken.
-    found = gaps_to_bounds(study)
+    found = gaps_above(study, "over_bound")
     assert {name: gap.value for name, gap in found.items()} == pytest.approx({"a": 2.0, "b": 1.0})
     # Equal runs of a setting leave nothing to chance.
     assert (found["a"].low, found["a"].high) == pytest.approx((2.0, 2.0))

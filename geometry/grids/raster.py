@@ -179,7 +179,7 @@ class Raster:
         --------
         >>> x, y = Raster(1.0, (0.0, 0.0, 2.0, 1.0)).centres()
         >>> x.round(2).tolist(), y.round(2).tolist()
-        ([0.12, 1.12, 2.12], [0.12, 1.12])
+        ([-0.19, 0.81, 1.81], [-0.47, 0.53])
         """
         rows, columns = self.cells.shape
         return (

@@ -50,6 +50,7 @@ def test_a_range_between_walls_and_corners_cuts_the_corners():
 
 def test_a_pillar_hides_what_is_behind_it():
     free = shapely.box(0, 0, 6, 4).difference(shapely.box(2, 1, 3, 3))
+    assert isinstance(free, shapely.Polygon)
     seen = shapely.Polygon(Views(free).view(1.0, 2.0, 20.0))
     # Rays through the corners (2, 1) and (2, 3) meet the upper and the lower wall at x = 3.
     hidden = shapely.Polygon([(2, 1), (3, 0), (6, 0), (6, 4), (3, 4), (2, 3)])

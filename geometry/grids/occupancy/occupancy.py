@@ -97,7 +97,7 @@ class Occupancy:
     2.9
     >>> x, y = occupancy.centre_of(*group.target)
     >>> round(x, 1), round(y, 1)
-    (3.9, 1.5)
+    (4.0, 1.5)
     """
 
     __slots__ = ("_blocks", "_changes", "_groups", "_layers", "cell_m", "radius_m")

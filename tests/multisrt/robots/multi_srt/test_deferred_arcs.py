@@ -26,6 +26,7 @@ from multisrt.planners.srt import Draws
 from multisrt.robots.explorer import Note, Receive, Send, Sighting, TimedOut
 from multisrt.robots.knowledge import NodeId
 from multisrt.robots.multi_srt.build_multi_srt import SrtExplorer
+from multisrt.robots.multi_srt.messages import StateMessage
 from multisrt.robots.multi_srt.options import MultiSrtOptions
 from multisrt.robots.multi_srt.planner import Planner
 from multisrt.robots.multi_srt.support import ask_those_in_the_way
@@ -261,6 +262,7 @@ def test_the_robot_in_the_way_is_asked_once_if_it_is_still_there(explorer, robot
             action = steps.send(answer)
             answer = None
             if isinstance(action, Send):
+                assert isinstance(action.message, StateMessage)
                 sent.append(action.message.asked)
             elif isinstance(action, Receive):
                 robot.at.time_s += action.timeout_s

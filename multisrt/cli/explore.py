@@ -193,12 +193,25 @@ def explore(
             raise click.BadParameter("a strategy is given twice", param_hint="--strategy")
         specs = [spec_of_options(environment, name, given) for name in strategies or (None,)]
         name = Path(environment).stem
+    if regret:
+        _require_plans(specs)
     folders = _folders(specs, out, name)
     runs = _run_all(specs, folders, quiet)
     if not quiet:
         print_summary(runs, folders, _regrets(runs) if regret else None)
     if not all(is_success(run.metrics) for run in runs):
         raise SystemExit(NO_SUCCESS)
+
+
+def _require_plans(specs: list[RunSpec]) -> None:
+    # That no plan fits a team is said before its runs.
+    import msgspec
+
+    from multisrt.robots.registry import strategy
+
+    for spec in specs:
+        plan = msgspec.structs.replace(spec, strategy="informed", options={})
+        strategy(plan.strategy).require_fit(plan)
 
 
 def _regrets(runs: list[Run]) -> list[Regret]:

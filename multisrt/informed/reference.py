@@ -14,13 +14,14 @@ import hashlib
 import math
 from collections.abc import Callable
 from functools import cache
+from importlib.metadata import version
 from pathlib import Path
 
 import msgspec
 from platformdirs import user_cache_path
 
 from multisrt.analysis.measuring import measure
-from multisrt.analysis.metrics import Metrics
+from multisrt.analysis.metrics import ROUNDING, Metrics
 from multisrt.environments.environment import Environment
 from multisrt.events import Motion
 from multisrt.geometry.errors import MultiSrtError
@@ -33,6 +34,9 @@ from multisrt.spec import RunSpec
 MAX_FILES = 2_000
 """Number of references that are kept; those used least recently are deleted first."""
 
+
+PLANNED_SHARE = 0.99
+"""Share of the explorable area that a run covers to be compared by its end."""
 
 HOME_M = 0.05
 """A robot this close to its start is at home."""
@@ -70,7 +74,7 @@ class Regret(msgspec.Struct, frozen=True, kw_only=True):
         Of the time until 99 % are covered; None if either never came so far, or the plan sees
         them from the start.
     makespan : float or None
-        Of the time until all are done; None if the plan takes no time.
+        Of the time until all are done; None if the plan takes no time, or covered more.
     """
 
     time_to_99: float | None
@@ -214,16 +218,19 @@ def regret(
     Returns
     -------
     Regret
-        The multiples. If the robots of the run drove home, so do those of the plan for `makespan`.
+        The multiples. If the robots of the run drove home, so do those of the plan for `makespan`;
+        a run that covered less than the plan, up to `PLANNED_SHARE`, has no such multiple.
     """
     spec = recording.spec
     there = informed_reference(spec, environment, planning=planning)
     back = there
     if _drove_home(recording):
         back = informed_reference(spec, environment, home=True, planning=planning)
+    # Who ends early is not compared with a plan that goes on.
+    is_alike = metrics.coverage >= min(PLANNED_SHARE, back.coverage) - ROUNDING
     return Regret(
         time_to_99=_multiple(metrics.time_to_99_s, there.time_to_99_s),
-        makespan=_multiple(metrics.makespan_s, back.makespan_s),
+        makespan=_multiple(metrics.makespan_s, back.makespan_s) if is_alike else None,
     )
 
 
@@ -312,8 +319,11 @@ def _program() -> str:
     top = Path(__file__).parents[1]
     digest = hashlib.sha256()
     # rglob does not descend into a symbolic link.
-    for folder in sorted(path for path in top.iterdir() if path.is_dir()):
-        for path in sorted(folder.resolve().rglob("*.py")):
-            digest.update(f"{folder.name}/{path.relative_to(folder.resolve())}".encode())
+    for part in sorted(path for path in top.iterdir() if path.is_dir() or path.suffix == ".py"):
+        base = part.resolve()
+        for path in sorted(base.rglob("*.py")) if base.is_dir() else [base]:
+            digest.update(f"{part.name}/{path.relative_to(base)}".encode())
             digest.update(path.read_bytes())
+    packages = ("numba", "numpy", "scipy", "shapely")
+    digest.update(" ".join(f"{name} {version(name)}" for name in packages).encode())
     return digest.hexdigest()

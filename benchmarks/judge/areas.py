@@ -16,7 +16,16 @@ from shapely.geometry.base import BaseGeometry
 
 from benchmarks.judge.bodies import Body, bodies_of
 from benchmarks.judge.views import FloatArray, Views
-from multisrt.events import Died, Learned, MapComplete, NodeAdded, Sensed
+from multisrt.events import (
+    ArcClosed,
+    ArcReopened,
+    Died,
+    Learned,
+    MapComplete,
+    NodeAdded,
+    Sensed,
+    Sent,
+)
 from multisrt.recording import Recording
 
 GRID_M: Final = 1e-6
@@ -41,6 +50,9 @@ SAMPLE_M: Final = 0.05
 
 ENOUGH: Final = 2e-6
 """Share of free space that may be left unseen without more viewpoints."""
+
+SUCCESS: Final = 0.95
+"""Share of what is explorable that a run covers to be a success."""
 
 KNOWN: Final = 0.99
 """Share of what the team covers in the end that a robot knows when its map is complete."""
@@ -179,8 +191,8 @@ class Areas:
     curve : (n,) array
         The area covered from then on.
     claims : list of (time_s, share)
-        When robots said that their map was complete, and which share of what the team covered
-        in the end they knew.
+        When robots last said that their map was complete, and which share they knew of what the
+        team covered in the end, or of what a run covers at least to be a success.
     """
 
     explorable: float
@@ -213,7 +225,8 @@ class Areas:
 def areas(recording: Recording, world: World) -> Areas:
     """Measure what a run saw, covered and knew."""
     explorable = world.explorable(recording)
-    scans, nodes = _views(recording, world), _node_regions(recording)
+    scans = _views(recording, world)
+    nodes = _node_regions(recording, scans)
     times, curve, left = _curve(recording, explorable, scans, nodes)
     robots = range(len(recording.spec.robots))
     by_robot = [
@@ -227,7 +240,8 @@ def areas(recording: Recording, world: World) -> Areas:
         once = together([once, seen])
     covered_m2 = explorable.area - left.area
     known = _knowledge(recording, scans, nodes)
-    claims = _claims(recording, known, once, covered_m2)
+    enough_m2 = max(covered_m2, SUCCESS / KNOWN * explorable.area)
+    claims = _claims(recording, known, once, enough_m2)
     dead = {event.robot for event in recording.of(Died)}
     kept = [by_robot[robot] for robot in robots if robot not in dead]
     kept += [area for _, robot, area in known if robot not in dead and area is not None]
@@ -266,36 +280,38 @@ def _views(recording: Recording, world: World) -> Scans:
     return scans
 
 
-def _node_regions(recording: Recording) -> Nodes:
-    return {
-        (event.robot, event.serial): area_of(np.array(event.boundary))
-        for event in recording.of(NodeAdded)
-    }
+def _node_regions(recording: Recording, scans: Scans) -> Nodes:
+    # The regions of nodes, as far as the last scan at their places had shown them.
+    views = iter(scans)
+    looked: dict[int, list[tuple[float, float, BaseGeometry]]] = {}
+    regions: Nodes = {}
+    for event in recording.events:
+        if isinstance(event, Sensed):
+            _, view = next(views)
+            looked.setdefault(event.robot, []).append((*event.configuration[:2], view))
+        elif isinstance(event, NodeAdded):
+            here = event.configuration[:2]
+            at = [v for x, y, v in looked.get(event.robot, []) if math.dist((x, y), here) <= 1e-6]
+            region = area_of(np.array(event.boundary))
+            regions[event.robot, event.serial] = both(region, at[-1]) if at else MultiPolygon()
+    return regions
 
 
 def _curve(
     recording: Recording, explorable: BaseGeometry, scans: Scans, nodes: Nodes
 ) -> tuple[FloatArray, FloatArray, BaseGeometry]:
     # What is left uncovered shrinks, so that each step overlays little.
-    unseen = left = explorable
-    claimed: BaseGeometry = MultiPolygon()
+    left = explorable
     noters = {robot for robot, _ in nodes}
     views = iter(scans)
     times, curve = [], []
     for event in recording.events:
         if isinstance(event, Sensed):
             _, view = next(views)
-            unseen = minus(unseen, view)
             if event.robot not in noters:
-                left, claimed = minus(left, view), minus(claimed, view)
-            elif not claimed.is_empty:
-                left, claimed = minus(left, both(claimed, view)), minus(claimed, view)
+                left = minus(left, view)
         elif isinstance(event, NodeAdded):
-            region = nodes[event.robot, event.serial]
-            hidden = both(region, unseen)
-            if not hidden.is_empty:
-                claimed, region = together([claimed, hidden]), minus(region, hidden)
-            left = minus(left, region)
+            left = minus(left, nodes[event.robot, event.serial])
         else:
             continue
         times.append(event.time_s)
@@ -307,32 +323,56 @@ def _knowledge(recording: Recording, scans: Scans, nodes: Nodes) -> Knowledge:
     noters = {robot for robot, _ in nodes}
     views = iter(scans)
     known: Knowledge = []
+    # The nodes that each robot knows, and those that it has been sent or could have been.
+    knows: dict[int, set[tuple[int, int]]] = {}
+    told: dict[int, set[tuple[int, int]]] = {}
     for event in recording.events:
+        own = knows.setdefault(event.robot, set())
         if isinstance(event, Sensed):
             _, view = next(views)
             if event.robot not in noters:
                 known.append((event.time_s, event.robot, view))
         elif isinstance(event, NodeAdded):
+            own.add((event.robot, event.serial))
             known.append((event.time_s, event.robot, nodes[event.robot, event.serial]))
+        elif isinstance(event, Sent):
+            for robot in event.reached:
+                told.setdefault(robot, set()).update(own)
         elif isinstance(event, Learned):
-            known += [(event.time_s, event.robot, nodes[name]) for name in event.nodes]
+            for name in event.nodes:
+                if name in told.get(event.robot, ()):
+                    own.add(name)
+                    known.append((event.time_s, event.robot, nodes[name]))
         elif isinstance(event, Died):
             known.append((event.time_s, event.robot, None))
     return known
 
 
 def _claims(
-    recording: Recording, known: Knowledge, seen: BaseGeometry, covered_m2: float
+    recording: Recording, known: Knowledge, seen: BaseGeometry, needed_m2: float
 ) -> list[tuple[float, float]]:
+    # The last word of each robot, unless an arc was blocked then.
+    blocked: dict[int, set[object]] = {}
+    last: dict[int, float] = {}
+    for event in recording.events:
+        own = blocked.setdefault(event.robot, set())
+        if isinstance(event, ArcClosed) and event.reason == "blocked by a robot":
+            own.add((event.node, event.arc))
+        elif isinstance(event, ArcReopened):
+            own.discard((event.node, event.arc))
+        elif isinstance(event, MapComplete):
+            last[event.robot] = math.inf if own else event.time_s
     claims = []
-    for claim in recording.of(MapComplete):
-        own = [
+    for claimed_s, claimer in sorted((time_s, robot) for robot, time_s in last.items()):
+        if math.isinf(claimed_s):
+            break
+        regions = [
             area
             for time_s, robot, area in known
-            if robot == claim.robot and time_s <= claim.time_s and area is not None
+            if robot == claimer and time_s <= claimed_s and area is not None
         ]
-        share = both(together(own), seen).area / covered_m2 if covered_m2 else 0.0
-        claims.append((claim.time_s, share))
+        share = both(together(regions), seen).area / needed_m2 if needed_m2 else 0.0
+        claims.append((claimed_s, share))
         if share >= KNOWN + 1e-3:
             break
     return claims

@@ -45,7 +45,7 @@ def _require_fit(spec: RunSpec) -> None:
 
 INFORMED = Strategy(
     name="informed",
-    summary="Reference for other strategies: follows routes planned on the true map",
+    summary="Reference: follows routes planned on the true map",
     options=InformedOptions,
     explorer=_explorer,
     fits=_require_fit,

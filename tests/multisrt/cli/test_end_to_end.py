@@ -90,8 +90,10 @@ def check(run: Run, least_coverage: float) -> None:
     assert metrics.coverage >= least_coverage
     assert metrics.min_clearance_m >= 0.0
     assert deepest_overlap(run) <= 1e-6
-    assert metrics.known_complete_s is not None
-    assert metrics.known_complete_s <= metrics.makespan_s
+    # Nobody knows a map complete of which less was covered than a success takes.
+    assert (metrics.known_complete_s is not None) == metrics.reached(0.95)
+    if metrics.known_complete_s is not None:
+        assert metrics.known_complete_s <= metrics.makespan_s
     assert metrics.lower_bound_s is not None
     assert metrics.makespan_s >= metrics.lower_bound_s
     home: Pose = run.recording.starts[0]

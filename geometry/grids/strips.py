@@ -165,6 +165,8 @@ def clipped(runs: Runs, masks: IntArray) -> Runs:
     >>> both.begin.tolist(), both.end.tolist()
     ([0.0, 1.0], [2.0, 2.0])
     """
+    if np.all(masks == -1):
+        return runs
     return Runs(*_clipped(runs, masks))
 
 

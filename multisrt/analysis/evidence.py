@@ -146,7 +146,7 @@ def evidence(recording: Recording, environment: Environment, what: Explorable) -
         nodes=nodes,
         with_nodes=with_nodes,
         knowledge=tuple(knowledge),
-        unshown_m2=_area_m2(claimed, what) - _area_m2(shown, what),
+        unshown_m2=0.0 if shown is claimed else _area_m2(claimed, what) - _area_m2(shown, what),
     )
 
 

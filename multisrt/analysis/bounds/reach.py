@@ -63,6 +63,16 @@ def reach_s(
     unseen_m2 : float
         Area that may be left unseen.
     """
+    times, beyond_m2 = _areas_beyond(environment, reachable, tuple(team))
+    k = int(np.searchsorted(beyond_m2, unseen_m2, side="right"))
+    return float(times[k]) if k < len(times) else 0.0
+
+
+@lru_cache(maxsize=64)
+def _areas_beyond(
+    environment: Environment, reachable: Places, team: tuple[Member, ...]
+) -> tuple[FloatArray, FloatArray]:
+    # Least times of cells that hold places, the latest first, and the area from each time on.
     # Robots that differ in their starts only have one field of distances.
     alike: dict[tuple[float, float, float], list[tuple[float, float]]] = {}
     for start, speed_m_s, range_m, spread_m in team:
@@ -73,15 +83,9 @@ def reach_s(
         own = np.maximum(0.0, distance - range_m) / speed_m_s
         times = own if times is None else np.minimum(times, own)
     assert times is not None
-    return _time_of_area(times, _places_by_cell(environment, reachable)[2], unseen_m2)
-
-
-def _time_of_area(times: FloatArray, areas: FloatArray, unseen_m2: float) -> float:
-    # The largest of some times from which on there is more than so much area.
     latest = np.argsort(-times, kind="stable")
-    beyond = np.cumsum(areas[latest])
-    k = int(np.searchsorted(beyond, unseen_m2, side="right"))
-    return float(times[latest[k]]) if k < len(latest) else 0.0
+    areas_m2 = _places_by_cell(environment, reachable)[2]
+    return times[latest], np.cumsum(areas_m2[latest])
 
 
 @lru_cache(maxsize=16)

@@ -110,7 +110,7 @@ def elsewhere(environment: Environment, start: Sequence[float]) -> str:
             f"{said}, which lies around others and touches the border of the map; the largest "
             f"inside has {inside.area:.4g} m2, e.g. at {_place(inside)}"
         )
-    if here is not largest:
+    if here.area < largest.area:
         said += f"; the largest has {largest.area:.4g} m2, e.g. at {_place(largest)}"
     return said
 

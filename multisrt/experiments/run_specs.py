@@ -99,7 +99,7 @@ def run_spec(
     if chosen.sees_truth:
         raise InvalidInputError(
             f"{chosen.name} knows the map: it does not compete with strategies that explore; "
-            "remove it, and use it as the reference with multisrt explore --regret"
+            'remove it, and ask for it as the reference: reference = "informed"'
         )
     _check_options(chosen, msgspec.json.encode(choices.strategy.options))
     robots = _placed(choices.starts, _team(spec, choices), world, seed)

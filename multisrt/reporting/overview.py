@@ -20,7 +20,7 @@ from multisrt.reporting.words import (
 COLUMNS = {
     "time_to_95_s": "95 % (s)",
     "known_complete_s": "known (s)",
-    "makespan_s": "home (s)",
+    "makespan_s": "done (s)",
     "total_distance_m": "driven (m)",
 }
 """Headings of the measures in the table, by name."""
@@ -110,6 +110,14 @@ def _notes(study: Study, main: Measure, rows: Sequence[Sequence[Cell]]) -> tuple
         notes.append(significance_note(study, main))
     if study.has_constants:
         notes.append(constants_note(study))
+    # Runs that were not made at all are told with the reason of the first.
+    missing = [result for result in study.results if result.metrics is None]
+    if missing:
+        first = missing[0]
+        notes.append(
+            f"{len(missing)} of {len(study.results)} runs were not measured: "
+            f"{first.condition.strategy}, {first.status.replace('_', ' ')}: {first.reason}"
+        )
     if any("∞" in cell.line for row in rows for cell in row):
         notes.append(INFINITY_NOTE)
     return tuple(notes)

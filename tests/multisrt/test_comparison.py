@@ -239,7 +239,7 @@ def test_tables_figures_and_frames(found, tmp_path):
     assert "Distance of all robots" in str(table)
     assert "<table" in table._repr_html_()
     assert repr(found).startswith("Overview: two rooms")
-    assert all(head in repr(found) for head in ("95 % (s)", "known (s)", "home (s)"))
+    assert all(head in repr(found) for head in ("95 % (s)", "known (s)", "done (s)"))
     assert max(map(len, found.overview().text(80).splitlines())) <= 80
     assert repr(found).endswith("8 of 8 runs succeeded (8 complete)\n")
     swapped = found.table("makespan_s", baseline="srt-radial")

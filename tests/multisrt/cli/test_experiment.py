@@ -298,7 +298,7 @@ def test_run_stores_results_and_prints_them(call, folder, monkeypatch):
     code, out, err = call("run", "small.toml")
     assert (code, err) == (0, "")
     assert out.startswith("small: 8 of 8 runs succeeded (8 complete), in small.sqlite\n")
-    assert all(head in out for head in ("success", "95 % (s)", "known (s)", "home (s)"))
+    assert all(head in out for head in ("success", "95 % (s)", "known (s)", "done (s)"))
     assert "srt-radial" in out
     assert out.endswith("next: multisrt report small.sqlite --out small-report\n")
     code, out, _ = call("export", "small.sqlite", "small.csv")

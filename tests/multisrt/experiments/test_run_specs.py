@@ -248,7 +248,7 @@ def test_impossible_experiments_are_refused(said, told, tmp_path):
 def test_a_strategy_that_knows_the_map_does_not_compete(tmp_path):
     message = refused(experiment(strategies=["minpos", "informed"]), tmp_path)
     assert "informed knows the map" in message
-    assert "use it as the reference" in message
+    assert "ask for it as the reference" in message
 
 
 def test_an_empty_experiment_is_refused():

@@ -324,8 +324,10 @@ def _made_here(jobs: Iterator[Job], workers: Sequence[Worker]) -> Generator[Resu
         if busy:
             for worker in workers:
                 worker.stop()
+        # An interrupt may have come before all were started.
         for thread in threads:
-            thread.join()
+            if thread.is_alive():
+                thread.join()
 
 
 class _Shared:

@@ -127,8 +127,8 @@ def test_an_interrupt_keeps_finished_runs(path, finish, runner):
         wait_for(process, 2)
         workers = workers_of(process)
         process.send_signal(signal.SIGINT)
-        process.communicate()
-        assert process.returncode == 130
+        out, err = process.communicate()
+        assert process.returncode == 130, (out, err)
     require_end(workers)
     assert not Path(f"{path}-wal").exists()
     finish(path)

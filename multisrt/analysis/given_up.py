@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
+from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
@@ -12,7 +13,7 @@ from scipy.sparse.csgraph import connected_components
 from multisrt.analysis.coverage import Coverage
 from multisrt.analysis.evidence import Evidence
 from multisrt.analysis.explorable import EXPLORABLE
-from multisrt.analysis.remaining_frontier import arcs_given_up, remaining_frontier
+from multisrt.analysis.remaining_frontier import arcs_given_up
 from multisrt.events import BLOCKED, Segment
 from multisrt.geometry.grids.strip_map import OUTSIDE
 from multisrt.geometry.grids.strips import Runs, Strips
@@ -35,7 +36,9 @@ MIN_AREA_M2: Final = 1e-6
 """Smaller areas are rounding."""
 
 
-def given_up_m2(proof: Evidence, covered: Coverage) -> dict[str, float]:
+def given_up_m2(
+    proof: Evidence, covered: Coverage, left_open: Sequence[Segment]
+) -> dict[str, float]:
     """Return the explorable area that was not covered in the end, by reason, in square metres.
 
     Each connected part counts for the reasons for which the frontier on its border was given up,
@@ -47,6 +50,8 @@ def given_up_m2(proof: Evidence, covered: Coverage) -> dict[str, float]:
         What the run is judged by.
     covered : Coverage
         What it covered.
+    left_open : sequence of (x0, y0, x1, y1)
+        The frontier that was left open in the end; see `remaining_frontier`.
 
     Returns
     -------
@@ -61,7 +66,7 @@ def given_up_m2(proof: Evidence, covered: Coverage) -> dict[str, float]:
     parts = _parts(left)
     areas = np.bincount(parts, (left.end - left.begin) * plane.cut.heights[left.strip])
     lengths: dict[str, FloatArray] = {}
-    for reason, segments in _frontier(proof).items():
+    for reason, segments in _frontier(proof, left_open).items():
         lengths[reason] = _lengths_by_part(segments, left, parts, plane.cut)
     if BLOCKED in lengths and LEFT_OPEN in lengths:
         # What was blocked to the end is left open, too.
@@ -73,13 +78,12 @@ def given_up_m2(proof: Evidence, covered: Coverage) -> dict[str, float]:
     return {reason: found[reason] for reason in sorted(found) if found[reason] > MIN_AREA_M2}
 
 
-def _frontier(proof: Evidence) -> dict[str, list[Segment]]:
+def _frontier(proof: Evidence, left_open: Sequence[Segment]) -> dict[str, list[Segment]]:
     # The frontier that robots gave up, by reason, and what they left open.
     segments: dict[str, list[Segment]] = defaultdict(list)
     for closed in arcs_given_up(proof.recording):
         segments[closed.reason] += closed.arc
-    for left in remaining_frontier(proof.recording).values():
-        segments[LEFT_OPEN] += left
+    segments[LEFT_OPEN] += left_open
     return {reason: arcs for reason, arcs in segments.items() if arcs}
 
 

@@ -213,7 +213,7 @@ def _area(
         "covered_area_m2": covered.share * explorable_m2,
         "seen_area_m2": seen_m2,
         "unseen_m2": explorable_m2 - seen_m2,
-        "given_up_m2": given_up_m2(proof, covered),
+        "given_up_m2": given_up_m2(proof, covered, left),
         "overlap_area_m2": covered.overlap_m2,
         "overlap_share": min(1.0, covered.overlap_m2 / seen_m2) if seen_m2 else 0.0,
         "lost_area_m2": lost_m2,

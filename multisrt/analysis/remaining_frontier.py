@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import msgspec
 import numpy as np
 
-from multisrt.events import ArcClosed, ArcReopened, Ended, Motion, NodeAdded, Segment
+from multisrt.events import BLOCKED, ArcClosed, ArcReopened, Ended, Motion, NodeAdded, Segment
 from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import InvalidInputError
@@ -64,7 +64,7 @@ def arcs_given_up(recording: Recording) -> tuple[ArcClosed, ...]:
         if isinstance(event, ArcClosed):
             given_up[event.robot, event.node, event.arc, event.reason] = event
         elif isinstance(event, ArcReopened):
-            given_up.pop((event.robot, event.node, event.arc, "blocked by a robot"), None)
+            given_up.pop((event.robot, event.node, event.arc, BLOCKED), None)
     return tuple(given_up.values())
 
 

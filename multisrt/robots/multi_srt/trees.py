@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from multisrt.events import (
+    BLOCKED,
     ArcClosed,
     ArcReason,
     ArcReopened,
@@ -121,7 +122,7 @@ class Trees:
     def defer(self, node: NodeId, arc: FloatArray, bodies: Mapping[int, Sighting]) -> Steps:
         """Leave a frontier arc ``(k, 4)`` of a node for later, as bodies bar the way."""
         self.deferred.defer(node, arc, bodies)
-        yield self._closed(node, arc, "blocked by a robot")
+        yield self._closed(node, arc, BLOCKED)
 
     def reopen(self) -> Steps:
         """Take up the arcs again to which a body no longer bars the way."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -90,11 +91,15 @@ def new(file: Path, like: str | None, schema: bool) -> None:
     help="Recordings to keep beside the results.  [default: as in FILE]",
 )
 @import_option
+@click.option(
+    "--remake", is_flag=True, help="Repeat runs of strategies of your own that have changed since."
+)
 def run(
     file: Path,
     store: Path | None,
     recordings: str | None,
     imports: tuple[str, ...],
+    remake: bool,
     running: Running,
 ) -> None:
     """Make the runs of an experiment that have no result yet.
@@ -119,6 +124,7 @@ def run(
     import msgspec
 
     import_all(imports)
+    running = replace(running, remake=remake)
     spec = read_experiment(file)
     if recordings is not None:
         spec = msgspec.structs.replace(spec, recordings=recordings)

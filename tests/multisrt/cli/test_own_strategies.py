@@ -125,7 +125,7 @@ def test_an_experiment_with_an_own_strategy_runs_and_reports(
     call: Call, folder: Path, mine: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (folder / "tiny.toml").write_text(TINY)
-    run = ("experiment", "run", "tiny.toml", "--workers", "1", "--quiet")
+    run = ("experiment", "run", "tiny.toml", "--workers", "0", "--quiet")
     assert "is imported by --import FILE.py" in call(*run)[2]
     assert call(*run, "--import", "mine.py") == (3, "", "")
     mine.write_text(MINE.replace('"enough"', '"quite enough"'))

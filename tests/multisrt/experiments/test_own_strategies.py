@@ -132,8 +132,16 @@ def test_a_built_in_name_is_refused() -> None:
 # The digest of their source ------------------------------------------------------------------
 
 
+def imported_anew(name: str) -> ModuleType:
+    """Return a module, as a new process would import it."""
+    for known in list(sys.modules):
+        if known.partition(".")[0] in (name.partition(".")[0], "apart"):
+            del sys.modules[known]
+    return import_module(name)
+
+
 def digest() -> str:
-    register(import_module("lab.mine").Mine, replace=True)
+    register(imported_anew("lab.mine").Mine, replace=True)
     return source_digest(strategy("mine"))
 
 
@@ -170,12 +178,24 @@ def test_results_of_a_changed_strategy_are_not_mixed() -> None:
     own = {result.reason for result in found.results if result.condition.strategy == "mine"}
     assert own == {"robot 0: enough"}
     write("mine.py", MINE.replace('"enough"', '"quite enough"'))
+    register(imported_anew("mine").Mine, replace=True)
     with pytest.raises(ms.InvalidInputError, match="source of 'mine' has changed since 2 of these"):
         Store.create_or_open("x.sqlite", spec)
     with Store.create_or_open("x.sqlite", spec, remake=True) as store:
         assert {run.condition.strategy for run in store.missing()} == {"mine"}
     with Store.create_or_open("x.sqlite", spec) as store:
         assert len(store.missing()) == 2
+
+
+def test_a_file_that_changed_since_its_import_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sys, "dont_write_bytecode", False)
+    write("mine.py", "import beside\n", MINE)
+    write("beside.py", "X = 1\n")
+    spec = of(import_module("mine").Mine)
+    write("beside.py", "X = 1000\n")
+    with pytest.raises(ms.InvalidInputError, match=r"beside\.py has changed since it was imported"):
+        Store.create_or_open("x.sqlite", spec)
+    assert not Path("x.sqlite").exists()
 
 
 def test_a_store_needs_strategies_from_files(monkeypatch: pytest.MonkeyPatch) -> None:

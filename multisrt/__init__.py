@@ -49,6 +49,7 @@ if TYPE_CHECKING:
         Silence,
         StopRule,
     )
+    from multisrt.stepper import Stepper
 
 _HOMES = {
     "CatalogEnvironment": "spec",
@@ -73,6 +74,7 @@ _HOMES = {
     "Run": "run",
     "RunSpec": "spec",
     "Silence": "spec",
+    "Stepper": "stepper",
     "StopRule": "spec",
     "Strategy": "robots.registry",
     "area_known_to_one": "analysis.known_area",
@@ -112,6 +114,7 @@ __all__ = [
     "Run",
     "RunSpec",
     "Silence",
+    "Stepper",
     "StopRule",
     "Strategy",
     "area_known_to_one",

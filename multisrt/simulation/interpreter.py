@@ -78,6 +78,11 @@ class Interpreter:
         What carries out its actions.
     pause : callable, optional
         What to wait for before each action is carried out.
+
+    Attributes
+    ----------
+    actions : generator or None
+        What `run` of the explorer returned.
     """
 
     def __init__(
@@ -96,6 +101,7 @@ class Interpreter:
         self._motions = surroundings.motions
         self._mail = surroundings.mail
         self._faults = surroundings.faults
+        self.actions: Generator[Action, Outcome, None] | None = None
         # How many actions the explorer has yielded at the present moment.
         self._acted_s = 0.0
         self._actions = 0
@@ -121,7 +127,7 @@ class Interpreter:
     def _interpret(self) -> Process:
         robot, number, pause = self._robot, self._robot.number, self._pause
         outcome: Outcome = None
-        actions = self._begin()
+        self.actions = actions = self._begin()
         while True:
             action = self._next_action(actions, outcome)
             if pause is not None:

@@ -9,8 +9,20 @@ import msgspec
 import simpy
 
 from multisrt.geometry.bodies.footprint import Footprint
+from multisrt.planners.motion.trajectory import Trajectory
 from multisrt.recording import Recorder, Recording, RunOutcome
-from multisrt.robots.explorer import Action, Outcome
+from multisrt.robots.explorer import (
+    Action,
+    Done,
+    Move,
+    Moved,
+    Note,
+    Outcome,
+    Receive,
+    Received,
+    Send,
+)
+from multisrt.robots.messages import Message
 from multisrt.simulation.clock import Clock
 from multisrt.simulation.faults import Faults, late_starts
 from multisrt.simulation.interpreter import Interpreter, Surroundings
@@ -43,6 +55,10 @@ class Step(msgspec.Struct, frozen=True, kw_only=True):
     outcome: Outcome
     action: Action
 
+    def __str__(self) -> str:
+        told = "" if self.outcome is None else f"{_told(self.outcome)} -> "
+        return f"{self.time_s:.2f} s  robot {self.robot}  {told}{_done(self.action)}"
+
 
 class Simulation:
     """One run under way.
@@ -60,6 +76,8 @@ class Simulation:
 
     Attributes
     ----------
+    interpreters : list of Interpreter
+        Those of the robots, by number; empty once the explorers are let go of.
     paused_at : Step or None
         The step before which the run pauses now: the next advance of the clock carries it out.
     """
@@ -108,9 +126,13 @@ class Simulation:
                 # All are switched on before the first of them sends anything.
                 faults.switch_on(robot)
         pause = self._pause if pausing else None
-        self._processes = [
-            Interpreter(robot, explorer, surroundings, pause).process(joins.get(robot.number))
+        self.interpreters = [
+            Interpreter(robot, explorer, surroundings, pause)
             for robot, explorer in zip(robots, setup.explorers, strict=True)
+        ]
+        self._processes = [
+            interpreter.process(joins.get(number))
+            for number, interpreter in enumerate(self.interpreters)
         ]
         for process in self._processes:
             clock.start(process)
@@ -124,6 +146,7 @@ class Simulation:
         # Suspended processes would keep the robots' maps until garbage is collected.
         for process in self._processes:
             process.close()
+        self.interpreters.clear()
 
     def finish(self) -> Recording:
         """Let go of the explorers, and return the recording of the run, which does not go on."""
@@ -183,3 +206,35 @@ class Simulation:
         else:
             reasons = "; ".join(f"robot {end.robot}: {end.reason}" for end in ends)
         return ("complete" if all(end.complete for end in ends) else "stalled"), reasons
+
+
+def _told(outcome: Outcome) -> str:
+    match outcome:
+        case tuple():
+            return f"sees {[sighting.robot for sighting in outcome]}"
+        case Moved():
+            x, y, _ = outcome.configuration
+            by = outcome.blocked_by
+            return f"Moved to ({x:.2f}, {y:.2f})" + (f", blocked by {by.robot}" if by else "")
+        case Received():
+            kinds = ", ".join(f"{m.kind} of {m.sender}" for m in outcome.messages)
+            return f"Received({kinds})"
+    return type(outcome).__name__
+
+
+def _done(action: Action) -> str:
+    name = type(action).__name__
+    match action:
+        case Note():
+            return f"Note({type(action.event).__name__})"
+        case Move() if isinstance(action.trajectory, Trajectory):
+            end = action.trajectory.end
+            return f"Move to ({end.x:.2f}, {end.y:.2f}) in {action.trajectory.duration_s:.2f} s"
+        case Send() if isinstance(action.message, Message):
+            to = "all" if action.to is None else action.to
+            return f"Send({action.message.kind}) to {to}"
+        case Receive():
+            return "Receive" if action.timeout_s is None else f"Receive for {action.timeout_s} s"
+        case Done():
+            return f"Done({action.reason})"
+    return name

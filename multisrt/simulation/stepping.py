@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Generator, Iterator
 from contextlib import closing
-from types import TracebackType
+from types import FrameType, TracebackType
 from typing import Literal
 
 import msgspec
@@ -39,6 +39,8 @@ class RobotState(msgspec.Struct, frozen=True, kw_only=True):
         Switched off before a late start, exploring, finished (perhaps on call), or dead.
     motion : Trajectory or None
         The motion that it has begun, from its beginning; None while it stands.
+    driven_s : float
+        How long it has been on that motion, in seconds.
     mailbox : int
         Number of messages that have arrived and that its explorer has not been told of.
     hears : bool
@@ -49,8 +51,14 @@ class RobotState(msgspec.Struct, frozen=True, kw_only=True):
     configuration: Configuration
     state: Literal["off", "on", "done", "dead"]
     motion: Trajectory | None
+    driven_s: float
     mailbox: int
     hears: bool
+
+    @property
+    def ahead(self) -> Trajectory | None:
+        """What is left of its motion; None while it stands."""
+        return None if self.motion is None else self.motion.after(self.driven_s)
 
 
 class Stepping(Iterator[Step]):
@@ -163,13 +171,14 @@ class Stepping(Iterator[Step]):
     @property
     def robots(self) -> tuple[RobotState, ...]:
         """The true state of each robot now."""
-        simulation = self._simulation
+        simulation, now_s = self._simulation, self._simulation.clock.now_s
         return tuple(
             RobotState(
                 robot=robot.number,
                 configuration=simulation.motions.where(robot),
                 state=robot.state,
                 motion=None if robot.motion is None else robot.motion.move.trajectory,
+                driven_s=0.0 if robot.motion is None else now_s - robot.motion.set_out_s,
                 mailbox=len(robot.mailbox),
                 hears=robot.hears,
             )
@@ -180,6 +189,28 @@ class Stepping(Iterator[Step]):
     def on_the_air(self) -> int:
         """How many messages are on their way."""
         return self._simulation.mail.on_the_air
+
+    def frames(self, robot: int) -> tuple[FrameType, ...]:
+        """Return where the explorer of a robot stands in its code, for a debugger.
+
+        Parameters
+        ----------
+        robot : int
+            The robot.
+
+        Returns
+        -------
+        tuple of frame
+            The frame of `run`, and those of the generators to which it delegates, the innermost
+            last; empty before it has begun and after the run.
+        """
+        found: list[FrameType] = []
+        interpreters = self._simulation.interpreters
+        inner: object = interpreters[robot].actions if interpreters else None
+        while (frame := getattr(inner, "gi_frame", None)) is not None:
+            found.append(frame)
+            inner = getattr(inner, "gi_yieldfrom", None)
+        return tuple(found)
 
 
 def _steps(simulation: Simulation) -> Generator[Step, None, Recording]:

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from multisrt.analysis.measuring import measure
     from multisrt.analysis.metrics import Metrics
     from multisrt.comparison import Comparison, compare
+    from multisrt.driving.driver import drive
     from multisrt.environments.catalog import catalog, environment
     from multisrt.environments.environment import Environment
     from multisrt.environments.formats import read_environment
@@ -80,6 +81,7 @@ _HOMES = {
     "area_known_to_one": "analysis.known_area",
     "catalog": "environments.catalog",
     "compare": "comparison",
+    "drive": "driving.driver",
     "environment": "environments.catalog",
     "explore": "run",
     "isolation": "analysis.isolation",
@@ -120,6 +122,7 @@ __all__ = [
     "area_known_to_one",
     "catalog",
     "compare",
+    "drive",
     "environment",
     "explore",
     "isolation",

@@ -90,8 +90,8 @@ def _draw_seen(recording: Recording, sheet: Sheet) -> None:
     by = [scan.robot for scan, corners in zip(scans, shown, strict=True) if len(corners)]
     if regions:
         grid_m = 10.0**-sheet.pen.decimals
-        draw_areas(sheet, seen_first(regions, by, grid_m), len(recording.spec.robots))
-        sheet.legend.append(LegendEntry(label="seen", style=RobotStyles.of(by[0]).area))
+        areas = seen_first(regions, by, grid_m)
+        draw_areas(sheet, areas, len(recording.spec.robots), "scanned first")
 
 
 def _draw_ahead(sheet: Sheet, robot: RobotState) -> None:

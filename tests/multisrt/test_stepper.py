@@ -1,6 +1,7 @@
 """Stepping through runs from Python."""
 
 import xml.etree.ElementTree as ET
+from typing import Any
 
 import pytest
 
@@ -39,7 +40,7 @@ def test_a_finished_stepper_is_the_run(whole):
 
 def test_stepping_stops_where_all_conditions_are_met():
     stepper = ms.Stepper(SPEC)
-    step = stepper.run_until(time_s=3.0, robot=1, action=Move)
+    step: Any = stepper.run_until(time_s=3.0, robot=1, action=Move)
     assert step.time_s >= 3.0
     assert (step.robot, type(step.action)) == (1, Move)
     assert step is stepper.steps[-1]
@@ -47,20 +48,21 @@ def test_stepping_stops_where_all_conditions_are_met():
         s.time_s >= 3.0 and s.robot == 1 and isinstance(s.action, Move) for s in stepper.steps[:-1]
     )
     assert stepper.robots[1].motion is None  # before it is carried out
-    chosen = stepper.run_until(decision=True)
+    chosen: Any = stepper.run_until(decision=True)
     assert isinstance(chosen.action.event, GoalChosen)
-    sent = stepper.run_until(where=lambda s: isinstance(s.action, Send) and s.robot == 0)
+    sent: Any = stepper.run_until(where=lambda s: isinstance(s.action, Send) and s.robot == 0)
     assert (type(sent.action), sent.robot) == (Send, 0)
-    again = stepper.run_until()
+    again: Any = stepper.run_until()
     assert again is stepper.steps[-1]
 
 
 def test_a_decision_can_be_of_one_class():
     stepper = ms.Stepper("apartment", seed=1)
-    steps = list(stepper.until(decision=Decision))
+    steps: list[Any] = list(stepper.until(decision=Decision))
     assert isinstance(steps[-1].action.event, Decision)
     assert stepper.steps == steps
-    assert isinstance(stepper.run_until(decision=NodeAdded).action.event, NodeAdded)
+    added: Any = stepper.run_until(decision=NodeAdded)
+    assert isinstance(added.action.event, NodeAdded)
 
 
 def test_what_tells_news_only_is_no_decision():
@@ -97,7 +99,8 @@ def test_the_explorer_and_its_code_are_at_hand(monkeypatch):
     stepper = ms.Stepper("open", strategy="idle", robots=1, seed=1)
     assert stepper.where(0) == ""
     stepper.run_until(time_s=1.0)
-    assert stepper.explorers[0].count == 2
+    explorer: Any = stepper.explorers[0]
+    assert explorer.count == 2
     outer, inner = stepper.where(0).splitlines()
     assert outer.startswith(__file__)
     assert outer.endswith("in run")
@@ -144,7 +147,7 @@ def test_motions_under_way_are_drawn_with_their_ends():
     assert moving
     for robot in moving:
         assert {f"robot {robot}: way ahead", f"robot {robot}: end of the motion"} <= drawn
-    ahead = stepper.robots[moving[0]].ahead
+    ahead: Any = stepper.robots[moving[0]].ahead
     assert ahead.start == pytest.approx(stepper.robots[moving[0]].configuration)
 
 
@@ -188,7 +191,7 @@ def test_arguments_are_those_of_explore():
         ms.Stepper(SPEC, seed=2)
     with pytest.raises(TypeError, match="no argument colour"):
         ms.Stepper("open", colour="red")  # type: ignore[call-arg]
-    noted = []
+    noted: list[Any] = []
     stepper = ms.Stepper("open", seed=1, watch=noted.append)
     stepper.run_until(action=Note)
     assert noted == list(stepper.recording.events)

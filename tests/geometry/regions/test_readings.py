@@ -14,7 +14,7 @@ from multisrt.geometry.regions.boundary import GAP, OBSTACLE, RANGE
 from multisrt.geometry.regions.edge_index import EdgeIndex
 from multisrt.geometry.regions.readings import scan_of_polygon, scan_of_ranges
 from multisrt.geometry.regions.safe_region import local_safe_region
-from multisrt.geometry.regions.scan import take_scan
+from multisrt.geometry.regions.scan import ExactScan, LaserScan, take_scan
 
 ROOM = shapely.Polygon([(0, 0), (6, 0), (6, 2), (4, 2), (4, 4), (0, 4)])
 EDGES = np.array([[*a, *b] for a, b in zip(ROOM.exterior.coords, ROOM.exterior.coords[1:])])  # noqa: B905
@@ -55,6 +55,7 @@ def test_a_turned_laser_gives_the_scan_of_one_that_is_not():
     scan = scan_of_ranges(turned, here, time_s=0.0, range_m=3.5)
     assert scan.ranges == pytest.approx(straight)
     truth = take_scan(INDEX, here, 0.0, 3.5, 36)
+    assert isinstance(truth, LaserScan)
     assert scan.ranges == pytest.approx(truth.ranges)
 
 
@@ -82,6 +83,7 @@ def test_readings_that_are_none_are_refused(ranges, place, range_m, words):
 def test_a_seen_polygon_is_tagged_as_an_exact_scan():
     here = Configuration(5.0, 1.0, 0.0)
     truth = take_scan(INDEX, here, 2.0, 3.5)
+    assert isinstance(truth, ExactScan)
     scan = scan_of_polygon(truth.boundary[::-1], here, time_s=2.0, range_m=3.5)
     assert set(scan.tags) == {OBSTACLE, RANGE, GAP}
     mine, theirs = (local_safe_region(s, "radial").polygon() for s in (scan, truth))

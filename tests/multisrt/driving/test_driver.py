@@ -90,20 +90,21 @@ def begin(move):
     return None
 
 
-def telling(*answers):
-    """Return a `receive` that gives answers in turn, and keeps the times that it was asked for."""
-    left = list(answers)
+class Telling:
+    """A `receive` that gives answers in turn, and keeps the times that it was asked for."""
 
-    def receive(until_s):
-        receive.asked.append(until_s)
-        return left.pop(0)
+    def __init__(self, *answers):
+        self.left = list(answers)
+        self.asked: list[float] = []
 
-    receive.asked = []
-    return receive
+    def __call__(self, until_s):
+        self.asked.append(until_s)
+        return self.left.pop(0)
 
 
 def test_three_callables_drive_a_robot():
-    sent, noted = [], []
+    sent: list[tuple] = []
+    noted: list[object] = []
     note = MapComplete(time_s=5.0, robot=0)
     script = Script(Sense(), Move(trajectory=WAY), Send(Word(sender=0), to=1), Note(note), END)
     driver = ms.drive(
@@ -132,6 +133,7 @@ def test_a_motion_that_was_blocked_is_told_and_recorded():
     driver = ms.drive(script, self_of(team=2), sense=sense, move=lambda move: stopped)
     assert script.told == [stopped]
     motion, blocked, _ = driver.events
+    assert isinstance(motion, Motion)
     assert motion.waypoints == ((0.0, 1.0, 1.0, 0.0), (3.0, 2.0, 1.0, 0.0))
     assert blocked == Blocked(time_s=3.0, robot=0, by=1, configuration=(2.0, 1.0, 0.0))
 
@@ -145,7 +147,7 @@ def test_a_robot_that_sees_nobody_needs_no_look():
 def test_messages_wait_while_a_robot_moves_and_does_not_listen():
     letter = Arrived(data=(encode(Call(sender=1)),), time_s=2.0)
     moved = Moved(configuration=THERE, time_s=4.0)
-    receive = telling(letter, moved)
+    receive = Telling(letter, moved)
     script = Script(Move(trajectory=WAY), Receive(0.0), END)
     ms.drive(script, self_of(team=2), sense=sense, move=begin, receive=receive)
     assert script.told == [moved, Received((Call(sender=1),), 4.0)]
@@ -164,15 +166,17 @@ def test_a_message_that_wakes_is_told_on_the_way():
         self_of(team=2),
         sense=sense,
         move=begin,
-        receive=telling(quiet, None, call),
+        receive=Telling(quiet, None, call),
         stop=lambda: stopped,
     )
     assert script.told == [Received((Word(sender=1), Call(sender=1)), 2.0), stopped]
-    assert driver.events[0].waypoints[-1] == (2.0, 2.0, 1.0, 0.0)
+    motion = driver.events[0]
+    assert isinstance(motion, Motion)
+    assert motion.waypoints[-1] == (2.0, 2.0, 1.0, 0.0)
 
 
 def test_times_to_wait_are_told_by_the_clock():
-    receive = telling(TimedOut(2.5), TimedOut(4.5))
+    receive = Telling(TimedOut(2.5), TimedOut(4.5))
     script = Script(Sense(), Receive(2.0), Receive(2.0), END)
     ms.drive(script, self_of(), sense=sense, move=arrive, receive=receive)
     assert receive.asked == [2.5, 4.5]
@@ -188,7 +192,7 @@ def test_nothing_comes_at_once_where_nothing_is_received():
 def test_a_robot_on_call_is_woken_by_a_message_until_its_time_is_over():
     on_call = Done(complete=True, reason="home", on_call=True)
     script = Script(on_call, Sense(), on_call)
-    receive = telling(Arrived(data=(encode(Word(sender=1)),), time_s=0.25), TimedOut(30.5))
+    receive = Telling(Arrived(data=(encode(Word(sender=1)),), time_s=0.25), TimedOut(30.5))
     driver = ms.drive(
         script, self_of(team=2), sense=sense, move=arrive, receive=receive, on_call_s=30.0
     )
@@ -198,7 +202,7 @@ def test_a_robot_on_call_is_woken_by_a_message_until_its_time_is_over():
 
 
 def test_a_loop_drives_a_team():
-    inboxes = [[], []]
+    inboxes: list[list[bytes]] = [[], []]
 
     def body(number):
         def receive(until_s):

@@ -83,6 +83,6 @@ def test_a_recording_of_robots_that_explore_is_not_complete():
 
 
 def test_a_recording_is_of_a_whole_team(team):
-    for part in (team[1:], team[::-1], []):
+    for numbers in ([1], [1, 0], []):
         with pytest.raises(InvalidInputError, match="give those of 0, 1"):
-            recording_of(part, ROOM)
+            recording_of([team[number] for number in numbers], ROOM)

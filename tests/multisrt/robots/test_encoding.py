@@ -1,7 +1,7 @@
 """Messages as bytes and back."""
 
 import dataclasses
-from typing import ClassVar, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import msgspec
 import numpy as np
@@ -53,6 +53,10 @@ def are_equal(a: object, b: object) -> bool:
     return a == b
 
 
+def there_and_back(message: Message) -> Any:
+    return decode(encode(message))
+
+
 def test_a_message_of_all_kinds_comes_back_as_it_was():
     grid = Grid(cells=np.arange(6, dtype=np.int8).reshape(2, 3), at=Configuration(1.0, 2.0, 0.5))
     sent = Report(
@@ -62,7 +66,7 @@ def test_a_message_of_all_kinds_comes_back_as_it_was():
         named={(0, 1): "door", 2: [1, (2,)]},
         rest=(None, True, -7, 2.5, "é", b"\x00", (), [], {}, np.zeros((0, 4))),
     )
-    got = decode(encode(sent))
+    got = there_and_back(sent)
     assert are_equal(got, sent)
     assert encode(got) == encode(sent)
     assert not got.grid.cells.flags.writeable
@@ -79,12 +83,12 @@ TREES = st.recursive(
 @settings(max_examples=40, deadline=None)
 @given(st.lists(TREES, max_size=4).map(tuple))
 def test_any_nested_content_comes_back(rest):
-    got = decode(encode(Report(sender=0, rest=rest)))
+    got = there_and_back(Report(sender=0, rest=rest))
     assert repr(got.rest) == repr(rest)  # NaN is equal to NaN in words
 
 
 def test_numbers_of_numpy_come_back_as_builtin_ones():
-    got = decode(encode(Report(sender=0, rest=(np.float32(0.5), np.int64(3)))))
+    got = there_and_back(Report(sender=0, rest=(np.float32(0.5), np.int64(3))))
     assert are_equal(got.rest, (0.5, 3))
 
 

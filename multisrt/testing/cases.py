@@ -270,7 +270,8 @@ class Case:
         if recording.footer.outcome == "out_of_time":
             raise self._defect(
                 f"{names} not done after {self.spec.stop.max_time_s:g} s; {last}",
-                "see that every exploration ends with Done, or give a larger max_time_s",
+                "see that every exploration ends with Done, or give a larger max_time_s "
+                "(--max-time)",
             )
         raise self._defect(
             f"{names} waiting for a message that never comes",

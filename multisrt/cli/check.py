@@ -90,9 +90,10 @@ def check(
     quiet: bool,
     **limits: Any,
 ) -> None:
-    """Check that an explorer keeps to the contract: that what it does can be believed.
+    """Check an explorer of your own, and tell its first defect.
 
-    It explores small worlds alone and in a team. The first defect ends the check, with what the
+    It is checked that it keeps to the contract of explorers, so that what it does can be
+    believed. It explores small worlds alone and in a team. The first defect ends the check, with what the
     explorer did, where, and what to change.
 
     STRATEGY is a file (mine.py), a class or Strategy in it (mine.py:Mine), one in a module
@@ -125,12 +126,8 @@ def check(
                 **given,
             )
         except ExplorerDefect as defect:
-            found = defect
-        else:
-            found = None
-    if found is not None:
-        click.echo(f"defect in {found.where}:\n  {found.what}\n  {found.remedy}", err=True)
-        raise SystemExit(DEFECT)
+            click.echo(f"defect: {defect.where}:\n  {defect.what}\n  {defect.remedy}", err=True)
+            raise SystemExit(DEFECT) from None
     if not quiet:
         click.echo(str(checked))
     elif checked.warnings:

@@ -78,7 +78,7 @@ def spec_of_options(environment: str, strategy: str | None, given: Mapping[str, 
     )
 
 
-def options_of(texts: Iterable[str]) -> dict[str, str]:
+def options_of(texts: Iterable[str]) -> dict[str, Any]:
     """Return the values of ``--option KEY=VALUE`` by key.
 
     Raises

@@ -354,7 +354,7 @@ class LooksIntoFrames(Explorer):
         try:
             raise ValueError
         except ValueError as error:
-            frame = error.__traceback__.tb_frame.f_back
+            frame = error.__traceback__.tb_frame.f_back  # type: ignore[union-attr]
         yield Sense()
         yield Done(complete=False, reason=str(frame))
 

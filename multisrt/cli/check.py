@@ -93,8 +93,8 @@ def check(
     """Check an explorer of your own, and tell its first defect.
 
     It is checked that it keeps to the contract of explorers, so that what it does can be
-    believed. It explores small worlds alone and in a team. The first defect ends the check, with what the
-    explorer did, where, and what to change.
+    believed. It explores small worlds alone and in a team. The first defect ends the check, with
+    what the explorer did, where, and what to change.
 
     STRATEGY is a file (mine.py), a class or Strategy in it (mine.py:Mine), one in a module
     (package.module:Mine), or a name that 'multisrt strategies' lists.

@@ -417,3 +417,12 @@ class Collides(Explorer):
             moved = yield Move(trajectory=way)
             self.at = moved.configuration
         yield self.end()
+
+
+class GoesByTheOrderOfASet(Explorer):
+    def run(self):
+        yield Sense()
+        first = next(iter({f"{angle} degrees" for angle in range(360)}))
+        angle = np.radians(float(first.removesuffix(" degrees")))
+        yield from self.go(0.05 * np.cos(angle), 0.05 * np.sin(angle))
+        yield self.end()

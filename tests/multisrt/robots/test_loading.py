@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import sys
 from pathlib import Path
 
@@ -9,7 +10,7 @@ import pytest
 
 import multisrt as ms
 from multisrt.robots import registry
-from multisrt.robots.loading import import_reference, is_reference, load_strategy
+from multisrt.robots.loading import import_reference, is_outdated, is_reference, load_strategy
 
 MINE = '''"""Strategies for tests."""
 from multisrt.robots.explorer import Done
@@ -105,6 +106,16 @@ def test_a_file_is_imported_again_only_if_it_changed() -> None:
     assert load_strategy("./mine.py").explorer.__wrapped__ is first.explorer.__wrapped__  # type: ignore[attr-defined]
     write("mine.py", reason="new")
     assert reason_of("mine.py") == "new"
+
+
+def test_a_file_that_is_imported_otherwise_is_not_outdated() -> None:
+    write("mine.py", reason="old")
+    load_strategy("mine.py")
+    module = sys.modules["mine"]
+    assert not is_outdated(module)
+    write("mine.py", reason="new, and longer")
+    assert is_outdated(module)
+    assert not is_outdated(importlib.reload(module))
 
 
 def test_a_script_is_imported_without_its_main_part() -> None:

@@ -48,6 +48,7 @@ def main(modules: Sequence[str]) -> None:
     except InvalidInputError as error:
         _answer(answers, Unable(str(error)))
         return
+    import multisrt.robots.explorers  # noqa: F401, what the first explorer would import
     from multisrt.experiments.mission import make_run
 
     gc.collect()

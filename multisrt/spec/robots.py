@@ -55,6 +55,11 @@ class DriveSpec(Part, frozen=True, kw_only=True):
         Differential(speed_m_s=self.speed_m_s, turn_rate_rad_s=self.turn_rate_rad_s)
         Car(speed_m_s=self.speed_m_s, turning_radius_m=self.turning_radius_m)
 
+    @property
+    def is_car(self) -> bool:
+        """Whether it has a turning radius: whether it cannot turn in place."""
+        return self.kind in ("reeds-shepp", "dubins")
+
     def kinematics(self) -> Kinematics:
         """Return the kinematics that this describes.
 

@@ -20,6 +20,7 @@ from multisrt.simulation.simulate import simulate
 from multisrt.simulation.worlds import build_environment, environment_spec, inline
 from multisrt.spec import (
     DriveSpec,
+    EnvironmentSpec,
     Fault,
     RadioSpec,
     RangeFinderSpec,
@@ -28,12 +29,14 @@ from multisrt.spec import (
     Scalar,
     StopRule,
 )
-from multisrt.spec.keywords import checked, start_of
+from multisrt.spec.keywords import checked, require_use, start_of
 
 RECORDING_NAME = "recording.jsonl"
 RUN_NAME = "run.json"
 TREE_NAME = "tree.svg"
 SPEC_NAME = "spec.toml"
+RUN_FILES = (TREE_NAME, RUN_NAME, SPEC_NAME, RECORDING_NAME)
+"""Files of a run that was saved, in the order in which they are listed."""
 
 Starts = Literal["scattered", "clustered"] | Sequence[Sequence[float]]
 """Start configurations of a team: how to draw them, or one for each robot."""
@@ -365,12 +368,21 @@ def explore(
         spec, world = environment, build_environment(environment.environment)
     elif isinstance(environment, Environment):
         world = environment
-        spec = RunSpec(environment=inline(world), **_run_fields(given))
+        spec = _run_spec(inline(world), given)
     else:
         where = environment_spec(str(environment))
         world = build_environment(where)
-        spec = RunSpec(environment=where, **_run_fields(given))
+        spec = _run_spec(where, given)
     return Run(simulate(spec, world, path=recording_path, watch=watch), world)
+
+
+def _run_spec(environment: EnvironmentSpec, given: Mapping[str, Any]) -> RunSpec:
+    spec = RunSpec(environment=environment, **_run_fields(given))
+    drawn = {"starts"} if isinstance(given.get("starts"), str) else set()
+    of_team = {name: name for name in given if name in drawn | {"radio", "radio_range_m"}}
+    sized = "robots" in given or "starts" in given.keys() - drawn
+    require_use(spec, of_team, "robots", sized=sized)
+    return spec
 
 
 def _run_fields(given: Mapping[str, Any]) -> dict[str, Any]:

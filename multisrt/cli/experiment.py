@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
+from multisrt.cli import candidates
 from multisrt.cli.experiment_check import check
+from multisrt.cli.mistakes import CommandGroup
+from multisrt.cli.outputs import require_no_file
 from multisrt.cli.running import Running, make_runs, print_gaps, running_options, width
 from multisrt.cli.spec_files import read_experiment
 
@@ -31,7 +35,11 @@ Examples, in the order of the work:
 """
 
 
-@click.group(epilog=EXAMPLES)
+def _meant(words: Sequence[str]) -> Sequence[str]:
+    return ("run", *words) if Path(words[0]).suffix == ".toml" else ()
+
+
+@click.group(cls=CommandGroup, meant=_meant, epilog=EXAMPLES)
 def experiment() -> None:
     """Describe, run and export comparisons of strategies.
 
@@ -45,7 +53,12 @@ experiment.add_command(check)
 
 @experiment.command()
 @click.argument("file", metavar="FILE", type=click.Path(path_type=Path))
-@click.option("--like", metavar="PAPER", help="Copy the experiment of 'multisrt reproduce PAPER'.")
+@click.option(
+    "--like",
+    metavar="PAPER",
+    shell_complete=candidates.papers,
+    help="Copy the experiment of 'multisrt reproduce PAPER'.",
+)
 @click.option(
     "--schema/--no-schema",
     default=True,
@@ -166,7 +179,8 @@ def _print_failures(results: Results, path: Path) -> None:
 @experiment.command()
 @click.argument("results", metavar="RESULTS", type=click.Path(path_type=Path))
 @click.argument("out", metavar="OUT", type=click.Path(path_type=Path))
-def export(results: Path, out: Path) -> None:
+@click.option("--force", is_flag=True, help="Replace OUT if it exists.")
+def export(results: Path, out: Path, force: bool) -> None:
     """Write results as a table (.csv or .parquet).
 
     OUT has one row for each run. Parquet needs pyarrow: pip install multisrt[frames].
@@ -178,5 +192,6 @@ def export(results: Path, out: Path) -> None:
     """
     from multisrt.experiments.frames import export as write
 
+    require_no_file(out, force=force)
     many = write(results, out)
     click.echo(f"{out}: {many} runs")

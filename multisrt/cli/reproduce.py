@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from multisrt.cli import candidates
 from multisrt.cli.running import Running, make_runs, print_gaps, running_options
 
 if TYPE_CHECKING:
@@ -16,12 +17,15 @@ if TYPE_CHECKING:
 
 STORE_NAME, REPORT_NAME, SUMMARY_NAME = "results.sqlite", "report", "summary.md"
 
+PAPERS = ("multi-srt", "sbx-r", "minpos", "alvarez")
+"""Names of the papers, for completion, which does not import the presets."""
+
 RUNS_FAILED = 3
 """Exit code if a run is no success."""
 
 
 @click.command()
-@click.argument("name", metavar="PAPER")
+@click.argument("name", metavar="PAPER", shell_complete=candidates.papers)
 @click.option("--quick", is_flag=True, help="Fewer conditions and repetitions: some minutes.")
 @click.option(
     "--seeds",

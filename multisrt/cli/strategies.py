@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import click
 
+from multisrt.cli import candidates
 from multisrt.cli.tables import show, table
 
 
 @click.command()
-@click.argument("name", metavar="[NAME]", required=False)
+@click.argument("name", metavar="[NAME]", required=False, shell_complete=candidates.strategies)
 def strategies(name: str | None) -> None:
     """List the strategies, or the options of one.
 
@@ -24,6 +25,7 @@ def strategies(name: str | None) -> None:
     from multisrt.experiments.schema import documented_attributes
     from multisrt.robots.registry import broken_strategies, strategy
     from multisrt.robots.registry import strategies as all_strategies
+    from multisrt.validation_errors import written
 
     if name is None:
         listed = table("strategy", "description")
@@ -42,6 +44,5 @@ def strategies(name: str | None) -> None:
     for kind in reversed(chosen.options.__mro__):
         meanings |= documented_attributes(kind.__doc__ or "")
     for field in msgspec.structs.fields(chosen.options):
-        default = str(field.default).lower() if field.default in (True, False) else field.default
-        listed.add_row(field.name, str(default), meanings.get(field.name, ""))
+        listed.add_row(field.name, written(field.default), meanings.get(field.name, ""))
     show(listed)

@@ -35,7 +35,7 @@ def print_summary(
     regrets : list of Regret, optional
         For each run its times as multiples of those of the informed plan.
     """
-    from multisrt.run import RECORDING_NAME, RUN_NAME, SPEC_NAME, TREE_NAME
+    from multisrt.run import RUN_FILES
 
     for run in runs:
         spec = run.spec
@@ -59,7 +59,7 @@ def print_summary(
     if 1 < len(runs[0].spec.robots) <= MAX_ROBOTS:
         _print_robots(runs)
     for folder in folders:
-        for name in (TREE_NAME, RUN_NAME, SPEC_NAME, RECORDING_NAME):
+        for name in RUN_FILES:
             click.echo(folder / name)
 
 

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import msgspec
 
 from multisrt.geometry.errors import InvalidInputError, did_you_mean
-from multisrt.validation_errors import explained
+from multisrt.validation_errors import allowed_words, explained
 
 if TYPE_CHECKING:
     from multisrt.geometry.configuration import Configuration
@@ -144,17 +144,27 @@ class Strategy:
                     f"{self.name} has no option {key!r}{did_you_mean(key, known)}; "
                     f"it has: {', '.join(known)}"
                 )
-        for key, value in options.items():
+        values = {key: _none_read(value, known[key].type) for key, value in options.items()}
+        for key, value in values.items():
             try:
                 msgspec.convert(value, known[key].type, strict=False)
             except msgspec.ValidationError as error:
                 wrong = explained(error, known[key].type)
-                raise InvalidInputError(f"option {key}={value!r} of {self.name}: {wrong}") from None
+                meant = did_you_mean(value, allowed_words(known[key].type))
+                raise InvalidInputError(
+                    f"option {key}={value!r} of {self.name}: {wrong}{meant}"
+                ) from None
         try:
-            return msgspec.convert(dict(options), self.options, strict=False)
+            return msgspec.convert(values, self.options, strict=False)
         except msgspec.ValidationError as error:
             wrong = explained(error, self.options)
             raise InvalidInputError(f"options of {self.name}: {wrong}") from None
+
+
+def _none_read(value: object, kind: Any) -> object:
+    # None as `multisrt strategies NAME` writes it; msgspec reads "null" only.
+    is_none = isinstance(value, str) and value.lower() == "none" and "none" in allowed_words(kind)
+    return None if is_none else value
 
 
 def register(strategy: Strategy) -> None:

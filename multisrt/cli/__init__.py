@@ -40,7 +40,7 @@ def cli() -> None:
     Examples:
       multisrt explore office
       multisrt explore museum --robots 4 --strategy srt-radial --strategy srt-star
-      multisrt why runs/office-srt-radial-0/recording.jsonl --robot 0 --time 31.5
+      multisrt why runs/office-srt-radial-0 --robot 0 --time 31.5
       multisrt experiment new star.toml
       multisrt environments
       multisrt strategies
@@ -51,7 +51,7 @@ def cli() -> None:
 
 
 for command in (
-    *(explore, experiment, report, why, environments, strategies, reproduce),
+    *(explore, why, environments, strategies, experiment, report, reproduce),
     completion,
 ):
     cli.add_command(command)

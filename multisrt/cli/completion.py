@@ -162,7 +162,6 @@ def completion(context: click.Context, shell: str) -> None:
     \b
     Examples:
       eval "$(multisrt completion bash)"     # this shell only
-      multisrt completion bash > ~/.local/share/bash-completion/completions/multisrt
       multisrt completion zsh > ~/.zfunc/_multisrt
       multisrt completion fish > ~/.config/fish/completions/multisrt.fish
     """

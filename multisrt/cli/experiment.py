@@ -12,7 +12,7 @@ from multisrt.cli import candidates
 from multisrt.cli.experiment_check import check
 from multisrt.cli.mistakes import CommandGroup
 from multisrt.cli.outputs import require_no_file
-from multisrt.cli.running import Running, make_runs, print_gaps, running_options, width
+from multisrt.cli.running import Running, make_runs, print_gaps, running_options
 from multisrt.cli.spec_files import read_experiment
 
 if TYPE_CHECKING:
@@ -46,9 +46,6 @@ def experiment() -> None:
     A TOML file describes the conditions: environments, strategies, teams, radios, faults. They
     are crossed, repeated with different seeds, and the results stored in one SQLite file.
     """
-
-
-experiment.add_command(check)
 
 
 @experiment.command()
@@ -85,6 +82,9 @@ def new(file: Path, like: str | None, schema: bool) -> None:
     for path in write_new(file, like=preset, with_schema=schema):
         click.echo(path)
     click.echo(f"next: multisrt experiment check {file}")
+
+
+experiment.add_command(check)
 
 
 @experiment.command()
@@ -153,10 +153,11 @@ def run(
 def _print_results(results: Results, path: Path) -> None:
     from multisrt.reporting.overview import overview_table
     from multisrt.reporting.words import totals
+    from multisrt.terminal import terminal_width
 
     click.echo(f"{results.experiment.name}: {totals(results)}, in {path}\n")
     if any(result.metrics is not None for result in results):
-        click.echo(overview_table(results).text(width()))
+        click.echo(overview_table(results).text(terminal_width()))
         print_gaps(results)
     _print_failures(results, path)
     click.echo(f"next: multisrt report {path} --out {path.with_suffix('')}-report")

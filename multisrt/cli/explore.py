@@ -11,7 +11,7 @@ from click.core import ParameterSource
 from multisrt.cli import candidates
 from multisrt.cli.outputs import new_folder, require_no_run, run_folder
 from multisrt.cli.progress import Progress
-from multisrt.cli.run_options import DRIVES, FAULTS, OVERRIDES, spec_of_options
+from multisrt.cli.run_options import DRIVES, FAULTS, OVERRIDES, USUAL, spec_of_options
 from multisrt.cli.sections import SectionedCommand
 from multisrt.cli.spec_files import read_run_spec
 from multisrt.cli.summary import print_summary
@@ -110,8 +110,8 @@ Exit code:
     multiple=True,
     metavar="KEY=VALUE,...",
     shell_complete=candidates.robots,
-    help=f"What differs for one robot; repeat it in the robots' order. Keys: "
-    f"{', '.join(OVERRIDES)}.",
+    help="What differs for one robot; once for each, in their order. Keys: "
+    f"{', '.join(OVERRIDES)}; '{USUAL}' if nothing differs.",
 )
 @click.option(
     "--fault",

@@ -39,6 +39,10 @@ class CommandGroup(click.Group):
         super().__init__(*args, **kwargs)
         self._meant = meant
 
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        """Return the names in the order of the work, in which the commands were added."""
+        return list(self.commands)
+
     def resolve_command(
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:

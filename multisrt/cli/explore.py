@@ -9,6 +9,7 @@ import click
 from click.core import ParameterSource
 
 from multisrt.cli import candidates
+from multisrt.cli.imports import import_all, import_option, named_strategy
 from multisrt.cli.outputs import new_folder, require_no_run, run_folder
 from multisrt.cli.progress import Progress
 from multisrt.cli.run_options import DRIVES, FAULTS, OVERRIDES, USUAL, spec_of_options
@@ -25,8 +26,11 @@ if TYPE_CHECKING:
 NO_SUCCESS = 3
 """Exit code if an exploration is no success."""
 
+OWN_WORLD = "apartment"
+"""The environment that a strategy of one's own explores if none is named."""
+
 SECTIONS = {
-    "Run": ("--strategy", "--option", "--seed", "--max-time", "--spec"),
+    "Run": ("--strategy", "--import", "--option", "--seed", "--max-time", "--spec"),
     "Team": ("--robots", "--starts", "--start", "--robot", "--fault"),
     "Robots": ("--range", "--beams", "--footprint", "--drive", "--speed", "--turning-radius"),
     "Radio": ("--radio-range", "--no-multi-hop", "--latency", "--jitter", "--loss", "--walls"),
@@ -34,6 +38,9 @@ SECTIONS = {
     "Output": ("--out", "--force", "--regret", "--quiet"),
 }
 """Headings of the help page, and the options below each."""
+
+EXCEPT_SPEC = ("spec_file", "imports", "out", "force", "regret", "quiet")
+"""Parameters that a spec does not describe."""
 
 EXAMPLES = """
 \b
@@ -46,7 +53,10 @@ Examples:
   multisrt explore plan.png --resolution 0.05 --footprint box:0.6x0.4
   multisrt explore office --robots 3 --fault death:2@30 --fault late:1@60
   multisrt explore office --robot footprint=disc:0.3,range=6 --robot speed=1
+  multisrt explore mine.py:Mine --robots 3
+  multisrt explore museum --robots 4 --strategy mine.py:Mine --strategy minpos
   multisrt explore --spec runs/office-srt-radial-0/spec.toml --out again
+  multisrt explore --spec runs/office-mine-0/spec.toml --import mine.py --out again
 
 \b
 Files written, with several strategies in one folder each:
@@ -72,8 +82,10 @@ Exit code:
     multiple=True,
     metavar="NAME",
     shell_complete=candidates.strategies,
-    help="Strategy; repeat it to run several and compare them.  [default: srt-radial]",
+    help="Strategy, or FILE.py:CLASS or MODULE:CLASS for one of your own; repeat it to run several "
+    "and compare them.  [default: srt-radial]",
 )
+@import_option
 @click.option(
     "--option",
     "options",
@@ -176,10 +188,10 @@ def explore(
     /,
     environment: str | None,
     strategies: tuple[str, ...],
+    imports: tuple[str, ...],
     out: Path | None,
     spec_file: Path | None,
     force: bool,
-    regret: bool,
     quiet: bool,
     **given: Any,
 ) -> None:
@@ -188,12 +200,22 @@ def explore(
     Writes a picture, the metrics and the recording of the run.
 
     ENV is a name that 'multisrt environments' lists, or a map file: a ROS map_server YAML, an
-    image with --resolution (its origin is the lower left corner), GeoJSON or WKT.
+    image with --resolution (its origin is the lower left corner), GeoJSON or WKT. In its place a
+    strategy of your own, FILE.py:CLASS or MODULE:CLASS, explores the apartment.
     """
     from multisrt.experiments.results import is_success
+    from multisrt.robots.loading import is_reference
 
     if force and out is None:
         raise click.UsageError("--force replaces the run in --out DIR, which is not given")
+    import_all(imports)
+    own = environment if environment is not None and is_reference(environment) else None
+    if own is not None:
+        if strategies:
+            raise click.UsageError(
+                f"{own} is a strategy: name an environment (ENV), and give {own} with --strategy"
+            )
+        environment, strategies = OWN_WORLD, (own,)
     if spec_file is not None:
         _require_nothing_else(context)
         specs = [read_run_spec(spec_file)]
@@ -203,23 +225,38 @@ def explore(
             "name a world (ENV; 'multisrt environments' lists some) or a spec (--spec FILE)"
         )
     else:
-        if len(set(strategies)) < len(strategies):
-            raise click.BadParameter("a strategy is given twice", param_hint="--strategy")
         if Path(environment).suffix == ".toml":
             raise click.UsageError(f"{environment} is no map: did you mean --spec {environment}?")
-        specs = [spec_of_options(environment, name, given) for name in strategies or (None,)]
+        names = _named(strategies)
+        specs = [spec_of_options(environment, name, given) for name in names or (None,)]
         _require_shared_options(specs)
         name = Path(environment).stem
-    if regret:
+    if given["regret"]:
         _require_plans(specs)
     folders = _folders(specs, out, name)
     for folder in folders:
         require_no_run(folder, force=force)
     runs = _run_all(specs, folders, force=force, quiet=quiet)
     if not quiet:
-        print_summary(runs, folders, _regrets(runs) if regret else None)
+        if own is not None:
+            click.echo(
+                f"no environment is named: {OWN_WORLD} is explored; for another: multisrt "
+                f"explore ENV --strategy {own}"
+            )
+        print_summary(runs, folders, _regrets(runs) if given["regret"] else None)
     if not all(is_success(run.metrics) for run in runs):
         raise SystemExit(NO_SUCCESS)
+
+
+def _named(strategies: tuple[str, ...]) -> list[str]:
+    names = [named_strategy(text).name for text in strategies]
+    if twice := {name for name in names if names.count(name) > 1}:
+        raise click.BadParameter(
+            f"the strategy {min(twice)} is given twice; FILE.py:CLASS=OTHER gives one of your own "
+            "another name",
+            param_hint="--strategy",
+        )
+    return names
 
 
 def _require_shared_options(specs: list[RunSpec]) -> None:
@@ -262,7 +299,7 @@ def _regrets(runs: list[Run]) -> list[Regret]:
 def _require_nothing_else(context: click.Context) -> None:
     for parameter in context.command.params:
         name = parameter.name
-        if name is None or name in ("spec_file", "out", "force", "regret", "quiet"):
+        if name is None or name in EXCEPT_SPEC:
             continue
         if context.get_parameter_source(name) is ParameterSource.COMMANDLINE:
             given = "ENV" if isinstance(parameter, click.Argument) else parameter.opts[0]

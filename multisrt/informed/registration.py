@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.informed.options import InformedOptions
-from multisrt.robots.registry import Strategy
+from multisrt.robots.strategy import Strategy
 
 if TYPE_CHECKING:
     from multisrt.geometry.configuration import Configuration

@@ -19,7 +19,7 @@ from multisrt.robots.frontier.options import (
     UtilityOptions,
 )
 from multisrt.robots.multi_srt.options import MultiSrtOptions
-from multisrt.robots.registry import Strategy
+from multisrt.robots.strategy import Strategy
 
 if TYPE_CHECKING:
     from multisrt.robots.explorer import Explorer, RobotSelf

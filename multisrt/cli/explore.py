@@ -56,7 +56,7 @@ Examples:
   multisrt explore mine.py:Mine --robots 3
   multisrt explore museum --robots 4 --strategy mine.py:Mine --strategy minpos
   multisrt explore --spec runs/office-srt-radial-0/spec.toml --out again
-  multisrt explore --spec runs/office-mine-0/spec.toml --import mine.py --out again
+  multisrt explore --spec mine-0/spec.toml --import mine.py --out again
 
 \b
 Files written, with several strategies in one folder each:

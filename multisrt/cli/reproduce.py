@@ -38,6 +38,7 @@ RUNS_FAILED = 3
     "--out",
     type=click.Path(path_type=Path),
     metavar="DIR",
+    shell_complete=candidates.folders,
     help="Folder for all files.  [default: reproduced/PAPER, or PAPER-quick]",
 )
 @click.option(

@@ -53,7 +53,8 @@ def test_runs_are_made_here_or_on_a_cluster(reproduce, told, tmp_path):
         code, out, err = reproduce("minpos", *both)
         assert (code, out) == (2, "")
         assert err.splitlines()[-1] == (
-            "Error: give --workers or --cluster, not both: a cluster has its own"
+            "error: give --workers or --cluster, not both: a cluster has its own; see "
+            "'multisrt reproduce --help'"
         )
     code, _, err = reproduce("minpos", "--workers", "0")
     assert code == 2

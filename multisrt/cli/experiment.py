@@ -191,7 +191,9 @@ def export(results: Path, out: Path, force: bool) -> None:
       multisrt experiment export star.sqlite star.parquet
     """
     from multisrt.experiments.frames import export as write
+    from multisrt.terminal import LiveLine
 
     require_no_file(out, force=force)
-    many = write(results, out)
+    with LiveLine(True, "reading", str(results)):
+        many = write(results, out)
     click.echo(f"{out}: {many} runs")

@@ -102,6 +102,7 @@ def reproduce(
         experiment = msgspec.structs.replace(experiment, repetitions=seeds)
     out = out or Path("reproduced") / (name + ("-quick" if quick else ""))
     path = store or out / STORE_NAME
+    _require_own_summary(out / SUMMARY_NAME, path)
     _make_folder(out)
     results = make_runs(path, experiment, running=running)
     claims, tables = preset.claims(results), preset.tables(results)
@@ -127,6 +128,17 @@ def reproduce(
         click.echo(f"{page}\n{out / SUMMARY_NAME}")
     if any(result.failed for result in results):
         raise SystemExit(RUNS_FAILED)
+
+
+def _require_own_summary(summary: Path, store: Path) -> None:
+    # A summary is replaced beside the results that it sums up, and nowhere else.
+    from multisrt.geometry.errors import InvalidInputError
+
+    if summary.is_file() and not store.exists():
+        raise InvalidInputError(
+            f"{summary} exists already, and there are no results in {store}: choose another folder "
+            "with --out"
+        )
 
 
 def _make_folder(folder: Path) -> None:

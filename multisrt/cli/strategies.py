@@ -23,12 +23,8 @@ def strategies(name: str | None) -> None:
       multisrt strategies srt-radial
       multisrt strategies mine.py:Mine
     """
-    import msgspec
-
-    from multisrt.experiments.schema import documented_attributes
     from multisrt.robots.registry import broken_strategies
     from multisrt.robots.registry import strategies as all_strategies
-    from multisrt.validation_errors import written
 
     if name is None:
         listed = table("strategy", "description")
@@ -40,6 +36,11 @@ def strategies(name: str | None) -> None:
         for broken, reason in broken_strategies().items():
             click.echo(f"{broken}: could not be loaded ({reason})", err=True)
         return
+    import msgspec
+
+    from multisrt.experiments.schema import documented_attributes
+    from multisrt.validation_errors import written
+
     chosen = named_strategy(name)
     click.echo(f"{chosen.name}: {chosen.summary}")
     if not msgspec.structs.fields(chosen.options):

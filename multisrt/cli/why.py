@@ -35,12 +35,15 @@ def why(
     """
     from multisrt.explain.srt import explain, explain_all
     from multisrt.recording import Recording
+    from multisrt.terminal import LiveLine
 
     if everything and time_s is not None:
         raise click.UsageError("--all lists all decisions: leave out --time")
     import_all(imports)
-    loaded = Recording.load(_recording_in(recording))
-    text = explain_all(loaded, robot) if everything else explain(loaded, robot, time_s)
+    path = _recording_in(recording)
+    with LiveLine(True, "reading", str(path)):
+        loaded = Recording.load(path)
+        text = explain_all(loaded, robot) if everything else explain(loaded, robot, time_s)
     click.echo(text, nl=False)
 
 

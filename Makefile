@@ -30,7 +30,7 @@ $(READY): pyproject.toml constraints.txt
 	@touch $(READY)
 
 demo: $(READY)
-	$(BIN)/multisrt explore museum --robots 4 --strategy srt-radial --strategy srt-star --seed 1 --out $(OUT)/demo
+	$(BIN)/multisrt explore museum --robots 4 --strategy srt-radial --strategy srt-star --seed 1 --out $(OUT)/demo --force
 	@echo
 	@echo "Open the trees in a browser or in Inkscape:"
 	@echo "  $(OUT)/demo/srt-radial/tree.svg"
@@ -71,7 +71,7 @@ results: $(READY)
 	for paper in multi-srt sbx-r minpos alvarez; do \
 		$(BIN)/multisrt reproduce $$paper --out $(OUT)/results/$$paper || failed="$$failed $$paper"; \
 		cp $(OUT)/results/$$paper/summary.md docs/results/$$paper.md; \
-		$(BIN)/multisrt experiment export $(OUT)/results/$$paper/results.sqlite docs/results/$$paper.csv; \
+		$(BIN)/multisrt experiment export --force $(OUT)/results/$$paper/results.sqlite docs/results/$$paper.csv; \
 	done; \
 	if [ -n "$$failed" ]; then echo "runs failed or are missing in:$$failed"; exit 1; fi
 

@@ -79,6 +79,17 @@ def names() -> tuple[str, ...]:
     return (*_GENERATORS, *_MAPS)
 
 
+def summaries() -> dict[str, str]:
+    """Return a description in one line of every world, by name.
+
+    Examples
+    --------
+    >>> summaries()["cave"]
+    'cave with pillars, no straight wall in it'
+    """
+    return {name: summary for name, (_, summary) in (_GENERATORS | _MAPS).items()}
+
+
 def environment(name: str, *, seed: int | None = None, **parameters: float) -> "Environment":
     """Return a world of the catalog.
 
@@ -155,7 +166,7 @@ def _entry(name: str) -> CatalogEntry:
     return CatalogEntry(
         name=name,
         kind="generator" if generated else "map",
-        summary=(_GENERATORS if generated else _MAPS)[name][1],
+        summary=summaries()[name],
         parameters=_parameters(name) if generated else (),
         width_m=x1 - x0,
         height_m=y1 - y0,

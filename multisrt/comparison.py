@@ -33,6 +33,7 @@ from multisrt.geometry.numerics.arrays import builtin
 from multisrt.reporting.layout import Table
 from multisrt.simulation.worlds import inline
 from multisrt.spec import RadioSpec
+from multisrt.terminal import terminal_width
 
 if TYPE_CHECKING:
     import pandas
@@ -378,10 +379,13 @@ class Comparison:
 
 
 class ShownTable(Table):
-    """A table that prints itself on a terminal and in a notebook."""
+    """A table that prints itself on a terminal, as wide as that is, and in a notebook."""
 
     def __repr__(self) -> str:
-        return self.text()
+        return self.text(terminal_width())
+
+    def __str__(self) -> str:
+        return repr(self)
 
     def _repr_html_(self) -> str:
         return self.html()

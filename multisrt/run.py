@@ -23,6 +23,7 @@ from multisrt.simulation.simulate import simulate
 from multisrt.simulation.worlds import build_environment, environment_spec, inline
 from multisrt.spec import (
     DriveSpec,
+    EnvironmentSpec,
     Fault,
     RadioSpec,
     RangeFinderSpec,
@@ -31,12 +32,14 @@ from multisrt.spec import (
     Scalar,
     StopRule,
 )
-from multisrt.spec.keywords import checked, start_of
+from multisrt.spec.keywords import checked, require_use, start_of
 
 RECORDING_NAME = "recording.jsonl"
 RUN_NAME = "run.json"
 TREE_NAME = "tree.svg"
 SPEC_NAME = "spec.toml"
+RUN_FILES = (TREE_NAME, RUN_NAME, SPEC_NAME, RECORDING_NAME)
+"""Files of a run that was saved, in the order in which they are listed."""
 
 Starts = Literal["scattered", "clustered"] | Sequence[Sequence[float]]
 """Start configurations of a team: how to draw them, or one for each robot."""
@@ -393,10 +396,19 @@ def spec_and_world(
             )
         return environment, build_environment(environment.environment)
     if isinstance(environment, Environment):
-        return RunSpec(environment=inline(environment), **_run_fields(given)), environment
+        return _run_spec(inline(environment), given), environment
     where = environment_spec(str(environment))
     world = build_environment(where)
-    return RunSpec(environment=where, **_run_fields(given)), world
+    return _run_spec(where, given), world
+
+
+def _run_spec(environment: EnvironmentSpec, given: Mapping[str, Any]) -> RunSpec:
+    spec = RunSpec(environment=environment, **_run_fields(given))
+    drawn = {"starts"} if isinstance(given.get("starts"), str) else set()
+    of_team = {name: name for name in given if name in drawn | {"radio", "radio_range_m"}}
+    sized = "robots" in given or "starts" in given.keys() - drawn
+    require_use(spec, of_team, "robots", sized=sized)
+    return spec
 
 
 def _run_fields(given: Mapping[str, Any]) -> dict[str, Any]:

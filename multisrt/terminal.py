@@ -1,10 +1,19 @@
-"""A progress line on the terminal."""
+"""The terminal: its width, and a line of progress on it."""
 
 from __future__ import annotations
 
 import sys
+from shutil import get_terminal_size
 from types import TracebackType
 from typing import Any, Self
+
+WIDTH = 100
+"""Columns of output that does not go to a terminal."""
+
+
+def terminal_width() -> int:
+    """Return the width of what is printed, in characters: of the terminal, or `WIDTH`."""
+    return get_terminal_size((WIDTH, 24)).columns if sys.stdout.isatty() else WIDTH
 
 
 class LiveLine:

@@ -42,7 +42,6 @@ def explained(error: Exception, wanted: Any) -> str:
     schema = msgspec.json.schema(wanted)
     said, _, path = str(error).partition(" - at `")
     place = path.rstrip("`").removeprefix("$").lstrip(".")
-    said = re.sub(r"`[^`]*`", lambda kinds: _in_words(kinds[0]), said)
     unknown = re.fullmatch(r"Object contains unknown field `(.*)`", said)
     if unknown is not None:
         known = _fields(schema, place)
@@ -52,11 +51,67 @@ def explained(error: Exception, wanted: Any) -> str:
         said += f"; allowed: {', '.join(_allowed(schema, place))}"
     elif said.startswith("Object missing required field"):
         said = said.replace("Object missing required field", "missing field")
+    else:
+        said = re.sub(r"`([^`]*)`", lambda kinds: _in_words(kinds[1]), said)
     return f"{place}: {said}" if place else said
 
 
+def allowed_words(kind: Any) -> list[str]:
+    """Return the words that a value may be, as they are written in options.
+
+    Parameters
+    ----------
+    kind : type
+        The type of the value, as msgspec takes it.
+
+    Returns
+    -------
+    list of str
+        The words; empty for a type that has other values, and these without numbers.
+
+    Examples
+    --------
+    >>> from typing import Literal
+    >>> allowed_words(bool), allowed_words(float | None), allowed_words(Literal["ball", "star"])
+    (['true', 'false'], ['none'], ['ball', 'star'])
+    """
+    info = msgspec.inspect.type_info(kind)
+    found: list[str] = []
+    for one in info.types if isinstance(info, msgspec.inspect.UnionType) else (info,):
+        if isinstance(one, msgspec.inspect.BoolType):
+            found += ["true", "false"]
+        elif isinstance(one, msgspec.inspect.LiteralType):
+            found += map(str, one.values)
+        elif isinstance(one, msgspec.inspect.NoneType):
+            found.append("none")
+    return found
+
+
+def written(value: object) -> str:
+    """Return a value of an option as it is written: ``true``, ``none``, ``0.5``.
+
+    Examples
+    --------
+    >>> written(True), written(None), written(0.5)
+    ('true', 'none', '0.5')
+    """
+    return str(value).lower() if value is None or isinstance(value, bool) else str(value)
+
+
 def _in_words(kinds: str) -> str:
-    return kinds.replace("object", "table").replace("array", "list").replace(" | null", "")
+    words = (_WORDS.get(kind, kind) for kind in kinds.split(" | ") if kind != "null")
+    return " or ".join(words)
+
+
+_WORDS = {
+    "object": "a table",
+    "array": "a list",
+    "str": "text",
+    "int": "a whole number",
+    "float": "a number",
+    "bool": "true or false",
+}
+"""Kinds of values, as msgspec and as people call them."""
 
 
 def _fields(schema: Schema, place: str) -> list[str]:

@@ -18,7 +18,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Final, Literal
 
 import shapely
 
@@ -30,14 +29,7 @@ from multisrt.geometry.regions.beam_chords import boundary_from_beams, sure_reac
 from multisrt.geometry.regions.boundary import TagArray, arc_divisions, arc_tolerance
 from multisrt.geometry.regions.cones import Cones, cut_at_smallest_readings
 from multisrt.geometry.regions.scan import LaserScan, Scan
-
-Shape = Literal["ball", "star", "radial"]
-
-CONTACT_TOLERANCE_M: Final = 0.05
-"""Largest distance in metres of an obstacle behind the arc of a star or a ball that ends at it."""
-
-MIN_CONES: Final = 3
-"""Minimum number of cones of a star."""
+from multisrt.geometry.regions.shapes import CONTACT_TOLERANCE_M, MIN_CONES, Shape
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -5,12 +5,16 @@ Each command imports what it needs when it runs, so that help pages appear at on
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import click
 
 from multisrt.cli.check import check
+from multisrt.cli.completion import PROGRAM, VARIABLE, completion
 from multisrt.cli.environments import environments
 from multisrt.cli.experiment import experiment
 from multisrt.cli.explore import explore
+from multisrt.cli.mistakes import CommandGroup, is_world, told
 from multisrt.cli.report import report
 from multisrt.cli.reproduce import reproduce
 from multisrt.cli.strategies import strategies
@@ -20,7 +24,15 @@ COMPLETE, BAD_INPUT, INTERRUPTED = 0, 2, 130
 """Exit codes of all commands; some have another for runs that are not complete."""
 
 
-@click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
+def _meant(words: Sequence[str]) -> Sequence[str]:
+    return ("explore", *words) if is_world(words[0]) else ()
+
+
+@click.group(
+    cls=CommandGroup,
+    meant=_meant,
+    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
+)
 @click.version_option(package_name="multisrt")
 def cli() -> None:
     """Simulate and compare multi-robot exploration of unknown planar environments.
@@ -29,17 +41,21 @@ def cli() -> None:
     Examples:
       multisrt explore office
       multisrt explore museum --robots 4 --strategy srt-radial --strategy srt-star
-      multisrt why runs/office-srt-radial-0/recording.jsonl --robot 0 --time 31.5
+      multisrt why runs/office-srt-radial-0 --robot 0 --time 31.5
       multisrt check mine.py
       multisrt experiment new star.toml
       multisrt environments
       multisrt strategies
+      multisrt completion bash
 
     'multisrt COMMAND --help' describes a command.
     """
 
 
-for command in (explore, check, experiment, report, why, environments, strategies, reproduce):
+for command in (
+    *(explore, why, environments, strategies, check, experiment, report, reproduce),
+    completion,
+):
     cli.add_command(command)
 
 
@@ -48,12 +64,14 @@ def main() -> None:
     from multisrt.geometry.errors import MultiSrtError
 
     try:
-        result = cli.main(prog_name="multisrt", standalone_mode=False)
+        result = cli.main(prog_name=PROGRAM, complete_var=VARIABLE, standalone_mode=False)
     except click.exceptions.Abort:
         _fail("interrupted", INTERRUPTED)
+    except click.exceptions.NoArgsIsHelpError as error:
+        click.echo(error.format_message(), err=True)
+        raise SystemExit(BAD_INPUT) from None
     except click.ClickException as error:
-        error.show()
-        raise SystemExit(error.exit_code) from None
+        _fail(f"error: {told(error)}", error.exit_code)
     except MultiSrtError as error:
         _fail(f"error: {error}", BAD_INPUT)
     raise SystemExit(result if isinstance(result, int) else COMPLETE)

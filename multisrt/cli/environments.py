@@ -2,16 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import click
 
+from multisrt.cli import candidates
+from multisrt.cli.mistakes import CommandGroup, is_world
+from multisrt.cli.outputs import require_no_file
 from multisrt.cli.reach import areas, around
 from multisrt.cli.tables import show as show_table
 from multisrt.cli.tables import table
 
 
-@click.group(invoke_without_command=True)
+def _meant(words: Sequence[str]) -> Sequence[str]:
+    return ("show", *words) if is_world(words[0]) else ()
+
+
+@click.group(cls=CommandGroup, meant=_meant, invoke_without_command=True)
 @click.pass_context
 def environments(context: click.Context) -> None:
     """List the environments of the catalogue, or draw one.
@@ -33,17 +41,23 @@ def environments(context: click.Context) -> None:
 
 
 @environments.command()
-@click.argument("environment", metavar="ENV")
+@click.argument("environment", metavar="ENV", shell_complete=candidates.worlds)
 @click.option(
     "--out",
     type=click.Path(path_type=Path),
     metavar="FILE",
     help="File for the picture.  [default: ENV.svg]",
 )
+@click.option("--force", is_flag=True, help="Replace FILE if it exists.")
 @click.option("--resolution", type=float, help="Metres per pixel of an image without its own.")
 @click.option("--threshold", type=float, help="Lightness from 0 to 1 above which a pixel is free.")
 def show(
-    environment: str, out: Path | None, resolution: float | None, threshold: float | None
+    environment: str,
+    *,
+    out: Path | None,
+    force: bool,
+    resolution: float | None,
+    threshold: float | None,
 ) -> None:
     """Draw an environment as SVG.
 
@@ -59,9 +73,10 @@ def show(
     from multisrt.simulation.worlds import build_environment, environment_spec
 
     where = environment_spec(environment, resolution_m=resolution, threshold=threshold)
-    world = build_environment(where)
     if out is None:
         out = Path(f"{Path(environment).stem}.svg")
+    require_no_file(out, force=force)
+    world = build_environment(where)
     save_environment_svg(world, out)
     x0, y0, x1, y1 = world.bounds
     click.echo(

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
+from multisrt.cli import candidates
 from multisrt.cli.experiment_check import check
 from multisrt.cli.imports import import_all, import_option
-from multisrt.cli.running import Running, make_runs, print_gaps, running_options, width
+from multisrt.cli.mistakes import CommandGroup
+from multisrt.cli.outputs import require_no_file
+from multisrt.cli.running import Running, make_runs, print_gaps, running_options
 from multisrt.cli.spec_files import read_experiment
 
 if TYPE_CHECKING:
@@ -33,7 +37,11 @@ Examples, in the order of the work:
 """
 
 
-@click.group(epilog=EXAMPLES)
+def _meant(words: Sequence[str]) -> Sequence[str]:
+    return ("run", *words) if Path(words[0]).suffix == ".toml" else ()
+
+
+@click.group(cls=CommandGroup, meant=_meant, epilog=EXAMPLES)
 def experiment() -> None:
     """Describe, run and export comparisons of strategies.
 
@@ -42,12 +50,14 @@ def experiment() -> None:
     """
 
 
-experiment.add_command(check)
-
-
 @experiment.command()
 @click.argument("file", metavar="FILE", type=click.Path(path_type=Path))
-@click.option("--like", metavar="PAPER", help="Copy the experiment of 'multisrt reproduce PAPER'.")
+@click.option(
+    "--like",
+    metavar="PAPER",
+    shell_complete=candidates.papers,
+    help="Copy the experiment of 'multisrt reproduce PAPER'.",
+)
 @click.option(
     "--schema/--no-schema",
     default=True,
@@ -74,6 +84,9 @@ def new(file: Path, like: str | None, schema: bool) -> None:
     for path in write_new(file, like=preset, with_schema=schema):
         click.echo(path)
     click.echo(f"next: multisrt experiment check {file}")
+
+
+experiment.add_command(check)
 
 
 @experiment.command()
@@ -139,10 +152,11 @@ def run(
 def _print_results(results: Results, path: Path) -> None:
     from multisrt.reporting.overview import overview_table
     from multisrt.reporting.words import totals
+    from multisrt.terminal import terminal_width
 
     click.echo(f"{results.experiment.name}: {totals(results)}, in {path}\n")
     if any(result.metrics is not None for result in results):
-        click.echo(overview_table(results).text(width()))
+        click.echo(overview_table(results).text(terminal_width()))
         print_gaps(results)
     _print_failures(results, path)
     click.echo(f"next: multisrt report {path} --out {path.with_suffix('')}-report")
@@ -165,7 +179,8 @@ def _print_failures(results: Results, path: Path) -> None:
 @experiment.command()
 @click.argument("results", metavar="RESULTS", type=click.Path(path_type=Path))
 @click.argument("out", metavar="OUT", type=click.Path(path_type=Path))
-def export(results: Path, out: Path) -> None:
+@click.option("--force", is_flag=True, help="Replace OUT if it exists.")
+def export(results: Path, out: Path, force: bool) -> None:
     """Write results as a table (.csv or .parquet).
 
     OUT has one row for each run. Parquet needs pyarrow: pip install multisrt[frames].
@@ -176,6 +191,9 @@ def export(results: Path, out: Path) -> None:
       multisrt experiment export star.sqlite star.parquet
     """
     from multisrt.experiments.frames import export as write
+    from multisrt.terminal import LiveLine
 
-    many = write(results, out)
+    require_no_file(out, force=force)
+    with LiveLine(True, "reading", str(results)):
+        many = write(results, out)
     click.echo(f"{out}: {many} runs")

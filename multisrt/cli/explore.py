@@ -8,12 +8,15 @@ from typing import TYPE_CHECKING, Any
 import click
 from click.core import ParameterSource
 
+from multisrt.cli import candidates
 from multisrt.cli.imports import import_all, import_option, named_strategy
+from multisrt.cli.outputs import new_folder, require_no_run, run_folder
 from multisrt.cli.progress import Progress
-from multisrt.cli.run_options import DRIVES, FAULTS, OVERRIDES, spec_of_options
+from multisrt.cli.run_options import DRIVES, FAULTS, OVERRIDES, USUAL, spec_of_options
 from multisrt.cli.sections import SectionedCommand
 from multisrt.cli.spec_files import read_run_spec
 from multisrt.cli.summary import print_summary
+from multisrt.geometry.errors import InvalidInputError
 
 if TYPE_CHECKING:
     from multisrt.informed.reference import Regret
@@ -32,9 +35,12 @@ SECTIONS = {
     "Robots": ("--range", "--beams", "--footprint", "--drive", "--speed", "--turning-radius"),
     "Radio": ("--radio-range", "--no-multi-hop", "--latency", "--jitter", "--loss", "--walls"),
     "Image maps": ("--resolution", "--threshold"),
-    "Output": ("--out", "--regret", "--quiet"),
+    "Output": ("--out", "--force", "--regret", "--quiet"),
 }
 """Headings of the help page, and the options below each."""
+
+EXCEPT_SPEC = ("spec_file", "imports", "out", "force", "regret", "quiet")
+"""Parameters that a spec does not describe."""
 
 EXAMPLES = """
 \b
@@ -69,12 +75,13 @@ Exit code:
 # Every default is that of the specs: an option that is not given is not passed on. The values in
 # brackets are for people; a test compares them with the specs, whose import would delay the help.
 @click.command(cls=SectionedCommand, sections=SECTIONS, epilog=EXAMPLES)
-@click.argument("environment", metavar="[ENV]", required=False)
+@click.argument("environment", metavar="[ENV]", required=False, shell_complete=candidates.worlds)
 @click.option(
     "--strategy",
     "strategies",
     multiple=True,
     metavar="NAME",
+    shell_complete=candidates.strategies,
     help="Strategy, or FILE.py:CLASS or MODULE:CLASS for one of your own; repeat it to run several "
     "and compare them.  [default: srt-radial]",
 )
@@ -84,6 +91,7 @@ Exit code:
     "options",
     multiple=True,
     metavar="KEY=VALUE",
+    shell_complete=candidates.options,
     help="Option of the strategy, as 'multisrt strategies NAME' lists them; repeatable.",
 )
 @click.option("--seed", type=int, help="Seed of all random streams.  [default: 0]")
@@ -113,14 +121,16 @@ Exit code:
     "--robot",
     multiple=True,
     metavar="KEY=VALUE,...",
-    help=f"What differs for one robot; repeat it in the robots' order. Keys: "
-    f"{', '.join(OVERRIDES)}.",
+    shell_complete=candidates.robots,
+    help="What differs for one robot; once for each, in their order. Keys: "
+    f"{', '.join(OVERRIDES)}; '{USUAL}' if nothing differs.",
 )
 @click.option(
     "--fault",
     "faults",
     multiple=True,
     metavar="FAULT",
+    shell_complete=candidates.faults,
     help=f"A fault, times in seconds; repeatable: {FAULTS}.",
 )
 @click.option("--range", "range_m", type=float, help="Range of the range finder (m).  [default: 4]")
@@ -162,8 +172,10 @@ Exit code:
     "--out",
     type=click.Path(path_type=Path),
     metavar="DIR",
-    help="Folder for the results.  [default: runs/ENV-STRATEGY-SEED]",
+    shell_complete=candidates.folders,
+    help="Folder for the results.  [default: runs/ENV-STRATEGY-SEED, with a number if it exists]",
 )
+@click.option("--force", is_flag=True, help="Replace the run that --out holds.")
 @click.option(
     "--regret",
     is_flag=True,
@@ -179,7 +191,7 @@ def explore(
     imports: tuple[str, ...],
     out: Path | None,
     spec_file: Path | None,
-    regret: bool,
+    force: bool,
     quiet: bool,
     **given: Any,
 ) -> None:
@@ -194,6 +206,8 @@ def explore(
     from multisrt.experiments.results import is_success
     from multisrt.robots.loading import is_reference
 
+    if force and out is None:
+        raise click.UsageError("--force replaces the run in --out DIR, which is not given")
     import_all(imports)
     own = environment if environment is not None and is_reference(environment) else None
     if own is not None:
@@ -207,30 +221,60 @@ def explore(
         specs = [read_run_spec(spec_file)]
         name = spec_file.stem
     elif environment is None:
-        raise click.UsageError("name an environment (ENV), or a spec (--spec FILE)")
+        raise click.UsageError(
+            "name a world (ENV; 'multisrt environments' lists some) or a spec (--spec FILE)"
+        )
     else:
-        names = [named_strategy(text).name for text in strategies]
-        if twice := {name for name in names if names.count(name) > 1}:
-            raise click.BadParameter(
-                f"the strategy {min(twice)} is given twice; FILE.py:CLASS=OTHER gives one of your "
-                "own another name",
-                param_hint="--strategy",
-            )
+        if Path(environment).suffix == ".toml":
+            raise click.UsageError(f"{environment} is no map: did you mean --spec {environment}?")
+        names = _named(strategies)
         specs = [spec_of_options(environment, name, given) for name in names or (None,)]
+        _require_shared_options(specs)
         name = Path(environment).stem
-    if regret:
+    if given["regret"]:
         _require_plans(specs)
     folders = _folders(specs, out, name)
-    runs = _run_all(specs, folders, quiet)
+    for folder in folders:
+        require_no_run(folder, force=force)
+    runs = _run_all(specs, folders, force=force, quiet=quiet)
     if not quiet:
         if own is not None:
             click.echo(
                 f"no environment is named: {OWN_WORLD} is explored; for another: multisrt "
                 f"explore ENV --strategy {own}"
             )
-        print_summary(runs, folders, _regrets(runs) if regret else None)
+        print_summary(runs, folders, _regrets(runs) if given["regret"] else None)
     if not all(is_success(run.metrics) for run in runs):
         raise SystemExit(NO_SUCCESS)
+
+
+def _named(strategies: tuple[str, ...]) -> list[str]:
+    names = [named_strategy(text).name for text in strategies]
+    if twice := {name for name in names if names.count(name) > 1}:
+        raise click.BadParameter(
+            f"the strategy {min(twice)} is given twice; FILE.py:CLASS=OTHER gives one of your own "
+            "another name",
+            param_hint="--strategy",
+        )
+    return names
+
+
+def _require_shared_options(specs: list[RunSpec]) -> None:
+    # Options are for all strategies that are compared: an option of one of them is not dropped.
+    import msgspec
+
+    from multisrt.robots.registry import strategy
+
+    for key in specs[0].options:
+        known = {
+            spec.strategy: msgspec.structs.fields(strategy(spec.strategy).options) for spec in specs
+        }
+        without = [name for name in known if all(key != field.name for field in known[name])]
+        if 0 < len(without) < len(known):
+            raise InvalidInputError(
+                f"--option {key} is for all strategies, and {without[0]} has none of that name: "
+                "run the strategies one by one"
+            )
 
 
 def _require_plans(specs: list[RunSpec]) -> None:
@@ -255,7 +299,7 @@ def _regrets(runs: list[Run]) -> list[Regret]:
 def _require_nothing_else(context: click.Context) -> None:
     for parameter in context.command.params:
         name = parameter.name
-        if name is None or name in ("spec_file", "imports", "out", "regret", "quiet"):
+        if name is None or name in EXCEPT_SPEC:
             continue
         if context.get_parameter_source(name) is ParameterSource.COMMANDLINE:
             given = "ENV" if isinstance(parameter, click.Argument) else parameter.opts[0]
@@ -263,14 +307,14 @@ def _require_nothing_else(context: click.Context) -> None:
 
 
 def _folders(specs: list[RunSpec], out: Path | None, name: str) -> list[Path]:
+    seed = specs[0].seed
     if len(specs) == 1:
-        spec = specs[0]
-        return [out or Path("runs") / f"{name}-{spec.strategy}-{spec.seed}"]
-    return [(out or Path("runs") / f"{name}-{spec.seed}") / spec.strategy for spec in specs]
+        return [out or new_folder(Path("runs") / f"{name}-{specs[0].strategy}-{seed}")]
+    whole = out or new_folder(Path("runs") / f"{name}-{seed}")
+    return [whole / spec.strategy for spec in specs]
 
 
-def _run_all(specs: list[RunSpec], folders: list[Path], quiet: bool) -> list[Run]:
-    from multisrt.cli.output_folder import output_folder
+def _run_all(specs: list[RunSpec], folders: list[Path], *, force: bool, quiet: bool) -> list[Run]:
     from multisrt.robots.registry import strategy
     from multisrt.run import RECORDING_NAME, RUN_NAME, SPEC_NAME, TREE_NAME, Run
     from multisrt.simulation.simulate import simulate
@@ -285,7 +329,7 @@ def _run_all(specs: list[RunSpec], folders: list[Path], quiet: bool) -> list[Run
         progress.say("reading the environment")
         world = build_environment(specs[0].environment)
         for spec, out in zip(specs, folders, strict=True):
-            with output_folder(out) as folder:
+            with run_folder(out, force=force) as folder:
                 watch = progress.watcher(spec, world)
                 path, planning = folder / RECORDING_NAME, progress.planning(spec.strategy)
                 run = Run(simulate(spec, world, path=path, watch=watch, planning=planning), world)

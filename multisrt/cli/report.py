@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from multisrt.cli import candidates
 from multisrt.cli.imports import import_all, import_option
 
 
@@ -17,6 +18,7 @@ from multisrt.cli.imports import import_all, import_option
     default=Path("report"),
     show_default=True,
     metavar="DIR",
+    shell_complete=candidates.folders,
     help="Folder for the report; a report that is already there is replaced.",
 )
 @click.option("--latex", is_flag=True, help="Also write the tables as LaTeX.")

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from multisrt.cli import candidates
 from multisrt.cli.running import Running, make_runs, print_gaps, running_options
 
 if TYPE_CHECKING:
@@ -16,12 +17,15 @@ if TYPE_CHECKING:
 
 STORE_NAME, REPORT_NAME, SUMMARY_NAME = "results.sqlite", "report", "summary.md"
 
+PAPERS = ("multi-srt", "sbx-r", "minpos", "alvarez")
+"""Names of the papers, for completion, which does not import the presets."""
+
 RUNS_FAILED = 3
 """Exit code if a run is no success."""
 
 
 @click.command()
-@click.argument("name", metavar="PAPER")
+@click.argument("name", metavar="PAPER", shell_complete=candidates.papers)
 @click.option("--quick", is_flag=True, help="Fewer conditions and repetitions: some minutes.")
 @click.option(
     "--seeds",
@@ -34,6 +38,7 @@ RUNS_FAILED = 3
     "--out",
     type=click.Path(path_type=Path),
     metavar="DIR",
+    shell_complete=candidates.folders,
     help="Folder for all files.  [default: reproduced/PAPER, or PAPER-quick]",
 )
 @click.option(
@@ -97,6 +102,7 @@ def reproduce(
         experiment = msgspec.structs.replace(experiment, repetitions=seeds)
     out = out or Path("reproduced") / (name + ("-quick" if quick else ""))
     path = store or out / STORE_NAME
+    _require_own_summary(out / SUMMARY_NAME, path)
     _make_folder(out)
     results = make_runs(path, experiment, running=running)
     claims, tables = preset.claims(results), preset.tables(results)
@@ -122,6 +128,17 @@ def reproduce(
         click.echo(f"{page}\n{out / SUMMARY_NAME}")
     if any(result.failed for result in results):
         raise SystemExit(RUNS_FAILED)
+
+
+def _require_own_summary(summary: Path, store: Path) -> None:
+    # A summary is replaced beside the results that it sums up, and nowhere else.
+    from multisrt.geometry.errors import InvalidInputError
+
+    if summary.is_file() and not store.exists():
+        raise InvalidInputError(
+            f"{summary} exists already, and there are no results in {store}: choose another folder "
+            "with --out"
+        )
 
 
 def _make_folder(folder: Path) -> None:

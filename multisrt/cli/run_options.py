@@ -8,12 +8,21 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from multisrt.geometry.errors import InvalidInputError
+from multisrt.geometry.errors import InvalidInputError, did_you_mean
 
 if TYPE_CHECKING:
     from multisrt.spec import Fault, RobotSpec, RunSpec
 
 DRIVES = ("differential", "holonomic", "reeds-shepp", "dubins")
+
+DEFAULT_STRATEGY = "srt-radial"
+"""The strategy of `RunSpec`, for completion."""
+
+USUAL = "usual"
+"""Value of `--robot` for a robot that does not differ."""
+
+RADIO = ("radio_range", "no_multi_hop", "latency", "jitter", "loss", "walls")
+"""Parameters of the command that are about the radio."""
 
 OVERRIDES = ("footprint", "range", "beams", "drive", "speed", "turning-radius", "start")
 """Keys of `--robot`."""
@@ -51,6 +60,7 @@ def spec_of_options(environment: str, strategy: str | None, given: Mapping[str, 
     """
     from multisrt.simulation.worlds import environment_spec
     from multisrt.spec import RadioSpec, RunSpec, StopRule
+    from multisrt.spec.keywords import require_use
 
     radio = _renamed(
         given,
@@ -65,7 +75,7 @@ def spec_of_options(environment: str, strategy: str | None, given: Mapping[str, 
     fields = _renamed(given, starts="starts", seed="seed")
     if strategy is not None:
         fields["strategy"] = strategy
-    return RunSpec(
+    spec = RunSpec(
         environment=environment_spec(
             environment, resolution_m=given["resolution"], threshold=given["threshold"]
         ),
@@ -76,6 +86,10 @@ def spec_of_options(environment: str, strategy: str | None, given: Mapping[str, 
         stop=StopRule(**_renamed(given, max_time="max_time_s")),
         **fields,
     )
+    of_team = {name: f"--{name.replace('_', '-')}" for name in ("starts", *RADIO) if given[name]}
+    sized = given["robots"] is not None or bool(given["robot"])
+    require_use(spec, of_team, "--robots", sized=sized)
+    return spec
 
 
 def options_of(texts: Iterable[str]) -> dict[str, Any]:
@@ -106,8 +120,12 @@ def _team(given: Mapping[str, Any]) -> tuple[RobotSpec, ...]:
         raise InvalidInputError(
             f"{len(places)} starts for {count} robots: give --start for each of them, or for none"
         )
-    if len(differing) > count:
-        raise InvalidInputError(f"--robot is given {len(differing)} times for {count} robots")
+    if differing and len(differing) != count:
+        raise InvalidInputError(
+            f"--robot is about one robot and is given {_times(len(differing))} for {count}: give "
+            f"it once for each, '--robot {USUAL}' where nothing differs; for what all have in "
+            "common there are options such as --range"
+        )
     usual = {
         "footprint": given["footprint"],
         "range": given["range_m"],
@@ -116,14 +134,37 @@ def _team(given: Mapping[str, Any]) -> tuple[RobotSpec, ...]:
         "speed": given["speed"],
         "turning-radius": given["turning_radius"],
     }
-    return tuple(
-        _robot(
-            usual
-            | {"start": places[number] if places else None}
-            | (differing[number] if number < len(differing) else {})
+    if places and any("start" in own for own in differing):
+        raise InvalidInputError("give starts by --start or by --robot start=..., not both")
+    team = [
+        _of_drive(usual, own) | {"start": places[number] if places else None} | own
+        for number, own in enumerate(differing or [{}] * count)
+    ]
+    for key, value in usual.items():
+        if value is not None and all(one[key] is not value for one in team):
+            raise InvalidInputError(
+                f"--{key} is used by no robot: "
+                + ("none is a car" if key == "turning-radius" else f"each has its own {key}")
+            )
+    return tuple(map(_robot, team))
+
+
+def _of_drive(usual: Mapping[str, Any], own: Mapping[str, Any]) -> dict[str, Any]:
+    # What one robot has in common with the others: a turning radius only if it is a car.
+    from multisrt.spec import DriveSpec
+
+    kind = own.get("drive") or usual["drive"]
+    is_car = kind is not None and DriveSpec(kind=kind).is_car
+    if "turning-radius" in own and not is_car:
+        raise InvalidInputError(
+            f"--robot turning-radius={own['turning-radius']:g}: this robot is no car; give it "
+            "drive=reeds-shepp or drive=dubins"
         )
-        for number in range(count)
-    )
+    return {key: None if key == "turning-radius" and not is_car else usual[key] for key in usual}
+
+
+def _times(number: int) -> str:
+    return "once" if number == 1 else f"{number} times"
 
 
 def _robot(given: Mapping[str, Any]) -> RobotSpec:
@@ -140,11 +181,14 @@ def _robot(given: Mapping[str, Any]) -> RobotSpec:
 def _overrides(text: str) -> dict[str, Any]:
     # Commas separate the keys, and also occur within a start or a footprint.
     values: dict[str, Any] = {}
+    if text == USUAL:
+        return values
     for part in re.split(r",\s*(?=[a-z-]+=)", text):
         key, value = _key_and_value(part, "--robot")
         if key not in OVERRIDES:
             raise click.BadParameter(
-                f"{key!r} is not one of {', '.join(OVERRIDES)}", param_hint="--robot"
+                f"{key!r} is not one of {', '.join(OVERRIDES)}{did_you_mean(key, OVERRIDES)}",
+                param_hint="--robot",
             )
         if key in ("range", "speed", "turning-radius"):
             values[key] = _number(value, float, "--robot")
@@ -152,7 +196,8 @@ def _overrides(text: str) -> dict[str, Any]:
             values[key] = _number(value, int, "--robot")
         elif key == "drive" and value not in DRIVES:
             raise InvalidInputError(
-                f"--robot: there is no drive {value!r}; there are: {', '.join(DRIVES)}"
+                f"--robot: there is no drive {value!r}{did_you_mean(value, DRIVES)}; there are: "
+                f"{', '.join(DRIVES)}"
             )
         else:
             values[key] = _start(value, "--robot") if key == "start" else value

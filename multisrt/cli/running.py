@@ -188,17 +188,8 @@ def print_gaps(results: Results) -> None:
     """
     from multisrt.reporting.study import Study
     from multisrt.reporting.tables import gap_table
+    from multisrt.terminal import terminal_width
 
     asked = results.unreferenced or any(result.reference for result in results)
     if asked and (gaps := gap_table(Study(results))) is not None:
-        click.echo(gaps.text(width()))
-
-
-def width() -> int:
-    """Return the width of tables on the terminal, in characters."""
-    import shutil
-    import sys
-
-    from multisrt.cli.tables import WIDTH
-
-    return shutil.get_terminal_size((WIDTH, 24)).columns if sys.stdout.isatty() else WIDTH
+        click.echo(gaps.text(terminal_width()))

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import click
 
+from multisrt.cli import candidates
 from multisrt.cli.imports import named_strategy
 from multisrt.cli.tables import show, table
 
 
 @click.command()
-@click.argument("name", metavar="[NAME]", required=False)
+@click.argument("name", metavar="[NAME]", required=False, shell_complete=candidates.strategies)
 def strategies(name: str | None) -> None:
     """List the strategies, or the options of one.
 
@@ -22,9 +23,6 @@ def strategies(name: str | None) -> None:
       multisrt strategies srt-radial
       multisrt strategies mine.py:Mine
     """
-    import msgspec
-
-    from multisrt.experiments.schema import documented_attributes
     from multisrt.robots.registry import broken_strategies
     from multisrt.robots.registry import strategies as all_strategies
 
@@ -38,6 +36,11 @@ def strategies(name: str | None) -> None:
         for broken, reason in broken_strategies().items():
             click.echo(f"{broken}: could not be loaded ({reason})", err=True)
         return
+    import msgspec
+
+    from multisrt.experiments.schema import documented_attributes
+    from multisrt.validation_errors import written
+
     chosen = named_strategy(name)
     click.echo(f"{chosen.name}: {chosen.summary}")
     if not msgspec.structs.fields(chosen.options):
@@ -48,6 +51,5 @@ def strategies(name: str | None) -> None:
     for kind in reversed(chosen.options.__mro__):
         meanings |= documented_attributes(kind.__doc__ or "")
     for field in msgspec.structs.fields(chosen.options):
-        default = str(field.default).lower() if field.default in (True, False) else field.default
-        listed.add_row(field.name, str(default), meanings.get(field.name, ""))
+        listed.add_row(field.name, written(field.default), meanings.get(field.name, ""))
     show(listed)

@@ -1,15 +1,15 @@
-"""Summary of finished runs on the terminal: one table, with a column for each run."""
+"""Summary of finished runs on the terminal: a column for each run, and who was best."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
 from multisrt.cli.reach import MIN_SHARE, elsewhere
-from multisrt.cli.tables import show, table
+from multisrt.cli.tables import show, show_blocks, table
 
 if TYPE_CHECKING:
     from multisrt.informed.reference import Regret
@@ -18,6 +18,9 @@ if TYPE_CHECKING:
 MAX_ROBOTS = 16
 """Largest team whose robots are listed one by one."""
 
+MAX_WIDE = 2
+"""Number of runs side by side up to which some rows have several numbers."""
+
 Rows = dict[str, str]
 
 
@@ -25,6 +28,8 @@ def print_summary(
     runs: list[Run], folders: list[Path], regrets: list[Regret] | None = None
 ) -> None:
     """Print how runs in one environment ended, their metrics side by side, and their files.
+
+    Several runs are compared in a last table of a row for each.
 
     Parameters
     ----------
@@ -35,7 +40,7 @@ def print_summary(
     regrets : list of Regret, optional
         For each run its times as multiples of those of the informed plan.
     """
-    from multisrt.run import RECORDING_NAME, RUN_NAME, SPEC_NAME, TREE_NAME
+    from multisrt.run import RUN_FILES, TREE_NAME
 
     for run in runs:
         spec = run.spec
@@ -52,15 +57,52 @@ def print_summary(
     for row, run, times in zip(rows, runs, regrets or (), strict=False):
         row |= _regret_rows(run, times)
     columns = [">value"] if len(runs) == 1 else [f">{run.spec.strategy}" for run in runs]
-    measures = table("measure", *columns)
-    for name in dict.fromkeys(name for row in rows for name in row):
-        measures.add_row(name, *(row.get(name, "") for row in rows))
-    show(measures)
+    names = dict.fromkeys(name for row in rows for name in row)
+    show_blocks(
+        ["measure", *columns], [(name, *(row.get(name, "") for row in rows)) for name in names]
+    )
     if 1 < len(runs[0].spec.robots) <= MAX_ROBOTS:
         _print_robots(runs)
-    for folder in folders:
-        for name in (TREE_NAME, RUN_NAME, SPEC_NAME, RECORDING_NAME):
-            click.echo(folder / name)
+    if len(runs) > 1:
+        _print_comparison(runs)
+        click.echo("\n".join(str(folder / TREE_NAME) for folder in folders))
+        others = [name for name in RUN_FILES if name != TREE_NAME]
+        click.echo(f"and beside each {', '.join(others[:-1])} and {others[-1]}")
+    else:
+        click.echo("\n".join(str(folders[0] / name) for name in RUN_FILES))
+
+
+def _print_comparison(runs: list[Run]) -> None:
+    from multisrt.experiments.results import is_success
+
+    measures: dict[str, list[float | None]] = {
+        "95 % (s)": [run.metrics.time_to_95_s for run in runs],
+        "known (s)": [run.metrics.known_complete_s for run in runs],
+        "done (s)": [run.metrics.makespan_s for run in runs],
+        "driven (m)": [run.metrics.total_distance_m for run in runs],
+    }
+    good = [is_success(run.metrics) for run in runs]
+    compared = table("strategy", "success", ">covered", *(f">{heading}" for heading in measures))
+    cells = [_with_best(values, good) for values in measures.values()]
+    for number, run in enumerate(runs):
+        compared.add_row(
+            run.spec.strategy,
+            "yes" if good[number] else "no",
+            f"{run.metrics.coverage:.1%}",
+            *(column[number] for column in cells),
+        )
+    show(compared)
+    click.echo("* best of the successful runs, of which there is one each; 'multisrt experiment'")
+    click.echo("  compares over many seeds\n")
+
+
+def _with_best(values: Sequence[float | None], good: Sequence[bool]) -> list[str]:
+    pairs = list(zip(values, good, strict=True))
+    best = min((value for value, is_good in pairs if is_good and value is not None), default=None)
+    return [
+        "never" if value is None else f"{'* ' * (is_good and value == best)}{value:.1f}"
+        for value, is_good in pairs
+    ]
 
 
 def _print_reach(run: Run) -> None:
@@ -98,12 +140,12 @@ def _rows(run: Run, nodes: str, runs: list[Run]) -> Rows:
             for why in _kinds(run.metrics.given_up_m2 for run in runs)
         },
         "free space": f"{m.free_area_m2:.1f} m2",
-        "90, 95, 99 % covered at": _times(m.time_to_90_s, m.time_to_95_s, m.time_to_99_s),
+        **_times_covered(run, narrow=len(runs) > MAX_WIDE),
         "map known complete at": _seconds(m.known_complete_s),
         "all done at": _seconds(m.makespan_s),
         "lower bound of the time": _seconds(m.lower_bound_s),
         "distance": f"{m.total_distance_m:.1f} m",
-        **(_team_rows(run) if team else {}),
+        **(_team_rows(run, narrow=len(runs) > MAX_WIDE) if team else {}),
         nodes: str(m.nodes),
         **{
             f"nodes: {kind}": str(m.nodes_by_stage.get(kind, 0))
@@ -133,17 +175,27 @@ def _multiple(value: float | None) -> str:
     return "none" if value is None else f"{value:.2f}"
 
 
-def _team_rows(run: Run) -> Rows:
+def _times_covered(run: Run, *, narrow: bool) -> Rows:
+    m = run.metrics
+    times = {"90": m.time_to_90_s, "95": m.time_to_95_s, "99": m.time_to_99_s}
+    if narrow:
+        return {f"{share} % covered at": _seconds(value) for share, value in times.items()}
+    return {"90, 95, 99 % covered at": _times(*times.values())}
+
+
+def _team_rows(run: Run, *, narrow: bool) -> Rows:
     m = run.metrics
     between = m.min_distance_between_robots_m
     return {
         "spread of distances": f"{m.distance_spread_m:.1f} m",
         "waiting": f"{m.waiting_time_s:.1f} s",
-        "seen by several robots": f"{m.overlap_area_m2:.1f} m2 ({m.overlap_share:.1%})",
+        "seen by several robots": f"{m.overlap_area_m2:.1f} m2"
+        + f" ({m.overlap_share:.1%})" * (not narrow),
         **({} if m.beyond_range_m is None and not m.isolated_total_s else _isolation(run)),
         "known to one robot only": f"{m.known_to_one_m2s:.0f} m2 s",
         "the same at the end": f"{m.known_to_one_m2:.1f} m2",
-        "coordinations": f"{m.coordinations} ({m.deadlocks} deadlocks)",
+        "coordinations": f"{m.coordinations}" + f" ({m.deadlocks} deadlocks)" * (not narrow),
+        **({"deadlocks": str(m.deadlocks)} if narrow else {}),
         "protective stops": str(m.protective_stops),
         "messages": f"{m.messages} ({m.bytes_sent / 1e6:.2f} MB)",
         "deliveries": f"{m.deliveries} ({m.lost_deliveries} lost)",
@@ -174,17 +226,20 @@ def _scans(run: Run) -> bool:
 
 def _print_robots(runs: list[Run]) -> None:
     alone = len(runs) == 1
-    columns = [f">{run.spec.strategy}: distance" for run in runs]
+    columns = [f">{run.spec.strategy}" for run in runs]
     made_what = ">scans" if _scans(runs[0]) else ">nodes"
-    robots = table("robot", "start", *([">distance", ">waiting", made_what] if alone else columns))
     made = runs[0].metrics.nodes_by_robot
+    rows = []
     for robot, (x, y, _) in enumerate(runs[0].recording.starts):
         values = [f"{run.metrics.distance_by_robot_m[robot]:.1f} m" for run in runs]
         if alone:
             waited = runs[0].metrics.waiting_time_by_robot_s[robot]
             values += [f"{waited:.1f} s", str(made[robot])]
-        robots.add_row(str(robot), f"({x:.2f}, {y:.2f})", *values)
-    show(robots)
+        rows.append((str(robot), f"({x:.2f}, {y:.2f})", *values))
+    if not alone:
+        click.echo("distance of each robot")
+    headings = [">distance", ">waiting", made_what] if alone else columns
+    show_blocks(["robot", "start", *headings], rows, labels=2)
 
 
 def _seconds(value: float | None) -> str:

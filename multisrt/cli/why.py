@@ -25,20 +25,46 @@ def why(
 ) -> None:
     """Explain what a robot knew and decided.
 
-    RECORDING is the file recording.jsonl that 'multisrt explore' writes.
+    RECORDING is the folder that 'multisrt explore' wrote, or the file recording.jsonl in it.
 
     \b
     Examples:
-      multisrt why runs/office-srt-radial-0/recording.jsonl
-      multisrt why out/recording.jsonl --robot 2 --time 31.5
+      multisrt why runs/office-srt-radial-0
+      multisrt why out --robot 2 --time 31.5
       multisrt why out/recording.jsonl --robot 2 --all
     """
     from multisrt.explain.srt import explain, explain_all
     from multisrt.recording import Recording
+    from multisrt.terminal import LiveLine
 
     if everything and time_s is not None:
         raise click.UsageError("--all lists all decisions: leave out --time")
     import_all(imports)
-    loaded = Recording.load(recording)
-    text = explain_all(loaded, robot) if everything else explain(loaded, robot, time_s)
+    path = _recording_in(recording)
+    with LiveLine(True, "reading", str(path)):
+        loaded = Recording.load(path)
+        text = explain_all(loaded, robot) if everything else explain(loaded, robot, time_s)
     click.echo(text, nl=False)
+
+
+def _recording_in(path: Path) -> Path:
+    # The recording of a folder, or beside another file of the run.
+    from multisrt.geometry.errors import InvalidInputError
+    from multisrt.run import RECORDING_NAME, RUN_FILES
+
+    if path.is_dir():
+        if (path / RECORDING_NAME).is_file():
+            return path / RECORDING_NAME
+        found = sorted(below.parent for below in path.glob(f"*/{RECORDING_NAME}"))
+        if len(found) == 1:
+            return found[0] / RECORDING_NAME
+        if found:
+            raise InvalidInputError(
+                f"{path} holds {len(found)} runs: name one of {', '.join(map(str, found))}"
+            )
+        raise InvalidInputError(f"{path} holds no run: there is no {RECORDING_NAME} in it")
+    if path.name in RUN_FILES and path.name != RECORDING_NAME:
+        beside = path.with_name(RECORDING_NAME)
+        if beside.is_file():
+            raise InvalidInputError(f"{path} is no recording; name that of the run: {beside}")
+    return path

@@ -57,6 +57,7 @@ def main(arguments: Sequence[str]) -> None:
     except InvalidInputError as error:
         _answer(answers, Unable(str(error)))
         return
+    import multisrt.robots.explorers  # noqa: F401, what the first explorer would import
     from multisrt.experiments.mission import make_run
 
     gc.collect()

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.informed.options import InformedOptions
-from multisrt.planners.motion.kinematics import Car
-from multisrt.robots.explorer import Explorer, RobotSelf
 from multisrt.robots.strategy import Strategy
-from multisrt.spec import Death, LateStart, RunSpec
+
+if TYPE_CHECKING:
+    from multisrt.geometry.configuration import Configuration
+    from multisrt.robots.explorer import Explorer, RobotSelf
+    from multisrt.spec import RunSpec
 
 
 def _explorer(me: RobotSelf, options: InformedOptions) -> Explorer:
@@ -29,8 +30,10 @@ def _plan(
 
 
 def _require_fit(spec: RunSpec) -> None:
+    from multisrt.spec import Death, LateStart
+
     for number, robot in enumerate(spec.robots):
-        if isinstance(robot.drive.kinematics(), Car):
+        if robot.drive.is_car:
             raise InvalidInputError(
                 f"robot {number} is a car, for which informed makes no plan; give it a holonomic "
                 "or differential drive"

@@ -12,9 +12,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from multisrt.drawing.svg import printable
-
-WIDTH: Final = 100
-"""Default width of a terminal, in characters."""
+from multisrt.terminal import WIDTH
 
 MIN_LABEL_COLUMN: Final = 12
 """Minimum width of a column of labels, in characters."""

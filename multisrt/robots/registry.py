@@ -6,33 +6,17 @@ Other packages add their own by an entry point in the group ``multisrt.strategie
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from functools import cache
 from importlib.metadata import EntryPoint, entry_points
+from typing import TYPE_CHECKING
 
 from multisrt.geometry.errors import InvalidInputError, did_you_mean
-from multisrt.geometry.regions.safe_region import Shape
-from multisrt.planners.motion.kinematics import Car
-from multisrt.robots.explorer import Explorer, RobotSelf
-from multisrt.robots.frontier.alvarez import rules_explorer
-from multisrt.robots.frontier.explore import FrontierExplorer, Rule
-from multisrt.robots.frontier.nearness import drive_by_option
-from multisrt.robots.frontier.options import (
-    BiddingOptions,
-    RulesOptions,
-    SelfBiddingOptions,
-    UtilityOptions,
-)
-from multisrt.robots.frontier.robot import Watch
-from multisrt.robots.frontier.self_bidding import choose_by_self_bidding, send_stop_signals
-from multisrt.robots.frontier.utility import choose_utility
-from multisrt.robots.frontier.wavefront_rules import choose_closest, choose_greedy, choose_minpos
-from multisrt.robots.multi_srt.build_multi_srt import SrtExplorer
-from multisrt.robots.multi_srt.options import MultiSrtOptions
 from multisrt.robots.strategy import Strategy, as_strategy
-from multisrt.spec import RunSpec
+
+if TYPE_CHECKING:
+    from multisrt.robots.explorer import Explorer
 
 
 def register(strategy: Strategy | Callable[..., Explorer], *, replace: bool = False) -> None:
@@ -91,7 +75,7 @@ def is_built_in(name: str) -> bool:
     >>> is_built_in("minpos"), is_built_in("mine")
     (True, False)
     """
-    return any(name == own.name for own in (*_OWN, _INFORMED.load()))
+    return any(name == own.name for own in _built_in())
 
 
 @contextmanager
@@ -187,7 +171,7 @@ def broken_strategies() -> Mapping[str, str]:
 
 @cache
 def _registry() -> dict[str, Strategy]:
-    found = {s.name: s for s in (*_OWN, _INFORMED.load())}
+    found = {s.name: s for s in _built_in()}
     for entry, loaded in _from_entry_points()[0].items():
         if loaded.name in found:
             raise InvalidInputError(
@@ -214,104 +198,11 @@ def _from_entry_points() -> tuple[dict[str, Strategy], dict[str, str]]:
     return loaded, broken
 
 
-def _srt(shape: Shape, summary: str) -> Strategy:
-    def explorer(me: RobotSelf, options: MultiSrtOptions) -> Explorer:
-        return SrtExplorer(me, shape, options)
+def _built_in() -> tuple[Strategy, ...]:
+    from multisrt.robots.built_in import BUILT_IN
 
-    return Strategy(
-        name=f"srt-{shape}",
-        summary=summary,
-        options=MultiSrtOptions,
-        explorer=explorer,
-        fits=_require_reach,
-    )
+    return (*BUILT_IN, _INFORMED.load())
 
-
-def _require_reach(spec: RunSpec) -> None:
-    # Robots that may become engaged have to hear one another before: R_c >= 3 R_p (Multi-SRT,
-    # section 2).
-    reach, ranges = spec.radio.range_m, [robot.range_finder.range_m for robot in spec.robots]
-    least = 3.0 * max(ranges)
-    if len(spec.robots) == 1 or reach is None or math.isclose(reach, least):
-        return
-    if reach < least:
-        raise InvalidInputError(
-            f"{spec.strategy} needs a radio range of at least three times the sensor range: "
-            f"{least:g} m for a sensor range of {max(ranges):g} m, not {reach:g} m; "
-            "give a longer radio range, or none for an unlimited one"
-        )
-
-
-def _bids(
-    name: str,
-    summary: str,
-    options: type[BiddingOptions],
-    rule: Rule,
-    watch: Watch | None = None,
-    fits: Callable[[RunSpec], None] | None = None,
-) -> Strategy:
-    def explorer(me: RobotSelf, options: BiddingOptions) -> Explorer:
-        return FrontierExplorer(me, options, rule, drive_by_option, watch)
-
-    def require_fit(spec: RunSpec) -> None:
-        if spec.options.get("drive", options().drive) == "nearness-diagram":
-            _require_no_car(spec)
-        if fits is not None:
-            fits(spec)
-
-    return Strategy(
-        name=name, summary=summary, options=options, explorer=explorer, fits=require_fit
-    )
-
-
-def _require_no_car(spec: RunSpec) -> None:
-    for number, robot in enumerate(spec.robots):
-        if isinstance(robot.drive.kinematics(), Car):
-            raise InvalidInputError(
-                f"robot {number} is a car, which {spec.strategy} cannot drive by the nearness "
-                "diagram; choose drive=path, or give it a holonomic or differential drive"
-            )
-
-
-def _require_talk(spec: RunSpec) -> None:
-    # Assigning, bidding for others and swapping goals need their positions.
-    if len(spec.robots) > 1 and spec.radio.range_m == 0.0:
-        raise InvalidInputError(
-            f"{spec.strategy} needs robots that hear one another, and the radio range is 0; "
-            "give a longer radio range, or none for an unlimited one"
-        )
-
-
-_OWN = (
-    _srt("ball", "Sensor-based Random Tree; safe regions are discs of the smallest reading"),
-    _srt("star", "Sensor-based Random Tree; safe regions are stars of equal cones"),
-    _srt("radial", "Sensor-based Random Tree; safe regions keep every reading"),
-    _bids("closest", "Every robot to its nearest frontier", BiddingOptions, choose_closest),
-    _bids("greedy", "The shortest ways first, every frontier once", BiddingOptions, choose_greedy),
-    _bids("minpos", "To the frontier where fewest are nearer", BiddingOptions, choose_minpos),
-    _bids(
-        "utility",
-        "A leader weighs ways against views",
-        UtilityOptions,
-        choose_utility,
-        fits=_require_talk,
-    ),
-    _bids(
-        "self-bidding",
-        "SBX-R: bids for the whole team, which keeps within radio range",
-        SelfBiddingOptions,
-        choose_by_self_bidding,
-        send_stop_signals,
-        fits=_require_talk,
-    ),
-    Strategy(
-        name="rules",
-        summary="Álvarez: scores of unexplored cells, right of way, and swaps of goals",
-        options=RulesOptions,
-        explorer=rules_explorer,
-        fits=_require_talk,
-    ),
-)
 
 _INFORMED = EntryPoint("informed", "multisrt.informed.registration:INFORMED", "multisrt.strategies")
 """The strategy that sees the truth. It is loaded by its name, as those of other packages are: what

@@ -9,21 +9,24 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import wraps
 from types import SimpleNamespace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import msgspec
 
-from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import InvalidInputError, did_you_mean
-from multisrt.robots.explorer import Explorer, RobotSelf
 from multisrt.robots.strategy_fields import require_fields
-from multisrt.spec import RunSpec
-from multisrt.validation_errors import explained
+from multisrt.validation_errors import allowed_words, explained
 
-Plan = Callable[
-    [RunSpec, Any, Sequence[Configuration], Callable[[float], None] | None], Sequence[object]
-]
-"""Plans a run on the truth; its second parameter is the environment, which robots do not know."""
+if TYPE_CHECKING:
+    from multisrt.geometry.configuration import Configuration
+    from multisrt.robots.explorer import Explorer, RobotSelf
+    from multisrt.spec import RunSpec
+
+    Plan = Callable[
+        [RunSpec, Any, Sequence[Configuration], Callable[[float], None] | None], Sequence[object]
+    ]
+    """Plans a run on the truth; its second parameter is the environment, which robots do not
+    know."""
 
 
 class NoOptions(msgspec.Struct, frozen=True, kw_only=True):
@@ -226,17 +229,27 @@ class Strategy:
                     f"{self.name} has no option {key!r}{did_you_mean(key, known)}; "
                     f"it has: {', '.join(known) or 'none'}"
                 )
-        for key, value in options.items():
+        values = {key: _none_read(value, known[key].type) for key, value in options.items()}
+        for key, value in values.items():
             try:
                 msgspec.convert(value, known[key].type, strict=False)
             except msgspec.ValidationError as error:
                 wrong = explained(error, known[key].type)
-                raise InvalidInputError(f"option {key}={value!r} of {self.name}: {wrong}") from None
+                meant = did_you_mean(value, allowed_words(known[key].type))
+                raise InvalidInputError(
+                    f"option {key}={value!r} of {self.name}: {wrong}{meant}"
+                ) from None
         try:
-            return msgspec.convert(dict(options), self.options, strict=False)
+            return msgspec.convert(values, self.options, strict=False)
         except msgspec.ValidationError as error:
             wrong = explained(error, self.options)
             raise InvalidInputError(f"options of {self.name}: {wrong}") from None
+
+
+def _none_read(value: object, kind: Any) -> object:
+    # None as `multisrt strategies NAME` writes it; msgspec reads "null" only.
+    is_none = isinstance(value, str) and value.lower() == "none" and "none" in allowed_words(kind)
+    return None if is_none else value
 
 
 def as_strategy(given: Strategy | Callable[..., Explorer]) -> Strategy:

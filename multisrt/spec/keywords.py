@@ -1,13 +1,16 @@
-"""Values of the keywords of `multisrt.explore`: numbers of numpy taken, other kinds refused."""
+"""Keywords of `multisrt.explore`: numbers of numpy taken; other kinds, and unused ones, refused."""
 
 from __future__ import annotations
 
 import operator
 from collections.abc import Callable, Iterable, Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.spec.faults import Death, LateStart, Silence
+
+if TYPE_CHECKING:
+    from multisrt.spec.run import RunSpec
 
 
 def checked(name: str, value: Any) -> Any:
@@ -50,6 +53,47 @@ def checked(name: str, value: Any) -> Any:
                     f"faults are instances of Death, Silence and LateStart, not {fault!r}"
                 )
     return value
+
+
+def require_use(spec: RunSpec, given: Mapping[str, str], size: str, *, sized: bool) -> None:
+    """Check that a run uses what its user gave for a team.
+
+    Parameters
+    ----------
+    spec : RunSpec
+        The run.
+    given : mapping of str to str
+        What was given for a team, ``starts`` or a part of the radio, with its name as the user
+        wrote it.
+    size : str
+        How the user gives the size of a team.
+    sized : bool
+        Whether the size was given. A team of one is no mistake then: sizes may be tried in turn.
+
+    Raises
+    ------
+    InvalidInputError
+        If a way to draw starts was given and every robot has its start, or something was given
+        for a team and no team.
+
+    Examples
+    --------
+    >>> import multisrt as ms
+    >>> ms.explore("open", starts="clustered")
+    Traceback (most recent call last):
+    ...
+    multisrt.geometry.errors.InvalidInputError: starts is about a team, and there is one robot: ...
+    """
+    if "starts" in given and all(robot.start is not None for robot in spec.robots):
+        raise InvalidInputError(
+            f"{given['starts']} says how starts are drawn, but every robot was given its start: "
+            "leave out one of them"
+        )
+    if given and not sized and len(spec.robots) == 1:
+        raise InvalidInputError(
+            f"{next(iter(given.values()))} is about a team, and there is one robot: give {size}, "
+            "or leave it out"
+        )
 
 
 def _converted(name: str, value: Any, convert: Callable[[Any], Any], kind: str) -> Any:

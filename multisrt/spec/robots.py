@@ -15,6 +15,9 @@ from multisrt.spec.part import Part
 MIN_RANGE_M, MAX_RANGE_M = 0.01, 1e6
 """Bounds of the range of a range finder, in metres."""
 
+TURNING_RADIUS_M = 0.6
+"""Minimum turning radius of a car that is given none, in metres."""
+
 MIN_BEAMS, MAX_BEAMS = 5, 100_000
 """Bounds of the number of beams of a laser; far more would exhaust the memory."""
 
@@ -33,12 +36,13 @@ class DriveSpec(Part, frozen=True, kw_only=True):
     turn_rate_rad_s : float
         The maximum turn rate of a differential drive.
     turning_radius_m : float
-        The minimum turning radius of a car.
+        The minimum turning radius of a car; other drives have none.
 
     Raises
     ------
     InvalidInputError
-        If a number is not positive and finite.
+        If a number is not positive and finite, or a drive that is no car is given a turning
+        radius.
 
     Examples
     --------
@@ -49,11 +53,21 @@ class DriveSpec(Part, frozen=True, kw_only=True):
     kind: Literal["differential", "holonomic", "reeds-shepp", "dubins"] = "differential"
     speed_m_s: float = 0.5
     turn_rate_rad_s: float = math.pi / 2
-    turning_radius_m: float = 0.6
+    turning_radius_m: float = TURNING_RADIUS_M
 
     def __post_init__(self) -> None:
         Differential(speed_m_s=self.speed_m_s, turn_rate_rad_s=self.turn_rate_rad_s)
         Car(speed_m_s=self.speed_m_s, turning_radius_m=self.turning_radius_m)
+        if self.turning_radius_m != TURNING_RADIUS_M and not self.is_car:
+            raise InvalidInputError(
+                f"a {self.kind} drive has no turning radius: leave out turning_radius_m, or "
+                "choose a car (reeds-shepp or dubins)"
+            )
+
+    @property
+    def is_car(self) -> bool:
+        """Whether it has a turning radius: whether it cannot turn in place."""
+        return self.kind in ("reeds-shepp", "dubins")
 
     def kinematics(self) -> Kinematics:
         """Return the kinematics that this describes.

@@ -19,13 +19,11 @@ from multisrt.geometry.bodies.free_travel import (
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.numerics.kernel import BoolArray, FloatArray, IntArray
 from multisrt.geometry.numerics.rings import Rings
+from multisrt.planners.motion.margin import MIN_MARGIN_M
 from multisrt.planners.motion.room import ROUNDING_M, Room
 
 TOUCH_M = 1e-7
 """Distance in metres by which a disc stays off what it already stands next to."""
-
-MIN_MARGIN_M = 5e-4
-"""Minimum margin in metres, as contact counts as a collision."""
 
 ROUNDING_RAD = 1e-9
 """A turn smaller than this is rounding, in radians."""

@@ -177,13 +177,13 @@ def test_own_environments(asked, tmp_path):
 @pytest.mark.parametrize(
     ("said", "told"),
     [
-        ({"seeds": 0}, "repetitions: Expected `int` >= 1"),
+        ({"seeds": 0}, "repetitions: Expected a whole number >= 1"),
         ({"seeds": range(0)}, "seeds are consecutive numbers"),
         ({"seeds": range(0, 9, 2)}, "seeds are consecutive numbers, as in range(100, 120)"),
         ({"seeds": [1, 2]}, "seeds are a number of repetitions, or a range, not [1, 2]"),
         ({"seeds": True}, "seeds are a number of repetitions"),
-        ({"robots": [0]}, "robots[0]: Expected `int` >= 1"),
-        ({"robots": []}, "robots: Expected `list` of length >= 1"),
+        ({"robots": [0]}, "robots[0]: Expected a whole number >= 1"),
+        ({"robots": []}, "robots: Expected a list of length >= 1"),
         (
             {"robots": object()},
             "an experiment consists of text, numbers and the parts of an Exp",

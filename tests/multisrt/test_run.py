@@ -211,3 +211,24 @@ def test_why_explains_the_last_decision(run):
 def test_the_specs_of_faults_and_radios_are_public():
     assert all(getattr(multisrt, name) is not None for name in multisrt.__all__)
     assert {"RadioSpec", "Death", "Silence", "LateStart"} <= set(multisrt.__all__)
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ({"starts": "clustered"}, "starts is about a team, and there is one robot: give robots"),
+        ({"radio_range_m": 5.0}, "radio_range_m is about a team"),
+        (
+            {"starts": "clustered", "robots": [RobotSpec(start=(2, 2))]},
+            "starts says how starts are drawn, but every robot was given its start",
+        ),
+    ],
+)
+def test_keywords_that_nothing_uses_are_refused(given, said):
+    with pytest.raises(InvalidInputError, match=said):
+        explore("open", **given)
+
+
+def test_a_team_of_one_takes_the_keywords_of_a_team():
+    run = explore("open", robots=1, starts="clustered", radio_range_m=20.0, max_time_s=5.0)
+    assert run.spec.starts == "clustered"

@@ -364,3 +364,10 @@ def test_each_part_of_a_run_has_its_own_random_stream():
     assert len(first) == len(streams)
     assert random_stream(7, "robots", 1).random() == random_stream(7, "robots", 1).random()
     assert random_stream(7, "robots").random() != random_stream(8, "robots").random()
+
+
+def test_only_a_car_has_a_turning_radius():
+    assert DriveSpec(kind="dubins", turning_radius_m=0.5).is_car
+    for kind in ("differential", "holonomic"):
+        with pytest.raises(InvalidInputError, match=f"a {kind} drive has no turning radius"):
+            DriveSpec(kind=kind, turning_radius_m=0.5)

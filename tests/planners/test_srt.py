@@ -16,7 +16,8 @@ from multisrt.geometry.regions.safe_region import LocalSafeRegion, local_safe_re
 from multisrt.geometry.regions.scan import take_scan
 from multisrt.planners.motion.body import PlanningBody
 from multisrt.planners.motion.kinematics import Car, Differential, Holonomic
-from multisrt.planners.srt import Draws, SrtOptions, SrtPlanner
+from multisrt.planners.srt import Draws, SrtPlanner
+from multisrt.planners.srt_options import SrtOptions
 
 NONE = np.empty((0, 2))
 D_MIN = 0.5

@@ -13,7 +13,8 @@ from multisrt.geometry.numerics.rings import Rings
 from multisrt.geometry.regions.known_space import KnownSpace
 from multisrt.planners.motion.body import PlanningBody
 from multisrt.planners.motion.kinematics import Holonomic
-from multisrt.planners.srt import SrtOptions, SrtPlanner
+from multisrt.planners.srt import SrtPlanner
+from multisrt.planners.srt_options import SrtOptions
 from multisrt.planners.viewing import Way, arc_points
 
 

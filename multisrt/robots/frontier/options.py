@@ -8,7 +8,7 @@ from typing import Literal
 import msgspec
 
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.geometry.regions.safe_region import Shape
+from multisrt.geometry.regions.shapes import Shape
 
 
 class FrontierOptions(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from multisrt.geometry.grids.occupancy import Occupancy
 from multisrt.geometry.numerics.kernel import FloatArray
-from multisrt.geometry.regions.safe_region import LocalSafeRegion, Shape, local_safe_region
+from multisrt.geometry.regions.safe_region import LocalSafeRegion, local_safe_region
 from multisrt.geometry.regions.scan import Scan
+from multisrt.geometry.regions.shapes import Shape
 from multisrt.robots.knowledge import Entries, Entry, Node, NodeId
 
 

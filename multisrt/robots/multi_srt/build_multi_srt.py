@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from multisrt.geometry.regions.safe_region import Shape
+from multisrt.geometry.regions.shapes import Shape
 from multisrt.robots.explorer import Done, RobotSelf, Steps
 from multisrt.robots.multi_srt.build_srt import build_srt, until_boxed_in
 from multisrt.robots.multi_srt.options import MultiSrtOptions

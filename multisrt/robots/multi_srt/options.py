@@ -7,7 +7,7 @@ from itertools import pairwise
 from typing import Literal
 
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.planners.srt import SrtOptions
+from multisrt.planners.srt_options import SrtOptions
 
 _POSITIVE = (
     "guard_m",

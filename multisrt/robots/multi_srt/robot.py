@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from multisrt.geometry.regions.safe_region import Shape
+from multisrt.geometry.regions.shapes import Shape
 from multisrt.planners.motion.body import PlanningBody
 from multisrt.planners.srt import SrtPlanner
 from multisrt.robots.exploration_map import ExplorationMap

@@ -12,8 +12,9 @@ from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.regions.boundary import ARC_TOLERANCE_M, CUT, GAP, OBSTACLE, RANGE
 from multisrt.geometry.regions.edge_index import EdgeIndex
-from multisrt.geometry.regions.safe_region import CONTACT_TOLERANCE_M, local_safe_region
+from multisrt.geometry.regions.safe_region import local_safe_region
 from multisrt.geometry.regions.scan import ExactScan, LaserScan, take_scan
+from multisrt.geometry.regions.shapes import CONTACT_TOLERANCE_M
 from multisrt.geometry.regions.visibility import visibility_polygon
 
 R = 4.0

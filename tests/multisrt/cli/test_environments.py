@@ -32,3 +32,16 @@ def test_environments_show_refuses_bad_paths(call, folder, out):
     assert err.startswith("error: cannot write ")
     assert err.count("\n") == 1
     assert everything(folder) == before
+
+
+def test_a_picture_replaces_a_file_only_by_force(call, folder):
+    (folder / "office.svg").write_text("mine")
+    for words in (["office"], ["open", "--out", "office.svg"]):
+        code, out, err = call("environments", "show", *words)
+        assert (code, out) == (2, "")
+        assert err == (
+            "error: office.svg exists already: name another file, or replace it with --force\n"
+        )
+    assert (folder / "office.svg").read_text() == "mine"
+    assert call("environments", "show", "office", "--force")[0] == 0
+    assert (folder / "office.svg").read_text().startswith("<")

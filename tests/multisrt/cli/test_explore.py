@@ -54,12 +54,52 @@ def test_quiet_prints_nothing(call):
     assert call("explore", "room.wkt", "--quiet") == (0, "", "")
 
 
-def test_exploring_again_overwrites_with_the_same(call, folder):
-    call("explore", "pillar.wkt", "--out", "out")
+def test_a_run_is_replaced_only_by_force(call, folder):
+    call("explore", "pillar.wkt", "--out", "out", "--quiet")
+    (folder / "out" / "notes.txt").write_text("mine")
     before = everything(folder)
-    code, _, _ = call("explore", "pillar.wkt", "--out", "out")
-    assert code == 0
+    code, out, err = call("explore", "pillar.wkt", "--out", "out", "--seed", "1")
+    assert (code, out) == (2, "")
+    assert err == (
+        "error: out holds a run already: name another folder (--out), or replace the run with "
+        "--force\n"
+    )
     assert everything(folder) == before
+    assert call("explore", "pillar.wkt", "--out", "out", "--quiet", "--force") == (0, "", "")
+    assert everything(folder) == before
+
+
+def test_runs_without_out_get_folders_of_their_own(call, folder):
+    for _ in range(3):
+        assert call("explore", "room.wkt", "--quiet") == (0, "", "")
+    names = ["room-srt-radial-0", "room-srt-radial-0-2", "room-srt-radial-0-3"]
+    assert sorted(os.listdir(folder / "runs")) == names
+    for _ in range(2):
+        call("explore", "room.wkt", "--strategy", "closest", "--strategy", "minpos", "--quiet")
+    assert sorted(os.listdir(folder / "runs" / "room-0-2")) == ["closest", "minpos"]
+
+
+def test_no_strategy_runs_if_a_run_of_one_is_there(call, folder):
+    call("explore", "room.wkt", "--strategy", "minpos", "--out", "both/minpos", "--quiet")
+    before = everything(folder)
+    words = "--strategy", "closest", "--strategy", "minpos", "--out", "both"
+    code, _, err = call("explore", "room.wkt", *words)
+    assert (code, err.partition(" already")[0]) == (2, "error: both/minpos holds a run")
+    assert everything(folder) == before
+
+
+def test_many_strategies_fit_and_the_best_is_marked(call, monkeypatch):
+    names = ("closest", "greedy", "minpos", "utility", "srt-radial", "srt-star", "srt-ball")
+    words = [word for name in names for word in ("--strategy", name)]
+    monkeypatch.setattr("multisrt.terminal.WIDTH", 80)
+    code, out, _ = call("explore", "room.wkt", "--robots", "2", *words)
+    assert code == 0
+    assert "…" not in out
+    assert max(map(len, out.splitlines())) <= 80
+    told = out.rpartition(" strategy ")[2]
+    assert re.match(r" +success +covered +95 % \(s\) +known \(s\) +done \(s\) +driven \(m\)", told)
+    assert all(re.search(rf"^ {name} +yes +\d", told, re.M) for name in names)
+    assert told.count("* ") >= 5
 
 
 @pytest.mark.slow
@@ -113,6 +153,7 @@ def test_two_strategies_side_by_side(call, folder):
     assert sorted(os.listdir(folder / "both")) == ["srt-radial", "srt-star"]
     assert re.search(r"measure +srt-radial +srt-star", out)
     distances = []
+    assert "and beside each run.json, spec.toml and recording.jsonl" in out
     for name in ("srt-radial", "srt-star"):
         assert sorted(os.listdir(folder / "both" / name)) == FILES
         assert f"both/{name}/tree.svg" in out

@@ -13,7 +13,7 @@ ROOT = Path(__file__).parents[3]
 
 def process(*words: str, cwd: Path = ROOT, **options: Any) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
-        [sys.executable, "-m", "multisrt.cli", *words],
+        [sys.executable, "-m", "multisrt", *words],
         cwd=cwd,
         capture_output=True,
         text=True,
@@ -27,7 +27,7 @@ def test_exit_codes_of_a_process(folder):
     out = str(folder / "out")
     room = str(folder / "room.wkt")
     assert process("explore", room, "--out", out).returncode == 0
-    late = process("explore", room, "--out", out, "--range", "1", "--max-time", "1")
+    late = process("explore", room, "--range", "1", "--max-time", "1", cwd=folder)
     assert late.returncode == 3
     bad = process("explore", str(folder / "nothing.wkt"), "--out", str(folder / "new"))
     assert bad.returncode == 2

@@ -53,7 +53,8 @@ def test_runs_are_made_here_or_on_a_cluster(reproduce, told, tmp_path):
         code, out, err = reproduce("minpos", *both)
         assert (code, out) == (2, "")
         assert err.splitlines()[-1] == (
-            "Error: give --workers or --cluster, not both: a cluster has its own"
+            "error: give --workers or --cluster, not both: a cluster has its own; see "
+            "'multisrt reproduce --help'"
         )
     code, _, err = reproduce("minpos", "--workers", "-1")
     assert code == 2
@@ -119,3 +120,13 @@ def test_bad_input_gets_one_clear_line(reproduce, tmp_path, words, says):
     assert code == 2
     assert err.startswith(says)
     assert err.count("\n") == 1
+
+
+def test_a_summary_of_something_else_is_not_replaced(reproduce, folder):
+    (folder / "mine").mkdir()
+    (folder / "mine" / "summary.md").write_text("mine")
+    words = ("minpos", "--quick", "--seeds", "6", "--out", "mine")
+    code, out, err = reproduce(*words)
+    assert (code, out) == (2, "")
+    assert err.startswith("error: mine/summary.md exists already")
+    assert [path.name for path in (folder / "mine").iterdir()] == ["summary.md"]

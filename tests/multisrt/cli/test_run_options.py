@@ -69,6 +69,7 @@ def test_options_of_robots_that_differ(call):
         *("room.wkt", "--speed", "0.7", "--robots", "3"),
         *("--robot", "footprint=polygon:-0.2,-0.1 0.3,0 -0.2,0.1,range=6,speed=1,beams=90"),
         *("--robot", "start=2,3,0.5,drive=reeds-shepp,turning-radius=0.9"),
+        *("--robot", "usual"),
     )
     usual = DriveSpec(speed_m_s=0.7)
     assert spec.robots == (
@@ -83,6 +84,14 @@ def test_options_of_robots_that_differ(call):
         ),
         RobotSpec(drive=usual),
     )
+    cars = spec_of(
+        call,
+        *("room.wkt", "--turning-radius", "0.8", "--robot", "drive=dubins", "--robot", "usual"),
+    )
+    assert [robot.drive for robot in cars.robots] == [
+        DriveSpec(kind="dubins", turning_radius_m=0.8),
+        DriveSpec(),
+    ]
     starts = spec_of(call, "room.wkt", "--start", "1,1", "--start", "3,3,1")
     assert [robot.start for robot in starts.robots] == [(1.0, 1.0), (3.0, 3.0, 1.0)]
     two = spec_of(call, "room.wkt", "--robot", "range=2", "--robot", "range=3")

@@ -47,3 +47,21 @@ def test_why_refuses_bad_input(call, folder, words, named):
     assert err.startswith("error: ")
     assert err.count("\n") == 1
     assert named in err
+
+
+def test_why_finds_the_recording_in_a_folder(call, folder):
+    call("explore", "room.wkt", "--out", "one", "--quiet")
+    words = "--strategy", "closest", "--strategy", "srt-star", "--out", "two", "--quiet"
+    call("explore", "room.wkt", *words)
+    assert call("why", "one") == call("why", "one/recording.jsonl")
+    assert call("why", "two/closest") == call("why", "two/closest/recording.jsonl")
+    assert call("why", "two")[2] == (
+        "error: two holds 2 runs: name one of two/closest, two/srt-star\n"
+    )
+    assert call("why", "one/run.json")[2] == (
+        "error: one/run.json is no recording; name that of the run: one/recording.jsonl\n"
+    )
+    (folder / "none").mkdir()
+    assert call("why", "none")[2] == (
+        "error: none holds no run: there is no recording.jsonl in it\n"
+    )

@@ -133,7 +133,7 @@ def test_given_starts_are_used_in_order():
         ),
         (
             {"strategies": [{"name": "srt-star", "options": {"cones": "many"}}]},
-            "option cones='many' of srt-star: Expected `int`",
+            "option cones='many' of srt-star: Expected a whole number",
         ),
         (
             {"robots": [1, 2], "radios": [{"range_m": 8}]},

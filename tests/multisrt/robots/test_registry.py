@@ -6,7 +6,7 @@ import msgspec
 import pytest
 
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.planners.srt import SrtOptions
+from multisrt.planners.srt_options import SrtOptions
 from multisrt.robots import registry
 from multisrt.robots.explorer import Explorer, RobotSelf
 from multisrt.robots.multi_srt.options import MultiSrtOptions

@@ -286,7 +286,7 @@ def test_a_car_needs_room_to_turn(kind):
         starts(
             corridor,
             [
-                RobotSpec(start=(8, 1.5), drive=DriveSpec(turning_radius_m=5.0)),
+                RobotSpec(start=(8, 1.5)),
                 RobotSpec(drive=drive(1.4), **robot),
             ],
         )

@@ -9,7 +9,8 @@ from hypothesis import strategies as st
 from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.numerics.rings import Rings
-from multisrt.planners.motion.body import MIN_MARGIN_M, TOUCH_M, PlanningBody
+from multisrt.planners.motion.body import TOUCH_M, PlanningBody
+from multisrt.planners.motion.margin import MIN_MARGIN_M
 
 HALL = np.array([(10.0, 0.0), (10.0, 4.0), (0.0, 4.0), (0.0, 0.0)])
 DISC = PlanningBody(Footprint.disc(0.25), margin_m=0.02)

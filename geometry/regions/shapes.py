@@ -1,0 +1,13 @@
+"""The shapes of local safe regions, and their limits."""
+
+from __future__ import annotations
+
+from typing import Final, Literal
+
+Shape = Literal["ball", "star", "radial"]
+
+CONTACT_TOLERANCE_M: Final = 0.05
+"""Largest distance in metres of an obstacle behind the arc of a star or a ball that ends at it."""
+
+MIN_CONES: Final = 3
+"""Minimum number of cones of a star."""

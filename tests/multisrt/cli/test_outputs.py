@@ -1,0 +1,88 @@
+import pytest
+
+from multisrt.cli.outputs import new_folder, require_no_file, require_no_run, run_folder
+from multisrt.geometry.errors import InvalidInputError
+from tests.multisrt.cli.commands import everything
+
+RECORDED = '{"event":"header","format":"multisrt-recording"}\n'
+
+
+@pytest.fixture
+def run(tmp_path):
+    """A folder with the files of a run, and one that is the user's own."""
+    for name in ("tree.svg", "run.json", "spec.toml", "notes.txt"):
+        (tmp_path / name).write_text("old")
+    (tmp_path / "recording.jsonl").write_text(RECORDED)
+    return tmp_path
+
+
+def write(folder, *, force=False):
+    with run_folder(folder, force=force) as opened:
+        for name in ("tree.svg", "recording.jsonl"):
+            (opened / name).write_text("new")
+
+
+def test_a_new_folder_has_the_next_free_number(tmp_path):
+    wanted = tmp_path / "office-0"
+    assert new_folder(wanted) == wanted
+    wanted.mkdir()
+    assert new_folder(wanted).name == "office-0-2"
+    (tmp_path / "office-0-2").symlink_to("nowhere")
+    assert new_folder(wanted).name == "office-0-3"
+
+
+def test_a_file_is_replaced_only_by_force(tmp_path):
+    path = tmp_path / "a.svg"
+    require_no_file(path, force=False)
+    path.write_text("old")
+    require_no_file(path, force=True)
+    with pytest.raises(InvalidInputError, match=r"a\.svg exists already: .* --force"):
+        require_no_file(path, force=False)
+
+
+def test_force_replaces_the_files_of_a_run_and_no_others(run):
+    before = everything(run)
+    with pytest.raises(InvalidInputError, match="holds a run already"):
+        write(run)
+    assert everything(run) == before
+    write(run, force=True)
+    kept = {name: text for name, text in before.items() if name not in everything_new(run)}
+    assert everything(run) == kept | everything_new(run)
+
+
+def everything_new(folder):
+    return {name: text for name, text in everything(folder).items() if text == b"new"}
+
+
+def test_force_replaces_no_file_that_is_of_no_run(tmp_path):
+    (tmp_path / "spec.toml").write_text("mine")
+    for force in (False, True):
+        with pytest.raises(InvalidInputError, match=r"spec\.toml exists already and is not of a"):
+            require_no_run(tmp_path, force=force)
+    (tmp_path / "recording.jsonl").write_text("a song")
+    with pytest.raises(InvalidInputError, match="not of a run"):
+        require_no_run(tmp_path, force=True)
+
+
+def test_a_folder_with_other_files_takes_a_run(tmp_path):
+    (tmp_path / "notes.txt").write_text("mine")
+    write(tmp_path)
+    assert sorted(everything(tmp_path)) == ["notes.txt", "recording.jsonl", "tree.svg"]
+
+
+def test_an_unfinished_run_is_removed_only_by_force(tmp_path):
+    (tmp_path / "unfinished").mkdir()
+    (tmp_path / "unfinished" / "recording.jsonl.part").write_text("half")
+    with pytest.raises(InvalidInputError, match="killed or is still going on"):
+        write(tmp_path)
+    write(tmp_path, force=True)
+    assert sorted(everything(tmp_path)) == ["recording.jsonl", "tree.svg"]
+
+
+def test_a_folder_of_the_same_name_is_never_removed(tmp_path):
+    (tmp_path / "unfinished").mkdir()
+    (tmp_path / "unfinished" / "novel.txt").write_text("chapter 1")
+    for force in (False, True):
+        with pytest.raises(InvalidInputError, match="not of a run"):
+            write(tmp_path, force=force)
+    assert (tmp_path / "unfinished" / "novel.txt").read_text() == "chapter 1"

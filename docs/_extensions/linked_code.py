@@ -1,10 +1,10 @@
 """Link code in pages and docstrings to the API: `Run` or `ms.explore` needs no markup.
 
 Pages stay plain Markdown, and docstrings plain text. What is written as code becomes a link if it
-names one documented object: by its full name, by the end of it (``Run.why``), or by the last word
-alone if that is a class, a function with an underscore, or ends with ``()``. A full name, ``multisrt. ...``, that does not exist
-is an error. In the type of a parameter ("Footprint or None") every word that names a documented
-class becomes a link.
+names one documented object: by its full name, by the end of it (``Run.why``), or by the last word alone if
+that is a class, a function with an underscore, or ends with ``()``. A full name, ``multisrt. ...``,
+that does not exist is an error. In the type of a parameter ("Footprint or None") every word that
+names a documented class becomes a link.
 """
 
 from __future__ import annotations
@@ -88,7 +88,7 @@ def find(env: BuildEnvironment, text: str) -> tuple[str, str, str] | None:
         names = [
             name
             for name, entry in objects.items()
-            if name.endswith(f".{text}") and entry.objtype in kinds
+            if name.endswith(f".{text}") and entry.objtype in kinds and not entry.aliased
         ]
     if len(names) != 1:
         return None

@@ -1,10 +1,10 @@
 """Link code in pages and docstrings to the API: `Run` or `ms.explore` needs no markup.
 
 Pages stay plain Markdown, and docstrings plain text. What is written as code becomes a link if it
-names one documented object: by its full name, by the end of it (``Run.why``), or by the last word alone if
-that is a class, a function with an underscore, or ends with ``()``. A full name, ``multisrt. ...``,
-that does not exist is an error. In the type of a parameter ("Footprint or None") every word that
-names a documented class becomes a link.
+names one documented object: by its full name, by the end of it (``Run.why``), or by the last word
+alone if that is a class, a function with an underscore, or ends with ``()``. A full name that does
+not exist is an error. In the type of a parameter ("Footprint or None") every word that names a
+documented class becomes a link. An *emphasised* term of the glossary links there.
 """
 
 from __future__ import annotations
@@ -51,6 +51,19 @@ class CodeLinks(SphinxPostTransform):
         for name in list(self.document.findall(nodes.emphasis)):
             if isinstance(name.parent, nodes.paragraph) and _is_type(name):
                 name.replace_self(nodes.emphasis("", "", *self.linked_words(name.astext())))
+            elif not _is_linked(name):
+                self.link_term(name)
+
+    def link_term(self, name: nodes.emphasis) -> None:
+        """Make a link of a term of the glossary."""
+        text = name.astext()
+        for term in (text, text.lower()):
+            page, anchor = self.env.domains.standard_domain.objects.get(("term", term), ("", ""))
+            if page and page != self.env.docname:
+                here = self.env.docname
+                link = make_refnode(self.app.builder, here, page, anchor, name.deepcopy(), term)
+                name.replace_self(link)
+                return
 
     def link(self, text: str, shown: nodes.TextElement, around: str) -> nodes.reference | None:
         """Return a link to the object that a text names; None if there is none, or it is here."""
@@ -111,7 +124,9 @@ def exists(name: str) -> bool:
 
 
 def _is_linked(node: nodes.Node) -> bool:
-    return any(isinstance(n, nodes.reference | pending_xref | nodes.title) for n in _ancestors(node))
+    return any(
+        isinstance(n, nodes.reference | pending_xref | nodes.title) for n in _ancestors(node)
+    )
 
 
 def _is_type(node: nodes.Node) -> bool:

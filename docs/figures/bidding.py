@@ -14,8 +14,8 @@ from multisrt.drawing.colours import tint
 from multisrt.environments.environment import Environment
 from multisrt.geometry.grids.distance_field import DistanceField
 from multisrt.geometry.grids.grid_path import shortest_path
-from multisrt.geometry.grids.occupancy import Occupancy
-from multisrt.geometry.numerics.kernel import FloatArray
+from multisrt.geometry.grids.occupancy import FREE, OCCUPIED, Occupancy
+from multisrt.geometry.numerics.kernel import BoolArray, FloatArray
 from multisrt.geometry.regions.edge_index import EdgeIndex
 from multisrt.geometry.regions.line_of_sight import line_of_sight
 from multisrt.planners.assignment.cell_choice import choose_cell
@@ -123,15 +123,21 @@ def ways(sketch: Sketch, chosen: list[int | None], of: str = "floor") -> None:
 # Groups and costs --------------------------------------------------------------------------
 
 
+def centres(raster: Occupancy, where: BoolArray) -> FloatArray:
+    """Return the centres of some cells of a raster's window, ``(n, 2)``."""
+    return raster.centres_of(np.argwhere(where) + np.array([raster.row, raster.column]))
+
+
 def cells() -> str:
     """Draw the states of the cells."""
     sketch = Sketch("Cells: free, occupied, unknown; where the body can stand", BOUNDS)
     raster = scene().raster
-    passable = np.argwhere(raster.passable) + (raster.row, raster.column)
-    free = np.argwhere(raster.cells == 1) + (raster.row, raster.column)
-    occupied = np.argwhere(raster.cells == 2) + (raster.row, raster.column)
-    for found, style in ((free, "other"), (passable, "a2"), (occupied, "wall")):
-        sketch.cells(raster.centres_of(found), CELL_M, style)
+    for found, style in (
+        (raster.cells == FREE, "other"),
+        (raster.passable, "a2"),
+        (raster.cells == OCCUPIED, "wall"),
+    ):
+        sketch.cells(centres(raster, found), CELL_M, style)
     for x, y in SCANS:
         sketch.dot(x, y, "robot", 3.5)
     sketch.sample("other", "free")
@@ -157,10 +163,10 @@ def costs() -> str:
     field = DistanceField(raster.passable, CELL_M, [ROBOTS[0]], x0=raster.x0, y0=raster.y0)
     field.complete()
     reached = field.reached()
-    for k in range(0, 14):
-        band = np.argwhere((reached >= k) & (reached < k + 1))
-        if len(band):
-            found = raster.centres_of(band + (raster.row, raster.column))
+    for k in range(14):
+        band = (reached >= k) & (reached < k + 1)
+        if band.any():
+            found = centres(raster, band)
             sketch.fill(squares(found, CELL_M), tint("#0072b2", 0.1 + 0.05 * (k % 2) + 0.03 * k))
     frontiers(sketch, names=False)
     for j, path in enumerate(scene().paths[0]):
@@ -412,7 +418,9 @@ def swap() -> str:
     for robot in (1, 2):
         sketch.dot(*ROBOTS[robot], f"r{robot}", 8)
         sketch.text(*ROBOTS[robot], str(robot))
-    sketch.sample("d1", f"robot 1 to F{aims[0]}: {own[0]:.1f} m; to F{aims[1]}: {table[0, 1]:.1f} m")
+    sketch.sample(
+        "d1", f"robot 1 to F{aims[0]}: {own[0]:.1f} m; to F{aims[1]}: {table[0, 1]:.1f} m"
+    )
     sketch.sample("d2", f"robot 2 to F{aims[1]}: {own[1]:.1f} m")
     sketch.sample("target", "swapped" if partner is not None else "kept")
     return sketch.svg()

@@ -45,6 +45,7 @@ for _number, _colour in enumerate(ROBOT_COLOURS):
     STYLES[f"l{_number}"] = f"stroke:{_colour};stroke-width:2.2"
     STYLES[f"d{_number}"] = f"stroke:{_colour};stroke-width:1.6;stroke-dasharray:5 3"
     STYLES[f"a{_number}"] = f"fill:{tint(_colour, 0.22)};stroke:{_colour};stroke-width:0.8"
+DOTS = {"outline", "circle", "robot", "target", "chosen"}
 LINES = {"obstacle", "range", "gap", "cut", "free", "frontier", "path", "bold", "thin", "refused"}
 
 Bounds = tuple[float, float, float, float]
@@ -155,16 +156,13 @@ class Sketch:
             width = 30 + round(7.2 * len(label)) + 8
             if x > MARGIN and x + width > WIDTH:
                 x, y = MARGIN, y + LINE
-            if style in LINES or style[0] in "ld" and style[1:].isdigit():
+            of_robot = style[0] if style[1:].isdigit() else ""
+            if style in LINES or of_robot in ("l", "d"):
                 parts.append(f'<path class="{style}" fill="none" d="M{x} {y}h22"/>')
-            elif "fill:none" in STYLES[style] or style in ("robot", "target", "chosen"):
-                parts.append(f'<circle class="{style}" cx="{x + 11}" cy="{y}" r="5"/>')
-            elif style[0] == "r" and style[1:].isdigit():
+            elif style in DOTS or of_robot == "r":
                 parts.append(f'<circle class="{style}" cx="{x + 11}" cy="{y}" r="5"/>')
             else:
-                parts.append(
-                    f'<rect class="{style}" x="{x}" y="{y - 6}" width="22" height="12"/>'
-                )
+                parts.append(f'<rect class="{style}" x="{x}" y="{y - 6}" width="22" height="12"/>')
             parts.append(f'<text class="key" x="{x + 28}" y="{y + 4.5:g}">{escape(label)}</text>')
             x += width
         return parts, y + 14 if self._samples else self._height

@@ -225,9 +225,7 @@ def step() -> str:
     decision = next(
         d for d in recording.of(Decision) if d.choice == "draw" and d.robot == 0 and d.draws
     )
-    node = next(
-        n for n in recording.of(NodeAdded) if (n.robot, n.serial) == tuple(decision.node)
-    )
+    node = next(n for n in recording.of(NodeAdded) if (n.robot, n.serial) == tuple(decision.node))
     x, y, heading = node.configuration
     sketch = Sketch("One turn of BUILD_SRT", (x - 6, y - 4.6, x + 6, y + 4.6))
     sketch.area(shapely.Polygon(node.boundary), "a0")

@@ -18,7 +18,7 @@ from multisrt.geometry.regions.safe_region import LocalSafeRegion, Shape, local_
 from multisrt.geometry.regions.scan import ExactScan, take_scan
 from multisrt.planners.motion.body import PlanningBody
 from multisrt.planners.motion.kinematics import Holonomic
-from multisrt.planners.srt import Draws, SrtOptions, SrtPlanner
+from multisrt.planners.srt import SrtOptions, SrtPlanner
 from multisrt.robots.exploration_map import ExplorationMap
 from multisrt.robots.knowledge import Node, NodeId
 
@@ -202,9 +202,7 @@ def draw() -> str:
     at = Configuration(*places[-1])
     own = region_at(FLAT, *places[-1])
     frontier = known.frontier(NodeId(0, 2))
-    place, draws = planner().draw(
-        at, own, frontier, np.array(places), [], np.random.default_rng(3)
-    )
+    place, draws = planner().draw(at, own, frontier, np.array(places), [], np.random.default_rng(3))
     assert place is not None
     sketch = Sketch("Stage 1: candidates are drawn towards the local frontier", BOUNDS)
     sketch.area(own.polygon(), "region")
@@ -259,7 +257,7 @@ def complete() -> str:
     places = [(3.4, 2.4), (5.9, 3.9), (8.6, 3.9), (8.6, 6.4), (3.2, 6.9)]
     known = map_of(places)
     left = [(n, arc) for n in known.open_nodes() for arc in known.frontier_arcs(n)]
-    node, arc = max(left, key=lambda item: float(item[1][:, 1].max()) * (item[0].serial == 4))
+    _, arc = max(left, key=lambda item: float(item[1][:, 1].max()) * (item[0].serial == 4))
     x, y = arc[len(arc) // 2, :2]
     nodes = known.near(x, y, 2.0 * RANGE_M)
     way = planner().viewing_place(arc, known.known_space(x, y, 2.0 * RANGE_M), RANGE_M, nodes)

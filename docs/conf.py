@@ -22,7 +22,7 @@ extensions = [
 exclude_patterns = ["_extensions", "figures"]
 
 # Pages: Markdown that a code host shows as well. Their examples are run by the tests.
-myst_enable_extensions = ["deflist", "dollarmath"]
+myst_enable_extensions = ["colon_fence", "dollarmath"]
 myst_heading_anchors = 3
 nb_execution_mode = "off"
 highlight_language = "none"
@@ -49,6 +49,8 @@ html_theme_options = {
     "footer_start": ["copyright"],
     "footer_end": [],
 }
+# Pages without others beside them need no list of them.
+html_sidebars = {name: [] for name in ("index", "start", "gallery", "glossary")}
 html_show_sourcelink = False
 copyright = "the authors of multisrt, MIT licence"
 

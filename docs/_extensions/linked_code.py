@@ -103,6 +103,9 @@ def find(env: BuildEnvironment, text: str) -> tuple[str, str, str] | None:
             for name, entry in objects.items()
             if name.endswith(f".{text}") and entry.objtype in kinds and not entry.aliased
         ]
+    owner = text.rpartition(".")[0]
+    if not names and CLASS.fullmatch(owner.rpartition(".")[2]):
+        return find(env, owner)  # a field, which its class describes
     if len(names) != 1:
         return None
     entry = objects[names[0]]

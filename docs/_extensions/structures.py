@@ -38,7 +38,9 @@ class Alias(SphinxDirective):
         value = getattr(import_module(module), name)
         members = ", ".join(map(_name_of, get_args(value)))
         lines = [
-            f".. py:type:: {module}.{name}",
+            f".. py:currentmodule:: {module}",
+            "",
+            f".. py:type:: {name}",
             "",
             *(f"   {line}" for line in self.content),
             "",

@@ -10,6 +10,7 @@ import tomllib
 from dataclasses import dataclass
 from pathlib import Path
 
+import click
 import msgspec
 import pytest
 import yaml
@@ -196,9 +197,9 @@ def test_commands_in_pages_have_the_options_they_name(page):
         for words in block.commands if block.language in ("bash", "console") else []:
             if words[0] != "multisrt":
                 continue
-            known = cli
+            known: click.Command = cli
             for word in words[1:]:
-                if word not in getattr(known, "commands", {}):
+                if not isinstance(known, click.Group) or word not in known.commands:
                     break
                 known = known.commands[word]
             options = {name for p in known.params for name in (*p.opts, *p.secondary_opts)}

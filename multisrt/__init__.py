@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from multisrt.analysis.measuring import measure
     from multisrt.analysis.metrics import Metrics
     from multisrt.comparison import Comparison, compare
+    from multisrt.driving.driver import drive
     from multisrt.environments.catalog import catalog, environment
     from multisrt.environments.environment import Environment
     from multisrt.environments.formats import read_environment
@@ -32,7 +33,8 @@ if TYPE_CHECKING:
     from multisrt.geometry.bodies.footprint import Footprint
     from multisrt.geometry.errors import InvalidInputError, MultiSrtError
     from multisrt.recording import Recording
-    from multisrt.robots.registry import Strategy, register, strategies
+    from multisrt.robots.registry import register, strategies
+    from multisrt.robots.strategy import Strategy
     from multisrt.run import Run, explore
     from multisrt.simulation.simulate import simulate
     from multisrt.spec import (
@@ -49,6 +51,7 @@ if TYPE_CHECKING:
         Silence,
         StopRule,
     )
+    from multisrt.stepper import Stepper
 
 _HOMES = {
     "CatalogEnvironment": "spec",
@@ -73,11 +76,13 @@ _HOMES = {
     "Run": "run",
     "RunSpec": "spec",
     "Silence": "spec",
+    "Stepper": "stepper",
     "StopRule": "spec",
-    "Strategy": "robots.registry",
+    "Strategy": "robots.strategy",
     "area_known_to_one": "analysis.known_area",
     "catalog": "environments.catalog",
     "compare": "comparison",
+    "drive": "driving.driver",
     "environment": "environments.catalog",
     "explore": "run",
     "isolation": "analysis.isolation",
@@ -112,11 +117,13 @@ __all__ = [
     "Run",
     "RunSpec",
     "Silence",
+    "Stepper",
     "StopRule",
     "Strategy",
     "area_known_to_one",
     "catalog",
     "compare",
+    "drive",
     "environment",
     "explore",
     "isolation",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import operator
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import Any, Literal
@@ -15,6 +15,9 @@ from multisrt.analysis.metrics import Metrics
 from multisrt.environments.environment import Environment
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.recording import Recording, RunOutcome, atomic_write
+from multisrt.robots.explorer import Explorer
+from multisrt.robots.registry import register
+from multisrt.robots.strategy import Strategy, as_strategy
 from multisrt.simulation.journal import Watcher
 from multisrt.simulation.simulate import simulate
 from multisrt.simulation.worlds import build_environment, environment_spec, inline
@@ -245,7 +248,7 @@ class Run:
 def explore(
     environment: Environment | str | Path | RunSpec,
     *,
-    strategy: str | None = None,
+    strategy: str | Strategy | Callable[..., Explorer] | None = None,
     seed: int | None = None,
     options: Mapping[str, Scalar] | None = None,
     robots: int | Sequence[RobotSpec] | None = None,
@@ -274,8 +277,9 @@ def explore(
     environment : Environment, str, Path or RunSpec
         The environment, its name in the catalogue, or a map file; or the spec of the run, with
         which only `recording_path` and `watch` may be given.
-    strategy : str, optional
-        Name of a registered strategy; see `strategies`.
+    strategy : str, Strategy, class or function, optional
+        Name of a registered strategy, see `strategies`; or one of one's own, as `Strategy.of`
+        takes it, which is registered by this in place of one of its name.
     seed : int, optional
         Seed of all random streams of the run.
     options : mapping, optional
@@ -344,6 +348,10 @@ def explore(
     >>> ms.explore(run.spec).digest == run.digest
     True
     """
+    if strategy is not None and not isinstance(strategy, str):
+        own = as_strategy(strategy)
+        register(own, replace=True)
+        strategy = own.name
     robot = {"footprint": footprint, "range_m": range_m, "beams": beams, "drive": drive}
     team = {"robots": robots, "start": start, "starts": starts}
     rest = {
@@ -356,21 +364,39 @@ def explore(
         "max_time_s": max_time_s,
     }
     given = {name: value for name, value in (rest | team | robot).items() if value is not None}
+    spec, world = spec_and_world(environment, given)
+    return Run(simulate(spec, world, path=recording_path, watch=watch), world)
+
+
+def spec_and_world(
+    environment: Environment | str | Path | RunSpec, given: Mapping[str, Any]
+) -> tuple[RunSpec, Environment]:
+    """Return the spec and the world that the arguments of `explore` describe.
+
+    Parameters
+    ----------
+    environment : Environment, str, Path or RunSpec
+        As for `explore`.
+    given : mapping
+        The arguments of `explore` that describe the run and that are given, by name.
+
+    Raises
+    ------
+    InvalidInputError
+        As `explore`.
+    """
     if isinstance(environment, RunSpec):
         if given:
             raise InvalidInputError(
                 "a RunSpec describes the run: with it, give only recording_path and watch, and "
                 f"leave out {', '.join(given)}"
             )
-        spec, world = environment, build_environment(environment.environment)
-    elif isinstance(environment, Environment):
-        world = environment
-        spec = RunSpec(environment=inline(world), **_run_fields(given))
-    else:
-        where = environment_spec(str(environment))
-        world = build_environment(where)
-        spec = RunSpec(environment=where, **_run_fields(given))
-    return Run(simulate(spec, world, path=recording_path, watch=watch), world)
+        return environment, build_environment(environment.environment)
+    if isinstance(environment, Environment):
+        return RunSpec(environment=inline(environment), **_run_fields(given)), environment
+    where = environment_spec(str(environment))
+    world = build_environment(where)
+    return RunSpec(environment=where, **_run_fields(given)), world
 
 
 def _run_fields(given: Mapping[str, Any]) -> dict[str, Any]:

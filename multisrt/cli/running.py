@@ -22,11 +22,13 @@ class Running:
     Attributes
     ----------
     workers : int or None
-        Number of processes on this machine; None: one for each core.
+        Number of processes on this machine; None: one for each core; 0: this process alone.
     cluster : str or None
         Address of a `dask.distributed` scheduler instead.
     retry : bool
         Whether runs that failed without a result are made again.
+    remake : bool
+        Whether runs of one's own strategies that have changed since are made again.
     quiet : bool
         Whether only errors are printed.
     reference : str or None
@@ -38,6 +40,7 @@ class Running:
     retry: bool
     quiet: bool
     reference: str | None = None
+    remake: bool = False
 
 
 def running_options(command: Callable[..., None]) -> Callable[..., None]:
@@ -74,9 +77,10 @@ def running_options(command: Callable[..., None]) -> Callable[..., None]:
     options = (
         click.option(
             "--workers",
-            type=click.IntRange(1),
+            type=click.IntRange(0),
             metavar="N",
-            help="Number of processes on this machine.  [default: one for each core]",
+            help="Number of processes on this machine; 0: this process makes the runs, without "
+            "limits.  [default: one for each core]",
         ),
         click.option(
             "--cluster",
@@ -145,7 +149,7 @@ def make_runs(
         spec = msgspec.structs.replace(spec, reference=running.reference)
     was_there, has_begun = path.exists(), True
     try:
-        with Store.create_or_open(path, spec, folder) as opened:
+        with Store.create_or_open(path, spec, folder, remake=running.remake) as opened:
             if running.retry:
                 opened.forget()
             try:

@@ -8,7 +8,7 @@ OUT := out
 # Public maps that some benchmarks use; where there are none, they are left out.
 MULTISRT_MAPS ?= ../shared/maps
 
-.PHONY: help demo test check golden plan lint bench results docs clean
+.PHONY: help demo test check golden plan pictures lint bench results docs linkcheck clean
 
 help:
 	@echo "make demo     a team of four explores the museum with SRT-Radial and SRT-Star; pictures in $(OUT)/demo"
@@ -16,10 +16,12 @@ help:
 	@echo "make check    run the tests that are not marked slow"
 	@echo "make golden   make the golden runs and write their digests, when their behaviour is meant to change"
 	@echo "make plan     draw docs/pictures/plan.svg from the imports"
-	@echo "make lint     check style, types and import rules"
+	@echo "make pictures draw the pictures of the documentation, docs/pictures"
+	@echo "make lint     check style, types, import rules and that the documentation builds"
 	@echo "make bench    measure speed, each claim beside what it is compared with (MULTISRT_MAPS: a folder of public maps)"
 	@echo "make results  repeat the experiments of the papers, over many seeds (many hours); goes on where it stopped"
-	@echo "make docs     write the API reference to site/"
+	@echo "make docs     build the documentation in site/"
+	@echo "make linkcheck  check the documentation's links to other sites"
 	@echo "make clean    remove the virtual environment and all that was generated"
 
 $(READY): pyproject.toml constraints.txt
@@ -48,7 +50,10 @@ golden: $(READY)
 plan: $(READY)
 	$(BIN)/python docs/plan.py
 
-lint: $(READY)
+pictures: $(READY)
+	$(BIN)/python docs/figures
+
+lint: $(READY) docs
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
@@ -75,8 +80,12 @@ results: $(READY)
 	done; \
 	if [ -n "$$failed" ]; then echo "runs failed or are missing in:$$failed"; exit 1; fi
 
+# Warnings are errors: links to pages, anchors and the API that lead nowhere, and pages left out.
 docs: $(READY)
-	$(BIN)/pdoc --docformat numpy --output-directory site multisrt
+	$(BIN)/sphinx-build --fail-on-warning --nitpicky --quiet --builder html docs site
+
+linkcheck: $(READY)
+	$(BIN)/sphinx-build --quiet --builder linkcheck docs build/linkcheck
 
 clean:
 	rm -rf $(VENV) $(OUT) build site *.egg-info .pytest_cache .mypy_cache .ruff_cache .import_linter_cache

@@ -1,0 +1,36 @@
+"""Draw the pictures of the algorithms and of the gallery: ``python docs/figures``.
+
+Each is drawn by the functions that it explains. With names (``python docs/figures minpos``) only
+those whose file names contain one of them. Writes to `docs/pictures/algorithms` and
+`docs/pictures/gallery`; the same program draws the same bytes.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import bidding
+import gallery
+import teams
+import trees
+
+PICTURES = Path(__file__).resolve().parents[1] / "pictures"
+FIGURES: dict[str, dict[str, Callable[[], str]]] = {
+    "algorithms": {**trees.FIGURES, **teams.FIGURES, **bidding.FIGURES},
+    "gallery": gallery.FIGURES,
+}
+
+
+def main(wanted: list[str]) -> None:
+    """Draw the pictures whose names contain a wanted word; all without any."""
+    for folder, figures in FIGURES.items():
+        (PICTURES / folder).mkdir(exist_ok=True)
+        for name, draw in figures.items():
+            if not wanted or any(word in name for word in wanted):
+                (PICTURES / folder / f"{name}.svg").write_text(draw(), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

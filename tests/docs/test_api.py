@@ -1,0 +1,58 @@
+"""The API reference: every public name once, and nothing that does not exist."""
+
+import re
+from collections import Counter
+from importlib import import_module
+from pathlib import Path
+
+import multisrt
+from multisrt.robots import explorer
+
+ROOT = Path(__file__).parents[2]
+ENTRY = re.compile(r"^\.\. (?:auto\w+|alias):: (multisrt[\w.]*)$", re.MULTILINE)
+DOCUMENTED = [
+    found
+    for page in sorted((ROOT / "docs" / "api").glob("*.rst"))
+    for found in ENTRY.findall(page.read_text())
+]
+
+
+def found(name: str) -> object:
+    module, _, last = name.rpartition(".")
+    return getattr(import_module(module), last)
+
+
+def test_every_public_name_is_documented_once():
+    counted = Counter(DOCUMENTED)
+    missing = [name for name in multisrt.__all__ if f"multisrt.{name}" not in counted]
+    assert not missing, "add these to a page in docs/api"
+    assert [name for name, count in counted.items() if count > 1] == []
+
+
+def test_everything_that_is_documented_exists():
+    for name in DOCUMENTED:
+        assert found(name).__doc__, name
+
+
+def test_nothing_is_documented_under_two_names():
+    objects = [found(name) for name in DOCUMENTED]
+    assert len({id(thing) for thing in objects}) == len(objects)
+
+
+def test_the_contract_of_explorers_is_documented_whole():
+    defined = {
+        f"multisrt.robots.explorer.{name}"
+        for name, value in vars(explorer).items()
+        if getattr(value, "__module__", "") == explorer.__name__ and not name.startswith("_")
+    }
+    assert len(defined) > 12
+    assert defined <= set(DOCUMENTED)
+
+
+def test_full_names_in_pages_exist():
+    for page in [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]:
+        for name in re.findall(r"`(multisrt(?:\.\w+)+)(?:\(\))?`", page.read_text()):
+            try:
+                import_module(name)
+            except ModuleNotFoundError:
+                assert found(name) is not None, (page, name)

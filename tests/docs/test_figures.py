@@ -1,0 +1,39 @@
+"""The pictures of the pages are those that the code draws today: else, ``make pictures``."""
+
+import runpy
+import sys
+from pathlib import Path
+
+import pytest
+
+FOLDER = Path(__file__).parents[2] / "docs" / "figures"
+
+
+@pytest.fixture(scope="module")
+def program():
+    """The program that draws the pictures."""
+    sys.path.insert(0, str(FOLDER))
+    try:
+        yield runpy.run_path(str(FOLDER / "__main__.py"))
+    finally:
+        sys.path.remove(str(FOLDER))
+
+
+def test_there_is_a_file_for_every_figure(program):
+    drawn = {(folder, name) for folder, all in program["FIGURES"].items() for name in all}
+    stored = {(file.parent.name, file.stem) for file in program["PICTURES"].glob("*/*.svg")}
+    assert stored == drawn
+
+
+@pytest.mark.slow
+def test_pictures_of_algorithms_are_those_of_today(program):
+    for name, draw in program["FIGURES"]["algorithms"].items():
+        stored = (program["PICTURES"] / "algorithms" / f"{name}.svg").read_text()
+        assert draw() == stored, f"{name}: make pictures"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["world-apartment", "strategy-minpos"])
+def test_pictures_of_the_gallery_are_those_of_today(program, name):
+    stored = (program["PICTURES"] / "gallery" / f"{name}.svg").read_text()
+    assert program["FIGURES"]["gallery"][name]() == stored, "make pictures"

@@ -396,8 +396,10 @@ def spec_and_world(
             )
         return environment, build_environment(environment.environment)
     if isinstance(environment, Environment):
-        return _run_spec(inline(environment), given), environment
-    where = environment_spec(str(environment))
+        where: EnvironmentSpec = inline(environment)
+    else:
+        where = environment_spec(str(environment))
+    # Also of a world that is there already: as the spec alone would build it again.
     world = build_environment(where)
     return _run_spec(where, given), world
 

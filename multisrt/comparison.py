@@ -29,14 +29,14 @@ from multisrt.experiments.spec import (
 from multisrt.experiments.store import Store
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.numerics.arrays import builtin
+from multisrt.notebook import picture_html
 from multisrt.reporting.layout import Table
 from multisrt.simulation.worlds import inline
 from multisrt.spec import RadioSpec
 
 if TYPE_CHECKING:
-    import pandas
-
     from multisrt.experiments.measures import Measure
+    from multisrt.frames import DataFrame, Package
     from multisrt.reporting.style import Picture
 
 FIRST_MEASURE = "time_to_95_s"
@@ -330,18 +330,23 @@ class Comparison:
 
         return write_report(self.results, Path(folder), folder=self._folder, **options)
 
-    def frame(self) -> pandas.DataFrame:
-        """Return the runs as a pandas data frame, one row for each.
+    def frame(self, frame: Package | None = None) -> DataFrame:
+        """Return the runs as a data frame, one row for each.
+
+        Parameters
+        ----------
+        frame : {"pandas", "polars"}, optional
+            Whose data frame; by default of pandas if it is installed, else of polars.
 
         Returns
         -------
-        pandas.DataFrame
+        pandas.DataFrame or polars.DataFrame
             The columns are those of `multisrt.experiments.frames.columns`.
 
         Raises
         ------
-        InvalidInputError
-            If pandas is not installed (``multisrt[frames]``).
+        MissingExtraError
+            If neither pandas nor polars is installed (``multisrt[frames]``).
 
         Examples
         --------
@@ -354,13 +359,18 @@ class Comparison:
         """
         from multisrt.experiments.frames import frame_of
 
-        return frame_of(self.results)
+        return frame_of(self.results, frame)
 
     def __repr__(self) -> str:
         """Return the overview, and how many runs are a success."""
         from multisrt.reporting.words import totals
 
         return f"{self.overview()}\n{totals(self.results)}\n"
+
+    def _repr_html_(self) -> str:
+        from multisrt.reporting.words import totals
+
+        return self.overview().notebook_html(totals(self.results))
 
 
 class ShownTable(Table):
@@ -370,7 +380,7 @@ class ShownTable(Table):
         return self.text()
 
     def _repr_html_(self) -> str:
-        return self.html()
+        return self.notebook_html()
 
 
 def _shown(table: Table) -> ShownTable:
@@ -420,7 +430,7 @@ class Drawings(tuple["Picture", ...]):
         return "\n".join(picture.alt for picture in self)
 
     def _repr_html_(self) -> str:
-        return "\n".join(picture.svg.decode() for picture in self)
+        return "\n".join(picture_html(picture.svg, picture.alt) for picture in self)
 
 
 # From keywords to an experiment --------------------------------------------------------------

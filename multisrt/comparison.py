@@ -28,16 +28,16 @@ from multisrt.experiments.spec import (
     TeamChoice,
 )
 from multisrt.experiments.store import Store
+from multisrt.extras.notebook import picture_html
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.numerics.arrays import builtin
-from multisrt.notebook import picture_html
 from multisrt.reporting.layout import Table
 from multisrt.simulation.worlds import inline
 from multisrt.spec import RadioSpec
 
 if TYPE_CHECKING:
     from multisrt.experiments.measures import Measure
-    from multisrt.frames import DataFrame, Package
+    from multisrt.extras.frames import DataFrame, Package
     from multisrt.reporting.style import Picture
 
 FIRST_MEASURE = "time_to_95_s"

@@ -12,8 +12,8 @@ import msgspec
 from multisrt.analysis.measuring import measure
 from multisrt.analysis.metrics import Metrics
 from multisrt.environments.environment import Environment
-from multisrt.frames import Column, DataFrame, Package, data_frame
-from multisrt.notebook import picture_html, table_html
+from multisrt.extras.frames import Column, DataFrame, Package, data_frame
+from multisrt.extras.notebook import picture_html, table_html
 from multisrt.recording import Recording, RunOutcome, atomic_write
 from multisrt.spec import RunSpec
 

@@ -7,7 +7,7 @@ import time
 from types import TracebackType
 from typing import Any, Final, Self
 
-from multisrt.notebook import RewrittenText, is_notebook
+from multisrt.extras.notebook import RewrittenText, is_notebook
 
 PAUSE_S: Final = 0.1
 """Shortest time between two changes of a line in a notebook (s)."""

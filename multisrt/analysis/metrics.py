@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import msgspec
 
+from multisrt.extras.notebook import table_html
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.notebook import table_html
 from multisrt.recording import RunOutcome
 
 ROUNDING = 1e-9

@@ -10,7 +10,7 @@ from multisrt.analysis.evidence import evidence
 from multisrt.analysis.explorable import explorable, viewers
 from multisrt.environments.environment import Environment
 from multisrt.events import AnyEvent, Motion
-from multisrt.frames import Column
+from multisrt.extras.frames import Column
 from multisrt.recording import Recording
 
 Columns = dict[str, Column]

@@ -17,7 +17,7 @@ from multisrt.experiments.crossing import Condition
 from multisrt.experiments.measures import MEASURES, Measure
 from multisrt.experiments.results import Result, Results
 from multisrt.extras import extra
-from multisrt.frames import Column, DataFrame, Package, data_frame
+from multisrt.extras.frames import Column, DataFrame, Package, data_frame
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.recording import atomic_write
 

@@ -12,9 +12,9 @@ from multisrt.analysis.metrics import SUCCESS_COVERAGE, Metrics
 from multisrt.experiments.crossing import Condition
 from multisrt.experiments.provenance import Provenance
 from multisrt.experiments.spec import ExperimentSpec
+from multisrt.extras.notebook import table_html
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.informed.reference import Reference
-from multisrt.notebook import table_html
 
 Status = Literal[
     "complete", "stalled", "out_of_time", "over_time", "over_memory", "crashed", "refused", "error"

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from multisrt.drawing.svg import printable
-from multisrt.notebook import table_html
+from multisrt.extras.notebook import table_html
 
 WIDTH: Final = 100
 """Default width of a terminal, in characters."""

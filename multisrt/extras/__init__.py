@@ -1,4 +1,4 @@
-"""Packages that only some need: the extras of an installation."""
+"""Packages that only some need: the extras of an installation, data frames, and notebooks."""
 
 from __future__ import annotations
 

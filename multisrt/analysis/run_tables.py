@@ -87,7 +87,7 @@ def coverage_curve(recording: Recording, environment: Environment) -> Columns:
     >>> import multisrt as ms
     >>> run = ms.explore("open", seed=1)
     >>> columns = coverage_curve(run.recording, run.environment)
-    >>> columns["coverage"].values[-1] == run.metrics.coverage
+    >>> float(columns["coverage"].values[-1]) == run.metrics.coverage
     True
     """
     what = explorable(environment, viewers(recording.spec, recording.starts))

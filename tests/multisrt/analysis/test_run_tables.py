@@ -25,7 +25,7 @@ def rows(columns):
     return [dict(zip(columns, row, strict=True)) for row in values]
 
 
-def test_trajectories_begin_at_the_starts_and_hold_every_waypoint(run):
+def test_trajectories_begin_at_starts_and_hold_every_waypoint(run):
     own = rows(trajectories(run.recording))
     first = {row["robot"]: row for row in reversed(own)}
     assert (first[1]["x_m"], first[1]["y_m"], first[1]["time_s"]) == (1.0, 3.0, 0.0)

@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING, Any
 import msgspec
 
 from multisrt.experiments.job import Job
-from multisrt.experiments.provenance import Provenance, provenance
+from multisrt.experiments.provenance import Provenance
 from multisrt.experiments.results import Result
 from multisrt.experiments.worker import Worker
 from multisrt.extras import extra
@@ -49,8 +49,8 @@ MIN_SUBMITTED = 8
 def made_on_cluster(
     jobs: Iterator[Job],
     address: str,
+    made_by: Provenance,
     modules: Sequence[str] = (),
-    made_by: Provenance | None = None,
 ) -> Generator[Result, None, None]:
     """Make runs on a cluster; recordings are written on this machine.
 
@@ -60,10 +60,10 @@ def made_on_cluster(
         The runs, taken as the cluster has room.
     address : str
         Address of the scheduler, such as ``tcp://host:8786``.
+    made_by : Provenance
+        Provenance that workers must have.
     modules : sequence of str
         Modules that workers import.
-    made_by : Provenance, optional
-        Provenance that workers must have; by default that of this process.
 
     Yields
     ------
@@ -80,7 +80,7 @@ def made_on_cluster(
     """
     client = _client(address)
     try:
-        mine = msgspec.json.encode(provenance() if made_by is None else made_by)
+        mine = msgspec.json.encode(made_by)
         yield from _made(client, jobs, address, mine, tuple(modules))
     finally:
         client.close(timeout=TIMEOUT_S)

@@ -316,7 +316,7 @@ class _Makers:
         if (cluster := self._cluster) is not None:
             from multisrt.experiments.cluster import made_on_cluster
 
-            yield lambda jobs: made_on_cluster(jobs, cluster, self._modules, self._made_by)
+            yield lambda jobs: made_on_cluster(jobs, cluster, self._made_by, self._modules)
             return
         if not self._workers:
             yield _made_in_this_process

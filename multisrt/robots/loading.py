@@ -19,6 +19,7 @@ import traceback
 from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
+from importlib.machinery import ModuleSpec
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -36,8 +37,8 @@ _importing: ContextVar[str] = ContextVar("_importing", default="")
 _registered: dict[str, Strategy] = {}
 """The strategies that were registered here, not by the module that has them."""
 
-_contents: dict[str, bytes] = {}
-"""What each file held when it was imported, by the name of its module."""
+_read: dict[str, tuple[ModuleSpec, bytes]] = {}
+"""What each file held when it was imported here, by the name of its module."""
 
 
 def is_reference(text: str) -> bool:
@@ -238,6 +239,40 @@ def import_place(place: str) -> ModuleType:
     return module
 
 
+def is_outdated(module: ModuleType) -> bool:
+    """Whether the file of a module has changed since this process imported it.
+
+    Parameters
+    ----------
+    module : module
+        The module.
+
+    Returns
+    -------
+    bool
+        As far as this can be told: by what was read, or by the compiled file that Python keeps.
+
+    Examples
+    --------
+    >>> is_outdated(importlib.import_module("json"))
+    False
+    """
+    path = Path(getattr(module, "__file__", None) or "")
+    if path.suffix != ".py" or not path.is_file():
+        return False
+    spec, content = _read.get(module.__name__, (None, b""))
+    if spec is not None and spec is module.__spec__:  # it was not imported otherwise since
+        return path.read_bytes() != content
+    cached = Path(getattr(module.__spec__, "cached", None) or "")
+    header = cached.read_bytes()[:16] if cached.is_file() else b""
+    if len(header) < 16 or header[4:8] != bytes(4):
+        return False
+    # Python's own check: modification time and size of the source, modulo 2 ** 32.
+    now = path.stat()
+    kept = [int.from_bytes(header[begin : begin + 4], "little") for begin in (8, 12)]
+    return kept != [int(now.st_mtime) % 2**32, now.st_size % 2**32]
+
+
 def being_imported() -> str:
     """Return which module or file is being imported by this module; empty if none is.
 
@@ -265,7 +300,7 @@ def _import_file(place: str) -> ModuleType:
     _add_to_path(str(path.parent))
     name = _module_name(path)
     there = sys.modules.get(name)
-    if there is not None and _contents.setdefault(name, content) == content:
+    if there is not None and not is_outdated(there):
         return there
     spec = importlib.util.spec_from_file_location(name, path)
     assert spec is not None
@@ -279,7 +314,7 @@ def _import_file(place: str) -> ModuleType:
     except BaseException:
         del sys.modules[name]
         raise
-    _contents[name] = content
+    _read[name] = spec, content
     return module
 
 

@@ -1,6 +1,7 @@
 """One rule for packages that are not installed."""
 
 import re
+import subprocess
 import sys
 import tomllib
 from importlib import import_module
@@ -18,9 +19,6 @@ OPTIONAL = [package for packages in EXTRAS.values() for package in packages]
 @pytest.fixture
 def bare(monkeypatch):
     """An installation without any extra."""
-    for name in list(sys.modules):
-        if name.partition(".")[0] in OPTIONAL or name.startswith("multisrt.reporting"):
-            monkeypatch.delitem(sys.modules, name)
     for package in OPTIONAL:
         monkeypatch.setitem(sys.modules, package, None)
 
@@ -68,9 +66,9 @@ def test_what_needs_an_extra_names_it(what, needs, run, bare):
         what(run)
 
 
-def test_figures_and_reports_name_the_extra(bare):
+def test_figures_and_reports_name_the_extra(bare, load_module):
     with pytest.raises(MissingExtraError, match=r"'multisrt\[plots\]'"):
-        import multisrt.reporting.page  # noqa: F401
+        load_module(ROOT / "multisrt" / "reporting" / "style.py")
 
 
 def test_pictures_and_tables_need_no_extra(run, bare, tmp_path):
@@ -78,10 +76,25 @@ def test_pictures_and_tables_need_no_extra(run, bare, tmp_path):
     assert "<svg" in (tmp_path / "tree.svg").read_text()
     assert "<img" in run._repr_html_()
     assert "<svg" in run.environment._repr_svg_()
-    from multisrt.reporting.layout import Cell, Table
 
-    rows = ((Cell(text="maze"), Cell(text="1.0")),)
-    assert "maze" in Table(name="t", title="T", columns=("World", "s"), rows=rows).text()
+
+@pytest.mark.slow
+def test_comparisons_print_and_show_without_any_extra(tmp_path):
+    code = (
+        "import sys\n"
+        f"sys.modules.update(dict.fromkeys({OPTIONAL}))\n"
+        "import multisrt as ms\n"
+        "found = ms.compare('open', 'closest', seeds=1, workers=0, progress=False)\n"
+        "print(found, len(found._repr_html_()) > 100)\n"
+        "try:\n    found.report('report')\n"
+        "except ms.MultiSrtError as error:\n    print(error)\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=True
+    )
+    assert "1 of 1 runs succeeded" in done.stdout
+    assert done.stdout.endswith("not installed: pip install 'multisrt[plots]'\n")
+    assert not (tmp_path / "report").exists()
 
 
 def test_a_package_of_polars_is_taken_where_pandas_is_missing(run, monkeypatch):

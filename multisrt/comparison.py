@@ -28,6 +28,7 @@ from multisrt.experiments.spec import (
     TeamChoice,
 )
 from multisrt.experiments.store import Store
+from multisrt.extras.notebook import picture_html
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.numerics.arrays import builtin
 from multisrt.reporting.layout import Table
@@ -36,9 +37,8 @@ from multisrt.spec import RadioSpec
 from multisrt.terminal import terminal_width
 
 if TYPE_CHECKING:
-    import pandas
-
     from multisrt.experiments.measures import Measure
+    from multisrt.extras.frames import DataFrame, Package
     from multisrt.reporting.style import Picture
 
 FIRST_MEASURE = "time_to_95_s"
@@ -345,18 +345,23 @@ class Comparison:
 
         return write_report(self.results, Path(folder), folder=self._folder, **options)
 
-    def frame(self) -> pandas.DataFrame:
-        """Return the runs as a pandas data frame, one row for each.
+    def frame(self, frame: Package | None = None) -> DataFrame:
+        """Return the runs as a data frame, one row for each.
+
+        Parameters
+        ----------
+        frame : {"pandas", "polars"}, optional
+            Whose data frame; by default of pandas if it is installed, else of polars.
 
         Returns
         -------
-        pandas.DataFrame
+        pandas.DataFrame or polars.DataFrame
             The columns are those of `multisrt.experiments.frames.columns`.
 
         Raises
         ------
-        InvalidInputError
-            If pandas is not installed (``multisrt[frames]``).
+        MissingExtraError
+            If neither pandas nor polars is installed (``multisrt[frames]``).
 
         Examples
         --------
@@ -369,13 +374,18 @@ class Comparison:
         """
         from multisrt.experiments.frames import frame_of
 
-        return frame_of(self.results)
+        return frame_of(self.results, frame)
 
     def __repr__(self) -> str:
         """Return the overview, and how many runs are a success."""
         from multisrt.reporting.words import totals
 
         return f"{self.overview()}\n{totals(self.results)}\n"
+
+    def _repr_html_(self) -> str:
+        from multisrt.reporting.words import totals
+
+        return self.overview().notebook_html(totals(self.results))
 
 
 class ShownTable(Table):
@@ -388,7 +398,7 @@ class ShownTable(Table):
         return repr(self)
 
     def _repr_html_(self) -> str:
-        return self.html()
+        return self.notebook_html()
 
 
 def _shown(table: Table) -> ShownTable:
@@ -438,7 +448,7 @@ class Drawings(tuple["Picture", ...]):
         return "\n".join(picture.alt for picture in self)
 
     def _repr_html_(self) -> str:
-        return "\n".join(picture.svg.decode() for picture in self)
+        return "\n".join(picture_html(picture.svg, picture.alt) for picture in self)
 
 
 # From keywords to an experiment --------------------------------------------------------------

@@ -18,10 +18,12 @@ from multisrt.events import (
     NotedEvent,
     TakenAsLost,
 )
+from multisrt.finished_run import Run
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.recording import Recording, atomic_write
 from multisrt.robots.explorer import Action, Explorer, Note
-from multisrt.run import Run, Starts, spec_and_world
+from multisrt.robots.strategy import Strategy
+from multisrt.run import Starts, spec_and_world
 from multisrt.simulation.journal import Watcher
 from multisrt.simulation.stepping import RobotState, Step, Stepping
 from multisrt.spec import DriveSpec, Fault, RadioSpec, RobotSpec, RunSpec, Scalar
@@ -36,7 +38,7 @@ DECISIONS: Final = tuple(kind for kind in get_args(NotedEvent) if kind not in NE
 class RunArguments(TypedDict, total=False):
     """The keywords of `multisrt.explore` that describe a run."""
 
-    strategy: str
+    strategy: str | Strategy | Callable[..., Explorer]
     seed: int
     options: Mapping[str, Scalar]
     robots: int | Sequence[RobotSpec]

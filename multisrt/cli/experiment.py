@@ -183,7 +183,7 @@ def _print_failures(results: Results, path: Path) -> None:
 def export(results: Path, out: Path, force: bool) -> None:
     """Write results as a table (.csv or .parquet).
 
-    OUT has one row for each run. Parquet needs pyarrow: pip install multisrt[frames].
+    OUT has one row for each run. Parquet needs pyarrow: pip install 'multisrt[parquet]'.
 
     \b
     Examples:

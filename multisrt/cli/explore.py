@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 import click
 from click.core import ParameterSource
 
+from multisrt.analysis.progress import Progress
 from multisrt.cli import candidates
 from multisrt.cli.imports import import_all, import_option, named_strategy
 from multisrt.cli.outputs import new_folder, require_no_run, run_folder
-from multisrt.cli.progress import Progress
 from multisrt.cli.run_options import DRIVES, FAULTS, OVERRIDES, USUAL, spec_of_options
 from multisrt.cli.sections import SectionedCommand
 from multisrt.cli.spec_files import read_run_spec
@@ -19,8 +19,8 @@ from multisrt.cli.summary import print_summary
 from multisrt.geometry.errors import InvalidInputError
 
 if TYPE_CHECKING:
+    from multisrt.finished_run import Run
     from multisrt.informed.reference import Regret
-    from multisrt.run import Run
     from multisrt.spec import RunSpec
 
 NO_SUCCESS = 3
@@ -315,8 +315,8 @@ def _folders(specs: list[RunSpec], out: Path | None, name: str) -> list[Path]:
 
 
 def _run_all(specs: list[RunSpec], folders: list[Path], *, force: bool, quiet: bool) -> list[Run]:
+    from multisrt.finished_run import RECORDING_NAME, RUN_NAME, SPEC_NAME, TREE_NAME, Run
     from multisrt.robots.registry import strategy
-    from multisrt.run import RECORDING_NAME, RUN_NAME, SPEC_NAME, TREE_NAME, Run
     from multisrt.simulation.simulate import simulate
     from multisrt.simulation.worlds import build_environment
 

@@ -81,7 +81,7 @@ def require_no_run(folder: Path, *, force: bool) -> None:
     InvalidInputError
         If there is a run that was not to be replaced, or a file of the name that is of no run.
     """
-    from multisrt.run import RECORDING_NAME, RUN_FILES
+    from multisrt.finished_run import RECORDING_NAME, RUN_FILES
 
     try:
         there = [name for name in RUN_FILES if os.path.lexists(folder / name)]
@@ -165,7 +165,7 @@ def run_folder(folder: Path, *, force: bool = False) -> Iterator[Path]:
 
 def _remove_partial(unfinished: Path, force: bool) -> None:
     # Left behind by a process that was killed, or in use by one that still runs.
-    from multisrt.run import RUN_FILES
+    from multisrt.finished_run import RUN_FILES
 
     if not os.path.lexists(unfinished):
         return

@@ -132,7 +132,7 @@ def make_runs(
 
     Raises
     ------
-    InvalidInputError
+    MultiSrtError
         As `Store.create_or_open` and `run_experiment` raise it. A store that was created here is
         removed if no run could be made.
     click.Abort
@@ -143,7 +143,7 @@ def make_runs(
     from multisrt.experiments.live import LiveProgress
     from multisrt.experiments.runner import run_experiment
     from multisrt.experiments.store import Store
-    from multisrt.geometry.errors import InvalidInputError
+    from multisrt.geometry.errors import MultiSrtError
 
     if running.reference is not None:
         spec = msgspec.structs.replace(spec, reference=running.reference)
@@ -168,11 +168,11 @@ def make_runs(
                     stored += f"; {waiting} of them wait for the informed plan"
                 click.echo(f"{stored}; the same command continues", err=True)
                 raise click.Abort from None
-            except InvalidInputError:
+            except MultiSrtError:
                 has_begun = opened.done > 0
                 raise
             return opened.results()
-    except InvalidInputError:
+    except MultiSrtError:
         if not (was_there or has_begun):
             path.unlink()
         raise

@@ -49,8 +49,8 @@ def why(
 
 def _recording_in(path: Path) -> Path:
     # The recording of a folder, or beside another file of the run.
+    from multisrt.finished_run import RECORDING_NAME, RUN_FILES
     from multisrt.geometry.errors import InvalidInputError
-    from multisrt.run import RECORDING_NAME, RUN_FILES
 
     if path.is_dir():
         if (path / RECORDING_NAME).is_file():

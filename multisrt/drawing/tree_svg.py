@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 import shapely
 
 from multisrt.drawing.account import description, heading, legend, swatches, swatches_heading
 from multisrt.drawing.areas import seen_first
+from multisrt.drawing.axes import on_axes
 from multisrt.drawing.colours import (
     CLOSED,
     FRONTIER,
@@ -28,6 +29,9 @@ from multisrt.environments.environment import Environment
 from multisrt.events import NodeAdded
 from multisrt.geometry.numerics.kernel import FloatArray
 from multisrt.recording import Recording, atomic_write
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 NODE_SHARE: Final = 0.2
 """Radius of a node as a share of the median edge, clipped to `NODE_MM`."""
@@ -73,7 +77,7 @@ def run_sheet(
     status: str | None = None,
     draw_below: Callable[[Sheet], None] | None = None,
 ) -> Sheet:
-    """Return the sheet of `tree_svg`.
+    """Return the sheet of `tree_svg`, for other formats.
 
     Parameters
     ----------
@@ -128,6 +132,11 @@ def save_tree_svg(recording: Recording, path: str | Path) -> None:
     text = tree_svg(recording)
     with atomic_write(Path(path)) as file:
         file.write(text.encode())
+
+
+def plot_run(recording: Recording, ax: Axes | None = None) -> Axes:
+    """Draw the picture of a run on axes of matplotlib; see `multisrt.Run.plot`."""
+    return on_axes(run_sheet(recording), ax)
 
 
 def _draw_trees(

@@ -38,8 +38,8 @@ from multisrt.robots.explorer import (
     TimedOut,
 )
 from multisrt.robots.messages import Message
-from multisrt.robots.registry import Strategy
 from multisrt.robots.registry import strategy as strategy_named
+from multisrt.robots.strategy import Strategy, as_strategy
 from multisrt.simulation import plain
 
 SAME_TIME_S = 1e-6
@@ -472,10 +472,7 @@ def _explorer(
     strategy: Exploring, me: RobotSelf, options: Mapping[str, object] | None
 ) -> tuple[str, dict[str, Any], Explorer]:
     given = dict(options or {})
-    chosen = strategy_named(strategy) if isinstance(strategy, str) else strategy
-    if not isinstance(chosen, Strategy):
-        name = getattr(chosen, "__name__", type(chosen).__name__)
-        return name, given, chosen(me, options)
+    chosen = strategy_named(strategy) if isinstance(strategy, str) else as_strategy(strategy)
     if chosen.sees_truth:
         raise InvalidInputError(
             f"{chosen.name} plans on the true map, so it drives simulated robots only"

@@ -26,6 +26,7 @@ from multisrt.experiments.job import Job
 from multisrt.experiments.provenance import Provenance
 from multisrt.experiments.results import Result
 from multisrt.experiments.worker import Worker
+from multisrt.extras import extra
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.recording import atomic_write
 
@@ -72,8 +73,10 @@ def made_on_cluster(
     Raises
     ------
     InvalidInputError
-        If `distributed` is not installed here, if the scheduler cannot be reached or is lost, or
-        if its workers run another version of this program.
+        If the scheduler cannot be reached or is lost, or if its workers run another version of
+        this program.
+    MissingExtraError
+        If `distributed` is not installed here.
     """
     client = _client(address)
     try:
@@ -84,12 +87,8 @@ def made_on_cluster(
 
 
 def _client(address: str) -> Client:
-    try:
+    with extra("cluster", "a cluster"):
         from distributed import Client
-    except ImportError:
-        raise InvalidInputError(
-            "a cluster needs the package 'distributed'; pip install 'multisrt[cluster]'"
-        ) from None
     if re.fullmatch(r"(tcp|tls|ws|wss|ucx)://.+:\d{1,5}/?", address) is None:
         raise InvalidInputError(
             f"the address of a scheduler is like tcp://host:8786, not {address!r}"

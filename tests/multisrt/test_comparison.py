@@ -251,7 +251,7 @@ def test_tables_figures_and_frames(found, tmp_path):
     written = found.plot().save(tmp_path / "figures")
     assert sorted(path.suffix for path in written) == [".pdf", ".svg"]
     assert all(path.stat().st_size > 1000 for path in written)
-    assert "<svg" in found.plot()._repr_html_()
+    assert "<img" in found.plot()._repr_html_()
     assert "two rooms" in repr(found.plot())
 
     frame = found.frame()

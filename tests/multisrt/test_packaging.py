@@ -1,9 +1,12 @@
 import os
+import shutil
 import subprocess
 import sys
 import tomllib
 from pathlib import Path
+from zipfile import ZipFile
 
+import jedi  # type: ignore[import-untyped]
 import pytest
 from setuptools import find_packages  # type: ignore[import-untyped]
 
@@ -29,6 +32,7 @@ def folders_of_packages() -> set[str]:
 
 def test_every_package_is_installed():
     find = SETUP["packages"]["find"]
+    assert SETUP["package-dir"][""] == find["where"][0]
     found = find_packages(str(ROOT / find["where"][0]), include=find["include"])
     assert set(found) == folders_of_packages()
 
@@ -65,6 +69,36 @@ def test_all_data_files_are_packaged():
     }
     assert present == listed
     assert {path for path in listed if path.parent == MAPS.resolve()}
+
+
+def test_an_editable_installation_is_a_path_that_checkers_read(tmp_path):
+    # A copy of what the build reads: it writes beside it.
+    top = tmp_path / "top"
+    top.mkdir()
+    for name in ("pyproject.toml", "README.md", "LICENSE"):
+        shutil.copy(ROOT / name, top)
+    for name in ("multisrt", *ROOMS):
+        (top / name).symlink_to(ROOT / name)
+    shutil.copytree(ROOT / "src", top / "src", symlinks=True)
+    code = f"from setuptools.build_meta import build_editable as b; b({str(tmp_path)!r})"
+    python(code, cwd=top)
+    (wheel,) = tmp_path.glob("*.whl")
+    with ZipFile(wheel) as file:
+        added = [name for name in file.namelist() if ".dist-info/" not in name]
+        assert added == ["__editable__.multisrt-0.1.0.pth"]
+        assert file.read(added[0]).decode().strip() == str(top / "src")
+    # The folder holds the package and nothing else that could be imported.
+    assert [path.name for path in (ROOT / "src").iterdir() if path.suffix != ".egg-info"] == [
+        "multisrt"
+    ]
+    assert os.readlink(ROOT / "src" / "multisrt") == "../multisrt"
+
+
+def test_completion_shows_the_api_alone():
+    names = {found.name for found in jedi.Interpreter("ms.", [{"ms": multisrt}]).complete()}
+    assert {name for name in names if not name.startswith("_")} == set(multisrt.__all__)
+    (signature,) = jedi.Interpreter("ms.explore(", [{"ms": multisrt}]).get_signatures()
+    assert signature.params[0].name == "environment"
 
 
 def python(code: str, *, cwd: Path) -> str:

@@ -6,6 +6,7 @@ import sys
 
 import msgspec
 import pandas
+import polars
 import pyarrow.parquet
 import pytest
 
@@ -18,6 +19,7 @@ from multisrt.experiments.mission import make_run
 from multisrt.experiments.results import Result
 from multisrt.experiments.spec import ExperimentSpec, Limits
 from multisrt.experiments.store import Store
+from multisrt.extras import MissingExtraError
 from multisrt.geometry.errors import InvalidInputError
 from tests.multisrt.experiments.results import metrics_of, result_of
 from tests.multisrt.experiments.small import ROOM
@@ -129,8 +131,11 @@ def test_an_empty_export_has_the_same_columns(tmp_path):
     assert frame["coverage"].dtype == "float64"
 
 
-def test_load_results_is_public(path):
-    assert len(ms.load_results(path)) == 3
+def test_load_results_is_public_and_takes_polars(path):
+    frame = ms.load_results(path, frame="polars")
+    assert frame.shape == (3, len(columns()))
+    assert frame["coverage"].dtype == polars.Float64
+    assert frame["nodes"].is_null().to_list() == [True, False, False]
 
 
 # Errors --------------------------------------------------------------------------------------
@@ -178,11 +183,12 @@ def test_a_missing_folder_is_reported(path, tmp_path):
         export(path, tmp_path / "no" / "out.csv")
 
 
-@pytest.mark.parametrize(("missing", "name"), [("pandas", None), ("pyarrow", "out.parquet")])
-def test_missing_packages_are_named(missing, name, path, tmp_path, monkeypatch):
-    monkeypatch.setitem(sys.modules, missing, None)
-    with pytest.raises(InvalidInputError, match=missing) as error:
-        load_results(path) if name is None else export(path, tmp_path / name)
-    assert "pip install multisrt[frames]" in str(error.value)
-    # CSV needs neither.
+def test_csv_needs_no_other_package_and_parquet_pyarrow(path, tmp_path, monkeypatch):
+    for missing in ("pandas", "polars", "pyarrow"):
+        monkeypatch.setitem(sys.modules, missing, None)
+    with pytest.raises(MissingExtraError, match=r"needs pandas, .*'multisrt\[frames\]'"):
+        load_results(path)
+    with pytest.raises(MissingExtraError, match=r"needs pyarrow, .*'multisrt\[parquet\]'"):
+        export(path, tmp_path / "out.parquet")
+    assert not (tmp_path / "out.parquet").exists()
     assert export(path, tmp_path / "out.csv") == 3

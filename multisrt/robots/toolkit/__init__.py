@@ -1,0 +1,11 @@
+"""Helpers for explorers of your own: maps, paths, motions, messages and decisions.
+
+Everything here runs on a robot: it is made from scans, messages and the robot's own place.
+
+>>> from multisrt.robots.toolkit import FrontierMap, places_of
+"""
+
+from multisrt.robots.toolkit.frontier_map import Frontier, FrontierMap
+from multisrt.robots.toolkit.places import places_of
+
+__all__ = ["Frontier", "FrontierMap", "places_of"]

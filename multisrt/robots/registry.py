@@ -221,7 +221,7 @@ def _bids(
 
     def require_fit(spec: RunSpec) -> None:
         if spec.options.get("drive", options().drive) == "nearness-diagram":
-            _require_no_car(spec)
+            require_no_car(spec)
         if fits is not None:
             fits(spec)
 
@@ -230,7 +230,8 @@ def _bids(
     )
 
 
-def _require_no_car(spec: RunSpec) -> None:
+def require_no_car(spec: RunSpec) -> None:
+    """Refuse a run with a robot that is a car, which the nearness diagram cannot drive."""
     for number, robot in enumerate(spec.robots):
         if isinstance(robot.drive.kinematics(), Car):
             raise InvalidInputError(

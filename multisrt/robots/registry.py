@@ -31,17 +31,21 @@ from multisrt.robots.frontier.utility import choose_utility
 from multisrt.robots.frontier.wavefront_rules import choose_closest, choose_greedy, choose_minpos
 from multisrt.robots.multi_srt.build_multi_srt import SrtExplorer
 from multisrt.robots.multi_srt.options import MultiSrtOptions
-from multisrt.robots.strategy import Strategy
+from multisrt.robots.strategy import Strategy, as_strategy
 from multisrt.spec import RunSpec
 
 
-def register(strategy: Strategy) -> None:
-    """Add a strategy for this process.
+def register(strategy: Strategy | Callable[..., Explorer], *, replace: bool = False) -> None:
+    """Make a strategy known by its name, for this process.
 
     Parameters
     ----------
-    strategy : Strategy
-        The strategy.
+    strategy : Strategy, type or callable
+        The strategy, or what `Strategy.of` makes one of: the class of an explorer, or a function
+        that builds one.
+    replace : bool
+        Whether it takes the place of one with the same name that was registered before, as when
+        a notebook's cell runs again. Built-in strategies are not replaced.
 
     Raises
     ------
@@ -50,15 +54,44 @@ def register(strategy: Strategy) -> None:
 
     Examples
     --------
-    >>> register(strategy("minpos"))
+    >>> register(strategy("minpos"))  # doctest: +ELLIPSIS
     Traceback (most recent call last):
     ...
-    multisrt.geometry.errors.InvalidInputError: there is a strategy 'minpos' already
+    multisrt.geometry.errors.InvalidInputError: there is a strategy 'minpos' already, and it ...
     """
-    registered = _registry()
-    if strategy.name in registered:
-        raise InvalidInputError(f"there is a strategy {strategy.name!r} already")
-    registered[strategy.name] = strategy
+    added, known = as_strategy(strategy), _registry()
+    if is_built_in(added.name):
+        raise InvalidInputError(
+            f"there is a strategy {added.name!r} already, and it is built in; choose another name"
+            + ("" if isinstance(strategy, Strategy) else ": Strategy.of(..., name=...)")
+        )
+    if added.name in known and not replace:
+        raise InvalidInputError(
+            f"there is a strategy {added.name!r} already; to replace it, as when a cell runs "
+            "again, give register(..., replace=True)"
+        )
+    known[added.name] = added
+
+
+def is_built_in(name: str) -> bool:
+    """Whether a strategy of this package has a name.
+
+    Parameters
+    ----------
+    name : str
+        The name.
+
+    Returns
+    -------
+    bool
+        False for those of other packages and those that were registered.
+
+    Examples
+    --------
+    >>> is_built_in("minpos"), is_built_in("mine")
+    (True, False)
+    """
+    return any(name == own.name for own in (*_OWN, _INFORMED.load()))
 
 
 @contextmanager
@@ -130,7 +163,8 @@ def strategy(name: str) -> Strategy:
             )
         raise InvalidInputError(
             f"there is no strategy {name!r}{did_you_mean(name, registered)}; "
-            f"there are: {', '.join(registered)}"
+            f"there are: {', '.join(registered)}; one of your own is imported by --import FILE.py "
+            "on the command line, or registered by multisrt.register"
         )
     return registered[name]
 

@@ -228,6 +228,33 @@ class Strategy:
             raise InvalidInputError(f"options of {self.name}: {wrong}") from None
 
 
+def as_strategy(given: Strategy | Callable[..., Explorer]) -> Strategy:
+    """Return a strategy that is given as such, as an explorer's class or as a function.
+
+    Parameters
+    ----------
+    given : Strategy, type or callable
+        The strategy, or what `Strategy.of` takes.
+
+    Returns
+    -------
+    Strategy
+        The strategy.
+
+    Raises
+    ------
+    InvalidInputError
+        If it is something else.
+
+    Examples
+    --------
+    >>> import multisrt as ms
+    >>> as_strategy(ms.strategies()[0]).name
+    'srt-ball'
+    """
+    return given if isinstance(given, Strategy) else Strategy.of(given)
+
+
 def kebab_case(name: str) -> str:
     """Return the name of a class or function in lower case, its words joined by hyphens.
 

@@ -365,15 +365,15 @@ def explore(
         spec, world = environment, build_environment(environment.environment)
     elif isinstance(environment, Environment):
         world = environment
-        spec = RunSpec(environment=inline(world), **_run_fields(given))
+        spec = RunSpec(environment=inline(world), **run_fields(given))
     else:
         where = environment_spec(str(environment))
         world = build_environment(where)
-        spec = RunSpec(environment=where, **_run_fields(given))
+        spec = RunSpec(environment=where, **run_fields(given))
     return Run(simulate(spec, world, path=recording_path, watch=watch), world)
 
 
-def _run_fields(given: Mapping[str, Any]) -> dict[str, Any]:
+def run_fields(given: Mapping[str, Any]) -> dict[str, Any]:
     """Return the fields of a `RunSpec` that the keywords of `explore` set."""
     given = {name: checked(name, value) for name, value in given.items()}
     fields: dict[str, Any] = {

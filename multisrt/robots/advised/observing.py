@@ -54,7 +54,7 @@ def observe(robot: FrontierRobot, question: Question, spec: DecisionSpec) -> Obs
     -------
     dict of str to array
         New arrays. Always ``pose`` (x, y, heading) and ``time`` (s); ``frontiers``, ``others``
-        with ``others_mask``, and ``map`` as the spec says; ``action_mask`` where actions are
+        with ``others_mask`` in a team, and ``map`` as the spec says; ``action_mask`` where actions are
         frontiers, else ``decides``.
     """
     seen = nothing_observed(robot.me.team, spec)
@@ -88,7 +88,7 @@ def nothing_observed(team: int, spec: DecisionSpec) -> Observation:
     }
     if "frontiers" in spec.parts:
         seen["frontiers"] = np.zeros((spec.frontiers, len(FRONTIER_COLUMNS)), np.float32)
-    if "others" in spec.parts:
+    if "others" in spec.parts and team > 1:
         seen["others"] = np.zeros((team - 1, len(OTHER_COLUMNS)), np.float32)
         seen["others_mask"] = np.zeros((team - 1, 2), np.int8)
     if "map" in spec.parts:

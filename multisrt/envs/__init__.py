@@ -25,8 +25,7 @@ try:
     import pettingzoo  # noqa: F401
 except ImportError as error:
     raise ImportError(
-        f"multisrt.envs needs gymnasium and pettingzoo ({error}): "
-        'pip install "multisrt[learn]"'
+        f'multisrt.envs needs gymnasium and pettingzoo ({error}): pip install "multisrt[learn]"'
     ) from None
 
 from multisrt.envs.parallel import ExploreParallelEnv, parallel_env

@@ -21,6 +21,14 @@ from multisrt.run import Run
 RENDER_MODES = ["rgb_array"]
 """How environments can be drawn."""
 
+METADATA: dict[str, Any] = {
+    "name": "multisrt_explore_v0",
+    "render_modes": RENDER_MODES,
+    "render_fps": 4,
+    "is_parallelizable": True,
+}
+"""What Gymnasium and PettingZoo are told of environments."""
+
 MAX_DRAWN = 2**31 - 1
 """Bounds the seeds that are drawn for missions."""
 

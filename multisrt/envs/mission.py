@@ -26,6 +26,9 @@ from multisrt.spec import RunSpec
 STRATEGY = "decided-outside"
 """The name of the strategy in the specs and recordings of missions."""
 
+COVERED = "covered"
+"""The outcome of a mission that is over as the team has seen enough."""
+
 End = Literal["terminated", "truncated"]
 """How a mission ended: it was over, or the stop rule cut it off."""
 
@@ -76,6 +79,7 @@ class Mission:
             self._goal_m2 = end_coverage * what.area_m2
         self.asking: int | None = None
         self.end: End | None = None
+        self._ended = ("", "")
         self.dead: set[int] = set()
         self.regions: list[FloatArray] = []
         self._seen_by: list[int] = []
@@ -117,8 +121,7 @@ class Mission:
             "seen_m2": self.seen_m2,
         }
         if self.end is not None:
-            footer = self._steps.recording.footer
-            told["outcome"], told["reason"] = footer.outcome, footer.reason
+            told["outcome"], told["reason"] = self._ended
         return told
 
     @property
@@ -170,8 +173,9 @@ class Mission:
             if explorers[step.robot].advice.question is not None:
                 self.asking = step.robot
                 return
-        is_cut_off = self._steps.recording.footer.outcome == "out_of_time"
-        self.end = "truncated" if is_cut_off else "terminated"
+        footer = self._steps.recording.footer
+        self.end = "truncated" if footer.outcome == "out_of_time" else "terminated"
+        self._ended = footer.outcome, footer.reason
 
     def _collect(self) -> list[Gain]:
         new_m2 = self._seen.add(self.regions[self._measured :])
@@ -180,6 +184,7 @@ class Mission:
         self._measured = len(self.regions)
         if self.end is None and self._goal_m2 is not None and self.seen_m2 >= self._goal_m2:
             self.asking, self.end = None, "terminated"
+            self._ended = COVERED, f"the team has seen {self.seen_m2:.1f} m2"
             self._steps.close()
         took_s, self._since_s = self.time_s - self._since_s, self.time_s
         driven_m, self._driven_m = self._driven_m, np.zeros(self._team)
@@ -204,4 +209,6 @@ class Mission:
 
 def _shown(scan: Scan) -> FloatArray:
     # As `multisrt.analysis.scans` judges them.
-    return scan.boundary if isinstance(scan, ExactScan) else local_safe_region(scan, "radial").boundary
+    if isinstance(scan, ExactScan):
+        return scan.boundary
+    return local_safe_region(scan, "radial").boundary

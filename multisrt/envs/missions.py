@@ -10,7 +10,7 @@ import msgspec
 from numpy.random import Generator
 
 from multisrt.environments.environment import Environment
-from multisrt.geometry.errors import InvalidInputError
+from multisrt.geometry.errors import InvalidInputError, did_you_mean
 from multisrt.run import run_fields
 from multisrt.simulation.worlds import build_environment, environment_spec, inline
 from multisrt.spec import CatalogEnvironment, FileEnvironment, InlineEnvironment, RunSpec
@@ -18,6 +18,23 @@ from multisrt.spec.environments import EnvironmentSpec
 
 MAX_BUILT = 64
 """Number of worlds that are kept built; the one that was built first is dropped."""
+
+KEYWORDS = (
+    "seed",
+    "options",
+    "robots",
+    "start",
+    "starts",
+    "footprint",
+    "range_m",
+    "beams",
+    "drive",
+    "radio_range_m",
+    "radio",
+    "faults",
+    "max_time_s",
+)
+"""The keywords of `multisrt.explore` that describe a team and its mission."""
 
 World = Environment | EnvironmentSpec | str | Path
 """A world, its spec, its name in the catalogue, or a map file."""
@@ -67,20 +84,30 @@ class Missions:
                 "where robots go is decided by actions: leave out strategy, "
                 f"which is {given['strategy']!r}"
             )
+        for name in given:
+            if name not in KEYWORDS:
+                raise InvalidInputError(
+                    f"an environment for learning takes no {name!r}"
+                    f"{did_you_mean(name, KEYWORDS)}; missions are described by: "
+                    f"{', '.join(KEYWORDS)}"
+                )
         if isinstance(worlds, RunSpec):
             if given:
                 raise InvalidInputError(
                     f"a RunSpec describes the run: with it, leave out {', '.join(given)}"
                 )
-            template, self._worlds = worlds, (worlds.environment,)
             named: tuple[World, ...] = (worlds.environment,)
         else:
             one = isinstance(worlds, Environment | EnvironmentSpec | str | Path)
             named = (worlds,) if one else tuple(worlds)  # type: ignore[arg-type, assignment]
             if not named:
                 raise InvalidInputError("a mission needs a world, and the sequence has none")
-            self._worlds = tuple(map(_spec_of, named))
-            template = RunSpec(environment=self._worlds[0], **run_fields(given))
+        self._worlds = tuple(map(_spec_of, named))
+        template = (
+            worlds
+            if isinstance(worlds, RunSpec)
+            else RunSpec(environment=self._worlds[0], **run_fields(given))
+        )
         self._template = msgspec.structs.replace(template, strategy=strategy)
         self._world_seeds = None if world_seeds is None else _checked(world_seeds, self._worlds)
         self.team = len(template.robots)

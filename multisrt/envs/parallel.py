@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 from gymnasium import spaces
@@ -11,7 +11,7 @@ from numpy.random import Generator
 from numpy.typing import NDArray
 from pettingzoo import ParallelEnv
 
-from multisrt.envs.episodes import RENDER_MODES, Episodes
+from multisrt.envs.episodes import METADATA, Episodes
 from multisrt.envs.mission import Mission
 from multisrt.envs.missions import Worlds
 from multisrt.envs.rewards import Reward
@@ -86,12 +86,7 @@ class ExploreParallelEnv(ParallelEnv):  # type: ignore[misc]
     ['robot_0', 'robot_1']
     """
 
-    metadata: ClassVar[dict[str, Any]] = {
-        "name": "multisrt_explore_v0",
-        "render_modes": RENDER_MODES,
-        "render_fps": 4,
-        "is_parallelizable": True,
-    }
+    metadata: dict[str, Any] = METADATA
 
     def __init__(
         self,
@@ -215,7 +210,7 @@ class ExploreParallelEnv(ParallelEnv):  # type: ignore[misc]
                 agent: mission.end == "terminated" or self._robot(agent) in mission.dead
                 for agent in self.agents
             },
-            {agent: mission.end == "truncated" for agent in self.agents},
+            dict.fromkeys(self.agents, mission.end == "truncated"),
             self._infos(mission),
         )
         self.agents = [

@@ -44,7 +44,7 @@ class TruthRaster:
         self._painted = 0
         along = (np.arange(cells) + 0.5) * self._cell_m
         x, y = np.meshgrid(self._x0 + along, self._y0 + along)
-        self._free: BoolArray = shapely.contains_xy(world.free, x, y)
+        self._free: BoolArray = np.asarray(shapely.contains_xy(world.free, x, y))
 
     def state(self, regions: list[FloatArray], places: FloatArray) -> NDArray[np.float32]:
         """Return the layers `SEEN`, `FREE` and `ROBOTS`, of 0 and 1.

@@ -10,12 +10,15 @@ import numpy as np
 from multisrt.analysis.explorable import strips_of
 from multisrt.environments.environment import Environment
 from multisrt.geometry.configuration import Configuration
-from multisrt.geometry.grids.strip_map import OUTSIDE, StripMap
+from multisrt.geometry.grids.strip_map import StripMap
 from multisrt.geometry.grids.strips import runs_of
 from multisrt.geometry.numerics.arrays import FloatArray
 
 SEEN: Final = 1
 """The label of what a scan has shown."""
+
+TABLE: Final = (SEEN, SEEN)
+"""The new labels of what a scan shows: of what was outside, and of what was seen."""
 
 
 class SeenArea:
@@ -47,7 +50,7 @@ class SeenArea:
 
     def __init__(self, environment: Environment, start: Configuration) -> None:
         component = environment.component(start.x, start.y)
-        self._plane = StripMap(strips_of(environment, component), SEEN + 1)
+        self._plane = StripMap(strips_of(environment, component), len(TABLE))
         self.area_m2 = 0.0
 
     def add(self, regions: Sequence[FloatArray]) -> FloatArray:
@@ -65,9 +68,7 @@ class SeenArea:
         """
         if not regions:
             return np.zeros(0)
-        labels = np.full((1, SEEN + 1), SEEN)
-        assert SEEN != OUTSIDE
-        history = self._plane.relabel(runs_of(self._plane.cut, regions), labels)[:, SEEN]
+        history = self._plane.relabel(runs_of(self._plane.cut, regions), [TABLE])[:, SEEN]
         new: FloatArray = np.maximum(0.0, np.diff(history, prepend=self.area_m2))
         self.area_m2 = float(history[-1])
         return new

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, ClassVar
+from typing import Any
 
 import gymnasium
 import numpy as np
+from gymnasium import spaces
 from numpy.typing import NDArray
 
-from multisrt.envs.episodes import RENDER_MODES, Episodes
+from multisrt.envs.episodes import METADATA, Episodes
 from multisrt.envs.missions import Worlds
 from multisrt.envs.rewards import Reward
 from multisrt.envs.spaces import action_space, observation_space
@@ -65,7 +66,7 @@ class ExploreEnv(gymnasium.Env[Observation, Answer]):
     (True, False, True)
     """
 
-    metadata: ClassVar[dict[str, Any]] = {"render_modes": RENDER_MODES, "render_fps": 4}
+    metadata: dict[str, Any] = METADATA
 
     def __init__(
         self,
@@ -93,7 +94,7 @@ class ExploreEnv(gymnasium.Env[Observation, Answer]):
                 "multisrt.envs.parallel_env for a team"
             )
         self.render_mode = render_mode
-        self.observation_space = observation_space(team, self._episodes.decision)
+        self.observation_space: spaces.Space[Any] = observation_space(team, self._episodes.decision)
         self.action_space = action_space(self._episodes.decision)
 
     @property
@@ -161,7 +162,7 @@ class ExploreEnv(gymnasium.Env[Observation, Answer]):
             mission.info(0),
         )
 
-    def render(self) -> NDArray[np.uint8] | None:  # type: ignore[override]
+    def render(self) -> NDArray[np.uint8] | None:
         """Return a picture of the truth and of what was seen, if `render_mode` says so.
 
         Returns

@@ -54,8 +54,8 @@ def observe(robot: FrontierRobot, question: Question, spec: DecisionSpec) -> Obs
     -------
     dict of str to array
         New arrays. Always ``pose`` (x, y, heading) and ``time`` (s); ``frontiers``, ``others``
-        with ``others_mask`` in a team, and ``map`` as the spec says; ``action_mask`` where actions are
-        frontiers, else ``decides``.
+        with ``others_mask`` in a team, and ``map`` as the spec says; ``action_mask`` where
+        actions are frontiers, else ``decides``.
     """
     seen = nothing_observed(robot.me.team, spec)
     seen["pose"][:2] = np.clip(robot.at[:2], -PLACE_M, PLACE_M)
@@ -128,14 +128,8 @@ def cells_around(
         `UNKNOWN` (0), `FREE` (1) or `OCCUPIED` (2); the place is in row and column
         ``count // 2``.
     """
-    width = count * scale
     row, column = ((k // scale - count // 2) * scale for k in raster.cell_of(*place))
-    row, column = row - raster.row, column - raster.column
-    fine = np.zeros((width, width), np.uint8)
-    rows, columns = raster.cells.shape
-    r0, r1, c0, c1 = max(0, row), min(rows, row + width), max(0, column), min(columns, column + width)
-    if r0 < r1 and c0 < c1:
-        fine[r0 - row : r1 - row, c0 - column : c1 - column] = raster.cells[r0:r1, c0:c1]
+    fine = raster.square(row, column, count * scale)
     coarse: ByteArray = fine.reshape(count, scale, count, scale).max(axis=(1, 3))
     return coarse
 

@@ -47,7 +47,7 @@ def question_of(robot: FrontierRobot, at_most: int) -> Question:
         Number of frontiers to choose from: the nearest.
     """
     costs = WavefrontCosts(robot, alone=True)
-    left, nearest = np.arange(len(costs.targets)), []
+    left, nearest = np.arange(len(costs.targets)), list[int]()
     # The wave from the robot runs only as far as the last of those that it may choose.
     while len(nearest) < at_most and (found := costs.nearest(costs.row, left)) is not None:
         nearest.append(found[1])

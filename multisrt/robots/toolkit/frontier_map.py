@@ -200,16 +200,8 @@ class FrontierMap:
         """
         [(x, y)] = _one(place, "place").tolist()
         reach = int(np.ceil(half_width_m / self.raster.cell_m - 1e-9))
-        size = 2 * reach + 1
         row, column = self.raster.cell_of(x, y)
-        row, column = row - reach - self.raster.row, column - reach - self.raster.column
-        cells = self.raster.cells
-        found = np.zeros((size, size), np.uint8)
-        r0, r1 = max(0, row), min(cells.shape[0], row + size)
-        c0, c1 = max(0, column), min(cells.shape[1], column + size)
-        if r0 < r1 and c0 < c1:
-            found[r0 - row : r1 - row, c0 - column : c1 - column] = cells[r0:r1, c0:c1]
-        return found
+        return self.raster.square(row - reach, column - reach, 2 * reach + 1)
 
     # Where the unknown begins ---------------------------------------------------------------
 

@@ -1,6 +1,6 @@
 """Print the table of all benchmarks; a missed target or an error is a line of it."""
 
-from benchmarks import frontier, kernels, machine, team, throughput, whole_run
+from benchmarks import frontier, kernels, learning, machine, team, throughput, whole_run
 from benchmarks.harness import show
 
 
@@ -12,6 +12,7 @@ def main() -> None:
         | whole_run.BENCHMARKS
         | team.BENCHMARKS
         | frontier.BENCHMARKS
+        | learning.BENCHMARKS
         | throughput.BENCHMARKS
     )
 

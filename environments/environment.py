@@ -4,6 +4,9 @@ import hashlib
 import math
 from collections.abc import Iterable, Sequence
 from functools import cached_property
+from importlib import import_module
+from types import ModuleType
+from typing import TYPE_CHECKING
 
 import numpy as np
 import shapely
@@ -13,6 +16,9 @@ from shapely.geometry.base import BaseGeometry
 
 from multisrt.geometry.errors import ClearanceError, InvalidInputError
 from multisrt.geometry.numerics.arrays import FloatArray
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 GeometryArray = NDArray[np.object_]
 
@@ -180,6 +186,40 @@ class Environment:
         """The connected components of free space: the same objects at every call."""
         return tuple(self._free.geoms)
 
+    def plot(self, ax: "Axes | None" = None) -> "Axes":
+        """Draw the world on axes of matplotlib, in the colours of its SVG picture.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Where to draw; their aspect becomes equal. By default a new figure of pyplot, with
+            title and legend.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The axes; units are metres.
+
+        Raises
+        ------
+        MissingExtraError
+            If matplotlib is not installed (``multisrt[plots]``).
+
+        Examples
+        --------
+        >>> import shapely
+        >>> from matplotlib.figure import Figure
+        >>> ax = Environment("hall", shapely.box(0, 0, 4, 3)).plot(Figure().add_subplot())
+        >>> bool(ax.dataLim.width > 4.0)
+        True
+        """
+        axes: Axes = _pictures().plot_environment(self, ax)
+        return axes
+
+    def _repr_svg_(self) -> str:
+        svg: str = _pictures().environment_svg(self)
+        return svg
+
     def contains(self, x: float, y: float) -> bool:
         """Return whether a point lies in the interior of free space.
 
@@ -321,3 +361,8 @@ def _without_sliver_holes(part: Polygon) -> Polygon:
     if solid.size == holes.size:
         return part
     return Polygon(part.exterior, [hole.exterior for hole in solid])
+
+
+def _pictures() -> ModuleType:
+    # Loaded by name: pictures are made of worlds, and no run depends on how they are drawn.
+    return import_module("multisrt.drawing")

@@ -29,12 +29,13 @@ if TYPE_CHECKING:
     from multisrt.experiments.frames import load_results
     from multisrt.experiments.results import Result, Results
     from multisrt.experiments.spec import ExperimentSpec
+    from multisrt.finished_run import Run
     from multisrt.geometry.bodies.footprint import Footprint
     from multisrt.geometry.errors import InvalidInputError, MultiSrtError
     from multisrt.recording import Recording
     from multisrt.robots.registry import register, strategies
     from multisrt.robots.strategy import Strategy
-    from multisrt.run import Run, explore
+    from multisrt.run import explore
     from multisrt.simulation.simulate import simulate
     from multisrt.spec import (
         CatalogEnvironment,
@@ -71,7 +72,7 @@ _HOMES = {
     "Result": "experiments.results",
     "Results": "experiments.results",
     "RobotSpec": "spec",
-    "Run": "run",
+    "Run": "finished_run",
     "RunSpec": "spec",
     "Silence": "spec",
     "StopRule": "spec",

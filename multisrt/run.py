@@ -1,20 +1,19 @@
-"""Explore an environment from Python: `explore` and the `Run` that it returns."""
+"""Explore an environment from Python."""
 
 from __future__ import annotations
 
 import operator
-from collections.abc import Iterable, Mapping, Sequence
-from functools import cached_property
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Literal
 
-import msgspec
-
-from multisrt.analysis.measuring import measure
-from multisrt.analysis.metrics import Metrics
+from multisrt.analysis.progress import Progress
 from multisrt.environments.environment import Environment
+from multisrt.finished_run import Run
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.recording import Recording, RunOutcome, atomic_write
+from multisrt.robots.explorer import Explorer
+from multisrt.robots.registry import register
+from multisrt.robots.strategy import Strategy, as_strategy
 from multisrt.simulation.journal import Watcher
 from multisrt.simulation.simulate import simulate
 from multisrt.simulation.worlds import build_environment, environment_spec, inline
@@ -30,222 +29,14 @@ from multisrt.spec import (
 )
 from multisrt.spec.keywords import checked, start_of
 
-RECORDING_NAME = "recording.jsonl"
-RUN_NAME = "run.json"
-TREE_NAME = "tree.svg"
-SPEC_NAME = "spec.toml"
-
 Starts = Literal["scattered", "clustered"] | Sequence[Sequence[float]]
 """Start configurations of a team: how to draw them, or one for each robot."""
-
-
-class Run:
-    """A finished run: its recording and the environment it took place in.
-
-    Parameters
-    ----------
-    recording : Recording
-        The recording of the run.
-    environment : Environment, optional
-        The environment of the run. By default it is built from the recording's spec.
-
-    Raises
-    ------
-    InvalidInputError
-        If `environment` is not given and cannot be built from the recording.
-
-    Examples
-    --------
-    >>> import multisrt as ms
-    >>> run = ms.explore("open", seed=1)
-    >>> run.outcome, run.reason
-    ('complete', 'robot 0: every frontier arc is explored or closed')
-    >>> run.spec.seed
-    1
-    >>> run.save_svg("tree.svg")
-
-    A saved recording can be measured and drawn again:
-
-    >>> run.recording.save("recording.jsonl")
-    >>> again = ms.Run(ms.Recording.load("recording.jsonl"))
-    """
-
-    def __init__(self, recording: Recording, environment: Environment | None = None) -> None:
-        self.recording = recording
-        self.environment = recording.environment() if environment is None else environment
-
-    @property
-    def spec(self) -> RunSpec:
-        """The spec of the run."""
-        return self.recording.spec
-
-    @property
-    def outcome(self) -> RunOutcome:
-        """How the run ended: `complete`, `stalled` or `out_of_time`."""
-        return self.recording.footer.outcome
-
-    @property
-    def reason(self) -> str:
-        """Why the run ended, in words."""
-        return self.recording.footer.reason
-
-    @property
-    def digest(self) -> str:
-        """SHA-256 of spec, environment and events; runs of equal specs have equal digests."""
-        return self.recording.footer.digest
-
-    @cached_property
-    def metrics(self) -> Metrics:
-        """The metrics of the run, computed on first use."""
-        return measure(self.recording, self.environment)
-
-    def why(self, robot: int, time_s: float | None = None) -> str:
-        """Explain in words what a robot knew and decided.
-
-        Parameters
-        ----------
-        robot : int
-            Index of the robot, from 0.
-        time_s : float, optional
-            Time (s); the last decision up to this time is explained. By default the end of the
-            run.
-
-        Returns
-        -------
-        str
-            The explanation, of several lines.
-
-        Raises
-        ------
-        InvalidInputError
-            If there is no such robot, or it had made no decision by `time_s`.
-
-        Examples
-        --------
-        >>> import multisrt as ms
-        >>> run = ms.explore("open", seed=1)
-        >>> print(run.why(robot=0, time_s=30.0))  # doctest: +ELLIPSIS
-        Robot 0 at 30.00 s...
-        """
-        from multisrt.explain.srt import explain
-
-        return explain(self.recording, robot, time_s)
-
-    def save_svg(self, path: str | Path) -> None:
-        """Draw the exploration trees as SVG.
-
-        Parameters
-        ----------
-        path : str or Path
-            The file; it is written completely or not at all.
-
-        Raises
-        ------
-        InvalidInputError
-            If the file cannot be written.
-
-        Examples
-        --------
-        >>> import multisrt as ms
-        >>> ms.explore("open", seed=1, max_time_s=10.0).save_svg("tree.svg")
-        """
-        from multisrt.drawing import save_tree_svg
-
-        save_tree_svg(self.recording, path)
-
-    def save_recording(self, path: str | Path) -> None:
-        """Write the recording, one JSON object a line.
-
-        Parameters
-        ----------
-        path : str or Path
-            The file; it is written completely or not at all.
-
-        Raises
-        ------
-        InvalidInputError
-            If the file cannot be written.
-
-        Examples
-        --------
-        >>> import multisrt as ms
-        >>> run = ms.explore("open", seed=1, max_time_s=10.0)
-        >>> run.save_recording("recording.jsonl")
-        >>> ms.Recording.load("recording.jsonl").footer.digest == run.digest
-        True
-        """
-        self.recording.save(path)
-
-    def save_spec(self, path: str | Path) -> None:
-        """Write the spec as TOML, from which the run can be repeated.
-
-        Parameters
-        ----------
-        path : str or Path
-            The file; it is written completely or not at all.
-
-        Raises
-        ------
-        InvalidInputError
-            If the file cannot be written.
-
-        Examples
-        --------
-        >>> import multisrt as ms
-        >>> ms.explore("open", seed=1, max_time_s=10.0).save_spec("spec.toml")
-        >>> with open("spec.toml") as file:
-        ...     spec = ms.RunSpec.from_toml(file.read())
-        >>> spec.stop.max_time_s
-        10.0
-        """
-        with atomic_write(Path(path)) as file:
-            file.write(self.spec.to_toml().encode())
-
-    def save_summary(self, path: str | Path) -> None:
-        """Write spec, outcome, reason, digest and metrics as JSON.
-
-        Parameters
-        ----------
-        path : str or Path
-            The file; it is written completely or not at all.
-
-        Raises
-        ------
-        InvalidInputError
-            If the file cannot be written.
-
-        Examples
-        --------
-        >>> import json
-        >>> import multisrt as ms
-        >>> ms.explore("open", seed=1, max_time_s=10.0).save_summary("run.json")
-        >>> with open("run.json") as file:
-        ...     print(list(json.load(file)))
-        ['spec', 'outcome', 'reason', 'digest', 'metrics']
-        """
-        summary = {
-            "spec": self.spec,
-            "outcome": self.outcome,
-            "reason": self.reason,
-            "digest": self.digest,
-            "metrics": self.metrics,
-        }
-        text = msgspec.json.format(msgspec.json.encode(summary), indent=2)
-        with atomic_write(Path(path)) as file:
-            file.write(text + b"\n")
-
-    def __repr__(self) -> str:
-        return (
-            f"Run({self.spec.strategy!r} in {self.environment.name!r}, seed {self.spec.seed}: "
-            f"{self.outcome}, {self.metrics.coverage:.1%} covered in "
-            f"{self.metrics.makespan_s:.0f} s)"
-        )
 
 
 def explore(
     environment: Environment | str | Path | RunSpec,
     *,
-    strategy: str | None = None,
+    strategy: str | Strategy | Callable[..., Explorer] | None = None,
     seed: int | None = None,
     options: Mapping[str, Scalar] | None = None,
     robots: int | Sequence[RobotSpec] | None = None,
@@ -261,6 +52,7 @@ def explore(
     max_time_s: float | None = None,
     recording_path: str | Path | None = None,
     watch: Watcher | None = None,
+    progress: bool = False,
 ) -> Run:
     """Explore an environment with one robot or a team.
 
@@ -273,9 +65,10 @@ def explore(
     ----------
     environment : Environment, str, Path or RunSpec
         The environment, its name in the catalogue, or a map file; or the spec of the run, with
-        which only `recording_path` and `watch` may be given.
-    strategy : str, optional
-        Name of a registered strategy; see `strategies`.
+        which only `recording_path`, `watch` and `progress` may be given.
+    strategy : str, Strategy, class or function, optional
+        Name of a registered strategy, see `strategies`; or one of one's own, as `Strategy.of`
+        takes it, which is registered by this in place of one of its name.
     seed : int, optional
         Seed of all random streams of the run.
     options : mapping, optional
@@ -309,6 +102,9 @@ def explore(
         File to which the recording is written while the run goes on.
     watch : callable, optional
         Called with every event as it happens.
+    progress : bool
+        Whether to show the simulated time and the share that was seen, on one line; on a terminal
+        or in a notebook only.
 
     Returns
     -------
@@ -344,6 +140,10 @@ def explore(
     >>> ms.explore(run.spec).digest == run.digest
     True
     """
+    if strategy is not None and not isinstance(strategy, str):
+        own = as_strategy(strategy)
+        register(own, replace=True)
+        strategy = own.name
     robot = {"footprint": footprint, "range_m": range_m, "beams": beams, "drive": drive}
     team = {"robots": robots, "start": start, "starts": starts}
     rest = {
@@ -359,8 +159,8 @@ def explore(
     if isinstance(environment, RunSpec):
         if given:
             raise InvalidInputError(
-                "a RunSpec describes the run: with it, give only recording_path and watch, and "
-                f"leave out {', '.join(given)}"
+                "a RunSpec describes the run: with it, give only recording_path, watch and "
+                f"progress, and leave out {', '.join(given)}"
             )
         spec, world = environment, build_environment(environment.environment)
     elif isinstance(environment, Environment):
@@ -370,7 +170,9 @@ def explore(
         where = environment_spec(str(environment))
         world = build_environment(where)
         spec = RunSpec(environment=where, **run_fields(given))
-    return Run(simulate(spec, world, path=recording_path, watch=watch), world)
+    with Progress(quiet=not progress) as live:
+        watch = live.watcher(spec, world, watch)
+        return Run(simulate(spec, world, path=recording_path, watch=watch), world)
 
 
 def run_fields(given: Mapping[str, Any]) -> dict[str, Any]:

@@ -1,19 +1,28 @@
-"""A progress line on the terminal."""
+"""A progress line on the terminal or in a notebook."""
 
 from __future__ import annotations
 
 import sys
+import time
 from types import TracebackType
-from typing import Any, Self
+from typing import Any, Final, Self
+
+from multisrt.notebook import RewrittenText, is_notebook
+
+PAUSE_S: Final = 0.1
+"""Shortest time between two changes of a line in a notebook (s)."""
 
 
 class LiveLine:
-    """An activity, a bar and a note, as a context manager; hidden without a terminal.
+    """An activity, a bar and a note, as a context manager.
+
+    It is shown on standard error if that is a terminal, and there vanishes at the end. In a
+    notebook it is a line of text that is rewritten in place. Elsewhere it is hidden.
 
     Parameters
     ----------
     shown : bool
-        Whether to show the line if standard error is a terminal.
+        Whether to show the line where it can be rewritten.
     what : str
         The activity at first.
     note : str
@@ -30,27 +39,33 @@ class LiveLine:
     def __init__(
         self, shown: bool, what: str = "starting", note: str = "", *, counted: bool = False
     ) -> None:
-        self.shown = shown and sys.stderr.isatty()
-        self._first = {"description": what, "note": note}
+        self.shown = shown and (sys.stderr.isatty() or is_notebook())
         self._counted = counted
+        self._now: dict[str, Any] = {"description": what, "note": note, "total": None}
         self._bar: Any = None
         self._task: Any = None
+        self._text: RewrittenText | None = None
+        self._written_s = 0.0
 
     def __enter__(self) -> Self:
-        if self.shown:
-            from rich import progress
-            from rich.console import Console
+        if not self.shown:
+            return self
+        if is_notebook():
+            self._text = RewrittenText(self._line())
+            return self
+        from rich import progress
+        from rich.console import Console
 
-            self._bar = progress.Progress(
-                progress.TextColumn("{task.description}"),
-                progress.BarColumn(bar_width=24),
-                progress.MofNCompleteColumn() if self._counted else progress.TaskProgressColumn(),
-                progress.TextColumn("{task.fields[note]}"),
-                console=Console(stderr=True),
-                transient=True,
-            )
-            self._bar.start()
-            self._task = self._bar.add_task(total=None, **self._first)
+        self._bar = progress.Progress(
+            progress.TextColumn("{task.description}"),
+            progress.BarColumn(bar_width=24),
+            progress.MofNCompleteColumn() if self._counted else progress.TaskProgressColumn(),
+            progress.TextColumn("{task.fields[note]}"),
+            console=Console(stderr=True),
+            transient=True,
+        )
+        self._bar.start()
+        self._task = self._bar.add_task(**self._now)
         return self
 
     def __exit__(
@@ -61,6 +76,8 @@ class LiveLine:
     ) -> None:
         if self._bar is not None:
             self._bar.stop()
+        if self._text is not None:
+            self._text.say(self._line())
 
     def say(self, note: str) -> None:
         """Change the note after the bar."""
@@ -68,5 +85,17 @@ class LiveLine:
 
     def update(self, **shown: Any) -> None:
         """Change `description`, `total`, `completed` or `note`."""
+        self._now |= shown
         if self._bar is not None:
             self._bar.update(self._task, **shown)
+        if self._text is not None and time.monotonic() - self._written_s > PAUSE_S:
+            self._written_s = time.monotonic()
+            self._text.say(self._line())
+
+    def _line(self) -> str:
+        # The line as text: activity, share or count, note.
+        total, done = self._now["total"], self._now.get("completed", 0)
+        parts = [self._now["description"], self._now["note"]]
+        if total:
+            parts.insert(1, f"{done}/{total}" if self._counted else f"{done / total:.0%}")
+        return "  ".join(part for part in parts if part)

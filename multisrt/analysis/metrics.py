@@ -5,6 +5,7 @@ from __future__ import annotations
 import msgspec
 
 from multisrt.geometry.errors import InvalidInputError
+from multisrt.notebook import table_html
 from multisrt.recording import RunOutcome
 
 ROUNDING = 1e-9
@@ -238,6 +239,61 @@ class Metrics(msgspec.Struct, frozen=True, kw_only=True):
             If it is no such share.
         """
         return self.coverage >= require_threshold(threshold) - ROUNDING
+
+    def outline(self) -> list[tuple[str, str]]:
+        """Return the main figures with their names, in words.
+
+        Returns
+        -------
+        list of (str, str)
+            Coverage, times, distance, effort and collisions; waiting and messages of a team only.
+
+        Examples
+        --------
+        >>> import multisrt as ms
+        >>> ms.explore("open", seed=1).metrics.outline()[-1]
+        ('collisions', '0')
+        """
+        is_team = len(self.distance_by_robot_m) > 1
+        covered = f"{self.coverage:.1%} of {self.explorable_area_m2:,.1f} m2 explorable"
+        rows = [
+            ("covered", covered),
+            ("95 % covered at", _seconds(self.time_to_95_s)),
+            ("map known complete at", _seconds(self.known_complete_s)),
+            ("all done at", _seconds(self.makespan_s)),
+            ("lower bound of the time", _seconds(self.lower_bound_s)),
+            ("distance", f"{self.total_distance_m:,.1f} m"),
+        ]
+        if is_team:
+            rows.append(("waiting", _seconds(self.waiting_time_s)))
+            rows.append(("messages", f"{self.messages:,} ({self.bytes_sent / 1e6:,.2f} MB)"))
+        return [*rows, ("nodes", f"{self.nodes:,}"), ("collisions", str(self.collisions))]
+
+    def _repr_html_(self) -> str:
+        rows = [
+            (subject if name == names[0] else "", name, _shown(getattr(self, name)))
+            for subject, names in METRIC_GROUPS.items()
+            for name in names
+        ]
+        return table_html("Metrics", ["subject", "metric", "value"], rows, labels=3)
+
+
+def _seconds(value: float | None) -> str:
+    return "never" if value is None else f"{value:,.1f} s"
+
+
+def _shown(value: object) -> str:
+    match value:
+        case None:
+            return "none"
+        case float():
+            return f"{value:,.3f}".rstrip("0").rstrip(".")
+        case dict():
+            return ", ".join(f"{name}: {_shown(own)}" for name, own in value.items()) or "none"
+        case tuple():
+            return ", ".join(map(_shown, value))
+        case _:
+            return str(value)
 
 
 METRIC_GROUPS: dict[str, tuple[str, ...]] = {

@@ -27,6 +27,8 @@ class Running:
         Address of a `dask.distributed` scheduler instead.
     retry : bool
         Whether runs that failed without a result are made again.
+    remake : bool
+        Whether runs of one's own strategies that have changed since are made again.
     quiet : bool
         Whether only errors are printed.
     reference : str or None
@@ -38,6 +40,7 @@ class Running:
     retry: bool
     quiet: bool
     reference: str | None = None
+    remake: bool = False
 
 
 def running_options(command: Callable[..., None]) -> Callable[..., None]:
@@ -128,7 +131,7 @@ def make_runs(
 
     Raises
     ------
-    InvalidInputError
+    MultiSrtError
         As `Store.create_or_open` and `run_experiment` raise it. A store that was created here is
         removed if no run could be made.
     click.Abort
@@ -139,13 +142,13 @@ def make_runs(
     from multisrt.experiments.live import LiveProgress
     from multisrt.experiments.runner import run_experiment
     from multisrt.experiments.store import Store
-    from multisrt.geometry.errors import InvalidInputError
+    from multisrt.geometry.errors import MultiSrtError
 
     if running.reference is not None:
         spec = msgspec.structs.replace(spec, reference=running.reference)
     was_there, has_begun = path.exists(), True
     try:
-        with Store.create_or_open(path, spec, folder) as opened:
+        with Store.create_or_open(path, spec, folder, remake=running.remake) as opened:
             if running.retry:
                 opened.forget()
             try:
@@ -164,11 +167,11 @@ def make_runs(
                     stored += f"; {waiting} of them wait for the informed plan"
                 click.echo(f"{stored}; the same command continues", err=True)
                 raise click.Abort from None
-            except InvalidInputError:
+            except MultiSrtError:
                 has_begun = opened.done > 0
                 raise
             return opened.results()
-    except InvalidInputError:
+    except MultiSrtError:
         if not (was_there or has_begun):
             path.unlink()
         raise

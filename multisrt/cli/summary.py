@@ -12,8 +12,8 @@ from multisrt.cli.reach import MIN_SHARE, elsewhere
 from multisrt.cli.tables import show, table
 
 if TYPE_CHECKING:
+    from multisrt.finished_run import Run
     from multisrt.informed.reference import Regret
-    from multisrt.run import Run
 
 MAX_ROBOTS = 16
 """Largest team whose robots are listed one by one."""
@@ -35,7 +35,7 @@ def print_summary(
     regrets : list of Regret, optional
         For each run its times as multiples of those of the informed plan.
     """
-    from multisrt.run import RECORDING_NAME, RUN_NAME, SPEC_NAME, TREE_NAME
+    from multisrt.finished_run import RECORDING_NAME, RUN_NAME, SPEC_NAME, TREE_NAME
 
     for run in runs:
         spec = run.spec

@@ -1,6 +1,17 @@
-"""Pictures of worlds and runs, as SVG."""
+"""Pictures of worlds and runs, as SVG and on axes of matplotlib."""
 
-from multisrt.drawing.environment_svg import environment_svg, save_environment_svg
-from multisrt.drawing.tree_svg import save_tree_svg, tree_svg
+from multisrt.drawing.environment_svg import (
+    environment_svg,
+    plot_environment,
+    save_environment_svg,
+)
+from multisrt.drawing.tree_svg import plot_run, save_tree_svg, tree_svg
 
-__all__ = ["environment_svg", "save_environment_svg", "save_tree_svg", "tree_svg"]
+__all__ = [
+    "environment_svg",
+    "plot_environment",
+    "plot_run",
+    "save_environment_svg",
+    "save_tree_svg",
+    "tree_svg",
+]

@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
+from multisrt.drawing.axes import on_axes
 from multisrt.drawing.colours import SUGGESTED_START
 from multisrt.drawing.sheet import LegendEntry, Sheet
 from multisrt.drawing.svg import child, length
 from multisrt.environments.environment import Environment
 from multisrt.recording import atomic_write
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 START_MM = 1.6
 
@@ -32,6 +37,11 @@ def environment_svg(environment: Environment) -> str:
     >>> "20 m x 20 m, 400 m² free" in environment_svg(environment("open"))
     True
     """
+    return environment_sheet(environment).svg()
+
+
+def environment_sheet(environment: Environment) -> Sheet:
+    """Return the sheet of `environment_svg`, for other formats."""
     x0, y0, x1, y1 = environment.bounds
     parts = len(environment.free.geoms)
     sheet = Sheet(
@@ -58,7 +68,7 @@ def environment_svg(environment: Environment) -> str:
                 size_mm=START_MM,
             )
         )
-    return sheet.svg()
+    return sheet
 
 
 def save_environment_svg(environment: Environment, path: str | Path) -> None:
@@ -88,3 +98,8 @@ def save_environment_svg(environment: Environment, path: str | Path) -> None:
     """
     with atomic_write(Path(path)) as file:
         file.write(environment_svg(environment).encode())
+
+
+def plot_environment(environment: Environment, ax: Axes | None = None) -> Axes:
+    """Draw a world on axes of matplotlib; see `Environment.plot`."""
+    return on_axes(environment_sheet(environment), ax)

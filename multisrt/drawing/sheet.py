@@ -119,6 +119,12 @@ class Sheet:
         Colours of robots, below the legend.
     swatches_heading : str
         Heading of the swatches.
+    heading : tuple of str
+        Lines above the map.
+    map : Element
+        The map, with a group for each layer.
+    map_mm : (width, height)
+        Its size on paper, in millimetres.
     """
 
     def __init__(self, environment: Environment, heading: Sequence[str], description: str) -> None:
@@ -129,9 +135,10 @@ class Sheet:
         self.legend: list[LegendEntry] = []
         self.swatches: list[Swatch] = []
         self.swatches_heading = ""
+        self.heading = tuple(heading)
         self._bounds: Bounds = (x0 - frame, y0 - frame, x1 + frame, y1 + frame)
-        self._map_mm = ((x1 - x0) / self.mm + 2 * FRAME_MM, (y1 - y0) / self.mm + 2 * FRAME_MM)
-        self._width_mm = max(self._map_mm[0], MIN_WIDTH_MM)
+        self.map_mm = ((x1 - x0) / self.mm + 2 * FRAME_MM, (y1 - y0) / self.mm + 2 * FRAME_MM)
+        self._width_mm = max(self.map_mm[0], MIN_WIDTH_MM)
         self._root = ET.Element(
             "svg",
             {
@@ -144,12 +151,12 @@ class Sheet:
         child(self._root, "desc", f"{description} {self._units()}")
         self._paper = child(layer(self._root, "paper"), "rect", fill=WHITE)
         below = self._write_heading(heading)
-        self._map = self._map_group(below + GAP_MM)
-        self._y_mm = below + GAP_MM + self._map_mm[1] + GAP_MM
+        self.map = self._map_group(below + GAP_MM)
+        self._y_mm = below + GAP_MM + self.map_mm[1] + GAP_MM
 
     def layer(self, label: str, style: Style | None = None, **attributes: str) -> ET.Element:
         """Add a layer above all others of the map and return it; its units are metres, y up."""
-        group = layer(self._map, label)
+        group = layer(self.map, label)
         set_attributes(group, {} if style is None else style.attributes(self.mm))
         set_attributes(group, attributes)
         return group
@@ -210,7 +217,7 @@ class Sheet:
 
     def _map_group(self, top_mm: float) -> ET.Element:
         x0, _, _, y1 = self._bounds
-        left_mm = MARGIN_MM + (self._width_mm - self._map_mm[0]) / 2.0
+        left_mm = MARGIN_MM + (self._width_mm - self.map_mm[0]) / 2.0
         right = left_mm * self.mm - (x0 - self.pen.origin[0])
         down = top_mm * self.mm + (y1 - self.pen.origin[1])
         group = layer(self._root, "map")

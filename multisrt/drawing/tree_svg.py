@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 import shapely
 
 from multisrt.drawing.account import description, heading, legend, swatches, swatches_heading
 from multisrt.drawing.areas import seen_first
+from multisrt.drawing.axes import on_axes
 from multisrt.drawing.colours import (
     CLOSED,
     FRONTIER,
@@ -27,6 +28,9 @@ from multisrt.environments.environment import Environment
 from multisrt.events import NodeAdded
 from multisrt.geometry.numerics.kernel import FloatArray
 from multisrt.recording import Recording, atomic_write
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 NODE_SHARE: Final = 0.2
 """Radius of a node as a share of the median edge, clipped to `NODE_MM`."""
@@ -64,6 +68,11 @@ def tree_svg(recording: Recording) -> str:
     >>> tree_svg(run.recording).count("<svg")
     1
     """
+    return run_sheet(recording).svg()
+
+
+def run_sheet(recording: Recording) -> Sheet:
+    """Return the sheet of `tree_svg`, for other formats."""
     environment = recording.environment()
     traces = traces_of(recording)
     sheet = Sheet(environment, heading(recording, traces), description(recording))
@@ -76,7 +85,7 @@ def tree_svg(recording: Recording) -> str:
     if team:
         sheet.swatches = swatches(traces)
         sheet.swatches_heading = swatches_heading(traces)
-    return sheet.svg()
+    return sheet
 
 
 def save_tree_svg(recording: Recording, path: str | Path) -> None:
@@ -106,6 +115,11 @@ def save_tree_svg(recording: Recording, path: str | Path) -> None:
     text = tree_svg(recording)
     with atomic_write(Path(path)) as file:
         file.write(text.encode())
+
+
+def plot_run(recording: Recording, ax: Axes | None = None) -> Axes:
+    """Draw the picture of a run on axes of matplotlib; see `multisrt.Run.plot`."""
+    return on_axes(run_sheet(recording), ax)
 
 
 def _draw_trees(

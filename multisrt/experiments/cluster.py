@@ -26,6 +26,7 @@ from multisrt.experiments.job import Job
 from multisrt.experiments.provenance import Provenance, provenance
 from multisrt.experiments.results import Result
 from multisrt.experiments.worker import Worker
+from multisrt.extras import extra
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.recording import atomic_write
 
@@ -46,7 +47,10 @@ MIN_SUBMITTED = 8
 
 
 def made_on_cluster(
-    jobs: Iterator[Job], address: str, modules: Sequence[str] = ()
+    jobs: Iterator[Job],
+    address: str,
+    modules: Sequence[str] = (),
+    made_by: Provenance | None = None,
 ) -> Generator[Result, None, None]:
     """Make runs on a cluster; recordings are written on this machine.
 
@@ -58,6 +62,8 @@ def made_on_cluster(
         Address of the scheduler, such as ``tcp://host:8786``.
     modules : sequence of str
         Modules that workers import.
+    made_by : Provenance, optional
+        Provenance that workers must have; by default that of this process.
 
     Yields
     ------
@@ -67,23 +73,22 @@ def made_on_cluster(
     Raises
     ------
     InvalidInputError
-        If `distributed` is not installed here, if the scheduler cannot be reached or is lost, or
-        if its workers run another version of this program.
+        If the scheduler cannot be reached or is lost, or if its workers run another version of
+        this program.
+    MissingExtraError
+        If `distributed` is not installed here.
     """
     client = _client(address)
     try:
-        yield from _made(client, jobs, address, tuple(modules))
+        mine = msgspec.json.encode(provenance() if made_by is None else made_by)
+        yield from _made(client, jobs, address, mine, tuple(modules))
     finally:
         client.close(timeout=TIMEOUT_S)
 
 
 def _client(address: str) -> Client:
-    try:
+    with extra("cluster", "a cluster"):
         from distributed import Client
-    except ImportError:
-        raise InvalidInputError(
-            "a cluster needs the package 'distributed'; pip install 'multisrt[cluster]'"
-        ) from None
     if re.fullmatch(r"(tcp|tls|ws|wss|ucx)://.+:\d{1,5}/?", address) is None:
         raise InvalidInputError(
             f"the address of a scheduler is like tcp://host:8786, not {address!r}"
@@ -98,9 +103,8 @@ def _client(address: str) -> Client:
 
 
 def _made(
-    client: Client, jobs: Iterator[Job], address: str, modules: tuple[str, ...]
+    client: Client, jobs: Iterator[Job], address: str, mine: bytes, modules: tuple[str, ...]
 ) -> Iterator[Result]:
-    mine = msgspec.json.encode(provenance())
     ended: queue.SimpleQueue[Any] = queue.SimpleQueue()
     under_way: dict[Any, Job] = {}
 

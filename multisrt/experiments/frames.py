@@ -1,4 +1,4 @@
-"""Results as tables: pandas data frames, CSV and Parquet."""
+"""Results as tables: data frames, CSV and Parquet."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import csv
 import io
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, get_args
+from typing import get_args
 
 import msgspec
 
@@ -16,11 +16,10 @@ from multisrt.events import ArcReason
 from multisrt.experiments.crossing import Condition
 from multisrt.experiments.measures import MEASURES, Measure
 from multisrt.experiments.results import Result, Results
+from multisrt.extras import extra
+from multisrt.frames import Column, DataFrame, Package, data_frame
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.recording import atomic_write
-
-if TYPE_CHECKING:
-    import pandas
 
 Value = bool | int | float | str | None
 
@@ -142,53 +141,57 @@ def _metric(result: Result, name: str) -> Value:
     return None if result.metrics is None else getattr(result.metrics, name)
 
 
-def frame_of(results: Results) -> pandas.DataFrame:
-    """Return results as a pandas data frame.
+def frame_of(results: Results, frame: Package | None = None) -> DataFrame:
+    """Return results as a data frame.
 
     Parameters
     ----------
     results : Results
         The results.
+    frame : {"pandas", "polars"}, optional
+        Whose data frame; by default of pandas if it is installed, else of polars.
 
     Returns
     -------
-    pandas.DataFrame
+    pandas.DataFrame or polars.DataFrame
         One row for each run, with the columns of `columns`.
 
     Raises
     ------
     InvalidInputError
-        If pandas is not installed.
+        If there is no such package of data frames.
+    MissingExtraError
+        If it is not installed.
     """
-    package = _package("pandas")
-    kinds = {int: "Int64", float: "float64", str: "object", bool: "boolean"}
     made = list(rows(results))
-    series = {
-        name: package.Series([row[name] for row in made], dtype=kinds[kind])
-        for name, kind in columns().items()
-    }
-    frame: pandas.DataFrame = package.DataFrame(series)
-    return frame
+    return data_frame(
+        {name: Column(kind, [row[name] for row in made]) for name, kind in columns().items()},
+        frame,
+    )
 
 
-def load_results(path: str | Path) -> pandas.DataFrame:
-    """Read the results of an experiment as a pandas data frame.
+def load_results(path: str | Path, *, frame: Package | None = None) -> DataFrame:
+    """Read the results of an experiment as a data frame.
 
     Parameters
     ----------
     path : str or Path
         The file that ``multisrt experiment run`` or `compare` writes; it may be written to
         meanwhile.
+    frame : {"pandas", "polars"}, optional
+        Whose data frame; by default of pandas if it is installed, else of polars.
 
     Returns
     -------
-    pandas.DataFrame
+    pandas.DataFrame or polars.DataFrame
         One row for each run: labels of its condition, how it ended, metrics and measures.
 
     Raises
     ------
     InvalidInputError
-        If the file holds no results, or pandas is not installed (``multisrt[frames]``).
+        If the file holds no results, or there is no such package of data frames.
+    MissingExtraError
+        If neither pandas nor polars is installed (``multisrt[frames]``).
 
     Examples
     --------
@@ -196,8 +199,7 @@ def load_results(path: str | Path) -> pandas.DataFrame:
     >>> frame = ms.load_results("results.sqlite")  # doctest: +SKIP
     >>> frame.groupby(["strategy", "robots"])["known_complete_s"].median()  # doctest: +SKIP
     """
-    _package("pandas")
-    return frame_of(_stored(path))
+    return frame_of(_stored(path), frame)
 
 
 def export(path: str | Path, out: str | Path) -> int:
@@ -219,15 +221,14 @@ def export(path: str | Path, out: str | Path) -> int:
     Raises
     ------
     InvalidInputError
-        If the suffix is another one, the results cannot be read, the file cannot be written, or
-        pyarrow is missing, which Parquet needs (``multisrt[frames]``).
+        If the suffix is another one, the results cannot be read, or the file cannot be written.
+    MissingExtraError
+        If pyarrow is missing, which Parquet needs (``multisrt[parquet]``).
     """
     out = Path(out)
     encode = {".csv": _csv, ".parquet": _parquet}.get(out.suffix)
     if encode is None:
         raise InvalidInputError(f"{out}: a table is written as .csv or .parquet; name one of them")
-    if out.suffix == ".parquet":
-        _package("pyarrow")
     made = list(rows(_stored(path)))
     with atomic_write(out) as file:
         file.write(encode(made))
@@ -250,21 +251,12 @@ def _csv(made: Sequence[dict[str, Value]]) -> bytes:
 
 
 def _parquet(made: Sequence[dict[str, Value]]) -> bytes:
-    arrow, parquet = _package("pyarrow"), _package("pyarrow.parquet")
+    with extra("parquet", "a Parquet file"):
+        import pyarrow as arrow
+        from pyarrow import parquet
+
     kinds = {int: arrow.int64(), float: arrow.float64(), str: arrow.string(), bool: arrow.bool_()}
     fields = [arrow.field(name, kinds[kind]) for name, kind in columns().items()]
     file = io.BytesIO()
     parquet.write_table(arrow.Table.from_pylist(list(made), schema=arrow.schema(fields)), file)
     return file.getvalue()
-
-
-def _package(name: str) -> Any:
-    from importlib import import_module
-
-    try:
-        return import_module(name)
-    except ImportError:
-        raise InvalidInputError(
-            f"this needs {name.partition('.')[0]}, which is not installed: "
-            "pip install multisrt[frames]"
-        ) from None

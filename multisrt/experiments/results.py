@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Literal
 
@@ -13,6 +14,7 @@ from multisrt.experiments.provenance import Provenance
 from multisrt.experiments.spec import ExperimentSpec
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.informed.reference import Reference
+from multisrt.notebook import table_html
 
 Status = Literal[
     "complete", "stalled", "out_of_time", "over_time", "over_memory", "crashed", "refused", "error"
@@ -335,6 +337,17 @@ class Results:
         """
         found = [result for result in self.results if result.condition == condition]
         return sorted(found, key=lambda result: result.repetition)
+
+    def _repr_html_(self) -> str:
+        rows = []
+        for condition in self.conditions():
+            own = self.of(condition)
+            ends = Counter(result.status.replace("_", " ") for result in own)
+            good = sum(result.success for result in own)
+            ended = ", ".join(f"{count} {end}" for end, count in ends.items())
+            rows.append((str(condition), f"{good} of {len(own)}", ended))
+        title = f"{self.experiment.name}: {len(self)} of {self.planned} runs"
+        return table_html(title, ("condition", "success", "ended"), rows)
 
 
 def setting_of(condition: Condition) -> Condition:

@@ -7,12 +7,11 @@ import textwrap
 from collections.abc import Sequence
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.ticker import FixedLocator, NullLocator, PercentFormatter
 
 from multisrt.drawing.colours import INK
 from multisrt.experiments.crossing import Condition
 from multisrt.experiments.measures import Measure
+from multisrt.extras import extra
 from multisrt.reporting.layout import number, slug
 from multisrt.reporting.study import Study, team_name
 from multisrt.reporting.style import (
@@ -27,6 +26,10 @@ from multisrt.reporting.style import (
 )
 from multisrt.statistics.curves import StepCurve, common_grid, curve_bands
 from multisrt.statistics.intervals import Interval
+
+with extra("plots", "a figure or a report"):
+    from matplotlib.axes import Axes
+    from matplotlib.ticker import FixedLocator, NullLocator, PercentFormatter
 
 CURVE_POINTS = 120
 """Points of a curve of coverage."""

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from multisrt.drawing.svg import printable
+from multisrt.notebook import table_html
 
 WIDTH: Final = 100
 """Default width of a terminal, in characters."""
@@ -139,6 +140,18 @@ class Table:
             f"<thead><tr>{head}</tr></thead>\n<tbody>\n{body}\n</tbody>\n</table>\n</div>\n"
             f'<div class="notes">{notes}</div>'
         )
+
+    def notebook_html(self, *more: str) -> str:
+        """Return HTML for a notebook, in which no script sorts the table.
+
+        Parameters
+        ----------
+        *more : str
+            Paragraphs above the notes.
+        """
+        rows = [[cell.line for cell in row] for row in self.rows]
+        notes = (*more, *self.notes)
+        return table_html(self.title, self.columns, rows, labels=self.labels, notes=notes)
 
     def latex(self) -> str:
         """Return LaTeX, which needs the package booktabs."""

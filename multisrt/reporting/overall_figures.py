@@ -6,10 +6,9 @@ import math
 from collections.abc import Callable
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.ticker import PercentFormatter
 
 from multisrt.experiments.measures import MEASURES, Measure, measure_named
+from multisrt.extras import extra
 from multisrt.geometry.numerics.arrays import FloatArray
 from multisrt.reporting.layout import number, slug
 from multisrt.reporting.study import SEED, Study
@@ -28,6 +27,10 @@ from multisrt.reporting.tables import GAPS, gaps_above, settings_with
 from multisrt.statistics.improvement import probability_of_improvement
 from multisrt.statistics.intervals import Interval, wilson
 from multisrt.statistics.profiles import performance_profile
+
+with extra("plots", "a figure or a report"):
+    from matplotlib.axes import Axes
+    from matplotlib.ticker import PercentFormatter
 
 
 def profiles(study: Study) -> list[Picture]:

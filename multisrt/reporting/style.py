@@ -9,15 +9,17 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any, Final
 
-import matplotlib as mpl
-from matplotlib.axes import Axes
-from matplotlib.backends.backend_svg import FigureCanvasSVG
-from matplotlib.figure import Figure
-from matplotlib.layout_engine import ConstrainedLayoutEngine
-
 from multisrt.drawing.colours import INK, ROBOT_COLOURS, tint
 from multisrt.drawing.svg import printable
+from multisrt.extras import extra
 from multisrt.geometry.numerics.arrays import FloatArray
+
+with extra("plots", "a figure or a report"):
+    import matplotlib as mpl
+    from matplotlib.axes import Axes
+    from matplotlib.backends.backend_svg import FigureCanvasSVG
+    from matplotlib.figure import Figure
+    from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 WIDTH_IN: Final = 4.2
 """Width of every figure; letters stay readable where a phone shows the whole width."""

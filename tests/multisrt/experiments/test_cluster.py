@@ -15,6 +15,7 @@ import pytest
 from multisrt.experiments.runner import run_experiment
 from multisrt.experiments.spec import ExperimentSpec
 from multisrt.experiments.store import Store
+from multisrt.extras import MissingExtraError
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.recording import Recording
 
@@ -188,6 +189,6 @@ def test_a_missing_distributed_package_is_reported(path, monkeypatch):
     monkeypatch.setitem(sys.modules, "distributed", None)
     with (
         Store.create_or_open(path, SPEC) as store,
-        pytest.raises(InvalidInputError, match=r"pip install 'multisrt\[cluster\]'"),
+        pytest.raises(MissingExtraError, match=r"pip install 'multisrt\[cluster\]'"),
     ):
         run_experiment(store, cluster="tcp://127.0.0.1:1")

@@ -1,4 +1,4 @@
-"""Progress of a run on the terminal."""
+"""Progress of a run on the terminal or in a notebook."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class Progress(LiveLine):
     Parameters
     ----------
     quiet : bool
-        Whether to show nothing; without a terminal nothing is shown either.
+        Whether to show nothing; with neither a terminal nor a notebook nothing is shown either.
     """
 
     def __init__(self, quiet: bool) -> None:
@@ -51,8 +51,10 @@ class Progress(LiveLine):
 
         return show
 
-    def watcher(self, spec: RunSpec, world: Environment) -> Watcher | None:
-        """Return a callback that moves the bar with the events of a run, or None if it is hidden.
+    def watcher(
+        self, spec: RunSpec, world: Environment, watch: Watcher | None = None
+    ) -> Watcher | None:
+        """Return a callback that moves the bar with the events of a run.
 
         Parameters
         ----------
@@ -60,14 +62,16 @@ class Progress(LiveLine):
             The run.
         world : Environment
             Its environment.
+        watch : callable, optional
+            Called with every event as well.
 
         Returns
         -------
         callable or None
-            The callback, for `simulate`.
+            The callback, for `simulate`; `watch` if the bar is hidden.
         """
         if not self.shown:
-            return None
+            return watch
         from multisrt.analysis.coverage import SeenMeter
         from multisrt.events import Sensed
         from multisrt.simulation.starts import starts_of
@@ -76,8 +80,10 @@ class Progress(LiveLine):
         meter = SeenMeter(spec, world, starts_of(spec, world))
         scans = 0
 
-        def watch(event: AnyEvent) -> None:
+        def show(event: AnyEvent) -> None:
             nonlocal scans
+            if watch is not None:
+                watch(event)
             if isinstance(event, Sensed):
                 scans += 1
                 meter.add(event)
@@ -88,4 +94,4 @@ class Progress(LiveLine):
                     note=f"seen, {scans} scans, {event.time_s:.0f} s",
                 )
 
-        return watch
+        return show

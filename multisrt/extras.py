@@ -1,0 +1,63 @@
+"""Packages that only some need: the extras of an installation."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from typing import Final
+
+from multisrt.geometry.errors import MultiSrtError
+
+EXTRAS: Final[Mapping[str, tuple[str, ...]]] = {
+    "plots": ("matplotlib",),
+    "frames": ("pandas",),
+    "polars": ("polars",),
+    "parquet": ("pyarrow",),
+    "cluster": ("distributed",),
+    "learn": ("gymnasium", "pettingzoo"),
+}
+"""The packages that each extra brings."""
+
+
+class MissingExtraError(MultiSrtError, ImportError):
+    """A package of an extra is not installed; the message says which extra to install.
+
+    Examples
+    --------
+    >>> from multisrt.extras import MissingExtraError
+    >>> issubclass(MissingExtraError, ImportError)
+    True
+    """
+
+
+@contextmanager
+def extra(name: str, what: str) -> Iterator[None]:
+    """Name the extra to install if an import within the block finds no package of it.
+
+    Parameters
+    ----------
+    name : str
+        The extra, a key of `EXTRAS`.
+    what : str
+        What needs it, for the message.
+
+    Raises
+    ------
+    MissingExtraError
+        If a package of the extra is not installed. That any other package is missing is raised as
+        it is.
+
+    Examples
+    --------
+    >>> with extra("plots", "a figure"):
+    ...     import matplotlib
+    """
+    try:
+        yield
+    except ModuleNotFoundError as error:
+        missing = (error.name or "").partition(".")[0]
+        if missing not in EXTRAS[name]:
+            raise
+        raise MissingExtraError(
+            f"{what} needs {missing}, which is not installed: pip install 'multisrt[{name}]'"
+        ) from None

@@ -20,13 +20,11 @@ What robots observe is made from their scans, messages and own places alone. Rew
 and the information beside an observation are measures, which look at the truth.
 """
 
-try:
+from multisrt.extras import extra
+
+with extra("learn", "multisrt.envs"):
     import gymnasium
     import pettingzoo  # noqa: F401
-except ImportError as error:
-    raise ImportError(
-        f'multisrt.envs needs gymnasium and pettingzoo ({error}): pip install "multisrt[learn]"'
-    ) from None
 
 from multisrt.envs.parallel import ExploreParallelEnv, parallel_env
 from multisrt.envs.rewards import AreaReward, Gain

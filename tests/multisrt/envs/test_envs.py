@@ -401,4 +401,4 @@ def test_without_the_extra_the_import_says_what_to_install():
         "except ImportError as error:\n    print(error)"
     )
     told = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert 'pip install "multisrt[learn]"' in told.stdout
+    assert "pettingzoo, which is not installed: pip install 'multisrt[learn]'" in told.stdout

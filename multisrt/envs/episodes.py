@@ -13,10 +13,10 @@ from multisrt.envs.mission import STRATEGY, Mission
 from multisrt.envs.missions import Missions, Worlds
 from multisrt.envs.picture import PICTURE_CELLS, TruthRaster
 from multisrt.envs.rewards import AreaReward, Gain, Reward
+from multisrt.finished_run import Run
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.recording import Recording
 from multisrt.robots.advised import DecisionSpec
-from multisrt.run import Run
 
 RENDER_MODES = ["rgb_array"]
 """How environments can be drawn."""

@@ -11,6 +11,7 @@ from multisrt.environments.environment import Environment
 from multisrt.envs.rewards import Gain
 from multisrt.envs.seen import SeenArea
 from multisrt.events import AnyEvent, Died, Motion
+from multisrt.finished_run import Run
 from multisrt.geometry.numerics.arrays import FloatArray
 from multisrt.geometry.regions.safe_region import local_safe_region
 from multisrt.geometry.regions.scan import ExactScan, LaserScan, Scan
@@ -19,7 +20,6 @@ from multisrt.robots.advised import AdvisedExplorer, Answer, DecisionSpec, Obser
 from multisrt.robots.advised.observing import nothing_observed, on_the_way
 from multisrt.robots.advised.strategy import policy_strategy
 from multisrt.robots.registry import registered
-from multisrt.run import Run
 from multisrt.simulation.stepping import Stepping
 from multisrt.spec import RunSpec
 

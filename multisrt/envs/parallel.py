@@ -16,10 +16,10 @@ from multisrt.envs.mission import Mission
 from multisrt.envs.missions import Worlds
 from multisrt.envs.rewards import Reward
 from multisrt.envs.spaces import action_space, observation_space
+from multisrt.finished_run import Run
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.recording import Recording
 from multisrt.robots.advised import Answer, DecisionSpec, Observation
-from multisrt.run import Run
 
 MAX_STATE_CELLS = 4096
 """Largest number of rows and columns of a state."""

@@ -42,9 +42,9 @@ class SeenArea:
     >>> hall = Environment("hall", shapely.box(0, 0, 8, 4))
     >>> seen = SeenArea(hall, Configuration(1.0, 1.0))
     >>> square = np.array([(0.0, 0.0), (4.0, 0.0), (4.0, 4.0), (0.0, 4.0)])
-    >>> seen.add([square, square + (2.0, 0.0)]).round(6).tolist()
+    >>> seen.add([square, square + (2.0, 0.0)]).round(3).tolist()
     [16.0, 8.0]
-    >>> round(seen.area_m2, 6)
+    >>> round(seen.area_m2, 3)
     24.0
     """
 

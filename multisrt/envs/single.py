@@ -14,10 +14,10 @@ from multisrt.envs.episodes import METADATA, Episodes
 from multisrt.envs.missions import Worlds
 from multisrt.envs.rewards import Reward
 from multisrt.envs.spaces import action_space, observation_space
+from multisrt.finished_run import Run
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.recording import Recording
 from multisrt.robots.advised import Answer, DecisionSpec, Observation
-from multisrt.run import Run
 
 
 class ExploreEnv(gymnasium.Env[Observation, Answer]):
@@ -60,7 +60,7 @@ class ExploreEnv(gymnasium.Env[Observation, Answer]):
     >>> env = ExploreEnv("apartment", decision=DecisionSpec(frontiers=4, parts=("frontiers",)))
     >>> observation, info = env.reset(seed=1)
     >>> sorted(observation), observation["action_mask"].tolist()
-    (['action_mask', 'frontiers', 'pose', 'time'], [1, 1, 1, 0, 0])
+    (['action_mask', 'frontiers', 'pose', 'time'], [1, 1, 1, 1, 0])
     >>> observation, reward, terminated, truncated, info = env.step(0)
     >>> reward > 0.0, terminated, info["valid"]
     (True, False, True)

@@ -1,6 +1,6 @@
 """Print the table of all benchmarks; a missed target or an error is a line of it."""
 
-from benchmarks import frontier, kernels, machine, stepping, team, throughput, whole_run
+from benchmarks import frontier, kernels, learning, machine, stepping, team, throughput, whole_run
 from benchmarks.harness import show
 
 
@@ -13,6 +13,7 @@ def main() -> None:
         | stepping.BENCHMARKS
         | team.BENCHMARKS
         | frontier.BENCHMARKS
+        | learning.BENCHMARKS
         | throughput.BENCHMARKS
     )
 

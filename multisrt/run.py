@@ -198,7 +198,7 @@ def _run_spec(environment: EnvironmentSpec, given: Mapping[str, Any]) -> RunSpec
         own = as_strategy(strategy)
         register(own, replace=True)
         given = {**given, "strategy": own.name}
-    spec = RunSpec(environment=environment, **_run_fields(given))
+    spec = RunSpec(environment=environment, **run_fields(given))
     drawn = {"starts"} if isinstance(given.get("starts"), str) else set()
     of_team = {name: name for name in given if name in drawn | {"radio", "radio_range_m"}}
     sized = "robots" in given or "starts" in given.keys() - drawn
@@ -206,7 +206,7 @@ def _run_spec(environment: EnvironmentSpec, given: Mapping[str, Any]) -> RunSpec
     return spec
 
 
-def _run_fields(given: Mapping[str, Any]) -> dict[str, Any]:
+def run_fields(given: Mapping[str, Any]) -> dict[str, Any]:
     """Return the fields of a `RunSpec` that the keywords of `explore` set."""
     given = {name: checked(name, value) for name, value in given.items()}
     fields: dict[str, Any] = {

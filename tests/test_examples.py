@@ -83,3 +83,11 @@ def test_examples_run_as_scripts(name, tmp_path):
     )
     assert run.returncode == 0, run.stderr.decode()
     assert (tmp_path / "out" / "examples" / f"{name}.svg").exists()
+
+
+@pytest.mark.slow
+def test_a_learned_policy_beats_random_choice(load_module, capsys):
+    example = load_module(EXAMPLES / "learn_policy.py")
+    found = example.main(rounds=2, candidates=3, worlds=1, tests=2)
+    assert found["learned"] > found["random"]
+    assert "mazes that it has not seen" in capsys.readouterr().out

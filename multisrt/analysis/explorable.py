@@ -164,7 +164,7 @@ def _explorable_from(
 ) -> Explorable:
     # What is seen from any of some areas, with the range from there.
     component = seen_from[0][0].component
-    plane = StripMap(_strips_of(environment, component), 2)
+    plane = StripMap(strips_of(environment, component), 2)
     for places, range_m in seen_from:
         plane.relabel(_seen_from(environment, places, range_m), [[EXPLORABLE, EXPLORABLE]])
     reachable_by_any = shapely.union_all([places.reachable for places, _ in seen_from])
@@ -173,8 +173,11 @@ def _explorable_from(
 
 
 @lru_cache(maxsize=16)
-def _strips_of(environment: Environment, component: Polygon) -> Strips:
-    # Strips with heights scaled such that the area of the component is exact.
+def strips_of(environment: Environment, component: Polygon) -> Strips:
+    """Return the strips on which areas of a component of free space are measured.
+
+    Their heights are scaled such that the area of the component is exact.
+    """
     height_m = min(MAX_STRIP_M, STRIP_SHARE * math.sqrt(component.area))
     cut = strips(environment.edges, height_m, _tilt_rad(environment.edges))
     runs = runs_of_polygon(cut, component)
@@ -195,7 +198,7 @@ def _tilt_rad(walls: FloatArray) -> float:
 @lru_cache(maxsize=16)
 def _seen_from(environment: Environment, places: _Places, range_m: float) -> Runs:
     unseen, seen = 1, 2
-    cut = _strips_of(environment, places.component)
+    cut = strips_of(environment, places.component)
     plane = StripMap(cut, 3)
     plane.relabel(runs_of_polygon(cut, places.component), [[unseen, unseen, seen]])
     see = [[OUTSIDE, seen, seen]]

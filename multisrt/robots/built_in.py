@@ -48,14 +48,15 @@ def _bids(
 ) -> Strategy:
     def require_fit(spec: RunSpec) -> None:
         if spec.options.get("drive", options().drive) == "nearness-diagram":
-            _require_no_car(spec)
+            require_no_car(spec)
         if fits is not None:
             fits(spec)
 
     return _strategy(name, summary, options, require_fit)
 
 
-def _require_no_car(spec: RunSpec) -> None:
+def require_no_car(spec: RunSpec) -> None:
+    """Refuse a run with a robot that is a car, which the nearness diagram cannot drive."""
     for number, robot in enumerate(spec.robots):
         if robot.drive.is_car:
             raise InvalidInputError(

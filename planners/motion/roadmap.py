@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import heapq
 import math
-from collections.abc import Callable, Hashable, Iterable
+from collections.abc import Callable, Hashable, Iterable, Mapping
 from typing import Generic, TypeVar
 
 Place = TypeVar("Place", bound=Hashable)
@@ -136,16 +136,52 @@ class Roadmap(Generic[Place]):
         dict of Place to float
             Lengths in metres, the nearest place first. Unreachable places are missing.
         """
-        queue = [(0.0, order, start) for order, start in enumerate(starts)]
+        return self.tree(dict.fromkeys(starts, 0.0), passable)[0]
+
+    def tree(
+        self,
+        starts: Mapping[Place, float],
+        passable: Callable[[Place, Place], bool] | None = None,
+    ) -> tuple[dict[Place, float], dict[Place, Place]]:
+        """Return the shortest ways from several starts to all places.
+
+        Parameters
+        ----------
+        starts : mapping of Place to float
+            Where ways begin, with the length in metres that each has behind it there.
+        passable : callable, optional
+            As in `way_to_nearest`.
+
+        Returns
+        -------
+        lengths : dict of Place to float
+            Lengths in metres, the nearest place first. Unreachable places are missing.
+        before : dict of Place to Place
+            The place before each on its way; starts from which ways begin are missing.
+
+        Examples
+        --------
+        >>> roadmap = Roadmap()
+        >>> roadmap.connect("hall", "desk", 2.0)
+        >>> roadmap.tree({"hall": 1.0, "desk": 5.0})
+        ({'hall': 1.0, 'desk': 3.0}, {'desk': 'hall'})
+        """
+        queue: list[tuple[float, int, Place, Place | None]] = [
+            (length, order, start, None) for order, (start, length) in enumerate(starts.items())
+        ]
+        heapq.heapify(queue)
         order = len(queue)
         lengths: dict[Place, float] = {}
+        before: dict[Place, Place] = {}
         while queue:
-            length, _, place = heapq.heappop(queue)
+            length, _, place, last = heapq.heappop(queue)
             if place in lengths:
                 continue
             lengths[place] = length
+            if last is not None:
+                before[place] = last
             for neighbour, more in self._ways.get(place, {}).items():
                 if neighbour not in lengths and (passable is None or passable(place, neighbour)):
                     order += 1
-                    heapq.heappush(queue, (length + more, order, neighbour))
-        return lengths
+                    heapq.heappush(queue, (length + more, order, neighbour, place))
+        return lengths, before

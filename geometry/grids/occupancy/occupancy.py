@@ -285,6 +285,30 @@ class Occupancy:
             )
         return index[:, 0], index[:, 1]
 
+    def square(self, row: int, column: int, width: int) -> ByteArray:
+        """Return the cells of a square, `UNKNOWN` where nothing is stored.
+
+        Parameters
+        ----------
+        row, column : int
+            Lattice row and column of its first cell.
+        width : int
+            Number of its rows and columns.
+
+        Returns
+        -------
+        (width, width) array of uint8
+            A copy of `cells` there.
+        """
+        found = np.full((width, width), UNKNOWN, np.uint8)
+        row, column = row - self.row, column - self.column
+        rows, columns = self.cells.shape
+        r0, r1 = max(0, row), min(rows, row + width)
+        c0, c1 = max(0, column), min(columns, column + width)
+        if r0 < r1 and c0 < c1:
+            found[r0 - row : r1 - row, c0 - column : c1 - column] = self.cells[r0:r1, c0:c1]
+        return found
+
     def window_of(self, corners: Corners) -> Corners:
         """Return where a window ``(r0, r1, c0, c1)`` of the lattice is in the arrays at present."""
         r0, r1, c0, c1 = corners

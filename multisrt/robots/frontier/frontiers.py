@@ -55,12 +55,16 @@ class Frontiers:
         (m, 2) array
             Metres.
         """
-        groups = [g for g in self.groups() if id(g) not in self._unreachable]
         if not self._substitutes and not self._given_up:
             # In the common case the raster converts the targets of all groups at once.
-            return self._raster.centres_of([g.target for g in groups if g.target is not None])
-        places = [self._target(group) for group in groups]
-        return np.array([place for place in places if place is not None]).reshape(-1, 2)
+            cells = [group.target for group in self._reachable() if group.target is not None]
+            return self._raster.centres_of(cells)
+        return np.array([place for _, place in self.placed()]).reshape(-1, 2)
+
+    def placed(self) -> list[tuple[FrontierGroup, Place]]:
+        """Return the groups of `targets`, each with the place to go to."""
+        placed = [(group, self._target(group)) for group in self._reachable()]
+        return [(group, place) for group, place in placed if place is not None]
 
     def look_closer(self, field: DistanceField, *, blocked: bool) -> bool:
         """Look for other targets in groups whose own one cannot be reached.
@@ -167,6 +171,9 @@ class Frontiers:
             del self._no_path[place]
             self._given_up.pop(place, None)
         return len(again) > 0
+
+    def _reachable(self) -> list[FrontierGroup]:
+        return [group for group in self.groups() if id(group) not in self._unreachable]
 
     def _target(self, group: FrontierGroup) -> Place | None:
         """Return the place to go to for a group; None if there is none."""

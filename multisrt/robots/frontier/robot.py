@@ -11,7 +11,6 @@ from multisrt.events import MapComplete
 from multisrt.geometry.bodies.clearance import disc_clearance
 from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.geometry.configuration import Configuration
-from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.grids.distance_field import DistanceField
 from multisrt.geometry.grids.occupancy import Occupancy
 from multisrt.geometry.numerics.distances import inside
@@ -27,15 +26,12 @@ from multisrt.robots.frontier.fields import indices_of
 from multisrt.robots.frontier.frontiers import Frontiers
 from multisrt.robots.frontier.goal import Goal
 from multisrt.robots.frontier.options import FrontierOptions
-from multisrt.robots.frontier.scan_map import ScanMap
+from multisrt.robots.frontier.scan_map import ScanMap, raster_for
 from multisrt.robots.frontier.team import Team
 from multisrt.robots.frontier.ways import Ways
 
 Watch = Callable[["FrontierRobot"], Steps]
 """Called after every scan that showed something new."""
-
-CORNER_CELLS = 0.25
-"""Added, in cells, to the distance that paths keep from walls, as driven paths cut corners."""
 
 
 class FrontierRobot:
@@ -85,11 +81,7 @@ class FrontierRobot:
 
     def __init__(self, me: RobotSelf, options: FrontierOptions, watch: Watch | None = None) -> None:
         width_m = me.footprint.width_m
-        if options.cell_m > width_m:
-            raise InvalidInputError(
-                f"cell_m is {options.cell_m:g}: cells are wider than the body of robot "
-                f"{me.robot}; choose at most {width_m:g}"
-            )
+        raster = raster_for(me.footprint, options.cell_m, options.margin_m, me.robot)
         self.me = me
         self.options = options
         self.body = PlanningBody(me.footprint, 0.5 * options.margin_m)
@@ -97,8 +89,6 @@ class FrontierRobot:
         self._told_complete = False
         # Legs are planned for this disc: see `driven_body`.
         self._disc = PlanningBody(Footprint.disc(self.body.outer_radius_m), 0.5 * options.margin_m)
-        keep_off_m = options.margin_m + CORNER_CELLS * options.cell_m
-        raster = Occupancy(options.cell_m, self.body.outer_radius_m + keep_off_m)
         least_m = options.min_frontier_m
         self.course = Course(me.start, me.time_s)
         self.map = ScanMap(me.robot, raster, options.shape, options.cones)

@@ -2,12 +2,45 @@
 
 from __future__ import annotations
 
+from multisrt.geometry.bodies.footprint import Footprint
+from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.grids.occupancy import Occupancy
 from multisrt.geometry.numerics.kernel import FloatArray
 from multisrt.geometry.regions.safe_region import LocalSafeRegion, local_safe_region
 from multisrt.geometry.regions.scan import Scan
 from multisrt.geometry.regions.shapes import Shape
 from multisrt.robots.knowledge import Entries, Entry, Node, NodeId
+
+CORNER_CELLS = 0.25
+"""Added, in cells, to the distance that paths keep from walls, as driven paths cut corners."""
+
+
+def raster_for(footprint: Footprint, cell_m: float, margin_m: float, robot: int) -> Occupancy:
+    """Return an empty raster for the map of a robot.
+
+    Parameters
+    ----------
+    footprint : Footprint
+        Its body; paths over the raster have room for it in any heading.
+    cell_m : float
+        Width of a cell in metres.
+    margin_m : float
+        Distance in metres that the body keeps from what is not known to be free.
+    robot : int
+        Number of the robot, for the message of an error.
+
+    Raises
+    ------
+    InvalidInputError
+        If the cells are wider than the body.
+    """
+    if cell_m > footprint.width_m:
+        raise InvalidInputError(
+            f"cell_m is {cell_m:g}: cells are wider than the body of robot {robot}; "
+            f"choose at most {footprint.width_m:g}"
+        )
+    keep_off_m = margin_m + CORNER_CELLS * cell_m
+    return Occupancy(cell_m, footprint.circumscribed_radius_m + keep_off_m)
 
 
 class ScanMap:

@@ -99,7 +99,15 @@ def settle_on(
         assert table.field is not None
         with robot.around_bodies():
             goal = robot.goal_at(table.field, *table.targets[choice].tolist())
-    yield Note(
+    yield note_goal(robot, table, goal, rule, because, **details)
+    return goal
+
+
+def note_goal(
+    robot: FrontierRobot, table: Table, goal: Goal | None, rule: str, because: str, **details: Any
+) -> Note:
+    """Return the note of a choice; the parameters are those of `settle_on`, and the goal."""
+    return Note(
         GoalChosen(
             time_s=robot.time_s,
             robot=robot.me.robot,
@@ -113,7 +121,6 @@ def settle_on(
             **details,
         )
     )
-    return goal
 
 
 def finite_or_none(table: FloatArray) -> tuple[tuple[float | None, ...], ...]:

@@ -8,11 +8,13 @@ import pytest
 import shapely
 
 from multisrt.environments.environment import Environment
+from multisrt.envs.mission import STRATEGY, Mission
 from multisrt.geometry.bodies.collision import CollisionWorld
 from multisrt.geometry.regions.edge_index import EdgeIndex
 from multisrt.geometry.regions.scan import ExactScan
 from multisrt.recording import Recorder
 from multisrt.robots import registry
+from multisrt.robots.advised import DecisionSpec
 from multisrt.robots.explorer import Done, Explorer, RobotSelf, Sense
 from multisrt.robots.registry import strategies
 from multisrt.run import explore
@@ -27,6 +29,8 @@ from multisrt.simulation.robot import Robot
 from multisrt.simulation.setting_up import SetUp
 from multisrt.simulation.simulation import Simulation
 from multisrt.simulation.traffic import Traffic
+from multisrt.simulation.worlds import inline
+from multisrt.spec import RunSpec
 
 WORLD = Environment(
     "two rooms", shapely.box(0, 0, 12, 5).difference(shapely.box(6, 0, 6.2, 3.5)), starts=[(1, 1)]
@@ -116,6 +120,17 @@ def test_nothing_that_an_explorer_holds_leads_to_the_truth(explorers, strategy, 
     assert len(checks) == 20
     assert not any(checks)
     assert truths(*explorers[0]) == []
+
+
+def test_nothing_that_a_robot_for_learning_observes_leads_to_the_truth():
+    mission = Mission(
+        RunSpec(environment=inline(WORLD), strategy=STRATEGY, seed=1), WORLD, DecisionSpec(), None
+    )
+    for _ in range(3):
+        assert mission.asking == 0
+        explorer = mission._steps.explorers[0]
+        assert truths(explorer, mission.observation(0)) == []
+        mission.step(0)
 
 
 def test_outcomes_do_not_lead_to_the_truth(monkeypatch):

@@ -1,0 +1,95 @@
+"""What a robot that asks where to go observes, and what it may be answered."""
+
+from __future__ import annotations
+
+import math
+from typing import Literal, get_args
+
+import msgspec
+
+from multisrt.geometry.errors import InvalidInputError, did_you_mean
+
+Part = Literal["frontiers", "others", "map"]
+"""A part of an observation that may be left out."""
+
+MAX_MAP_CELLS = 1024
+"""Largest number of rows and columns of an observed map."""
+
+MAX_FRONTIERS = 1000
+"""Largest number of frontiers to choose from."""
+
+
+class DecisionSpec(msgspec.Struct, frozen=True, kw_only=True):
+    """What a robot that asks where to go observes, and what it may be answered.
+
+    Attributes
+    ----------
+    actions : {"frontier", "place"}
+        Whether an answer is the number of a frontier, or a place.
+    frontiers : int
+        Number of frontiers to choose from: the nearest ones by their path.
+    place_m : float
+        With places: an answer of 1 means so many metres along an axis.
+    parts : tuple of {"frontiers", "others", "map"}
+        The parts of the observation. What is left out is not computed.
+    map_cells : int
+        Number of rows and columns of the observed map.
+    map_scale : int
+        Width of a cell of the observed map, in cells of the robot's own raster.
+    map_centre : {"robot", "start"}
+        What the middle of the observed map shows: where the robot is, or where it started.
+
+    Raises
+    ------
+    InvalidInputError
+        If a value is out of range or a part is unknown or named twice.
+
+    Examples
+    --------
+    >>> spec = DecisionSpec(frontiers=5, parts=("frontiers",))
+    >>> spec.actions, spec.go_on
+    ('frontier', 5)
+    >>> DecisionSpec(parts=("maps",))
+    Traceback (most recent call last):
+    ...
+    multisrt.geometry.errors.InvalidInputError: an observation has no part 'maps' (did you mean...
+    """
+
+    actions: Literal["frontier", "place"] = "frontier"
+    frontiers: int = 8
+    place_m: float = 5.0
+    parts: tuple[Part, ...] = get_args(Part)
+    map_cells: int = 64
+    map_scale: int = 2
+    map_centre: Literal["robot", "start"] = "robot"
+
+    def __post_init__(self) -> None:
+        known = get_args(Part)
+        for part in self.parts:
+            if part not in known:
+                raise InvalidInputError(
+                    f"an observation has no part {part!r}{did_you_mean(str(part), known)}; "
+                    f"it has: {', '.join(known)}"
+                )
+        if len(set(self.parts)) < len(self.parts):
+            raise InvalidInputError(f"parts names a part twice: {', '.join(self.parts)}")
+        for name, given, allowed in (
+            ("actions", self.actions, ("frontier", "place")),
+            ("map_centre", self.map_centre, ("robot", "start")),
+        ):
+            if given not in allowed:
+                raise InvalidInputError(f"{name} is {' or '.join(allowed)}, not {given!r}")
+        for name, number, most in (
+            ("frontiers", self.frontiers, MAX_FRONTIERS),
+            ("map_cells", self.map_cells, MAX_MAP_CELLS),
+            ("map_scale", self.map_scale, MAX_MAP_CELLS),
+        ):
+            if not (isinstance(number, int) and 1 <= number <= most):
+                raise InvalidInputError(f"{name} is a whole number from 1 to {most}, not {number}")
+        if not 0.0 < self.place_m < math.inf:
+            raise InvalidInputError(f"place_m is a positive length, not {self.place_m} m")
+
+    @property
+    def go_on(self) -> int:
+        """The action of a robot that asks nothing and goes on: the number after the frontiers."""
+        return self.frontiers

@@ -1,0 +1,248 @@
+"""Motions through places, for every kind of drive."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import shapely
+from shapely import Polygon
+from shapely.geometry.base import BaseGeometry
+
+from multisrt.geometry.configuration import Configuration, wrap_angle
+from multisrt.geometry.errors import InvalidInputError
+from multisrt.geometry.numerics.arrays import FloatArray
+from multisrt.geometry.regions.safe_region import LocalSafeRegion
+from multisrt.planners.motion.body import PlanningBody
+from multisrt.planners.motion.car import car_way, car_ways
+from multisrt.planners.motion.curves import curve
+from multisrt.planners.motion.kinematics import (
+    Car,
+    Differential,
+    Holonomic,
+    Kinematics,
+    turns_between,
+)
+from multisrt.planners.motion.steering import turn_and_drive
+from multisrt.planners.motion.trajectory import Trajectory, standing_at
+from multisrt.planners.navigation.path_following import follow
+from multisrt.robots.explorer import RobotSelf
+from multisrt.robots.toolkit.places import rows_of
+
+Region = LocalSafeRegion | FloatArray | BaseGeometry
+"""Space known to be free: a region, a ring ``(n, 2)`` in metres, or a polygon of shapely."""
+
+
+def trajectory(
+    kinematics: Kinematics, start: Configuration, places: Any, *, headings: bool = False
+) -> Trajectory:
+    """Return the motion through places, without looking for obstacles.
+
+    A holonomic body goes straight from place to place; a differential one turns in place before
+    each straight leg, the shorter way; a car drives the shortest curves, and passes each place in
+    the direction of the next one.
+
+    Parameters
+    ----------
+    kinematics : Holonomic, Differential or Car
+        How the body moves: ``me.kinematics``.
+    start : Configuration
+        Where it stands, with its heading: the `configuration` of the last `Moved`.
+    places : (n, 2) or (n, 3) array_like, or a single place
+        Where to, in order; see `places_of`. A place where the body is already is left out.
+    headings : bool
+        Whether the third numbers of places are headings in radians to be taken there. Default:
+        x and y alone count.
+
+    Returns
+    -------
+    Trajectory
+        At maximum speed. It begins exactly at `start`; a single waypoint if there is nowhere to
+        go.
+
+    Raises
+    ------
+    InvalidInputError
+        If a place is none, or headings are asked of a holonomic body, which keeps its own, or of
+        places without any.
+
+    Examples
+    --------
+    >>> here = Configuration(0.0, 0.0, 0.0)
+    >>> corner = np.array([[2.0, 0.0], [2.0, 1.0]])
+    >>> trajectory(Differential(), here, corner).end
+    Configuration(x=2.0, y=1.0, heading=1.5707963267948966)
+    >>> trajectory(Holonomic(), here, corner).length_m
+    3.0
+    >>> way = trajectory(Car(), here, [(2.0, 0.0, math.pi)], headings=True)
+    >>> way.end.heading == math.pi, way.length_m > 2.0
+    (True, True)
+    """
+    rows = _rows(kinematics, places, headings)
+    way = standing_at(_floats(start))
+    for number, row in enumerate(rows):
+        here = way.end
+        x, y = row[:2]
+        if isinstance(kinematics, Car):
+            heading = row[2] if headings else _onward(here, row, rows[number + 1 :])
+            leg = curve(kinematics, here, Configuration(x, y, heading))
+        else:
+            leg = turn_and_drive(kinematics, here, x, y)
+            if headings and isinstance(kinematics, Differential):
+                turn = turns_between(leg.end.heading, row[2])[0]
+                leg = leg.then(kinematics.turn(leg.end, turn))
+        way = way.then(leg)
+    return way
+
+
+def trajectory_inside(
+    me: RobotSelf,
+    start: Configuration,
+    places: Any,
+    region: Region,
+    *,
+    margin_m: float = 0.01,
+    limit_m: float = math.inf,
+    headings: bool = False,
+) -> Trajectory | None:
+    """Return the motion along places as far as the body stays in a region known to be free.
+
+    Every leg is verified exactly. The first one that does not fit is shortened to where the body
+    still fits, and is the last; a car ends at the last place to which it finds a motion. So a
+    path through the whole map can be followed from scan to scan, each time inside what the last
+    scan showed.
+
+    Parameters
+    ----------
+    me : RobotSelf
+        What the robot knows of itself: its body and its kinematics.
+    start : Configuration
+        Where it stands; inside the region.
+    places : (n, 2) or (n, 3) array_like, or a single place
+        Where to, in order, such as a path of `FrontierMap`; see `places_of`. If the first is
+        where the body stands, it is left out.
+    region : LocalSafeRegion, (n, 2) array or polygon of shapely
+        Space known to be free. For cars it may have holes and several parts.
+    margin_m : float
+        Distance in metres that the body keeps from the region's border where there is room.
+    limit_m : float
+        Length in metres after which the motion ends; not for cars.
+    headings : bool
+        Cars: whether the third numbers of places are headings to arrive with. Default: the car
+        arrives with the first of several headings to which it finds a motion.
+
+    Returns
+    -------
+    Trajectory or None
+        None if less than a centimetre of the way is free.
+
+    Raises
+    ------
+    InvalidInputError
+        If there is no place, or one is none, headings are asked of a body other than a car,
+        or the region has several rings and the body is no car.
+
+    Examples
+    --------
+    >>> from multisrt.geometry.bodies.footprint import Footprint
+    >>> me = RobotSelf(
+    ...     robot=0,
+    ...     start=Configuration(1.0, 1.0, 0.0),
+    ...     footprint=Footprint.disc(0.25),
+    ...     kinematics=Holonomic(),
+    ...     range_m=4.0,
+    ...     rng=np.random.default_rng(0),
+    ... )
+    >>> square = np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]])
+    >>> way = trajectory_inside(me, me.start, [(3.0, 1.0), (3.0, 9.0)], square)
+    >>> round(way.end.x, 2), round(way.end.y, 2)
+    (3.0, 3.74)
+    """
+    rows = _rows(me.kinematics, places, headings, may_turn=False)
+    if not len(rows):
+        raise InvalidInputError("there is no place to go to; give at least one")
+    start = _floats(start)
+    body = PlanningBody(me.footprint, margin_m)
+    if isinstance(me.kinematics, Car):
+        return _car_inside(me, me.kinematics, body, start, rows, region)
+    path = np.vstack([[start[:2]], [row[:2] for row in rows]])
+    return follow(body, me.kinematics, _ring(region), start, path, limit_m=limit_m)
+
+
+def _car_inside(
+    me: RobotSelf,
+    car: Car,
+    body: PlanningBody,
+    start: Configuration,
+    rows: list[list[float]],
+    region: Region,
+) -> Trajectory | None:
+    # Leg by leg; a plan by sampling has the seed 1, so that chance makes no difference.
+    area = region if isinstance(region, BaseGeometry) else _ring(region)
+    way: Trajectory | None = None
+    for row in rows:
+        here = start if way is None else way.end
+        if math.dist(here[:2], row[:2]) < SAME_PLACE_M:
+            continue
+        if len(row) == 3:
+            leg = car_way(body, car, area, here, Configuration(*row), 1)
+        else:
+            ways = car_ways(body, car, area, here, row[0], row[1], 1)
+            leg = None if ways is None else ways[0]
+        if leg is None:
+            break
+        way = leg if way is None else way.then(leg)
+    return way
+
+
+SAME_PLACE_M = 1e-9
+"""Places closer than this are one, in metres."""
+
+
+def _rows(
+    kinematics: Kinematics, places: Any, headings: bool, *, may_turn: bool = True
+) -> list[list[float]]:
+    rows = rows_of(places)
+    if not headings:
+        return rows[:, :2].tolist()
+    if len(rows) and rows.shape[1] != 3:
+        raise InvalidInputError("places have no headings; give x, y and heading of each (n, 3)")
+    if isinstance(kinematics, Holonomic) or not (may_turn or isinstance(kinematics, Car)):
+        name = type(kinematics).__name__.lower()
+        raise InvalidInputError(f"a {name} body arrives with no heading of choice; give x and y")
+    return rows.tolist()
+
+
+def _ring(region: Region) -> FloatArray:
+    if isinstance(region, LocalSafeRegion):
+        return region.boundary
+    if isinstance(region, Polygon) and not region.interiors:
+        return np.ascontiguousarray(shapely.get_coordinates(region.normalize())[-2::-1])
+    if isinstance(region, BaseGeometry):
+        raise InvalidInputError(
+            f"a {region.geom_type} of several rings is no region for a body that drives straight; "
+            "give a polygon without holes, such as the region of a scan"
+        )
+    ring = np.ascontiguousarray(region, np.float64)
+    if ring.ndim != 2 or ring.shape[1] != 2 or len(ring) < 3 or not np.isfinite(ring).all():
+        raise InvalidInputError(
+            f"a region is a ring (n, 2) of at least 3 finite corners, not {ring.shape}"
+        )
+    return ring
+
+
+def _onward(here: Configuration, row: list[float], later: list[list[float]]) -> float:
+    # The direction of the next place, at the last one that in which it is reached.
+    for a, b in pairwise([row, *later]):
+        if math.dist(a[:2], b[:2]) >= SAME_PLACE_M:
+            return wrap_angle(math.atan2(b[1] - a[1], b[0] - a[0]))
+    if math.dist(here[:2], row[:2]) < SAME_PLACE_M:
+        return here.heading
+    return wrap_angle(math.atan2(row[1] - here.y, row[0] - here.x))
+
+
+def _floats(start: Configuration) -> Configuration:
+    x, y, heading = map(float, start)
+    return Configuration(x, y, heading)

@@ -1,0 +1,27 @@
+"""The page on learning: its code runs from top to bottom."""
+
+import re
+import runpy
+from pathlib import Path
+
+import pytest
+
+from multisrt.robots import registry
+
+PAGE = Path(__file__).parents[2] / "docs" / "learning.md"
+
+
+@pytest.mark.slow
+def test_the_code_of_the_page_runs(tmp_path, monkeypatch, capsys):
+    known = dict(registry._registry())
+    monkeypatch.setattr(registry, "_registry", lambda: known)
+    monkeypatch.chdir(tmp_path)
+    blocks = re.findall(r"^```python\n(.*?)^```$", PAGE.read_text(), re.DOTALL | re.MULTILINE)
+    assert len(blocks) > 5
+    file = tmp_path / "page.py"
+    file.write_text("\n".join(blocks))
+    # Not as the main module: what is vectorized over processes has a test of its own.
+    runpy.run_path(str(file), run_name="page")
+    told = capsys.readouterr().out
+    assert "complete 99.9% covered" in told
+    assert (tmp_path / "learned.svg").exists()

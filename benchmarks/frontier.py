@@ -43,6 +43,7 @@ from multisrt.robots.frontier.options import FrontierOptions
 from multisrt.robots.frontier.robot import FrontierRobot
 from multisrt.robots.frontier.wavefront_rules import choose_closest
 from multisrt.robots.knowledge import Node, NodeId
+from multisrt.robots.strategy import Strategy
 from multisrt.simulation.simulate import simulate
 from multisrt.simulation.worlds import inline
 from multisrt.spec import CatalogEnvironment, RangeFinderSpec, RobotSpec, RunSpec, StopRule
@@ -213,7 +214,7 @@ def crowd() -> Iterator[Claim]:
         return _Timed(closest.explorer(me, options), spent_s)
 
     registry.register(
-        registry.Strategy(
+        Strategy(
             name="closest, timed",
             summary=closest.summary,
             options=closest.options,

@@ -32,7 +32,8 @@ if TYPE_CHECKING:
     from multisrt.geometry.bodies.footprint import Footprint
     from multisrt.geometry.errors import InvalidInputError, MultiSrtError
     from multisrt.recording import Recording
-    from multisrt.robots.registry import Strategy, register, strategies
+    from multisrt.robots.registry import register, strategies
+    from multisrt.robots.strategy import Strategy
     from multisrt.run import Run, explore
     from multisrt.simulation.simulate import simulate
     from multisrt.spec import (
@@ -74,7 +75,7 @@ _HOMES = {
     "RunSpec": "spec",
     "Silence": "spec",
     "StopRule": "spec",
-    "Strategy": "robots.registry",
+    "Strategy": "robots.strategy",
     "area_known_to_one": "analysis.known_area",
     "catalog": "environments.catalog",
     "compare": "comparison",

@@ -30,7 +30,8 @@ from multisrt.experiments.spec import (
 )
 from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.robots.registry import Strategy, strategy
+from multisrt.robots.registry import strategy
+from multisrt.robots.strategy import Strategy
 from multisrt.simulation.starts import drawn_start
 from multisrt.simulation.worlds import build_environment, environment_spec, inline
 from multisrt.spec import (

@@ -10,7 +10,7 @@ from multisrt.geometry.errors import InvalidInputError
 from multisrt.informed.options import InformedOptions
 from multisrt.planners.motion.kinematics import Car
 from multisrt.robots.explorer import Explorer, RobotSelf
-from multisrt.robots.registry import Strategy
+from multisrt.robots.strategy import Strategy
 from multisrt.spec import Death, LateStart, RunSpec
 
 

@@ -7,16 +7,11 @@ Other packages add their own by an entry point in the group ``multisrt.strategie
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
 from functools import cache
 from importlib.metadata import EntryPoint, entry_points
-from typing import Any
 
-import msgspec
-
-from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import InvalidInputError, did_you_mean
 from multisrt.geometry.regions.safe_region import Shape
 from multisrt.planners.motion.kinematics import Car
@@ -36,149 +31,21 @@ from multisrt.robots.frontier.utility import choose_utility
 from multisrt.robots.frontier.wavefront_rules import choose_closest, choose_greedy, choose_minpos
 from multisrt.robots.multi_srt.build_multi_srt import SrtExplorer
 from multisrt.robots.multi_srt.options import MultiSrtOptions
+from multisrt.robots.strategy import Strategy, as_strategy
 from multisrt.spec import RunSpec
-from multisrt.validation_errors import explained
-
-Plan = Callable[
-    [RunSpec, Any, Sequence[Configuration], Callable[[float], None] | None], Sequence[object]
-]
-"""Plans a run on the truth; its second parameter is the environment, which robots do not know."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Strategy:
-    """A strategy of exploration: a named factory of explorers.
-
-    See `multisrt.robots.explorer` for a complete example.
-
-    Attributes
-    ----------
-    name : str
-        Its name in specs and on the command line.
-    summary : str
-        One line for lists.
-    options : type
-        A frozen msgspec structure: the parameters of the strategy and their defaults.
-    explorer : callable
-        Builds the `Explorer` of one robot from its `RobotSelf` and the options.
-    fits : callable or None
-        Takes a `RunSpec`, and raises `InvalidInputError` if the strategy cannot make that run.
-    plan : callable or None
-        For a strategy that sees the truth: takes the `RunSpec`, the environment, the starts and
-        a callable that is told of its progress or None; returns for each robot what its
-        `RobotSelf.orders` are to be. None: robots know what they sense and hear.
-
-    Examples
-    --------
-    >>> from multisrt.robots.explorer import Done
-    >>> class Options(msgspec.Struct, frozen=True, kw_only=True):
-    ...     pass
-    >>> class Stays:
-    ...     def __init__(self, me, options):
-    ...         self.me = me
-    ...
-    ...     def run(self):
-    ...         yield Done(complete=False, reason=f"has stayed at {self.me.start[:2]}")
-    >>> stays = Strategy(name="stays", summary="Does nothing", options=Options, explorer=Stays)
-    >>> stays.parse_options({})
-    Options()
-    """
-
-    name: str
-    summary: str
-    options: type[msgspec.Struct]
-    explorer: Callable[[RobotSelf, Any], Explorer]
-    fits: Callable[[RunSpec], None] | None = None
-    plan: Plan | None = None
-
-    @property
-    def sees_truth(self) -> bool:
-        """Whether its robots know the map: it is a reference then, and no competitor."""
-        return self.plan is not None
-
-    def require_fit(self, spec: RunSpec) -> None:
-        """Check that this strategy can make a run.
-
-        Parameters
-        ----------
-        spec : RunSpec
-            The run.
-
-        Raises
-        ------
-        InvalidInputError
-            If it cannot; the message says why.
-
-        Examples
-        --------
-        >>> import multisrt as ms
-        >>> spec = ms.RunSpec(
-        ...     environment=ms.CatalogEnvironment(name="open"),
-        ...     robots=(ms.RobotSpec(), ms.RobotSpec()),
-        ...     radio=ms.RadioSpec(range_m=5.0),
-        ... )
-        >>> strategy("srt-radial").require_fit(spec)  # doctest: +ELLIPSIS
-        Traceback (most recent call last):
-        ...
-        multisrt.geometry.errors.InvalidInputError: srt-radial needs a radio range of at least ...
-        """
-        if self.fits is not None:
-            self.fits(spec)
-
-    def parse_options(self, options: Mapping[str, object]) -> msgspec.Struct:
-        """Check values for the strategy's parameters, and fill in the defaults.
-
-        Parameters
-        ----------
-        options : mapping of str to object
-            Values by the name of the parameter; they may be written as text.
-
-        Returns
-        -------
-        msgspec.Struct
-            An instance of the strategy's `options`.
-
-        Raises
-        ------
-        InvalidInputError
-            If a parameter is unknown or its value is not allowed; the message names it.
-
-        Examples
-        --------
-        >>> strategy("srt-star").parse_options({"cones": "8"}).cones
-        8
-        >>> strategy("srt-star").parse_options({"cone": 8})  # doctest: +ELLIPSIS
-        Traceback (most recent call last):
-        ...
-        multisrt.geometry.errors.InvalidInputError: srt-star has no option 'cone' ...
-        """
-        known = {field.name: field for field in msgspec.structs.fields(self.options)}
-        for key in options:
-            if key not in known:
-                raise InvalidInputError(
-                    f"{self.name} has no option {key!r}{did_you_mean(key, known)}; "
-                    f"it has: {', '.join(known)}"
-                )
-        for key, value in options.items():
-            try:
-                msgspec.convert(value, known[key].type, strict=False)
-            except msgspec.ValidationError as error:
-                wrong = explained(error, known[key].type)
-                raise InvalidInputError(f"option {key}={value!r} of {self.name}: {wrong}") from None
-        try:
-            return msgspec.convert(dict(options), self.options, strict=False)
-        except msgspec.ValidationError as error:
-            wrong = explained(error, self.options)
-            raise InvalidInputError(f"options of {self.name}: {wrong}") from None
-
-
-def register(strategy: Strategy) -> None:
-    """Add a strategy for this process.
+def register(strategy: Strategy | Callable[..., Explorer], *, replace: bool = False) -> None:
+    """Make a strategy known by its name, for this process.
 
     Parameters
     ----------
-    strategy : Strategy
-        The strategy.
+    strategy : Strategy, type or callable
+        The strategy, or what `Strategy.of` makes one of: the class of an explorer, or a function
+        that builds one.
+    replace : bool
+        Whether it takes the place of one with the same name that was registered before, as when
+        a notebook's cell runs again. Built-in strategies are not replaced.
 
     Raises
     ------
@@ -187,15 +54,44 @@ def register(strategy: Strategy) -> None:
 
     Examples
     --------
-    >>> register(strategy("minpos"))
+    >>> register(strategy("minpos"))  # doctest: +ELLIPSIS
     Traceback (most recent call last):
     ...
-    multisrt.geometry.errors.InvalidInputError: there is a strategy 'minpos' already
+    multisrt.geometry.errors.InvalidInputError: there is a strategy 'minpos' already, and it ...
     """
-    registered = _registry()
-    if strategy.name in registered:
-        raise InvalidInputError(f"there is a strategy {strategy.name!r} already")
-    registered[strategy.name] = strategy
+    added, known = as_strategy(strategy), _registry()
+    if is_built_in(added.name):
+        raise InvalidInputError(
+            f"there is a strategy {added.name!r} already, and it is built in; choose another name"
+            + ("" if isinstance(strategy, Strategy) else ": Strategy.of(..., name=...)")
+        )
+    if added.name in known and not replace:
+        raise InvalidInputError(
+            f"there is a strategy {added.name!r} already; to replace it, as when a cell runs "
+            "again, give register(..., replace=True)"
+        )
+    known[added.name] = added
+
+
+def is_built_in(name: str) -> bool:
+    """Whether a strategy of this package has a name.
+
+    Parameters
+    ----------
+    name : str
+        The name.
+
+    Returns
+    -------
+    bool
+        False for those of other packages and those that were registered.
+
+    Examples
+    --------
+    >>> is_built_in("minpos"), is_built_in("mine")
+    (True, False)
+    """
+    return any(name == own.name for own in (*_OWN, _INFORMED.load()))
 
 
 @contextmanager
@@ -267,7 +163,8 @@ def strategy(name: str) -> Strategy:
             )
         raise InvalidInputError(
             f"there is no strategy {name!r}{did_you_mean(name, registered)}; "
-            f"there are: {', '.join(registered)}"
+            f"there are: {', '.join(registered)}; one of your own is imported by --import FILE.py "
+            "on the command line, or registered by multisrt.register"
         )
     return registered[name]
 

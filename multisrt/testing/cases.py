@@ -16,7 +16,8 @@ from multisrt.events import Collision
 from multisrt.recording import Recording, RunOutcome
 from multisrt.robots.defects import ExplorerDefect, brief
 from multisrt.robots.explorer import Action, Explorer, Move, Outcome, RobotSelf
-from multisrt.robots.registry import Strategy, registered
+from multisrt.robots.registry import registered
+from multisrt.robots.strategy import Strategy
 from multisrt.simulation.random_streams import random_stream
 from multisrt.simulation.simulate import simulate
 from multisrt.spec import RunSpec

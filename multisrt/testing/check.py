@@ -68,7 +68,7 @@ from multisrt.environments.environment import Environment
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.robots.defects import ExplorerDefect
 from multisrt.robots.explorer import Explorer, RobotSelf
-from multisrt.robots.registry import Strategy
+from multisrt.robots.strategy import Strategy
 from multisrt.simulation.worlds import inline
 from multisrt.spec import RadioSpec, RobotSpec, RunSpec, StopRule
 from multisrt.testing.cases import Case, CheckedRun, repeat_interleaved

@@ -18,7 +18,8 @@ from multisrt.experiments.crossing import PlannedRun, runs
 from multisrt.experiments.mission import make_run, world_of
 from multisrt.experiments.spec import ExperimentSpec, Limits, StartsChoice
 from multisrt.recording import Recording
-from multisrt.robots.registry import Strategy, _registry
+from multisrt.robots.registry import _registry
+from multisrt.robots.strategy import Strategy
 from multisrt.simulation.simulate import simulate
 from tests.multisrt.experiments.results import metrics_of
 

@@ -31,7 +31,8 @@ MISCHIEF = """
     import ctypes, os, re, signal, sys, time
     from pathlib import Path
     import msgspec
-    from multisrt.robots.registry import Strategy, register, strategy
+    from multisrt.robots.registry import register, strategy
+    from multisrt.robots.strategy import Strategy
 
     class NoOptions(msgspec.Struct, frozen=True):
         pass

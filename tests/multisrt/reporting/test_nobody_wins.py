@@ -19,7 +19,8 @@ from multisrt.reporting.study import Study
 from multisrt.reporting.tables import gaps_above, measure_table, success_table
 from multisrt.reporting.words import findings, what_was_run
 from multisrt.robots.explorer import Done, Note, Sense
-from multisrt.robots.registry import Strategy, _registry, register, strategy
+from multisrt.robots.registry import _registry, register, strategy
+from multisrt.robots.strategy import Strategy
 from tests.multisrt.experiments.results import metrics_of
 from tests.multisrt.experiments.small import HALL, experiment
 

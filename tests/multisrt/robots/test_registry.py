@@ -10,7 +10,8 @@ from multisrt.planners.srt import SrtOptions
 from multisrt.robots import registry
 from multisrt.robots.explorer import Explorer, RobotSelf
 from multisrt.robots.multi_srt.options import MultiSrtOptions
-from multisrt.robots.registry import Strategy, register, strategies, strategy
+from multisrt.robots.registry import register, strategies, strategy
+from multisrt.robots.strategy import Strategy
 
 
 class Options(msgspec.Struct, frozen=True, kw_only=True):

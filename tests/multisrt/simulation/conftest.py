@@ -14,7 +14,7 @@ from multisrt.recording import Recording
 from multisrt.robots import registry
 from multisrt.robots.explorer import Done, Move, Receive, RobotSelf, Send
 from multisrt.robots.messages import Message
-from multisrt.robots.registry import Strategy
+from multisrt.robots.strategy import Strategy
 from multisrt.simulation.journal import Watcher
 from multisrt.simulation.simulate import simulate
 from multisrt.simulation.worlds import inline

@@ -35,7 +35,8 @@ from multisrt.robots.frontier.driving import drive
 from multisrt.robots.frontier.explore import FrontierExplorer
 from multisrt.robots.frontier.options import FrontierOptions
 from multisrt.robots.protective_stop import MIN_SHARE
-from multisrt.robots.registry import Strategy, strategy
+from multisrt.robots.registry import strategy
+from multisrt.robots.strategy import Strategy
 from multisrt.simulation.simulate import simulate
 from multisrt.simulation.worlds import inline
 from multisrt.spec import Death, LateStart, RadioSpec, RobotSpec, RunSpec, Silence, StopRule

@@ -1,0 +1,84 @@
+"""Strategies of one's own on the command line: the option --import, and references."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import click
+
+if TYPE_CHECKING:
+    from multisrt.robots.strategy import Strategy
+
+
+def import_option(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Add the option --import to a command.
+
+    Parameters
+    ----------
+    command : callable
+        The command, which takes a keyword `imports`, a tuple of str, for `import_all`.
+
+    Returns
+    -------
+    callable
+        The command with the option.
+    """
+    return click.option(
+        "--import",
+        "imports",
+        multiple=True,
+        metavar="MODULE|FILE.py",
+        help="Import a module or file with strategies of your own; FILE.py:NAME for one of "
+        "several; repeatable.",
+    )(command)
+
+
+def import_all(imports: tuple[str, ...]) -> None:
+    """Import what --import names, so that its strategies are known by their names.
+
+    Parameters
+    ----------
+    imports : tuple of str
+        Modules and files, as `multisrt.robots.loading.import_reference` takes them.
+
+    Raises
+    ------
+    InvalidInputError
+        If one cannot be imported.
+    """
+    if imports:
+        from multisrt.robots.loading import import_reference
+
+        for reference in imports:
+            import_reference(reference)
+
+
+def named_strategy(text: str) -> Strategy:
+    """Return the strategy of a name, or of a reference such as ``mine.py:Mine``.
+
+    A strategy that is given by a reference is registered.
+
+    Parameters
+    ----------
+    text : str
+        The name or reference.
+
+    Returns
+    -------
+    Strategy
+        The strategy.
+
+    Raises
+    ------
+    InvalidInputError
+        If there is none; the message says what there is.
+    """
+    from multisrt.robots.loading import is_reference, load_strategy
+    from multisrt.robots.registry import register, strategy
+
+    if not is_reference(text):
+        return strategy(text)
+    found = load_strategy(text)
+    register(found, replace=True)
+    return found

@@ -1,0 +1,179 @@
+"""Strategies by reference: files, modules, and what is wrong with them."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+import multisrt as ms
+from multisrt.robots import registry
+from multisrt.robots.loading import import_reference, is_reference, load_strategy
+
+MINE = '''"""Strategies for tests."""
+from multisrt.robots.explorer import Done
+
+class Mine:
+    """Ends at once."""
+
+    def __init__(self, me):
+        pass
+
+    def run(self):
+        yield Done(complete=False, reason="{reason}")
+'''
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    """A working directory; what is imported and registered in a test is forgotten after it."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "path", [*sys.path])
+    known, before = dict(registry._registry()), set(sys.modules)
+    monkeypatch.setattr(registry, "_registry", lambda: known)
+    yield tmp_path
+    for name in set(sys.modules) - before:
+        del sys.modules[name]
+
+
+def write(path: str, text: str = MINE, **said: str) -> Path:
+    file = Path(path)
+    file.parent.mkdir(parents=True, exist_ok=True)
+    file.write_text(text.replace("{reason}", said.get("reason", "stays")))
+    return file
+
+
+def reason_of(reference: str) -> str:
+    made = load_strategy(reference)
+    built = made.explorer(None, made.options())  # type: ignore[arg-type]
+    return str(next(built.run()).reason)  # type: ignore[union-attr]
+
+
+def refused(reference: str) -> str:
+    with pytest.raises(ms.InvalidInputError) as error:
+        load_strategy(reference)
+    assert "\n" not in str(error.value)
+    return str(error.value)
+
+
+@pytest.mark.parametrize("reference", ["mine.py:Mine", "mine.py", "mine:Mine", "mine"])
+def test_a_class_is_loaded_from_a_file_or_a_module(reference: str) -> None:
+    write("mine.py")
+    made = load_strategy(reference)
+    assert (made.name, made.summary) == ("mine", "Ends at once")
+
+
+def test_a_class_in_a_package_is_loaded_by_its_module() -> None:
+    write("lab/__init__.py", "")
+    write("lab/deep.py")
+    assert load_strategy("lab.deep:Mine").name == "mine"
+
+
+def test_a_strategy_goes_before_the_classes_of_its_file() -> None:
+    write("mine.py", MINE + "\nimport multisrt as ms\nOWN = ms.Strategy.of(Mine, name='own')\n")
+    assert load_strategy("mine.py").name == "own"
+    assert load_strategy("mine.py:Mine").name == "mine"
+
+
+def test_one_of_several_must_be_named() -> None:
+    write("mine.py", MINE + "\nclass Other(Mine):\n    pass\n")
+    told = refused("mine.py")
+    assert told == "mine.py has several strategies; name one: mine.py:Mine, mine.py:Other"
+
+
+def test_a_file_can_import_what_is_beside_it() -> None:
+    write("far/beside.py", "REASON = 'from beside'\n")
+    write("far/mine.py", "import beside\n" + MINE, reason="{x}")
+    write("far/mine.py", "import beside\n" + MINE.replace('"{reason}"', "beside.REASON"))
+    assert reason_of("far/mine.py") == "from beside"
+
+
+def test_files_of_the_same_stem_do_not_mix() -> None:
+    write("a/mine.py", reason="a")
+    write("b/mine.py", reason="b")
+    assert [reason_of("a/mine.py"), reason_of("b/mine.py"), reason_of("a/mine.py")] == list("aba")
+
+
+def test_a_file_does_not_shadow_a_library() -> None:
+    write("json.py", reason="mine")
+    write("wave.py", reason="mine, too")
+    assert [reason_of("json.py"), reason_of("wave.py")] == ["mine", "mine, too"]
+    import wave
+
+    assert hasattr(wave, "open")
+
+
+def test_a_file_is_imported_again_only_if_it_changed() -> None:
+    write("mine.py", reason="old")
+    first = load_strategy("mine.py")
+    assert load_strategy("./mine.py").explorer.__wrapped__ is first.explorer.__wrapped__  # type: ignore[attr-defined]
+    write("mine.py", reason="new")
+    assert reason_of("mine.py") == "new"
+
+
+def test_a_script_is_imported_without_its_main_part() -> None:
+    write("mine.py", MINE + "\nif __name__ == '__main__':\n    raise SystemExit(1)\n")
+    assert load_strategy("mine.py").name == "mine"
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("def broken(:\n", "mine.py is not Python: invalid syntax (mine.py:1)"),
+        ("\n\nx = unknown\n", "cannot import mine.py: NameError: name 'unknown' is not defined"),
+        ("import missing_library\n", "ModuleNotFoundError: No module named 'missing_library' ("),
+        ("raise SystemExit('over')\n", "cannot import mine.py: SystemExit: over (mine.py:1)"),
+        ("x = 1\n", "mine.py has no strategy: neither a Strategy nor a class with a method 'run'"),
+    ],
+)
+def test_a_file_that_cannot_be_used_is_told_in_a_line(text: str, told: str) -> None:
+    write("mine.py", text)
+    assert told in refused("mine.py")
+    assert "mine" not in sys.modules or "no strategy" in told
+
+
+def test_the_place_of_an_error_is_told_within_the_file() -> None:
+    write("mine.py", "import json\n\njson.loads('{')\n")
+    assert refused("mine.py:Mine").endswith("(mine.py:3)")
+
+
+@pytest.mark.parametrize(
+    ("reference", "told"),
+    [
+        ("none.py:Mine", "none.py: there is no such file"),
+        ("mine.py:Mien", "mine.py has no 'Mien' (did you mean 'Mine'?); it has: Mine"),
+        ("there.is.none:Mine", "there is no module 'there.is.none' in the working directory"),
+        ("folder:Mine", "'folder' is a folder without __init__.py"),
+        (":Mine", "'' names no module; a reference is FILE.py"),
+    ],
+)
+def test_a_reference_that_leads_nowhere_is_told(reference: str, told: str) -> None:
+    write("mine.py")
+    write("folder/readme.txt")
+    assert told in refused(reference)
+
+
+def test_importing_registers_what_does_not_register_itself() -> None:
+    write("mine.py")
+    write("other.py", MINE.replace("Mine", "Other") + "import multisrt as ms\nms.register(Other)\n")
+    assert [each.name for each in import_reference("mine.py")] == ["mine"]
+    assert import_reference("other.py") == ()
+    assert {"mine", "other"} <= {each.name for each in ms.strategies()}
+
+
+def test_importing_a_changed_file_replaces_its_strategies() -> None:
+    write("mine.py", reason="old")
+    import_reference("mine.py")
+    write("mine.py", reason="new")
+    import_reference("mine.py")
+    made = registry.strategy("mine")
+    built = made.explorer(None, made.options())  # type: ignore[arg-type]
+    assert next(built.run()).reason == "new"  # type: ignore[union-attr]
+
+
+def test_names_of_strategies_are_no_references() -> None:
+    assert not any(is_reference(each.name) for each in ms.strategies())
+    assert not is_reference("maps/hall.wkt")
+    assert is_reference("a/b.py:Mine")

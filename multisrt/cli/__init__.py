@@ -13,6 +13,7 @@ from multisrt.cli.explore import explore
 from multisrt.cli.report import report
 from multisrt.cli.reproduce import reproduce
 from multisrt.cli.strategies import strategies
+from multisrt.cli.strategy import strategy
 from multisrt.cli.why import why
 
 COMPLETE, BAD_INPUT, INTERRUPTED = 0, 2, 130
@@ -37,7 +38,7 @@ def cli() -> None:
     """
 
 
-for command in (explore, experiment, report, why, environments, strategies, reproduce):
+for command in (explore, experiment, report, why, environments, strategies, strategy, reproduce):
     cli.add_command(command)
 
 

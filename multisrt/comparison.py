@@ -15,15 +15,16 @@ import numpy as np
 
 from multisrt.environments.environment import Environment
 from multisrt.experiments.live import LiveProgress
+from multisrt.experiments.modules import Entrant, import_modules, named
+from multisrt.experiments.own_source import require_files
 from multisrt.experiments.results import Results
-from multisrt.experiments.runner import run_experiment
+from multisrt.experiments.runner import require_no_import, run_experiment
 from multisrt.experiments.spec import (
     EnvironmentChoice,
     ExperimentSpec,
     FaultsChoice,
     RadioChoice,
     StartsChoice,
-    StrategyChoice,
     TeamChoice,
 )
 from multisrt.experiments.store import Store
@@ -47,7 +48,7 @@ World = str | Path | Environment | EnvironmentChoice
 
 def compare(
     environments: World | Iterable[World] | ExperimentSpec,
-    strategies: str | StrategyChoice | Iterable[str | StrategyChoice] | None = None,
+    strategies: Entrant | Iterable[Entrant] | None = None,
     robots: int | TeamChoice | Iterable[int | TeamChoice] | None = None,
     seeds: int | range | None = None,
     *,
@@ -59,6 +60,7 @@ def compare(
     workers: int | None = None,
     cluster: str | None = None,
     store: str | Path | None = None,
+    remake: bool = False,
     imports: Sequence[str] = (),
     progress: bool = True,
     **fields: Any,
@@ -68,19 +70,20 @@ def compare(
     Conditions are crossed: every strategy with every environment, team, radio and so on. The
     design is paired: in repetition k all strategies meet the same worlds, starts, faults and
     draws of the radio. Runs are made by worker processes; a script needs no
-    ``if __name__ == "__main__"`` for them.
+    ``if __name__ == "__main__"`` for them, unless it defines a strategy itself.
 
     The short form names the conditions; what is not given has the default of `ExperimentSpec`.
     The long form takes an `ExperimentSpec` alone, which describes all of them; with it only
-    `workers`, `cluster`, `store`, `imports` and `progress` may be given.
+    `workers`, `cluster`, `store`, `remake`, `imports` and `progress` may be given.
 
     Parameters
     ----------
     environments : str, Path, Environment or EnvironmentChoice, or several; or ExperimentSpec
         Names in the catalogue, map files or environments; or the whole experiment.
-    strategies : str or StrategyChoice, or several
-        Names of registered strategies, with or without options. Marks in tables compare the
-        others with the first.
+    strategies : str, StrategyChoice, Strategy, class or function, or several
+        Names of registered strategies, with or without options; or strategies of one's own, as
+        `Strategy.of` takes them, which are registered by this and imported by the worker
+        processes. Marks in tables compare the others with the first.
     robots : int or TeamChoice, or several, optional
         Team sizes, or teams whose robots differ.
     seeds : int or range, optional
@@ -93,14 +96,20 @@ def compare(
         Which recordings are kept beside `store`; "none" by default. An `ExperimentSpec` with its
         default "failed" keeps none if there is no `store`.
     workers : int, optional
-        Number of processes on this machine; one for each core by default.
+        Number of processes on this machine; one for each core by default. 0: the runs are made in
+        this process, one after another and without limits, also with strategies that are defined
+        in a notebook's cell or looked at by a debugger.
     cluster : str, optional
         Address of a `dask.distributed` scheduler to use instead of local processes.
     store : str or Path, optional
         File in which results are kept: called again, `compare` makes only the runs that are
         missing, and ``multisrt report`` reads it. By default results are kept in memory alone.
+    remake : bool
+        Whether runs in `store` of one's own strategies that have changed since are made again;
+        otherwise they are an error.
     imports : sequence of str
-        Modules that workers import because they register strategies.
+        Modules or files with further strategies (``"mine.py"``), imported by this process and by
+        workers.
     progress : bool
         Whether to show a progress bar, on a terminal only.
     **fields
@@ -116,7 +125,8 @@ def compare(
     ------
     InvalidInputError
         If a field is wrong, the two forms are mixed, or a run is impossible; the message names
-        the field or the condition.
+        the field or the condition. If worker processes cannot import a strategy; the message says
+        what to do.
 
     Examples
     --------
@@ -138,8 +148,10 @@ def compare(
     >>> found = ms.compare(spec, store="star.sqlite")  # doctest: +SKIP
     >>> found.report("report")  # doctest: +SKIP
     """
+    require_no_import()
+    import_modules(imports)
     short = {
-        "strategies": strategies,
+        "strategies": None if strategies is None else named(strategies),
         "robots": robots,
         "seeds": seeds,
         "starts": starts,
@@ -153,7 +165,7 @@ def compare(
         if given:
             raise InvalidInputError(
                 "an ExperimentSpec is complete: with it, give only workers, cluster, store, "
-                f"imports and progress, and leave out {', '.join(given)}"
+                f"remake, imports and progress, and leave out {', '.join(given)}"
             )
         spec = _experiment_of(environments)
         if store is None and spec.recordings == "failed":
@@ -166,11 +178,13 @@ def compare(
         raise InvalidInputError(
             "recordings are kept beside the results: say where those go (store=...)"
         )
+    if store is not None:
+        require_files(spec)
     with ExitStack() as stack:
         if store is None:
             scratch = stack.enter_context(tempfile.TemporaryDirectory(prefix="multisrt-"))
             store = Path(scratch) / "results.sqlite"
-        opened = stack.enter_context(Store.create_or_open(store, spec, Path.cwd()))
+        opened = stack.enter_context(Store.create_or_open(store, spec, Path.cwd(), remake=remake))
         live = stack.enter_context(LiveProgress(progress))
         run_experiment(opened, workers=workers, cluster=cluster, modules=imports, progress=live)
         return Comparison(opened.results(), Path.cwd())

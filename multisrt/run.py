@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import operator
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import Any, Literal
@@ -15,6 +15,9 @@ from multisrt.analysis.metrics import Metrics
 from multisrt.environments.environment import Environment
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.recording import Recording, RunOutcome, atomic_write
+from multisrt.robots.explorer import Explorer
+from multisrt.robots.registry import register
+from multisrt.robots.strategy import Strategy, as_strategy
 from multisrt.simulation.journal import Watcher
 from multisrt.simulation.simulate import simulate
 from multisrt.simulation.worlds import build_environment, environment_spec, inline
@@ -245,7 +248,7 @@ class Run:
 def explore(
     environment: Environment | str | Path | RunSpec,
     *,
-    strategy: str | None = None,
+    strategy: str | Strategy | Callable[..., Explorer] | None = None,
     seed: int | None = None,
     options: Mapping[str, Scalar] | None = None,
     robots: int | Sequence[RobotSpec] | None = None,
@@ -274,8 +277,9 @@ def explore(
     environment : Environment, str, Path or RunSpec
         The environment, its name in the catalogue, or a map file; or the spec of the run, with
         which only `recording_path` and `watch` may be given.
-    strategy : str, optional
-        Name of a registered strategy; see `strategies`.
+    strategy : str, Strategy, class or function, optional
+        Name of a registered strategy, see `strategies`; or one of one's own, as `Strategy.of`
+        takes it, which is registered by this in place of one of its name.
     seed : int, optional
         Seed of all random streams of the run.
     options : mapping, optional
@@ -344,6 +348,10 @@ def explore(
     >>> ms.explore(run.spec).digest == run.digest
     True
     """
+    if strategy is not None and not isinstance(strategy, str):
+        own = as_strategy(strategy)
+        register(own, replace=True)
+        strategy = own.name
     robot = {"footprint": footprint, "range_m": range_m, "beams": beams, "drive": drive}
     team = {"robots": robots, "start": start, "starts": starts}
     rest = {

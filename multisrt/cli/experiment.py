@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
 from multisrt.cli.experiment_check import check
+from multisrt.cli.imports import import_all, import_option
 from multisrt.cli.running import Running, make_runs, print_gaps, running_options, width
 from multisrt.cli.spec_files import read_experiment
 
@@ -88,18 +90,16 @@ def new(file: Path, like: str | None, schema: bool) -> None:
     type=click.Choice(["none", "failed", "all"]),
     help="Recordings to keep beside the results.  [default: as in FILE]",
 )
+@import_option
 @click.option(
-    "--import",
-    "modules",
-    multiple=True,
-    metavar="MODULE",
-    help="Import a module that registers strategies; repeatable.",
+    "--remake", is_flag=True, help="Repeat runs of strategies of your own that have changed since."
 )
 def run(
     file: Path,
     store: Path | None,
     recordings: str | None,
-    modules: tuple[str, ...],
+    imports: tuple[str, ...],
+    remake: bool,
     running: Running,
 ) -> None:
     """Make the runs of an experiment that have no result yet.
@@ -114,7 +114,7 @@ def run(
       multisrt experiment run star.toml --workers 2 --recordings all
       multisrt experiment run star.toml --cluster tcp://node1:8786
       multisrt experiment run star.toml --reference informed
-      multisrt experiment run mine.toml --import my_strategy --retry
+      multisrt experiment run mine.toml --import mine.py --retry
 
     \b
     Exit code:
@@ -123,14 +123,13 @@ def run(
     """
     import msgspec
 
-    from multisrt.experiments.modules import import_modules
-
-    import_modules(modules)
+    import_all(imports)
+    running = replace(running, remake=remake)
     spec = read_experiment(file)
     if recordings is not None:
         spec = msgspec.structs.replace(spec, recordings=recordings)
     path = file.with_suffix(".sqlite") if store is None else store
-    results = make_runs(path, spec, file.parent, running=running, modules=modules)
+    results = make_runs(path, spec, file.parent, running=running, modules=imports)
     if not running.quiet:
         _print_results(results, path)
     if any(result.failed for result in results):

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from multisrt.cli.imports import import_all, import_option
 from multisrt.cli.reach import elsewhere
 from multisrt.cli.spec_files import read_experiment
 
@@ -37,14 +38,8 @@ MAX_ROWS = 24
     type=click.FloatRange(0.0),
     help="Time for trial runs (s); 0 skips them and the estimate.",
 )
-@click.option(
-    "--import",
-    "modules",
-    multiple=True,
-    metavar="MODULE",
-    help="Import a module that registers strategies; repeatable.",
-)
-def check(file: Path, workers: int | None, seconds: float, modules: tuple[str, ...]) -> None:
+@import_option
+def check(file: Path, workers: int | None, seconds: float, imports: tuple[str, ...]) -> None:
     """List an experiment's conditions and estimate its duration.
 
     FILE is read and every condition checked without storing anything. For the estimate a few
@@ -57,10 +52,9 @@ def check(file: Path, workers: int | None, seconds: float, modules: tuple[str, .
       multisrt experiment check star.toml --seconds 0
     """
     from multisrt.experiments.crossing import runs
-    from multisrt.experiments.modules import import_modules
     from multisrt.experiments.references import place_of
 
-    import_modules(modules)
+    import_all(imports)
     spec = read_experiment(file)
     planned = runs(spec, file.parent)
     everything = list(dict.fromkeys(run.condition for run in planned))
@@ -74,7 +68,7 @@ def check(file: Path, workers: int | None, seconds: float, modules: tuple[str, .
         plans = len({place_of(run.spec) for run in planned})
         click.echo(f"beside the informed plan: at most {plans} plans, up to a minute each")
     warnings = _poor_starts(planned)
-    found = _estimate(spec, planned, seconds, modules) if seconds else None
+    found = _estimate(spec, planned, seconds, imports) if seconds else None
     _print_conditions(everything, {} if found is None else found.by_condition_s)
     if found is not None:
         _print_estimate(found, len(everything), workers)
@@ -120,10 +114,13 @@ def _estimate(
 
     from multisrt.experiments.estimate import estimate
     from multisrt.experiments.live import LiveProgress
+    from multisrt.experiments.modules import own_strategies, worker_references
+    from multisrt.experiments.own_source import provenance_with
     from multisrt.experiments.runner import job_of
     from multisrt.experiments.worker import Worker
 
-    worker = Worker(modules)
+    made_by = provenance_with(own_strategies(spec))
+    worker = Worker(worker_references(spec, modules), made_by)
 
     def make(run: PlannedRun, limits: Limits) -> Result:
         plain = msgspec.structs.replace(spec, limits=limits, recordings="none")

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 from click.core import ParameterSource
 
+from multisrt.cli.imports import import_all, import_option, named_strategy
 from multisrt.cli.progress import Progress
 from multisrt.cli.run_options import DRIVES, FAULTS, OVERRIDES, spec_of_options
 from multisrt.cli.sections import SectionedCommand
@@ -22,8 +23,11 @@ if TYPE_CHECKING:
 NO_SUCCESS = 3
 """Exit code if an exploration is no success."""
 
+OWN_WORLD = "apartment"
+"""The environment that a strategy of one's own explores if none is named."""
+
 SECTIONS = {
-    "Run": ("--strategy", "--option", "--seed", "--max-time", "--spec"),
+    "Run": ("--strategy", "--import", "--option", "--seed", "--max-time", "--spec"),
     "Team": ("--robots", "--starts", "--start", "--robot", "--fault"),
     "Robots": ("--range", "--beams", "--footprint", "--drive", "--speed", "--turning-radius"),
     "Radio": ("--radio-range", "--no-multi-hop", "--latency", "--jitter", "--loss", "--walls"),
@@ -43,7 +47,10 @@ Examples:
   multisrt explore plan.png --resolution 0.05 --footprint box:0.6x0.4
   multisrt explore office --robots 3 --fault death:2@30 --fault late:1@60
   multisrt explore office --robot footprint=disc:0.3,range=6 --robot speed=1
+  multisrt explore mine.py:Mine --robots 3
+  multisrt explore museum --robots 4 --strategy mine.py:Mine --strategy minpos
   multisrt explore --spec runs/office-srt-radial-0/spec.toml --out again
+  multisrt explore --spec runs/office-mine-0/spec.toml --import mine.py --out again
 
 \b
 Files written, with several strategies in one folder each:
@@ -68,8 +75,10 @@ Exit code:
     "strategies",
     multiple=True,
     metavar="NAME",
-    help="Strategy; repeat it to run several and compare them.  [default: srt-radial]",
+    help="Strategy, or FILE.py:CLASS or MODULE:CLASS for one of your own; repeat it to run several "
+    "and compare them.  [default: srt-radial]",
 )
+@import_option
 @click.option(
     "--option",
     "options",
@@ -167,6 +176,7 @@ def explore(
     /,
     environment: str | None,
     strategies: tuple[str, ...],
+    imports: tuple[str, ...],
     out: Path | None,
     spec_file: Path | None,
     regret: bool,
@@ -178,10 +188,20 @@ def explore(
     Writes a picture, the metrics and the recording of the run.
 
     ENV is a name that 'multisrt environments' lists, or a map file: a ROS map_server YAML, an
-    image with --resolution (its origin is the lower left corner), GeoJSON or WKT.
+    image with --resolution (its origin is the lower left corner), GeoJSON or WKT. In its place a
+    strategy of your own, FILE.py:CLASS or MODULE:CLASS, explores the apartment.
     """
     from multisrt.experiments.results import is_success
+    from multisrt.robots.loading import is_reference
 
+    import_all(imports)
+    own = environment if environment is not None and is_reference(environment) else None
+    if own is not None:
+        if strategies:
+            raise click.UsageError(
+                f"{own} is a strategy: name an environment (ENV), and give {own} with --strategy"
+            )
+        environment, strategies = OWN_WORLD, (own,)
     if spec_file is not None:
         _require_nothing_else(context)
         specs = [read_run_spec(spec_file)]
@@ -189,15 +209,25 @@ def explore(
     elif environment is None:
         raise click.UsageError("name an environment (ENV), or a spec (--spec FILE)")
     else:
-        if len(set(strategies)) < len(strategies):
-            raise click.BadParameter("a strategy is given twice", param_hint="--strategy")
-        specs = [spec_of_options(environment, name, given) for name in strategies or (None,)]
+        names = [named_strategy(text).name for text in strategies]
+        if twice := {name for name in names if names.count(name) > 1}:
+            raise click.BadParameter(
+                f"the strategy {min(twice)} is given twice; FILE.py:CLASS=OTHER gives one of your "
+                "own another name",
+                param_hint="--strategy",
+            )
+        specs = [spec_of_options(environment, name, given) for name in names or (None,)]
         name = Path(environment).stem
     if regret:
         _require_plans(specs)
     folders = _folders(specs, out, name)
     runs = _run_all(specs, folders, quiet)
     if not quiet:
+        if own is not None:
+            click.echo(
+                f"no environment is named: {OWN_WORLD} is explored; for another: multisrt "
+                f"explore ENV --strategy {own}"
+            )
         print_summary(runs, folders, _regrets(runs) if regret else None)
     if not all(is_success(run.metrics) for run in runs):
         raise SystemExit(NO_SUCCESS)
@@ -225,7 +255,7 @@ def _regrets(runs: list[Run]) -> list[Regret]:
 def _require_nothing_else(context: click.Context) -> None:
     for parameter in context.command.params:
         name = parameter.name
-        if name is None or name in ("spec_file", "out", "regret", "quiet"):
+        if name is None or name in ("spec_file", "imports", "out", "regret", "quiet"):
             continue
         if context.get_parameter_source(name) is ParameterSource.COMMANDLINE:
             given = "ENV" if isinstance(parameter, click.Argument) else parameter.opts[0]

@@ -6,6 +6,8 @@ from pathlib import Path
 
 import click
 
+from multisrt.cli.imports import import_all, import_option
+
 
 @click.command()
 @click.argument("results", metavar="RESULTS", type=click.Path(path_type=Path))
@@ -30,6 +32,7 @@ import click
     metavar="STRATEGY",
     help="Strategy that the others are compared with.  [default: the first]",
 )
+@import_option
 @click.option("--no-gallery", is_flag=True, help="Omit the trees, which need some runs repeated.")
 @click.option("--quiet", is_flag=True, help="Print errors only.")
 def report(
@@ -39,6 +42,7 @@ def report(
     latex: bool,
     measures: tuple[str, ...],
     baseline: str | None,
+    imports: tuple[str, ...],
     no_gallery: bool,
     quiet: bool,
 ) -> None:
@@ -46,13 +50,16 @@ def report(
 
     The report is one self-contained HTML page, with figures and tables beside it. RESULTS is the
     file written by 'multisrt experiment run', which may still be running. Times beside those of a
-    team that knows the map are in it if that command was given --reference informed.
+    team that knows the map are in it if that command was given --reference informed. Pictures of
+    strategies of your own need --import.
 
     \b
     Examples:
       multisrt report star.sqlite --out report
       multisrt report star.sqlite --baseline srt-star --measure makespan_s
+      multisrt report mine.sqlite --import mine.py
     """
+    import_all(imports)
     from multisrt.experiments.store import Store
     from multisrt.terminal import LiveLine
 

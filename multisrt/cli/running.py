@@ -27,6 +27,8 @@ class Running:
         Address of a `dask.distributed` scheduler instead.
     retry : bool
         Whether runs that failed without a result are made again.
+    remake : bool
+        Whether runs of one's own strategies that have changed since are made again.
     quiet : bool
         Whether only errors are printed.
     reference : str or None
@@ -38,6 +40,7 @@ class Running:
     retry: bool
     quiet: bool
     reference: str | None = None
+    remake: bool = False
 
 
 def running_options(command: Callable[..., None]) -> Callable[..., None]:
@@ -145,7 +148,7 @@ def make_runs(
         spec = msgspec.structs.replace(spec, reference=running.reference)
     was_there, has_begun = path.exists(), True
     try:
-        with Store.create_or_open(path, spec, folder) as opened:
+        with Store.create_or_open(path, spec, folder, remake=running.remake) as opened:
             if running.retry:
                 opened.forget()
             try:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import click
 
+from multisrt.cli.imports import named_strategy
 from multisrt.cli.tables import show, table
 
 
@@ -12,17 +13,19 @@ from multisrt.cli.tables import show, table
 def strategies(name: str | None) -> None:
     """List the strategies, or the options of one.
 
-    With NAME, list the options of this strategy, their defaults and meaning.
+    With NAME, list the options of this strategy, their defaults and meaning. For a strategy of
+    your own it is FILE.py, FILE.py:CLASS or MODULE:CLASS.
 
     \b
     Examples:
       multisrt strategies
       multisrt strategies srt-radial
+      multisrt strategies mine.py:Mine
     """
     import msgspec
 
     from multisrt.experiments.schema import documented_attributes
-    from multisrt.robots.registry import broken_strategies, strategy
+    from multisrt.robots.registry import broken_strategies
     from multisrt.robots.registry import strategies as all_strategies
 
     if name is None:
@@ -35,8 +38,11 @@ def strategies(name: str | None) -> None:
         for broken, reason in broken_strategies().items():
             click.echo(f"{broken}: could not be loaded ({reason})", err=True)
         return
-    chosen = strategy(name)
+    chosen = named_strategy(name)
     click.echo(f"{chosen.name}: {chosen.summary}")
+    if not msgspec.structs.fields(chosen.options):
+        click.echo("it has no options")
+        return
     listed = table("option", "default", "description")
     meanings: dict[str, str] = {}
     for kind in reversed(chosen.options.__mro__):

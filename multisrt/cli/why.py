@@ -6,6 +6,8 @@ from pathlib import Path
 
 import click
 
+from multisrt.cli.imports import import_all, import_option
+
 
 @click.command()
 @click.argument("recording", metavar="RECORDING", type=click.Path(path_type=Path))
@@ -17,7 +19,10 @@ import click
     help="Time (s); its last decision up to then is explained.  [default: end of the run]",
 )
 @click.option("--all", "everything", is_flag=True, help="List all of its decisions, one per line.")
-def why(recording: Path, robot: int, time_s: float | None, everything: bool) -> None:
+@import_option
+def why(
+    recording: Path, robot: int, time_s: float | None, everything: bool, imports: tuple[str, ...]
+) -> None:
     """Explain what a robot knew and decided.
 
     RECORDING is the file recording.jsonl that 'multisrt explore' writes.
@@ -33,6 +38,7 @@ def why(recording: Path, robot: int, time_s: float | None, everything: bool) -> 
 
     if everything and time_s is not None:
         raise click.UsageError("--all lists all decisions: leave out --time")
+    import_all(imports)
     loaded = Recording.load(recording)
     text = explain_all(loaded, robot) if everything else explain(loaded, robot, time_s)
     click.echo(text, nl=False)

@@ -46,7 +46,10 @@ MIN_SUBMITTED = 8
 
 
 def made_on_cluster(
-    jobs: Iterator[Job], address: str, modules: Sequence[str] = ()
+    jobs: Iterator[Job],
+    address: str,
+    modules: Sequence[str] = (),
+    made_by: Provenance | None = None,
 ) -> Generator[Result, None, None]:
     """Make runs on a cluster; recordings are written on this machine.
 
@@ -58,6 +61,8 @@ def made_on_cluster(
         Address of the scheduler, such as ``tcp://host:8786``.
     modules : sequence of str
         Modules that workers import.
+    made_by : Provenance, optional
+        Provenance that workers must have; by default that of this process.
 
     Yields
     ------
@@ -72,7 +77,8 @@ def made_on_cluster(
     """
     client = _client(address)
     try:
-        yield from _made(client, jobs, address, tuple(modules))
+        mine = msgspec.json.encode(provenance() if made_by is None else made_by)
+        yield from _made(client, jobs, address, mine, tuple(modules))
     finally:
         client.close(timeout=TIMEOUT_S)
 
@@ -98,9 +104,8 @@ def _client(address: str) -> Client:
 
 
 def _made(
-    client: Client, jobs: Iterator[Job], address: str, modules: tuple[str, ...]
+    client: Client, jobs: Iterator[Job], address: str, mine: bytes, modules: tuple[str, ...]
 ) -> Iterator[Result]:
-    mine = msgspec.json.encode(provenance())
     ended: queue.SimpleQueue[Any] = queue.SimpleQueue()
     under_way: dict[Any, Job] = {}
 

@@ -137,7 +137,12 @@ def conditions(spec: ExperimentSpec) -> list[Condition]:
     return [condition for condition, _ in _conditions(spec)]
 
 
-def runs(spec: ExperimentSpec, folder: Path | None = None) -> list[PlannedRun]:
+def runs(
+    spec: ExperimentSpec,
+    folder: Path | None = None,
+    *,
+    impossible: dict[Condition, str] | None = None,
+) -> list[PlannedRun]:
     """Return the runs of an experiment.
 
     Repetition 0 of all conditions comes first, then repetition 1 and so on: an experiment that is
@@ -149,6 +154,9 @@ def runs(spec: ExperimentSpec, folder: Path | None = None) -> list[PlannedRun]:
         The experiment.
     folder : Path, optional
         Folder that relative paths of environments refer to; by default the working directory.
+    impossible : dict, optional
+        Gets why runs of a condition are impossible, which are left out then; by default they
+        are an error.
 
     Returns
     -------
@@ -178,7 +186,10 @@ def runs(spec: ExperimentSpec, folder: Path | None = None) -> list[PlannedRun]:
                 run = run_spec(spec, choices, spec.first_seed + repetition, folder)
                 key = key_of(run)
             except InvalidInputError as error:
-                raise InvalidInputError(f"{spec.name}: [{condition}]: {error}") from None
+                if impossible is None:
+                    raise InvalidInputError(f"{spec.name}: [{condition}]: {error}") from None
+                impossible[condition] = str(error)
+                continue
             if key in planned:
                 raise InvalidInputError(
                     f"{spec.name}: repetition {repetition} of [{condition}] and repetition "

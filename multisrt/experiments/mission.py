@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 import traceback
+from contextlib import nullcontext
 from functools import lru_cache
 from pathlib import Path
 
@@ -32,21 +33,21 @@ MAX_REASON_LENGTH = 1000
 
 def make_run(
     run: PlannedRun,
-    limits: Limits,
+    limits: Limits | None,
     recording_path: Path | None = None,
     *,
     only_failed: bool = False,
     success_coverage: float = SUCCESS_COVERAGE,
     horizon_s: float | None = None,
 ) -> Result:
-    """Make a run in this process, in its main thread.
+    """Make a run in this process; with limits, in its main thread.
 
     Parameters
     ----------
     run : PlannedRun
         The run.
-    limits : Limits
-        Its limits of computing time and memory.
+    limits : Limits or None
+        Its limits of computing time and memory; None: it has none.
     recording_path : Path, optional
         File for the recording; a run that does not come to an end has none.
     only_failed : bool
@@ -73,7 +74,7 @@ def make_run(
     metrics: Metrics | None = None
     curve: tuple[float | None, ...] = ()
     try:
-        with within(limits):
+        with nullcontext() if limits is None else within(limits):
             where = world_of(run.spec.environment)
             recording = simulate(run.spec, where)
             metrics, curve = measure_with_curve(recording, where, horizon_s=horizon_s)
@@ -133,12 +134,12 @@ def _world(spec: bytes) -> Environment:
     return build_environment(described)
 
 
-def _what_went_wrong(error: BaseException, limits: Limits) -> tuple[Status, str]:
+def _what_went_wrong(error: BaseException, limits: Limits | None) -> tuple[Status, str]:
     chain = _chain(error)
     over = [each for each in chain if isinstance(each, OverTimeError)]
     if over:
         return "over_time", str(over[0])
-    if any(map(_lacks_memory, chain)):
+    if limits is not None and any(map(_lacks_memory, chain)):
         return "over_memory", f"wants more than {limits.memory_mb} MB"
     if isinstance(error, InvalidInputError):
         return "refused", str(error)

@@ -25,12 +25,15 @@ class Provenance(msgspec.Struct, frozen=True, kw_only=True):
         Digest of the source; see `program_digest`.
     machine, system : str
         Processor architecture and operating system.
+    strategies : dict of str to str
+        Digests of the source of the strategies that are not built in, by name.
     """
 
     versions: dict[str, str]
     program: str
     machine: str
     system: str
+    strategies: dict[str, str] = {}
 
 
 @cache
@@ -80,6 +83,26 @@ def differences(one: Provenance, other: Provenance) -> str:
     if not found and one.program != other.program:
         found = [f"another source of multisrt, {one.program} and {other.program}"]
     return ", ".join(found)
+
+
+def changed_strategies(one: Provenance, other: Provenance) -> list[str]:
+    """Return the strategies of one's own that two provenances have in different versions.
+
+    Parameters
+    ----------
+    one, other : Provenance
+        What made results.
+
+    Returns
+    -------
+    list of str
+        Names; a strategy that one of them lacks is not among them.
+    """
+    return [
+        name
+        for name, digest in one.strategies.items()
+        if other.strategies.get(name, digest) != digest
+    ]
 
 
 @cache
@@ -150,15 +173,37 @@ def _read(path: Path) -> tuple[bytes, set[str]]:
     """Return what counts of a file, and the parts of this package that it imports."""
     if path.suffix != ".py":
         return path.read_bytes(), set()
-    text = path.read_text(encoding="utf-8")
-    lines = text.splitlines()
+    code, tree = code_of(path.read_bytes())
     imported: set[str] = set()
-    for node in ast.walk(ast.parse(text)):
+    for node in ast.walk(tree):
         match node:
             case ast.Import():
                 imported.update(alias.name for alias in node.names)
             case ast.ImportFrom():
                 imported.update(f"{node.module}.{alias.name}" for alias in node.names)
+    ours = (name.split(".") for name in imported)
+    return code, {name[1] for name in ours if name[0] == "multisrt" and len(name) > 1}
+
+
+def code_of(source: bytes) -> tuple[bytes, ast.Module]:
+    """Return what counts of the source of a module, and its syntax tree.
+
+    Parameters
+    ----------
+    source : bytes
+        The content of a Python file, in UTF-8.
+
+    Returns
+    -------
+    code : bytes
+        The source without docstrings, blank lines, comments and messages of raised errors.
+    tree : ast.Module
+        The tree of the whole source.
+    """
+    text = source.decode("utf-8")
+    lines, tree = text.splitlines(), ast.parse(text)
+    for node in ast.walk(tree):
+        match node:
             case ast.Expr(value=ast.Constant(value=str()), lineno=first, end_lineno=last):
                 lines[first - 1 : last] = [""] * ((last or first) - first + 1)
             case ast.Raise(exc=ast.Call(func=error), end_lineno=last):
@@ -166,5 +211,4 @@ def _read(path: Path) -> tuple[bytes, set[str]]:
                 lines[first - 1] = lines[first - 1][: error.end_col_offset]
                 lines[first:last] = [""] * ((last or first) - first)
     code = "\n".join(line for line in lines if line.strip() and not line.lstrip().startswith("#"))
-    ours = (name.split(".") for name in imported)
-    return code.encode(), {name[1] for name in ours if name[0] == "multisrt" and len(name) > 1}
+    return code.encode(), tree

@@ -9,17 +9,19 @@ import time
 from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import closing, contextmanager
 from dataclasses import dataclass
+from pathlib import Path
 
 from multisrt.experiments.crossing import PlannedRun
 from multisrt.experiments.distinct import Twins
 from multisrt.experiments.job import Job
-from multisrt.experiments.modules import import_modules
+from multisrt.experiments.modules import import_modules, worker_references
 from multisrt.experiments.references import MissingPlans
 from multisrt.experiments.results import Result
 from multisrt.experiments.spec import ExperimentSpec
 from multisrt.experiments.store import Store
 from multisrt.experiments.worker import StoppedError, Worker
 from multisrt.geometry.errors import InvalidInputError
+from multisrt.robots.loading import being_imported
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -95,19 +97,22 @@ def run_experiment(
     store : Store
         The store of the experiment, open for writing.
     workers : int, optional
-        Number of processes on this machine; by default one for each core.
+        Number of processes on this machine; by default one for each core. 0: this process makes
+        the runs, one after another and without limits of computing time and memory.
     cluster : str, optional
         Address of a `dask.distributed` scheduler instead, such as ``tcp://host:8786``.
     modules : sequence of str
-        Modules that workers import because they register strategies.
+        Modules and files that this process and workers import because they have strategies.
+        Strategies that are known here without are imported by workers where that is possible.
     progress : callable, optional
         Called with the `Progress` at the beginning and after every run.
 
     Raises
     ------
     InvalidInputError
-        If workers cannot start, the cluster cannot be reached or runs another version of this
-        program, or the store or a recording cannot be written. Stored results stay.
+        If workers cannot start or cannot import a strategy, the cluster cannot be reached or runs
+        another version of this program, or the store or a recording cannot be written. Stored
+        results stay.
     KeyboardInterrupt
         If interrupted; workers are stopped and finished runs stored.
 
@@ -118,21 +123,36 @@ def run_experiment(
     >>> with Store.create_or_open("x.sqlite", spec) as store:  # doctest: +SKIP
     ...     run_experiment(store, progress=lambda now: print(now.done, "of", now.total))
     """
-    if workers is not None and workers < 1:
-        raise InvalidInputError(f"runs are made by at least one worker, not {workers}")
+    if workers is not None and workers < 0:
+        raise InvalidInputError(f"a number of workers is at least 0, not {workers}")
     if cluster is not None and workers is not None:
         raise InvalidInputError("give workers or a cluster, not both: a cluster has its own")
+    require_no_import()
     import_modules(modules)
     tally = _Tally(store, progress)
     tally.tell(None)
+    makers = _Makers(store, workers, cluster, modules)
     if missing := len(store.missing()):
-        with _makers(cluster, min(workers or cores(), missing), modules) as make:
+        with makers.of(missing) as make:
             _make_missing(store, make, tally)
     if store.experiment.reference == "informed":
         plans = MissingPlans(store)
         if jobs := plans.jobs:
-            with _makers(cluster, min(workers or cores(), len(jobs)), modules) as make:
+            with makers.of(len(jobs)) as make:
                 _make_plans(plans, make, progress)
+
+
+def require_no_import() -> None:
+    """Raise InvalidInputError if a module or file that is being imported asks for runs.
+
+    A script that compares strategies which it defines is imported by workers, and must not begin
+    another comparison in each of them.
+    """
+    if place := being_imported():
+        raise InvalidInputError(
+            f"{place} makes the runs of an experiment when it is imported; put what it does as a "
+            "script under if __name__ == '__main__':"
+        )
 
 
 def _make_missing(store: Store, make: Make, tally: _Tally) -> None:
@@ -276,20 +296,51 @@ Make = Callable[[Iterator[Job]], Generator[Result, None, None]]
 """Makes runs; their results come in the order in which they end."""
 
 
-@contextmanager
-def _makers(cluster: str | None, workers: int, modules: Sequence[str]) -> Iterator[Make]:
-    """Provide what makes runs: the cluster, or workers on this machine that are kept meanwhile."""
-    if cluster is not None:
-        from multisrt.experiments.cluster import made_on_cluster
+class _Makers:
+    """What makes runs, as a user chose: this process, workers on this machine, or a cluster."""
 
-        yield lambda jobs: made_on_cluster(jobs, cluster, modules)
-        return
-    handles = [Worker(modules) for _ in range(workers)]
-    try:
-        yield lambda jobs: _made_here(jobs, handles)
-    finally:
-        for handle in handles:
-            handle.stop()
+    def __init__(
+        self, store: Store, workers: int | None, cluster: str | None, modules: Sequence[str]
+    ) -> None:
+        self._workers = cores() if workers is None else workers
+        self._cluster = cluster
+        self._made_by = store.provenance
+        self._modules: tuple[str, ...] = ()
+        if self._workers or cluster is not None:
+            by_name = cluster is not None
+            self._modules = worker_references(store.experiment, modules, by_name=by_name)
+
+    @contextmanager
+    def of(self, number: int) -> Iterator[Make]:
+        """Provide what makes a number of runs; workers are kept meanwhile."""
+        if (cluster := self._cluster) is not None:
+            from multisrt.experiments.cluster import made_on_cluster
+
+            yield lambda jobs: made_on_cluster(jobs, cluster, self._modules, self._made_by)
+            return
+        if not self._workers:
+            yield _made_in_this_process
+            return
+        handles = [Worker(self._modules, self._made_by) for _ in range(min(self._workers, number))]
+        try:
+            yield lambda jobs: _made_here(jobs, handles)
+        finally:
+            for handle in handles:
+                handle.stop()
+
+
+def _made_in_this_process(jobs: Iterator[Job]) -> Generator[Result, None, None]:
+    from multisrt.experiments.mission import make_run
+
+    for job in jobs:
+        yield make_run(
+            job.run,
+            None,
+            Path(job.recording) if job.recording else None,
+            only_failed=job.only_failed,
+            success_coverage=job.success_coverage,
+            horizon_s=job.horizon_s,
+        )
 
 
 def _made_here(jobs: Iterator[Job], workers: Sequence[Worker]) -> Generator[Result, None, None]:

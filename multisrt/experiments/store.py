@@ -17,14 +17,14 @@ from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
-from typing import Any
 
 import msgspec
 
-from multisrt.analysis.metrics import Metrics
-from multisrt.experiments.crossing import Condition, PlannedRun, runs
+from multisrt.experiments.crossing import PlannedRun, runs
 from multisrt.experiments.lock import WriteLock
-from multisrt.experiments.provenance import Provenance, differences, provenance
+from multisrt.experiments.modules import own_strategies
+from multisrt.experiments.own_source import provenance_with
+from multisrt.experiments.provenance import Provenance, changed_strategies
 from multisrt.experiments.results import Result, Results, Status, referred
 from multisrt.experiments.spec import ExperimentSpec
 from multisrt.experiments.store_file import (
@@ -34,20 +34,19 @@ from multisrt.experiments.store_file import (
     require_format,
     require_store,
 )
-from multisrt.experiments.store_growth import Plan, move, require_continuable
+from multisrt.experiments.store_growth import (
+    Plan,
+    move,
+    require_continuable,
+    require_same_program,
+    runs_of_changed,
+)
 from multisrt.experiments.store_plans import PlanTable
+from multisrt.experiments.store_rows import COLUMNS, result_of, row_of
 from multisrt.geometry.errors import InvalidInputError
 
 UNFINISHED: tuple[Status, ...] = ("over_time", "over_memory", "crashed", "refused", "error")
 """Statuses of runs that failed without a result; see `Store.forget`."""
-
-_LABELS = Condition.__struct_fields__
-_FIELDS = tuple(
-    name
-    for name in Result.__struct_fields__
-    if name not in ("condition", "success_coverage", "reference", "no_reference")
-)
-_COLUMNS = ("position", *_LABELS, *_FIELDS)
 
 
 class Store:
@@ -138,7 +137,12 @@ class Store:
 
     @classmethod
     def create_or_open(
-        cls, path: str | Path, spec: ExperimentSpec, folder: str | Path | None = None
+        cls,
+        path: str | Path,
+        spec: ExperimentSpec,
+        folder: str | Path | None = None,
+        *,
+        remake: bool = False,
     ) -> Store:
         """Open an experiment's results for writing; create the file if there is none.
 
@@ -153,6 +157,8 @@ class Store:
             The experiment.
         folder : str or Path, optional
             Folder that relative paths of environments refer to; by default the working directory.
+        remake : bool, optional
+            Whether the results of one's own strategies that have changed since are deleted.
 
         Returns
         -------
@@ -163,8 +169,8 @@ class Store:
         ------
         InvalidInputError
             If the file holds something else, another experiment, or results of another version of
-            this program; if another process writes it; or if a run is impossible. The message
-            says what differs, and the remedy.
+            this program or of a strategy; if another process writes it; or if a run is
+            impossible. The message says what differs, and the remedy.
 
         Examples
         --------
@@ -176,6 +182,7 @@ class Store:
         path = Path(path)
         folder = Path.cwd() if folder is None else Path(folder).resolve()
         planned = {run.key: (k, run) for k, run in enumerate(runs(spec, folder))}
+        made_by = provenance_with(own_strategies(spec))
         if path.exists():
             require_store(path, or_empty=True)
         lock = WriteLock(path)
@@ -183,10 +190,10 @@ class Store:
             with errors_of(path):
                 connection = connect(path, "rwc")
                 try:
-                    begin(path, connection, _meta(spec, folder, len(planned)))
+                    begin(path, connection, _meta(spec, folder, made_by, len(planned)))
                     store = cls(path, connection, lock)
                     store._planned = planned
-                    store._continue(spec, folder)
+                    store._continue(spec, folder, made_by, remake=remake)
                 except BaseException:
                     connection.close()
                     raise
@@ -293,11 +300,11 @@ class Store:
         1
         """
         position, _ = self._plan()[result.key]
-        row = _row(result, position)
-        marks = ", ".join("?" * len(_COLUMNS))
+        row = row_of(result, position)
+        marks = ", ".join("?" * len(COLUMNS))
         with errors_of(self.path), self._connection as transaction:
             transaction.execute(
-                f"INSERT INTO runs ({', '.join(_COLUMNS)}) VALUES ({marks}) "
+                f"INSERT INTO runs ({', '.join(COLUMNS)}) VALUES ({marks}) "
                 "ON CONFLICT (key) DO NOTHING",
                 row,
             )
@@ -373,9 +380,9 @@ class Store:
     def _read(self, where: str = "") -> list[Result]:
         with errors_of(self.path):
             rows = self._connection.execute(
-                f"SELECT {', '.join(_COLUMNS)} FROM runs {where} ORDER BY position"
+                f"SELECT {', '.join(COLUMNS)} FROM runs {where} ORDER BY position"
             ).fetchall()
-        return [self._result(row) for row in rows]
+        return [result_of(self.path, row, self.experiment.success_coverage) for row in rows]
 
     @property
     def done(self) -> int:
@@ -416,79 +423,57 @@ class Store:
             self._planned = {run.key: (k, run) for k, run in enumerate(every)}
         return self._planned
 
-    def _result(self, row: tuple[Any, ...]) -> Result:
-        given = dict(zip(_COLUMNS, row, strict=True))
-        del given["position"]
-        condition = Condition(**{label: given.pop(label) for label in _LABELS})
-        try:
-            metrics, curve = given.pop("metrics"), given.pop("covered_at_s")
-            chance = bool(given.pop("chance"))
-            return Result(
-                condition=condition,
-                metrics=None if metrics is None else msgspec.json.decode(metrics, type=Metrics),
-                covered_at_s=msgspec.json.decode(curve, type=tuple[float | None, ...]),
-                chance=chance,
-                success_coverage=self.experiment.success_coverage,
-                **given,
-            )
-        except msgspec.MsgspecError as error:
-            raise InvalidInputError(
-                f"{self.path}: the result of run {given['key']} is damaged: {error}"
-            ) from None
-
     # Continuing an experiment ---------------------------------------------------------------
 
-    def _continue(self, spec: ExperimentSpec, folder: Path) -> None:
+    def _continue(
+        self, spec: ExperimentSpec, folder: Path, made_by: Provenance, *, remake: bool
+    ) -> None:
         """Replace the stored experiment by one that contains it, or raise InvalidInputError."""
-        if self.done and (other := differences(self.provenance, provenance())):
-            raise InvalidInputError(
-                f"{self.path}: its runs were made by another program ({other}), and new ones "
-                "would not compare with them; choose another file, or install what made them"
-            )
-        plan = self._plan()
+        plan, old = self._plan(), self.provenance
+        if self.done:
+            require_same_program(self.path, old, made_by)
         require_continuable(self.path, self._connection, self.experiment, spec, plan)
+        outdated = runs_of_changed(
+            self.path, self._connection, changed_strategies(old, made_by), plan, remake=remake
+        )
         with self._connection as transaction:
+            transaction.executemany("DELETE FROM runs WHERE key = ?", [(key,) for key in outdated])
             move(transaction, plan)
             for status, name in (("over_time", "computing_s"), ("over_memory", "memory_mb")):
                 if getattr(spec.limits, name) > getattr(self.experiment.limits, name):
                     transaction.execute("DELETE FROM runs WHERE status = ?", (status,))
+            made_by = msgspec.structs.replace(
+                made_by, strategies=old.strategies | made_by.strategies
+            )
             transaction.executemany(
                 "UPDATE meta SET value = ? WHERE name = ?",
-                [(value, name) for name, value in _meta(spec, folder, len(plan))],
+                [(value, name) for name, value in _meta(spec, folder, made_by, len(plan))],
             )
         self.experiment, self.folder, self.planned = spec, folder, len(plan)
-        self.provenance = provenance()
-        self._clear_recordings()
+        self.provenance = made_by
+        self._clear_recordings(outdated)
 
-    def _clear_recordings(self) -> None:
-        """Make the folder of recordings, and remove those whose run was cut off."""
+    def _clear_recordings(self, outdated: Sequence[str]) -> None:
+        """Make the folder of recordings, and remove those of runs that are cut off or outdated."""
         folder = _recordings(self.path)
         try:
             if self.experiment.recordings != "none":
                 folder.mkdir(exist_ok=True)
-            for part in folder.glob("*.part"):
-                part.unlink()
+            for part in (*folder.glob("*.part"), *map(self.recording_path, outdated)):
+                part.unlink(missing_ok=True)
         except OSError as error:
             raise InvalidInputError(
                 f"cannot write recordings to {folder}: {error.strerror or error}"
             ) from None
 
 
-def _row(result: Result, position: int) -> tuple[Any, ...]:
-    values = {name: getattr(result.condition, name) for name in _LABELS}
-    values |= {name: getattr(result, name) for name in Result.__struct_fields__}
-    values["position"] = position
-    for name in ("metrics", "covered_at_s"):
-        if values[name] is not None:
-            values[name] = msgspec.json.encode(values[name]).decode()
-    return tuple(values[name] for name in _COLUMNS)
-
-
-def _meta(spec: ExperimentSpec, folder: Path, asked: int) -> list[tuple[str, str]]:
+def _meta(
+    spec: ExperimentSpec, folder: Path, made_by: Provenance, asked: int
+) -> list[tuple[str, str]]:
     return [
         ("experiment", msgspec.json.encode(spec).decode()),
         ("folder", str(folder)),
-        ("provenance", msgspec.json.encode(provenance()).decode()),
+        ("provenance", msgspec.json.encode(made_by).decode()),
         ("asked", str(asked)),
     ]
 

@@ -6,6 +6,7 @@ import sqlite3
 from pathlib import Path
 
 from multisrt.experiments.crossing import Condition, PlannedRun
+from multisrt.experiments.provenance import Provenance, differences
 from multisrt.experiments.results import can_move_horizon
 from multisrt.experiments.spec import ExperimentSpec
 from multisrt.geometry.errors import InvalidInputError
@@ -52,6 +53,63 @@ def require_continuable(
             "); choose another file, or allow as much again"
         )
     _require_horizon(path, connection, old, new)
+
+
+def require_same_program(path: Path, old: Provenance, new: Provenance) -> None:
+    """Raise InvalidInputError unless the same program makes new runs as made the stored ones.
+
+    Parameters
+    ----------
+    path : Path
+        The file, for messages.
+    old, new : Provenance
+        What made the stored runs, and what makes new ones.
+    """
+    if other := differences(old, new):
+        raise InvalidInputError(
+            f"{path}: its runs were made by another program ({other}), and new ones "
+            "would not compare with them; choose another file, or install what made them"
+        )
+
+
+def runs_of_changed(
+    path: Path, connection: sqlite3.Connection, changed: list[str], plan: Plan, *, remake: bool
+) -> list[str]:
+    """Return the stored runs of strategies of one's own that have changed since.
+
+    Parameters
+    ----------
+    path : Path
+        The file, for messages.
+    connection : sqlite3.Connection
+        A connection to it.
+    changed : list of str
+        Names of the strategies.
+    plan : dict
+        The runs of the new experiment; all stored runs are among them.
+    remake : bool
+        Whether there may be any.
+
+    Returns
+    -------
+    list of str
+        Keys of the runs.
+
+    Raises
+    ------
+    InvalidInputError
+        If there are any that are not to be made again.
+    """
+    stored = [key for (key,) in connection.execute("SELECT key FROM runs")]
+    found = [key for key in stored if plan[key][1].spec.strategy in changed]
+    if found and not remake:
+        names = ", ".join(repr(name) for name in changed)
+        raise InvalidInputError(
+            f"{path}: the source of {names} has changed since {len(found)} of these runs were "
+            "made, and new ones would not compare with them; make those again (--remake on the "
+            "command line, remake=True in Python), or choose another file"
+        )
+    return found
 
 
 def move(transaction: sqlite3.Connection, plan: Plan) -> None:

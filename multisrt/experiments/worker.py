@@ -22,7 +22,7 @@ import msgspec
 
 from multisrt.experiments.job import ANSWERS, Answer, Job, Made, Ready, Unable
 from multisrt.experiments.limits import GRACE_S
-from multisrt.experiments.provenance import Provenance, differences, provenance
+from multisrt.experiments.provenance import Provenance, changed_strategies, differences, provenance
 from multisrt.experiments.results import Result
 from multisrt.geometry.errors import InvalidInputError
 
@@ -39,6 +39,10 @@ THREADS = ("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_
 """Variables with which libraries set their number of threads: a worker uses one core."""
 
 
+PROGRAM = "multisrt.experiments.worker_program"
+"""The program of a worker."""
+
+
 class StoppedError(Exception):
     """A worker was stopped by `Worker.stop` while it made a run."""
 
@@ -51,9 +55,11 @@ class Worker:
     Parameters
     ----------
     modules : sequence of str
-        Modules that the process imports before anything else.
+        Modules and files that the process imports before anything else. It finds modules where
+        this process does.
     expected : Provenance, optional
-        Provenance that the process must have; by default that of this process.
+        Provenance that the process must have; by default that of this process, without
+        strategies of one's own.
     """
 
     def __init__(self, modules: Sequence[str] = (), expected: Provenance | None = None) -> None:
@@ -161,6 +167,20 @@ class Worker:
                 f"a worker runs another program than this one ({what}); install the "
                 "same on every machine, and leave it as it is while runs are made"
             )
+        if missing := [name for name in self._expected.strategies if name not in other.strategies]:
+            self._end()
+            raise InvalidInputError(
+                f"a worker has no strategy {missing[0]!r} after importing "
+                f"{', '.join(self._modules) or 'nothing'}; name the module or file that registers "
+                "it: --import on the command line, imports=[...] in Python; or bind the Strategy "
+                "to a name in its module"
+            )
+        if changed := changed_strategies(self._expected, other):
+            self._end()
+            raise InvalidInputError(
+                f"the source of the strategy {changed[0]!r} is another in a worker than it was "
+                "here; leave it as it is while runs are made, and start again"
+            )
 
     def _end(self) -> None:
         if self._process is not None:
@@ -175,7 +195,7 @@ class _Process:
     def __init__(self, modules: Sequence[str]) -> None:
         self._popen = subprocess.Popen(
             # -P: no file of the working directory shadows a library.
-            [sys.executable, "-P", "-m", "multisrt.experiments.worker_program", *modules],
+            [sys.executable, "-P", "-m", PROGRAM, *_path_options(), *modules],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
@@ -234,6 +254,11 @@ class _Process:
         with errors:
             while piece := os.read(errors.fileno(), 65_536):
                 self._last_words = (self._last_words + piece)[-MAX_STDERR_BYTES:]
+
+
+def _path_options() -> list[str]:
+    """Return options by which a worker finds the modules that this process finds."""
+    return [f"--path={Path(folder).absolute()}" for folder in sys.path]
 
 
 def _how_it_ended(code: int) -> str:

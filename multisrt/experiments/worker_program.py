@@ -1,7 +1,8 @@
 """The program of a worker, which makes one run after another.
 
-`python -m multisrt.experiments.worker_program [MODULE ...]` imports the modules, then reads jobs
-from standard input and writes answers to standard output, one JSON object a line (see `job`).
+`python -m multisrt.experiments.worker_program [--path=FOLDER ...] [MODULE ...]` adds the folders
+to the end of its import path and imports the modules, then reads jobs from standard input and
+writes answers to standard output, one JSON object a line (see `job`).
 Whatever strategies print goes to standard error. The program ends when its input ends, even in
 the middle of a run.
 """
@@ -24,27 +25,35 @@ import msgspec
 from multisrt.experiments.job import Answer, Job, Made, Ready, Unable
 from multisrt.experiments.memory import MemoryTrimmer
 from multisrt.experiments.modules import import_modules
-from multisrt.experiments.provenance import provenance
+from multisrt.experiments.own_source import provenance_with
 from multisrt.geometry.errors import InvalidInputError
+from multisrt.robots.registry import is_built_in, strategies
+
+PATH = "--path="
+"""Begins an argument that is a folder of the import path."""
 
 ALLOCATIONS_PER_COLLECTION = 50_000
 """Allocations between two passes of the garbage collector, of which few find anything: most of
 what a run allocates lives until it ends."""
 
 
-def main(modules: Sequence[str]) -> None:
+def main(arguments: Sequence[str]) -> None:
     """Make runs until standard input ends.
 
     Parameters
     ----------
-    modules : sequence of str
-        Modules to import before anything else.
+    arguments : sequence of str
+        Folders to add to the import path, and modules or files to import before anything else.
     """
+    folders = [word.removeprefix(PATH) for word in arguments if word.startswith(PATH)]
+    modules = [word for word in arguments if not word.startswith(PATH)]
+    sys.path.extend(folder for folder in folders if folder not in sys.path)
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     jobs, answers = _own_pipes()
     faulthandler.enable(all_threads=False)
     try:
         import_modules(modules)
+        made_by = provenance_with(each for each in strategies() if not is_built_in(each.name))
     except InvalidInputError as error:
         _answer(answers, Unable(str(error)))
         return
@@ -55,7 +64,7 @@ def main(modules: Sequence[str]) -> None:
     gc.set_threshold(ALLOCATIONS_PER_COLLECTION, 20, 50)
     lines: queue.SimpleQueue[bytes] = queue.SimpleQueue()
     threading.Thread(target=_read, args=(jobs, lines), daemon=True).start()
-    _answer(answers, Ready(provenance()))
+    _answer(answers, Ready(made_by))
     decoder = msgspec.json.Decoder(Job)
     trimmer = MemoryTrimmer()
     while True:

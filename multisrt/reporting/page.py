@@ -157,7 +157,7 @@ def write_report(
         contents.claims = claims
         contents.printed = [_printed(i, table) for i, table in enumerate(comparisons, start=1)]
         specs = Specs(results, folder)
-        contents.failures = failures(study, specs)
+        contents.failures = failures(study, specs, path)
         if gallery:
             contents.gallery = drawn_gallery(study, specs, say)
         say("writing")

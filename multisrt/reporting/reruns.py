@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 from collections import defaultdict
 from collections.abc import Callable
@@ -10,10 +11,13 @@ from pathlib import Path
 
 from multisrt.experiments.crossing import Condition, runs
 from multisrt.experiments.measures import MEASURES, measure_named
+from multisrt.experiments.modules import reference_of
 from multisrt.experiments.results import Result, Results
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.reporting.layout import slug
 from multisrt.reporting.study import Study
+from multisrt.robots.registry import is_built_in
+from multisrt.robots.registry import strategy as strategy_named
 from multisrt.spec import RunSpec
 
 MAX_TREES = 12
@@ -64,6 +68,10 @@ class Failure:
         The runs.
     spec : RunSpec or None
         Spec of the first run; None if it cannot be built.
+    problem : str
+        Why there is no spec; empty if there is one, or if it was not asked for.
+    imported : str
+        What must be imported to repeat the run; empty for a built-in strategy.
     """
 
     strategy: str
@@ -71,6 +79,8 @@ class Failure:
     reason: str
     results: tuple[Result, ...]
     spec: RunSpec | None
+    problem: str = ""
+    imported: str = ""
 
     @property
     def spec_name(self) -> str:
@@ -104,28 +114,29 @@ class Specs:
     folder : path, optional
         Folder that relative paths of environments start from.
 
-    Attributes
-    ----------
-    problem : str
-        Why the specs cannot be built; empty if they can, or before the first use.
     """
 
     def __init__(self, results: Results, folder: Path | None = None) -> None:
         self._results = results
         self._folder = folder
         self._specs: dict[str, RunSpec] | None = None
-        self.problem = ""
+        self._impossible: dict[Condition, str] = {}
+        self._problem = "the experiment no longer has this run"
 
     def of(self, result: Result) -> RunSpec | None:
         """Return the spec of a run; None if the experiment lacks the run or cannot be built."""
         if self._specs is None:
             self._specs = {}
             try:
-                planned = runs(self._results.experiment, self._folder)
+                planned = runs(self._results.experiment, self._folder, impossible=self._impossible)
                 self._specs = {run.key: run.spec for run in planned}
             except InvalidInputError as error:
-                self.problem = str(error)
+                self._problem = str(error)
         return self._specs.get(result.key)
+
+    def problem(self, result: Result) -> str:
+        """Return why a run has no spec, as of a strategy that is not known here."""
+        return self._impossible.get(result.condition, self._problem)
 
 
 def gallery(study: Study, specs: Specs, progress: Callable[[str], None] | None = None) -> Gallery:
@@ -159,8 +170,7 @@ def gallery(study: Study, specs: Specs, progress: Callable[[str], None] | None =
                 continue
             spec = specs.of(result)
             if spec is None:
-                why = specs.problem or "the experiment no longer has this run"
-                notes.append(f"{what}: {why}.")
+                notes.append(f"{what}: {specs.problem(result)}.")
                 continue
             if progress is not None:
                 progress(f"drawing {what}")
@@ -168,6 +178,11 @@ def gallery(study: Study, specs: Specs, progress: Callable[[str], None] | None =
                 recording = simulate(spec, build_environment(spec.environment))
             except InvalidInputError as error:
                 notes.append(f"{what}: {error}.")
+                continue
+            except Exception as error:
+                if is_built_in(spec.strategy):
+                    raise
+                notes.append(f"{what}: the strategy raised {type(error).__name__}: {error}.")
                 continue
             trees.append(
                 Tree(
@@ -210,10 +225,11 @@ def median_run(results: list[Result]) -> Result | None:
     return None
 
 
-def failures(study: Study, specs: Specs) -> list[Failure]:
+def failures(study: Study, specs: Specs, out: Path = Path()) -> list[Failure]:
     """Group the distinct unsuccessful runs by strategy, status and area left uncovered.
 
-    Numbers in the account of a run are ignored. The largest group comes first.
+    Numbers in the account of a run are ignored. The largest group comes first. Paths of files are
+    relative to the folder `out`.
     """
     groups: dict[tuple[str, str, str], list[Result]] = defaultdict(list)
     for result in study.results:
@@ -222,14 +238,30 @@ def failures(study: Study, specs: Specs) -> list[Failure]:
             status = "collision" if collided else result.status
             pattern = re.sub(r"\d+(\.\d+)?", "#", result.account)
             groups[result.condition.strategy, status, pattern].append(result)
-    found = [
-        Failure(
-            strategy=strategy,
-            status=status,
-            reason=results[0].account,
-            results=tuple(results),
-            spec=specs.of(results[0]) if number < MAX_FAILURES else None,
+    found = []
+    for number, ((label, ended, _), results) in enumerate(groups.items()):
+        shown = number < MAX_FAILURES
+        spec = specs.of(results[0]) if shown else None
+        found.append(
+            Failure(
+                strategy=label,
+                status=ended,
+                reason=results[0].account,
+                results=tuple(results),
+                spec=spec,
+                problem=specs.problem(results[0]) if shown and spec is None else "",
+                imported="" if spec is None else _imported(spec.strategy, out),
+            )
         )
-        for number, ((strategy, status, _), results) in enumerate(groups.items())
-    ]
     return sorted(found, key=lambda failure: -len(failure.results))
+
+
+def _imported(name: str, out: Path) -> str:
+    """Return the reference by which a strategy of one's own is imported again from a folder."""
+    if is_built_in(name):
+        return ""
+    try:
+        reference = reference_of(strategy_named(name))
+    except InvalidInputError:  # defined in a notebook
+        return ""
+    return os.path.relpath(reference, out.resolve()) if os.path.isabs(reference) else reference

@@ -1,5 +1,7 @@
 """Strategies of one's own by reference: ``file.py:Name``, ``package.module:Name`` or ``file.py``.
 
+``file.py:Name=other`` gives the strategy of a class another name than that of the class.
+
 A reference is followed only where a user gives it, on the command line or in Python: specs and
 recordings hold the plain name of a strategy, and never lead to an import.
 """
@@ -25,7 +27,10 @@ from multisrt.geometry.errors import InvalidInputError, did_you_mean
 from multisrt.robots.registry import register, strategies
 from multisrt.robots.strategy import Strategy, as_strategy
 
-HOW_TO_NAME = "a reference is FILE.py, FILE.py:NAME, MODULE or MODULE:NAME"
+HOW_TO_NAME = (
+    "a reference is FILE.py, FILE.py:NAME, MODULE or MODULE:NAME; FILE.py:NAME=OTHER gives the "
+    "strategy of a class another name"
+)
 
 _importing: ContextVar[str] = ContextVar("_importing", default="")
 _registered: dict[str, Strategy] = {}
@@ -53,7 +58,7 @@ def is_reference(text: str) -> bool:
     >>> [is_reference(text) for text in ("mine.py", "mine.py:Mine", "lab.mine:Mine", "minpos")]
     [True, True, True, False]
     """
-    place, name = _parts(text)
+    place, name, _ = _parts(text)
     return _is_file(place) or bool(name and re.fullmatch(r"[A-Za-z_]\w*(\.[A-Za-z_]\w*)*", place))
 
 
@@ -65,7 +70,8 @@ def load_strategy(reference: str) -> Strategy:
     reference : str
         ``file.py:Name`` or ``package.module:Name``, where the name is that of a `Strategy`, of the
         class of an explorer, or of a function that builds one; without a name the file must
-        have exactly one strategy or, if it has none, one class of an explorer.
+        have exactly one strategy or, if it has none, one class of an explorer. The strategy of a
+        class gets another name by ``file.py:Name=other-name``.
 
     Returns
     -------
@@ -86,7 +92,7 @@ def load_strategy(reference: str) -> Strategy:
     ...
     multisrt.geometry.errors.InvalidInputError: mine.py: there is no such file
     """
-    place, name = _parts(reference)
+    place, name, own_name = _parts(reference)
     module = import_place(place)
     candidates = candidates_in(module)
     if name:
@@ -95,7 +101,13 @@ def load_strategy(reference: str) -> Strategy:
                 f"{place} has no {name!r}{did_you_mean(name, candidates)}; it has: "
                 f"{', '.join(candidates) or 'neither a Strategy nor the class of an explorer'}"
             )
-        return as_strategy(vars(module)[name])
+        value = vars(module)[name]
+        if own_name and isinstance(value, Strategy):
+            raise InvalidInputError(
+                f"{place}:{name} is a Strategy and has its own name, {value.name!r}; leave out "
+                f"={own_name}"
+            )
+        return Strategy.of(value, name=own_name) if own_name else as_strategy(value)
     if not candidates:
         raise InvalidInputError(
             f"{place} has no strategy: neither a Strategy nor a class with a method 'run'"
@@ -133,7 +145,7 @@ def import_reference(reference: str) -> tuple[Strategy, ...]:
     >>> import_reference("json")
     ()
     """
-    place, name = _parts(reference)
+    place, name, _ = _parts(reference)
     if name:
         found: tuple[Strategy, ...] = (load_strategy(reference),)
     else:
@@ -329,9 +341,10 @@ def _told(place: str, path: Path | None, error: BaseException) -> InvalidInputEr
     return InvalidInputError(f"cannot import {place}: {kind}{what}{at}")
 
 
-def _parts(reference: str) -> tuple[str, str]:
-    place, colon, name = reference.rpartition(":")
-    return (place, name) if colon and name.isidentifier() else (reference, "")
+def _parts(reference: str) -> tuple[str, str, str]:
+    """Return file or module, name in it, and name for the strategy; empty where not given."""
+    found = re.fullmatch(r"(?P<place>.*):(?P<name>[^\W\d]\w*)(=(?P<own>[\w-]+))?", reference)
+    return (found["place"], found["name"], found["own"] or "") if found else (reference, "", "")
 
 
 def _is_file(place: str) -> bool:

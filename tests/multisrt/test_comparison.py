@@ -73,13 +73,13 @@ def test_conditions_are_crossed(asked):
 
 
 def test_a_single_value_needs_no_list(asked):
-    compare("open", "srt-star", 3, 2, starts="clustered", radios=15.0, workers=5, imports=["mine"])
+    compare("open", "srt-star", 3, 2, starts="clustered", radios=15.0, workers=5, imports=["json"])
     spec, planned, said = asked[0]
     assert (spec.environments, spec.strategies, spec.robots) == (("open",), ("srt-star",), (3,))
     assert spec.starts == ("clustered",)
     assert spec.radios == (RadioChoice(range_m=15.0),)
     assert len(planned) == 2
-    assert (said["workers"], said["modules"]) == (5, ["mine"])
+    assert (said["workers"], said["modules"]) == (5, ["json"])
 
 
 def test_all_fields_of_an_experiment_can_be_given(asked):
@@ -122,10 +122,10 @@ def test_a_spec_is_run_as_it_is(asked, tmp_path):
         repetitions=3,
         recordings="all",
     )
-    compare(spec, store=tmp_path / "kept.sqlite", workers=2, imports=["mine"])
+    compare(spec, store=tmp_path / "kept.sqlite", workers=2, imports=["json"])
     assert asked[0][0] == spec
     assert len(asked[0][1]) == 2 * 2 * 3
-    assert (asked[0][2]["workers"], asked[0][2]["modules"]) == (2, ["mine"])
+    assert (asked[0][2]["workers"], asked[0][2]["modules"]) == (2, ["json"])
 
 
 def test_a_spec_without_a_store_keeps_no_recordings(asked):

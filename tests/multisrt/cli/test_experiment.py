@@ -192,7 +192,7 @@ def test_new_replaces_only_an_older_schema(call, folder):
             ("run", "small.toml", "--workers", "2", "--cluster", "tcp://here:1"),
             "give --workers or --cluster, not both",
         ),
-        (("run", "small.toml", "--import", "no_such"), "cannot import 'no_such'"),
+        (("run", "small.toml", "--import", "no_such"), "there is no module 'no_such'"),
         (("run", "small.toml", "--store", "room.wkt"), "room.wkt: not a file of results"),
         (("export", "no.sqlite", "a.csv"), "no.sqlite: No such file or directory"),
         (("export", "small.toml", "a.csv"), "small.toml: not a file of results"),

@@ -176,8 +176,8 @@ def test_recordings_are_kept_as_specified(path, recordings):
 def test_numbers_of_workers_are_checked(path):
     assert 1 <= cores() <= (os.cpu_count() or 1)
     with Store.create_or_open(path, SPEC) as store:
-        with pytest.raises(InvalidInputError, match="at least one worker, not 0"):
-            run_experiment(store, workers=0)
+        with pytest.raises(InvalidInputError, match="at least 0, not -1"):
+            run_experiment(store, workers=-1)
         with pytest.raises(InvalidInputError, match="workers or a cluster, not both"):
             run_experiment(store, workers=1, cluster="tcp://localhost:1")
 
@@ -185,7 +185,7 @@ def test_numbers_of_workers_are_checked(path):
 def test_modules_that_cannot_be_imported_are_named(path):
     with (
         Store.create_or_open(path, SPEC) as store,
-        pytest.raises(InvalidInputError, match="cannot import 'no_such': ModuleNotFoundError"),
+        pytest.raises(InvalidInputError, match="there is no module 'no_such'"),
     ):
         run_experiment(store, workers=1, modules=["no_such"])
 
@@ -331,8 +331,8 @@ def test_a_worker_killed_at_its_start_is_restarted(worker, tmp_path):
 
 @pytest.mark.slow
 def test_a_worker_that_never_starts_is_reported(worker, tmp_path):
-    (tmp_path / "mischief.py").write_text("import os, sys\nsys.exit('no way')\n")
-    with pytest.raises(InvalidInputError, match=r"before it was ready: .* exit code 1: no way"):
+    (tmp_path / "mischief.py").write_text("import os\nos._exit(1)\n")
+    with pytest.raises(InvalidInputError, match=r"before it was ready: .* exit code 1"):
         worker.make(job())
 
 
@@ -373,7 +373,7 @@ def test_a_worker_of_another_version_is_refused():
 @pytest.mark.slow
 def test_a_worker_reports_why_it_cannot_start():
     worker = Worker(["no_such_module"])
-    with pytest.raises(InvalidInputError, match="cannot import 'no_such_module'"):
+    with pytest.raises(InvalidInputError, match="there is no module 'no_such_module'"):
         worker.make(job())
 
 

@@ -1,0 +1,88 @@
+"""The rows of a store's table of runs, and the results that they hold."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import msgspec
+
+from multisrt.analysis.metrics import Metrics
+from multisrt.experiments.crossing import Condition
+from multisrt.experiments.results import Result
+from multisrt.geometry.errors import InvalidInputError
+
+_LABELS = Condition.__struct_fields__
+_FIELDS = tuple(
+    name
+    for name in Result.__struct_fields__
+    if name not in ("condition", "success_coverage", "reference", "no_reference")
+)
+COLUMNS = ("position", *_LABELS, *_FIELDS)
+"""Names of the columns."""
+
+
+def row_of(result: Result, position: int) -> tuple[Any, ...]:
+    """Return the row of a result.
+
+    Parameters
+    ----------
+    result : Result
+        The result.
+    position : int
+        Number of the run in the experiment's order.
+
+    Returns
+    -------
+    tuple
+        Values in the order of `COLUMNS`.
+    """
+    values = {name: getattr(result.condition, name) for name in _LABELS}
+    values |= {name: getattr(result, name) for name in Result.__struct_fields__}
+    values["position"] = position
+    for name in ("metrics", "covered_at_s"):
+        if values[name] is not None:
+            values[name] = msgspec.json.encode(values[name]).decode()
+    return tuple(values[name] for name in COLUMNS)
+
+
+def result_of(path: Path, row: tuple[Any, ...], success_coverage: float) -> Result:
+    """Return the result that a row holds.
+
+    Parameters
+    ----------
+    path : Path
+        The file, for messages.
+    row : tuple
+        Values in the order of `COLUMNS`.
+    success_coverage : float
+        Share of the explorable area that a success has covered.
+
+    Returns
+    -------
+    Result
+        The result.
+
+    Raises
+    ------
+    InvalidInputError
+        If the row is damaged.
+    """
+    given = dict(zip(COLUMNS, row, strict=True))
+    del given["position"]
+    condition = Condition(**{label: given.pop(label) for label in _LABELS})
+    try:
+        metrics, curve = given.pop("metrics"), given.pop("covered_at_s")
+        chance = bool(given.pop("chance"))
+        return Result(
+            condition=condition,
+            metrics=None if metrics is None else msgspec.json.decode(metrics, type=Metrics),
+            covered_at_s=msgspec.json.decode(curve, type=tuple[float | None, ...]),
+            chance=chance,
+            success_coverage=success_coverage,
+            **given,
+        )
+    except msgspec.MsgspecError as error:
+        raise InvalidInputError(
+            f"{path}: the result of run {given['key']} is damaged: {error}"
+        ) from None

@@ -59,3 +59,8 @@ def brief(value: object, length: int = 80) -> str:
     """Return the representation of a value, cut to a length."""
     text = repr(value)
     return text if len(text) <= length else f"{text[: length - 3]}..."
+
+
+def article(noun: str) -> str:
+    """Return a noun, such as the name of a type, with its indefinite article."""
+    return f"{'an' if noun[:1].lower() in 'aeiou' else 'a'} {noun}"

@@ -213,7 +213,7 @@ class Strategy:
             if key not in known:
                 raise InvalidInputError(
                     f"{self.name} has no option {key!r}{did_you_mean(key, known)}; "
-                    f"it has: {', '.join(known)}"
+                    f"it has: {', '.join(known) or 'none'}"
                 )
         for key, value in options.items():
             try:

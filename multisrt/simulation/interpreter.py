@@ -147,14 +147,7 @@ class Interpreter:
                 return
 
     def _begin(self) -> Generator[Action, Outcome, None]:
-        actions = self._explorer.run()
-        if not hasattr(actions, "send"):
-            plain.refuse(
-                self._robot.number,
-                f"run() gave a {type(actions).__name__}, not a generator",
-                "write run() as a generator: it yields actions and is sent their outcomes",
-            )
-        return actions
+        return plain.steps(self._explorer.run(), self._robot.number)
 
     def _next_action(self, actions: Generator[Action, Outcome, None], outcome: Outcome) -> Action:
         now_s, number = self._clock.now_s, self._robot.number
@@ -171,7 +164,7 @@ class Interpreter:
         try:
             return actions.send(outcome)
         except StopIteration:
-            plain.refuse(number, "run() ended without a last action Done", "yield Done at the end")
+            plain.refuse_end(number)
 
     def _note(self, note: Note) -> None:
         number = self._robot.number
@@ -208,17 +201,7 @@ class Interpreter:
                 "it yielded Done while a motion goes on",
                 "yield Receive to wait for its end, or Stop",
             )
-        end = plain.as_declared(
-            Ended(
-                time_s=self._clock.now_s,
-                robot=robot.number,
-                reason=done.reason,
-                complete=done.complete,
-                frontier=done.frontier,
-            ),
-            robot.number,
-        )
-        assert isinstance(end, Ended)
+        end = plain.ended(done, robot.number, self._clock.now_s)
         # A robot that is called on and ends as before is not recorded again.
         if robot.end is None or _statement(robot.end) != _statement(end):
             self._journal.record(end)

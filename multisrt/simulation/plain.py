@@ -10,16 +10,27 @@ import math
 import re
 from collections.abc import Iterator
 from itertools import chain
+from types import CoroutineType, GeneratorType
 from typing import Any, NoReturn, cast, get_args
 
 import msgspec
 import numpy as np
 
-from multisrt.events import AnyEvent, Event, NotedEvent, Purpose
+from multisrt.events import AnyEvent, Ended, Event, NotedEvent, Purpose
 from multisrt.geometry.numerics.arrays import builtin
+from multisrt.geometry.regions.scan import ExactScan, LaserScan
 from multisrt.planners.motion.trajectory import Trajectory, Waypoint
-from multisrt.robots.defects import ExplorerDefect, brief
-from multisrt.robots.explorer import Action, Done, Move, Receive
+from multisrt.robots.defects import ExplorerDefect, article, brief
+from multisrt.robots.explorer import (
+    Action,
+    Done,
+    Move,
+    Moved,
+    Receive,
+    Received,
+    Steps,
+    TimedOut,
+)
 from multisrt.robots.messages import Message
 from multisrt.validation_errors import explained
 
@@ -59,14 +70,84 @@ def refuse(robot: int, what: str, remedy: str) -> NoReturn:
 
 
 def refuse_action(action: object, robot: int) -> NoReturn:
-    """Raise the error of an explorer that yields what is no action."""
-    if isinstance(action, type) and action in get_args(Action):
-        name = action.__name__
-        refuse(robot, f"it yielded the class {name}", f"yield an instance: {name}(...)")
+    """Raise the error of an explorer that yields what is no action.
+
+    Parameters
+    ----------
+    action : object
+        What it yielded.
+    robot : int
+        Its robot.
+
+    Raises
+    ------
+    ExplorerDefect
+        Always; its remedy is what is yielded instead of such a thing.
+    """
+    what = f"it yielded {brief(action)}, which is no action"
+    remedy = "yield instances of Sense, Look, Move, Stop, Send, Receive, Note and Done"
+    match action:
+        case None:
+            what, remedy = "it yielded None, which is no action", "yield Sense(), not yield alone"
+        case type() if action in get_args(Action):
+            name = action.__name__
+            what, remedy = f"it yielded the class {name}", f"yield an instance: {name}(...)"
+        case GeneratorType():
+            what = f"it yielded what {action.__name__}() returned, a generator"
+            remedy = f"delegate to a procedure that yields actions: yield from {action.__name__}()"
+        case Trajectory():
+            remedy = "yield Move(trajectory=...) to follow it"
+        case Message():
+            remedy = "yield Send(...) to send it"
+        case Event():
+            remedy = "yield Note(...) to put it on record"
+        case ExactScan() | LaserScan() | Moved() | Received() | TimedOut():
+            what = f"it yielded {_described(action)}, which is an outcome"
+            remedy = "outcomes are what it is sent: scan = yield Sense()"
+        case list() | tuple() if action and isinstance(action[0], Action):
+            what = f"it yielded {len(action)} actions at once, in a {type(action).__name__}"
+            remedy = "yield them one by one: each has an outcome"
+    refuse(robot, what, remedy)
+
+
+def steps(returned: Any, robot: int) -> Steps:
+    """Return what `run()` returned, if it is a generator.
+
+    Parameters
+    ----------
+    returned : object
+        What it returned.
+    robot : int
+        Its robot.
+
+    Returns
+    -------
+    generator
+        The same.
+
+    Raises
+    ------
+    ExplorerDefect
+        If it is none.
+    """
+    if isinstance(returned, CoroutineType) or hasattr(returned, "asend"):
+        refuse(robot, "its run() is asynchronous", "write def run(self), not async def")
+    if not hasattr(returned, "send"):
+        what = "None" if returned is None else article(type(returned).__name__)
+        refuse(
+            robot,
+            f"its run() returned {what}, not a generator",
+            "have it yield every action, as in scan = yield Sense(), and at last yield Done(...)",
+        )
+    return cast(Steps, returned)
+
+
+def refuse_end(robot: int) -> NoReturn:
+    """Raise the error of an explorer whose `run()` returns before it has yielded `Done`."""
     refuse(
         robot,
-        f"it yielded {brief(action)}, which is no action",
-        "yield instances of Sense, Look, Move, Stop, Send, Receive, Note and Done",
+        "its run() ended without a last action Done",
+        "yield Done(complete=..., reason=...) before it returns",
     )
 
 
@@ -120,6 +201,49 @@ def motion(move: Move, robot: int) -> Move:
     if trajectory is move.trajectory and guard_m is move.guard_m and listen is move.listen:
         return move
     return Move(trajectory=trajectory, purpose=purpose, guard_m=guard_m, listen=listen)
+
+
+def ended(done: Done, robot: int, now_s: float) -> Ended:
+    """Return the event of an end.
+
+    Parameters
+    ----------
+    done : Done
+        The action.
+    robot : int
+        Its robot.
+    now_s : float
+        The time in seconds.
+
+    Returns
+    -------
+    Ended
+        The event, in builtin types.
+
+    Raises
+    ------
+    ExplorerDefect
+        If a field of the action has a value of another type.
+    """
+    if not isinstance(done.reason, str):
+        _refuse_value(robot, "reason of its Done", done.reason, "say why it ends, as text")
+    what = "frontier of its Done"
+    remedy = "give a tuple of segments (x0, y0, x1, y1) in metres"
+    if not isinstance(done.frontier, tuple | list | np.ndarray):
+        _refuse_value(robot, what, done.frontier, remedy)
+    segments = []
+    for segment in done.frontier:
+        if not isinstance(segment, tuple | list | np.ndarray) or len(segment) != 4:
+            _refuse_value(robot, f"a segment of the {what}", segment, remedy)
+        x0, y0, x1, y1 = (_number(v, robot, f"a coordinate of the {what}") for v in segment)
+        segments.append((x0, y0, x1, y1))
+    return Ended(
+        time_s=now_s,
+        robot=robot,
+        reason=str(done.reason),
+        complete=_flag(done.complete, robot, "complete of its Done"),
+        frontier=tuple(segments),
+    )
 
 
 def is_on_call(done: Done, robot: int) -> bool:
@@ -266,7 +390,7 @@ def _refuse_value(robot: int, field: str, value: object, remedy: str) -> NoRetur
 
 
 def _described(value: object) -> str:
-    return f"{brief(value)}, a {type(value).__name__}"
+    return f"{brief(value)}, {article(type(value).__name__)}"
 
 
 def _refuse_unwritable(noted: Event, robot: int) -> None:

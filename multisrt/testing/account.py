@@ -5,7 +5,6 @@ from __future__ import annotations
 from multisrt.analysis.coverage import coverage, known_complete_s
 from multisrt.analysis.evidence import evidence
 from multisrt.analysis.explorable import explorable, viewers
-from multisrt.analysis.metrics import SUCCESS_COVERAGE
 from multisrt.environments.environment import Environment
 from multisrt.events import MapComplete, Sensed
 from multisrt.recording import Recording
@@ -14,8 +13,8 @@ MIN_DIFFERENCE = 0.01
 """Share of the explorable area from which on a difference is told."""
 
 
-def differences(recording: Recording, world: Environment) -> tuple[str, ...]:
-    """Return what an explorer says of itself that its scans do not bear out, in words.
+def account(recording: Recording, world: Environment) -> tuple[float, tuple[str, ...]]:
+    """Return what a run covered, and what its explorers note that their scans do not bear out.
 
     Parameters
     ----------
@@ -26,26 +25,22 @@ def differences(recording: Recording, world: Environment) -> tuple[str, ...]:
 
     Returns
     -------
-    tuple of str
-        One phrase for each difference, to follow "it"; empty if there are none. None of them is a
-        defect: runs are measured by what they did.
+    (share, differences)
+        The share of the explorable area that counts as covered, and one phrase for each
+        difference, to follow "it". None of them is a defect: runs are measured by what they did.
 
     Examples
     --------
     >>> from multisrt import CatalogEnvironment, RunSpec, simulate
     >>> recording = simulate(RunSpec(environment=CatalogEnvironment(name="apartment"), seed=1))
-    >>> differences(recording, recording.environment())
-    ()
+    >>> share, differences = account(recording, recording.environment())
+    >>> round(share, 2), differences
+    (1.0, ())
     """
     what = explorable(world, viewers(recording.spec, recording.starts))
     proof = evidence(recording, world, what)
     covered = coverage(proof)
     told = []
-    if recording.footer.outcome == "complete" and covered.share < SUCCESS_COVERAGE:
-        told.append(
-            f"says that it is complete, but covered {covered.share:.1%} of what can be explored: "
-            f"below {SUCCESS_COVERAGE:.0%} a run does not count as a success"
-        )
     if not proof.with_nodes and recording.of(Sensed):
         told.append("notes no node, and is measured by its scans")
     elif covered.seen - covered.share > MIN_DIFFERENCE:
@@ -64,4 +59,4 @@ def differences(recording: Recording, world: Environment) -> tuple[str, ...]:
             f"notes MapComplete at {claims[0].time_s:.0f} s, but no robot that says so knew what "
             "the team covered in the end: it does not count"
         )
-    return tuple(told)
+    return covered.share, tuple(told)

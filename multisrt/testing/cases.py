@@ -2,83 +2,48 @@
 
 from __future__ import annotations
 
-from collections import deque
+import inspect
+from collections import Counter, deque
 from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from types import ModuleType
-from typing import Any
+from typing import Any, NoReturn
 
 import numpy as np
 
 from multisrt.environments.environment import Environment
 from multisrt.events import Collision
-from multisrt.recording import Recording, RunOutcome
-from multisrt.robots.defects import ExplorerDefect, brief
+from multisrt.recording import Recording
+from multisrt.robots.defects import ExplorerDefect, Flaw, article, brief
 from multisrt.robots.explorer import Action, Explorer, Move, Outcome, RobotSelf
 from multisrt.robots.registry import registered
 from multisrt.robots.strategy import Strategy
 from multisrt.simulation.random_streams import random_stream
 from multisrt.simulation.simulate import simulate
 from multisrt.spec import RunSpec
-from multisrt.testing.account import differences
+from multisrt.testing.account import account
+from multisrt.testing.checked_run import CheckedRun
 from multisrt.testing.fingerprint import fingerprint
 from multisrt.testing.hidden_truth import named_by_code
+from multisrt.testing.own_code import (
+    chance_in,
+    clocks_in,
+    error_flaw,
+    order_in,
+    place_of_frame,
+    told,
+)
 from multisrt.testing.supervision import SupervisedExplorer, Supervision
 from multisrt.testing.surroundings import modules_of, surroundings
+from multisrt.testing.watchdog import ComputesTooLong, Limits, Watchdog
 
 DATA = (int, float, complex, str, bytes, tuple, list, dict, set, frozenset, deque, np.ndarray)
 """Types of class attributes, globals and defaults in which explorers might share state."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class CheckedRun:
-    """One of the runs of a checked explorer.
-
-    Attributes
-    ----------
-    world : str
-        Name of the world.
-    robots : int
-        Number of robots.
-    outcome : {"complete", "stalled", "out_of_time"}
-        How it ended.
-    time_s : float
-        When it ended, in the time of the run.
-    actions : int
-        Number of actions that the explorers yielded.
-    digest : str
-        Digest of the recording.
-    differences : tuple of str
-        Where the explorers' own account and their scans differ; see
-        `multisrt.testing.account.differences`.
-
-    Examples
-    --------
-    >>> run = CheckedRun(
-    ...     world="hall", robots=2, outcome="complete", time_s=81.4, actions=60, digest="0" * 64
-    ... )
-    >>> print(run)
-    2 robots in 'hall': complete after 81 s, 60 actions
-    """
-
-    world: str
-    robots: int
-    outcome: RunOutcome
-    time_s: float
-    actions: int
-    digest: str
-    differences: tuple[str, ...] = ()
-
-    def __str__(self) -> str:
-        team = "1 robot" if self.robots == 1 else f"{self.robots} robots"
-        return "\n".join(
-            (
-                f"{team} in {self.world!r}: {self.outcome} after {self.time_s:.0f} s, "
-                f"{self.actions} actions",
-                *(f"  it {difference}" for difference in self.differences),
-            )
-        )
+OWN_STATE = "keep everything in self: no class attribute, global or default that changes"
+OWN_STREAM = "draw random numbers from the rng of its RobotSelf alone"
 
 
 class Case:
@@ -92,9 +57,24 @@ class Case:
         The run.
     world : Environment
         The world.
+    limits : Limits
+        By when its explorers must be done.
+    watchdog : Watchdog
+        Calls explorers.
+    only_known : bool
+        Whether a body must stay in what its robot has sensed or may have been told of.
     """
 
-    def __init__(self, strategy: Strategy, spec: RunSpec, world: Environment) -> None:
+    def __init__(
+        self,
+        strategy: Strategy,
+        spec: RunSpec,
+        world: Environment,
+        *,
+        limits: Limits,
+        watchdog: Watchdog,
+        only_known: bool,
+    ) -> None:
         self.strategy = strategy
         self.spec = spec
         self.world = world
@@ -104,6 +84,10 @@ class Case:
         self.recording: Recording | None = None
         self.changed: list[str] = []
         self.modules: list[ModuleType] = []
+        self.cls: type = object
+        self._limits = limits
+        self._watchdog = watchdog
+        self._only_known = only_known
 
     def make(self, me: RobotSelf) -> Explorer:
         """Return a new explorer.
@@ -113,71 +97,107 @@ class Case:
         ExplorerDefect
             If it cannot be built.
         """
+        built_by = inspect.unwrap(self.strategy.explorer)
         try:
-            explorer = self.strategy.explorer(me, self.options)
-        except Exception as error:
+            explorer = self._watchdog.call(self.strategy.explorer, me, self.options)
+        except ComputesTooLong as late:
+            place = told(place_of_frame(built_by, late.frame))
             raise self._defect(
-                f"building the explorer of robot {me.robot} raised {type(error).__name__}: {error}",
-                "build it from the RobotSelf alone",
+                f"building the explorer of robot {me.robot} has taken "
+                f"{self._limits.max_decision_s:g} s{place}",
+                "build it at once: what takes long belongs into run()",
+            ) from None
+        except (Exception, SystemExit) as error:
+            flaw = error_flaw(built_by, error)
+            raise self._defect(
+                f"building the explorer of robot {me.robot}: {flaw.what}",
+                "build it from its RobotSelf and its options alone",
             ) from error
         if not callable(getattr(explorer, "run", None)):
             raise self._defect(
-                f"what was built for robot {me.robot} is a {type(explorer).__name__}, which has "
-                "no run()",
-                "give what builds an explorer: an object whose run() is a generator of actions",
+                f"what was built for robot {me.robot} is {article(type(explorer).__name__)}, "
+                "which has no run()",
+                "give it a method run(self), a generator of actions",
             )
         return explorer
 
-    def run_supervised(self, max_actions: int, only_known: bool) -> None:
+    def run_supervised(self) -> None:
         """Run the explorers in the simulation, and check everything that they do."""
         supervision = Supervision(
-            self.world, self.title, max_actions=max_actions, only_known=only_known
+            self.world,
+            self.title,
+            limits=self._limits,
+            watchdog=self._watchdog,
+            only_known=self._only_known,
         )
         kept: dict[str, bytes] = {}
 
         def explorer(me: RobotSelf, _: Any) -> Explorer:
             made = self.make(me)
             if not kept:
-                self.modules = modules_of(type(made))
                 kept.update(_kept_by(type(made)))
             return supervision.supervise(me, made)
 
         # One explorer is built beforehand, as its modules may have names for clocks.
-        self.modules = modules_of(type(self.make(self._sample())))
+        sample = self._sample()
+        self.cls = type(self.make(sample))
+        self.modules = modules_of(self.cls)
         with surroundings(self.modules, seed=1, clock_s=1e9):
             recording = self._simulate(explorer, supervision)
         supervision.finish()
         self._check_end(recording, supervision)
         self.recording, self.robots = recording, supervision.robots
-        now = _kept_by(type(self.make(self._sample())))
+        now = _kept_by(self.cls)
         self.changed = [name for name, mark in kept.items() if now.get(name, mark) != mark]
 
     def repeat_by_hand(self) -> None:
         """Send each explorer the same outcomes in other surroundings, and compare its actions."""
-        state = "keep everything in self: no class attribute, global or default that changes"
-        stream = "draw random numbers from the RobotSelf's rng alone; let no order of a set decide"
-        changed = self.changed[0] if self.changed else None
-        explained = (
-            (1, 1e9, f"{changed} changes, which explorers share", state)
-            if changed
-            else (1, 1e9, "it draws on something besides what it was sent", f"{stream}; {state}")
-        )
-        for seed, clock_s, why, remedy in (
-            explained,
-            (2, 1e9, "it draws on global random numbers", "draw from the RobotSelf's rng"),
-            (1, 2e9, "it reads a clock", "the time is told with scans, motions and messages"),
-        ):
-            with surroundings(self.modules, seed=seed, clock_s=clock_s):
-                for repeated in self.repetitions(why, remedy):
-                    while repeated.advance():
-                        pass
+        try:
+            self._drive(seed=2, clock_s=2e9)
+        except OtherAction as other:
+            self._explain(other)
 
-    def repetitions(self, why: str, remedy: str) -> Iterator[Repetition]:
+    def _drive(self, *, seed: int, clock_s: float) -> None:
+        with surroundings(self.modules, seed=seed, clock_s=clock_s):
+            for repeated in self.repetitions():
+                while repeated.advance():
+                    pass
+
+    def _explain(self, other: OtherAction) -> NoReturn:
+        # By what is left of the difference if one thing is as it was before.
+        try:
+            self._drive(seed=1, clock_s=1e9)
+        except OtherAction as again:
+            raise again.defect(*self._unknown_cause()) from None
+        try:
+            self._drive(seed=2, clock_s=1e9)
+        except OtherAction as again:
+            why = f"it draws on global random numbers{_after(chance_in(self.cls))}"
+            raise again.defect(why, OWN_STREAM) from None
+        raise other.defect(
+            f"it reads a clock{_after(clocks_in(self.cls))}",
+            "go by the times that scans, motions and messages tell",
+        )
+
+    def _unknown_cause(self) -> Flaw:
+        # Why it may act otherwise in the same surroundings.
+        if self.changed:
+            return Flaw(f"{self.changed[0]} changes, which explorers share", OWN_STATE)
+        if chance := chance_in(self.cls):
+            return Flaw(f"it draws on other random numbers: {chance}", OWN_STREAM)
+        order = order_in(self.cls)
+        return Flaw(
+            "it draws on something besides what it was sent"
+            + (f": perhaps on where objects lie in memory, {order}" if order else ""),
+            f"{OWN_STREAM}; let no order of a set decide; {OWN_STATE}",
+        )
+
+    def repetitions(self) -> Iterator[Repetition]:
         """Yield new explorers of the whole team, to be driven by hand."""
         for robot in self.robots:
             rng = random_stream(self.spec.seed, "robots", robot.me.robot)
             explorer = self.make(replace(robot.me, rng=rng))
-            yield Repetition(self, robot, explorer.run(), why, remedy)
+            yield Repetition(robot, explorer.run(), self.title, self._watchdog)
 
     def repeat(self) -> None:
         """Run the same spec again without supervision, and compare the digests."""
@@ -194,14 +214,17 @@ class Case:
         """Return how the run went."""
         assert self.recording is not None
         footer = self.recording.footer
+        covered, differences = account(self.recording, self.world)
+        kinds = Counter(type(turn.action).__name__ for robot in self.robots for turn in robot.turns)
         return CheckedRun(
             world=self.world.name,
             robots=len(self.robots),
             outcome=footer.outcome,
             time_s=footer.time_s,
-            actions=sum(len(robot.turns) for robot in self.robots),
+            covered=covered,
+            actions=dict(kinds),
             digest=footer.digest,
-            differences=differences(self.recording, self.world),
+            differences=differences,
         )
 
     def _simulate(
@@ -239,17 +262,20 @@ class Case:
                     "keep the body in what is sensed to be free; give Move a guard_m where other "
                     "robots are about",
                 )
-        waiting = [robot.me.robot for robot in supervision.robots if not robot.is_done]
+        waiting = [robot for robot in supervision.robots if not robot.is_done]
+        if not waiting:
+            return
+        names = _names([robot.me.robot for robot in waiting])
+        last = waiting[0].last_actions()
         if recording.footer.outcome == "out_of_time":
             raise self._defect(
-                f"robots {waiting} were not done after {self.spec.stop.max_time_s:g} s",
+                f"{names} not done after {self.spec.stop.max_time_s:g} s; {last}",
                 "see that every exploration ends with Done, or give a larger max_time_s",
             )
-        if waiting:
-            raise self._defect(
-                f"robots {waiting} wait for a message that never comes",
-                "give Receive a timeout_s, and end with Done",
-            )
+        raise self._defect(
+            f"{names} waiting for a message that never comes",
+            "give Receive a timeout_s, and end with Done",
+        )
 
     def _defect(self, what: str, remedy: str) -> ExplorerDefect:
         team = len(self.spec.robots)
@@ -257,33 +283,63 @@ class Case:
         return ExplorerDefect(what, f"{who} in {self.title}", remedy)
 
 
+class OtherAction(Exception):
+    """An explorer acted otherwise than before."""
+
+    def __init__(self, what: str, where: str) -> None:
+        super().__init__(what)
+        self.what = what
+        self.where = where
+
+    def defect(self, why: str, remedy: str) -> ExplorerDefect:
+        """Return the defect, with a reason and a remedy."""
+        return ExplorerDefect(f"{self.what}: {why}", self.where, remedy)
+
+
 class Repetition:
-    """An explorer that is driven by hand, and must act as it did before."""
+    """An explorer that is driven by hand, and must act as it did before.
+
+    Parameters
+    ----------
+    before : SupervisedExplorer
+        What it was sent and did.
+    actions : generator
+        The actions of the new explorer.
+    title : str
+        Name of the run in messages.
+    watchdog : Watchdog
+        Calls it.
+    """
 
     def __init__(
         self,
-        case: Case,
         before: SupervisedExplorer,
         actions: Generator[Action, Outcome, None],
-        why: str,
-        remedy: str,
+        title: str,
+        watchdog: Watchdog,
     ) -> None:
-        self._case = case
         self._before = before
         self._actions = actions
-        self._why = why
-        self._remedy = remedy
+        self._title = title
+        self._watchdog = watchdog
         self._turn = 0
 
     def advance(self) -> bool:
-        """Send it the next outcome; return whether there are more."""
+        """Send it the next outcome; return whether there are more.
+
+        Raises
+        ------
+        OtherAction
+            If it does not yield what it yielded before.
+        """
         turn = self._before.turns[self._turn]
         self._turn += 1
-        acted = "nothing"
         try:
-            action = self._actions.send(turn.outcome)
+            action = self._watchdog.call(self._actions.send, turn.outcome)
         except StopIteration:
-            pass
+            acted = "nothing"
+        except ComputesTooLong:
+            acted = "nothing for long"
         except Exception as error:
             acted = f"{type(error).__name__}: {error}"
         else:
@@ -292,28 +348,35 @@ class Repetition:
             acted = _described(action)
         me = self._before.me
         who = "the robot" if me.team == 1 else f"robot {me.robot} of {me.team}"
-        raise ExplorerDefect(
-            f"sent the same as before, it yielded {acted}, not {_described(turn.action)}: "
-            f"{self._why}",
-            f"{who} in {self._case.title}, action {self._turn}",
-            self._remedy,
+        raise OtherAction(
+            f"sent the same as before, it yielded {acted}, not {_described(turn.action)}",
+            f"{who} in {self._title}, action {self._turn}",
         )
 
 
 def repeat_interleaved(cases: Sequence[Case]) -> None:
     """Drive all explorers of all cases by hand, in turns, and compare their actions."""
     modules = list({id(m): m for case in cases for m in case.modules}.values())
-    with surroundings(modules, seed=1, clock_s=1e9):
-        going = [
-            repetition
-            for case in cases
-            for repetition in case.repetitions(
-                "it shares state with explorers that run at the same time",
-                "keep everything in self: no class attribute, global or default that changes",
-            )
-        ]
-        while going:
-            going = [repetition for repetition in going if repetition.advance()]
+    try:
+        with surroundings(modules, seed=1, clock_s=1e9):
+            going = [repetition for case in cases for repetition in case.repetitions()]
+            while going:
+                going = [repetition for repetition in going if repetition.advance()]
+    except OtherAction as other:
+        raise other.defect(
+            "it shares state with explorers that run at the same time",
+            OWN_STATE,
+        ) from None
+
+
+def _names(robots: list[int]) -> str:
+    if len(robots) == 1:
+        return f"robot {robots[0]} is"
+    return f"robots {', '.join(map(str, robots[:-1]))} and {robots[-1]} are"
+
+
+def _after(places: str) -> str:
+    return f": {places}" if places else ""
 
 
 def _described(action: object) -> str:

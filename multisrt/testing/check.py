@@ -1,26 +1,37 @@
 """A checker for new explorers.
 
-`check_explorer` runs an explorer in a few small worlds, alone and in a team, with the real
-simulation, and raises one clear `ExplorerDefect` if it does not keep to the contract of
-`multisrt.robots.explorer`. It needs no test framework; in a test, a call is enough.
+`check_explorer`, or ``multisrt check mine.py``, runs an explorer in a few small worlds, alone and
+in a team, with the real simulation. It stops at the first defect with one clear `ExplorerDefect`:
+what the explorer did, in which run and at which action, and what to change. It needs no test
+framework; in a test, a call is enough.
 
-It checks that
+**Defects** are what the contract of `multisrt.robots.explorer` does not allow, since it would make
+the results of an explorer worthless or impossible. It is checked that
 
 - runs repeat: equal specs give equal digests, and an explorer that is sent the same outcomes
   again acts as before; also after other runs, among other explorers, with other states of the
   global random generators, and at another time of day;
+- it shares no state with explorers that run at the same time;
 - it changes nothing that it is given, and nothing that it has sent;
-- it yields only actions that its body can carry out: trajectories begin where the robot is, run
-  forwards in time, and keep to its kinematics;
+- it yields only actions, with values of the types that they declare, which its body can carry
+  out: trajectories begin where the robot is, run forwards in time, and keep to its kinematics;
 - its body stays in what the robot has sensed, or may have been told of;
-- neither what it holds nor what its code names leads to the world or to the simulation;
-- it does not collide, and ends with `Done`.
+- neither what it holds nor what its code names leads to the world or to the simulation, and it
+  names no back door to them (``gc.get_objects``, frames, ``importlib``, ``eval``);
+- it does not collide, and ends with `Done`: in time, in a number of actions, without standing
+  still in time, and without computing for long before it yields.
 
-Where its own account of a run and its scans differ, the summary says so: it says that it is
-complete where little was covered, or notes nodes that hold less or more than was seen. This is no
-defect, since runs are measured by what they did.
+**Warnings** are what the contract allows, and what is hardly meant: an explorer that ends at once,
+never senses or never moves, that says that it is complete where little was covered, or covers
+little everywhere. They are no defects, because a run is measured by what was done in it, and such
+a run is as valid as it is useless; a baseline may well stand still.
 
-An explorer that computes for ever without yielding anything cannot be detected.
+**Notes** tell where its own account of a run and its scans differ: it notes no nodes, or nodes that
+hold less or more than was seen.
+
+What is cheap comes first: each world is explored by one robot before a team, and every action is
+checked as it is yielded. What takes too long before it yields is interrupted by a timer of the
+operating system, in the main thread and on Unix only; the message names the line where it was.
 
 >>> from multisrt.robots.explorer import Done, Move, Sense
 >>> from multisrt.testing import check_explorer
@@ -34,13 +45,14 @@ An explorer that computes for ever without yielding anything cannot be detected.
 ...         scan = yield Sense()
 ...         yield Done(complete=False, reason=f"saw {len(scan.boundary)} corners")
 >>> print(check_explorer(Glance, worlds=[two_rooms()]))
-Glance keeps to the contract of explorers:
+glance keeps to the contract of explorers, with a warning:
   repeats; shares no state; changes nothing that it is given; yields what its body can do;
   stays in what it knows; does not reach the truth; does not collide; ends
-  1 robot in 'two rooms': stalled after 0 s, 2 actions
-    it notes no node, and is measured by its scans
-  3 robots in 'two rooms': stalled after 0 s, 6 actions
-    it notes no node, and is measured by its scans
+  1 robot in 'two rooms': stalled after 0 s, 47.3% covered, 2 actions
+  3 robots in 'two rooms': stalled after 0 s, 90.5% covered, 6 actions
+  note: it notes no node, and is measured by its scans
+WARNING: it never moves: it sees what can be seen from its start alone; yield Move(...) to a place
+that its scan shows to be free
 
 >>> class Blind(Glance):
 ...     '''Drives without looking.'''
@@ -58,25 +70,32 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from textwrap import indent
+from textwrap import fill, indent
 
-import msgspec
 import shapely
 
 from multisrt.environments.catalog import environment
 from multisrt.environments.environment import Environment
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.robots.defects import ExplorerDefect
-from multisrt.robots.explorer import Explorer, RobotSelf
+from multisrt.robots.explorer import Explorer
+from multisrt.robots.loading import is_reference, load_strategy
+from multisrt.robots.registry import strategy as strategy_of_name
 from multisrt.robots.strategy import Strategy
 from multisrt.simulation.worlds import inline
 from multisrt.spec import RadioSpec, RobotSpec, RunSpec, StopRule
-from multisrt.testing.cases import Case, CheckedRun, repeat_interleaved
+from multisrt.testing.cases import Case, repeat_interleaved
+from multisrt.testing.checked_run import CheckedRun
+from multisrt.testing.doubts import doubts
+from multisrt.testing.watchdog import Limits, Watchdog
 
 __all__ = ["CheckedExplorer", "CheckedRun", "ExplorerDefect", "check_explorer", "two_rooms"]
 
-Make = Callable[[RobotSelf], Explorer]
-"""A function that builds the explorer of one robot from what the robot knows of itself."""
+Make = Callable[..., Explorer]
+"""What builds the explorer of one robot from its `RobotSelf`, and options if there are any."""
+
+Progress = Callable[[str, int, int], None]
+"""Is told what is done, how many steps have been done, and how many there are."""
 
 CHECKS = (
     "repeats",
@@ -101,11 +120,13 @@ class CheckedExplorer:
     Attributes
     ----------
     name : str
-        Name of the strategy, the class or the function.
+        Name of the strategy.
     checks : tuple of str
         What was checked.
     runs : tuple of CheckedRun
         Its runs.
+    warnings : tuple of str
+        What keeps to the contract, and is hardly meant; see `multisrt.testing.check`.
 
     Examples
     --------
@@ -117,28 +138,44 @@ class CheckedExplorer:
     ...     def run(self):
     ...         yield Done(complete=False, reason="has nothing to do")
     >>> checked = check_explorer(Idle, worlds=[two_rooms()], teams=[1])
-    >>> checked.runs[0].outcome, checked.runs[0].actions, "ends" in checked.checks
-    ('stalled', 1, True)
+    >>> checked.runs[0].outcome, checked.runs[0].covered, len(checked.warnings)
+    ('stalled', 0.0, 1)
     """
 
     name: str
     checks: tuple[str, ...]
     runs: tuple[CheckedRun, ...]
+    warnings: tuple[str, ...] = ()
 
     def __str__(self) -> str:
         half = (len(self.checks) + 1) // 2
+        count = len(self.warnings)
+        end = "" if count == 0 else ", with a warning" if count == 1 else f", with {count} warnings"
         return "\n".join(
             (
-                f"{self.name} keeps to the contract of explorers:",
+                f"{self.name} keeps to the contract of explorers{end}:",
                 f"  {'; '.join(self.checks[:half])};",
                 f"  {'; '.join(self.checks[half:])}",
                 *(indent(str(run), "  ") for run in self.runs),
+                *(f"  note: it {note}" for note in self._notes()),
+                *(fill(f"WARNING: {warning}", 99) for warning in self.warnings),
             )
         )
 
+    def _notes(self) -> list[str]:
+        # Every difference once, with the runs if it is not that of all.
+        runs_with: dict[str, list[str]] = {}
+        for run in self.runs:
+            for difference in run.differences:
+                runs_with.setdefault(difference, []).append(run.title)
+        return [
+            note if len(titles) == len(self.runs) else f"{note} ({', '.join(titles)})"
+            for note, titles in runs_with.items()
+        ]
+
 
 def check_explorer(
-    make: Make | Strategy,
+    make: Make | Strategy | str,
     *,
     options: Mapping[str, object] | None = None,
     worlds: Sequence[Environment] | None = None,
@@ -146,18 +183,21 @@ def check_explorer(
     robot: RobotSpec | None = None,
     radio: RadioSpec | None = None,
     seed: int = 1,
-    max_time_s: float = 20_000.0,
-    max_actions: int = 20_000,
+    max_time_s: float = 10_000.0,
+    max_actions: int = 10_000,
+    max_decision_s: float = 10.0,
     only_known: bool = True,
+    progress: Progress | None = None,
 ) -> CheckedExplorer:
     """Check that an explorer keeps to the contract.
 
     Parameters
     ----------
-    make : callable or Strategy
-        What builds the explorer of a robot from its `RobotSelf`: a function, a class or a strategy.
+    make : callable, Strategy or str
+        The class of the explorer, or a function that builds one, as `Strategy.of` takes them; a
+        strategy; the name of one that is registered, or a reference: ``mine.py:Mine``.
     options : mapping, optional
-        Options of a strategy that are not its defaults.
+        Options that are not the defaults.
     worlds : sequence of Environment, optional
         Where to explore; by default two rooms, a hall with columns and a maze, all small.
     teams : sequence of int
@@ -172,9 +212,13 @@ def check_explorer(
         Time in seconds by which every run must be over.
     max_actions : int
         Number of actions by which every explorer must be done.
+    max_decision_s : float
+        Computing time in seconds that an explorer may take before it yields an action.
     only_known : bool
         Whether a body must stay in what its robot has sensed, or may have been told of: what the
         sender of a message knew when it sent it.
+    progress : callable, optional
+        Called with what is being done, the steps that are done and their number.
 
     Returns
     -------
@@ -199,36 +243,54 @@ def check_explorer(
     worlds = _small_worlds() if worlds is None else worlds
     if not worlds or not teams:
         raise InvalidInputError("give check_explorer at least one world and one team")
-    strategy = _strategy_of(make, options)
-    specs = [
-        RunSpec(
-            environment=inline(world),
-            strategy=strategy.name,
-            options=dict(options or {}),  # type: ignore[arg-type]
-            robots=((RobotSpec() if robot is None else robot),) * size,
-            radio=RadioSpec() if radio is None else radio,
-            stop=StopRule(max_time_s=max_time_s),
-            seed=seed,
-        )
-        for world in worlds
-        for size in teams
-    ]
-    cases = [
-        Case(strategy, spec, world)
-        for spec, world in zip(specs, (w for w in worlds for _ in teams), strict=True)
-    ]
-    for case in cases:
-        case.run_supervised(max_actions, only_known)
-        case.repeat_by_hand()
-    repeat_interleaved(cases)
-    # In reverse order, so that other runs come before each of them.
-    for case in reversed(cases):
-        case.repeat()
+    strategy = _strategy_of(make)
+    strategy.parse_options(options or {})
+    limits = Limits(max_time_s=max_time_s, max_actions=max_actions, max_decision_s=max_decision_s)
+    robot, radio = robot or RobotSpec(), radio or RadioSpec()
+    with Watchdog(max_decision_s) as watchdog:
+        cases = [
+            Case(
+                strategy,
+                RunSpec(
+                    environment=inline(world),
+                    strategy=strategy.name,
+                    options=dict(options or {}),  # type: ignore[arg-type]
+                    robots=(robot,) * size,
+                    radio=radio,
+                    stop=StopRule(max_time_s=max_time_s),
+                    seed=seed,
+                ),
+                world,
+                limits=limits,
+                watchdog=watchdog,
+                only_known=only_known,
+            )
+            for world in worlds
+            for size in teams
+        ]
+        _run_all(cases, (lambda *_: None) if progress is None else progress)
+    runs = tuple(case.summary() for case in cases)
     return CheckedExplorer(
         name=strategy.name,
         checks=tuple(c for c in CHECKS if only_known or c != "stays in what it knows"),
-        runs=tuple(case.summary() for case in cases),
+        runs=runs,
+        warnings=doubts(runs),
     )
+
+
+def _run_all(cases: Sequence[Case], progress: Progress) -> None:
+    # What finds most comes first; later steps repeat what has been done.
+    total = 2 * len(cases) + 1
+    for done, case in enumerate(cases):
+        progress(f"exploring {case.title}", done, total)
+        case.run_supervised()
+        case.repeat_by_hand()
+    progress("repeating all at once", len(cases), total)
+    repeat_interleaved(cases)
+    # In reverse order, so that other runs come before each of them.
+    for done, case in enumerate(reversed(cases)):
+        progress(f"repeating {case.title}", len(cases) + 1 + done, total)
+        case.repeat()
 
 
 def two_rooms() -> Environment:
@@ -256,19 +318,10 @@ def _small_worlds() -> tuple[Environment, ...]:
     )
 
 
-class _NoOptions(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    pass
-
-
-def _strategy_of(make: Make | Strategy, options: Mapping[str, object] | None) -> Strategy:
+def _strategy_of(make: Make | Strategy | str) -> Strategy:
     if isinstance(make, Strategy):
-        make.parse_options(options or {})
         return make
-    if options:
-        raise InvalidInputError("options are for a Strategy: a function gets a RobotSelf alone")
-    return Strategy(
-        name=getattr(make, "__name__", type(make).__name__),
-        summary="An explorer that is checked.",
-        options=_NoOptions,
-        explorer=lambda me, _: make(me),
-    )
+    if isinstance(make, str):
+        return load_strategy(make) if is_reference(make) else strategy_of_name(make)
+    is_lambda = getattr(make, "__name__", "") == "<lambda>"
+    return Strategy.of(make, name="own-explorer" if is_lambda else None)

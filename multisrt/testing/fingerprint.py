@@ -13,6 +13,7 @@ from numpy.random import Generator as RandomGenerator
 from shapely.geometry.base import BaseGeometry
 
 from multisrt.geometry.bodies.footprint import Footprint
+from multisrt.robots.messages import Message
 
 
 def fingerprint(value: object) -> bytes:
@@ -42,11 +43,34 @@ def _digest(value: Any, known: dict[int, bytes]) -> bytes:
         digest.update(str(value).encode())
     elif isinstance(value, set | frozenset):
         digest.update(b"".join(sorted(_digest(item, known) for item in value)))
+    elif (data := _written(value)) is not None:
+        digest.update(data)
     elif not isinstance(value, RandomGenerator | type):
         for part in _parts(value):
             digest.update(_digest(part, known))
     known[id(value)] = digest.digest()
     return known[id(value)]
+
+
+def _written(value: Any) -> bytes | None:
+    # Messages are many and may hold whole maps: most are data that msgspec writes at once.
+    if not isinstance(value, Message):
+        return None
+    try:
+        return _ENCODER.encode(value)
+    except (TypeError, ValueError, OverflowError, RecursionError):
+        return None
+
+
+def _array(value: Any) -> tuple[object, ...]:
+    if isinstance(value, np.ndarray) and not value.dtype.hasobject:
+        return str(value.dtype), value.shape, np.ascontiguousarray(value).tobytes()
+    if isinstance(value, np.generic):
+        return str(value.dtype), repr(value)
+    raise TypeError
+
+
+_ENCODER = msgspec.msgpack.Encoder(enc_hook=_array, order="deterministic")
 
 
 def _parts(value: Any) -> list[Any]:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator
+from collections import Counter
+from collections.abc import Callable, Generator, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import NoReturn
+from typing import Any, NoReturn
 
 import msgspec
 import numpy as np
@@ -17,7 +19,7 @@ from multisrt.geometry.numerics.arrays import builtin
 from multisrt.geometry.regions.scan import ExactScan, LaserScan, Scan
 from multisrt.planners.motion.sweep import Sweep
 from multisrt.planners.motion.trajectory import Trajectory, standing_at
-from multisrt.robots.defects import ExplorerDefect, brief
+from multisrt.robots.defects import ExplorerDefect, Flaw
 from multisrt.robots.explorer import (
     Action,
     Done,
@@ -36,13 +38,24 @@ from multisrt.robots.explorer import (
     TimedOut,
 )
 from multisrt.robots.messages import Message
-from multisrt.simulation.plain import as_declared
+from multisrt.simulation import plain
 from multisrt.testing.fingerprint import fingerprint
 from multisrt.testing.hidden_truth import named_by_code, truth_named_by_code, way_to_truth
-from multisrt.testing.motion_rules import is_number, pose, trajectory_flaw
+from multisrt.testing.motion_rules import pose, trajectory_flaw
+from multisrt.testing.own_code import back_door, error_flaw, place_of_frame, told
+from multisrt.testing.watchdog import ComputesTooLong, Limits, Watchdog
+
+MAX_ACTIONS_AT_ONCE = 1000
+"""Actions at one moment by which time must pass."""
+
+LAST_ACTIONS = 100
+"""How many of the last actions are counted for a message."""
 
 UNKNOWN_TOLERANCE_M = 0.005
 """Distance by which a body may reach beyond what was sensed: chords stand for arcs in both."""
+
+STANDS = Flaw("it yielded Stop, but it stands", "Stop ends a motion: Move first")
+MOVES = Flaw("it was Done while it moved", "wait for Moved, or yield Stop")
 
 SEARCHES = (1, 3, 10, 30, 100, 300, 1000, 3000)
 """Numbers of actions after which an explorer is searched for the truth."""
@@ -76,8 +89,10 @@ class Supervision:
         The truth.
     title : str
         Name of the run in messages.
-    max_actions : int
-        Number of actions by which an explorer must be done.
+    limits : Limits
+        What ends an explorer that does not end.
+    watchdog : Watchdog
+        Calls explorers.
     only_known : bool
         Whether a body must stay in what its robot has sensed or may have been told of.
 
@@ -90,11 +105,18 @@ class Supervision:
     """
 
     def __init__(
-        self, world: Environment, title: str, *, max_actions: int, only_known: bool
+        self,
+        world: Environment,
+        title: str,
+        *,
+        limits: Limits,
+        watchdog: Watchdog,
+        only_known: bool,
     ) -> None:
         self.world = world
         self.title = title
-        self.max_actions = max_actions
+        self.limits = limits
+        self.watchdog = watchdog
         self.only_known = only_known
         self.robots: list[SupervisedExplorer] = []
         self.defect: ExplorerDefect | None = None
@@ -154,6 +176,7 @@ class SupervisedExplorer:
         self._actions: Generator[Action, Outcome, None] | None = None
         self._at = me.start
         self._now_s = me.time_s
+        self._moment = me.time_s, 0
         self._moving: tuple[Move, float] | None = None
         self._kept: list[tuple[str, object, bytes]] = [("its RobotSelf", me, fingerprint(me))]
         body = Sweep(me.footprint, standing_at(me.start))
@@ -188,39 +211,27 @@ class SupervisedExplorer:
 
     def _begin(self) -> Generator[Action, Outcome, None]:
         self._search()
-        try:
-            actions = self._explorer.run()
-        except Exception as error:
-            self._refuse_error(error)
-        if not hasattr(actions, "send"):
-            self._refuse(
-                f"run() gave a {type(actions).__name__}, not a generator",
-                "write run() as a generator: it yields actions and is sent their outcomes",
-            )
-        return actions
+        returned = self._called(self._explorer.run)
+        with self._refusals():
+            return plain.steps(returned, self.me.robot)
 
     def _next(self, outcome: Outcome) -> Action:
         assert self._actions is not None
-        if len(self.turns) >= self._supervision.max_actions:
-            self._refuse(
-                f"it yielded {len(self.turns)} actions and was not Done",
-                "see that every exploration ends, or give a larger max_actions",
-            )
+        self._require_progress()
         given = len(self._kept)
         if outcome is not None:
             self._keep(outcome)
         try:
-            action = self._actions.send(outcome)
+            action: Action = self._called(self._actions.send, outcome)
         except StopIteration:
-            self._refuse("run() ended without a last action Done", "yield Done at the end")
-        except ExplorerDefect:
-            raise
-        except Exception as error:
+            with self._refusals():
+                plain.refuse_end(self.me.robot)
+        except ExplorerDefect as defect:
             # An attempt to write to a read-only array is a change of what was given.
             for what, _, _ in self._kept[given:]:
-                if "read-only" in str(error):
-                    self._refuse_change(what)
-            self._refuse_error(error)
+                if "read-only" in defect.what:
+                    self._refuse_change(what, cause=defect.__cause__)
+            raise
         for what, thing, mark in (self._kept[0], *self._kept[given:]):
             if fingerprint(thing) != mark:
                 self._refuse_change(what)
@@ -231,6 +242,46 @@ class SupervisedExplorer:
                 "build a new action, trajectory or message instead of changing one",
             )
         return action
+
+    def _called(self, what: Callable[..., Any], *args: object) -> Any:
+        # What the explorer's own code returns.
+        cls = type(self._explorer)
+        try:
+            return self._supervision.watchdog.call(what, *args)
+        except StopIteration:
+            raise
+        except ComputesTooLong as late:
+            limit_s = self._supervision.limits.max_decision_s
+            self._refuse(
+                f"it has computed for {limit_s:g} s and yields nothing"
+                + told(place_of_frame(cls, late.frame)),
+                "see that every loop ends or yields, or give a larger max_decision_s",
+            )
+        except (Exception, SystemExit) as error:
+            self._refuse(*error_flaw(cls, error), cause=error)
+
+    def _require_progress(self) -> None:
+        count, limits = len(self.turns), self._supervision.limits
+        if count >= limits.max_actions:
+            self._refuse(
+                f"it yielded {count} actions and was not Done; {self.last_actions()}",
+                "see that every exploration ends, or give a larger max_actions",
+            )
+        moment_s, before = self._moment
+        if moment_s != self._now_s:
+            self._moment = self._now_s, count
+        elif count - before >= MAX_ACTIONS_AT_ONCE:
+            self._refuse(
+                f"it yielded {count - before} actions at {self._now_s:g} s and lets no time pass; "
+                f"{self.last_actions()}",
+                "have it move, wait with a Receive that does not end at once, or end",
+            )
+
+    def last_actions(self) -> str:
+        """Return what it yielded at last, in words."""
+        kinds = [type(turn.action).__name__ for turn in self.turns[-LAST_ACTIONS:]]
+        counts = ", ".join(f"{n} {kind}" for kind, n in Counter(kinds).most_common())
+        return f"the last were {counts}"
 
     def _keep(self, outcome: Outcome) -> None:
         if isinstance(outcome, Received):
@@ -265,48 +316,43 @@ class SupervisedExplorer:
     # What it yields ----------------------------------------------------------------------
 
     def _check(self, action: Action) -> None:
-        match action:
-            case Sense() | Look():
-                pass
-            case Move():
-                self._check_move(action)
-                self._moving = action, self._now_s
-            case Stop():
-                if self._moving is None:
-                    self._refuse("it yielded Stop, but it stands", "Stop ends a motion: Move first")
-            case Send():
-                self._check_send(action)
-            case Receive(timeout_s):
-                if timeout_s is not None and not (is_number(timeout_s) and timeout_s >= 0.0):
-                    self._refuse(
-                        f"it yielded Receive with timeout_s={timeout_s!r}",
-                        "give 0 or more seconds, or None to wait for ever",
-                    )
-            case Note(event):
-                if not isinstance(event, Event) or event.robot != self.me.robot:
-                    self._refuse(
-                        f"it put {event!r} on record",
-                        f"give Note an event of multisrt.events with robot={self.me.robot}",
-                    )
-                self._check_types(event)
-            case Done():
-                if self._moving is not None:
-                    self._refuse("it was Done while it moved", "wait for Moved, or yield Stop")
-                self.is_done = True
-            case _:
-                self._refuse(
-                    f"it yielded {brief(action)}, which is no action",
-                    "yield instances of Sense, Look, Move, Stop, Send, Receive, Note and Done",
-                )
+        robot = self.me.robot
+        with self._refusals():
+            match action:
+                case Sense() | Look():
+                    pass
+                case Move():
+                    move = plain.motion(action, robot)
+                    self._check_move(move)
+                    self._moving = move, self._now_s
+                case Stop():
+                    if self._moving is None:
+                        self._refuse(*STANDS)
+                case Send():
+                    self._check_send(action)
+                case Receive():
+                    wait_s = plain.timeout_s(action, robot)
+                    if wait_s is not None and wait_s < 0.0:
+                        self._refuse(
+                            f"timeout_s of its Receive is {wait_s:g}",
+                            "give 0 or more seconds, or None to wait for ever",
+                        )
+                case Note(event):
+                    self._check_types(plain.event(event, robot, self._now_s))
+                case Done():
+                    plain.ended(action, robot, self._now_s)
+                    plain.is_on_call(action, robot)
+                    if self._moving is not None:
+                        self._refuse(*MOVES)
+                    self.is_done = True
+                case _:
+                    plain.refuse_action(action, robot)
         if len(self.turns) in SEARCHES or isinstance(action, Done):
             self._search()
 
     def _check_types(self, event: Event) -> None:
         # What is recorded is read again with the types that its class declares.
-        try:
-            declared = as_declared(event, self.me.robot)
-        except ExplorerDefect as defect:
-            self._refuse(defect.what, defect.remedy)
+        declared = plain.as_declared(event, self.me.robot)
         before, after = (msgspec.json.encode(e, enc_hook=builtin) for e in (event, declared))
         if before != after:
             self._refuse(
@@ -315,22 +361,12 @@ class SupervisedExplorer:
             )
 
     def _check_send(self, send: Send) -> None:
-        if not isinstance(send.message, Message):
+        plain.size_bytes(send.message, self.me.robot)
+        to = plain.addressee(send.to, self.me.robot)
+        if to is not None and to not in range(self.me.team):
             self._refuse(
-                f"it sent {brief(send.message)}, which is no message",
-                "derive a class from multisrt.robots.messages.Message",
-            )
-        if send.to is not None and send.to not in range(self.me.team):
-            self._refuse(
-                f"it sent a message to robot {send.to!r}",
+                f"it sent a message to robot {to}",
                 f"the team's robots are 0 to {self.me.team - 1}; None is all of them",
-            )
-        try:
-            _ = send.message.size_bytes
-        except (TypeError, ValueError, OverflowError) as error:
-            self._refuse(
-                f"it sent a message that cannot be written: {error}",
-                "messages hold numbers, text, tuples, structures and read-only numpy arrays",
             )
         self._supervision.tell(send.message, self._known)
         what = f"a message ({send.message.kind}) that it had sent"
@@ -377,6 +413,11 @@ class SupervisedExplorer:
 
     def _search(self) -> None:
         cls = type(self._explorer)
+        if door := back_door(cls):
+            self._refuse(
+                f"its code names {door}, by which it could get at the truth",
+                "an explorer knows its scans, its messages and its RobotSelf, and that is all",
+            )
         found = truth_named_by_code(cls)
         if found is None:
             roots = {"explorer": self._explorer, "run()": self._actions, **named_by_code(cls)}
@@ -390,21 +431,28 @@ class SupervisedExplorer:
 
     # Refusals ----------------------------------------------------------------------------
 
-    def _refuse(self, what: str, remedy: str, cause: Exception | None = None) -> NoReturn:
+    def _refuse(self, what: str, remedy: str, cause: BaseException | None = None) -> NoReturn:
         me = self.me
         who = "the robot" if me.team == 1 else f"robot {me.robot} of {me.team}"
         where = f"{who} in {self._supervision.title}, action {len(self.turns)}"
         raise ExplorerDefect(what, where, remedy) from cause
 
-    def _refuse_change(self, what: str) -> NoReturn:
-        self._refuse(f"{what} was changed", "copy what is to be changed: all that is given is kept")
-
-    def _refuse_error(self, error: Exception) -> NoReturn:
+    def _refuse_change(self, what: str, cause: BaseException | None = None) -> NoReturn:
         self._refuse(
-            f"it raised {type(error).__name__}: {error}",
-            "an explorer ends with Done, whatever happens",
-            error,
+            f"{what} was changed",
+            "copy what is to be changed: all that is given is kept",
+            cause,
         )
+
+    @contextmanager
+    def _refusals(self) -> Iterator[None]:
+        # What the simulation refuses is told with the place in the run.
+        try:
+            yield
+        except ExplorerDefect as defect:
+            if defect.where.startswith("the explorer of "):
+                self._refuse(defect.what, defect.remedy)
+            raise
 
 
 def _seen(scan: Scan) -> BaseGeometry:

@@ -73,8 +73,8 @@ def _clocks(clock_s: float) -> dict[int, Any]:
     return replaced
 
 
-def modules_of(cls: type) -> list[ModuleType]:
-    """Return the loaded modules of the package of an explorer's class, if it is not this one."""
+def modules_of(cls: Any) -> list[ModuleType]:
+    """Return the loaded modules of the package of a class or function, if it is not this one."""
     package = cls.__module__.partition(".")[0]
     if package == "multisrt":
         return []

@@ -33,7 +33,7 @@ def test_an_explorer_yields_actions(drive, action, said):
 
 def test_a_run_that_is_no_generator_is_refused(drive, monkeypatch):
     monkeypatch.setattr("tests.multisrt.simulation.conftest.Actor.run", lambda _: [Sense()])
-    with pytest.raises(ExplorerDefect, match=r"run\(\) gave a list, not a generator"):
+    with pytest.raises(ExplorerDefect, match=r"run\(\) returned a list, not a generator"):
         drive()
 
 

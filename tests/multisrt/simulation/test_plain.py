@@ -30,7 +30,7 @@ from multisrt.geometry.errors import InvalidInputError
 from multisrt.planners.motion.trajectory import Trajectory, Waypoint
 from multisrt.recording import Recording
 from multisrt.robots.defects import ExplorerDefect
-from multisrt.robots.explorer import Done, Look, Move, Note, Receive, Send, Sense
+from multisrt.robots.explorer import Done, Look, Move, Note, Receive, Send, Sense, TimedOut
 from multisrt.robots.messages import Message
 from multisrt.spec import RobotSpec
 
@@ -231,7 +231,7 @@ WAY = Trajectory(STRAIGHT)
         (Send(Word(sender=0, content=1), to=np.float64(1)), r"to of its Send is .*, a float64"),
         (Send(Word), r"which is no message"),
         (Send(Word(sender=0, content=(1, 2j))), r"Word\.content\[1\] is 2j, a complex"),
-        (Send(Word(sender=0, content={"n": 2**70})), r"Word\.content\['n'\] is 118.*, a int"),
+        (Send(Word(sender=0, content={"n": 2**70})), r"Word\.content\['n'\] is 118.*, an int"),
         (Note(MapComplete), r"it put <class .*MapComplete'> on record; give Note an instance"),
         (Note(None), r"it put None on record"),
         (Note(MapComplete(time_s=NAN, robot=0)), r"MapComplete\.time_s .* is nan, a float; give a"),
@@ -240,16 +240,16 @@ WAY = Trajectory(STRAIGHT)
         (Note(MapComplete(time_s=0.0, robot=0.5)), r"MapComplete is not .*robot: .*int"),
         (Note(MapComplete(time_s=0.0, robot=np.int64(1))), r"event of robot 1 on record; .*=0"),
         (Note(MapComplete(time_s=2j, robot=0)), r"MapComplete\.time_s .* is 2j, a complex"),
-        (Note(MapComplete(time_s=0.0, robot=2**70)), r"MapComplete\.robot .* is 118.*, a int"),
+        (Note(MapComplete(time_s=0.0, robot=2**70)), r"MapComplete\.robot .* is 118.*, an int"),
         (Note(msgspec.structs.replace(NODE, boundary=np.full((3, 2), NAN))),
          r"NodeAdded\.boundary\[0\]\[0\] of what it put on record is nan"),
         (Note(GoalChosen(time_s=0.0, robot=0, rule="", because="", goal=None, bids=((INF,),))),
          r"GoalChosen\.bids\[0\]\[0\] of what it put on record is inf, a float"),
-        (Done(complete=1, reason="x"), r"Ended is not .*complete: .*bool"),
-        (Done(complete=True, reason="x", on_call=2), r"on_call of its Done is 2, a int"),
+        (Done(complete=1, reason="x"), r"complete of its Done is 1, an int; give True"),
+        (Done(complete=True, reason="x", on_call=2), r"on_call of its Done is 2, an int"),
         (Done(complete=True, reason="x", frontier=((0.0, 1.0, NAN, 3.0),)),
-         r"Ended\.frontier\[0\]\[2\] of what it put on record is nan"),
-        (Done(complete=True, reason="x", frontier=np.ones((1, 3))), r"Ended is not .*frontier"),
+         r"a coordinate of the frontier of its Done is nan, a float; give a finite"),
+        (Done(complete=True, reason="x", frontier=np.ones((1, 3))), r"a segment of the frontier of its Done is"),
         (Move(trajectory=STRAIGHT), r"trajectory of its Move is \(Waypoint.*, a tuple"),
         (Move(trajectory=Trajectory(())), r"its trajectory has no waypoint"),
         (Move(trajectory=Trajectory((STRAIGHT[0], Waypoint(NAN, 1.0, 1.0, 0.0)))),
@@ -257,9 +257,18 @@ WAY = Trajectory(STRAIGHT)
         (Move(trajectory=Trajectory((Waypoint(0.0, "1", 1.0, 0.0),))), r"trajectory is '1', a str"),
         (Move(trajectory=Trajectory((np.ones(3),))), r"waypoint 0 of its trajectory is array"),
         (Move(trajectory=WAY, guard_m=np.float32(INF)), r"guard_m of its Move is inf, a float"),
-        (Move(trajectory=WAY, listen=1), r"listen of its Move is 1, a int; give True or False"),
+        (Move(trajectory=WAY, listen=1), r"listen of its Move is 1, an int; give True or False"),
         (Move(trajectory=WAY, purpose="fun"), r"purpose of its Move is 'fun', a str; .*'explore'"),
-        (Look, r"the class Look"),
+        (Done(complete=True, reason=None), r"reason of its Done is None, a NoneType; say why"),
+            (Done(complete=True, reason="x", frontier=3), r"^the .* frontier of its Done is 3, an int"),
+            (Look, r"the class Look; yield an instance: Look\(\.\.\.\)"),
+            (None, r"it yielded None, .*; yield Sense\(\), not yield alone"),
+            ((x for x in "ab"), r"a generator; delegate .*: yield from <genexpr>\(\)"),
+            (WAY, r"no action; yield Move\(trajectory=\.\.\.\) to follow it"),
+            (Word(sender=0, content=1), r"no action; yield Send\(\.\.\.\) to send it"),
+            (MapComplete(time_s=0.0, robot=0), r"no action; yield Note\(\.\.\.\) to put it"),
+            (TimedOut(time_s=0.0), r"a TimedOut, which is an outcome; outcomes are what it is sent"),
+            ((Look(), Look()), r"it yielded 2 actions at once, in a tuple; yield them one by one"),
     ],
 )  # fmt: skip
 def test_what_cannot_be_used_is_refused_in_words(play, action, said):

@@ -1,0 +1,179 @@
+"""What the code of an explorer's class names, and where: it is read, not run."""
+
+from __future__ import annotations
+
+import builtins
+import dis
+import sys
+import types
+from collections import deque
+from collections.abc import Iterable, Iterator, Mapping
+from typing import Any, NamedTuple
+
+from multisrt.experiments.provenance import parts_behind
+
+
+class Named(NamedTuple):
+    """A thing that code names.
+
+    Attributes
+    ----------
+    name : str
+        The name for messages, such as ``global 'WORLD'`` or ``time.time``.
+    value : object
+        The thing.
+    code : code or None
+        The code that names it; None for an attribute of the class and a default.
+    line : int or None
+        Line of its file.
+    """
+
+    name: str
+    value: object
+    code: types.CodeType | None = None
+    line: int | None = None
+
+
+def names_in_reach(cls: type) -> Iterator[Named]:
+    """Yield what the code of a class names, and that of what it names in the same package.
+
+    Parameters
+    ----------
+    cls : type
+        The class of an explorer. Classes of this package name nothing: import rules cover them.
+
+    Yields
+    ------
+    Named
+        Globals, class attributes, defaults, imports and attributes of modules.
+    """
+    if package_of(cls) == "multisrt":
+        return
+    waiting: deque[Any] = deque([cls])
+    read: set[int] = set()
+    while waiting:
+        thing = waiting.popleft()
+        if id(thing) in read:
+            continue
+        read.add(id(thing))
+        for named in _named_in(thing):
+            yield named
+            inner = function_of(named.value) or named.value
+            if (
+                isinstance(inner, type | types.FunctionType)
+                and package_of(inner) == package_of(cls)
+                and not is_of_truth(named.value)
+            ):
+                waiting.append(inner)
+
+
+def function_of(value: object) -> types.FunctionType | None:
+    """Return the function of a function, method or property; None for anything else."""
+    for inner in (value, getattr(value, "__func__", None), getattr(value, "fget", None)):
+        if isinstance(inner, types.FunctionType):
+            return inner
+    return None
+
+
+def is_of_truth(value: object) -> bool:
+    """Whether a thing is a module that knows the world or simulates it, or defined in one."""
+    if isinstance(value, types.ModuleType):
+        return _is_truth_module(value.__name__)
+    if isinstance(value, type | types.FunctionType):
+        return _is_truth_module(value.__module__)
+    return False
+
+
+def package_of(thing: Any) -> str:
+    """Return the name of the package that defines a class or function."""
+    return str(getattr(thing, "__module__", "") or "").partition(".")[0]
+
+
+def names_in_code(code: types.CodeType, known: Mapping[str, object]) -> Iterator[Named]:
+    """Yield names of some code, and attributes of modules, such as `ms.environment`.
+
+    Parameters
+    ----------
+    code : code
+        The code of a function.
+    known : mapping
+        Its globals.
+
+    Yields
+    ------
+    Named
+        What it names.
+    """
+    name: str = ""
+    current: object = None
+    line: int | None = code.co_firstlineno
+    local: dict[str, object] = {}
+    for instruction in dis.get_instructions(code):
+        operation, argument = instruction.opname, instruction.argval
+        line = instruction.starts_line or line
+        if operation in ("LOAD_GLOBAL", "LOAD_NAME"):
+            name, current = argument, known.get(argument, getattr(builtins, argument, None))
+            yield Named(f"global {name!r}", current, code, line)
+        elif operation == "IMPORT_NAME":
+            name, current = argument, sys.modules.get(argument)
+            if current is None and _is_truth_module(argument):
+                current = types.ModuleType(argument)
+            yield Named(f"import of {name}", current, code, line)
+        elif operation == "IMPORT_FROM" and isinstance(current, types.ModuleType):
+            found = getattr(current, argument, None)
+            yield Named(f"import of {name}.{argument}", found, code, line)
+        elif operation in ("LOAD_ATTR", "LOAD_METHOD"):
+            if isinstance(current, types.ModuleType | type):
+                name, current = f"{name}.{argument}", getattr(current, argument, None)
+            else:
+                name, current = f".{argument}", None
+            yield Named(name, current, code, line)
+        elif operation in ("STORE_FAST", "STORE_DEREF"):
+            local[argument], current = current, None
+        elif operation in ("LOAD_FAST", "LOAD_DEREF"):
+            name, current = argument, local.get(argument)
+        else:
+            current = None
+
+
+def contents(cell: types.CellType) -> object:
+    """Return what a cell of a closure holds; None if it is empty."""
+    try:
+        return cell.cell_contents
+    except ValueError:
+        return None
+
+
+def defaults(function: types.FunctionType, of: str) -> Iterable[tuple[str, object]]:
+    """Return the defaults of a function's parameters, by a name for messages."""
+    values = [*(function.__defaults__ or ()), *(function.__kwdefaults__ or {}).values()]
+    return [(f"{of}{function.__name__}()", value) for value in values]
+
+
+def _named_in(thing: Any) -> Iterator[Named]:
+    # The attributes of a class, or what the code of a function names.
+    if isinstance(thing, type):
+        for base in thing.__mro__:
+            if package_of(base) == package_of(thing):
+                for name, value in base.__dict__.items():
+                    if not name.startswith("__") or function_of(value) is not None:
+                        yield Named(f"{base.__name__}.{name}", value)
+        return
+    for name, value in defaults(thing, "default of "):
+        yield Named(name, value)
+    for cell in thing.__closure__ or ():
+        inner = contents(cell)
+        if function_of(inner) is not None or isinstance(inner, type):
+            yield Named("closure", inner)
+    waiting = [thing.__code__]
+    while waiting:
+        code = waiting.pop()
+        waiting += [part for part in code.co_consts if isinstance(part, types.CodeType)]
+        yield from names_in_code(code, thing.__globals__)
+
+
+def _is_truth_module(name: str | None) -> bool:
+    # What the robots of this package do without is of the truth, or has to do with it.
+    package, _, inner = (name or "").partition(".")
+    part = inner.partition(".")[0]
+    return package == "multisrt" and part not in ("", "testing", *parts_behind("robots"))

@@ -1,0 +1,80 @@
+"""What keeps to the contract of explorers, and yet is hardly what its author wants."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from multisrt.analysis.metrics import SUCCESS_COVERAGE
+from multisrt.testing.checked_run import CheckedRun
+
+MAX_EXAMPLES = 2
+"""How many runs a warning names."""
+
+
+def doubts(runs: Sequence[CheckedRun]) -> tuple[str, ...]:
+    """Return warnings about an explorer whose runs have no defect.
+
+    Parameters
+    ----------
+    runs : sequence of CheckedRun
+        All its runs.
+
+    Returns
+    -------
+    tuple of str
+        What it does, and what to do; empty if there is nothing to warn of.
+
+    Examples
+    --------
+    >>> run = CheckedRun(
+    ...     world="hall",
+    ...     robots=1,
+    ...     outcome="complete",
+    ...     time_s=0.0,
+    ...     covered=0.0,
+    ...     actions={"Done": 1},
+    ...     digest="0" * 64,
+    ... )
+    >>> [warning.partition(";")[0] for warning in doubts([run])]  # doctest: +ELLIPSIS
+    ['it ends at once: its first action is Done', ...]
+    """
+    warnings = []
+    kinds = {kind for run in runs for kind in run.actions}
+    if kinds == {"Done"}:
+        warnings.append(
+            "it ends at once: its first action is Done; yield Sense() first, and move to where it "
+            "sees more"
+        )
+    elif "Sense" not in kinds:
+        warnings.append(
+            "it never senses: no robot takes a scan, so all that it knows is where it stands; "
+            "yield Sense(), and read the Scan that it is sent"
+        )
+    elif "Move" not in kinds:
+        warnings.append(
+            "it never moves: it sees what can be seen from its start alone; yield Move(...) to a "
+            "place that its scan shows to be free"
+        )
+    small = [run for run in runs if run.covered < SUCCESS_COVERAGE]
+    claims = [run for run in small if run.outcome == "complete"]
+    if claims:
+        warnings.append(
+            f"it says that it is complete but covered {_shares(claims)}; give Done complete=True "
+            f"only where no frontier is left: from {SUCCESS_COVERAGE:.0%} on a run is a success"
+        )
+    elif len(small) == len(runs) and not warnings:
+        warnings.append(
+            f"it covered little in all runs: {_shares(small)}; a run is a success from "
+            f"{SUCCESS_COVERAGE:.0%} on: see that it drives on while a frontier is left"
+        )
+    return tuple(warnings)
+
+
+def _shares(runs: Sequence[CheckedRun]) -> str:
+    # Those with the smallest shares, and how many more there are.
+    least = sorted(runs, key=lambda run: run.covered)
+    texts = [f"{run.covered:.1%} ({run.title})" for run in least[:MAX_EXAMPLES]]
+    more = len(runs) - len(texts)
+    if more == 0:
+        return " and ".join(texts)
+    return f"{', '.join(texts)} and less than {SUCCESS_COVERAGE:.0%} in {more} more"

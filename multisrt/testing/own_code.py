@@ -1,0 +1,231 @@
+"""Places in the code of an explorer, for messages, and names in it that explain a defect."""
+
+from __future__ import annotations
+
+import datetime
+import linecache
+import os
+import random
+import secrets
+import time
+import types
+import uuid
+from collections.abc import Iterable, Iterator
+from functools import lru_cache
+from pathlib import Path
+from types import FrameType, TracebackType
+from typing import Any
+
+import numpy as np
+
+from multisrt.robots.defects import Flaw, brief
+from multisrt.testing.code_reading import Named, names_in_reach
+from multisrt.testing.surroundings import CLOCKS, modules_of
+
+MAX_NAMES = 3
+"""How many places a message names at most."""
+
+_CHANCE = (
+    np.random.default_rng,
+    np.random.RandomState,
+    random.Random,
+    random.SystemRandom,
+    os.urandom,
+    uuid.uuid1,
+    uuid.uuid4,
+)
+_CLOCKS = (
+    datetime.datetime,
+    datetime.date.today,
+    *(getattr(time, name) for name in CLOCKS),
+    *(getattr(time, f"{name}_ns") for name in CLOCKS),
+)
+_ORDER = (set, frozenset, id, hash)
+
+_HIDDEN_IMPORTS = ("importlib", "__import__", "eval", "exec", "ctypes")
+_FRAMES = (
+    "f_back",
+    "f_locals",
+    "f_globals",
+    "f_builtins",
+    "tb_frame",
+    "gi_frame",
+    "__subclasses__",
+)
+_SEARCHES = (
+    "gc.get_objects",
+    "gc.get_referrers",
+    "gc.get_referents",
+    "sys._getframe",
+    "sys._current_frames",
+    "sys.modules",
+    "inspect.currentframe",
+    "inspect.stack",
+    "inspect.trace",
+)
+
+
+def place_of_error(cls: Any, trace: TracebackType | None) -> str:
+    """Return where in the code of an explorer an exception was raised, as text for a message.
+
+    Parameters
+    ----------
+    cls : type or callable
+        The class of the explorer, or the function that builds it.
+    trace : traceback or None
+        That of the exception.
+
+    Returns
+    -------
+    str
+        Such as ``mine.py:34, in choose: costs[goal]``; empty if there is no frame of its code.
+    """
+    frames = []
+    while trace is not None:
+        frames.append((trace.tb_frame.f_code, trace.tb_lineno))
+        trace = trace.tb_next
+    return _place(cls, reversed(frames))
+
+
+def place_of_frame(cls: Any, frame: FrameType | None) -> str:
+    """Return where in the code of an explorer it computes, as text for a message.
+
+    Parameters
+    ----------
+    cls : type or callable
+        The class of the explorer, or the function that builds it.
+    frame : frame or None
+        The innermost frame.
+
+    Returns
+    -------
+    str
+        As that of `place_of_error`.
+    """
+    frames = []
+    while frame is not None:
+        frames.append((frame.f_code, frame.f_lineno))
+        frame = frame.f_back
+    return _place(cls, frames)
+
+
+def error_flaw(cls: Any, error: BaseException) -> Flaw:
+    """Return the flaw of an explorer that raised an exception, with the line of its code."""
+    said = f": {error}" if str(error) else ""
+    place = told(place_of_error(cls, error.__traceback__))
+    return Flaw(
+        f"it raised {type(error).__name__}{said}{place}",
+        "correct that line: an explorer ends with Done, whatever happens",
+    )
+
+
+def told(place: str) -> str:
+    """Return a place in code as the end of a phrase; empty if it is not known."""
+    return f" ({place})" if place else ""
+
+
+def chance_in(cls: type) -> str:
+    """Return where a class uses random numbers that are not its robot's, as text; may be empty."""
+    generators = (random.Random, np.random.RandomState)
+    return _places(
+        named
+        for named in names_in_reach(cls)
+        if isinstance(getattr(named.value, "__self__", None), generators)
+        or _is_any(named.value, _CHANCE)
+        or getattr(named.value, "__module__", None) == secrets.__name__
+    )
+
+
+def clocks_in(cls: type) -> str:
+    """Return where a class names a clock, as text; may be empty."""
+    return _places(
+        named
+        for named in names_in_reach(cls)
+        if _is_any(named.value, _CLOCKS)
+        or getattr(named.value, "__self__", None) in (datetime.datetime, datetime.date)
+    )
+
+
+def order_in(cls: type) -> str:
+    """Return where a class names what depends on where objects lie in memory; may be empty."""
+    return _places(named for named in names_in_reach(cls) if _is_any(named.value, _ORDER))
+
+
+@lru_cache(maxsize=8)
+def back_door(cls: type) -> str:
+    """Return the first name in a class's code that leads round the contract to the truth.
+
+    Parameters
+    ----------
+    cls : type
+        The class of an explorer.
+
+    Returns
+    -------
+    str
+        The name and its place, such as ``gc.get_objects (mine.py:12)``; empty if there is none.
+    """
+    for named in names_in_reach(cls):
+        plain = named.name.removeprefix("global ").removeprefix("import of ").strip("'")
+        attribute = plain.rpartition(".")[2] if "." in plain else ""
+        if (
+            plain.partition(".")[0] in _HIDDEN_IMPORTS
+            or plain in _SEARCHES
+            or attribute in _FRAMES
+            or _title_of(named.value) in _SEARCHES
+        ):
+            return _at(named)
+    return ""
+
+
+def _place(cls: Any, frames: Iterable[tuple[types.CodeType, int]]) -> str:
+    # The innermost of the frames that are in the files of the explorer.
+    own = {name for name in (getattr(m, "__file__", None) for m in modules_of(cls)) if name}
+    runs = [base.__dict__.get("run") for base in getattr(cls, "__mro__", ())]
+    for made in (cls, *runs):
+        own |= {made.__code__.co_filename} if hasattr(made, "__code__") else set()
+    for code, line in frames:
+        if code.co_filename in own:
+            source = linecache.getline(code.co_filename, line).strip()
+            where = f"{_file(code)}:{line}, in {code.co_name}"
+            return f"{where}: {_cut(source)}" if source else where
+    return ""
+
+
+def _places(names: Iterator[Named]) -> str:
+    found = list(dict.fromkeys(_at(named) for named in names))
+    return ", ".join(found[:MAX_NAMES])
+
+
+def _at(named: Named) -> str:
+    name = named.name.removeprefix("global ").strip("'")
+    return name if named.code is None else f"{name} ({_file(named.code)}:{named.line})"
+
+
+def _file(code: types.CodeType) -> str:
+    name = Path(code.co_filename)
+    return "the notebook" if "ipykernel" in str(name) else name.name
+
+
+def _cut(source: str) -> str:
+    return brief(source, 62)[1:-1] if len(source) > 60 else source
+
+
+def _is_any(value: object, others: Iterable[Any]) -> bool:
+    return any(value is other or _is_same_method(value, other) for other in others)
+
+
+def _is_same_method(value: object, other: object) -> bool:
+    # Methods are made anew whenever they are named.
+    owner = getattr(value, "__self__", None)
+    return (
+        isinstance(owner, type)
+        and owner is getattr(other, "__self__", None)
+        and getattr(value, "__name__", None) == getattr(other, "__name__", "")
+    )
+
+
+def _title_of(value: object) -> str:
+    if not isinstance(value, types.FunctionType | types.BuiltinFunctionType):
+        return ""
+    return f"{getattr(value, '__module__', '')}.{value.__name__}"

@@ -11,7 +11,7 @@ from multisrt.explain.words import many, place, titled
 from multisrt.recording import Recording
 
 MAX_ROWS = 12
-"""Options that a table shows: of more, the chosen one and the first."""
+"""Options that a table shows: the chosen one, and then those with the least first value."""
 
 SAME_PLACE_M = 1e-6
 """An option this near to the goal is the chosen one."""
@@ -92,7 +92,11 @@ class _OwnStory(ChoiceStory):
         if not options:
             return
         chosen = [k for k, option in enumerate(options) if self._is_goal(option)]
-        shown = sorted([*chosen, *(k for k in range(len(options)) if k not in chosen)][:MAX_ROWS])
+        first = next(iter(values.values()), (None,) * len(options))
+        shown = sorted(
+            range(len(options)),
+            key=lambda k: (k not in chosen, math.inf if (v := first[k]) is None else v, k),
+        )[:MAX_ROWS]
         wide = [max(COLUMN, len(_line(name)) + 2) for name in values]
         named = zip(map(_line, values), wide, strict=True)
         yield f"  {'place':>16}" + "".join(f"{name:>{width}}" for name, width in named)

@@ -328,6 +328,9 @@ class FrontierMap:
             Distance between two bodies in metres, as in `Move`.
         """
         discs = discs_of(bodies, self._radius_m + guard_m)
+        if not len(discs):
+            yield
+            return
         before, self._past_bodies = self._past_bodies, {}
         try:
             with self.raster.blocked(discs):

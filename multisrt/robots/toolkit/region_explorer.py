@@ -204,7 +204,7 @@ class RegionExplorer(ABC):
 
     def run(self) -> Steps:
         """Explore: an explorer's contract, see `multisrt.robots.explorer.Explorer`."""
-        return self._explorer.run()
+        yield from self._explorer.run()
 
     @property
     def _robot(self) -> FrontierRobot:
@@ -225,7 +225,9 @@ class RegionExplorer(ABC):
             (),
             nothing,
         )
-        yield decided(self.me, robot.time_s, text, goal, options, **values)
+        # On record is the place as it was chosen, which is one of the options.
+        place = None if goal is None else chosen
+        yield decided(self.me, robot.time_s, text, place, options, **values)
         return goal
 
     def _close_near(self, place: Place) -> Steps:

@@ -68,7 +68,7 @@ def test_a_decision_is_told_in_its_own_words_and_numbers(recording):
         "is nearest [2J now",
         "goal (17.00, 2.00), 16.03 m away in a straight line",
         "place path (m) a value with a long name",
-        "(0.00, 2.00) - 0.00",
+        "(19.00, 2.00) 0.00 19.00",
         "* (17.00, 2.00) 2.00 17.00",
         "and 8 more options",
         "from 1.00 s on it drove 4.00 m in 8.00 s, to (5.00, 1.00)",

@@ -9,6 +9,7 @@ from typing import Any
 
 import msgspec
 import numpy as np
+from numpy.typing import NDArray
 
 from multisrt.events import Learned
 from multisrt.robots.explorer import (
@@ -35,7 +36,7 @@ class Options(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
     leg_s : float
         How long the robot drives from scan to scan, in seconds.
     patience : int
-        How often in a row other robots may stand in all its ways before it gives up.
+        How often in a row other robots may be in its way before it gives up.
     """
 
     leg_s: float = 1.0
@@ -45,7 +46,7 @@ class Options(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
 class News(Message, frozen=True):
     """What a robot has seen, and where it is."""
 
-    nodes: tuple[Node, ...]
+    node: Node
     place: tuple[float, float]
 
 
@@ -61,94 +62,63 @@ class Mine:
     def run(self) -> Steps:
         """Yield actions, and be sent what came of them."""
         barred = 0
-        yield from self.look_around()
         while barred < self.options.patience:
-            yield from self.listen(0.0)
-            if not self.map.frontiers(self.at):
+            yield from self.look_around()
+            frontiers = self.map.frontiers(self.at)
+            if not frontiers:
                 # Done, but on call: others may send something that leads on.
-                told: Any = yield Done(complete=True, reason="no frontier is left", on_call=True)
+                told = yield Done(complete=True, reason="no frontier is left", on_call=True)
                 yield from self.take(told)
                 continue
             bodies: Any = yield Look()
             with self.map.around(bodies):
-                goal = self.choose()
-            if goal is not None:
-                yield decided(self.me, self.time_s, "fewest are nearer, then the nearest", goal)
-            has_gone = goal is not None and (yield from self.go(goal))
+                goal, costs = self.choose(frontiers)
+                path = self.map.path(self.at, goal)
+            has_gone = False
+            if path is not None:
+                reason = "the nearest of those to which fewest are nearer"
+                yield decided(self.me, self.time_s, reason, goal, frontiers, path_m=costs)
+                has_gone = yield from self.go(goal, path)
             barred = 0 if has_gone else barred + 1
-            if not has_gone:
-                yield from self.step_aside()
+            # While others are in the way, wait a little before trying again.
+            yield from self.listen(0.0 if has_gone else self.me.rng.uniform(1.0, 3.0))
         yield Done(complete=False, reason="other robots stand in all ways")
 
-    def choose(self) -> Frontier | None:
-        """Return the frontier to go to, or None if other robots stand in all ways."""
-        frontiers = self.map.frontiers(self.at)
-        if not frontiers:
-            return None
+    def choose(self, frontiers: tuple[Frontier, ...]) -> tuple[Frontier, NDArray[np.float64]]:
+        """Return the frontier to go to, and the length of the path to each in metres."""
         costs = self.map.costs([self.at, *self.others.values()], frontiers)
         nearer = (costs[1:] < costs[0]).sum(axis=0)
-        return frontiers[int(np.lexsort((costs[0], nearer))[0])]
+        return frontiers[int(np.lexsort((costs[0], nearer))[0])], costs[0]
 
-    def go(self, goal: Frontier) -> Any:
-        """Drive to a frontier until nothing is left to see; return False if robots bar the way."""
-        while self.map.is_frontier(goal):
-            path = yield from self.path_to(goal)
-            moved = None if path is None else (yield from self.drive(path))
-            if path is None or (moved is not None and moved.blocked_by is not None):
-                return False
-            if moved is None:  # It stands there, or does not fit through.
-                self.map.give_up(goal)
-                break
-        return True
-
-    def path_to(self, place: Any) -> Any:
-        """Return the path to a place round the robots in sight, or None."""
-        bodies: Any = yield Look()
-        with self.map.around(bodies):
-            return self.map.path(self.at, place)
-
-    def drive(self, path: Any) -> Any:
-        """Follow a path until the next scan; return how the motion ended, None if there is none."""
+    def go(self, goal: Frontier, path: Any) -> Any:
+        """Follow a path until the next scan; return False if another robot was in the way."""
         assert self.map.region is not None
         way = trajectory_inside(self.me, self.at, path, self.map.region)
-        if way is None:
-            return None
+        if way is None:  # It stands there and sees nothing new, or does not fit through.
+            self.map.give_up(goal)
+            return True
         moved: Any = yield Move(trajectory=way.until(self.options.leg_s), guard_m=0.1)
-        self.at, self.time_s = moved.configuration, moved.time_s
-        yield from self.look_around()
-        return moved
-
-    def step_aside(self) -> Steps:
-        """Let others pass: wait a little, and go back towards a place where a scan was taken."""
-        yield from self.listen(self.me.rng.uniform(0.5, 2.0))
-        nodes = list(self.map.entries.nodes.values())
-        path = yield from self.path_to(nodes[self.me.rng.integers(len(nodes))])
-        if path is not None and self.me.rng.random() < 0.5:
-            yield from self.drive(path)
+        self.at = moved.configuration
+        return moved.blocked_by is None
 
     def look_around(self) -> Steps:
         """Scan; put what is new on the map and on record, and tell the others."""
         scan: Any = yield Sense()
+        self.time_s = scan.time_s
         node = self.map.add(scan)
         if node is not None:
             yield Note(node.added("root" if node.parent is None else "scan"))
-            yield Send(News(nodes=(node,), place=self.at[:2], sender=self.me.robot))
+            yield Send(News(node=node, place=self.at[:2], sender=self.me.robot))
 
     def listen(self, seconds: float) -> Steps:
-        """Take messages for some time; 0: those that are there."""
-        until_s = self.time_s + seconds
-        told: Any = yield Receive(timeout_s=seconds)
-        while isinstance(told, Received):
-            yield from self.take(told)
-            told = yield Receive(timeout_s=max(0.0, until_s - self.time_s))
-        self.time_s = told.time_s
+        """Wait for messages, at most for some time."""
+        yield from self.take((yield Receive(timeout_s=seconds)))
 
-    def take(self, told: Received) -> Steps:
-        """Add what others have seen to the map."""
-        self.time_s = told.time_s
-        for news in told.messages:
+    def take(self, told: Any) -> Steps:
+        """Add to the map what others have seen."""
+        for news in told.messages if isinstance(told, Received) else ():
             if isinstance(news, News):
                 self.others[news.sender] = news.place
-                new = self.map.merge(news.nodes)
+                new = self.map.merge([news.node])
                 if new:
-                    yield Note(Learned(time_s=self.time_s, robot=self.me.robot, nodes=new))
+                    yield Note(Learned(time_s=told.time_s, robot=self.me.robot, nodes=new))

@@ -15,6 +15,11 @@ def strategy() -> None:
     """Begin a strategy of your own.
 
     'multisrt strategies' lists those that there are.
+
+    \b
+    Examples:
+      multisrt strategy new mine.py
+      multisrt strategy new doors.py --size rule --name nearest-door
     """
 
 
@@ -35,9 +40,9 @@ def new(file: Path, size: str, name: str | None, force: bool) -> None:
     FILE (.py) gets a strategy with comments, in one of three sizes:
 
     \b
-      rule      which frontier a robot goes to: a function from path lengths to a number
-      planner   the next place in a map of safe regions; driving and talking are done for it
-      explorer  all that a robot does: scanning, mapping, driving, talking, ending
+      rule      which frontier a robot goes to: a function of path lengths
+      planner   the next place, chosen in a map of local safe regions
+      explorer  all that a robot does: scan, map, drive, talk, end
 
     \b
     Examples:

@@ -38,7 +38,7 @@ def test_commands_in_pages_have_the_options_they_name(page):
         words = line.partition("#")[0].split()
         if words[:1] != ["multisrt"]:
             continue
-        command = words[1:3] if words[1] == "experiment" else words[1:2]
+        command = words[1:3] if words[1] in ("experiment", "strategy") else words[1:2]
         if words[1:3] == ["environments", "show"]:
             command = words[1:3]
         shown = CliRunner().invoke(cli, [*command, "--help"])

@@ -10,7 +10,7 @@ from multisrt.spec import RadioSpec, RobotSpec, RunSpec, StopRule
 def test_every_help_page_has_examples_and_fits_80_columns(call, monkeypatch):
     monkeypatch.setenv("COLUMNS", "80")
     commands = [[], *([name] for name in cli.cli.commands)]
-    for name in ("experiment", "environments"):
+    for name in ("experiment", "environments", "strategy"):
         group = cli.cli.commands[name]
         assert isinstance(group, click.Group)
         commands += [[name, below] for below in group.commands]

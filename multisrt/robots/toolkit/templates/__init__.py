@@ -10,7 +10,7 @@ from types import MappingProxyType
 from typing import Final
 
 from multisrt.geometry.errors import InvalidInputError, did_you_mean
-from multisrt.robots.registry import strategies
+from multisrt.robots.registry import is_built_in
 from multisrt.robots.strategy import kebab_case
 
 SIZES: Final[Mapping[str, str]] = MappingProxyType(
@@ -63,9 +63,7 @@ def template(size: str, name: str, file: str) -> str:
             f"a strategy cannot be called {name!r}; give a name of letters, digits and hyphens "
             "that begins with a letter, such as nearest-door"
         )
-    # One of the author's own may be written anew.
-    shipped = {s.name for s in strategies() if s.explorer.__module__.startswith("multisrt.")}
-    if title in shipped:
+    if is_built_in(title):
         raise InvalidInputError(f"there is a strategy {title!r} already; give another name")
     text = files(__package__).joinpath(f"{size}.py").read_text(encoding="utf-8")
     spelt = {"mine.py": file, "museum-mine-0": f"museum-{title}-0", "Mine": camel, "mine": snake}

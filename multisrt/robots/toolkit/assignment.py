@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Callable
-from typing import Any, NoReturn, overload
+from typing import Any, NoReturn, SupportsIndex, overload
 
 import numpy as np
 
@@ -19,7 +19,7 @@ from multisrt.robots.frontier.wavefront_costs import Table, full_table
 from multisrt.robots.frontier.wavefront_rules import Choice, settle_on
 from multisrt.robots.strategy import Strategy, kebab_case
 
-AssignmentRule = Callable[[FloatArray, int], int | None]
+AssignmentRule = Callable[[FloatArray, int], SupportsIndex | None]
 """Takes costs and the robot's row; returns the number of a frontier, or None."""
 
 

@@ -2,24 +2,24 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, SupportsFloat
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from multisrt.events import MAX_OPTIONS, Decided
 from multisrt.geometry.errors import InvalidInputError
+from multisrt.geometry.numerics.arrays import FloatArray
 from multisrt.robots.explorer import Note, RobotSelf
 from multisrt.robots.toolkit.places import places_of
 
 
 def decided(
     me: RobotSelf,
-    time_s: float,
+    time_s: SupportsFloat,
     text: str,
     goal: Any = None,
     options: Any = (),
-    **values: ArrayLike,
+    **values: Any,
 ) -> Note:
     """Return the action that puts a decision on record.
 
@@ -102,7 +102,7 @@ def _pair(place: Any) -> tuple[float, float]:
     return x, y
 
 
-def _column(name: str, values: ArrayLike, count: int) -> np.ndarray[Any, np.dtype[np.float64]]:
+def _column(name: str, values: Any, count: int) -> FloatArray:
     try:
         column = np.array(values, np.float64)
     except (TypeError, ValueError):

@@ -1,3 +1,5 @@
+from typing import cast
+
 import msgspec
 import numpy as np
 import pytest
@@ -12,20 +14,20 @@ from multisrt.robots.messages import Message
 from multisrt.robots.registry import registered
 
 
-class MapPart(Message):
+class MapPart(Message, frozen=True):
     places: np.ndarray
     names: tuple[str, ...] = ()
 
 
-class WakeUpMessage(Message):
+class WakeUpMessage(Message, frozen=True):
     wakes = True
 
 
 def test_a_kind_is_made_of_the_name_of_the_class():
-    class Named(MapPart):
+    class Named(MapPart, frozen=True):
         kind = "other"
 
-    class Derived(Named):
+    class Derived(Named, frozen=True):
         pass
 
     assert MapPart.kind == "map part"
@@ -42,7 +44,7 @@ def test_arrays_are_copied_and_cannot_be_written():
     with pytest.raises(ValueError, match="read-only"):
         message.places[0] = 1.0
     with pytest.raises(AttributeError):
-        message.names = ("a",)
+        message.names = ("a",)  # type: ignore[misc]
     kept = MapPart(message.places, sender=1)
     assert kept.places is message.places
 
@@ -116,6 +118,6 @@ def test_a_message_that_wakes_reaches_a_robot_that_moves(message, told):
 
 def test_what_cannot_be_encoded_is_named_with_its_place():
     with pytest.raises(ExplorerDefect) as defect:
-        talk(MapPart(np.zeros(2), names=("a", object()), sender=1))
+        talk(MapPart(np.zeros(2), names=("a", cast(str, object())), sender=1))
     assert "MapPart.names[1] is <object object" in str(defect.value)
     assert "messages hold numbers, text, tuples" in str(defect.value)

@@ -1,4 +1,5 @@
 import math
+from typing import Any
 
 import msgspec
 import numpy as np
@@ -13,7 +14,8 @@ from multisrt.robots.toolkit import decided
 
 
 def decision(**changes) -> Decided:
-    return Decided(**{"time_s": 0.0, "robot": 0, "text": "so"} | changes)
+    known: dict[str, Any] = {"time_s": 0.0, "robot": 0, "text": "so"}
+    return Decided(**known | changes)
 
 
 def test_arrays_of_any_kind_are_taken(robot):
@@ -44,6 +46,7 @@ def test_of_many_options_the_best_and_the_goal_are_kept(robot):
     costs = np.abs(places[:, 0] - 150.0)
     costs[151] = math.inf
     event = decided(robot(), 0.0, "far away", places[299], places, cost=costs).event
+    assert isinstance(event, Decided)
     assert len(event.options) == MAX_OPTIONS
     assert event.options[-1] == (299.0, 0.0)
     kept = [x for x, _ in event.options[:-1]]
@@ -99,9 +102,7 @@ class Deliberate:
         scan = yield Sense()
         corners = scan.boundary[:2]
         yield decided(self.me, scan.time_s, "first", corners[0], corners, far=np.array([1.0, 2.0]))
-        yield Note(
-            Decided(time_s=0.0, robot=0, text="by hand", options=corners, values={"a": [1.0, 2.0]})
-        )
+        yield Note(decision(text="by hand", options=corners, values={"a": [1.0, 2.0]}))
         yield Done(complete=False, reason="has decided")
 
 

@@ -7,7 +7,7 @@ import multisrt as ms
 from multisrt.environments.catalog import environment
 from multisrt.events import ArcClosed, Decided, NodeAdded, Sensed
 from multisrt.robots.defects import ExplorerDefect
-from multisrt.robots.toolkit import RegionExplorer
+from multisrt.robots.toolkit import Mate, RegionExplorer
 from multisrt.robots.toolkit.region_explorer import within_disc
 
 WORLD = environment("open", size_m=8.0, columns=2)
@@ -63,7 +63,7 @@ def test_what_stays_frontier_after_a_scan_is_given_up_once(team):
 
 
 def test_robots_know_of_each_other():
-    heard = []
+    heard: list[tuple[int, float, Mate]] = []
 
     class Polite(Nearest):
         def choose(self):

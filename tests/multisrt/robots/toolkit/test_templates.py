@@ -15,7 +15,7 @@ STRATEGIES = {
     "planner": as_strategy(planner.Mine),
     "explorer": as_strategy(explorer.Mine),
 }
-COARSE: dict[str, dict[str, object]] = {
+COARSE: dict[str, dict[str, float]] = {
     "rule": {"sense_period_s": 2.0, "replan_period_s": 2.0, "cell_m": 0.2},
     "planner": {},
     "explorer": {"leg_s": 2.0},

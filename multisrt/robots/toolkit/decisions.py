@@ -23,8 +23,8 @@ def decided(
 ) -> Note:
     """Return the action that puts a decision on record.
 
-    ``multisrt why`` tells it, and reports count the decisions of every strategy. It changes
-    nothing in the run but its digest.
+    ``multisrt why`` tells it, and reports count them by strategy. It changes nothing in the run
+    but its digest.
 
     Parameters
     ----------

@@ -33,7 +33,7 @@ def test_templates_cover_bundled_worlds_without_collision(size, world, robots):
     run = ms.explore(world, strategy=STRATEGIES[size], robots=robots, seed=1, options=options)
     assert run.metrics.coverage >= 0.95
     assert run.metrics.collisions == 0
-    assert run.metrics.decisions > 0
+    assert (run.metrics.decisions > 0) == (size != "rule")
     assert run.outcome == "complete" or (size, robots) == ("planner", 3)
 
 

@@ -1,6 +1,6 @@
 """Print the table of all benchmarks; a missed target or an error is a line of it."""
 
-from benchmarks import frontier, kernels, machine, team, throughput, whole_run
+from benchmarks import frontier, kernels, machine, stepping, team, throughput, whole_run
 from benchmarks.harness import show
 
 
@@ -10,6 +10,7 @@ def main() -> None:
     show(
         kernels.BENCHMARKS
         | whole_run.BENCHMARKS
+        | stepping.BENCHMARKS
         | team.BENCHMARKS
         | frontier.BENCHMARKS
         | throughput.BENCHMARKS

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from multisrt.analysis.measuring import measure
     from multisrt.analysis.metrics import Metrics
     from multisrt.comparison import Comparison, compare
+    from multisrt.driving.driver import drive
     from multisrt.environments.catalog import catalog, environment
     from multisrt.environments.environment import Environment
     from multisrt.environments.formats import read_environment
@@ -50,6 +51,7 @@ if TYPE_CHECKING:
         Silence,
         StopRule,
     )
+    from multisrt.stepper import Stepper
 
 _HOMES = {
     "CatalogEnvironment": "spec",
@@ -74,11 +76,13 @@ _HOMES = {
     "Run": "run",
     "RunSpec": "spec",
     "Silence": "spec",
+    "Stepper": "stepper",
     "StopRule": "spec",
     "Strategy": "robots.strategy",
     "area_known_to_one": "analysis.known_area",
     "catalog": "environments.catalog",
     "compare": "comparison",
+    "drive": "driving.driver",
     "environment": "environments.catalog",
     "explore": "run",
     "isolation": "analysis.isolation",
@@ -113,11 +117,13 @@ __all__ = [
     "Run",
     "RunSpec",
     "Silence",
+    "Stepper",
     "StopRule",
     "Strategy",
     "area_known_to_one",
     "catalog",
     "compare",
+    "drive",
     "environment",
     "explore",
     "isolation",

@@ -355,6 +355,35 @@ class Recorder:
         self._write(_ENCODER.encode(footer))
         return Recording(header=self.header, events=tuple(self.events), footer=footer)
 
+    def cut_off(
+        self, time_s: float, reason: str, under_way: Iterable[AnyEvent], *, chance: bool
+    ) -> Recording:
+        """Return the recording of a run that is cut off at a time, and record on.
+
+        Parameters
+        ----------
+        time_s : float
+            The time now, in seconds.
+        reason : str
+            Why the run is cut off.
+        under_way : iterable of Event
+            What has begun and is not recorded yet.
+        chance : bool
+            Whether a random number was drawn.
+        """
+        events, digest = list(self.events), self._digest.copy()
+        for event in under_way:
+            events.append(event)
+            digest.update(_ENCODER.encode(event) + b"\n")
+        footer = Footer(
+            time_s=time_s,
+            outcome="out_of_time",
+            reason=reason,
+            chance=chance,
+            digest=digest.hexdigest(),
+        )
+        return Recording(header=self.header, events=tuple(events), footer=footer)
+
     def _write(self, line: bytes) -> None:
         if self.file is not None:
             self.file.write(line + b"\n")

@@ -364,21 +364,39 @@ def explore(
         "max_time_s": max_time_s,
     }
     given = {name: value for name, value in (rest | team | robot).items() if value is not None}
+    spec, world = spec_and_world(environment, given)
+    return Run(simulate(spec, world, path=recording_path, watch=watch), world)
+
+
+def spec_and_world(
+    environment: Environment | str | Path | RunSpec, given: Mapping[str, Any]
+) -> tuple[RunSpec, Environment]:
+    """Return the spec and the world that the arguments of `explore` describe.
+
+    Parameters
+    ----------
+    environment : Environment, str, Path or RunSpec
+        As for `explore`.
+    given : mapping
+        The arguments of `explore` that describe the run and that are given, by name.
+
+    Raises
+    ------
+    InvalidInputError
+        As `explore`.
+    """
     if isinstance(environment, RunSpec):
         if given:
             raise InvalidInputError(
                 "a RunSpec describes the run: with it, give only recording_path and watch, and "
                 f"leave out {', '.join(given)}"
             )
-        spec, world = environment, build_environment(environment.environment)
-    elif isinstance(environment, Environment):
-        world = environment
-        spec = RunSpec(environment=inline(world), **_run_fields(given))
-    else:
-        where = environment_spec(str(environment))
-        world = build_environment(where)
-        spec = RunSpec(environment=where, **_run_fields(given))
-    return Run(simulate(spec, world, path=recording_path, watch=watch), world)
+        return environment, build_environment(environment.environment)
+    if isinstance(environment, Environment):
+        return RunSpec(environment=inline(environment), **_run_fields(given)), environment
+    where = environment_spec(str(environment))
+    world = build_environment(where)
+    return RunSpec(environment=where, **_run_fields(given)), world
 
 
 def _run_fields(given: Mapping[str, Any]) -> dict[str, Any]:

@@ -1,4 +1,5 @@
 import ast
+import re
 import subprocess
 import sys
 from collections import Counter
@@ -58,6 +59,22 @@ def test_faults_reports_every_fault(load_module, tmp_path, capsys):
         assert what in told
     assert "Robot 0 at 100.00 s" in told
     assert (tmp_path / "faults.svg").exists()
+
+
+@pytest.mark.slow
+def test_a_grid_world_of_someone_else_is_explored_wholly(load_module, tmp_path, capsys):
+    world = (EXAMPLES / "grid_world.py").read_text()
+    assert "multisrt" not in "".join(re.findall(r"^(?:import|from) .*$", world, re.MULTILINE))
+    load_module(EXAMPLES / "drive_grid_world.py").main(folder=tmp_path)
+    alone, together = capsys.readouterr().out.splitlines()
+    for told in (alone, together):
+        # Beams are marched in steps, so that a strip along the walls is not taken as free.
+        share = re.search(r"complete after \d+ s, (9[67]\.\d)% covered", told)
+        assert share, told
+    assert alone.endswith(", 0 messages")
+    assert int(together.split()[-2]) > 100
+    for name in ("alone", "together"):
+        assert (tmp_path / f"drive_grid_world_{name}.svg").read_text().count("<path") > 10
 
 
 @pytest.mark.slow

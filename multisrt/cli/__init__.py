@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import click
 
+from multisrt.cli.check import check
 from multisrt.cli.environments import environments
 from multisrt.cli.experiment import experiment
 from multisrt.cli.explore import explore
@@ -30,6 +31,7 @@ def cli() -> None:
       multisrt explore office
       multisrt explore museum --robots 4 --strategy srt-radial --strategy srt-star
       multisrt why runs/office-srt-radial-0/recording.jsonl --robot 0 --time 31.5
+      multisrt check mine.py
       multisrt experiment new star.toml
       multisrt environments
       multisrt strategies
@@ -38,7 +40,19 @@ def cli() -> None:
     """
 
 
-for command in (explore, experiment, report, why, environments, strategies, strategy, reproduce):
+COMMANDS = (
+    explore,
+    check,
+    experiment,
+    report,
+    why,
+    environments,
+    strategies,
+    strategy,
+    reproduce,
+)
+
+for command in COMMANDS:
     cli.add_command(command)
 
 

@@ -48,9 +48,9 @@ Examples:
   multisrt explore office --robots 3 --fault death:2@30 --fault late:1@60
   multisrt explore office --robot footprint=disc:0.3,range=6 --robot speed=1
   multisrt explore mine.py:Mine --robots 3
-  multisrt explore museum --robots 4 --strategy mine.py:Mine --strategy minpos
+  multisrt explore museum --strategy mine.py:Mine --strategy minpos
   multisrt explore --spec runs/office-srt-radial-0/spec.toml --out again
-  multisrt explore --spec runs/office-mine-0/spec.toml --import mine.py --out again
+  multisrt explore --spec runs/office-mine-0/spec.toml --import mine.py
 
 \b
 Files written, with several strategies in one folder each:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -69,13 +69,24 @@ def spec_of_options(environment: str, strategy: str | None, given: Mapping[str, 
         environment=environment_spec(
             environment, resolution_m=given["resolution"], threshold=given["threshold"]
         ),
-        options=dict(_key_and_value(text, "--option") for text in given["options"]),
+        options=options_of(given["options"]),
         robots=_team(given),
         radio=RadioSpec(**radio),
         faults=tuple(_fault(text) for text in given["faults"]),
         stop=StopRule(**_renamed(given, max_time="max_time_s")),
         **fields,
     )
+
+
+def options_of(texts: Iterable[str]) -> dict[str, Any]:
+    """Return the values of ``--option KEY=VALUE`` by key.
+
+    Raises
+    ------
+    click.BadParameter
+        If a text is not KEY=VALUE.
+    """
+    return dict(_key_and_value(text, "--option") for text in texts)
 
 
 def _renamed(given: Mapping[str, Any], /, **fields: str) -> dict[str, Any]:

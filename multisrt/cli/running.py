@@ -22,7 +22,7 @@ class Running:
     Attributes
     ----------
     workers : int or None
-        Number of processes on this machine; None: one for each core.
+        Number of processes on this machine; None: one for each core; 0: this process alone.
     cluster : str or None
         Address of a `dask.distributed` scheduler instead.
     retry : bool
@@ -77,9 +77,10 @@ def running_options(command: Callable[..., None]) -> Callable[..., None]:
     options = (
         click.option(
             "--workers",
-            type=click.IntRange(1),
+            type=click.IntRange(0),
             metavar="N",
-            help="Number of processes on this machine.  [default: one for each core]",
+            help="Number of processes on this machine; 0: this process makes the runs, without "
+            "limits.  [default: one for each core]",
         ),
         click.option(
             "--cluster",

@@ -39,16 +39,20 @@ MAX_ACCOUNTS: Final = 16
 OUTCOMES: Final = {"complete": "complete", "stalled": "stalled", "out_of_time": "out of time"}
 
 
-def heading(recording: Recording, traces: list[Trace]) -> list[str]:
-    """Return the title of a picture and the lines below it: the run, its outcome and its faults."""
+def heading(recording: Recording, traces: list[Trace], status: str | None = None) -> list[str]:
+    """Return the title of a picture and the lines below it: the run, its outcome and its faults.
+
+    A status is told instead of the outcome.
+    """
     spec, footer = recording.spec, recording.footer
     team = f", {len(traces)} robots" if len(traces) > 1 else ""
     nodes = sum(len(trace.nodes) for trace in traces)
     distance = math.fsum(trace.distance_m for trace in traces)
+    if status is None:
+        status = f"{OUTCOMES[footer.outcome]} after {footer.time_s:,.0f} s"
     lines = [
         f"{spec.strategy} in {recording.header.world}{team}, seed {spec.seed}",
-        f"{OUTCOMES[footer.outcome]} after {footer.time_s:,.0f} s: "
-        f"{_counted(nodes, _unit(traces))}, {distance:,.0f} m travelled",
+        f"{status}: {_counted(nodes, _unit(traces))}, {distance:,.0f} m travelled",
     ]
     left = math.fsum(math.hypot(x1 - x0, y1 - y0) for t in traces for x0, y0, x1, y1 in t.frontier)
     if left:

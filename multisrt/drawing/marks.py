@@ -55,11 +55,16 @@ def draw_stops(sheet: Sheet, trace: Trace) -> None:
         child(layer, "path", d=path)
 
 
-def draw_areas(sheet: Sheet, areas: Mapping[int, list[FloatArray]], robots: int) -> None:
+def draw_areas(
+    sheet: Sheet,
+    areas: Mapping[int, list[FloatArray]],
+    robots: int,
+    label: str = "seen first",
+) -> None:
     """Fill the rings of the area that each robot saw first with the colour of the robot."""
     for robot in range(robots):
         style = RobotStyles.of(robot).area
-        layer = sheet.layer(f"robot {robot}: seen first", style, fill_rule="evenodd")
+        layer = sheet.layer(f"robot {robot}: {label}", style, fill_rule="evenodd")
         if rings := areas.get(robot):
             child(layer, "path", d=sheet.pen.rings(rings))
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Final
 
@@ -64,11 +65,32 @@ def tree_svg(recording: Recording) -> str:
     >>> tree_svg(run.recording).count("<svg")
     1
     """
+    return run_sheet(recording).svg()
+
+
+def run_sheet(
+    recording: Recording,
+    status: str | None = None,
+    draw_below: Callable[[Sheet], None] | None = None,
+) -> Sheet:
+    """Return the sheet of `tree_svg`.
+
+    Parameters
+    ----------
+    recording : Recording
+        Recording of the run.
+    status : str, optional
+        What the heading says instead of the outcome.
+    draw_below : callable, optional
+        Draws on the ground, below all else.
+    """
     environment = recording.environment()
     traces = traces_of(recording)
-    sheet = Sheet(environment, heading(recording, traces), description(recording))
+    sheet = Sheet(environment, heading(recording, traces, status), description(recording))
     team = len(traces) > 1
     sheet.draw_ground("unseen free space")
+    if draw_below is not None:
+        draw_below(sheet)
     if any(trace.scans for trace in traces):
         draw_ways(sheet, recording, environment, traces)
     else:
@@ -76,7 +98,7 @@ def tree_svg(recording: Recording) -> str:
     if team:
         sheet.swatches = swatches(traces)
         sheet.swatches_heading = swatches_heading(traces)
-    return sheet.svg()
+    return sheet
 
 
 def save_tree_svg(recording: Recording, path: str | Path) -> None:

@@ -238,8 +238,12 @@ def _home_of(own: Strategy) -> tuple[ModuleType, str]:
         made = Strategy.of(explorer)
         if made.options is own.options and own.fits is None:
             return home, name if made.name == own.name else f"{name}={own.name}"
-    if name := _bound_in(main, own):
-        return main, name
+    if bound := _bound_in(main, own):
+        return main, bound
+    if "<locals>" in name:
+        raise _not_importable(
+            own, f"{name} is defined within a function", "name the module that registers it, or "
+        )
     return home, ""  # the module registers it, perhaps
 
 
@@ -282,5 +286,5 @@ def _not_importable(own: Strategy, why: str, remedy: str = "") -> InvalidInputEr
     return InvalidInputError(
         f"the strategy {own.name!r} cannot be imported by worker processes: {why}; {remedy}write "
         "it to a file and import it from there (in a notebook: %%writefile mine.py), or give "
-        "workers=0, which makes the runs in this process, one after another"
+        "workers=0 (--workers 0), which makes the runs in this process, one after another"
     )

@@ -9,11 +9,13 @@ import sys
 import sysconfig
 from collections.abc import Iterable, Iterator
 from pathlib import Path
+from types import ModuleType
 
 from multisrt.experiments.modules import home_modules, own_strategies
 from multisrt.experiments.provenance import Provenance, code_of, provenance
 from multisrt.experiments.spec import ExperimentSpec
 from multisrt.geometry.errors import InvalidInputError
+from multisrt.robots.loading import is_outdated
 from multisrt.robots.strategy import Strategy
 
 _LIBRARIES = tuple(
@@ -65,7 +67,7 @@ def source_digest(own: Strategy) -> str:
     Raises
     ------
     InvalidInputError
-        If a file cannot be read.
+        If a file cannot be read, or has changed since this process imported it.
     """
     files = sorted(_code_behind(own))
     if not files:
@@ -102,6 +104,7 @@ def require_files(spec: ExperimentSpec) -> None:
 def _code_behind(own: Strategy) -> Iterator[bytes]:
     begin = {}
     for module in home_modules(own):
+        _require_current(module)
         file = getattr(module, "__file__", None)
         if file is not None and file.endswith(".py") and Path(file).exists():
             begin[Path(file).resolve()] = module.__package__ or ""
@@ -117,8 +120,17 @@ def _code_behind(own: Strategy) -> Iterator[bytes]:
         for its_package, imported in _imports(tree, package):
             found = _file_of(imported)
             if found is not None and found not in seen and _is_own(found, roots):
+                _require_current(sys.modules.get(imported))
                 seen.add(found)
                 waiting.append((found, its_package))
+
+
+def _require_current(module: ModuleType | None) -> None:
+    if module is not None and is_outdated(module):
+        raise InvalidInputError(
+            f"{Path(module.__file__ or '').name} has changed since it was imported here: start "
+            f"again, or import it again (importlib.reload) and give its strategy anew"
+        )
 
 
 def _imports(tree: ast.Module, package: str) -> Iterator[tuple[str, str]]:

@@ -127,11 +127,14 @@ class Specs:
         """Return the spec of a run; None if the experiment lacks the run or cannot be built."""
         if self._specs is None:
             self._specs = {}
+            experiment, impossible = self._results.experiment, self._impossible
             try:
-                planned = runs(self._results.experiment, self._folder, impossible=self._impossible)
-                self._specs = {run.key: run.spec for run in planned}
+                planned = runs(experiment, self._folder, impossible=impossible)
             except InvalidInputError as error:
-                self._problem = str(error)
+                planned, self._problem = [], str(error)
+            self._specs = {run.key: run.spec for run in planned}
+            if not planned and impossible:
+                self._problem = next(iter(impossible.values()))
         return self._specs.get(result.key)
 
     def problem(self, result: Result) -> str:

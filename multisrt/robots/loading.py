@@ -238,6 +238,39 @@ def import_place(place: str) -> ModuleType:
     return module
 
 
+def is_outdated(module: ModuleType) -> bool:
+    """Whether the file of a module has changed since this process imported it.
+
+    Parameters
+    ----------
+    module : module
+        The module.
+
+    Returns
+    -------
+    bool
+        As far as this can be told: by what was read, or by the compiled file that Python keeps.
+
+    Examples
+    --------
+    >>> is_outdated(importlib.import_module("json"))
+    False
+    """
+    path = Path(getattr(module, "__file__", None) or "")
+    if path.suffix != ".py" or not path.is_file():
+        return False
+    if module.__name__ in _contents:
+        return path.read_bytes() != _contents[module.__name__]
+    cached = Path(getattr(module.__spec__, "cached", None) or "")
+    header = cached.read_bytes()[:16] if cached.is_file() else b""
+    if len(header) < 16 or header[4:8] != bytes(4):
+        return False
+    # Python's own check: modification time and size of the source, modulo 2 ** 32.
+    now = path.stat()
+    kept = [int.from_bytes(header[begin : begin + 4], "little") for begin in (8, 12)]
+    return kept != [int(now.st_mtime) % 2**32, now.st_size % 2**32]
+
+
 def being_imported() -> str:
     """Return which module or file is being imported by this module; empty if none is.
 

@@ -62,8 +62,8 @@ def register(strategy: Strategy | Callable[..., Explorer], *, replace: bool = Fa
     added, known = as_strategy(strategy), _registry()
     if is_built_in(added.name):
         raise InvalidInputError(
-            f"there is a strategy {added.name!r} already, and it is built in; choose another name"
-            + ("" if isinstance(strategy, Strategy) else ": Strategy.of(..., name=...)")
+            f"there is a strategy {added.name!r} already, and it is built in; choose another "
+            "name, as by Strategy.of(..., name=...)"
         )
     if added.name in known and not replace:
         raise InvalidInputError(

@@ -16,6 +16,7 @@ import msgspec
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import InvalidInputError, did_you_mean
 from multisrt.robots.explorer import Explorer, RobotSelf
+from multisrt.robots.strategy_fields import require_fields
 from multisrt.spec import RunSpec
 from multisrt.validation_errors import explained
 
@@ -38,7 +39,7 @@ class Strategy:
     Attributes
     ----------
     name : str
-        Its name in specs and on the command line.
+        Its name in specs and on the command line: lower-case letters and digits, and hyphens.
     summary : str
         One line for lists.
     options : type
@@ -51,6 +52,11 @@ class Strategy:
         For a strategy that sees the truth: takes the `RunSpec`, the environment, the starts and
         a callable that is told of its progress or None; returns for each robot what its
         `RobotSelf.orders` are to be. None: robots know what they sense and hear.
+
+    Raises
+    ------
+    InvalidInputError
+        If a field cannot be used; the message says which, and what to give.
 
     Examples
     --------
@@ -74,6 +80,11 @@ class Strategy:
     explorer: Callable[[RobotSelf, Any], Explorer]
     fits: Callable[[RunSpec], None] | None = None
     plan: Plan | None = None
+
+    def __post_init__(self) -> None:
+        require_fields(
+            self.name, self.summary, self.options, self.explorer, fits=self.fits, plan=self.plan
+        )
 
     @classmethod
     def of(

@@ -7,8 +7,9 @@ from typing import Any
 
 import simpy
 
-PROMPT, LATE = 1, 2
-"""Priorities of what is scheduled for one moment: timeouts come after all else."""
+FIRST, PROMPT, LATE = -1, 1, 2
+"""Priorities of what is scheduled for one moment: a pause is over before all else happens, also
+before a process begins (0), and timeouts come after all else."""
 
 ROUNDING_S = 1e-9
 """Tolerance within which two computed times are the same moment, in seconds."""
@@ -41,6 +42,10 @@ class Clock:
         """Return a new event that a process can wait for."""
         return self._schedule.event()
 
+    def pause(self) -> simpy.Event:
+        """Return an event that is over at the next step, which changes no order of all others."""
+        return _Call(self._schedule, 0.0, None, FIRST)
+
     def start(self, process: Generator[Any, Any, None]) -> None:
         """Schedule a process to begin now."""
         self._schedule.process(process)
@@ -53,18 +58,19 @@ class Clock:
 
 
 class _Call(simpy.Event):  # type: ignore[misc]
-    """A scheduled call of a function."""
+    """A scheduled call of a function; without one, it only happens."""
 
     def __init__(
         self,
         schedule: simpy.Environment,
         delay_s: float,
-        then: Callable[[], None],
+        then: Callable[[], None] | None,
         priority: int,
     ) -> None:
         super().__init__(schedule)
         # An event that will succeed, as simpy.Timeout is, which has no choice of a priority.
         self._ok = True
         self._value = None
-        self.callbacks.append(lambda _: then())
+        if then is not None:
+            self.callbacks.append(lambda _: then())
         schedule.schedule(self, priority, delay_s)

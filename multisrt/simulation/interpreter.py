@@ -6,9 +6,11 @@ out the action that the explorer yields, and waits where the action takes time.
 
 from __future__ import annotations
 
-from collections.abc import Generator
+from collections.abc import Callable, Generator
 from dataclasses import dataclass
 from typing import Any
+
+import simpy
 
 from multisrt.events import Ended, Organized, Sensed
 from multisrt.geometry.regions.scan import Scan
@@ -43,6 +45,9 @@ MAX_ACTIONS = 100_000
 Process = Generator[Any, Any, None]
 """A process of the clock."""
 
+Pause = Callable[[int, Outcome, Action], simpy.Event]
+"""Takes a robot, what its explorer was told and what it yielded; returns an event to wait for."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Surroundings:
@@ -71,17 +76,32 @@ class Interpreter:
         What decides for it.
     surroundings : Surroundings
         What carries out its actions.
+    pause : callable, optional
+        What to wait for before each action is carried out.
+
+    Attributes
+    ----------
+    actions : generator or None
+        What `run` of the explorer returned.
     """
 
-    def __init__(self, robot: Robot, explorer: Explorer, surroundings: Surroundings) -> None:
+    def __init__(
+        self,
+        robot: Robot,
+        explorer: Explorer,
+        surroundings: Surroundings,
+        pause: Pause | None = None,
+    ) -> None:
         self._robot = robot
         self._explorer = explorer
+        self._pause = pause
         self._clock = surroundings.clock
         self._journal = surroundings.journal
         self._sensing = surroundings.sensing
         self._motions = surroundings.motions
         self._mail = surroundings.mail
         self._faults = surroundings.faults
+        self.actions: Generator[Action, Outcome, None] | None = None
         # How many actions the explorer has yielded at the present moment.
         self._acted_s = 0.0
         self._actions = 0
@@ -105,11 +125,13 @@ class Interpreter:
             pass
 
     def _interpret(self) -> Process:
-        robot, number = self._robot, self._robot.number
+        robot, number, pause = self._robot, self._robot.number, self._pause
         outcome: Outcome = None
-        actions = self._begin()
+        self.actions = actions = self._begin()
         while True:
             action = self._next_action(actions, outcome)
+            if pause is not None:
+                yield pause(number, outcome, action)
             outcome = None
             match action:
                 # The most frequent actions come first.

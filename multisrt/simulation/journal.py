@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 
 from multisrt.events import AnyEvent, NodeAdded, NodeName
 from multisrt.recording import Recorder, Recording, RunOutcome
@@ -56,3 +56,9 @@ class Journal:
     def finish(self, time_s: float, outcome: RunOutcome, reason: str, *, chance: bool) -> Recording:
         """Return the recording of a run that ended; `chance`: whether a number was drawn."""
         return self._recorder.finish(time_s, outcome, reason, chance=chance)
+
+    def cut_off(
+        self, time_s: float, reason: str, under_way: Iterable[AnyEvent], *, chance: bool
+    ) -> Recording:
+        """Return the recording of the run as if it were cut off now; see `Recorder.cut_off`."""
+        return self._recorder.cut_off(time_s, reason, under_way, chance=chance)

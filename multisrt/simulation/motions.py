@@ -141,24 +141,32 @@ class Motions:
         """End a robot's motion where it is at a time, and record what was driven."""
         assert robot.motion is not None
         motion, robot.motion = robot.motion, None
-        move = motion.move
         arrived = time_s >= motion.arrival_s - ROUNDING_S
-        driven = move.trajectory if arrived else move.trajectory.until(time_s - motion.set_out_s)
         self._traffic.end(robot.number, max(time_s, motion.arrival_s) if arrived else time_s)
+        driven = motion.driven(time_s)
+        self._journal.record(self._event(robot, motion, driven))
+        self._foresee_others(robot)
+        return Moved(configuration=driven.end, time_s=self._clock.now_s)
+
+    def under_way(self, time_s: float) -> list[Motion]:
+        """Return the motions that have begun before a time, as if they ended then."""
+        return [
+            self._event(robot, robot.motion, robot.motion.driven(time_s))
+            for robot in self._robots
+            if robot.motion is not None and robot.motion.set_out_s < time_s
+        ]
+
+    def _event(self, robot: Robot, motion: MotionUnderWay, driven: Trajectory) -> Motion:
         waypoints = tuple(
             (min(motion.set_out_s + w.time_s, self._max_time_s), w.x, w.y, w.heading)
             for w in driven.waypoints
         )
-        self._journal.record(
-            Motion(
-                time_s=motion.set_out_s,
-                robot=robot.number,
-                waypoints=waypoints,
-                purpose=move.purpose,
-            )
+        return Motion(
+            time_s=motion.set_out_s,
+            robot=robot.number,
+            waypoints=waypoints,
+            purpose=motion.move.purpose,
         )
-        self._foresee_others(robot)
-        return Moved(configuration=driven.end, time_s=self._clock.now_s)
 
     def end_all(self, time_s: float) -> None:
         """End all motions where the robots are at a time."""

@@ -7,9 +7,10 @@ from typing import Literal
 
 from multisrt.events import Ended
 from multisrt.geometry.bodies.collision import Body
+from multisrt.planners.motion.trajectory import Trajectory
 from multisrt.robots.explorer import Move
 from multisrt.robots.messages import Message
-from multisrt.simulation.clock import Clock
+from multisrt.simulation.clock import ROUNDING_S, Clock
 from multisrt.simulation.encounters import Encounter
 from multisrt.spec import RobotSpec
 
@@ -32,6 +33,12 @@ class MotionUnderWay:
     set_out_s: float
     arrival_s: float
     encounter: Encounter | None = None
+
+    def driven(self, time_s: float) -> Trajectory:
+        """Return what has been driven by a time: all of it from its arrival on."""
+        if time_s >= self.arrival_s - ROUNDING_S:
+            return self.move.trajectory
+        return self.move.trajectory.until(time_s - self.set_out_s)
 
 
 class Robot:

@@ -210,6 +210,22 @@ class Case:
                 "decide by what the explorer was sent alone, and draw from the RobotSelf's rng",
             )
 
+    def compare_elsewhere(self, digest: str | None) -> None:
+        """Compare its digest with that of the same run in another process, if there is one."""
+        assert self.recording is not None
+        if digest is None:
+            raise self._defect(
+                "in another process the same run does not end well",
+                "see that it depends on nothing that this process has done before",
+            )
+        if digest != self.recording.footer.digest:
+            order = order_in(self.cls)
+            raise self._defect(
+                "in another process, where the order of sets is another, the same run has another "
+                f"digest{_after(order)}",
+                "let no order of a set decide: sort what comes from one, as in sorted(names)",
+            )
+
     def summary(self) -> CheckedRun:
         """Return how the run went."""
         assert self.recording is not None
@@ -270,7 +286,8 @@ class Case:
         if recording.footer.outcome == "out_of_time":
             raise self._defect(
                 f"{names} not done after {self.spec.stop.max_time_s:g} s; {last}",
-                "see that every exploration ends with Done, or give a larger max_time_s",
+                "see that every exploration ends with Done, or give a larger max_time_s "
+                "(--max-time)",
             )
         raise self._defect(
             f"{names} waiting for a message that never comes",

@@ -10,7 +10,8 @@ the results of an explorer worthless or impossible. It is checked that
 
 - runs repeat: equal specs give equal digests, and an explorer that is sent the same outcomes
   again acts as before; also after other runs, among other explorers, with other states of the
-  global random generators, and at another time of day;
+  global random generators, at another time of day, and in another process, where sets have
+  another order (if it can be imported there: not from a notebook);
 - it shares no state with explorers that run at the same time;
 - it changes nothing that it is given, and nothing that it has sent;
 - it yields only actions, with values of the types that they declare, which its body can carry
@@ -44,7 +45,7 @@ operating system, in the main thread and on Unix only; the message names the lin
 ...     def run(self):
 ...         scan = yield Sense()
 ...         yield Done(complete=False, reason=f"saw {len(scan.boundary)} corners")
->>> print(check_explorer(Glance, worlds=[two_rooms()]))
+>>> print(check_explorer(Glance, worlds=[two_rooms()], elsewhere=False))
 glance keeps to the contract of explorers, with a warning:
   repeats; shares no state; changes nothing that it is given; yields what its body can do;
   stays in what it knows; does not reach the truth; does not collide; ends
@@ -70,7 +71,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import zip_longest
 from textwrap import fill, indent
+from time import monotonic
 
 import shapely
 
@@ -82,11 +85,12 @@ from multisrt.robots.explorer import Explorer
 from multisrt.robots.loading import is_reference, load_strategy
 from multisrt.robots.registry import strategy as strategy_of_name
 from multisrt.robots.strategy import Strategy
-from multisrt.simulation.worlds import inline
+from multisrt.simulation.worlds import build_environment, inline
 from multisrt.spec import RadioSpec, RobotSpec, RunSpec, StopRule
 from multisrt.testing.cases import Case, repeat_interleaved
 from multisrt.testing.checked_run import CheckedRun
 from multisrt.testing.doubts import doubts
+from multisrt.testing.other_process import digests_elsewhere
 from multisrt.testing.watchdog import Limits, Watchdog
 
 __all__ = ["CheckedExplorer", "CheckedRun", "ExplorerDefect", "check_explorer", "two_rooms"]
@@ -97,8 +101,11 @@ Make = Callable[..., Explorer]
 Progress = Callable[[str, int, int], None]
 """Is told what is done, how many steps have been done, and how many there are."""
 
+ELSEWHERE = "repeats in another process"
+
 CHECKS = (
     "repeats",
+    ELSEWHERE,
     "shares no state",
     "changes nothing that it is given",
     "yields what its body can do",
@@ -127,6 +134,8 @@ class CheckedExplorer:
         Its runs.
     warnings : tuple of str
         What keeps to the contract, and is hardly meant; see `multisrt.testing.check`.
+    unchecked : tuple of str
+        What could not be checked, and why.
 
     Examples
     --------
@@ -137,7 +146,7 @@ class CheckedExplorer:
     ...
     ...     def run(self):
     ...         yield Done(complete=False, reason="has nothing to do")
-    >>> checked = check_explorer(Idle, worlds=[two_rooms()], teams=[1])
+    >>> checked = check_explorer(Idle, worlds=[two_rooms()], teams=[1], elsewhere=False)
     >>> checked.runs[0].outcome, checked.runs[0].covered, len(checked.warnings)
     ('stalled', 0.0, 1)
     """
@@ -146,6 +155,7 @@ class CheckedExplorer:
     checks: tuple[str, ...]
     runs: tuple[CheckedRun, ...]
     warnings: tuple[str, ...] = ()
+    unchecked: tuple[str, ...] = ()
 
     def __str__(self) -> str:
         half = (len(self.checks) + 1) // 2
@@ -158,6 +168,7 @@ class CheckedExplorer:
                 f"  {'; '.join(self.checks[half:])}",
                 *(indent(str(run), "  ") for run in self.runs),
                 *(f"  note: it {note}" for note in self._notes()),
+                *(fill(f"  not checked: {what}", 99) for what in self.unchecked),
                 *(fill(f"WARNING: {warning}", 99) for warning in self.warnings),
             )
         )
@@ -187,6 +198,7 @@ def check_explorer(
     max_actions: int = 10_000,
     max_decision_s: float = 10.0,
     only_known: bool = True,
+    elsewhere: bool = True,
     progress: Progress | None = None,
 ) -> CheckedExplorer:
     """Check that an explorer keeps to the contract.
@@ -217,6 +229,8 @@ def check_explorer(
     only_known : bool
         Whether a body must stay in what its robot has sensed, or may have been told of: what the
         sender of a message knew when it sent it.
+    elsewhere : bool
+        Whether the runs are repeated in another process, too, where sets have another order.
     progress : callable, optional
         Called with what is being done, the steps that are done and their number.
 
@@ -245,6 +259,9 @@ def check_explorer(
         raise InvalidInputError("give check_explorer at least one world and one team")
     strategy = _strategy_of(make)
     strategy.parse_options(options or {})
+    # As other processes build them.
+    described = [inline(world) for world in worlds]
+    worlds = [build_environment(world) for world in described]
     limits = Limits(max_time_s=max_time_s, max_actions=max_actions, max_decision_s=max_decision_s)
     robot, radio = robot or RobotSpec(), radio or RadioSpec()
     with Watchdog(max_decision_s) as watchdog:
@@ -252,7 +269,7 @@ def check_explorer(
             Case(
                 strategy,
                 RunSpec(
-                    environment=inline(world),
+                    environment=description,
                     strategy=strategy.name,
                     options=dict(options or {}),  # type: ignore[arg-type]
                     robots=(robot,) * size,
@@ -265,22 +282,27 @@ def check_explorer(
                 watchdog=watchdog,
                 only_known=only_known,
             )
-            for world in worlds
+            for world, description in zip(worlds, described, strict=True)
             for size in teams
         ]
-        _run_all(cases, (lambda *_: None) if progress is None else progress)
+        unchecked = _run_all(cases, elsewhere, progress or (lambda *_: None))
     runs = tuple(case.summary() for case in cases)
+    left_out = {
+        "stays in what it knows": not only_known,
+        ELSEWHERE: not elsewhere or bool(unchecked),
+    }
     return CheckedExplorer(
         name=strategy.name,
-        checks=tuple(c for c in CHECKS if only_known or c != "stays in what it knows"),
+        checks=tuple(check for check in CHECKS if not left_out.get(check, False)),
         runs=runs,
         warnings=doubts(runs),
+        unchecked=unchecked,
     )
 
 
-def _run_all(cases: Sequence[Case], progress: Progress) -> None:
-    # What finds most comes first; later steps repeat what has been done.
-    total = 2 * len(cases) + 1
+def _run_all(cases: Sequence[Case], elsewhere: bool, progress: Progress) -> tuple[str, ...]:
+    # What finds most comes first; later steps repeat what has been done. Returns what cannot be.
+    total, began_s = 2 * len(cases) + 2, monotonic()
     for done, case in enumerate(cases):
         progress(f"exploring {case.title}", done, total)
         case.run_supervised()
@@ -291,6 +313,18 @@ def _run_all(cases: Sequence[Case], progress: Progress) -> None:
     for done, case in enumerate(reversed(cases)):
         progress(f"repeating {case.title}", len(cases) + 1 + done, total)
         case.repeat()
+    if not elsewhere:
+        return ()
+    progress("repeating in another process", total - 1, total)
+    limit_s = 10.0 * (monotonic() - began_s)
+    try:
+        digests = digests_elsewhere(cases[0].strategy, [case.spec for case in cases], limit_s)
+    except InvalidInputError as error:
+        why = str(error).partition(": ")[2].partition(";")[0] or str(error)
+        return (f"{ELSEWHERE}, since it cannot be imported there: {why}",)
+    for case, digest in zip_longest(cases, digests):
+        case.compare_elsewhere(digest)
+    return ()
 
 
 def two_rooms() -> Environment:

@@ -62,7 +62,8 @@ class CheckedRun:
         return f"{team} in {self.world!r}"
 
     def __str__(self) -> str:
+        count = sum(self.actions.values())
         return (
             f"{self.title}: {self.outcome.replace('_', ' ')} after {self.time_s:.0f} s, "
-            f"{self.covered:.1%} covered, {sum(self.actions.values())} actions"
+            f"{self.covered:.1%} covered, {count} action{'s' * (count > 1)}"
         )

@@ -128,6 +128,9 @@ def names_in_code(code: types.CodeType, known: Mapping[str, object]) -> Iterator
             else:
                 name, current = f".{argument}", None
             yield Named(name, current, code, line)
+        elif operation in ("BUILD_SET", "SET_ADD"):
+            yield Named("a set", set, code, line)
+            current = None
         elif operation in ("STORE_FAST", "STORE_DEREF"):
             local[argument], current = current, None
         elif operation in ("LOAD_FAST", "LOAD_DEREF"):

@@ -72,9 +72,11 @@ def doubts(runs: Sequence[CheckedRun]) -> tuple[str, ...]:
 
 def _shares(runs: Sequence[CheckedRun]) -> str:
     # Those with the smallest shares, and how many more there are.
+    if len(runs) > 1 and len({f"{run.covered:.1%}" for run in runs}) == 1:
+        return f"{runs[0].covered:.1%} in {len(runs)} runs"
     least = sorted(runs, key=lambda run: run.covered)
     texts = [f"{run.covered:.1%} ({run.title})" for run in least[:MAX_EXAMPLES]]
     more = len(runs) - len(texts)
     if more == 0:
         return " and ".join(texts)
-    return f"{', '.join(texts)} and less than {SUCCESS_COVERAGE:.0%} in {more} more"
+    return f"{', '.join(texts)} and less than {SUCCESS_COVERAGE:.0%} in {more} other runs"

@@ -6,12 +6,10 @@ import math
 from collections.abc import Iterator
 from itertools import pairwise
 
-import numpy as np
-
 from multisrt.geometry.configuration import Configuration
 from multisrt.planners.motion.kinematics import Car, Differential, Holonomic, Kinematics
 from multisrt.planners.motion.trajectory import NO_TURN_RAD, Trajectory, Waypoint, leg_length
-from multisrt.robots.defects import Flaw, brief
+from multisrt.robots.defects import Flaw
 
 LIMIT_TOLERANCE = 1e-6
 """Share by which a body may exceed its speed, its turn rate and its curvature, for rounding."""
@@ -23,13 +21,15 @@ START_TOLERANCE = 1e-9
 """A trajectory starts within this of where the robot is, in metres and in radians."""
 
 
-def trajectory_flaw(trajectory: object, at: Configuration, kinematics: Kinematics) -> Flaw | None:
+def trajectory_flaw(
+    trajectory: Trajectory, at: Configuration, kinematics: Kinematics
+) -> Flaw | None:
     """Return the first flaw of a trajectory.
 
     Parameters
     ----------
-    trajectory : object
-        What an explorer gave as its trajectory.
+    trajectory : Trajectory
+        Of finite numbers.
     at : Configuration
         Where the robot is.
     kinematics : Kinematics
@@ -43,22 +43,13 @@ def trajectory_flaw(trajectory: object, at: Configuration, kinematics: Kinematic
     return next(_flaws(trajectory, at, kinematics), None)
 
 
-def is_number(value: object) -> bool:
-    """Whether a value is a finite real number."""
-    is_real = isinstance(value, int | float | np.integer | np.floating)
-    return is_real and math.isfinite(value)  # type: ignore[arg-type]
-
-
 def pose(configuration: Configuration | tuple[float, ...]) -> str:
     """Return a configuration as text, to three digits."""
     return "({:.3f}, {:.3f}, {:.3f})".format(*configuration)
 
 
-def _flaws(trajectory: object, at: Configuration, kinematics: Kinematics) -> Iterator[Flaw]:
-    if not isinstance(trajectory, Trajectory):
-        yield Flaw(f"it yielded Move with {brief(trajectory)}", "give Move a Trajectory")
-        return
-    yield from _waypoint_flaws(trajectory)
+def _flaws(trajectory: Trajectory, at: Configuration, kinematics: Kinematics) -> Iterator[Flaw]:
+    yield from _time_flaws(trajectory)
     start = trajectory.start
     turn = abs(math.remainder(start.heading - at.heading, 2.0 * math.pi))
     if start.distance(at) > START_TOLERANCE or turn > START_TOLERANCE:
@@ -71,21 +62,8 @@ def _flaws(trajectory: object, at: Configuration, kinematics: Kinematics) -> Ite
         yield from _direction_flaws(a, b, kinematics)
 
 
-def _waypoint_flaws(trajectory: Trajectory) -> Iterator[Flaw]:
-    waypoints = trajectory.waypoints
-    if not isinstance(waypoints, tuple) or not waypoints:
-        yield Flaw(
-            f"the trajectory's waypoints are {brief(waypoints)}",
-            "give a tuple of at least one Waypoint",
-        )
-    for number, waypoint in enumerate(waypoints):
-        is_one = isinstance(waypoint, Waypoint)
-        if not is_one or not all(is_number(value) for value in waypoint):
-            yield Flaw(
-                f"waypoint {number} of its trajectory is {brief(waypoint)}",
-                "waypoints are Waypoint(time_s, x, y, heading) with finite numbers",
-            )
-    times = [waypoint.time_s for waypoint in waypoints]
+def _time_flaws(trajectory: Trajectory) -> Iterator[Flaw]:
+    times = [waypoint.time_s for waypoint in trajectory.waypoints]
     for number, (before_s, after_s) in enumerate(pairwise([0.0, *times])):
         if after_s < before_s or (number == 0 and after_s != 0.0):
             yield Flaw(
@@ -102,14 +80,16 @@ def _limit_flaws(a: Waypoint, b: Waypoint, kinematics: Kinematics) -> Iterator[F
     if length > max_m:
         yield Flaw(
             f"it drives {length:.6g} m {way} in {time_s:.6g} s",
-            f"its kinematics allow {kinematics.speed_m_s:g} m/s",
+            f"its kinematics allow {kinematics.speed_m_s:g} m/s: give its waypoints later "
+            "times, or let multisrt.planners.motion.steering make its trajectories",
         )
     if isinstance(kinematics, Differential) and turn > (
         kinematics.turn_rate_rad_s * time_s * (1.0 + LIMIT_TOLERANCE) + START_TOLERANCE
     ):
         yield Flaw(
             f"it turns by {turn:.6g} rad {way} in {time_s:.6g} s",
-            f"its kinematics allow {kinematics.turn_rate_rad_s:g} rad/s",
+            f"its kinematics allow {kinematics.turn_rate_rad_s:g} rad/s: give its waypoints later "
+            "times",
         )
 
 
@@ -120,7 +100,10 @@ def _direction_flaws(a: Waypoint, b: Waypoint, kinematics: Kinematics) -> Iterat
     turns = turn > NO_TURN_RAD
     if isinstance(kinematics, Holonomic):
         if turns:
-            yield Flaw(f"it turns {way}", "a holonomic body keeps its heading")
+            yield Flaw(
+                f"it turns {way}",
+                "a holonomic body keeps its heading: give all waypoints that of the start",
+            )
         return
     middle = 0.5 * (a.heading + b.heading)
     dx, dy = b.x - a.x, b.y - a.y

@@ -42,7 +42,8 @@ _CLOCKS = (
 )
 _ORDER = (set, frozenset, id, hash)
 
-_HIDDEN_IMPORTS = ("importlib", "__import__", "eval", "exec", "ctypes")
+_HIDING = (eval, exec, __import__)
+_HIDING_MODULES = ("importlib", "ctypes")
 _FRAMES = (
     "f_back",
     "f_locals",
@@ -169,7 +170,8 @@ def back_door(cls: type) -> str:
         plain = named.name.removeprefix("global ").removeprefix("import of ").strip("'")
         attribute = plain.rpartition(".")[2] if "." in plain else ""
         if (
-            plain.partition(".")[0] in _HIDDEN_IMPORTS
+            _is_any(named.value, _HIDING)
+            or plain.partition(".")[0] in _HIDING_MODULES
             or plain in _SEARCHES
             or attribute in _FRAMES
             or _title_of(named.value) in _SEARCHES

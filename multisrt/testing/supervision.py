@@ -255,7 +255,8 @@ class SupervisedExplorer:
             self._refuse(
                 f"it has computed for {limit_s:g} s and yields nothing"
                 + told(place_of_frame(cls, late.frame)),
-                "see that every loop ends or yields, or give a larger max_decision_s",
+                "see that every loop ends or yields, or give a larger "
+                "max_decision_s (--max-decision)",
             )
         except (Exception, SystemExit) as error:
             self._refuse(*error_flaw(cls, error), cause=error)
@@ -265,7 +266,7 @@ class SupervisedExplorer:
         if count >= limits.max_actions:
             self._refuse(
                 f"it yielded {count} actions and was not Done; {self.last_actions()}",
-                "see that every exploration ends, or give a larger max_actions",
+                "see that every exploration ends, or give a larger max_actions (--max-actions)",
             )
         moment_s, before = self._moment
         if moment_s != self._now_s:
@@ -286,7 +287,8 @@ class SupervisedExplorer:
     def _keep(self, outcome: Outcome) -> None:
         if isinstance(outcome, Received):
             for message in outcome.messages:
-                what = f"a message ({message.kind}) of robot {message.sender} that it was sent"
+                kind = type(message).__name__
+                what = f"a message ({kind}) of robot {message.sender} that it was sent"
                 self._kept.append((what, message, fingerprint(message)))
             return
         names = {ExactScan: "a scan", LaserScan: "a scan", tuple: "a tuple of sightings"}
@@ -338,7 +340,8 @@ class SupervisedExplorer:
                             "give 0 or more seconds, or None to wait for ever",
                         )
                 case Note(event):
-                    self._check_types(plain.event(event, robot, self._now_s))
+                    plain.event(event, robot, self._now_s)
+                    self._check_types(event)
                 case Done():
                     plain.ended(action, robot, self._now_s)
                     plain.is_on_call(action, robot)
@@ -366,10 +369,12 @@ class SupervisedExplorer:
         if to is not None and to not in range(self.me.team):
             self._refuse(
                 f"it sent a message to robot {to}",
-                f"the team's robots are 0 to {self.me.team - 1}; None is all of them",
+                f"the team's robots are 0 to {self.me.team - 1}: give one of them, or None for all"
+                if self.me.team > 1
+                else "it is alone: give None for all that there may be",
             )
         self._supervision.tell(send.message, self._known)
-        what = f"a message ({send.message.kind}) that it had sent"
+        what = f"a message ({type(send.message).__name__}) that it had sent"
         self._kept.append((what, send.message, fingerprint(send.message)))
 
     # Motion ------------------------------------------------------------------------------
@@ -434,7 +439,8 @@ class SupervisedExplorer:
     def _refuse(self, what: str, remedy: str, cause: BaseException | None = None) -> NoReturn:
         me = self.me
         who = "the robot" if me.team == 1 else f"robot {me.robot} of {me.team}"
-        where = f"{who} in {self._supervision.title}, action {len(self.turns)}"
+        when = f"action {len(self.turns)}" if self.turns else "before its first action"
+        where = f"{who} in {self._supervision.title}, {when}"
         raise ExplorerDefect(what, where, remedy) from cause
 
     def _refuse_change(self, what: str, cause: BaseException | None = None) -> NoReturn:

@@ -6,6 +6,7 @@ A module with tests of experiments has an experiment `SPEC`.
 import contextlib
 import subprocess
 import sys
+import tempfile
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -16,6 +17,7 @@ from multisrt.events import Event
 from multisrt.experiments.crossing import runs
 from multisrt.experiments.mission import make_run
 from multisrt.recording import Recording
+from multisrt.robots import registry
 
 RUNNER = """
 import sys
@@ -48,6 +50,19 @@ def _events_of(recording: Recording, kind: type[Event], robot: int | None = None
 def events_of() -> Callable[..., list[Any]]:
     """List the events of a kind in a recording: those of all robots, or of one."""
     return _events_of
+
+
+@pytest.fixture
+def forgotten(monkeypatch):
+    """Forget after a test which strategies it registered and which modules it imported."""
+    monkeypatch.setattr(sys, "path", [*sys.path])
+    known, before = dict(registry._registry()), set(sys.modules)
+    monkeypatch.setattr(registry, "_registry", lambda: known)
+    yield
+    for name in set(sys.modules) - before:
+        file = getattr(sys.modules[name], "__file__", None)
+        if file is not None and Path(file).is_relative_to(tempfile.gettempdir()):
+            del sys.modules[name]
 
 
 @pytest.fixture

@@ -187,7 +187,7 @@ def test_new_replaces_only_an_older_schema(call, folder):
         (("check", "no.toml"), "no.toml: No such file or directory"),
         (("run", "no.toml"), "no.toml: No such file or directory"),
         (("check", "room.wkt"), "room.wkt: not an experiment: "),
-        (("run", "small.toml", "--workers", "0"), "0 is not in the range x>=1"),
+        (("run", "small.toml", "--workers", "-1"), "-1 is not in the range x>=0"),
         (
             ("run", "small.toml", "--workers", "2", "--cluster", "tcp://here:1"),
             "give --workers or --cluster, not both",

@@ -55,9 +55,9 @@ def test_runs_are_made_here_or_on_a_cluster(reproduce, told, tmp_path):
         assert err.splitlines()[-1] == (
             "Error: give --workers or --cluster, not both: a cluster has its own"
         )
-    code, _, err = reproduce("minpos", "--workers", "0")
+    code, _, err = reproduce("minpos", "--workers", "-1")
     assert code == 2
-    assert "0 is not in the range x>=1" in err
+    assert "-1 is not in the range x>=0" in err
     assert sorted(tmp_path.rglob("*")) == there
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -27,15 +26,10 @@ class Mine:
 
 
 @pytest.fixture(autouse=True)
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
-    """A working directory; what is imported and registered in a test is forgotten after it."""
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, forgotten: None) -> Path:
+    """The working directory."""
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(sys, "path", [*sys.path])
-    known, before = dict(registry._registry()), set(sys.modules)
-    monkeypatch.setattr(registry, "_registry", lambda: known)
-    yield tmp_path
-    for name in set(sys.modules) - before:
-        del sys.modules[name]
+    return tmp_path
 
 
 def write(path: str, text: str = MINE, **said: str) -> Path:
@@ -116,6 +110,12 @@ def test_a_file_is_imported_again_only_if_it_changed() -> None:
 def test_a_script_is_imported_without_its_main_part() -> None:
     write("mine.py", MINE + "\nif __name__ == '__main__':\n    raise SystemExit(1)\n")
     assert load_strategy("mine.py").name == "mine"
+
+
+def test_a_class_gets_another_name_in_a_reference() -> None:
+    write("mine.py", MINE + "\nimport multisrt as ms\nOWN = ms.Strategy.of(Mine, name='own')\n")
+    assert load_strategy("mine.py:Mine=other-one").name == "other-one"
+    assert "is a Strategy and has its own name, 'own'" in refused("mine.py:OWN=other")
 
 
 @pytest.mark.parametrize(

@@ -16,7 +16,7 @@ from multisrt.robots import registry
 from multisrt.robots.explorer import Done, Explorer, RobotSelf, Sense
 from multisrt.robots.registry import strategies
 from multisrt.run import explore
-from multisrt.simulation import sensing, simulate
+from multisrt.simulation import sensing
 from multisrt.simulation.clock import Clock
 from multisrt.simulation.faults import Faults
 from multisrt.simulation.interpreter import Interpreter
@@ -24,6 +24,8 @@ from multisrt.simulation.journal import Journal
 from multisrt.simulation.mail import Mail
 from multisrt.simulation.motions import Motions
 from multisrt.simulation.robot import Robot
+from multisrt.simulation.setting_up import SetUp
+from multisrt.simulation.simulation import Simulation
 from multisrt.simulation.traffic import Traffic
 
 WORLD = Environment(
@@ -35,7 +37,7 @@ TRUTH = (
     CollisionWorld,
     EdgeIndex,
     Recorder,
-    simulate._Simulation,
+    Simulation,
     Clock,
     Faults,
     Interpreter,
@@ -44,6 +46,7 @@ TRUTH = (
     Motions,
     Robot,
     sensing.Sensing,
+    SetUp,
     Traffic,
 )
 

@@ -36,7 +36,8 @@ def test_global_random_numbers_are_found(draw):
 
 
 def test_a_random_generator_without_a_seed_is_found():
-    refused(drives_by(lambda _: np.random.default_rng().random()), "besides what it was sent")
+    unseeded = drives_by(lambda _: np.random.default_rng().random())
+    refused(unseeded, r"other random numbers: np.random.default_rng \(test_surroundings.py:\d+\)")
 
 
 @pytest.mark.parametrize(

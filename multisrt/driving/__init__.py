@@ -1,0 +1,18 @@
+"""Explorers outside the simulation: with a robot of one's own, or in someone else's simulator."""
+
+from multisrt.driving.driver import Arrived, Body, Driver, drive
+from multisrt.driving.team_recording import recording_of
+from multisrt.geometry.regions.readings import scan_of_polygon, scan_of_ranges
+from multisrt.robots.encoding import decode, encode
+
+__all__ = [
+    "Arrived",
+    "Body",
+    "Driver",
+    "decode",
+    "drive",
+    "encode",
+    "recording_of",
+    "scan_of_polygon",
+    "scan_of_ranges",
+]

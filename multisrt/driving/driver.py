@@ -1,0 +1,483 @@
+"""Explorers outside the simulation: `drive` and `Driver`.
+
+An explorer yields actions and is sent their outcomes. Here they are carried out by callables of
+one's own, which command any body: a real robot, or a robot in a simulator of someone else's.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Generator, Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any, NoReturn
+
+import msgspec
+
+from multisrt.events import AnyEvent, Blocked, Ended, Motion, Sensed, Sent
+from multisrt.geometry.configuration import Configuration
+from multisrt.geometry.errors import InvalidInputError
+from multisrt.geometry.regions.scan import ExactScan, LaserScan, Scan
+from multisrt.robots.defects import brief
+from multisrt.robots.encoding import decode, encode
+from multisrt.robots.explorer import (
+    Action,
+    Done,
+    Explorer,
+    Look,
+    Move,
+    Moved,
+    Note,
+    Outcome,
+    Receive,
+    Received,
+    RobotSelf,
+    Send,
+    Sense,
+    Sighting,
+    Stop,
+    TimedOut,
+)
+from multisrt.robots.messages import Message
+from multisrt.robots.registry import Strategy
+from multisrt.robots.registry import strategy as strategy_named
+from multisrt.simulation import plain
+
+SAME_TIME_S = 1e-6
+"""A body's clock may fall by this much, in seconds, before that is an error."""
+
+Exploring = Strategy | Callable[[RobotSelf, Any], Explorer] | str
+"""A strategy, its name, or a class or function that builds the explorer of one robot."""
+
+
+class Arrived(msgspec.Struct, frozen=True, kw_only=True):
+    """Messages that have arrived by radio.
+
+    Attributes
+    ----------
+    data : tuple of bytes
+        At least one message, each as `send` was given it, in the order in which they arrived.
+    time_s : float
+        When the last of them arrived, in seconds.
+    """
+
+    data: tuple[bytes, ...]
+    time_s: float
+
+
+Told = Moved | Arrived | TimedOut | None
+"""What `receive` returns."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Body:
+    """What commands a body that senses, moves and sends.
+
+    All places are in one frame, in metres and radians, and all times in seconds of one clock,
+    which never falls.
+
+    Attributes
+    ----------
+    sense : callable
+        Takes nothing; returns a scan. `scan_of_ranges` and `scan_of_polygon` make one.
+    move : callable
+        Takes a `Move`: the trajectory to follow and the guard distance. Either it returns when
+        the motion has ended, with where, when, and before which body (`Moved`); or it begins the
+        motion and returns None, and `receive` tells its end.
+    send : callable or None
+        Takes a message as bytes and the number of the robot that it is for, or None for all.
+        None: the robot has no radio.
+    receive : callable or None
+        Takes a time of the clock, which may be infinite. It returns `Arrived` when messages have
+        come, `Moved` when a motion has ended, `TimedOut` when that time has come, or None if
+        none of these has happened yet: then it is called again. It may wait. None: nothing ever
+        comes.
+    look : callable or None
+        Takes nothing; returns a `Sighting` of each other robot that is seen. None: there are no
+        others, or they are not seen.
+    stop : callable or None
+        Takes nothing; ends the present motion and returns `Moved`. It is needed if `move`
+        returns None and the explorer stops on the way.
+    """
+
+    sense: Callable[[], Scan]
+    move: Callable[[Move], Moved | None]
+    send: Callable[[bytes, int | None], object] | None = None
+    receive: Callable[[float], Told] | None = None
+    look: Callable[[], Iterable[Sighting]] | None = None
+    stop: Callable[[], Moved] | None = None
+
+
+def drive(
+    strategy: Exploring,
+    me: RobotSelf,
+    *,
+    sense: Callable[[], Scan],
+    move: Callable[[Move], Moved | None],
+    send: Callable[[bytes, int | None], object] | None = None,
+    receive: Callable[[float], Told] | None = None,
+    look: Callable[[], Iterable[Sighting]] | None = None,
+    stop: Callable[[], Moved] | None = None,
+    options: Mapping[str, object] | None = None,
+    note: Callable[[AnyEvent], object] | None = None,
+    on_call_s: float = 60.0,
+) -> Driver:
+    """Explore with one robot that is not simulated here; return when its explorer is done.
+
+    Parameters
+    ----------
+    strategy : str, Strategy, class or callable
+        The name of a strategy, a strategy, or what builds an explorer from `me` and `options`.
+    me : RobotSelf
+        What the robot knows of itself before it begins.
+    sense, move, send, receive, look, stop : callable
+        What commands the body; see `Body`.
+    options : mapping, optional
+        Options of the strategy that differ from its defaults.
+    note : callable, optional
+        Called with each event that the explorer puts on record.
+    on_call_s : float, optional
+        How long a robot of a team that is done and on call waits for messages, in seconds.
+
+    Returns
+    -------
+    Driver
+        The finished driver: `events`, `end`, `explorer`.
+
+    Raises
+    ------
+    InvalidInputError
+        If a callable returns what it may not, or one is missing that the explorer needs.
+    ExplorerDefect
+        If the explorer yields something that cannot be done.
+
+    Examples
+    --------
+    A body that stands in the middle of a room, and is told to look around:
+
+    >>> import numpy as np
+    >>> from multisrt.driving import scan_of_polygon
+    >>> from multisrt.geometry.bodies.footprint import Footprint
+    >>> from multisrt.planners.motion.kinematics import Differential
+    >>> me = RobotSelf(
+    ...     robot=0,
+    ...     start=Configuration(2.0, 2.0),
+    ...     footprint=Footprint.disc(0.2),
+    ...     kinematics=Differential(),
+    ...     range_m=5.0,
+    ...     rng=np.random.default_rng(1),
+    ... )
+    >>> room = [(0.0, 0.0), (4.0, 0.0), (4.0, 4.0), (0.0, 4.0)]
+    >>> def sense():
+    ...     return scan_of_polygon(room, me.start, time_s=0.0, range_m=5.0)
+    >>> def move(move):
+    ...     raise AssertionError("there is nothing to drive to")
+    >>> drive("srt-radial", me, sense=sense, move=move).end.complete
+    True
+    """
+    body = Body(sense=sense, move=move, send=send, receive=receive, look=look, stop=stop)
+    driver = Driver(strategy, me, body, options=options, note=note, on_call_s=on_call_s)
+    while driver.poll():
+        pass
+    return driver
+
+
+class Driver:
+    """Drives one body by one explorer, as far as the body has something to tell.
+
+    With several robots in one process, a loop calls `poll` of each in turn.
+
+    Parameters
+    ----------
+    strategy, me, options, note, on_call_s
+        As for `drive`.
+    body : Body
+        What commands the body.
+
+    Attributes
+    ----------
+    me : RobotSelf
+        What the robot knew of itself.
+    explorer : Explorer
+        The explorer.
+    time_s : float
+        The time in seconds that the explorer was told last.
+    events : list of Event
+        What has happened: what the explorer put on record, scans, motions, messages and the end.
+    end : Ended or None
+        How the explorer ended; None while it explores.
+    """
+
+    def __init__(
+        self,
+        strategy: Exploring,
+        me: RobotSelf,
+        body: Body,
+        *,
+        options: Mapping[str, object] | None = None,
+        note: Callable[[AnyEvent], object] | None = None,
+        on_call_s: float = math.inf,
+    ) -> None:
+        self.me = me
+        self.name, self.options, self.explorer = _explorer(strategy, me, options)
+        self.time_s = me.time_s
+        self.events: list[AnyEvent] = []
+        self.end: Ended | None = None
+        self._body = body
+        self._note = note
+        self._on_call_s = on_call_s
+        self._mailbox: list[Message] = []
+        self._motion: tuple[Move, float] | None = None
+        self._loop = self._run()
+
+    @property
+    def is_done(self) -> bool:
+        """Whether the explorer is done, perhaps on call."""
+        return self.end is not None
+
+    def poll(self) -> bool:
+        """Go on until the body has nothing to tell yet.
+
+        Returns
+        -------
+        bool
+            Whether the explorer may act again: also that of a robot which is done and on call.
+        """
+        return next(self._loop, False) is not False
+
+    def close(self) -> None:
+        """Give up: the explorer is let go of."""
+        self._loop.close()
+
+    # Actions -----------------------------------------------------------------------------
+
+    def _run(self) -> Generator[bool, None, None]:
+        number, actions = self.me.robot, self.explorer.run()
+        if not hasattr(actions, "send"):
+            plain.refuse(number, "its run() is no generator", "yield the actions")
+        outcome: Outcome = None
+        while True:
+            action = self._next(actions, outcome)
+            outcome = None
+            match action:
+                case Sense():
+                    outcome = self._sense()
+                case Look():
+                    outcome = () if self._body.look is None else tuple(self._body.look())
+                case Move():
+                    outcome = yield from self._move(plain.motion(action, number))
+                case Stop():
+                    outcome = self._stop()
+                case Send():
+                    self._send(action)
+                case Receive():
+                    limit_s = plain.timeout_s(action, number)
+                    until_s = math.inf if limit_s is None else self.time_s + max(0.0, limit_s)
+                    outcome = yield from self._wait(until_s)
+                case Note():
+                    self._put_on_record(action)
+                case Done():
+                    outcome = yield from self._finish(action)
+                    if outcome is None:
+                        return
+                case _:
+                    plain.refuse_action(action, number)
+
+    def _next(self, actions: Generator[Action, Outcome, None], outcome: Outcome) -> Action:
+        try:
+            return actions.send(outcome)
+        except StopIteration:
+            robot = self.me.robot
+            plain.refuse(robot, "run() ended without a last action Done", "yield Done at the end")
+
+    def _sense(self) -> Scan:
+        scan = self._body.sense()
+        if not isinstance(scan, ExactScan | LaserScan):
+            self._refuse("sense", scan, "a scan: scan_of_ranges and scan_of_polygon make one")
+        self._tell_time(scan.time_s, "sense")
+        place = (*map(float, scan.configuration),)
+        self.events.append(
+            Sensed(time_s=self.time_s, robot=self.me.robot, configuration=place)  # type: ignore[arg-type]
+        )
+        return scan
+
+    def _send(self, action: Send) -> None:
+        if self._body.send is None:
+            raise InvalidInputError(
+                f"the explorer of robot {self.me.robot} sends a message, but there is no send: "
+                "give one, which carries bytes to another robot or to all"
+            )
+        to = plain.addressee(action.to, self.me.robot)
+        size_bytes = plain.size_bytes(action.message, self.me.robot)
+        self._body.send(encode(action.message), to)
+        kind, number = action.message.kind, self.me.robot
+        self.events.append(Sent(time_s=self.time_s, robot=number, kind=kind, size_bytes=size_bytes))
+
+    def _put_on_record(self, action: Note) -> None:
+        event = plain.event(action.event, self.me.robot, self.time_s)
+        self.events.append(event)
+        if self._note is not None:
+            self._note(event)
+
+    def _finish(self, done: Done) -> Generator[bool, None, Received | None]:
+        on_call = plain.is_on_call(done, self.me.robot)
+        if self._motion is not None:
+            plain.refuse(
+                self.me.robot,
+                "it yielded Done while a motion goes on",
+                "yield Receive to wait for its end, or Stop",
+            )
+        end = Ended(
+            time_s=self.time_s,
+            robot=self.me.robot,
+            reason=done.reason,
+            complete=done.complete,
+            frontier=done.frontier,
+        )
+        self.events.append(plain.as_declared(end, self.me.robot))
+        self.end = end
+        if not on_call or self.me.team == 1 or self._body.receive is None:
+            return None
+        told = yield from self._wait(self.time_s + self._on_call_s)
+        if not isinstance(told, Received):
+            return None
+        self.end = None
+        return told
+
+    # Motion and waiting ------------------------------------------------------------------
+
+    def _move(self, move: Move) -> Generator[bool, None, Outcome]:
+        if self._motion is not None:
+            plain.refuse(
+                self.me.robot,
+                "it yielded Move while a motion goes on",
+                "yield Receive to wait for its end, or Stop",
+            )
+        self._motion = move, self.time_s
+        moved = self._body.move(move)
+        if moved is not None:
+            return self._moved(moved, "move")
+        if self._body.receive is None:
+            raise InvalidInputError(
+                "move returned None, so that the motion goes on, but there is no receive that "
+                "tells its end: give one, or return Moved when the motion has ended"
+            )
+        return (yield from self._wait(math.inf, hears=move.listen))
+
+    def _stop(self) -> Moved:
+        if self._motion is None:
+            plain.refuse(
+                self.me.robot, "it yielded Stop, but it stands", "Stop ends a motion: Move first"
+            )
+        if self._body.stop is None:
+            raise InvalidInputError(
+                f"the explorer of robot {self.me.robot} stops on its way, but there is no stop: "
+                "give one, or a move that returns when the motion has ended"
+            )
+        return self._moved(self._body.stop(), "stop")
+
+    def _moved(self, moved: object, of: str) -> Moved:
+        if not isinstance(moved, Moved):
+            self._refuse(of, moved, "Moved(configuration=..., time_s=...)")
+        if self._motion is None:
+            self._refuse(of, moved, "Moved only for a motion that was begun")
+        (move, set_out_s), self._motion = self._motion, None
+        here = Configuration(*map(float, moved.configuration))
+        self._tell_time(moved.time_s, of)
+        number = self.me.robot
+        self.events.append(_driven(move, set_out_s, self.time_s, here, number))
+        if moved.blocked_by is not None:
+            by = moved.blocked_by.robot
+            self.events.append(
+                Blocked(time_s=self.time_s, robot=number, by=by, configuration=(*here,))
+            )
+        return Moved(configuration=here, time_s=self.time_s, blocked_by=moved.blocked_by)
+
+    def _wait(
+        self, until_s: float, *, hears: bool = True
+    ) -> Generator[bool, None, Moved | Received | TimedOut]:
+        # Until a motion ends, messages arrive or the time has come, as in the simulation.
+        while True:
+            if hears and self._mailbox and (self._motion is None or self._is_woken()):
+                return self._received()
+            told = self._listen(until_s)
+            match told:
+                case None:
+                    yield True
+                case Moved():
+                    return self._moved(told, "receive")
+                case Arrived():
+                    self._mailbox += map(decode, told.data)
+                    self._tell_time(told.time_s, "receive")
+                case TimedOut():
+                    self._tell_time(told.time_s, "receive")
+                    if hears and self._mailbox:
+                        return self._received()
+                    if self.time_s < until_s - SAME_TIME_S:
+                        self._refuse("receive", told, f"TimedOut at {until_s:g} s or later")
+                    return told
+                case _:
+                    self._refuse("receive", told, "Arrived, Moved, TimedOut or None")
+
+    def _listen(self, until_s: float) -> object:
+        if self._body.receive is not None:
+            return self._body.receive(until_s)
+        if until_s > self.time_s:
+            raise InvalidInputError(
+                f"the explorer of robot {self.me.robot} waits, but there is no receive: give one, "
+                "which returns TimedOut when the time has come that it is given"
+            )
+        return TimedOut(self.time_s)
+
+    def _is_woken(self) -> bool:
+        return any(message.wakes for message in self._mailbox)
+
+    def _received(self) -> Received:
+        messages = tuple(self._mailbox)
+        self._mailbox.clear()
+        return Received(messages, self.time_s)
+
+    def _tell_time(self, time_s: float, of: str) -> None:
+        time_s = float(time_s)
+        if not math.isfinite(time_s) or time_s < self.time_s - SAME_TIME_S:
+            raise InvalidInputError(
+                f"{of} of robot {self.me.robot} tells {time_s:g} s after {self.time_s:g} s: give "
+                "seconds of one clock, which never falls"
+            )
+        self.time_s = max(self.time_s, time_s)
+
+    def _refuse(self, of: str, value: object, remedy: str) -> NoReturn:
+        raise InvalidInputError(
+            f"{of} of robot {self.me.robot} returned {brief(value)}; return {remedy}"
+        )
+
+
+def _driven(
+    move: Move, set_out_s: float, ended_s: float, here: Configuration, robot: int
+) -> Motion:
+    # The commanded path up to the point nearest to where it ended, in the time that it took.
+    trajectory = move.trajectory
+    if trajectory.end.distance(here) > 0.0:
+        times = [trajectory.duration_s * k / 200 for k in range(201)]
+        trajectory = trajectory.until(min(times, key=lambda t: trajectory.at(t).distance(here)))
+    took_s, planned_s = ended_s - set_out_s, trajectory.duration_s
+    pace = took_s / planned_s if planned_s > 0.0 else 0.0
+    waypoints = [(set_out_s + pace * w.time_s, w.x, w.y, w.heading) for w in trajectory.waypoints]
+    last = waypoints[-1]
+    turn = math.remainder(here.heading - last[3], math.tau)
+    waypoints[len(waypoints) - 1 :] = [(ended_s, here.x, here.y, last[3] + turn)]
+    return Motion(time_s=set_out_s, robot=robot, waypoints=tuple(waypoints), purpose=move.purpose)
+
+
+def _explorer(
+    strategy: Exploring, me: RobotSelf, options: Mapping[str, object] | None
+) -> tuple[str, dict[str, Any], Explorer]:
+    given = dict(options or {})
+    chosen = strategy_named(strategy) if isinstance(strategy, str) else strategy
+    if not isinstance(chosen, Strategy):
+        name = getattr(chosen, "__name__", type(chosen).__name__)
+        return name, given, chosen(me, options)
+    if chosen.sees_truth:
+        raise InvalidInputError(
+            f"{chosen.name} plans on the true map, so it drives simulated robots only"
+        )
+    return chosen.name, given, chosen.explorer(me, chosen.parse_options(given))

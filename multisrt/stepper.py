@@ -1,0 +1,361 @@
+"""Step through a run from Python: `Stepper`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Final, TypedDict, Unpack, get_args
+
+from multisrt.environments.environment import Environment
+from multisrt.events import (
+    ArcClosed,
+    ArcReopened,
+    Event,
+    Learned,
+    MapComplete,
+    NodeAdded,
+    NotedEvent,
+    TakenAsLost,
+)
+from multisrt.geometry.errors import InvalidInputError
+from multisrt.recording import Recording, atomic_write
+from multisrt.robots.explorer import Action, Explorer, Note
+from multisrt.run import Run, Starts, spec_and_world
+from multisrt.simulation.journal import Watcher
+from multisrt.simulation.stepping import RobotState, Step, Stepping
+from multisrt.spec import DriveSpec, Fault, RadioSpec, RobotSpec, RunSpec, Scalar
+
+NEWS: Final = (NodeAdded, Learned, MapComplete, ArcClosed, ArcReopened, TakenAsLost)
+"""Events that explorers note and that tell what they know, not what they decide."""
+
+DECISIONS: Final = tuple(kind for kind in get_args(NotedEvent) if kind not in NEWS)
+"""Events that tell a decision of an explorer."""
+
+
+class RunArguments(TypedDict, total=False):
+    """The keywords of `multisrt.explore` that describe a run."""
+
+    strategy: str
+    seed: int
+    options: Mapping[str, Scalar]
+    robots: int | Sequence[RobotSpec]
+    start: Sequence[float]
+    starts: Starts
+    footprint: str
+    range_m: float
+    beams: int
+    drive: DriveSpec
+    radio_range_m: float
+    radio: RadioSpec
+    faults: Sequence[Fault]
+    max_time_s: float
+
+
+class Stepper(Iterator[Step]):
+    """A run that is stepped through, one action of one robot at a time.
+
+    It pauses after an explorer has yielded an action and before that is carried out. A run that
+    is stepped through is the same to the byte as the run as a whole.
+
+    Parameters
+    ----------
+    environment : Environment, str, Path or RunSpec
+        As for `multisrt.explore`.
+    watch : callable, optional
+        Called with every event as it happens.
+    **arguments
+        The keywords of `multisrt.explore` that describe the run.
+
+    Attributes
+    ----------
+    steps : list of Step
+        All steps so far: what each robot was told, and what it did.
+
+    Raises
+    ------
+    InvalidInputError
+        If the arguments contradict each other or describe a run that is impossible.
+    ExplorerDefect
+        From a step: if an explorer has yielded something that it cannot do.
+
+    Examples
+    --------
+    >>> import multisrt as ms
+    >>> stepper = ms.Stepper("apartment", strategy="minpos", robots=2, seed=1)
+    >>> step = next(stepper)
+    >>> print(step)
+    0.00 s  robot 0  Sense
+    >>> step = stepper.run_until(robot=1, decision=True)
+    >>> print(step)  # doctest: +ELLIPSIS
+    ... s  robot 1  ...Note(GoalChosen)
+    >>> stepper.robots[1].state
+    'on'
+    >>> run = stepper.finish()
+    >>> run.digest == ms.explore("apartment", strategy="minpos", robots=2, seed=1).digest
+    True
+    """
+
+    def __init__(
+        self,
+        environment: Environment | str | Path | RunSpec,
+        *,
+        watch: Watcher | None = None,
+        **arguments: Unpack[RunArguments],
+    ) -> None:
+        if unknown := [name for name in arguments if name not in RunArguments.__annotations__]:
+            raise TypeError(f"Stepper takes no argument {', '.join(unknown)}")
+        given = {name: value for name, value in arguments.items() if value is not None}
+        spec, self.environment = spec_and_world(environment, given)
+        self._stepping = Stepping(spec, self.environment, watch=watch)
+        self.steps: list[Step] = []
+
+    def __next__(self) -> Step:
+        step = next(self._stepping)
+        self.steps.append(step)
+        return step
+
+    def __enter__(self) -> Stepper:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    # Going on ----------------------------------------------------------------------------
+
+    def until(
+        self,
+        *,
+        time_s: float | None = None,
+        robot: int | None = None,
+        action: type[Action] | None = None,
+        decision: bool | type[Event] = False,
+        where: Callable[[Step], bool] | None = None,
+    ) -> Iterator[Step]:
+        """Iterate over steps up to the first one that meets all conditions, that one included.
+
+        Parameters
+        ----------
+        time_s : float, optional
+            It is at this time (s) or later.
+        robot : int, optional
+            It is a step of this robot.
+        action : type, optional
+            Its action is of this class of `multisrt.robots.explorer`.
+        decision : bool or type, optional
+            Its action notes a decision; a class of `multisrt.events`: notes such an event.
+        where : callable, optional
+            Takes the step; its result is true.
+
+        Yields
+        ------
+        Step
+
+        Raises
+        ------
+        InvalidInputError
+            If there is no such robot.
+
+        Examples
+        --------
+        >>> import multisrt as ms
+        >>> stepper = ms.Stepper("apartment", seed=1)
+        >>> for step in stepper.until(time_s=5.0):
+        ...     assert stepper.time_s == step.time_s
+        >>> step.time_s >= 5.0
+        True
+        """
+        if robot is not None:
+            self._require(robot)
+        events: tuple[type, ...] = DECISIONS if decision is True else ()
+        if isinstance(decision, type):
+            events = (decision,)
+
+        def is_met(step: Step) -> bool:
+            noted = step.action.event if isinstance(step.action, Note) else None
+            return (
+                (time_s is None or step.time_s >= time_s)
+                and (robot is None or step.robot == robot)
+                and (action is None or isinstance(step.action, action))
+                and (not events or isinstance(noted, events))
+                and (where is None or where(step))
+            )
+
+        return self._until(is_met)
+
+    def _until(self, is_met: Callable[[Step], bool]) -> Iterator[Step]:
+        for step in self:
+            yield step
+            if is_met(step):
+                return
+
+    def run_until(self, **conditions: Any) -> Step | None:
+        """Step on to the first step that meets all conditions, and return it.
+
+        Parameters
+        ----------
+        **conditions
+            The parameters of `until`. Without any, it is the next step.
+
+        Returns
+        -------
+        Step or None
+            The step; None if the run has ended before.
+
+        Examples
+        --------
+        >>> import multisrt as ms
+        >>> from multisrt.events import Decision
+        >>> stepper = ms.Stepper("open", seed=1)
+        >>> stepper.run_until(time_s=20.0, decision=Decision).action.event.choice
+        'draw'
+        >>> stepper.run_until(time_s=1e6) is None
+        True
+        """
+        last = None
+        for step in self.until(**conditions):
+            last = step
+        return None if self.is_over else last
+
+    def finish(self) -> Run:
+        """Make the rest of the run, and return all of it.
+
+        Raises
+        ------
+        InvalidInputError
+            If the stepper was closed before the run had ended.
+        """
+        for _ in self:
+            pass
+        if not self.is_over:
+            raise InvalidInputError(
+                f"the run was given up at {self.time_s:g} s, so it cannot be finished: make a new "
+                "Stepper; recording has what had happened"
+            )
+        return Run(self.recording, self.environment)
+
+    def close(self) -> None:
+        """Give up the run. What has happened can still be read."""
+        self._stepping.close()
+
+    # Looking -----------------------------------------------------------------------------
+
+    @property
+    def spec(self) -> RunSpec:
+        """The spec of the run."""
+        return self._stepping.spec
+
+    @property
+    def explorers(self) -> tuple[Explorer, ...]:
+        """The explorers, by robot: the objects themselves."""
+        return self._stepping.explorers
+
+    @property
+    def robots(self) -> tuple[RobotState, ...]:
+        """The true state of each robot now."""
+        return self._stepping.robots
+
+    @property
+    def time_s(self) -> float:
+        """The time in seconds: now, or when the run ended."""
+        return self._stepping.time_s
+
+    @property
+    def on_the_air(self) -> int:
+        """How many messages are on their way."""
+        return self._stepping.on_the_air
+
+    @property
+    def is_over(self) -> bool:
+        """Whether the run has ended."""
+        return self._stepping.is_over
+
+    @property
+    def recording(self) -> Recording:
+        """All that has happened so far, as a recording that can be measured and drawn.
+
+        Until the run has ended, its outcome is `out_of_time`.
+        """
+        return self._stepping.recording
+
+    def of(self, robot: int) -> list[Step]:
+        """Return the steps of a robot so far.
+
+        Examples
+        --------
+        >>> import multisrt as ms
+        >>> stepper = ms.Stepper("apartment", seed=1)
+        >>> step = stepper.run_until(time_s=2.0)
+        >>> [type(step.action).__name__ for step in stepper.of(0)][:2]
+        ['Sense', 'Note']
+        """
+        self._require(robot)
+        return [step for step in self.steps if step.robot == robot]
+
+    def where(self, robot: int) -> str:
+        """Return where the explorer of a robot stands in its code, for a breakpoint.
+
+        Returns
+        -------
+        str
+            A line ``file:line in function`` for `run` and for each generator to which it
+            delegates, the innermost last; empty before it has begun and after the run.
+
+        Examples
+        --------
+        >>> import multisrt as ms
+        >>> stepper = ms.Stepper("apartment", seed=1)
+        >>> step = next(stepper)
+        >>> print(stepper.where(robot=0))  # doctest: +ELLIPSIS
+        ...robots/multi_srt/...py:... in run...
+        """
+        self._require(robot)
+        return "\n".join(
+            f"{frame.f_code.co_filename}:{frame.f_lineno} in {frame.f_code.co_name}"
+            for frame in self._stepping.frames(robot)
+        )
+
+    def variables(self, robot: int) -> dict[str, Any]:
+        """Return the local variables of the explorer of a robot where it stands in its code."""
+        self._require(robot)
+        frames = self._stepping.frames(robot)
+        return dict(frames[-1].f_locals) if frames else {}
+
+    def draw(self) -> str:
+        """Return a picture of the present state as SVG.
+
+        Returns
+        -------
+        str
+            The true world, what has been seen, trees, bodies, the motions that robots are on, and
+            the goals of these.
+        """
+        from multisrt.drawing.state_svg import state_svg
+
+        return state_svg(self.recording, self.robots)
+
+    def save_svg(self, path: str | Path) -> None:
+        """Write the picture of the present state to a file, completely or not at all."""
+        text = self.draw()
+        with atomic_write(Path(path)) as file:
+            file.write(text.encode())
+
+    def _repr_svg_(self) -> str:
+        return self.draw()
+
+    def __repr__(self) -> str:
+        state = "ended" if self.is_over else "at"
+        return (
+            f"Stepper({self.spec.strategy!r} in {self.environment.name!r}, seed "
+            f"{self.spec.seed}: {state} {self.time_s:.2f} s, {len(self.steps)} steps)"
+        )
+
+    def _require(self, robot: int) -> None:
+        robots = len(self.spec.robots)
+        if robot not in range(robots):
+            raise InvalidInputError(f"there is no robot {robot}; robots are 0 to {robots - 1}")

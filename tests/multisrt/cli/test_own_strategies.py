@@ -1,0 +1,164 @@
+"""Strategies of one's own on the command line: references, --import, and what needs neither."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+import pytest
+
+from tests.multisrt.cli.commands import Call
+
+MINE = '''"""Strategies for tests."""
+import msgspec
+from multisrt.robots.explorer import Done, Sense
+
+
+class Options(msgspec.Struct, frozen=True, kw_only=True):
+    """How to look.
+
+    Attributes
+    ----------
+    scans : int
+        How often to look.
+    """
+
+    scans: int = 1
+
+
+class Mine:
+    """Looks around, and stays."""
+
+    def __init__(self, me, options: Options):
+        self.options = options
+
+    def run(self):
+        for _ in range(self.options.scans):
+            yield Sense()
+        yield Done(complete=False, reason="enough")
+'''
+
+TINY = """
+name = "tiny"
+environments = ["pillar.wkt"]
+strategies = ["mine", "closest"]
+repetitions = 1
+recordings = "none"
+"""
+
+
+@pytest.fixture(autouse=True)
+def mine(folder: Path, forgotten: None) -> Path:
+    """A file with a strategy."""
+    file = folder / "mine.py"
+    file.write_text(MINE)
+    return file
+
+
+def test_a_strategy_in_place_of_the_environment_explores(call: Call, folder: Path) -> None:
+    code, out, _ = call("explore", "mine.py:Mine", "--robots", "2", "--option", "scans=2")
+    assert code == 3
+    assert out.startswith("no environment is named: apartment is explored; for another: multisrt ")
+    assert "explore ENV --strategy mine.py:Mine\nmine in apartment, 2 robots, seed 0" in out
+    assert (folder / "runs" / "apartment-mine-0" / "spec.toml").exists()
+
+
+def test_own_and_built_in_strategies_run_side_by_side(call: Call, folder: Path) -> None:
+    words = ("--strategy", "mine.py", "--strategy", "closest", "--out", "o")
+    code, out, _ = call("explore", "room.wkt", *words)
+    assert code == 3
+    assert "no environment" not in out
+    assert sorted(path.name for path in (folder / "o").iterdir()) == ["closest", "mine"]
+    spec = json.loads((folder / "o" / "mine" / "run.json").read_text())["spec"]
+    assert spec["strategy"] == "mine"
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (["mine.py:Mine", "--strategy", "closest"], "mine.py:Mine is a strategy: name an env"),
+        (["room.wkt", "--strategy", "mine.py", "--strategy", "mine:Mine"], "mine is given twice"),
+        (["room.wkt", "--strategy", "mine.py:Mien"], "did you mean 'Mine'?"),
+        (["room.wkt", "--strategy", "mine"], "is imported by --import FILE.py"),
+        (["room.wkt", "--import", "none.py"], "none.py: there is no such file"),
+        (["none.py:Mine"], "none.py: there is no such file"),
+        (["mine.py:Mine", "--option", "scan=2"], "mine has no option 'scan' (did you mean 'scans'"),
+    ],
+)
+def test_what_is_wrong_is_told_before_anything_is_written(
+    call: Call, folder: Path, words: list[str], told: str
+) -> None:
+    code, out, err = call("explore", *words)
+    assert (code, out) == (2, "")
+    assert told in err
+    assert "Traceback" not in err
+    assert not (folder / "runs").exists()
+
+
+def test_a_run_is_repeated_from_its_spec_with_the_import(call: Call, folder: Path) -> None:
+    call("explore", "room.wkt", "--strategy", "mine.py:Mine", "--out", "first", "--quiet")
+    words = ("explore", "--spec", "first/spec.toml", "--import", "mine.py", "--out", "again")
+    assert call(*words, "--quiet")[0] == 3
+    first, again = (
+        json.loads((folder / name / "run.json").read_text()) for name in ("first", "again")
+    )
+    assert first["digest"] == again["digest"]
+
+
+def test_a_recording_is_explained_with_and_without_the_import(call: Call) -> None:
+    call("explore", "room.wkt", "--strategy", "mine.py:Mine", "--out", "o", "--quiet")
+    told = call("why", "o/recording.jsonl")
+    assert told == call("why", "o/recording.jsonl", "--import", "mine.py")
+    assert "Traceback" not in "".join(map(str, told))
+
+
+def test_options_of_an_own_strategy_are_listed(call: Call) -> None:
+    code, out, _ = call("strategies", "mine.py:Mine")
+    assert code == 0
+    assert out.startswith("mine: Looks around, and stays\n")
+    assert re.search(r"scans\s+1\s+How often to look", out)
+
+
+@pytest.mark.slow
+def test_an_experiment_with_an_own_strategy_runs_and_reports(
+    call: Call, folder: Path, mine: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (folder / "tiny.toml").write_text(TINY)
+    run = ("experiment", "run", "tiny.toml", "--workers", "0", "--quiet")
+    assert "is imported by --import FILE.py" in call(*run)[2]
+    assert call(*run, "--import", "mine.py") == (3, "", "")
+    mine.write_text(MINE.replace('"enough"', '"quite enough"'))
+    code, _, err = call(*run, "--import", "mine.py")
+    assert code == 2
+    assert "the source of 'mine' has changed since 1 of these runs were made" in err
+    assert call(*run, "--import", "mine.py", "--remake") == (3, "", "")
+
+    assert call("report", "tiny.sqlite", "--quiet", "--import", "mine.py")[0] == 0
+    page = (folder / "report" / "index.html").read_text()
+    assert len(list((folder / "report" / "gallery").iterdir())) == 2
+    command = re.search(r"multisrt (explore --spec \S+ --import \S+) --out again", page)
+    assert command is not None
+    assert str(folder) not in page
+    monkeypatch.chdir(folder / "report")
+    assert call(*command[1].split(), "--out", "again", "--quiet")[0] == 3
+
+
+@pytest.mark.slow
+def test_an_unknown_strategy_costs_a_report_its_own_pictures(
+    call: Call, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    import multisrt as ms
+    from multisrt.robots import registry
+
+    spec = ms.ExperimentSpec.from_toml(TINY)
+    known = registry._registry()
+    ms.compare(spec, store="tiny.sqlite", workers=0, imports=["mine.py"], progress=False)
+    del known["mine"]
+    assert call("report", "tiny.sqlite", "--quiet")[0] == 0
+    assert [path.suffix for path in (folder / "report" / "gallery").iterdir()] == [".svg"]
+    page = (folder / "report" / "index.html").read_text()
+    assert "Not drawn:" in page
+    assert page.count("there is no strategy &#39;mine&#39;") == 2
+    assert "No command repeats it here:" in page
+    assert "imported by --import FILE.py" in page

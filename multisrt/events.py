@@ -25,6 +25,7 @@ from typing import Final, Literal
 import msgspec
 import numpy as np
 
+from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.numerics.kernel import FloatArray
 
 Point = tuple[float, float]
@@ -65,6 +66,18 @@ BLOCKED: Final = "blocked by a robot"
 
 Purpose = Literal["explore", "support", "home", "give way"]
 """Why a robot moves; see `Motion`."""
+
+MAX_WORDS: Final = 1000
+"""Longest text of a `Decided`, in characters."""
+
+MAX_OPTIONS: Final = 100
+"""Largest number of options of a `Decided`."""
+
+MAX_VALUES: Final = 10
+"""Largest number of values that a `Decided` gives for each option."""
+
+MAX_NAME: Final = 40
+"""Longest name of such a value, in characters."""
 
 
 # Events hold plain data without cycles, which the garbage collector need not track.
@@ -236,6 +249,68 @@ class GoalChosen(Event, frozen=True, kw_only=True, tag="goal_chosen"):
     bids: tuple[tuple[float | None, ...], ...] = ()
     phi_m: tuple[float, ...] = ()
     scores: tuple[tuple[float, float, float, float, float, float], ...] = ()
+
+
+class Decided(Event, frozen=True, kw_only=True, tag="decided"):
+    """A robot decided where to go next, told in the words and numbers of its explorer.
+
+    For explorers of your own; see `multisrt.robots.toolkit.decided`, which makes one of arrays.
+
+    Attributes
+    ----------
+    text : str
+        Why it decided so, in words; at most `MAX_WORDS` characters.
+    goal : (x, y) or None
+        Where it goes; None if it goes nowhere.
+    options : tuple of (x, y)
+        The places that it considered; at most `MAX_OPTIONS`.
+    values : dict of str to tuple of float or None
+        What it weighed them by: for each name one number for each option, None where it has none.
+        At most `MAX_VALUES` names of at most `MAX_NAME` characters.
+
+    Raises
+    ------
+    InvalidInputError
+        If it is larger than that, or some values are more or fewer than the options.
+
+    Examples
+    --------
+    >>> chosen = Decided(
+    ...     time_s=12.5,
+    ...     robot=0,
+    ...     text="the nearest place",
+    ...     goal=(1.0, 2.0),
+    ...     options=((1.0, 2.0), (7.0, 2.0)),
+    ...     values={"path (m)": (2.5, 8.0)},
+    ... )
+    >>> chosen.values["path (m)"]
+    (2.5, 8.0)
+    """
+
+    text: str
+    goal: Point | None = None
+    options: tuple[Point, ...] = ()
+    values: dict[str, tuple[float | None, ...]] = {}
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.text, str):
+            raise InvalidInputError(f"the text of a decision is {self.text!r}; give words: str(x)")
+        for what, size, most in (
+            ("characters of text", self.text, MAX_WORDS),
+            ("options", self.options, MAX_OPTIONS),
+            ("kinds of values", self.values, MAX_VALUES),
+            *(("characters in the name of values", name, MAX_NAME) for name in self.values),
+        ):
+            if len(size) > most:
+                raise InvalidInputError(
+                    f"a decision has {len(size)} {what}; give at most {most}, the most important"
+                )
+        for name, values in self.values.items():
+            if len(values) != len(self.options):
+                raise InvalidInputError(
+                    f"a decision has {len(values)} values {name!r} for {len(self.options)} "
+                    "options; give one for each, None where there is none"
+                )
 
 
 class Coordinated(Event, frozen=True, kw_only=True, tag="coordinated"):
@@ -480,6 +555,7 @@ NotedEvent = (
     NodeAdded
     | Decision
     | GoalChosen
+    | Decided
     | Coordinated
     | Organized
     | Supports

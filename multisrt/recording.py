@@ -39,7 +39,9 @@ from multisrt.recording_flaws import flaw_of, order_flaws
 from multisrt.spec import RunSpec
 
 FORMAT = "multisrt-recording"
-VERSION = 3
+VERSION = 4
+READABLE = (3, VERSION)
+"""Versions that are read: 3 has all that 4 has but the decisions of explorers of one's own."""
 MAX_BYTES = 2_000_000_000
 """Size of the largest file that is read."""
 
@@ -293,10 +295,10 @@ class Recording:
 def _require_header(line: Header | AnyEvent | Footer, path: Path) -> None:
     if not isinstance(line, Header) or line.format != FORMAT:
         raise InvalidInputError(f"{path}: not a recording: its first line is no header")
-    if line.format_version != VERSION:
+    if line.format_version not in READABLE:
         raise InvalidInputError(
-            f"{path}: format version {line.format_version}; this program reads {VERSION}: make "
-            "the run again from its spec"
+            f"{path}: format version {line.format_version}; this program reads "
+            f"{' and '.join(map(str, READABLE))}: make the run again from its spec"
         )
 
 

@@ -12,6 +12,7 @@ from multisrt.events import (
     ArcReopened,
     Blocked,
     Coordinated,
+    Decided,
     Decision,
     Ended,
     Learned,
@@ -64,6 +65,9 @@ def flaw_of(event: AnyEvent, robots: Sequence[RobotSpec], nodes: Container[NodeN
         return _too_far(*event.configuration[:2])
     if isinstance(event, NodeAdded):
         return _node_flaw(event, robots[event.robot].range_finder.range_m)
+    if isinstance(event, Decided):
+        places = (*event.options, *(() if event.goal is None else (event.goal,)))
+        return next(filter(None, (_too_far(x, y) for x, y in places)), "")
     for x0, y0, x1, y1 in _segments(event):
         if flaw := _too_far(x0, y0) or _too_far(x1, y1):
             return flaw

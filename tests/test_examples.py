@@ -22,6 +22,7 @@ def test_own_explorer_is_checked_and_explores(load_module, monkeypatch, tmp_path
     told = capsys.readouterr().out
     assert "nearest-frontier keeps to the contract of explorers" in told
     assert "99." in told or "100.0% covered" in told
+    assert "Robot 1 at 20.00 s: its last decision was at" in told
     assert (tmp_path / "own_explorer.svg").read_text().count("<path") > 10
 
 
@@ -38,15 +39,16 @@ def lines_of(node: ast.stmt) -> set[int]:
     return set(range(node.lineno, node.end_lineno + 1))
 
 
-def test_own_explorer_has_fewer_than_forty_lines():
+def test_own_explorer_has_at_most_forty_lines():
     text = (EXAMPLES / "own_explorer.py").read_text()
     tree = ast.parse(text)
-    explorer = next(n for n in tree.body if isinstance(n, ast.ClassDef) and n.name != "Options")
+    classes = [node for node in tree.body if isinstance(node, ast.ClassDef)]
+    explorer = next(node for node in classes if node.name == "NearestFrontier")
     lines = lines_of(explorer)
     for node in ast.walk(explorer):
         if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant):
             lines -= lines_of(node)
-    assert sum(bool(text.splitlines()[k - 1].strip()) for k in lines) < 40
+    assert sum(bool(text.splitlines()[k - 1].strip()) for k in lines) <= 40
 
 
 @pytest.mark.slow

@@ -130,7 +130,8 @@ class Metrics(msgspec.Struct, frozen=True, kw_only=True):
     nodes_by_stage : dict of str to int
         The same by how their places were found; see `multisrt.events.NodeAdded`.
     decisions : int
-        How many times a robot chose where to go.
+        How many times robots of the SRT family chose where to go, and explorers of one's own
+        put a decision on record (`Decision` and `Decided` of `multisrt.events`).
     coordinations : int
         How many times a master organised its group.
     deadlocks : int

@@ -18,6 +18,7 @@ from multisrt.cli.mistakes import CommandGroup, is_world, told
 from multisrt.cli.report import report
 from multisrt.cli.reproduce import reproduce
 from multisrt.cli.strategies import strategies
+from multisrt.cli.strategy import strategy
 from multisrt.cli.why import why
 
 COMPLETE, BAD_INPUT, INTERRUPTED = 0, 2, 130
@@ -53,7 +54,7 @@ def cli() -> None:
 
 
 for command in (
-    *(explore, why, environments, strategies, check, experiment, report, reproduce),
+    *(explore, why, environments, strategies, strategy, check, experiment, report, reproduce),
     completion,
 ):
     cli.add_command(command)

@@ -180,6 +180,7 @@ MEASURES = (
     _measure("messages", "Messages", "", digits=0),
     _measure("bytes_sent", "Bytes sent", "B", digits=0),
     _measure("nodes", "Nodes", "", digits=0),
+    _measure("decisions", "Decisions where to go", "", digits=0),
     _measure("deadlocks", "Rounds in which a master could let no robot move", "", digits=2),
     _measure("protective_stops", "Protective stops", "", digits=1),
     Measure(

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections import Counter
 from collections.abc import Iterator, Sequence
-from itertools import groupby, pairwise
 
-from multisrt.events import Ended, GoalChosen, Learned, MapComplete, Motion, NodeAdded, Pose, Sent
-from multisrt.explain.words import SAME_MOMENT_S, by_robot, listed, many, place, titled, troubles
-from multisrt.planners.motion.trajectory import leg_length
+from multisrt.events import GoalChosen
+from multisrt.explain.story import ChoiceStory
+from multisrt.explain.words import listed, many, place, titled
 from multisrt.recording import Recording
 
 MAX_COLUMNS = 8
@@ -78,26 +76,14 @@ def bid_lines(recording: Recording, robot: int) -> Iterator[str]:
         )
 
 
-class _BidStory:
+class _BidStory(ChoiceStory):
     """The explanation of one choice of a goal."""
 
     def __init__(
         self, recording: Recording, index: int, choice: GoalChosen, asked_s: float
     ) -> None:
-        self.robot, self.choice, self.asked_s = choice.robot, choice, asked_s
-        self.team = range(len(recording.spec.robots))
-        self.start = recording.starts[choice.robot]
-        of_robot = [event.robot == choice.robot for event in recording.events]
-        self.before = [e for e, own in zip(recording.events[:index], of_robot, strict=False) if own]
-        later = [e for e, own in zip(recording.events, of_robot, strict=True) if own]
-        later = later[len(self.before) + 1 :]
-        choices = [number for number, e in enumerate(later) if isinstance(e, GoalChosen)]
-        self.next: GoalChosen | None = None
-        if choices:
-            following = later[choices[0]]
-            assert isinstance(following, GoalChosen)
-            self.next, later = following, later[: choices[0]]
-        self.meanwhile = later
+        super().__init__(recording, index, choice, asked_s)
+        self.choice = choice
 
     def lines(self) -> Iterator[str]:
         choice = self.choice
@@ -105,8 +91,6 @@ class _BidStory:
             f"Robot {self.robot} at {self.asked_s:.2f} s: it last chose a goal at "
             f"{choice.time_s:.2f} s."
         )
-        past = [*self.before, *self.meanwhile]
-        until = max(self.asked_s, choice.time_s) + SAME_MOMENT_S
         for title, lines in (
             ("Where it stood", self.standing()),
             ("What it knew", self.knowledge()),
@@ -114,28 +98,13 @@ class _BidStory:
             (f"How it chose: {choice.rule}", self.rule()),
             ("What it chose", self.goal()),
             ("What it did next", self.afterwards()),
-            ("Messages until the next choice", self.messages()),
-            (
-                "What did not go as planned",
-                troubles(e for e in past if e.time_s <= until),
-            ),
         ):
             yield from titled(title, lines)
-
-    def standing(self) -> Iterator[str]:
-        x, y, heading = self._pose()
-        yield f"at {place((x, y))}, heading {math.degrees(heading):.0f} degrees"
+        yield from self.endings()
 
     def knowledge(self) -> Iterator[str]:
-        own = sum(isinstance(event, NodeAdded) for event in self.before)
-        yield f"its map had {many(own, 'scan')} of its own that showed something new"
-        learned = [event for event in self.before if isinstance(event, Learned)]
-        names = [name for event in learned for name in event.nodes]
-        if names:
-            yield (
-                f"it had learned {many(len(names), 'scan')} of others: {by_robot(names)}; "
-                f"last at {learned[-1].time_s:.2f} s"
-            )
+        yield f"its map had {many(self.own_nodes(), 'scan')} of its own that showed something new"
+        yield from self.learned()
         yield f"{many(len(self.choice.frontiers), 'frontier')} wide enough to go to"
         if len(self.team) > 1 and self.choice.robots:
             others = [robot for robot in self.choice.robots if robot != self.robot]
@@ -144,9 +113,7 @@ class _BidStory:
             if without and self.choice.rule != "closest":
                 told += f"; not {listed(without)}, idle or not heard from lately"
             yield told
-        complete = [event for event in self.before if isinstance(event, MapComplete)]
-        if complete:
-            yield f"it knew since {complete[0].time_s:.2f} s that its map was complete"
+        yield from self.complete()
 
     def reason(self) -> Iterator[str]:
         yield f"{self.choice.because}: {_because(self.choice)}"
@@ -180,38 +147,9 @@ class _BidStory:
         yield f"{which}{place(choice.goal)}, {choice.cost_m:.2f} m away"
 
     def afterwards(self) -> Iterator[str]:
-        motions = [event for event in self.meanwhile if isinstance(event, Motion)]
-        for purpose, group in groupby(motions, key=lambda motion: motion.purpose):
-            several = list(group)
-            legs = [leg for motion in several for leg in pairwise(motion.waypoints)]
-            way = math.fsum(leg_length(*leg) for leg in legs)
-            begin, end = several[0].time_s, several[-1].waypoints[-1]
-            did = "gave way and drove" if purpose == "give way" else "drove"
-            yield (
-                f"from {begin:.2f} s on it {did} {way:.2f} m in {end[0] - begin:.2f} s, "
-                f"to {place(end[1:3])}"
-            )
-        for event in self.meanwhile:
-            if isinstance(event, Ended):
-                yield f"{event.time_s:.2f} s: it ended: {event.reason}"
-        if self.next is not None:
+        yield from super().afterwards()
+        if isinstance(self.next, GoalChosen):
             yield f"at {self.next.time_s:.2f} s it chose again: {_because(self.next)}"
-
-    def messages(self) -> Iterator[str]:
-        kinds = Counter(event.kind for event in self.meanwhile if isinstance(event, Sent))
-        if kinds:
-            told = ", ".join(f"{count} {kind}" for kind, count in sorted(kinds.items()))
-            yield f"it sent {many(kinds.total(), 'message')}: {told}"
-        names = [n for event in self.meanwhile if isinstance(event, Learned) for n in event.nodes]
-        if names:
-            yield f"it learned {many(len(names), 'scan')} of others: {by_robot(names)}"
-
-    def _pose(self) -> Pose:
-        # Goals are chosen between motions, which are recorded when they end.
-        motions = [event for event in self.before if isinstance(event, Motion)]
-        if not motions:
-            return self.start.x, self.start.y, self.start.heading
-        return motions[-1].waypoints[-1][1:]
 
     def _chosen(self) -> int | None:
         # The column of the goal; a cell that `rules` chose has none.

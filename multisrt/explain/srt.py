@@ -8,6 +8,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from multisrt.events import (
     AnyEvent,
     Coordinated,
+    Decided,
     Decision,
     Ended,
     GoalChosen,
@@ -21,6 +22,7 @@ from multisrt.events import (
     Supports,
 )
 from multisrt.explain.frontier import bid_lines, choice_lines
+from multisrt.explain.own import own_choice_lines, own_lines
 from multisrt.explain.words import SAME_MOMENT_S, by_robot, listed, many, place, titled, troubles
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.recording import Recording
@@ -71,7 +73,8 @@ def explain(recording: Recording, robot: int, time_s: float | None = None) -> st
         it refused and why, what it chose; its groups, conflicts of paths and the orders of the
         master; the tree that it supports, and what did not go as planned. For a robot that bids
         for frontiers: the robots that it considered, the tables on which it decided, and what it
-        did until it chose again.
+        did until it chose again. For an explorer of your own that notes `Decided`: its words, its
+        options with their values, and what it did next.
 
     Raises
     ------
@@ -101,6 +104,8 @@ def explain(recording: Recording, robot: int, time_s: float | None = None) -> st
     index, choice = _last_choice(recording.events, robot, asked)
     if isinstance(choice, GoalChosen):
         lines = choice_lines(recording, index, choice, asked)
+    elif isinstance(choice, Decided):
+        lines = own_choice_lines(recording, index, choice, asked)
     else:
         lines = _Story(recording, index, choice, asked).lines()
     return "\n".join(lines) + "\n"
@@ -122,7 +127,7 @@ def explain_all(recording: Recording, robot: int) -> str:
         If there is no such robot.
     """
     _require_robot(recording, robot)
-    if lines := list(bid_lines(recording, robot)):
+    if lines := [*bid_lines(recording, robot), *own_lines(recording, robot)]:
         return "\n".join(lines) + "\n"
     lines = [f"{'time (s)':>9}  {'node':>8}  {'frontier':>8}  decision"]
     for index, event in enumerate(recording.events):
@@ -280,10 +285,10 @@ class _Story:
 
 def _last_choice(
     events: Sequence[AnyEvent], robot: int, asked_s: float
-) -> tuple[int, Decision | GoalChosen]:
+) -> tuple[int, Decision | GoalChosen | Decided]:
     found = None
     for index, event in enumerate(events):
-        if isinstance(event, Decision | GoalChosen) and event.robot == robot:
+        if isinstance(event, Decision | GoalChosen | Decided) and event.robot == robot:
             if event.time_s <= asked_s + SAME_MOMENT_S:
                 found = index, event
             elif found is None:
@@ -292,7 +297,10 @@ def _last_choice(
                     f"its first decision is at {event.time_s:.2f} s"
                 )
     if found is None:
-        raise InvalidInputError(f"robot {robot} did not decide anything in this run")
+        raise InvalidInputError(
+            f"robot {robot} put no decision on record in this run; an explorer of your own notes "
+            "Decided (multisrt.robots.toolkit.decided)"
+        )
     return found
 
 

@@ -268,9 +268,21 @@ def test_another_format_or_version(tmp_path, lines):
     with pytest.raises(InvalidInputError, match="no header"):
         load(tmp_path, [changed(lines[0], format="music")], lines[1:])
     for version in (2, 99):
-        told = f"version {version}; this program reads 3: make the run again"
+        told = f"version {version}; this program reads 3 and 4: make the run again"
         with pytest.raises(InvalidInputError, match=told):
             load(tmp_path, [changed(lines[0], format_version=version)], lines[1:])
+
+
+def test_the_version_before_is_read(tmp_path, lines):
+    older = load(tmp_path, [changed(lines[0], format_version=3)], lines[1:])
+    assert older.header.format_version == 3
+    assert older.events == load(tmp_path, lines).events
+
+
+def test_a_decision_far_away_is_refused(tmp_path, lines):
+    fields = {"event": "decided", "time_s": 0.0, "robot": 0, "text": "", "goal": [1e12, 0.0]}
+    with pytest.raises(InvalidInputError, match="line 2: a place at"):
+        load(tmp_path, lines[:1], [json.dumps(fields).encode() + b"\n"], lines[1:])
 
 
 def test_lines_out_of_their_place(tmp_path, lines):

@@ -134,6 +134,11 @@ class Frontiers:
         """Exclude a place, and all within half the body's width, from the targets permanently."""
         self._given_up[place] = None
 
+    def is_given_up(self, place: Place) -> bool:
+        """Whether a place, or one within half the body's width of it, is given up."""
+        near_m = 0.5 * self._width_m
+        return any(math.dist(place, given_up) <= near_m for given_up in self._given_up)
+
     def note_no_path(self, place: Place, bodies: Iterable[int]) -> None:
         """Record that a car found no path to a place round the bodies of robots; see `reopen`."""
         self._no_path[place] = self._raster.revision, frozenset(bodies)

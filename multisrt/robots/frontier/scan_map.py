@@ -9,7 +9,7 @@ from multisrt.geometry.numerics.kernel import FloatArray
 from multisrt.geometry.regions.safe_region import LocalSafeRegion, local_safe_region
 from multisrt.geometry.regions.scan import Scan
 from multisrt.geometry.regions.shapes import Shape
-from multisrt.robots.knowledge import Entries, Entry, Node, NodeId
+from multisrt.robots.knowledge import Closing, Entries, Entry, Node, NodeId
 
 CORNER_CELLS = 0.25
 """Added, in cells, to the distance that paths keep from walls, as driven paths cut corners."""
@@ -116,10 +116,15 @@ class ScanMap:
         return node
 
     def merge(self, entries: tuple[Entry, ...]) -> tuple[NodeId, ...]:
-        """Add the nodes that others sent; return those that were new."""
+        """Add what others sent; return the nodes that were new.
+
+        Closings change no cell: they are kept for planners that go by arcs.
+        """
         new = []
         for entry in entries:
-            if isinstance(entry, Node) and self.entries.add_node(entry):
+            if isinstance(entry, Closing):
+                self.entries.add_closing(entry)
+            elif self.entries.add_node(entry):
                 self.raster.add(entry.region)
                 new.append(entry.id)
         return tuple(new)

@@ -1,19 +1,43 @@
 """Helpers for explorers of your own: maps, paths, motions, messages and decisions.
 
 Everything here runs on a robot: it is made from scans, messages and the robot's own place.
+`multisrt strategy new` writes explorers that use it.
+
+==================== ==============================================================================
+`assignment`         a strategy made of a rule that assigns frontiers, on the frontier family's
+                     robot
+`RegionExplorer`     an explorer that chooses places in its map of local safe regions, and no more
+`FrontierMap`        a raster of what a robot knows: frontiers, path lengths and paths
+`NodeRoadmap`        straight ways between the nodes of an `ExplorationMap`, and paths over them
+`trajectory`         the motion through places, for every kind of drive
+`trajectory_inside`  the same as far as it stays in a region that is known to be free
+`Message`            the base class of messages with content of one's own
+`decided`            puts a decision on record, in one's own words and numbers
+`places_of`          an array of places given in any form
+==================== ==============================================================================
 
 >>> from multisrt.robots.toolkit import FrontierMap, places_of
 """
 
+from multisrt.robots.messages import Message
+from multisrt.robots.toolkit.assignment import assignment
+from multisrt.robots.toolkit.decisions import decided
 from multisrt.robots.toolkit.frontier_map import Frontier, FrontierMap
 from multisrt.robots.toolkit.places import places_of
+from multisrt.robots.toolkit.region_explorer import Mate, RegionExplorer, RegionOptions
 from multisrt.robots.toolkit.roadmap import NodeRoadmap
 from multisrt.robots.toolkit.trajectories import trajectory, trajectory_inside
 
 __all__ = [
     "Frontier",
     "FrontierMap",
+    "Mate",
+    "Message",
     "NodeRoadmap",
+    "RegionExplorer",
+    "RegionOptions",
+    "assignment",
+    "decided",
     "places_of",
     "trajectory",
     "trajectory_inside",

@@ -15,8 +15,9 @@ from multisrt.geometry.grids.grid_path import shortest_path
 from multisrt.geometry.grids.occupancy import FrontierGroup, Occupancy
 from multisrt.geometry.grids.sight import in_sight
 from multisrt.geometry.numerics.arrays import ByteArray, FloatArray
-from multisrt.geometry.regions.safe_region import LocalSafeRegion, Shape
+from multisrt.geometry.regions.safe_region import LocalSafeRegion
 from multisrt.geometry.regions.scan import Scan
+from multisrt.geometry.regions.shapes import Shape
 from multisrt.robots.explorer import RobotSelf, Sighting
 from multisrt.robots.frontier.bodies import discs_of
 from multisrt.robots.frontier.fields import NEAR_BY_CELLS, DistanceFields, indices_of
@@ -320,6 +321,9 @@ class FrontierMap:
             Distance between two bodies in metres, as in `Move`.
         """
         discs = discs_of(bodies, self._radius_m + guard_m)
+        if not len(discs):
+            yield
+            return
         before, self._past_bodies = self._past_bodies, {}
         try:
             with self.raster.blocked(discs):

@@ -205,14 +205,15 @@ def _rows(
     kinematics: Kinematics, places: Any, headings: bool, *, may_turn: bool = True
 ) -> list[list[float]]:
     rows = rows_of(places)
+    numbers: list[list[float]] = rows[:, : 2 + headings].tolist()
     if not headings:
-        return rows[:, :2].tolist()
+        return numbers
     if len(rows) and rows.shape[1] != 3:
         raise InvalidInputError("places have no headings; give x, y and heading of each (n, 3)")
     if isinstance(kinematics, Holonomic) or not (may_turn or isinstance(kinematics, Car)):
         name = type(kinematics).__name__.lower()
         raise InvalidInputError(f"a {name} body arrives with no heading of choice; give x and y")
-    return rows.tolist()
+    return numbers
 
 
 def _ring(region: Region) -> FloatArray:

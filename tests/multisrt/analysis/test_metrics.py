@@ -16,6 +16,7 @@ from multisrt.events import (
     ArcReopened,
     Blocked,
     Collision,
+    Decided,
     Decision,
     Ended,
     Joined,
@@ -106,7 +107,7 @@ def test_counts(recorded, hall, growing):
         recorded(
             *growing,
             decision,
-            decision,
+            Decided(time_s=0.0, robot=0, text="so"),
             ArcClosed(time_s=1.0, robot=0, node=(0, 0), reason="too narrow", arc=arc),
             ArcClosed(time_s=1.0, robot=0, node=(0, 0), reason="not reachable", arc=arc),
             ArcClosed(time_s=1.0, robot=0, node=(0, 0), reason="too narrow", arc=arc),

@@ -300,7 +300,7 @@ def test_all_decisions(recording):
         (2, -0.1, "not within the run"),
         (2, float("nan"), "not within the run"),
         (0, 1.0, "robot 0 had not decided anything by 1 s; its first decision is at 28.00 s"),
-        (1, None, "robot 1 did not decide anything in this run"),
+        (1, None, "robot 1 put no decision on record in this run"),
     ],
 )
 def test_invalid_robots_and_times_are_refused(recording, robot, time_s, said):

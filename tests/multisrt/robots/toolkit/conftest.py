@@ -1,6 +1,7 @@
 """A hall and a robot in it, for helpers that are tested without a simulation."""
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,7 +15,7 @@ from multisrt.robots.explorer import RobotSelf
 
 
 def _robot(**changes) -> RobotSelf:
-    known = {
+    known: dict[str, Any] = {
         "robot": 0,
         "start": Configuration(10.0, 1.5, 0.0),
         "footprint": Footprint.disc(0.25),
@@ -25,10 +26,14 @@ def _robot(**changes) -> RobotSelf:
     return RobotSelf(**known | changes)
 
 
-def _scans(*rings) -> Callable[[float, float], Scan]:
+def _scans(*rings) -> Callable[..., Scan]:
     edges = [np.hstack([ring, np.roll(ring, -1, axis=0)]) for ring in map(np.array, rings)]
     index = EdgeIndex(np.vstack(edges).astype(float), 4.0 / 3.0)
-    return lambda x, y, time_s=0.0: take_scan(index, Configuration(x, y), time_s, 4.0)
+
+    def scan(x: float, y: float, time_s: float = 0.0) -> Scan:
+        return take_scan(index, Configuration(x, y), time_s, 4.0)
+
+    return scan
 
 
 @pytest.fixture(scope="session")

@@ -1,0 +1,70 @@
+"""`multisrt strategy`: strategies of one's own."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+SIZES = ("rule", "planner", "explorer")
+"""As in `multisrt.robots.toolkit.templates`, which help pages do without."""
+
+
+@click.group()
+def strategy() -> None:
+    """Begin a strategy of your own.
+
+    'multisrt strategies' lists those that there are.
+
+    \b
+    Examples:
+      multisrt strategy new mine.py
+      multisrt strategy new doors.py --size rule --name nearest-door
+    """
+
+
+@strategy.command()
+@click.argument("file", metavar="FILE", type=click.Path(path_type=Path))
+@click.option(
+    "--size",
+    type=click.Choice(SIZES),
+    default="planner",
+    show_default=True,
+    help="How much of a strategy to write yourself.",
+)
+@click.option("--name", metavar="NAME", help="Name of the strategy.  [default: that of FILE]")
+@click.option("--force", is_flag=True, help="Overwrite FILE if it exists.")
+def new(file: Path, size: str, name: str | None, force: bool) -> None:
+    """Write an explorer to start from, which works at once.
+
+    FILE (.py) gets a strategy with comments, in one of three sizes:
+
+    \b
+      rule      which frontier a robot goes to: a function of path lengths
+      planner   the next place, chosen in a map of local safe regions
+      explorer  all that a robot does: scan, map, drive, talk, end
+
+    \b
+    Examples:
+      multisrt strategy new mine.py
+      multisrt strategy new doors.py --size rule --name nearest-door
+    """
+    from multisrt.geometry.errors import InvalidInputError
+    from multisrt.robots.toolkit.templates import template
+
+    if file.suffix != ".py":
+        raise click.BadParameter(f"{file} must be named .py", param_hint="FILE")
+    text = template(size, file.stem if name is None else name, str(file))
+    try:
+        file.parent.mkdir(parents=True, exist_ok=True)
+        with file.open("w" if force else "x", encoding="utf-8") as opened:
+            opened.write(text)
+    except FileExistsError:
+        raise InvalidInputError(
+            f"{file} exists already; choose another name, or overwrite it with --force"
+        ) from None
+    except OSError as error:
+        raise InvalidInputError(f"cannot write {file}: {error.strerror or error}") from None
+    click.echo(file)
+    click.echo(f"next: multisrt check {file}")
+    click.echo(f"      multisrt explore museum --strategy {file} --robots 3")

@@ -1,0 +1,123 @@
+"""Why a robot with an explorer of one's own decided so: in its own words and numbers."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from multisrt.events import Decided
+from multisrt.explain.story import ChoiceStory
+from multisrt.explain.words import many, place, titled
+from multisrt.recording import Recording
+
+MAX_ROWS = 12
+"""Options that a table shows: the chosen one, and then those with the least first value."""
+
+SAME_PLACE_M = 1e-6
+"""An option this near to the goal is the chosen one."""
+
+COLUMN = 12
+"""Least width of a table column, in characters."""
+
+
+def own_choice_lines(
+    recording: Recording, index: int, choice: Decided, asked_s: float
+) -> Iterator[str]:
+    """Yield the lines that explain one decision, as its explorer tells it.
+
+    Parameters
+    ----------
+    recording : Recording
+        The run.
+    index : int
+        Index of the decision among its events.
+    choice : Decided
+        The decision.
+    asked_s : float
+        The time that was asked for, in seconds.
+    """
+    return _OwnStory(recording, index, choice, asked_s).lines()
+
+
+def own_lines(recording: Recording, robot: int) -> Iterator[str]:
+    """Yield a heading and a line for each decision of a robot; nothing without any."""
+    decisions = [event for event in recording.of(Decided) if event.robot == robot]
+    if decisions:
+        yield f"{'time (s)':>9}  {'options':>7}  decision"
+    for event in decisions:
+        goal = "no goal" if event.goal is None else f"to {place(event.goal)}"
+        yield f"{event.time_s:9.2f}  {len(event.options):>7}  {goal}: {_line(event.text)}"
+
+
+class _OwnStory(ChoiceStory):
+    """The explanation of one decision."""
+
+    things = "node"
+
+    def __init__(self, recording: Recording, index: int, choice: Decided, asked_s: float) -> None:
+        super().__init__(recording, index, choice, asked_s)
+        self.choice = choice
+
+    def lines(self) -> Iterator[str]:
+        yield (
+            f"Robot {self.robot} at {self.asked_s:.2f} s: its last decision was at "
+            f"{self.time_s:.2f} s."
+        )
+        for title, lines in (
+            ("Where it stood", self.standing()),
+            ("What it knew", self.knowledge()),
+            ("What it decided", self.decision()),
+            ("What it considered", self.options()),
+            ("What it did next", self.afterwards()),
+        ):
+            yield from titled(title, lines)
+        yield from self.endings()
+
+    def knowledge(self) -> Iterator[str]:
+        yield f"its map had {many(self.own_nodes(), 'node')} that it had made"
+        yield from self.learned()
+        yield from self.complete()
+
+    def decision(self) -> Iterator[str]:
+        choice = self.choice
+        yield from filter(None, map(_line, choice.text.splitlines()))
+        if choice.goal is None:
+            yield "no goal"
+        else:
+            away_m = math.dist(self._pose()[:2], choice.goal)
+            yield f"goal {place(choice.goal)}, {away_m:.2f} m away in a straight line"
+
+    def options(self) -> Iterator[str]:
+        options, values = self.choice.options, self.choice.values
+        if not options:
+            return
+        chosen = [k for k, option in enumerate(options) if self._is_goal(option)]
+        first = next(iter(values.values()), (None,) * len(options))
+        shown = sorted(
+            range(len(options)),
+            key=lambda k: (k not in chosen, math.inf if (v := first[k]) is None else v, k),
+        )[:MAX_ROWS]
+        wide = [max(COLUMN, len(_line(name)) + 2) for name in values]
+        named = zip(map(_line, values), wide, strict=True)
+        yield f"  {'place':>16}" + "".join(f"{name:>{width}}" for name, width in named)
+        for k in shown:
+            row = zip((column[k] for column in values.values()), wide, strict=True)
+            yield f"{'*' if k in chosen else ' '} {place(options[k]):>16}" + "".join(
+                f"{'-' if value is None else f'{value:.2f}':>{width}}" for value, width in row
+            )
+        if len(options) > len(shown):
+            yield f"and {many(len(options) - len(shown), 'more option')}"
+
+    def afterwards(self) -> Iterator[str]:
+        yield from super().afterwards()
+        if self.next is not None:
+            yield f"at {self.next.time_s:.2f} s it decided again"
+
+    def _is_goal(self, option: tuple[float, float]) -> bool:
+        goal = self.choice.goal
+        return goal is not None and math.dist(option, goal) <= SAME_PLACE_M
+
+
+def _line(text: str) -> str:
+    # Words of others on one line, without what would move the cursor.
+    return " ".join("".join(c if c.isprintable() else " " for c in text).split())

@@ -1,0 +1,133 @@
+"""What came before and after one choice of a robot, for the explanations of all strategies."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Iterator
+from itertools import groupby, pairwise
+
+from multisrt.events import (
+    AnyEvent,
+    Decided,
+    Ended,
+    GoalChosen,
+    Learned,
+    MapComplete,
+    Motion,
+    NodeAdded,
+    Pose,
+    Sent,
+)
+from multisrt.explain.words import SAME_MOMENT_S, by_robot, many, place, titled, troubles
+from multisrt.planners.motion.trajectory import leg_length
+from multisrt.recording import Recording
+
+
+class ChoiceStory:
+    """One choice of a robot, with what it knew, did and heard until the next.
+
+    Parameters
+    ----------
+    recording : Recording
+        The run.
+    index : int
+        Index of the choice among its events.
+    choice : GoalChosen or Decided
+        The choice.
+    asked_s : float
+        The time that was asked for, in seconds.
+
+    Attributes
+    ----------
+    before, meanwhile : list of Event
+        What the robot recorded before the choice, and after it until the next.
+    next : GoalChosen or Decided or None
+        Its next choice.
+    """
+
+    things = "scan"
+    """What the robot's nodes are called."""
+
+    def __init__(
+        self, recording: Recording, index: int, choice: GoalChosen | Decided, asked_s: float
+    ) -> None:
+        self.robot, self.asked_s, self.time_s = choice.robot, asked_s, choice.time_s
+        self.team = range(len(recording.spec.robots))
+        self.start = recording.starts[choice.robot]
+        of_robot = [event.robot == choice.robot for event in recording.events]
+        self.before = [e for e, own in zip(recording.events[:index], of_robot, strict=False) if own]
+        later = [e for e, own in zip(recording.events, of_robot, strict=True) if own]
+        later = later[len(self.before) + 1 :]
+        self.next: GoalChosen | Decided | None = None
+        for number, event in enumerate(later):
+            if isinstance(event, GoalChosen | Decided):
+                self.next, later = event, later[:number]
+                break
+        self.meanwhile: list[AnyEvent] = later
+
+    def standing(self) -> Iterator[str]:
+        """Tell where the robot stood."""
+        x, y, heading = self._pose()
+        yield f"at {place((x, y))}, heading {math.degrees(heading):.0f} degrees"
+
+    def learned(self) -> Iterator[str]:
+        """Tell what it had learned of others by then."""
+        learned = [event for event in self.before if isinstance(event, Learned)]
+        names = [name for event in learned for name in event.nodes]
+        if names:
+            yield (
+                f"it had learned {many(len(names), self.things)} of others: {by_robot(names)}; "
+                f"last at {learned[-1].time_s:.2f} s"
+            )
+
+    def own_nodes(self) -> int:
+        """Return how many nodes it had made by then."""
+        return sum(isinstance(event, NodeAdded) for event in self.before)
+
+    def complete(self) -> Iterator[str]:
+        """Tell since when it knew its map complete."""
+        complete = [event for event in self.before if isinstance(event, MapComplete)]
+        if complete:
+            yield f"it knew since {complete[0].time_s:.2f} s that its map was complete"
+
+    def afterwards(self) -> Iterator[str]:
+        """Tell what it did until the next choice."""
+        motions = [event for event in self.meanwhile if isinstance(event, Motion)]
+        for purpose, group in groupby(motions, key=lambda motion: motion.purpose):
+            several = list(group)
+            legs = [leg for motion in several for leg in pairwise(motion.waypoints)]
+            way = math.fsum(leg_length(*leg) for leg in legs)
+            begin, end = several[0].time_s, several[-1].waypoints[-1]
+            did = "gave way and drove" if purpose == "give way" else "drove"
+            yield (
+                f"from {begin:.2f} s on it {did} {way:.2f} m in {end[0] - begin:.2f} s, "
+                f"to {place(end[1:3])}"
+            )
+        for event in self.meanwhile:
+            if isinstance(event, Ended):
+                yield f"{event.time_s:.2f} s: it ended: {event.reason}"
+
+    def messages(self) -> Iterator[str]:
+        """Tell what it said and heard until the next choice."""
+        kinds = Counter(event.kind for event in self.meanwhile if isinstance(event, Sent))
+        if kinds:
+            told = ", ".join(f"{count} {kind}" for kind, count in sorted(kinds.items()))
+            yield f"it sent {many(kinds.total(), 'message')}: {told}"
+        names = [n for event in self.meanwhile if isinstance(event, Learned) for n in event.nodes]
+        if names:
+            yield f"it learned {many(len(names), self.things)} of others: {by_robot(names)}"
+
+    def endings(self) -> Iterator[str]:
+        """Tell its messages and its troubles: the last sections of every explanation."""
+        until = max(self.asked_s, self.time_s) + SAME_MOMENT_S
+        past = (e for e in (*self.before, *self.meanwhile) if e.time_s <= until)
+        yield from titled("Messages until the next choice", self.messages())
+        yield from titled("What did not go as planned", troubles(past))
+
+    def _pose(self) -> Pose:
+        # Goals are chosen between motions, which are recorded when they end.
+        motions = [event for event in self.before if isinstance(event, Motion)]
+        if not motions:
+            return self.start.x, self.start.y, self.start.heading
+        return motions[-1].waypoints[-1][1:]

@@ -1,0 +1,206 @@
+"""Strategies made of a rule of assignment alone, on the robot of the frontier family."""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Callable
+from typing import Any, NoReturn, SupportsIndex, overload
+
+import numpy as np
+
+from multisrt.geometry.numerics.arrays import FloatArray
+from multisrt.robots.defects import ExplorerDefect, brief
+from multisrt.robots.explorer import Explorer, RobotSelf
+from multisrt.robots.frontier.explore import FrontierExplorer
+from multisrt.robots.frontier.options import FrontierOptions
+from multisrt.robots.frontier.progress import Event
+from multisrt.robots.frontier.robot import FrontierRobot
+from multisrt.robots.frontier.wavefront_costs import Table, full_table
+from multisrt.robots.frontier.wavefront_rules import Choice, settle_on
+from multisrt.robots.strategy import Strategy, kebab_case
+
+AssignmentRule = Callable[[FloatArray, int], SupportsIndex | None]
+"""Takes costs and the robot's row; returns the number of a frontier, or None."""
+
+
+@overload
+def assignment(
+    rule: AssignmentRule,
+    *,
+    name: str | None = None,
+    summary: str | None = None,
+    options: type[FrontierOptions] = FrontierOptions,
+) -> Strategy: ...
+@overload
+def assignment(
+    rule: None = None,
+    *,
+    name: str | None = None,
+    summary: str | None = None,
+    options: type[FrontierOptions] = FrontierOptions,
+) -> Callable[[AssignmentRule], Strategy]: ...
+def assignment(
+    rule: AssignmentRule | None = None,
+    *,
+    name: str | None = None,
+    summary: str | None = None,
+    options: type[FrontierOptions] = FrontierOptions,
+) -> Strategy | Callable[[AssignmentRule], Strategy]:
+    """Return the strategy of robots that go to the frontiers which a rule assigns to them.
+
+    The rule is all that there is to write: mapping, driving, talking, and giving way are those of
+    `closest`, `greedy` and `minpos`. Also a decorator of the rule.
+
+    Parameters
+    ----------
+    rule : callable
+        Takes the costs, an ``(n, m)`` array of path lengths in metres from each of the n robots
+        that are considered to each of m frontiers, ``inf`` where no path leads; and the row of
+        the robot that decides. Returns the number of the frontier that this robot goes to, or None
+        if the others are to have them all: it then waits, and the rule is asked again. It is asked
+        only while the robot can reach a frontier. Costs are those on the robot's own map, rows in
+        the order of the robots' numbers; robots that are idle, or not heard from for some time,
+        have none.
+    name : str, optional
+        Name of the strategy; default: that of the rule, with hyphens.
+    summary : str, optional
+        One line for lists; default: the first line of the rule's docstring.
+    options : type
+        The options: `FrontierOptions`, or a class derived from it with other defaults.
+
+    Returns
+    -------
+    Strategy
+        To be given to `multisrt.explore`, `multisrt.compare`, `multisrt.register` or
+        `multisrt.testing.check_explorer`.
+
+    Examples
+    --------
+    >>> @assignment
+    ... def nearest(costs, robot):
+    ...     '''Every robot to its nearest frontier.'''
+    ...     return costs[robot].argmin()
+    >>> nearest.name, nearest.summary
+    ('nearest', 'Every robot to its nearest frontier')
+    """
+    if rule is None:
+        return lambda given: assignment(given, name=name, summary=summary, options=options)
+    title = kebab_case(rule.__name__) if name is None else name
+    known = rule
+
+    def explorer(me: RobotSelf, chosen: FrontierOptions) -> Explorer:
+        return AssignmentExplorer(me, chosen, known, title)
+
+    # The strategy is one of the rule's module: loading by reference goes by that.
+    explorer.__module__, explorer.__name__ = rule.__module__, rule.__name__
+    first_line = (rule.__doc__ or "").strip().partition("\n")[0].rstrip(". ")
+    return Strategy(
+        name=title,
+        summary=summary or first_line or f"The rule {rule.__name__} of {rule.__module__}",
+        options=options,
+        explorer=explorer,
+    )
+
+
+class AssignmentExplorer(FrontierExplorer):
+    """Explores by driving to the frontiers that a rule of assignment chooses.
+
+    Parameters
+    ----------
+    me : RobotSelf
+        What the robot knows of itself.
+    options : FrontierOptions
+        The parameters.
+    rule : callable
+        See `assignment`.
+    name : str
+        Name of the rule on record.
+    """
+
+    def __init__(
+        self, me: RobotSelf, options: FrontierOptions, rule: AssignmentRule, name: str
+    ) -> None:
+        self.asked = Asked(rule, name)
+        super().__init__(me, options, self.asked)
+
+    def why_no_goal(self) -> Event:
+        """Return what a robot without a goal is to do: to wait, if the rule says so."""
+        return Event.BARRED if self.asked.is_waiting else super().why_no_goal()
+
+
+class Asked:
+    """A rule of assignment as the frontier family asks it.
+
+    Parameters
+    ----------
+    rule : callable
+        See `assignment`.
+    name : str
+        Its name on record.
+
+    Attributes
+    ----------
+    is_waiting : bool
+        Whether the rule has given the robot no frontier though it could reach one.
+    """
+
+    def __init__(self, rule: AssignmentRule, name: str) -> None:
+        self.is_waiting = False
+        self._rule = rule
+        self._name = name
+        self._known: tuple[object, ...] = ()
+        self._waits = 0
+
+    def __call__(self, robot: FrontierRobot, because: str) -> Choice:
+        """Choose a goal by the rule, and record the choice."""
+        table = full_table(robot)
+        can_go = bool(np.isfinite(table.costs[table.row]).any())
+        choice = self._ask(table) if can_go else None
+        self.is_waiting = can_go and choice is None
+        if self.is_waiting:
+            self._count(robot, table)
+        return (yield from settle_on(robot, table, choice, self._name, because))
+
+    def _ask(self, table: Table) -> int | None:
+        costs = table.costs.copy()
+        costs.setflags(write=False)
+        given: Any = self._rule(costs, table.row)
+        if given is None:
+            return None
+        try:
+            choice = operator.index(given)
+        except TypeError:
+            self._refuse(
+                table, f"it returned {brief(given)}", "return a number, as int(x), or None"
+            )
+        if not 0 <= choice < costs.shape[1]:
+            self._refuse(
+                table,
+                f"it returned {choice}, of {costs.shape[1]} frontiers",
+                "return the number of a column of the costs, from 0, or None",
+            )
+        if not np.isfinite(costs[table.row, choice]):
+            self._refuse(
+                table,
+                f"it returned {choice}, to which no path of the robot leads",
+                "return a frontier with a finite cost in the row of the robot",
+            )
+        return choice
+
+    def _count(self, robot: FrontierRobot, table: Table) -> None:
+        # Waits in which nothing has changed: neither the map nor any robot's costs.
+        known = robot.raster.revision, table.robots, table.costs.tobytes()
+        self._waits = self._waits + 1 if known == self._known else 1
+        self._known = known
+        if self._waits > robot.options.max_waits:
+            self._refuse(
+                table,
+                f"it returned None {self._waits} times in a row while nothing changed, though "
+                "the robot can reach a frontier",
+                "give at least one robot of those in the costs a frontier",
+            )
+
+    def _refuse(self, table: Table, what: str, remedy: str) -> NoReturn:
+        raise ExplorerDefect(
+            what, f"the rule {self._name!r}, asked by robot {table.robots[table.row]}", remedy
+        )

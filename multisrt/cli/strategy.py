@@ -6,11 +6,13 @@ from pathlib import Path
 
 import click
 
+from multisrt.cli.mistakes import CommandGroup
+
 SIZES = ("rule", "planner", "explorer")
 """As in `multisrt.robots.toolkit.templates`, which help pages do without."""
 
 
-@click.group()
+@click.group(cls=CommandGroup)
 def strategy() -> None:
     """Begin a strategy of your own.
 

@@ -215,7 +215,7 @@ def crowd() -> Iterator[Claim]:
 
     registry.register(
         Strategy(
-            name="closest, timed",
+            name="closest-timed",
             summary=closest.summary,
             options=closest.options,
             explorer=explorer,
@@ -224,7 +224,7 @@ def crowd() -> Iterator[Claim]:
     robot = RobotSpec(range_finder=RangeFinderSpec(range_m=RANGE_M, beams=CROWD_BEAMS))
     spec = RunSpec(
         environment=CatalogEnvironment(name=CROWD_WORLD),
-        strategy="closest, timed",
+        strategy="closest-timed",
         robots=(robot,) * CROWD,
         stop=StopRule(max_time_s=CROWD_RUN_S),
         seed=1,

@@ -44,8 +44,8 @@ def policy_strategy(
 
     >>> import multisrt as ms
     >>> spec = DecisionSpec(parts=())
-    >>> ms.register(policy_strategy("first-frontier", lambda observation: 0, spec))
-    >>> run = ms.explore("open", strategy="first-frontier", seed=1)
+    >>> first = policy_strategy("first-frontier", lambda observation: 0, spec)
+    >>> run = ms.explore("open", strategy=first, seed=1)
     >>> run.outcome, run.metrics.coverage > 0.99
     ('complete', True)
     """

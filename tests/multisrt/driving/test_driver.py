@@ -30,6 +30,7 @@ from multisrt.robots.explorer import (
     TimedOut,
 )
 from multisrt.robots.messages import Message
+from multisrt.robots.strategy import NoOptions, Strategy
 
 HERE = Configuration(1.0, 1.0, 0.0)
 THERE = Configuration(3.0, 1.0, 0.0)
@@ -69,9 +70,15 @@ class Script:
         self.actions = actions
         self.told = []
 
-    def __call__(self, me, options):
-        self.me = me
-        return self
+    @property
+    def strategy(self):
+        """The strategy that this explorer follows."""
+
+        def begin_script(me, options):
+            self.me = me
+            return self
+
+        return Strategy(name="script", summary="", options=NoOptions, explorer=begin_script)
 
     def run(self):
         for action in self.actions:
@@ -108,7 +115,7 @@ def test_three_callables_drive_a_robot():
     note = MapComplete(time_s=5.0, robot=0)
     script = Script(Sense(), Move(trajectory=WAY), Send(Word(sender=0), to=1), Note(note), END)
     driver = ms.drive(
-        script,
+        script.strategy,
         self_of(),
         sense=sense,
         move=arrive,
@@ -130,7 +137,7 @@ def test_a_motion_that_was_blocked_is_told_and_recorded():
     seen = Sighting(robot=1, configuration=Configuration(2.6, 1.0), footprint=DISC)
     stopped = Moved(configuration=Configuration(2.0, 1.0), time_s=3.0, blocked_by=seen)
     script = Script(Move(trajectory=WAY), END)
-    driver = ms.drive(script, self_of(team=2), sense=sense, move=lambda move: stopped)
+    driver = ms.drive(script.strategy, self_of(team=2), sense=sense, move=lambda move: stopped)
     assert script.told == [stopped]
     motion, blocked, _ = driver.events
     assert isinstance(motion, Motion)
@@ -140,7 +147,7 @@ def test_a_motion_that_was_blocked_is_told_and_recorded():
 
 def test_a_robot_that_sees_nobody_needs_no_look():
     script = Script(Look(), END)
-    ms.drive(script, self_of(), sense=sense, move=arrive)
+    ms.drive(script.strategy, self_of(), sense=sense, move=arrive)
     assert script.told == [()]
 
 
@@ -149,7 +156,7 @@ def test_messages_wait_while_a_robot_moves_and_does_not_listen():
     moved = Moved(configuration=THERE, time_s=4.0)
     receive = Telling(letter, moved)
     script = Script(Move(trajectory=WAY), Receive(0.0), END)
-    ms.drive(script, self_of(team=2), sense=sense, move=begin, receive=receive)
+    ms.drive(script.strategy, self_of(team=2), sense=sense, move=begin, receive=receive)
     assert script.told == [moved, Received((Call(sender=1),), 4.0)]
     assert receive.asked == [math.inf, math.inf]
 
@@ -162,7 +169,7 @@ def test_a_message_that_wakes_is_told_on_the_way():
     stopped = Moved(configuration=Configuration(2.0, 1.0), time_s=2.0)
     script = Script(Move(trajectory=WAY, listen=True), Stop(), END)
     driver = ms.drive(
-        script,
+        script.strategy,
         self_of(team=2),
         sense=sense,
         move=begin,
@@ -178,14 +185,14 @@ def test_a_message_that_wakes_is_told_on_the_way():
 def test_times_to_wait_are_told_by_the_clock():
     receive = Telling(TimedOut(2.5), TimedOut(4.5))
     script = Script(Sense(), Receive(2.0), Receive(2.0), END)
-    ms.drive(script, self_of(), sense=sense, move=arrive, receive=receive)
+    ms.drive(script.strategy, self_of(), sense=sense, move=arrive, receive=receive)
     assert receive.asked == [2.5, 4.5]
     assert script.told[1:] == [TimedOut(2.5), TimedOut(4.5)]
 
 
 def test_nothing_comes_at_once_where_nothing_is_received():
     script = Script(Sense(), Receive(0.0), END)
-    ms.drive(script, self_of(), sense=sense, move=arrive)
+    ms.drive(script.strategy, self_of(), sense=sense, move=arrive)
     assert script.told[1] == TimedOut(0.5)
 
 
@@ -194,7 +201,7 @@ def test_a_robot_on_call_is_woken_by_a_message_until_its_time_is_over():
     script = Script(on_call, Sense(), on_call)
     receive = Telling(Arrived(data=(encode(Word(sender=1)),), time_s=0.25), TimedOut(30.5))
     driver = ms.drive(
-        script, self_of(team=2), sense=sense, move=arrive, receive=receive, on_call_s=30.0
+        script.strategy, self_of(team=2), sense=sense, move=arrive, receive=receive, on_call_s=30.0
     )
     assert receive.asked == [30.0, 30.5]
     assert [type(event) for event in driver.events] == [Ended, Sensed, Ended]
@@ -220,7 +227,7 @@ def test_a_loop_drives_a_team():
         Script(Receive(2.0), Send(Word(sender=0, text="go")), Receive(), END),
         Script(Receive(), Send(Word(sender=1, text="gone")), END),
     ]
-    team = [Driver(script, self_of(k, 2), body(k)) for k, script in enumerate(scripts)]
+    team = [Driver(script.strategy, self_of(k, 2), body(k)) for k, script in enumerate(scripts)]
     while not all(driver.is_done for driver in team):
         for driver in team:
             driver.poll()
@@ -271,7 +278,11 @@ STILL = Moved(configuration=HERE, time_s=-3.0)
 )
 def test_a_body_that_answers_wrongly_is_refused(action, callables, words):
     with pytest.raises(InvalidInputError, match=words):
-        ms.drive(Script(action, END), self_of(), **({"sense": sense, "move": arrive} | callables))
+        ms.drive(
+            Script(action, END).strategy,
+            self_of(),
+            **({"sense": sense, "move": arrive} | callables),
+        )
 
 
 @pytest.mark.parametrize(
@@ -284,12 +295,12 @@ def test_a_body_that_answers_wrongly_is_refused(action, callables, words):
 )
 def test_an_explorer_with_a_defect_is_refused(action, words):
     with pytest.raises(ExplorerDefect, match=words):
-        ms.drive(Script(action, END), self_of(), sense=sense, move=arrive)
+        ms.drive(Script(action, END).strategy, self_of(), sense=sense, move=arrive)
 
 
 def test_an_explorer_that_returns_is_refused():
     with pytest.raises(ExplorerDefect, match="without a last action Done"):
-        ms.drive(Script(), self_of(), sense=sense, move=arrive)
+        ms.drive(Script().strategy, self_of(), sense=sense, move=arrive)
 
 
 def test_a_strategy_that_sees_the_truth_drives_no_body():

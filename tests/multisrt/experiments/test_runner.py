@@ -92,7 +92,8 @@ MISCHIEF = """
         time.sleep(1e6)
 
     for does in (hang, hang_in_c, eat, crash, leave, die, die_once, chat, litter, scatter, sleep):
-        register(Strategy(name=does.__name__, summary="", options=NoOptions, explorer=does))
+        name = does.__name__.replace("_", "-")
+        register(Strategy(name=name, summary="", options=NoOptions, explorer=does))
 """
 
 
@@ -261,7 +262,7 @@ def worker(mischief):
 
 @pytest.mark.slow
 def test_compiled_code_is_ended_by_the_kernel(worker):
-    result = worker.make(job("hang_in_c", computing_s=1.0))
+    result = worker.make(job("hang-in-c", computing_s=1.0))
     # Regular expressions handle signals in some versions of Python, in others not.
     assert result.status == "over_time"
     assert result.reason in ("not done after 1 s of computing", "not done after 6 s of computing")
@@ -294,10 +295,10 @@ def test_workers_trim_fragmented_memory(worker):
 
 @pytest.mark.slow
 def test_a_run_is_repeated_if_its_worker_is_killed(worker):
-    first = worker.make(job("die_once"))
+    first = worker.make(job("die-once"))
     assert Path("died").exists()
     assert first.status == "complete"
-    assert but_for_the_computer(worker.make(job("die_once"))) == but_for_the_computer(first)
+    assert but_for_the_computer(worker.make(job("die-once"))) == but_for_the_computer(first)
 
 
 @pytest.mark.slow

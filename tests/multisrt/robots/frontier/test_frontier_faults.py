@@ -309,9 +309,9 @@ def test_robots_that_meet_in_a_corridor_pass_by_giving_way(events_of, sent, monk
     places = [(13.5, 2.5), (1.5, 2.5)]
     monkeypatch.setitem(
         registry._registry(),
-        "swap places",
+        "swap-places",
         Strategy(
-            name="swap places",
+            name="swap-places",
             summary="",
             options=FrontierOptions,
             explorer=lambda me, options: FrontierExplorer(
@@ -322,7 +322,7 @@ def test_robots_that_meet_in_a_corridor_pass_by_giving_way(events_of, sent, monk
     recording = simulate(
         RunSpec(
             environment=inline(NARROW),
-            strategy="swap places",
+            strategy="swap-places",
             robots=(RobotSpec(start=(6.5, 2.5, 0.0)), RobotSpec(start=(8.5, 2.5, math.pi))),
             stop=StopRule(max_time_s=400.0),
             seed=seed,

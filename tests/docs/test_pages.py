@@ -72,6 +72,9 @@ def name(page: Path) -> str:
 
 
 WITH_EXAMPLES = [page for page in PAGES if blocks(page)]
+OWN_TEST = DOCS / "tutorials" / "own-strategy.md"
+"""A page whose commands are run by test_tutorial.py."""
+
 ALL_BLOCKS = [(page, block) for page in PAGES for block in blocks(page)]
 
 
@@ -156,7 +159,7 @@ def run_python(code: str, page: Path, known: dict[str, object]) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("page", WITH_EXAMPLES, ids=name)
+@pytest.mark.parametrize("page", [p for p in WITH_EXAMPLES if p != OWN_TEST], ids=name)
 def test_examples_run(page, workplace):
     known: dict[str, object] = {"__name__": "__main__"}
     for block in blocks(page):

@@ -63,7 +63,8 @@ HEAD = """\
 
 `multisrt check mine.py` ends at the first mistake and tells what the explorer did, at which \
 action, and what to change. Here are {count} explorers with one mistake each, and what is said \
-of them. `LINE` stands for the number of a line. What is only useless is a warning, and the check goes on.
+of them. `LINE` stands for the number of a line. What is only useless is a warning, and the \
+check goes on.
 
 All of them derive from this class, which has what they have in common:
 

@@ -8,12 +8,13 @@ OUT := out
 # Public maps that some benchmarks use; where there are none, they are left out.
 MULTISRT_MAPS ?= ../shared/maps
 
-.PHONY: help demo test check golden plan pictures lint bench results docs linkcheck clean
+.PHONY: help demo test check tutorial golden plan pictures lint bench results docs linkcheck clean
 
 help:
 	@echo "make demo     a team of four explores the museum with SRT-Radial and SRT-Star; pictures in $(OUT)/demo"
 	@echo "make test     run the tests"
 	@echo "make check    run the tests that are not marked slow"
+	@echo "make tutorial make all of the tutorial on a strategy of one's own, and compare what is printed"
 	@echo "make golden   make the golden runs and write their digests, when their behaviour is meant to change"
 	@echo "make plan     draw docs/pictures/plan.svg from the imports"
 	@echo "make pictures draw the pictures of the documentation, docs/pictures"
@@ -43,6 +44,10 @@ test: $(READY)
 
 check: $(READY)
 	$(BIN)/python -m pytest --numprocesses 2 --quiet -m "not slow"
+
+# The tests make it with two worlds instead of twenty.
+tutorial: $(READY)
+	MULTISRT_WHOLE=1 $(BIN)/python -m pytest --quiet tests/docs/test_tutorial.py
 
 golden: $(READY)
 	$(BIN)/python tests/golden/golden_runs.py

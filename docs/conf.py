@@ -9,6 +9,7 @@ sys.path[:0] = [str(HERE.parent), str(HERE / "_extensions")]
 project = "multisrt"
 html_title = "multisrt"
 language = "en"
+smartquotes = False  # what programs say is shown as they say it
 
 extensions = [
     "myst_nb",

@@ -69,8 +69,8 @@ class _Shown:
 def short_signature(
     _app: Sphinx, what: str, _name: str, obj: Any, _options: Any, signature: str, _result: str
 ) -> tuple[str, str] | None:
-    """Leave long defaults out of the signature of a class."""
-    if what != "class" or not signature:
+    """Leave long defaults out of the signature of a class or function."""
+    if what not in ("class", "function") or not signature:
         return None
     if getattr(obj, "_is_protocol", False):
         return "", ""

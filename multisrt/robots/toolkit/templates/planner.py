@@ -2,7 +2,7 @@
 
 multisrt check mine.py
 multisrt explore museum --strategy mine.py --robots 3
-multisrt why runs/museum-mine-0/recording.jsonl --all
+multisrt why runs/museum-mine-0 --all
 """
 
 from typing import Any

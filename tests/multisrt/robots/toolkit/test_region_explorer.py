@@ -57,7 +57,7 @@ def test_scans_are_mapped_where_places_were_chosen(team):
 
 def test_what_stays_frontier_after_a_scan_is_given_up_once(team):
     closed = team.recording.of(ArcClosed)
-    assert {event.reason for event in closed} <= {"seen from near"}
+    assert {event.reason for event in closed} <= {"seen from near", "not reachable"}
     known = [(event.node, event.arc) for event in closed]
     assert len(known) == len(set(known))
 

@@ -87,7 +87,8 @@ def compare(
     strategies : str, StrategyChoice, Strategy, class or function, or several
         Names of registered strategies, with or without options; or strategies of one's own, as
         `Strategy.of` takes them or by reference (``"mine.py:Mine"``), which are registered by
-        this and imported by the worker processes. Marks in tables compare the others with the first.
+        this and imported by the worker processes. Marks in tables compare the others with the
+        first.
     robots : int or TeamChoice, or several, optional
         Team sizes, or teams whose robots differ.
     seeds : int or sequence of int, optional

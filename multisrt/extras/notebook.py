@@ -100,11 +100,11 @@ def picture_html(svg: str | bytes, alt: str) -> str:
 
 
 class Text(str):
-    """A text of several lines that shows itself as it reads, at the prompt and in a notebook.
+    r"""A text of several lines that shows itself as it reads, at the prompt and in a notebook.
 
     Examples
     --------
-    >>> Text("one\\ntwo")
+    >>> Text("one\ntwo")
     one
     two
     """

@@ -11,6 +11,7 @@ import numpy as np
 
 from multisrt.events import ArcClosed, ClosingReason
 from multisrt.geometry.configuration import Configuration
+from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.grids.distance_field import DistanceField
 from multisrt.geometry.numerics.arrays import FloatArray
 from multisrt.robots.defects import ExplorerDefect
@@ -107,6 +108,11 @@ class RegionExplorer(ABC):
     """
 
     def __init__(self, me: RobotSelf, options: RegionOptions) -> None:
+        if not isinstance(me, RobotSelf):
+            raise InvalidInputError(
+                f"a run builds {type(self).__name__} for each of its robots: give the class, and "
+                "not one that is built already"
+            )
         self.me = me
         self.options = options
         self.map = ExplorationMap(

@@ -104,6 +104,11 @@ def test_a_place_is_not_chosen_twice():
         ms.explore(WORLD, strategy=ms.Strategy.of(Stubborn), seed=1)
 
 
+def test_it_is_given_as_a_class():
+    with pytest.raises(ms.InvalidInputError, match="give the class, and not one that is built"):
+        Nearest(None, None)  # type: ignore[arg-type]
+
+
 def test_without_choose_there_is_no_explorer():
     class Nothing(RegionExplorer):
         pass

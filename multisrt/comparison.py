@@ -495,7 +495,9 @@ def _several(given: object) -> list[Any]:
 
 
 def _repetitions(seeds: object) -> dict[str, int]:
-    if isinstance(seeds, Integral) and not isinstance(seeds, bool):
+    if isinstance(seeds, bool):
+        raise InvalidInputError(f"seeds are a number of repetitions, or a range, not {seeds}")
+    if isinstance(seeds, Integral):
         return {"repetitions": int(seeds)}
     if not isinstance(seeds, Iterable) or isinstance(seeds, str):
         raise InvalidInputError(f"seeds are a number of repetitions, or a range, not {seeds!r}")

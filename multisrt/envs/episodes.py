@@ -91,15 +91,6 @@ class Episodes:
         return self._mission
 
     @property
-    def under_way(self) -> Mission:
-        """The mission, in which a robot asks where to go."""
-        if self.mission.asking is None:
-            raise InvalidInputError(
-                "the mission is over, or a wrong action has ended it: call reset for the next one"
-            )
-        return self.mission
-
-    @property
     def run(self) -> Run:
         """The run of the mission, so far or whole."""
         return self.mission.run

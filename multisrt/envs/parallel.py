@@ -196,12 +196,14 @@ class ExploreParallelEnv(ParallelEnv):  # type: ignore[misc]
             If the mission is over or none has begun, or the agent that asks has no action or one
             that is not of the action space's form.
         """
-        mission = self._episodes.under_way
-        assert mission.asking is not None
-        asking = self.possible_agents[mission.asking]
-        if asking not in actions:
-            raise InvalidInputError(f"{asking} asks where to go, and has no action")
-        rewards = self._episodes.rewards(mission.step(actions[asking]))
+        mission = self._episodes.mission
+        answer = None
+        if mission.asking is not None:
+            asking = self.possible_agents[mission.asking]
+            if asking not in actions:
+                raise InvalidInputError(f"{asking} asks where to go, and has no action")
+            answer = actions[asking]
+        rewards = self._episodes.rewards(mission.step(answer))
         stepped = (
             self._observations(mission),
             {agent: rewards[self._robot(agent)] for agent in self.agents},

@@ -158,7 +158,7 @@ class ExploreEnv(gymnasium.Env[Observation, Answer]):
             If the mission is over or none has begun, or the action is not of the action space's
             form.
         """
-        mission = self._episodes.under_way
+        mission = self._episodes.mission
         [reward] = self._episodes.rewards(mission.step(action))
         return (
             mission.observation(0),

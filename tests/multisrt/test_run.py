@@ -232,7 +232,7 @@ def test_keywords_that_nothing_uses_are_refused(given, said):
 def test_a_misspelt_keyword_is_refused_with_a_hint():
     for name, meant in (("seeds", "seed"), ("option", "options"), ("robot", "robots")):
         with pytest.raises(InvalidInputError) as error:
-            explore("open", **{name: 1})
+            explore("open", **{name: 1})  # type: ignore[arg-type]
         assert f"explore takes no argument {name!r} (did you mean {meant!r}?)" in str(error.value)
 
 

@@ -220,9 +220,9 @@ def test_after_the_end_there_is_no_step():
     play_alone(alone)
     team = parallel_env(HALL, decision=FEW, robots=2, range_m=3.0)
     play(team)
-    for env, action in ((alone, 0), (team, {"robot_0": 0, "robot_1": 0})):
+    for step_on in (lambda: alone.step(0), lambda: team.step({"robot_0": 0, "robot_1": 0})):
         with pytest.raises(ms.InvalidInputError, match="the mission is over"):
-            env.step(action)
+            step_on()
 
 
 def test_an_action_that_cannot_be_followed_is_told():

@@ -165,7 +165,8 @@ def swatches(traces: list[Trace]) -> list[Swatch]:
 def swatches_heading(traces: list[Trace]) -> str:
     """Return the heading of the colours of the robots."""
     scans = _unit(traces) == "scan"
-    account = (
+    unit = _unit(traces, in_full=True)
+    account = f": {unit}s, path length" if len(traces) <= MAX_ACCOUNTS else ""
         f": {_unit(traces, in_full=True)}s, path length" if len(traces) <= MAX_ACCOUNTS else ""
     )
     return f"area seen first and {'path' if scans else 'tree'} of each robot{account}"

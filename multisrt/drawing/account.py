@@ -167,8 +167,6 @@ def swatches_heading(traces: list[Trace]) -> str:
     scans = _unit(traces) == "scan"
     unit = _unit(traces, in_full=True)
     account = f": {unit}s, path length" if len(traces) <= MAX_ACCOUNTS else ""
-        f": {_unit(traces, in_full=True)}s, path length" if len(traces) <= MAX_ACCOUNTS else ""
-    )
     return f"area seen first and {'path' if scans else 'tree'} of each robot{account}"
 
 

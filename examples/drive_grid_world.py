@@ -4,6 +4,9 @@
 and `send`; two robots that talk to each other need a fourth, `receive`. Run it:
 
     python examples/drive_grid_world.py
+
+Two robots cover 95 % of so small a world sooner than one does. What is left along its walls takes
+them longer, as they wait for each other there.
 """
 
 import math
@@ -189,7 +192,8 @@ def main(folder: Path = Path("out/examples")) -> None:
         run.save_svg(folder / f"drive_grid_world_{name}.svg")
         sent = sum(isinstance(event, Sent) for event in recording.events)
         print(
-            f"{name}: {run.outcome} after {world.time_s:.0f} s, "
+            f"{name}: 95 % covered after {run.metrics.time_to_95_s:.0f} s, "
+            f"{run.outcome} after {world.time_s:.0f} s, "
             f"{run.metrics.coverage:.1%} covered, {sent} messages"
         )
 

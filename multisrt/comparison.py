@@ -48,10 +48,10 @@ World = str | Path | Environment | EnvironmentChoice
 
 
 def compare(
-    environments: World | Iterable[World] | ExperimentSpec,
+    environments: World | Iterable[World] | ExperimentSpec | None = None,
     strategies: Entrant | Iterable[Entrant] | None = None,
     robots: int | TeamChoice | Iterable[int | TeamChoice] | None = None,
-    seeds: int | range | None = None,
+    seeds: int | Sequence[int] | None = None,
     *,
     starts: str | StartsChoice | Iterable[str | StartsChoice] | None = None,
     radios: str | float | RadioSpec | Iterable[str | float | RadioSpec] | None = None,
@@ -70,8 +70,11 @@ def compare(
 
     Conditions are crossed: every strategy with every environment, team, radio and so on. The
     design is paired: in repetition k all strategies meet the same worlds, starts, faults and
-    draws of the radio. Runs are made by worker processes; a script needs no
-    ``if __name__ == "__main__"`` for them, unless it defines a strategy itself.
+    draws of the radio. Runs are made by worker processes. A script that defines a strategy itself
+    is imported by them, so that all that it does has to stand under a guard::
+
+        if __name__ == "__main__":
+            print(ms.compare("museum", [Mine, "minpos"], seeds=20))
 
     The short form names the conditions; what is not given has the default of `ExperimentSpec`.
     The long form takes an `ExperimentSpec` alone, which describes all of them; with it only
@@ -83,12 +86,13 @@ def compare(
         Names in the catalogue, map files or environments; or the whole experiment.
     strategies : str, StrategyChoice, Strategy, class or function, or several
         Names of registered strategies, with or without options; or strategies of one's own, as
-        `Strategy.of` takes them, which are registered by this and imported by the worker
-        processes. Marks in tables compare the others with the first.
+        `Strategy.of` takes them or by reference (``"mine.py:Mine"``), which are registered by
+        this and imported by the worker processes. Marks in tables compare the others with the
+        first.
     robots : int or TeamChoice, or several, optional
         Team sizes, or teams whose robots differ.
-    seeds : int or range, optional
-        Number of repetitions, or their consecutive seeds.
+    seeds : int or sequence of int, optional
+        Number of repetitions, or their consecutive seeds: ``range(1, 21)`` or ``[1, 2]``.
     starts, radios, faults : optional
         One or several, as in the experiment's file; a number is a radio's range (m).
     name : str, optional
@@ -150,6 +154,10 @@ def compare(
     >>> found.report("report")  # doctest: +SKIP
     """
     require_no_import()
+    if environments is None:
+        raise InvalidInputError(
+            'name the environments to compare in: ms.compare("museum", [Mine, "minpos"])'
+        )
     import_modules(imports)
     short = {
         "strategies": None if strategies is None else named(strategies),
@@ -487,15 +495,20 @@ def _several(given: object) -> list[Any]:
 
 
 def _repetitions(seeds: object) -> dict[str, int]:
-    if isinstance(seeds, range):
-        if seeds.step != 1 or not seeds:
-            raise InvalidInputError(
-                f"seeds are consecutive numbers, as in range(100, 120), not {seeds}"
-            )
-        return {"first_seed": seeds.start, "repetitions": len(seeds)}
-    if isinstance(seeds, bool) or not isinstance(seeds, Integral):
+    if isinstance(seeds, bool):
+        raise InvalidInputError(f"seeds are a number of repetitions, or a range, not {seeds}")
+    if isinstance(seeds, Integral):
+        return {"repetitions": int(seeds)}
+    if not isinstance(seeds, Iterable) or isinstance(seeds, str):
         raise InvalidInputError(f"seeds are a number of repetitions, or a range, not {seeds!r}")
-    return {"repetitions": int(seeds)}
+    given = list(seeds)
+    if not all(isinstance(seed, Integral) and not isinstance(seed, bool) for seed in given):
+        raise InvalidInputError(f"seeds are whole numbers, not {seeds!r}")
+    if not given or given != list(range(given[0], given[0] + len(given))):
+        raise InvalidInputError(
+            f"seeds are consecutive numbers, as in range(100, 120), not {seeds!r}"
+        )
+    return {"first_seed": int(given[0]), "repetitions": len(given)}
 
 
 def _environment(given: object) -> object:

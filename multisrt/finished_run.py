@@ -13,7 +13,7 @@ from multisrt.analysis.measuring import measure
 from multisrt.analysis.metrics import Metrics
 from multisrt.environments.environment import Environment
 from multisrt.extras.frames import Column, DataFrame, Package, data_frame
-from multisrt.extras.notebook import picture_html, table_html
+from multisrt.extras.notebook import Text, picture_html, table_html
 from multisrt.recording import Recording, RunOutcome, atomic_write
 from multisrt.spec import RunSpec
 
@@ -88,7 +88,7 @@ class Run:
         """The metrics of the run, computed on first use."""
         return measure(self.recording, self.environment)
 
-    def why(self, robot: int, time_s: float | None = None) -> str:
+    def why(self, robot: int, time_s: float | None = None) -> Text:
         """Explain in words what a robot knew and decided.
 
         Parameters
@@ -101,8 +101,8 @@ class Run:
 
         Returns
         -------
-        str
-            The explanation, of several lines.
+        Text
+            The explanation, of several lines: a str that shows itself as it reads.
 
         Raises
         ------
@@ -113,12 +113,12 @@ class Run:
         --------
         >>> import multisrt as ms
         >>> run = ms.explore("open", seed=1)
-        >>> print(run.why(robot=0, time_s=30.0))  # doctest: +ELLIPSIS
+        >>> run.why(robot=0, time_s=30.0)  # doctest: +ELLIPSIS
         Robot 0 at 30.00 s...
         """
         from multisrt.explain.srt import explain
 
-        return explain(self.recording, robot, time_s)
+        return Text(explain(self.recording, robot, time_s))
 
     def trajectories(self, frame: Package | None = None) -> DataFrame:
         """Return where every robot was, as a data frame with a row for each waypoint.

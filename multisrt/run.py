@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
+import inspect
 import operator
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, Never
 
 from multisrt.analysis.progress import Progress
 from multisrt.environments.environment import Environment
 from multisrt.finished_run import Run
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.robots.explorer import Explorer
-from multisrt.robots.registry import register
-from multisrt.robots.strategy import Strategy, as_strategy
+from multisrt.robots.loading import name_of
+from multisrt.robots.strategy import Strategy
 from multisrt.simulation.journal import Watcher
 from multisrt.simulation.simulate import simulate
 from multisrt.simulation.worlds import build_environment, environment_spec, inline
@@ -28,7 +29,7 @@ from multisrt.spec import (
     Scalar,
     StopRule,
 )
-from multisrt.spec.keywords import checked, require_use, start_of
+from multisrt.spec.keywords import checked, refuse_unknown, require_use, start_of
 
 Starts = Literal["scattered", "clustered"] | Sequence[Sequence[float]]
 """Start configurations of a team: how to draw them, or one for each robot."""
@@ -54,6 +55,7 @@ def explore(
     recording_path: str | Path | None = None,
     watch: Watcher | None = None,
     progress: bool = False,
+    **unknown: Never,
 ) -> Run:
     """Explore an environment with one robot or a team.
 
@@ -69,7 +71,8 @@ def explore(
         which only `recording_path`, `watch` and `progress` may be given.
     strategy : str, Strategy, class or function, optional
         Name of a registered strategy, see `strategies`; or one of one's own, as `Strategy.of`
-        takes it, which is registered by this in place of one of its name.
+        takes it or by reference (``"mine.py:Mine"``), which is registered by this in place of one
+        of its name.
     seed : int, optional
         Seed of all random streams of the run.
     options : mapping, optional
@@ -106,6 +109,8 @@ def explore(
     progress : bool
         Whether to show the simulated time and the share that was seen, on one line; on a terminal
         or in a notebook only.
+    **unknown
+        Refused: nothing else may be given.
 
     Returns
     -------
@@ -141,6 +146,7 @@ def explore(
     >>> ms.explore(run.spec).digest == run.digest
     True
     """
+    refuse_unknown("explore", unknown, inspect.signature(explore).parameters)
     robot = {"footprint": footprint, "range_m": range_m, "beams": beams, "drive": drive}
     team = {"robots": robots, "start": start, "starts": starts}
     rest = {
@@ -193,11 +199,8 @@ def spec_and_world(
 
 
 def _run_spec(environment: EnvironmentSpec, given: Mapping[str, Any]) -> RunSpec:
-    strategy = given.get("strategy")
-    if strategy is not None and not isinstance(strategy, str):
-        own = as_strategy(strategy)
-        register(own, replace=True)
-        given = {**given, "strategy": own.name}
+    if "strategy" in given:
+        given = {**given, "strategy": name_of(given["strategy"])}
     spec = RunSpec(environment=environment, **run_fields(given))
     drawn = {"starts"} if isinstance(given.get("starts"), str) else set()
     of_team = {name: name for name in given if name in drawn | {"radio", "radio_range_m"}}

@@ -27,6 +27,7 @@ from multisrt.run import Starts, spec_and_world
 from multisrt.simulation.journal import Watcher
 from multisrt.simulation.stepping import RobotState, Step, Stepping
 from multisrt.spec import DriveSpec, Fault, RadioSpec, RobotSpec, RunSpec, Scalar
+from multisrt.spec.keywords import refuse_unknown
 
 NEWS: Final = (NodeAdded, Learned, MapComplete, ArcClosed, ArcReopened, TakenAsLost)
 """Events that explorers note and that tell what they know, not what they decide."""
@@ -105,8 +106,7 @@ class Stepper(Iterator[Step]):
         watch: Watcher | None = None,
         **arguments: Unpack[RunArguments],
     ) -> None:
-        if unknown := [name for name in arguments if name not in RunArguments.__annotations__]:
-            raise TypeError(f"Stepper takes no argument {', '.join(unknown)}")
+        refuse_unknown("Stepper", arguments, RunArguments.__annotations__)
         given = {name: value for name, value in arguments.items() if value is not None}
         spec, self.environment = spec_and_world(environment, given)
         self._stepping = Stepping(spec, self.environment, watch=watch)

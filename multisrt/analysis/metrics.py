@@ -268,7 +268,9 @@ class Metrics(msgspec.Struct, frozen=True, kw_only=True):
         if is_team:
             rows.append(("waiting", _seconds(self.waiting_time_s)))
             rows.append(("messages", f"{self.messages:,} ({self.bytes_sent / 1e6:,.2f} MB)"))
-        return [*rows, ("nodes", f"{self.nodes:,}"), ("collisions", str(self.collisions))]
+        # As in pictures: the nodes of robots that map by scans on the way are such scans.
+        nodes = "informative scans" if "scan" in self.nodes_by_stage else "nodes"
+        return [*rows, (nodes, f"{self.nodes:,}"), ("collisions", str(self.collisions))]
 
     def _repr_html_(self) -> str:
         rows = [

@@ -74,11 +74,7 @@ def named_strategy(text: str) -> Strategy:
     InvalidInputError
         If there is none; the message says what there is.
     """
-    from multisrt.robots.loading import is_reference, load_strategy
-    from multisrt.robots.registry import register, strategy
+    from multisrt.robots.loading import name_of
+    from multisrt.robots.registry import strategy
 
-    if not is_reference(text):
-        return strategy(text)
-    found = load_strategy(text)
-    register(found, replace=True)
-    return found
+    return strategy(name_of(text))

@@ -52,7 +52,7 @@ def heading(recording: Recording, traces: list[Trace], status: str | None = None
         status = f"{OUTCOMES[footer.outcome]} after {footer.time_s:,.0f} s"
     lines = [
         f"{spec.strategy} in {recording.header.world}{team}, seed {spec.seed}",
-        f"{status}: {_counted(nodes, _unit(traces))}, {distance:,.0f} m travelled",
+        f"{status}: {_counted(nodes, _unit(traces, in_full=True))}, {distance:,.0f} m travelled",
     ]
     left = math.fsum(math.hypot(x1 - x0, y1 - y0) for t in traces for x0, y0, x1, y1 in t.frontier)
     if left:
@@ -119,7 +119,7 @@ def ways_legend(
     for label, style, there in (
         ("path", styles.edge, any(t.motions for t in traces)),
         ("path of an isolated robot", CUT_OFF, cut_off),
-        ("open frontier", FRONTIER_CELLS, frontier),
+        ("frontier of this area", FRONTIER_CELLS, frontier),
     ):
         if there:
             entries.append(LegendEntry(label=label, style=style))
@@ -165,8 +165,8 @@ def swatches(traces: list[Trace]) -> list[Swatch]:
 def swatches_heading(traces: list[Trace]) -> str:
     """Return the heading of the colours of the robots."""
     scans = _unit(traces) == "scan"
-    nodes = "informative scans" if scans else "nodes"
-    account = f": {nodes}, path length" if len(traces) <= MAX_ACCOUNTS else ""
+    unit = _unit(traces, in_full=True)
+    account = f": {unit}s, path length" if len(traces) <= MAX_ACCOUNTS else ""
     return f"area seen first and {'path' if scans else 'tree'} of each robot{account}"
 
 
@@ -178,9 +178,10 @@ def _swatch(trace: Trace, robots: int, unit: str) -> Swatch:
     return Swatch(label=label, area=styles.area, line=styles.edge)
 
 
-def _unit(traces: list[Trace]) -> str:
-    # The word for a node.
-    return "scan" if any(trace.scans for trace in traces) else "node"
+def _unit(traces: list[Trace], *, in_full: bool = False) -> str:
+    # The word for a node. Scans are counted that showed something new.
+    scan = "informative scan" if in_full else "scan"
+    return scan if any(trace.scans for trace in traces) else "node"
 
 
 def _counted(nodes: int, unit: str) -> str:

@@ -92,7 +92,7 @@ def run_sheet(
     traces = traces_of(recording)
     sheet = Sheet(environment, heading(recording, traces, status), description(recording))
     team = len(traces) > 1
-    sheet.draw_ground("unseen free space")
+    sheet.draw_ground("free space that is on no map")
     if draw_below is not None:
         draw_below(sheet)
     if any(trace.scans for trace in traces):

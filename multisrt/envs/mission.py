@@ -12,6 +12,7 @@ from multisrt.envs.rewards import Gain
 from multisrt.envs.seen import SeenArea
 from multisrt.events import AnyEvent, Died, Motion
 from multisrt.finished_run import Run
+from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.numerics.arrays import FloatArray
 from multisrt.geometry.regions.safe_region import local_safe_region
 from multisrt.geometry.regions.scan import ExactScan, LaserScan, Scan
@@ -79,6 +80,7 @@ class Mission:
             self._goal_m2 = end_coverage * what.area_m2
         self.asking: int | None = None
         self.end: End | None = None
+        self._end_is_told = False
         self._ended = ("", "")
         self.dead: set[int] = set()
         self.regions: list[FloatArray] = []
@@ -148,11 +150,24 @@ class Mission:
         -------
         list of Gain
             What that brought each robot.
+
+        Raises
+        ------
+        InvalidInputError
+            If the answer is not of the form that was asked for, or it has been told already that
+            the mission is over.
         """
+        # A mission that is over before any decision is told so by its first step.
+        if self.asking is None and (self.end is None or self._end_is_told):
+            raise InvalidInputError(
+                "the mission is over, or a wrong action has ended it: call reset for the next one"
+            )
         if self.asking is not None:
             self._explorer(self.asking).advice.answer = answer
             self._advance()
-        return self._collect()
+        gains = self._collect()
+        self._end_is_told = self.end is not None
+        return gains
 
     def close(self) -> None:
         """End the mission where it is."""

@@ -193,7 +193,8 @@ class ExploreParallelEnv(ParallelEnv):  # type: ignore[misc]
         Raises
         ------
         InvalidInputError
-            If the agent that asks has no action.
+            If the mission is over or none has begun, or the agent that asks has no action or one
+            that is not of the action space's form.
         """
         mission = self._episodes.mission
         answer = None

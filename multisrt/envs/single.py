@@ -151,6 +151,12 @@ class ExploreEnv(gymnasium.Env[Observation, Answer]):
         -------
         observation, reward, terminated, truncated, info
             As Gymnasium defines them.
+
+        Raises
+        ------
+        InvalidInputError
+            If the mission is over or none has begun, or the action is not of the action space's
+            form.
         """
         mission = self._episodes.mission
         [reward] = self._episodes.rewards(mission.step(action))

@@ -6,7 +6,7 @@ import ast
 import inspect
 import re
 import sys
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -14,9 +14,9 @@ from typing import Any
 from multisrt.experiments.spec import ExperimentSpec, StrategyChoice
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.robots.explorer import Explorer
-from multisrt.robots.loading import import_reference
-from multisrt.robots.registry import is_built_in, register, strategy
-from multisrt.robots.strategy import Strategy, as_strategy
+from multisrt.robots.loading import import_reference, name_of
+from multisrt.robots.registry import is_built_in, strategy
+from multisrt.robots.strategy import Strategy
 
 Entrant = str | StrategyChoice | Strategy | Callable[..., Explorer]
 """A strategy to compare: its name, with or without options, or one's own as an object."""
@@ -60,19 +60,19 @@ def named(given: Entrant | Iterable[Entrant]) -> Sequence[str | StrategyChoice]:
     several = isinstance(given, Iterable) and not isinstance(given, str)
     each: Iterable[Any] = given if several else (given,)  # type: ignore[assignment]
     names: list[str | StrategyChoice] = []
-    own: dict[str, object] = {}
+    own: dict[str, Strategy] = {}
     for one in each:
-        if isinstance(one, Strategy) or callable(one):
-            made = as_strategy(one)
-            if own.setdefault(made.name, one) is not one:
-                raise InvalidInputError(
-                    f"two strategies are called {made.name!r}; give one of them another name: "
-                    "Strategy.of(..., name=...)"
-                )
-            register(made, replace=True)
-            names.append(made.name)
-        else:
-            names.append(one)
+        if isinstance(one, StrategyChoice | Mapping):
+            names.append(one)  # type: ignore[arg-type]
+            continue
+        name = name_of(one)
+        made = strategy(name)
+        if own.setdefault(name, made) != made:
+            raise InvalidInputError(
+                f"two strategies are called {name!r}; give one of them another name: "
+                "Strategy.of(..., name=...)"
+            )
+        names.append(name)
     return names
 
 

@@ -99,6 +99,22 @@ def picture_html(svg: str | bytes, alt: str) -> str:
     )
 
 
+class Text(str):
+    r"""A text of several lines that shows itself as it reads, at the prompt and in a notebook.
+
+    Examples
+    --------
+    >>> Text("one\ntwo")
+    one
+    two
+    """
+
+    __slots__ = ()
+
+    def __repr__(self) -> str:
+        return str(self)
+
+
 def is_notebook() -> bool:
     """Return whether this process is the kernel of a notebook."""
     ipython: Any = sys.modules.get("IPython")

@@ -16,17 +16,20 @@ import os
 import re
 import sys
 import traceback
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from importlib.machinery import ModuleSpec
 from pathlib import Path
 from types import ModuleType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from multisrt.geometry.errors import InvalidInputError, did_you_mean
 from multisrt.robots.registry import register, strategies
 from multisrt.robots.strategy import Strategy, as_strategy
+
+if TYPE_CHECKING:
+    from multisrt.robots.explorer import Explorer
 
 HOW_TO_NAME = (
     "a reference is FILE.py, FILE.py:NAME, MODULE or MODULE:NAME; FILE.py:NAME=OTHER gives the "
@@ -119,6 +122,36 @@ def load_strategy(reference: str) -> Strategy:
             f"{', '.join(f'{place}:{candidate}' for candidate in candidates)}"
         )
     return as_strategy(next(iter(candidates.values())))
+
+
+def name_of(given: str | Strategy | Callable[..., Explorer]) -> str:
+    """Return the name of a strategy, after registering it if it is not given by its name.
+
+    Parameters
+    ----------
+    given : str, Strategy, class or function
+        Its name, or a reference as `load_strategy` takes it; or what `Strategy.of` takes.
+
+    Returns
+    -------
+    str
+        The name. That it is known is not checked.
+
+    Raises
+    ------
+    InvalidInputError
+        If it cannot be imported, is something else, or has the name of a built-in strategy.
+
+    Examples
+    --------
+    >>> name_of("minpos")
+    'minpos'
+    """
+    if isinstance(given, str) and not is_reference(given):
+        return given
+    own = load_strategy(given) if isinstance(given, str) else as_strategy(given)
+    register(own, replace=True)
+    return own.name
 
 
 def import_reference(reference: str) -> tuple[Strategy, ...]:

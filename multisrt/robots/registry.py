@@ -34,7 +34,7 @@ def register(strategy: Strategy | Callable[..., Explorer], *, replace: bool = Fa
     Raises
     ------
     InvalidInputError
-        If there is a strategy of that name already.
+        If there is another strategy of that name already.
 
     Examples
     --------
@@ -49,9 +49,9 @@ def register(strategy: Strategy | Callable[..., Explorer], *, replace: bool = Fa
             f"there is a strategy {added.name!r} already, and it is built in; choose another "
             "name, as by Strategy.of(..., name=...)"
         )
-    if added.name in known and not replace:
+    if known.get(added.name, added) != added and not replace:
         raise InvalidInputError(
-            f"there is a strategy {added.name!r} already; to replace it, as when a cell runs "
+            f"there is another strategy {added.name!r} already; to replace it, as when a cell runs "
             "again, give register(..., replace=True)"
         )
     known[added.name] = added

@@ -7,7 +7,7 @@ import re
 import typing
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import wraps
+from functools import cache, wraps
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
@@ -142,8 +142,13 @@ class Strategy:
         """
         is_maker = inspect.isclass(explorer) or inspect.isroutine(explorer)
         if not is_maker:
+            made = type(explorer).__name__
+            is_built = hasattr(explorer, "run")
             raise InvalidInputError(
-                "a strategy is made of the class of an explorer, or of a function that builds "
+                "a strategy is made of the class of an explorer, or of a function that builds one: "
+                f"give {made}, not one that is built already; each robot of a run gets its own"
+                if is_built
+                else "a strategy is made of the class of an explorer, or of a function that builds "
                 f"one, not of {explorer!r}"
             )
         parameters = _positional(explorer)
@@ -345,6 +350,7 @@ def _options_of(explorer: Any, parameter: inspect.Parameter) -> type[msgspec.Str
     return found
 
 
+@cache  # so that strategies of one class are equal
 def _without_options(explorer: Callable[..., Explorer]) -> Callable[[RobotSelf, Any], Explorer]:
     @wraps(explorer, updated=())
     def built(me: RobotSelf, options: NoOptions) -> Explorer:

@@ -6,7 +6,7 @@ import operator
 from collections.abc import Callable, Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
-from multisrt.geometry.errors import InvalidInputError
+from multisrt.geometry.errors import InvalidInputError, did_you_mean
 from multisrt.spec.faults import Death, LateStart, Silence
 
 if TYPE_CHECKING:
@@ -53,6 +53,39 @@ def checked(name: str, value: Any) -> Any:
                     f"faults are instances of Death, Silence and LateStart, not {fault!r}"
                 )
     return value
+
+
+def refuse_unknown(function: str, given: Iterable[str], known: Iterable[str]) -> None:
+    """Check that a function has no keyword that it does not take.
+
+    Parameters
+    ----------
+    function : str
+        Its name.
+    given : iterable of str
+        The keywords that it was given and may not take.
+    known : iterable of str
+        Those that it takes.
+
+    Raises
+    ------
+    InvalidInputError
+        If there is such a keyword; the message names one that is written alike.
+
+    Examples
+    --------
+    >>> refuse_unknown("explore", ["seeds"], ["seed", "options"])
+    Traceback (most recent call last):
+    ...
+    multisrt.geometry.errors.InvalidInputError: explore takes no argument 'seeds' (did you mean \
+'seed'?)
+    """
+    known = tuple(known)
+    for name in given:
+        if name not in known:
+            raise InvalidInputError(
+                f"{function} takes no argument {name!r}{did_you_mean(name, known)}"
+            )
 
 
 def require_use(spec: RunSpec, given: Mapping[str, str], size: str, *, sized: bool) -> None:

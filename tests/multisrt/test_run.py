@@ -229,6 +229,19 @@ def test_keywords_that_nothing_uses_are_refused(given, said):
         explore("open", **given)
 
 
+def test_a_misspelt_keyword_is_refused_with_a_hint():
+    for name, meant in (("seeds", "seed"), ("option", "options"), ("robot", "robots")):
+        with pytest.raises(InvalidInputError) as error:
+            explore("open", **{name: 1})  # type: ignore[arg-type]
+        assert f"explore takes no argument {name!r} (did you mean {meant!r}?)" in str(error.value)
+
+
+def test_explanations_show_themselves_as_they_read(run):
+    told = run.why(0)
+    assert repr(told) == str(told)
+    assert told.count("\n") > 1
+
+
 def test_a_team_of_one_takes_the_keywords_of_a_team():
     run = explore("open", robots=1, starts="clustered", radio_range_m=20.0, max_time_s=5.0)
     assert run.spec.starts == "clustered"

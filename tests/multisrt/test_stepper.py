@@ -189,7 +189,7 @@ def test_robots_that_are_not_there_are_named():
 def test_arguments_are_those_of_explore():
     with pytest.raises(InvalidInputError, match="leave out seed"):
         ms.Stepper(SPEC, seed=2)
-    with pytest.raises(TypeError, match="no argument colour"):
+    with pytest.raises(ms.InvalidInputError, match="no argument 'colour'"):
         ms.Stepper("open", colour="red")  # type: ignore[call-arg]
     noted: list[Any] = []
     stepper = ms.Stepper("open", seed=1, watch=noted.append)

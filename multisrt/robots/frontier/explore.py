@@ -64,6 +64,10 @@ class FrontierExplorer:
         Drives to them.
     watch : callable, optional
         Called after every scan that showed something new.
+    barred : callable
+        Whether, when the rule has chosen nothing, there are goals to which only bodies in the way
+        bar all paths. By default the frontiers of the raster are the goals; a rule that goes to
+        other places has to say it itself.
 
     Attributes
     ----------
@@ -80,11 +84,13 @@ class FrontierExplorer:
         rule: Rule,
         drive: Drive = drive,
         watch: Watch | None = None,
+        barred: Callable[[FrontierRobot], bool] = FrontierRobot.blocked_frontiers,
     ) -> None:
         self.robot = FrontierRobot(me, options, watch)
         self.progress = Progress(options, self.robot.course, self.robot.raster)
         self._rule = rule
         self._drive = drive
+        self._barred = barred
         self._met: Sighting | None = None
 
     def run(self) -> Steps:
@@ -129,7 +135,7 @@ class FrontierExplorer:
             return Event.NO_WAY
         if progress.is_jammed:
             return Event.JAMMED
-        if not robot.blocked_frontiers():
+        if not self._barred(robot):
             return Event.EXPLORED
         if progress.may_wait and not robot.bodies.all_are_lost():
             return Event.BARRED

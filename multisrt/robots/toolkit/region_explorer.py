@@ -9,8 +9,9 @@ from typing import Any, Literal, NoReturn
 
 import numpy as np
 
-from multisrt.events import ArcClosed
+from multisrt.events import ArcClosed, ClosingReason
 from multisrt.geometry.configuration import Configuration
+from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.grids.distance_field import DistanceField
 from multisrt.geometry.numerics.arrays import FloatArray
 from multisrt.robots.defects import ExplorerDefect
@@ -107,12 +108,21 @@ class RegionExplorer(ABC):
     """
 
     def __init__(self, me: RobotSelf, options: RegionOptions) -> None:
+        if not isinstance(me, RobotSelf):
+            raise InvalidInputError(
+                f"a run builds {type(self).__name__} for each of its robots: give the class, and "
+                "not one that is built already"
+            )
         self.me = me
         self.options = options
         self.map = ExplorationMap(
             reach_m=me.max_range_m, min_arc_m=me.footprint.width_m, robot=me.robot
         )
-        self._explorer = FrontierExplorer(me, options, self._choose)
+        self._explorer = FrontierExplorer(
+            me, options, self._choose, barred=lambda _: self._is_barred
+        )
+        # Whether bodies alone bar the ways to a place that was asked for in the last choice.
+        self._is_barred = False
         self._closings = 0
         self._explanation: tuple[str, Any, dict[str, Any]] | None = None
 
@@ -170,20 +180,11 @@ class RegionExplorer(ABC):
             places that it has scanned from or tried in vain.
         """
         wanted = places_of(places)
-        found = np.full(len(wanted), np.inf)
         with self._robot.around_bodies():
-            field = self._robot.own_field()
-            if field is None:
-                return found
-            standing = [self._standing_near(x, y) for x, y in wanted.tolist()]
-            usable = [
-                k
-                for k, place in enumerate(standing)
-                if place is not None and not self._robot.frontiers.is_given_up(place)
-            ]
-            if usable:
-                cells = self._robot.indices_of(np.array([standing[k] for k in usable]))
-                found[usable] = field.distance(cells)
+            found = self._path_lengths(wanted)
+        if len(self._robot.bodies) and not np.isfinite(found).all():
+            free = np.isfinite(self._path_lengths(wanted))
+            self._is_barred |= bool((free & ~np.isfinite(found)).any())
         return found
 
     def explain(self, text: str, options: Any = (), **values: Any) -> None:
@@ -211,12 +212,10 @@ class RegionExplorer(ABC):
         return self._explorer.robot
 
     def _choose(self, robot: FrontierRobot, because: Event) -> Choice:
-        self.map.merge((*robot.map.entries.nodes.values(), *robot.map.entries.closings.values()))
-        if because is Event.REACHED and robot.goal is not None:
-            # It has scanned there: there is no second time.
-            robot.frontiers.give_up(robot.goal.place)
-            yield from self._close_near(robot.goal.place)
-        self._explanation = None
+        if robot.goal is not None:
+            yield from self._leave_behind(robot.goal.place, because)
+        self._merge()
+        self._explanation, self._is_barred = None, False
         chosen = self.choose()
         goal = None if chosen is None else self._goal_at(chosen)
         nothing: dict[str, Any] = {}
@@ -230,10 +229,34 @@ class RegionExplorer(ABC):
         yield decided(self.me, robot.time_s, text, place, options, **values)
         return goal
 
-    def _close_near(self, place: Place) -> Steps:
-        # Give up what is still frontier next to a place that the robot has scanned from.
-        # As far as the places may lie that are taken as this one, diagonally.
-        near_m = math.sqrt(2.0) * (self._beside_cells + 1) * self._robot.raster.cell_m
+    def _leave_behind(self, place: Place, because: Event) -> Steps:
+        # There is no second time at a place that was chosen, for any robot: others would go there
+        # in vain, and meet in its corner.
+        robot = self._robot
+        if because is Event.REACHED:
+            robot.frontiers.give_up(place)
+            yield from self._close_near(place, "seen from near")
+        elif because is Event.NO_WAY and robot.frontiers.is_given_up(place):
+            if math.dist(robot.at[:2], place) <= self._near_m:
+                # The last of the way is too narrow; from here it sees as much.
+                yield from robot.perceive()
+                yield from self._close_near(place, "seen from near")
+            elif robot.car is None and not len(robot.bodies):
+                yield from self._close_near(place, "not reachable")
+
+    def _merge(self) -> None:
+        entries = self._robot.map.entries
+        self.map.merge((*entries.nodes.values(), *entries.closings.values()))
+
+    @property
+    def _near_m(self) -> float:
+        # As far as the places may lie that are taken as one, diagonally.
+        return math.sqrt(2.0) * (self._beside_cells + 1) * self._robot.raster.cell_m
+
+    def _close_near(self, place: Place, reason: ClosingReason) -> Steps:
+        # Give up what is still frontier next to a place, for all robots.
+        self._merge()
+        near_m = self._near_m
         for node in self.map.near(*place, self.me.max_range_m + near_m):
             arc = within_disc(self.map.frontier(node.id), place, near_m)
             if not len(arc):
@@ -242,7 +265,7 @@ class RegionExplorer(ABC):
                 id=ClosingId(self.me.robot, self._closings),
                 node=node.id,
                 arc=arc,
-                reason="seen from near",
+                reason=reason,
                 width_m=self.me.footprint.width_m,
             )
             self._closings += 1
@@ -253,7 +276,7 @@ class RegionExplorer(ABC):
                     time_s=self.time_s,
                     robot=self.me.robot,
                     node=node.id,
-                    reason="seen from near",
+                    reason=reason,
                     arc=tuple((x0, y0, x1, y1) for x0, y0, x1, y1 in arc.tolist()),
                 )
             )
@@ -282,7 +305,24 @@ class RegionExplorer(ABC):
                 "return a place to which self.costs is finite, or None",
             )
         # Other robots stand in the way: it waits for them.
+        self._is_barred = True
         return None
+
+    def _path_lengths(self, wanted: FloatArray) -> FloatArray:
+        found = np.full(len(wanted), np.inf)
+        field = self._robot.own_field()
+        if field is None:
+            return found
+        standing = [self._standing_near(x, y) for x, y in wanted.tolist()]
+        usable = [
+            k
+            for k, place in enumerate(standing)
+            if place is not None and not self._robot.frontiers.is_given_up(place)
+        ]
+        if usable:
+            cells = self._robot.indices_of(np.array([standing[k] for k in usable]))
+            found[usable] = field.distance(cells)
+        return found
 
     def _leads(self, field: DistanceField, place: Place) -> bool:
         return bool(np.isfinite(field.distance(self._robot.indices_of(np.array([place])))[0]))

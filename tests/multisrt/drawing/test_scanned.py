@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import shapely
 
+import multisrt as ms
 from multisrt.drawing import tree_svg
 from multisrt.events import GoalChosen, NodeAdded
 from multisrt.geometry.errors import InvalidInputError
@@ -82,6 +83,14 @@ def test_explored_cells_and_frontier_are_those_of_the_raster(bidding):
     assert known.buffer(0.02).covers(left)
     assert left.distance(shapely.Point(11.0, 3.0)) < 0.1
     assert left.distance(shapely.Point(*A)) > 1.0
+
+
+def test_pictures_and_metrics_use_one_word():
+    run = ms.explore("open", strategy="closest", robots=2, seed=1, max_time_s=10.0)
+    told = dict(run.metrics.outline())
+    line = texts(tree_svg(run.recording))[1]
+    assert f": {told['informative scans']} informative scans, " in line
+    assert "nodes" not in told
 
 
 def test_pictures_of_scans_repeat(bidding):

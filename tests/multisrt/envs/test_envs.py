@@ -203,6 +203,28 @@ def test_the_robot_that_asks_needs_an_action():
         env.step({"robot_1": 0})
 
 
+@pytest.mark.parametrize("action", [None, [1], "x", 1.0])
+def test_an_action_of_another_kind_is_refused(action):
+    env = single_env(HALL, decision=FEW, range_m=4.0)
+    env.reset(seed=1)
+    with pytest.raises(ms.InvalidInputError, match="is a whole number, not"):
+        env.step(action)
+    with pytest.raises(ms.InvalidInputError, match="a wrong action has ended it: call reset"):
+        env.step(0)
+    env.reset(seed=1)
+    assert env.step(0)[4]["valid"]
+
+
+def test_after_the_end_there_is_no_step():
+    alone = single_env(HALL, decision=FEW, range_m=4.0)
+    play_alone(alone)
+    team = parallel_env(HALL, decision=FEW, robots=2, range_m=3.0)
+    play(team)
+    for step_on in (lambda: alone.step(0), lambda: team.step({"robot_0": 0, "robot_1": 0})):
+        with pytest.raises(ms.InvalidInputError, match="the mission is over"):
+            step_on()
+
+
 def test_an_action_that_cannot_be_followed_is_told():
     env = single_env(HALL, decision=FEW, range_m=4.0)
     _, info = env.reset(seed=1)

@@ -54,6 +54,11 @@ def write(path: str, *parts: str) -> Path:
     return file
 
 
+def write_module() -> str:
+    write("written.py", MINE)
+    return "written"
+
+
 def of(*strategies: Any) -> ExperimentSpec:
     names = named(list(strategies))
     return ExperimentSpec(
@@ -121,6 +126,32 @@ def test_two_strategies_of_one_name_are_told_apart() -> None:
     write("b/__init__.py", MINE)
     with pytest.raises(ms.InvalidInputError, match="two strategies are called 'mine'"):
         named([import_module("a").Mine, import_module("b").Mine])
+
+
+def test_python_takes_references_to_files(folder: Path) -> None:
+    write("mine.py", MINE)
+    assert named(["mine.py:Mine", "mine.py:Mine=other", "minpos"]) == ["mine", "other", "minpos"]
+    run = ms.explore("open", strategy="mine.py:Mine", seed=1)
+    assert run.spec.strategy == "mine"
+    with pytest.raises(ms.InvalidInputError, match="there is no such file"):
+        ms.explore("open", strategy="none.py:Mine")
+
+
+def test_what_explore_registered_may_be_registered() -> None:
+    own = import_module(write_module())
+    ms.explore("open", strategy=own.Mine, seed=1)
+    register(own.Mine)
+    assert strategy("mine") == Strategy.of(own.Mine)
+
+
+def test_an_explorer_that_is_built_is_refused() -> None:
+    own = import_module(write_module())
+    for use in (
+        lambda: ms.explore("open", strategy=own.Mine(None)),
+        lambda: ms.compare("open", [own.Mine(None), "minpos"]),
+    ):
+        with pytest.raises(ms.InvalidInputError, match="give Mine, not one that is built already"):
+            use()
 
 
 def test_a_built_in_name_is_refused() -> None:

@@ -1,6 +1,7 @@
 """The registry: strategies by name, their options, and those of other packages."""
 
 import math
+from dataclasses import replace
 
 import msgspec
 import pytest
@@ -8,7 +9,7 @@ import pytest
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.planners.srt_options import SrtOptions
 from multisrt.robots import registry
-from multisrt.robots.explorer import Explorer, RobotSelf
+from multisrt.robots.explorer import Done, Explorer, RobotSelf
 from multisrt.robots.multi_srt.options import MultiSrtOptions
 from multisrt.robots.registry import register, strategies, strategy
 from multisrt.robots.strategy import Strategy
@@ -55,9 +56,31 @@ def test_a_new_strategy_is_found(own):
 def test_duplicates_are_refused(own):
     register(own)
     with pytest.raises(InvalidInputError, match="'own' already"):
-        register(own)
+        register(replace(own, summary="another"))
     with pytest.raises(InvalidInputError, match="'srt-star' already"):
         register(Strategy(name="srt-star", summary="", options=Options, explorer=no_explorer))
+
+
+def test_registering_the_same_again_does_nothing(own):
+    class Alone:
+        def __init__(self, me):
+            self.me = me
+
+        def run(self):
+            yield Done(complete=False, reason="as I like")
+
+    class WithOptions(Alone):
+        def __init__(self, me, options: Options):
+            super().__init__(me)
+
+    for kind in (Alone, WithOptions):
+        register(kind)
+        register(kind)
+        register(Strategy.of(kind), replace=True)
+        register(kind)
+    register(own)
+    register(own)
+    assert [s.name for s in strategies()][-3:] == ["alone", "with-options", "own"]
 
 
 def test_options_have_defaults(own):

@@ -57,7 +57,7 @@ def test_scans_are_mapped_where_places_were_chosen(team):
 
 def test_what_stays_frontier_after_a_scan_is_given_up_once(team):
     closed = team.recording.of(ArcClosed)
-    assert {event.reason for event in closed} <= {"seen from near"}
+    assert {event.reason for event in closed} <= {"seen from near", "not reachable"}
     known = [(event.node, event.arc) for event in closed]
     assert len(known) == len(set(known))
 
@@ -102,6 +102,11 @@ def test_a_place_is_not_chosen_twice():
 
     with pytest.raises(ExplorerDefect, match="which it has tried before"):
         ms.explore(WORLD, strategy=ms.Strategy.of(Stubborn), seed=1)
+
+
+def test_it_is_given_as_a_class():
+    with pytest.raises(ms.InvalidInputError, match="give the class, and not one that is built"):
+        Nearest(None, None)  # type: ignore[arg-type]
 
 
 def test_without_choose_there_is_no_explorer():

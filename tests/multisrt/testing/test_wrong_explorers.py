@@ -218,9 +218,9 @@ TOLD = {
     ),
     "CannotBeBuilt": (
         "a robot alone in 'two rooms': building the explorer of robot 0: it raised "
-        "AttributeError: 'Footprint' object has no attribute 'breadth_m' "
+        "AttributeError: 'Footprint' object has no attribute 'breadth_m' (did you mean 'width_m'?) "
         "(wrong_explorers.py:LINE, in __init__: self.width_m = me.footprint.breadth_m); "
-        "build it from its RobotSelf and its options alone"
+        "correct that line: build it from its RobotSelf and its options alone"
     ),
     "HasNoRun": (
         "explorer of strategy 'has-no-run': the class HasNoRun has no run(); write def "

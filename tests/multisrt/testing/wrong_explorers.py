@@ -223,7 +223,7 @@ class ReturnsAList(Explorer):
 
 class ReturnsNothing(Explorer):
     def run(self):
-        Sense()
+        self.first = Sense()
 
 
 class ReturnsWithoutDone(Explorer):

@@ -254,7 +254,7 @@ TOLD = {
     ),
     "GivesArgumentsByPlace": (
         "the robot in 'two rooms', action 1: it raised TypeError: Extra positional arguments "
-        "provided (wrong_explorers.py:LINE, in run: yield Move(self.at, guard=0.1)); write "
+        "provided (wrong_explorers.py:LINE, in run: yield Move(self.at, guard=0.1)  # type: ignore[call-arg]); write "
         "Move(trajectory=..., purpose=..., guard_m=..., listen=...)"
     ),
     "ForgetsSuper": (

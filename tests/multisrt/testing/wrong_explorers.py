@@ -448,7 +448,7 @@ class ForgetsYield(Explorer):
 class UsesAnAction(Explorer):
     def run(self):
         yield Look()
-        scan = Sense()
+        scan: Any = Sense()
         yield Receive(timeout_s=scan.time_s)
 
 
@@ -461,7 +461,7 @@ class MisspellsAnAttribute(Explorer):
 class GivesArgumentsByPlace(Explorer):
     def run(self):
         yield Sense()
-        yield Move(self.at, guard=0.1)
+        yield Move(self.at, guard=0.1)  # type: ignore[call-arg]
 
 
 class ForgetsSuper(RegionExplorer):

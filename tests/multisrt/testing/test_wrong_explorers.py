@@ -254,8 +254,8 @@ TOLD = {
     ),
     "GivesArgumentsByPlace": (
         "the robot in 'two rooms', action 1: it raised TypeError: Extra positional arguments "
-        "provided (wrong_explorers.py:LINE, in run: yield Move(self.at, guard=0.1)  # type: ignore[call-arg]); write "
-        "Move(trajectory=..., purpose=..., guard_m=..., listen=...)"
+        "provided (wrong_explorers.py:LINE, in run: yield Move(self.at, guard=0.1)  # type: "
+        "ignore[call-arg]); write Move(trajectory=..., purpose=..., guard_m=..., listen=...)"
     ),
     "ForgetsSuper": (
         "the robot in 'two rooms', before its first action: it raised AttributeError: "

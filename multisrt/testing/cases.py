@@ -24,6 +24,7 @@ from multisrt.simulation.simulate import simulate
 from multisrt.spec import RunSpec
 from multisrt.testing.account import account
 from multisrt.testing.checked_run import CheckedRun
+from multisrt.testing.code_reading import OwnCode, own_code_of
 from multisrt.testing.fingerprint import fingerprint
 from multisrt.testing.hidden_truth import named_by_code
 from multisrt.testing.own_code import (
@@ -84,7 +85,7 @@ class Case:
         self.recording: Recording | None = None
         self.changed: list[str] = []
         self.modules: list[ModuleType] = []
-        self.cls: type = object
+        self.cls: OwnCode = object
         self._limits = limits
         self._watchdog = watchdog
         self._only_known = only_known
@@ -135,12 +136,12 @@ class Case:
         def explorer(me: RobotSelf, _: Any) -> Explorer:
             made = self.make(me)
             if not kept:
-                kept.update(_kept_by(type(made)))
+                kept.update(_kept_by(own_code_of(made)))
             return supervision.supervise(me, made)
 
         # One explorer is built beforehand, as its modules may have names for clocks.
         sample = self._sample()
-        self.cls = type(self.make(sample))
+        self.cls = own_code_of(self.make(sample))
         self.modules = modules_of(self.cls)
         with surroundings(self.modules, seed=1, clock_s=1e9):
             recording = self._simulate(explorer, supervision)
@@ -403,7 +404,7 @@ def _described(action: object) -> str:
     return brief(action, 120)
 
 
-def _kept_by(cls: type) -> dict[str, bytes]:
+def _kept_by(cls: OwnCode) -> dict[str, bytes]:
     # Fingerprints of the data that all explorers of a class share, by name.
     return {
         name: fingerprint(value)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import builtins
 import inspect
 import re
 import sys
@@ -244,6 +245,8 @@ def _home_of(own: Strategy) -> tuple[ModuleType, str]:
         raise _not_importable(
             own, f"{name} is defined within a function", "name the module that registers it, or "
         )
+    if home is builtins:  # what `exec` gives to classes of code that has no __name__
+        raise _not_importable(own, "it is defined by exec, in no module")
     return home, ""  # the module registers it, perhaps
 
 

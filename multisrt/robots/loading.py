@@ -110,9 +110,7 @@ def load_strategy(reference: str) -> Strategy:
             )
         return Strategy.of(value, name=own_name) if own_name else as_strategy(value)
     if not candidates:
-        raise InvalidInputError(
-            f"{place} has no strategy: neither a Strategy nor a class with a method 'run'"
-        )
+        raise InvalidInputError(_no_candidate(place, module))
     if len(candidates) > 1:
         raise InvalidInputError(
             f"{place} has several strategies; name one: "
@@ -282,6 +280,21 @@ def being_imported() -> str:
     ''
     """
     return _importing.get()
+
+
+def _no_candidate(place: str, module: ModuleType) -> str:
+    for name, value in vars(module).items():
+        if (
+            inspect.isclass(value)
+            and value.__module__ == module.__name__
+            and callable(getattr(value, "run", None))
+        ):
+            return (
+                f"{place} has no strategy: {name}.run yields nothing, and is to be a generator: "
+                "have it yield every action, as in scan = yield Sense(), and at last yield "
+                f"Done(...); if it returns a generator that it has made, name {place}:{name}"
+            )
+    return f"{place} has no strategy: neither a Strategy nor a class with a method 'run'"
 
 
 def _is_from(module: ModuleType, strategy: Strategy) -> bool:

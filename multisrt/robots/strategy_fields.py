@@ -9,8 +9,9 @@ from typing import Any, NoReturn
 
 import msgspec
 
-from multisrt.geometry.errors import InvalidInputError
+from multisrt.geometry.errors import InvalidInputError, did_you_mean
 from multisrt.robots.defects import article, brief
+from multisrt.validation_errors import explained
 
 MAX_NAME_LENGTH = 60
 """Characters of a name: folders and columns of tables are called by it."""
@@ -73,6 +74,20 @@ def _require_options(options: object, whose: str) -> None:
             f"options {whose}: {options.__name__} can be changed, and all robots share it; write "
             f"{remedy}"
         )
+    for field in msgspec.structs.fields(options):
+        if field.default is not msgspec.NODEFAULT:
+            _require_default(field, options.__name__, whose)
+
+
+def _require_default(field: msgspec.structs.FieldInfo, options: str, whose: str) -> None:
+    try:
+        msgspec.convert(msgspec.to_builtins(field.default), field.type)
+    except msgspec.ValidationError as error:
+        raise InvalidInputError(
+            f"options {whose}: the default of {options}.{field.name} is {brief(field.default)}, "
+            f"which is not as declared: {explained(error, field.type)}; change the default or the "
+            "annotation"
+        ) from None
 
 
 def _require_explorer(explorer: object, whose: str) -> None:
@@ -88,6 +103,13 @@ def _require_explorer(explorer: object, whose: str) -> None:
             f"{what}: the class {title} has no run(); write def run(self), a generator that "
             "yields actions and is sent their outcomes"
         )
+    made: Any = inspect.unwrap(explorer)
+    if inspect.isabstract(made):
+        own = [name for name in vars(made) if name not in dir(made.__base__)]
+        lacking = ", ".join(
+            f"{name}(){did_you_mean(name, own)}" for name in sorted(made.__abstractmethods__)
+        )
+        raise InvalidInputError(f"{what}: the class {made.__qualname__} does not define {lacking}")
     _require_parameters(explorer, what, title)
 
 

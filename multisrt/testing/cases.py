@@ -10,6 +10,7 @@ from dataclasses import replace
 from types import ModuleType
 from typing import Any, NoReturn
 
+import msgspec
 import numpy as np
 
 from multisrt.environments.environment import Environment
@@ -25,12 +26,13 @@ from multisrt.spec import RunSpec
 from multisrt.testing.account import account
 from multisrt.testing.checked_run import CheckedRun
 from multisrt.testing.code_reading import OwnCode, own_code_of
+from multisrt.testing.error_flaw import error_flaw
 from multisrt.testing.fingerprint import fingerprint
+from multisrt.testing.forgotten import forgotten_yield
 from multisrt.testing.hidden_truth import named_by_code
 from multisrt.testing.own_code import (
     chance_in,
     clocks_in,
-    error_flaw,
     order_in,
     place_of_frame,
     told,
@@ -42,6 +44,9 @@ from multisrt.testing.watchdog import ComputesTooLong, Limits, Watchdog
 DATA = (int, float, complex, str, bytes, tuple, list, dict, set, frozenset, deque, np.ndarray)
 """Types of class attributes, globals and defaults in which explorers might share state."""
 
+
+MAX_DESCRIBED = 120
+"""Characters to which actions and their fields are cut in messages."""
 
 OWN_STATE = "keep everything in self: no class attribute, global or default that changes"
 OWN_STREAM = "draw random numbers from the rng of its RobotSelf alone"
@@ -85,7 +90,7 @@ class Case:
         self.recording: Recording | None = None
         self.changed: list[str] = []
         self.modules: list[ModuleType] = []
-        self.cls: OwnCode = object
+        self.own_code: OwnCode = object
         self._limits = limits
         self._watchdog = watchdog
         self._only_known = only_known
@@ -109,10 +114,10 @@ class Case:
                 "build it at once: what takes long belongs into run()",
             ) from None
         except (Exception, SystemExit) as error:
-            flaw = error_flaw(built_by, error)
+            usual = "build it from its RobotSelf and its options alone"
+            flaw = error_flaw(built_by, error, usual)
             raise self._defect(
-                f"building the explorer of robot {me.robot}: {flaw.what}",
-                "build it from its RobotSelf and its options alone",
+                f"building the explorer of robot {me.robot}: {flaw.what}", flaw.remedy
             ) from error
         if not callable(getattr(explorer, "run", None)):
             raise self._defect(
@@ -141,14 +146,17 @@ class Case:
 
         # One explorer is built beforehand, as its modules may have names for clocks.
         sample = self._sample()
-        self.cls = own_code_of(self.make(sample))
-        self.modules = modules_of(self.cls)
+        made = self.make(sample)
+        self.own_code = own_code_of(made)
+        self.modules = modules_of(self.own_code)
+        if (flaw := forgotten_yield(type(made))) is not None:
+            raise self._defect(*flaw)
         with surroundings(self.modules, seed=1, clock_s=1e9):
             recording = self._simulate(explorer, supervision)
         supervision.finish()
         self._check_end(recording, supervision)
         self.recording, self.robots = recording, supervision.robots
-        now = _kept_by(self.cls)
+        now = _kept_by(self.own_code)
         self.changed = [name for name, mark in kept.items() if now.get(name, mark) != mark]
 
     def repeat_by_hand(self) -> None:
@@ -159,10 +167,14 @@ class Case:
             self._explain(other)
 
     def _drive(self, *, seed: int, clock_s: float) -> None:
-        with surroundings(self.modules, seed=seed, clock_s=clock_s):
-            for repeated in self.repetitions():
-                while repeated.advance():
-                    pass
+        with surroundings(self.modules, seed=seed, clock_s=clock_s) as were_drawn:
+            try:
+                for repeated in self.repetitions():
+                    while repeated.advance():
+                        pass
+            except OtherAction as other:
+                other.has_drawn = were_drawn()
+                raise
 
     def _explain(self, other: OtherAction) -> NoReturn:
         # By what is left of the difference if one thing is as it was before.
@@ -173,10 +185,12 @@ class Case:
         try:
             self._drive(seed=2, clock_s=1e9)
         except OtherAction as again:
-            why = f"it draws on global random numbers{_after(chance_in(self.cls))}"
+            if not again.has_drawn:
+                raise again.defect(*self._unknown_cause()) from None
+            why = f"it draws on global random numbers{_after(chance_in(self.own_code))}"
             raise again.defect(why, OWN_STREAM) from None
         raise other.defect(
-            f"it reads a clock{_after(clocks_in(self.cls))}",
+            f"it reads a clock{_after(clocks_in(self.own_code))}",
             "go by the times that scans, motions and messages tell",
         )
 
@@ -184,9 +198,9 @@ class Case:
         # Why it may act otherwise in the same surroundings.
         if self.changed:
             return Flaw(f"{self.changed[0]} changes, which explorers share", OWN_STATE)
-        if chance := chance_in(self.cls):
+        if chance := chance_in(self.own_code):
             return Flaw(f"it draws on other random numbers: {chance}", OWN_STREAM)
-        order = order_in(self.cls)
+        order = order_in(self.own_code)
         return Flaw(
             "it draws on something besides what it was sent"
             + (f": perhaps on where objects lie in memory, {order}" if order else ""),
@@ -211,16 +225,24 @@ class Case:
                 "decide by what the explorer was sent alone, and draw from the RobotSelf's rng",
             )
 
-    def compare_elsewhere(self, digest: str | None) -> None:
-        """Compare its digest with that of the same run in another process, if there is one."""
+    def compare_elsewhere(self, digest: str | None, reason: str) -> None:
+        """Compare its digest with that of the same run in another process.
+
+        Parameters
+        ----------
+        digest : str or None
+            The digest there; None if there is none.
+        reason : str
+            Why there is none.
+        """
         assert self.recording is not None
         if digest is None:
             raise self._defect(
-                "in another process the same run does not end well",
+                f"in another process the same run does not end well: {reason}",
                 "see that it depends on nothing that this process has done before",
             )
         if digest != self.recording.footer.digest:
-            order = order_in(self.cls)
+            order = order_in(self.own_code)
             raise self._defect(
                 "in another process, where the order of sets is another, the same run has another "
                 f"digest{_after(order)}",
@@ -308,6 +330,7 @@ class OtherAction(Exception):
         super().__init__(what)
         self.what = what
         self.where = where
+        self.has_drawn = False
 
     def defect(self, why: str, remedy: str) -> ExplorerDefect:
         """Return the defect, with a reason and a remedy."""
@@ -363,11 +386,16 @@ class Repetition:
         else:
             if fingerprint(action) == turn.print:
                 return self._turn < len(self._before.turns)
+            if found := difference(action, turn.action):
+                self._raise(f"yielded {found}")
             acted = _described(action)
+        self._raise(f"yielded {acted}, not {_described(turn.action)}")
+
+    def _raise(self, what: str) -> NoReturn:
         me = self._before.me
         who = "the robot" if me.team == 1 else f"robot {me.robot} of {me.team}"
         raise OtherAction(
-            f"sent the same as before, it yielded {acted}, not {_described(turn.action)}",
+            f"sent the same as before, it {what}",
             f"{who} in {self._title}, action {self._turn}",
         )
 
@@ -401,7 +429,40 @@ def _described(action: object) -> str:
     if isinstance(action, Move):
         x, y, heading = action.trajectory.end
         return f"Move to ({x:.6g}, {y:.6g}, {heading:.6g})"
-    return brief(action, 120)
+    return brief(action, MAX_DESCRIBED)
+
+
+def difference(now: object, before: object) -> str:
+    """Return the first field in which two long actions of one kind differ, in words.
+
+    Parameters
+    ----------
+    now, before : object
+        The actions.
+
+    Returns
+    -------
+    str
+        Such as ``Note with event.rule = 'near', not 'far'``; empty for motions, actions of
+        several kinds, and those that can be read as a whole.
+    """
+    if (
+        type(now) is not type(before)
+        or isinstance(now, Move)
+        or max(len(repr(now)), len(repr(before))) <= MAX_DESCRIBED
+    ):
+        return ""
+    kind, place = type(now).__name__, ""
+    while isinstance(now, msgspec.Struct) and type(now) is type(before):
+        for name in now.__struct_fields__:
+            one, other = getattr(now, name), getattr(before, name)
+            if fingerprint(one) != fingerprint(other):
+                place = f"{place}.{name}" if place else name
+                now, before = one, other
+                break
+        else:
+            return ""
+    return f"{kind} with {place} = {brief(now, MAX_DESCRIBED)}, not {brief(before, MAX_DESCRIBED)}"
 
 
 def _kept_by(cls: OwnCode) -> dict[str, bytes]:

@@ -49,8 +49,8 @@ operating system, in the main thread and on Unix only; the message names the lin
 glance keeps to the contract of explorers, with a warning:
   repeats; shares no state; changes nothing that it is given; yields what its body can do;
   stays in what it knows; does not reach the truth; does not collide; ends
-  1 robot in 'two rooms': stalled after 0 s, 47.3% covered, 2 actions
-  3 robots in 'two rooms': stalled after 0 s, 90.5% covered, 6 actions
+  1 robot in 'two rooms': stalled after 0 s, 38.8% covered, 2 actions
+  3 robots in 'two rooms': stalled after 0 s, 92.1% covered, 6 actions
   note: it notes no node, and is measured by its scans
 WARNING: it never moves: it sees what can be seen from its start alone; yield Move(...) to a place
 that its scan shows to be free
@@ -90,7 +90,7 @@ from multisrt.spec import RadioSpec, RobotSpec, RunSpec, StopRule
 from multisrt.testing.cases import Case, repeat_interleaved
 from multisrt.testing.checked_run import CheckedRun
 from multisrt.testing.doubts import doubts
-from multisrt.testing.other_process import digests_elsewhere
+from multisrt.testing.other_process import digests_elsewhere, require_first
 from multisrt.testing.watchdog import Limits, Watchdog
 
 __all__ = ["CheckedExplorer", "CheckedRun", "ExplorerDefect", "check_explorer", "two_rooms"]
@@ -254,6 +254,7 @@ def check_explorer(
     >>> checked.runs[0].outcome
     'complete'
     """
+    require_first()
     worlds = _small_worlds() if worlds is None else worlds
     if not worlds or not teams:
         raise InvalidInputError("give check_explorer at least one world and one team")
@@ -295,7 +296,7 @@ def check_explorer(
         name=strategy.name,
         checks=tuple(check for check in CHECKS if not left_out.get(check, False)),
         runs=runs,
-        warnings=doubts(runs),
+        warnings=doubts(runs, cases[0].cls),
         unchecked=unchecked,
     )
 
@@ -318,12 +319,13 @@ def _run_all(cases: Sequence[Case], elsewhere: bool, progress: Progress) -> tupl
     progress("repeating in another process", total - 1, total)
     limit_s = 10.0 * (monotonic() - began_s)
     try:
-        digests = digests_elsewhere(cases[0].strategy, [case.spec for case in cases], limit_s)
+        specs = [case.spec for case in cases]
+        digests, reason = digests_elsewhere(cases[0].strategy, specs, limit_s)
     except InvalidInputError as error:
         why = str(error).partition(": ")[2].partition(";")[0] or str(error)
         return (f"{ELSEWHERE}, since it cannot be imported there: {why}",)
     for case, digest in zip_longest(cases, digests):
-        case.compare_elsewhere(digest)
+        case.compare_elsewhere(digest, reason)
     return ()
 
 

@@ -6,18 +6,21 @@ from collections.abc import Sequence
 
 from multisrt.analysis.metrics import SUCCESS_COVERAGE
 from multisrt.testing.checked_run import CheckedRun
+from multisrt.testing.forgotten import forgotten_return, writes_run
 
 MAX_EXAMPLES = 2
 """How many runs a warning names."""
 
 
-def doubts(runs: Sequence[CheckedRun]) -> tuple[str, ...]:
+def doubts(runs: Sequence[CheckedRun], cls: type) -> tuple[str, ...]:
     """Return warnings about an explorer whose runs have no defect.
 
     Parameters
     ----------
     runs : sequence of CheckedRun
         All its runs.
+    cls : type
+        Its class.
 
     Returns
     -------
@@ -26,6 +29,7 @@ def doubts(runs: Sequence[CheckedRun]) -> tuple[str, ...]:
 
     Examples
     --------
+    >>> from multisrt.robots.explorer import Done
     >>> run = CheckedRun(
     ...     world="hall",
     ...     robots=1,
@@ -35,12 +39,22 @@ def doubts(runs: Sequence[CheckedRun]) -> tuple[str, ...]:
     ...     actions={"Done": 1},
     ...     digest="0" * 64,
     ... )
-    >>> [warning.partition(";")[0] for warning in doubts([run])]  # doctest: +ELLIPSIS
+    >>> class Idle:
+    ...     def run(self):
+    ...         yield Done(complete=True, reason="has nothing to do")
+    >>> [warning.partition(";")[0] for warning in doubts([run], Idle)]  # doctest: +ELLIPSIS
     ['it ends at once: its first action is Done', ...]
     """
     warnings = []
     kinds = {kind for run in runs for kind in run.actions}
-    if kinds == {"Done"}:
+    if lacks := forgotten_return(cls):
+        warnings.append(f"{lacks}: the robot is done at once; return the place to go to")
+    elif not writes_run(cls) and not kinds & {"Move"}:
+        warnings.append(
+            "it never moves: it sees what can be seen from its start alone; see that its choice "
+            "is a place or frontier as long as one can be reached"
+        )
+    elif kinds == {"Done"}:
         warnings.append(
             "it ends at once: its first action is Done; yield Sense() first, and move to where it "
             "sees more"

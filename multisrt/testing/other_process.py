@@ -4,7 +4,8 @@ Within one process, equal sets of text have one order; every process has its own
 that goes by the order of a set repeats its runs until the program is started again.
 
 `python -m multisrt.testing.other_process REFERENCE` reads specs from standard input, as a list in
-JSON, and writes the digests of their runs to standard output.
+JSON, and writes the digests of their runs to standard output. It ends with code 2 if it cannot
+import what makes them.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ import msgspec
 from multisrt.experiments.modules import reference_of
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.robots.loading import import_reference
-from multisrt.robots.registry import is_built_in
+from multisrt.robots.registry import is_built_in, strategies
 from multisrt.robots.strategy import Strategy
 from multisrt.simulation.simulate import simulate
 from multisrt.spec import RunSpec
@@ -27,15 +28,35 @@ from multisrt.spec import RunSpec
 MIN_LIMIT_S = 120.0
 """Seconds that the other process may take at least: it may have to compile kernels."""
 
+CANNOT_IMPORT = 2
+"""Exit code of the other process if it cannot import the strategy."""
+
+_IS_OTHER = "MULTISRT_REPEATS_A_CHECK"
+"""Variable of the environment that is set in the other process."""
+
+
+def require_first() -> None:
+    """Check that this is not the other process, which repeats runs and does not check again.
+
+    Raises
+    ------
+    InvalidInputError
+        If it is: what it imports begins a check, which would begin another process, and so on.
+    """
+    if _IS_OTHER in os.environ:
+        raise InvalidInputError(
+            "it begins a check whenever it is imported; put that under if __name__ == '__main__'"
+        )
+
 
 def digests_elsewhere(
-    strategy: Strategy, specs: Sequence[RunSpec], limit_s: float
-) -> tuple[str, ...]:
+    own: Strategy, specs: Sequence[RunSpec], limit_s: float
+) -> tuple[tuple[str, ...], str]:
     """Return the digests of runs that another process makes.
 
     Parameters
     ----------
-    strategy : Strategy
+    own : Strategy
         What the specs name.
     specs : sequence of RunSpec
         The runs.
@@ -44,31 +65,33 @@ def digests_elsewhere(
 
     Returns
     -------
-    tuple of str
-        One digest for each; fewer if the process ended early.
+    (digests, reason)
+        One digest for each; fewer if the process ended early, with the reason in words.
 
     Raises
     ------
     InvalidInputError
         If another process cannot import the strategy; the message says why.
     """
-    reference = "" if is_built_in(strategy.name) else reference_of(strategy)
+    reference = "" if is_built_in(own.name) else reference_of(own)
     other_order = "1" if os.environ.get("PYTHONHASHSEED") != "1" else "2"
     path = os.pathsep.join(folder or os.getcwd() for folder in sys.path)
+    limit_s = max(MIN_LIMIT_S, limit_s)
     try:
         done = subprocess.run(
             [sys.executable, "-m", "multisrt.testing.other_process", reference],
             input=msgspec.json.encode([spec.to_json() for spec in specs]),
             capture_output=True,
-            env={**os.environ, "PYTHONHASHSEED": other_order, "PYTHONPATH": path},
-            timeout=max(MIN_LIMIT_S, limit_s),
+            env={**os.environ, "PYTHONHASHSEED": other_order, "PYTHONPATH": path, _IS_OTHER: "1"},
+            timeout=limit_s,
             check=False,
         )
     except subprocess.TimeoutExpired:
-        return ()
-    if done.returncode == 2:
-        raise InvalidInputError(done.stderr.decode(errors="replace").strip().rpartition("\n")[2])
-    return tuple(done.stdout.decode().split())
+        return (), f"it takes more than {limit_s:.0f} s there"
+    said = done.stderr.decode(errors="replace").strip().rpartition("\n")[2]
+    if done.returncode == CANNOT_IMPORT:
+        raise InvalidInputError(said)
+    return tuple(done.stdout.decode().split()), said or f"it exits with {done.returncode} there"
 
 
 def main(reference: str) -> None:
@@ -81,13 +104,17 @@ def main(reference: str) -> None:
     """
     answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
     os.dup2(2, 1)  # Whatever strategies print is no answer.
+    specs = msgspec.json.decode(sys.stdin.buffer.read(), type=list[str])
     try:
         if reference:
             import_reference(reference)
+        names = [each.name for each in strategies()]
+        for name in {RunSpec.from_json(text).strategy for text in specs}.difference(names):
+            raise InvalidInputError(f"{reference} has no strategy {name!r} and registers none")
     except InvalidInputError as error:
         print(error, file=sys.stderr)
-        raise SystemExit(2) from None
-    for text in msgspec.json.decode(sys.stdin.buffer.read(), type=list[str]):
+        raise SystemExit(CANNOT_IMPORT) from None
+    for text in specs:
         print(simulate(RunSpec.from_json(text)).footer.digest, file=answers, flush=True)
 
 

@@ -11,6 +11,7 @@ import os
 import random
 import secrets
 import sys
+import sysconfig
 import time
 import types
 import uuid
@@ -22,12 +23,21 @@ from typing import Any
 
 import numpy as np
 
-from multisrt.robots.defects import Flaw, brief
-from multisrt.testing.code_reading import BY_TEXT, Named, OwnCode, names_in_reach
+from multisrt.robots.defects import brief
+from multisrt.testing import watchdog
+from multisrt.testing.code_reading import BY_TEXT, Named, OwnCode, names_in_reach, package_of
 from multisrt.testing.surroundings import CLOCKS, modules_of
 
 MAX_NAMES = 3
 """How many places a message names at most."""
+
+_PACKAGE = f"{Path(__file__).parents[1]}{os.sep}"
+_LIBRARIES = (
+    _PACKAGE,
+    "<",
+    *(sysconfig.get_path(name) for name in ("stdlib", "purelib", "platlib")),
+)
+"""Where the files of this package and of others begin."""
 
 _CHANCE = (
     np.random.default_rng,
@@ -119,7 +129,7 @@ def place_of_error(cls: Any, trace: TracebackType | None) -> str:
     while trace is not None:
         frames.append((trace.tb_frame.f_code, trace.tb_lineno))
         trace = trace.tb_next
-    return _place(cls, reversed(frames))
+    return _place(cls, frames[::-1])
 
 
 def place_of_frame(cls: Any, frame: FrameType | None) -> str:
@@ -138,20 +148,10 @@ def place_of_frame(cls: Any, frame: FrameType | None) -> str:
         As that of `place_of_error`.
     """
     frames = []
-    while frame is not None:
+    while frame is not None and frame.f_code.co_filename != watchdog.__file__:
         frames.append((frame.f_code, frame.f_lineno))
         frame = frame.f_back
     return _place(cls, frames)
-
-
-def error_flaw(cls: Any, error: BaseException) -> Flaw:
-    """Return the flaw of an explorer that raised an exception, with the line of its code."""
-    said = f": {error}" if str(error) else ""
-    place = told(place_of_error(cls, error.__traceback__))
-    return Flaw(
-        f"it raised {type(error).__name__}{said}{place}",
-        "correct that line: an explorer ends with Done, whatever happens",
-    )
 
 
 def told(place: str) -> str:
@@ -230,17 +230,22 @@ def outside_in(cls: OwnCode) -> str:
     return ""
 
 
-def _place(cls: Any, frames: Iterable[tuple[types.CodeType, int]]) -> str:
-    # The innermost of the frames that are in the files of the explorer.
+def _place(cls: Any, frames: Sequence[tuple[types.CodeType, int]]) -> str:
+    # The innermost of the frames that are in the files of the explorer, else of those that are in
+    # no package: a rule's explorer is of this package, and calls the function of the user.
+    is_ours = package_of(cls) == "multisrt"
     own = {name for name in (getattr(m, "__file__", None) for m in modules_of(cls)) if name}
     runs = [base.__dict__.get("run") for base in getattr(cls, "__mro__", ())]
     for made in (cls, *runs):
-        own |= {made.__code__.co_filename} if hasattr(made, "__code__") else set()
-    for code, line in frames:
-        if code.co_filename in own:
-            source = linecache.getline(code.co_filename, line).strip()
-            where = f"{_file(code)}:{line}, in {code.co_name}"
-            return f"{where}: {_cut(source)}" if source else where
+        file = made.__code__.co_filename if hasattr(made, "__code__") else ""
+        if not file.startswith(_PACKAGE) or is_ours:
+            own.add(file)
+    of_user = [one for one in frames if not one[0].co_filename.startswith(_LIBRARIES)]
+    inner = [one for one in frames if one[0].co_filename in own]
+    for code, line in (*of_user[:1], *inner[:1]) if is_ours else (*inner[:1], *of_user[:1]):
+        source = linecache.getline(code.co_filename, line).strip()
+        where = f"{_file(code)}:{line}, in {code.co_name}"
+        return f"{where}: {_cut(source)}" if source else where
     return ""
 
 

@@ -40,10 +40,11 @@ from multisrt.robots.explorer import (
 from multisrt.robots.messages import Message
 from multisrt.simulation import plain
 from multisrt.testing.code_reading import own_code_of
+from multisrt.testing.error_flaw import error_flaw
 from multisrt.testing.fingerprint import fingerprint
 from multisrt.testing.hidden_truth import named_by_code, truth_named_by_code, way_to_truth
 from multisrt.testing.motion_rules import pose, trajectory_flaw
-from multisrt.testing.own_code import back_door, error_flaw, outside_in, place_of_frame, told
+from multisrt.testing.own_code import back_door, outside_in, place_of_frame, told
 from multisrt.testing.watchdog import ComputesTooLong, Limits, Watchdog
 
 MAX_ACTIONS_AT_ONCE = 1000
@@ -246,7 +247,7 @@ class SupervisedExplorer:
 
     def _called(self, what: Callable[..., Any], *args: object) -> Any:
         # What the explorer's own code returns.
-        cls = own_code_of(self._explorer)
+        cls = type(self._explorer)
         try:
             return self._supervision.watchdog.call(what, *args)
         except StopIteration:
@@ -412,7 +413,8 @@ class SupervisedExplorer:
             f"on its way from {pose(trajectory.start)} to {pose(trajectory.end)} its body covers "
             f"{rest.area:.3g} m2 that it has neither sensed nor been told of, around "
             f"({place.x:.3f}, {place.y:.3f})",
-            "move within what its scans show to be free; only_known=False lets this pass",
+            "move within what its scans show to be free; only_known=False (--anywhere) lets this "
+            "pass",
         )
 
     # The truth ---------------------------------------------------------------------------

@@ -6,7 +6,7 @@ import datetime
 import random
 import sys
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from itertools import count
 from types import ModuleType
@@ -19,7 +19,9 @@ CLOCKS = ("time", "monotonic", "perf_counter", "process_time", "thread_time")
 
 
 @contextmanager
-def surroundings(modules: Sequence[ModuleType], *, seed: int, clock_s: float) -> Iterator[None]:
+def surroundings(
+    modules: Sequence[ModuleType], *, seed: int, clock_s: float
+) -> Iterator[Callable[[], bool]]:
     """Replace the states of the global random generators and all clocks within a context.
 
     Parameters
@@ -30,10 +32,16 @@ def surroundings(modules: Sequence[ModuleType], *, seed: int, clock_s: float) ->
         Seed of the global random generators.
     clock_s : float
         Where clocks start, in seconds; they advance by a millisecond whenever they are read.
+
+    Yields
+    ------
+    callable
+        Returns whether one of the global random generators has been drawn from.
     """
     states = random.getstate(), np.random.get_state()  # noqa: NPY002
     random.seed(seed)
     np.random.seed(seed)  # noqa: NPY002
+    seeded = _global_states()
     replaced = _clocks(clock_s)
     with ExitStack() as stack:
         stack.callback(np.random.set_state, states[1])
@@ -43,7 +51,12 @@ def surroundings(modules: Sequence[ModuleType], *, seed: int, clock_s: float) ->
                 if (other := replaced.get(id(value))) is not None:
                     stack.callback(setattr, module, name, value)
                     setattr(module, name, other)
-        yield
+        yield lambda: _global_states() != seeded
+
+
+def _global_states() -> tuple[object, ...]:
+    name, key, *rest = np.random.get_state(legacy=True)  # noqa: NPY002
+    return random.getstate(), name, np.asarray(key).tobytes(), *rest
 
 
 def _clocks(clock_s: float) -> dict[int, Any]:

@@ -19,6 +19,8 @@ the results of an explorer worthless or impossible. It is checked that
 - its body stays in what the robot has sensed, or may have been told of;
 - neither what it holds nor what its code names leads to the world or to the simulation, and it
   names no back door to them (``gc.get_objects``, frames, ``importlib``, ``eval``);
+- no line of its code makes a generator or an action and drops it, where `yield from` or `yield`
+  was forgotten;
 - it does not collide, and ends with `Done`: in time, in a number of actions, without standing
   still in time, and without computing for long before it yields.
 

@@ -8,7 +8,7 @@ import textwrap
 from collections.abc import Iterator
 from pathlib import Path
 from types import FunctionType
-from typing import NamedTuple, get_args
+from typing import Any, NamedTuple, get_args
 
 from multisrt.robots.defects import Flaw
 from multisrt.robots.explorer import Action
@@ -17,7 +17,7 @@ from multisrt.testing.code_reading import package_of
 
 class _Method(NamedTuple):
     # A method of the user, its syntax, and what its file's lines are counted from.
-    function: FunctionType
+    function: Any
     tree: ast.FunctionDef
     place: str
     line: int

@@ -188,3 +188,23 @@ def test_names_of_strategies_are_no_references() -> None:
     assert not any(is_reference(each.name) for each in ms.strategies())
     assert not is_reference("maps/hall.wkt")
     assert is_reference("a/b.py:Mine")
+
+
+def test_a_run_without_yield_is_told() -> None:
+    write("mine.py", MINE.replace("yield Done", "return Done"))
+    assert "Mine.run yields nothing, and is to be a generator" in refused("mine.py")
+
+
+def test_a_default_of_another_type_is_told() -> None:
+    options = """
+import msgspec
+
+class Options(msgspec.Struct, frozen=True):
+    leg_s: float = "one"
+    pause_s: float = 1
+
+"""
+    write("mine.py", options + MINE.replace("(self, me)", "(self, me, options: Options)"))
+    said = refused("mine.py")
+    assert "the default of Options.leg_s is 'one', which is not as declared" in said
+    assert "Expected a number, got text" in said

@@ -12,8 +12,9 @@ from multisrt.events import MapComplete
 from multisrt.geometry.configuration import Configuration
 from multisrt.planners.motion.steering import turn_and_drive
 from multisrt.planners.motion.trajectory import Trajectory, Waypoint
-from multisrt.robots.explorer import Done, Move, Note, Receive, Send, Sense, Stop
+from multisrt.robots.explorer import Done, Look, Move, Note, Receive, Send, Sense, Stop
 from multisrt.robots.messages import Message
+from multisrt.robots.toolkit import RegionExplorer, assignment
 
 HEARD: list[int] = []
 
@@ -426,3 +427,72 @@ class GoesByTheOrderOfASet(Explorer):
         angle = np.radians(float(first.removesuffix(" degrees")))
         yield from self.go(0.05 * np.cos(angle), 0.05 * np.sin(angle))
         yield self.end()
+
+
+class ForgetsYieldFrom(Explorer):
+    def look_around(self):
+        """Take a scan."""
+        yield Sense()
+
+    def run(self):
+        self.look_around()
+        yield self.end()
+
+
+class ForgetsYield(Explorer):
+    def run(self):
+        Sense()
+        yield self.end()
+
+
+class UsesAnAction(Explorer):
+    def run(self):
+        yield Look()
+        scan = Sense()
+        yield Receive(timeout_s=scan.time_s)
+
+
+class MisspellsAnAttribute(Explorer):
+    def run(self):
+        scan = yield Sense()
+        yield Receive(timeout_s=scan.times_s)
+
+
+class GivesArgumentsByPlace(Explorer):
+    def run(self):
+        yield Sense()
+        yield Move(self.at, guard=0.1)
+
+
+class ForgetsSuper(RegionExplorer):
+    def __init__(self, me, options):
+        self.told = me.start, options
+
+    def choose(self):
+        """Choose nothing."""
+        return None
+
+
+class ForgetsReturn(RegionExplorer):
+    def choose(self):
+        """Look at the map."""
+        self.map.open_nodes()
+
+
+class MisspellsChoose(RegionExplorer):
+    def chose(self):
+        """Choose nothing."""
+        return None
+
+
+@assignment
+def keeps_a_list(costs, robot):
+    """Choose by how often it was asked, by whomever."""
+    HEARD.append(robot)
+    return np.argsort(costs[robot])[len(HEARD) % 2 if np.isfinite(costs[robot]).sum() > 1 else 0]
+
+
+@assignment
+def misspells_a_function(costs, robot):
+    """Choose nothing."""
+    return costs[robot].argmim()

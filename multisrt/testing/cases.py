@@ -90,6 +90,7 @@ class Case:
         self.recording: Recording | None = None
         self.changed: list[str] = []
         self.modules: list[ModuleType] = []
+        self.cls: type = object
         self.own_code: OwnCode = object
         self._limits = limits
         self._watchdog = watchdog
@@ -147,9 +148,9 @@ class Case:
         # One explorer is built beforehand, as its modules may have names for clocks.
         sample = self._sample()
         made = self.make(sample)
-        self.own_code = own_code_of(made)
+        self.cls, self.own_code = type(made), own_code_of(made)
         self.modules = modules_of(self.own_code)
-        if (flaw := forgotten_yield(type(made))) is not None:
+        if (flaw := forgotten_yield(self.cls)) is not None:
             raise self._defect(*flaw)
         with surroundings(self.modules, seed=1, clock_s=1e9):
             recording = self._simulate(explorer, supervision)

@@ -10,7 +10,6 @@ import os
 import re
 import signal
 import subprocess
-import sys
 import threading
 import time
 from collections.abc import Sequence
@@ -20,6 +19,7 @@ from typing import IO
 
 import msgspec
 
+from multisrt.experiments.import_path import python_command
 from multisrt.experiments.job import ANSWERS, Answer, Job, Made, Ready, Unable
 from multisrt.experiments.limits import GRACE_S
 from multisrt.experiments.provenance import Provenance, changed_strategies, differences, provenance
@@ -194,8 +194,7 @@ class _Process:
 
     def __init__(self, modules: Sequence[str]) -> None:
         self._popen = subprocess.Popen(
-            # -P: no file of the working directory shadows a library.
-            [sys.executable, "-P", "-m", PROGRAM, *_path_options(), *modules],
+            python_command(PROGRAM, modules),
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
@@ -254,11 +253,6 @@ class _Process:
         with errors:
             while piece := os.read(errors.fileno(), 65_536):
                 self._last_words = (self._last_words + piece)[-MAX_STDERR_BYTES:]
-
-
-def _path_options() -> list[str]:
-    """Return options by which a worker finds the modules that this process finds."""
-    return [f"--path={Path(folder).absolute()}" for folder in sys.path]
 
 
 def _how_it_ended(code: int) -> str:

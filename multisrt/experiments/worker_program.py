@@ -22,15 +22,13 @@ from typing import IO
 
 import msgspec
 
+from multisrt.experiments.import_path import extend_path
 from multisrt.experiments.job import Answer, Job, Made, Ready, Unable
 from multisrt.experiments.memory import MemoryTrimmer
 from multisrt.experiments.modules import import_modules
 from multisrt.experiments.own_source import provenance_with
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.robots.registry import is_built_in, strategies
-
-PATH = "--path="
-"""Begins an argument that is a folder of the import path."""
 
 ALLOCATIONS_PER_COLLECTION = 50_000
 """Allocations between two passes of the garbage collector, of which few find anything: most of
@@ -45,9 +43,7 @@ def main(arguments: Sequence[str]) -> None:
     arguments : sequence of str
         Folders to add to the import path, and modules or files to import before anything else.
     """
-    folders = [word.removeprefix(PATH) for word in arguments if word.startswith(PATH)]
-    modules = [word for word in arguments if not word.startswith(PATH)]
-    sys.path.extend(folder for folder in folders if folder not in sys.path)
+    modules = extend_path(arguments)
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     jobs, answers = _own_pipes()
     faulthandler.enable(all_threads=False)

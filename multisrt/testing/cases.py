@@ -25,6 +25,7 @@ from multisrt.simulation.simulate import simulate
 from multisrt.spec import RunSpec
 from multisrt.testing.account import account
 from multisrt.testing.checked_run import CheckedRun
+from multisrt.testing.code_reading import OwnCode, own_code_of
 from multisrt.testing.error_flaw import error_flaw
 from multisrt.testing.fingerprint import fingerprint
 from multisrt.testing.forgotten import forgotten_yield
@@ -90,6 +91,7 @@ class Case:
         self.changed: list[str] = []
         self.modules: list[ModuleType] = []
         self.cls: type = object
+        self.own_code: OwnCode = object
         self._limits = limits
         self._watchdog = watchdog
         self._only_known = only_known
@@ -140,13 +142,14 @@ class Case:
         def explorer(me: RobotSelf, _: Any) -> Explorer:
             made = self.make(me)
             if not kept:
-                kept.update(_kept_by(type(made)))
+                kept.update(_kept_by(own_code_of(made)))
             return supervision.supervise(me, made)
 
         # One explorer is built beforehand, as its modules may have names for clocks.
         sample = self._sample()
-        self.cls = type(self.make(sample))
-        self.modules = modules_of(self.cls)
+        made = self.make(sample)
+        self.cls, self.own_code = type(made), own_code_of(made)
+        self.modules = modules_of(self.own_code)
         if (flaw := forgotten_yield(self.cls)) is not None:
             raise self._defect(*flaw)
         with surroundings(self.modules, seed=1, clock_s=1e9):
@@ -154,7 +157,7 @@ class Case:
         supervision.finish()
         self._check_end(recording, supervision)
         self.recording, self.robots = recording, supervision.robots
-        now = _kept_by(self.cls)
+        now = _kept_by(self.own_code)
         self.changed = [name for name, mark in kept.items() if now.get(name, mark) != mark]
 
     def repeat_by_hand(self) -> None:
@@ -185,10 +188,10 @@ class Case:
         except OtherAction as again:
             if not again.has_drawn:
                 raise again.defect(*self._unknown_cause()) from None
-            why = f"it draws on global random numbers{_after(chance_in(self.cls))}"
+            why = f"it draws on global random numbers{_after(chance_in(self.own_code))}"
             raise again.defect(why, OWN_STREAM) from None
         raise other.defect(
-            f"it reads a clock{_after(clocks_in(self.cls))}",
+            f"it reads a clock{_after(clocks_in(self.own_code))}",
             "go by the times that scans, motions and messages tell",
         )
 
@@ -196,9 +199,9 @@ class Case:
         # Why it may act otherwise in the same surroundings.
         if self.changed:
             return Flaw(f"{self.changed[0]} changes, which explorers share", OWN_STATE)
-        if chance := chance_in(self.cls):
+        if chance := chance_in(self.own_code):
             return Flaw(f"it draws on other random numbers: {chance}", OWN_STREAM)
-        order = order_in(self.cls)
+        order = order_in(self.own_code)
         return Flaw(
             "it draws on something besides what it was sent"
             + (f": perhaps on where objects lie in memory, {order}" if order else ""),
@@ -240,7 +243,7 @@ class Case:
                 "see that it depends on nothing that this process has done before",
             )
         if digest != self.recording.footer.digest:
-            order = order_in(self.cls)
+            order = order_in(self.own_code)
             raise self._defect(
                 "in another process, where the order of sets is another, the same run has another "
                 f"digest{_after(order)}",
@@ -463,7 +466,7 @@ def difference(now: object, before: object) -> str:
     return f"{kind} with {place} = {brief(now, MAX_DESCRIBED)}, not {brief(before, MAX_DESCRIBED)}"
 
 
-def _kept_by(cls: type) -> dict[str, bytes]:
+def _kept_by(cls: OwnCode) -> dict[str, bytes]:
     # Fingerprints of the data that all explorers of a class share, by name.
     return {
         name: fingerprint(value)

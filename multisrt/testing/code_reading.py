@@ -4,13 +4,24 @@ from __future__ import annotations
 
 import builtins
 import dis
+import functools
 import sys
+import sysconfig
 import types
 from collections import deque
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any, NamedTuple
 
 from multisrt.experiments.provenance import parts_behind
+
+OwnCode = type | types.FunctionType
+"""What is read of an explorer: its class, or the function that it asks where to go."""
+
+BY_TEXT = object()
+"""Stands for whatever a module holds, where code looks it up by a text."""
+
+_LOOKS_UP = (getattr, vars)
+_BUILDERS = ("__init__", "__new__", "__post_init__")
 
 
 class Named(NamedTuple):
@@ -21,7 +32,7 @@ class Named(NamedTuple):
     name : str
         The name for messages, such as ``global 'WORLD'`` or ``time.time``.
     value : object
-        The thing.
+        The thing; `BY_TEXT` for a name that is looked up in a module by a text.
     code : code or None
         The code that names it; None for an attribute of the class and a default.
     line : int or None
@@ -34,13 +45,46 @@ class Named(NamedTuple):
     line: int | None = None
 
 
-def names_in_reach(cls: type) -> Iterator[Named]:
+def own_code_of(explorer: object) -> OwnCode:
+    """Return the code of an explorer that is its author's.
+
+    Parameters
+    ----------
+    explorer : Explorer
+        The explorer. One of this package may ask a function of its author's: a policy, a rule of
+        assignment. It names that function in its attribute `asks`.
+
+    Returns
+    -------
+    type or function
+        Its class, if that is none of this package; else the function that it asks, or the class
+        of the object that it asks; else its class.
+    """
+    cls = type(explorer)
+    asked: Any = getattr(explorer, "asks", None)
+    if package_of(cls) != "multisrt" or asked is None:
+        return cls
+    while isinstance(asked, functools.partial) or (
+        hasattr(asked, "__wrapped__") and not isinstance(asked, types.FunctionType)
+    ):
+        asked = asked.func if isinstance(asked, functools.partial) else asked.__wrapped__
+    if isinstance(asked, types.MethodType):
+        asked = asked.__self__
+    own = asked if isinstance(asked, OwnCode) else type(asked)
+    return cls if package_of(own) == "multisrt" or _is_installed(own) else own
+
+
+def names_in_reach(cls: OwnCode, *, as_it_runs: bool = False) -> Iterator[Named]:
     """Yield what the code of a class names, and that of what it names in the same package.
 
     Parameters
     ----------
-    cls : type
-        The class of an explorer. Classes of this package name nothing: import rules cover them.
+    cls : type or function
+        The code of an explorer, see `own_code_of`. Classes of this package name nothing: import
+        rules cover them.
+    as_it_runs : bool
+        Whether to leave out what builds an object of the class: `__init__`, and methods that
+        nothing else names.
 
     Yields
     ------
@@ -51,6 +95,9 @@ def names_in_reach(cls: type) -> Iterator[Named]:
         return
     waiting: deque[Any] = deque([cls])
     read: set[int] = set()
+    if as_it_runs and isinstance(cls, type):
+        waiting = deque(_running_parts(cls))
+        read = {id(base) for base in cls.__mro__}
     while waiting:
         thing = waiting.popleft()
         if id(thing) in read:
@@ -109,11 +156,12 @@ def names_in_code(code: types.CodeType, known: Mapping[str, object]) -> Iterator
     line: int | None = code.co_firstlineno
     local: dict[str, object] = {}
     for instruction in dis.get_instructions(code):
-        operation, argument = instruction.opname, instruction.argval
+        operation, argument, before = instruction.opname, instruction.argval, current
         line = instruction.starts_line or line
         if operation in ("LOAD_GLOBAL", "LOAD_NAME"):
             name, current = argument, known.get(argument, getattr(builtins, argument, None))
             yield Named(f"global {name!r}", current, code, line)
+            yield from _looked_up(before, name, current, code, line)
         elif operation == "IMPORT_NAME":
             name, current = argument, sys.modules.get(argument)
             if current is None and _is_truth_module(argument):
@@ -124,7 +172,9 @@ def names_in_code(code: types.CodeType, known: Mapping[str, object]) -> Iterator
             yield Named(f"import of {name}.{argument}", found, code, line)
         elif operation in ("LOAD_ATTR", "LOAD_METHOD"):
             if isinstance(current, types.ModuleType | type):
-                name, current = f"{name}.{argument}", getattr(current, argument, None)
+                is_table = argument == "__dict__" and isinstance(current, types.ModuleType)
+                name = f"{name}.{argument}"
+                current = BY_TEXT if is_table else getattr(current, argument, None)
             else:
                 name, current = f".{argument}", None
             yield Named(name, current, code, line)
@@ -135,8 +185,17 @@ def names_in_code(code: types.CodeType, known: Mapping[str, object]) -> Iterator
             local[argument], current = current, None
         elif operation in ("LOAD_FAST", "LOAD_DEREF"):
             name, current = argument, local.get(argument)
+            yield from _looked_up(before, name, current, code, line)
         else:
             current = None
+
+
+def _looked_up(
+    function: object, name: str, value: object, code: types.CodeType, line: int | None
+) -> Iterator[Named]:
+    # A function that takes names as text, such as `getattr`, is given a module.
+    if isinstance(value, types.ModuleType) and any(function is each for each in _LOOKS_UP):
+        yield Named(f"{getattr(function, '__name__', '')}({name})", BY_TEXT, code, line)
 
 
 def contents(cell: types.CellType) -> object:
@@ -173,6 +232,37 @@ def _named_in(thing: Any) -> Iterator[Named]:
         code = waiting.pop()
         waiting += [part for part in code.co_consts if isinstance(part, types.CodeType)]
         yield from names_in_code(code, thing.__globals__)
+
+
+def _running_parts(cls: type) -> list[types.FunctionType]:
+    # The functions of a class without those that build its objects.
+    methods = {
+        name: function
+        for base in reversed(cls.__mro__)
+        if package_of(base) == package_of(cls)
+        for name, value in base.__dict__.items()
+        if (function := function_of(value)) is not None
+    }
+    named = {name: _attributes_in(function.__code__) - {name} for name, function in methods.items()}
+    elsewhere = {each for name in named if name not in _BUILDERS for each in named[name]}
+    building = {each for name in named if name in _BUILDERS for each in named[name]} - elsewhere
+    return [
+        function
+        for name, function in methods.items()
+        if name not in _BUILDERS and (name not in building or name == "run")
+    ]
+
+
+def _attributes_in(code: types.CodeType) -> set[str]:
+    parts = [part for part in code.co_consts if isinstance(part, types.CodeType)]
+    return {*code.co_names, *(name for part in parts for name in _attributes_in(part))}
+
+
+def _is_installed(thing: OwnCode) -> bool:
+    # Whether it is of an installed library, such as a model that is a policy.
+    file = getattr(sys.modules.get(thing.__module__), "__file__", None) or ""
+    folders = {sysconfig.get_path("purelib"), sysconfig.get_path("platlib")}
+    return not isinstance(thing, types.FunctionType) and file.startswith(tuple(folders))
 
 
 def _is_truth_module(name: str | None) -> bool:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import hashlib
+from collections.abc import Mapping
 from typing import Any
 
 import msgspec
@@ -22,6 +23,12 @@ def fingerprint(value: object) -> bytes:
     Random generators are left out, as drawing from one changes it.
     """
     return _digest(value, {})
+
+
+def attributes_of(value: object) -> Mapping[str, object]:
+    """Return what an object holds in its `__dict__`; empty where that is no mapping."""
+    held = getattr(value, "__dict__", None)
+    return dict(held) if isinstance(held, Mapping) else {}
 
 
 def _digest(value: Any, known: dict[int, bytes]) -> bytes:
@@ -85,4 +92,4 @@ def _parts(value: Any) -> list[Any]:
         return [getattr(value, name) for name in value.__struct_fields__]
     if dataclasses.is_dataclass(value):
         return [getattr(value, field.name) for field in dataclasses.fields(value)]
-    return [part for item in getattr(value, "__dict__", {}).items() for part in item]
+    return [part for item in attributes_of(value).items() for part in item]

@@ -22,6 +22,7 @@ from multisrt.geometry.bodies.collision import CollisionWorld
 from multisrt.geometry.regions.edge_index import EdgeIndex
 from multisrt.robots.defects import brief
 from multisrt.testing.code_reading import (
+    OwnCode,
     contents,
     defaults,
     function_of,
@@ -30,6 +31,7 @@ from multisrt.testing.code_reading import (
     names_in_reach,
     package_of,
 )
+from multisrt.testing.fingerprint import attributes_of
 
 MAX_KEY_LENGTH = 40
 """Letters of the key of a table that a path shows."""
@@ -75,7 +77,7 @@ def way_to_truth(roots: Mapping[str, object], world: Environment) -> tuple[str, 
     return None
 
 
-def named_by_code(cls: type) -> dict[str, object]:
+def named_by_code(cls: OwnCode) -> dict[str, object]:
     """Return what the code of an explorer's class names: globals, class attributes, imports.
 
     The code of functions and classes of the same package is read, too.
@@ -96,7 +98,7 @@ def named_by_code(cls: type) -> dict[str, object]:
     return found
 
 
-def truth_named_by_code(cls: type) -> tuple[str, str] | None:
+def truth_named_by_code(cls: OwnCode) -> tuple[str, str] | None:
     """Return the first module of the truth, or thing defined in one, that a class's code names.
 
     Returns
@@ -181,7 +183,7 @@ def _within_function(function: types.FunctionType) -> Iterator[tuple[str, object
 
 
 def _attributes(thing: object) -> Iterator[tuple[str, object]]:
-    yield from list(getattr(thing, "__dict__", {}).items())
+    yield from attributes_of(thing).items()
     for cls in type(thing).__mro__:
         slots = cls.__dict__.get("__slots__", ())
         for name in (slots,) if isinstance(slots, str) else slots:

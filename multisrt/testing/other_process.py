@@ -3,9 +3,9 @@
 Within one process, equal sets of text have one order; every process has its own. So an explorer
 that goes by the order of a set repeats its runs until the program is started again.
 
-`python -m multisrt.testing.other_process REFERENCE` reads specs from standard input, as a list in
-JSON, and writes the digests of their runs to standard output. It ends with code 2 if it cannot
-import what makes them.
+`python -m multisrt.testing.other_process [--path=FOLDER ...] REFERENCE` adds the folders to the end
+of its import path, reads specs from standard input, as a list in JSON, and writes the digests of
+their runs to standard output. It ends with code 2 if it cannot import what makes them.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from collections.abc import Sequence
 
 import msgspec
 
+from multisrt.experiments.import_path import extend_path, python_command
 from multisrt.experiments.modules import reference_of
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.robots.loading import import_reference
@@ -75,14 +76,13 @@ def digests_elsewhere(
     """
     reference = "" if is_built_in(own.name) else reference_of(own)
     other_order = "1" if os.environ.get("PYTHONHASHSEED") != "1" else "2"
-    path = os.pathsep.join(folder or os.getcwd() for folder in sys.path)
     limit_s = max(MIN_LIMIT_S, limit_s)
     try:
         done = subprocess.run(
-            [sys.executable, "-m", "multisrt.testing.other_process", reference],
+            python_command("multisrt.testing.other_process", [reference]),
             input=msgspec.json.encode([spec.to_json() for spec in specs]),
             capture_output=True,
-            env={**os.environ, "PYTHONHASHSEED": other_order, "PYTHONPATH": path, _IS_OTHER: "1"},
+            env={**os.environ, "PYTHONHASHSEED": other_order, _IS_OTHER: "1"},
             timeout=limit_s,
             check=False,
         )
@@ -94,14 +94,16 @@ def digests_elsewhere(
     return tuple(done.stdout.decode().split()), said or f"it exits with {done.returncode} there"
 
 
-def main(reference: str) -> None:
+def main(arguments: Sequence[str]) -> None:
     """Make the runs that standard input names.
 
     Parameters
     ----------
-    reference : str
-        What to import for their strategy; empty if it is built in.
+    arguments : sequence of str
+        Folders to add to the import path, and what to import for their strategy; empty if it is
+        built in.
     """
+    (reference,) = extend_path(arguments)
     answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
     os.dup2(2, 1)  # Whatever strategies print is no answer.
     specs = msgspec.json.decode(sys.stdin.buffer.read(), type=list[str])
@@ -119,4 +121,4 @@ def main(reference: str) -> None:
 
 
 if __name__ == "__main__":
-    main(sys.argv[1])
+    main(sys.argv[1:])

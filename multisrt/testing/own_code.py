@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import datetime
+import gc
+import inspect
+import io
 import linecache
 import os
 import random
 import secrets
+import sys
 import sysconfig
 import time
 import types
@@ -21,7 +25,7 @@ import numpy as np
 
 from multisrt.robots.defects import brief
 from multisrt.testing import watchdog
-from multisrt.testing.code_reading import Named, names_in_reach, package_of
+from multisrt.testing.code_reading import BY_TEXT, Named, OwnCode, names_in_reach, package_of
 from multisrt.testing.surroundings import CLOCKS, modules_of
 
 MAX_NAMES = 3
@@ -52,7 +56,23 @@ _CLOCKS = (
 )
 _ORDER = (set, frozenset, id, hash)
 
-_HIDING = (eval, exec, __import__)
+_HIDING = (
+    eval,
+    exec,
+    globals,
+    __import__,
+    gc.get_objects,
+    gc.get_referrers,
+    gc.get_referents,
+    sys._getframe,
+    sys._current_frames,
+    sys.modules,
+    inspect.currentframe,
+    inspect.stack,
+    inspect.trace,
+    inspect.getmembers,
+    BY_TEXT,
+)
 _HIDING_MODULES = ("importlib", "ctypes")
 _FRAMES = (
     "f_back",
@@ -63,16 +83,30 @@ _FRAMES = (
     "gi_frame",
     "__subclasses__",
 )
-_SEARCHES = (
-    "gc.get_objects",
-    "gc.get_referrers",
-    "gc.get_referents",
-    "sys._getframe",
-    "sys._current_frames",
-    "sys.modules",
-    "inspect.currentframe",
-    "inspect.stack",
-    "inspect.trace",
+_OUTSIDE = (
+    open,
+    io.FileIO,
+    os.open,
+    os.popen,
+    os.system,
+    os.listdir,
+    os.scandir,
+    os.walk,
+    np.load,
+    np.loadtxt,
+    np.genfromtxt,
+    np.fromfile,
+    np.memmap,
+)
+_OUTSIDE_MODULES = (
+    "pathlib",
+    "glob",
+    "mmap",
+    "subprocess",
+    "multiprocessing",
+    "socket",
+    "sqlite3",
+    "urllib",
 )
 
 
@@ -125,7 +159,7 @@ def told(place: str) -> str:
     return f" ({place})" if place else ""
 
 
-def chance_in(cls: type) -> str:
+def chance_in(cls: OwnCode) -> str:
     """Return where a class uses random numbers that are not its robot's, as text; may be empty."""
     generators = (random.Random, np.random.RandomState)
     return _places(
@@ -137,7 +171,7 @@ def chance_in(cls: type) -> str:
     )
 
 
-def clocks_in(cls: type) -> str:
+def clocks_in(cls: OwnCode) -> str:
     """Return where a class names a clock, as text; may be empty."""
     return _places(
         named
@@ -147,19 +181,19 @@ def clocks_in(cls: type) -> str:
     )
 
 
-def order_in(cls: type) -> str:
+def order_in(cls: OwnCode) -> str:
     """Return where a class names what depends on where objects lie in memory; may be empty."""
     return _places(named for named in names_in_reach(cls) if _is_any(named.value, _ORDER))
 
 
 @lru_cache(maxsize=8)
-def back_door(cls: type) -> str:
+def back_door(cls: OwnCode) -> str:
     """Return the first name in a class's code that leads round the contract to the truth.
 
     Parameters
     ----------
-    cls : type
-        The class of an explorer.
+    cls : type or function
+        The code of an explorer, see `own_code_of`.
 
     Returns
     -------
@@ -167,15 +201,31 @@ def back_door(cls: type) -> str:
         The name and its place, such as ``gc.get_objects (mine.py:12)``; empty if there is none.
     """
     for named in names_in_reach(cls):
-        plain = named.name.removeprefix("global ").removeprefix("import of ").strip("'")
-        attribute = plain.rpartition(".")[2] if "." in plain else ""
         if (
             _is_any(named.value, _HIDING)
-            or plain.partition(".")[0] in _HIDING_MODULES
-            or plain in _SEARCHES
-            or attribute in _FRAMES
-            or _title_of(named.value) in _SEARCHES
+            or _is_of(named, _HIDING_MODULES)
+            or named.name.rpartition(".")[2] in _FRAMES
         ):
+            return _at(named)
+    return ""
+
+
+@lru_cache(maxsize=8)
+def outside_in(cls: OwnCode) -> str:
+    """Return the first name by which code reads files or starts programs while it runs.
+
+    Parameters
+    ----------
+    cls : type or function
+        The code of an explorer, see `own_code_of`. What builds its objects is left out.
+
+    Returns
+    -------
+    str
+        The name and its place, such as ``open (mine.py:12)``; empty if there is none.
+    """
+    for named in names_in_reach(cls, as_it_runs=True):
+        if _is_any(named.value, _OUTSIDE) or _is_of(named, _OUTSIDE_MODULES):
             return _at(named)
     return ""
 
@@ -232,7 +282,11 @@ def _is_same_method(value: object, other: object) -> bool:
     )
 
 
-def _title_of(value: object) -> str:
-    if not isinstance(value, types.FunctionType | types.BuiltinFunctionType):
-        return ""
-    return f"{getattr(value, '__module__', '')}.{value.__name__}"
+def _is_of(named: Named, modules: Sequence[str]) -> bool:
+    # Whether a thing is one of some modules, or of one; some may not be loaded yet.
+    home = named.name.removeprefix("import of ") if named.name.startswith("import of ") else ""
+    if isinstance(named.value, types.ModuleType):
+        home = named.value.__name__
+    elif isinstance(named.value, type | types.FunctionType | types.BuiltinFunctionType):
+        home = named.value.__module__ or ""
+    return home.partition(".")[0] in modules

@@ -39,11 +39,12 @@ from multisrt.robots.explorer import (
 )
 from multisrt.robots.messages import Message
 from multisrt.simulation import plain
+from multisrt.testing.code_reading import own_code_of
 from multisrt.testing.error_flaw import error_flaw
 from multisrt.testing.fingerprint import fingerprint
 from multisrt.testing.hidden_truth import named_by_code, truth_named_by_code, way_to_truth
 from multisrt.testing.motion_rules import pose, trajectory_flaw
-from multisrt.testing.own_code import back_door, place_of_frame, told
+from multisrt.testing.own_code import back_door, outside_in, place_of_frame, told
 from multisrt.testing.watchdog import ComputesTooLong, Limits, Watchdog
 
 MAX_ACTIONS_AT_ONCE = 1000
@@ -419,11 +420,17 @@ class SupervisedExplorer:
     # The truth ---------------------------------------------------------------------------
 
     def _search(self) -> None:
-        cls = type(self._explorer)
+        cls = own_code_of(self._explorer)
         if door := back_door(cls):
             self._refuse(
                 f"its code names {door}, by which it could get at the truth",
                 "an explorer knows its scans, its messages and its RobotSelf, and that is all",
+            )
+        if files := outside_in(cls):
+            self._refuse(
+                f"its code names {files}, by which it could read files while it runs, such as the "
+                "recording that is being written",
+                "read what it needs, such as weights, when its module is imported or in __init__",
             )
         found = truth_named_by_code(cls)
         if found is None:

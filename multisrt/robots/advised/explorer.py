@@ -82,6 +82,7 @@ class AdvisedExplorer(FrontierExplorer):
         advice = Advice(spec, policy, rule)
         super().__init__(me, options, advice.choose, advice.drive)
         self.advice = advice
+        self.asks = policy
 
     def observe(self) -> Observation:
         """Return what the robot observes as it asks; to be called while it does."""

@@ -75,6 +75,8 @@ class FrontierExplorer:
         The robot and what it knows.
     progress : Progress
         Its state.
+    asks : callable or None
+        The function, perhaps one of a user's own, that it asks where to go: checks read its code.
     """
 
     def __init__(
@@ -88,6 +90,7 @@ class FrontierExplorer:
     ) -> None:
         self.robot = FrontierRobot(me, options, watch)
         self.progress = Progress(options, self.robot.course, self.robot.raster)
+        self.asks: Callable[..., object] | None = rule
         self._rule = rule
         self._drive = drive
         self._barred = barred

@@ -122,6 +122,7 @@ class AssignmentExplorer(FrontierExplorer):
     ) -> None:
         self.asked = Asked(rule, name)
         super().__init__(me, options, self.asked)
+        self.asks = rule
 
     def why_no_goal(self) -> Event:
         """Return what a robot without a goal is to do: to wait, if the rule says so."""

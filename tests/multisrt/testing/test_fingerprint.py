@@ -1,7 +1,11 @@
 import numpy as np
 
 from multisrt.planners.motion.trajectory import Waypoint
-from multisrt.testing.fingerprint import fingerprint
+from multisrt.testing.fingerprint import attributes_of, fingerprint
+from multisrt.testing.hidden_truth import way_to_truth
+from tests.multisrt.testing.explorers import WORLD
+
+TITLE = "a multisrt.environments.environment.Environment"
 
 
 def test_fingerprints_tell_values_apart_and_not_objects():
@@ -16,3 +20,15 @@ def test_fingerprints_tell_values_apart_and_not_objects():
     endless: list[object] = []
     endless.append(endless)
     assert fingerprint(endless)
+
+
+def test_an_object_whose_dict_is_no_mapping():
+    class Strange:
+        __slots__ = ("a",)
+
+        def __getattr__(self, name):
+            return (name, 1)
+
+    assert not attributes_of(Strange())
+    assert fingerprint(Strange()) == fingerprint(Strange())
+    assert way_to_truth({"it": [Strange(), WORLD]}, WORLD) == ("it[1]", TITLE)

@@ -1,5 +1,7 @@
 """What another process cannot import is told, and no failure; what fails there is told why."""
 
+import sys
+
 import pytest
 
 from multisrt.geometry.errors import InvalidInputError
@@ -69,3 +71,13 @@ def test_what_fails_there_says_why(tmp_path):
     digests, reason = elsewhere(tmp_path, MINE + fails + "    Mine.run = run\n")
     assert digests == ()
     assert reason == "KeyError: 'there'"
+
+
+@pytest.mark.slow
+def test_files_of_the_working_directory_shadow_no_library(tmp_path, monkeypatch):
+    for name in ("numpy", "queue"):
+        (tmp_path / f"{name}.py").write_text("raise RuntimeError('shadows a library')\n")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("sys.path", ["", *sys.path])
+    digests, reason = elsewhere(tmp_path, MINE)
+    assert len(digests) == 1, reason

@@ -1,0 +1,163 @@
+"""Names in the code of explorers that lead round the contract."""
+
+import sys as system
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import multisrt as ms
+from multisrt.robots.advised import DecisionSpec, policy_strategy
+from multisrt.robots.explorer import Sense
+from multisrt.robots.toolkit import assignment
+from multisrt.testing.own_code import back_door, outside_in
+from tests.multisrt.testing.explorers import WORLD, Base, check, explorer, refused
+
+
+def by_text(self):
+    yield Sense()
+    getattr(ms, "environment")("open")  # noqa: B009
+
+
+def by_a_module_in_a_variable(self):
+    module = ms
+    yield Sense()
+    vars(module)["environment"]("open")
+
+
+def by_the_table_of_a_module(self):
+    yield Sense()
+    ms.__dict__["environment"]("open")
+
+
+def by_another_name_of_sys(self):
+    yield Sense()
+    system.modules["multisrt.environments.catalog"].environment("open")  # type: ignore[attr-defined]
+
+
+def by_its_own_globals(self):
+    yield Sense()
+    globals()["ms"].environment("open")
+
+
+def by_importing(self):
+    yield Sense()
+    from importlib import import_module
+
+    import_module("multisrt.environments.catalog")
+
+
+@pytest.mark.parametrize(
+    ("act", "name"),
+    [
+        (by_text, "getattr(ms)"),
+        (by_a_module_in_a_variable, "vars(module)"),
+        (by_the_table_of_a_module, "ms.__dict__"),
+        (by_another_name_of_sys, "system.modules"),
+        (by_its_own_globals, "globals"),
+        (by_importing, "import of importlib"),
+    ],
+)
+def test_a_name_that_leads_to_the_truth_by_text(act, name):
+    assert back_door(explorer(act)).startswith(f"{name} (test_own_code.py:")
+
+
+def test_attributes_of_what_an_explorer_holds_may_go_by_text():
+    def act(self):
+        yield Sense()
+        getattr(self, "at")  # noqa: B009
+        vars(self)["at"]
+        np.hypot(1.0, 2.0)
+
+    assert not back_door(explorer(act))
+
+
+def by_open(self):
+    yield Sense()
+    with open(__file__) as file:
+        file.read()
+
+
+def by_a_path(self):
+    yield Sense()
+    Path(__file__).read_text()
+
+
+def by_a_program(self):
+    import subprocess
+
+    yield Sense()
+    subprocess.run(["ls"], check=True)
+
+
+@pytest.mark.parametrize(
+    ("act", "name"), [(by_open, "open"), (by_a_path, "Path"), (by_a_program, "import of subp")]
+)
+def test_an_explorer_that_reads_files_while_it_runs(act, name):
+    assert outside_in(explorer(act)).startswith(name)
+    refused(explorer(act), f"names {name}.*test_own_code.py.*could read files while it runs")
+
+
+def test_weights_may_be_read_where_an_explorer_is_built():
+    class Trained(Base):
+        def __init__(self, me):
+            super().__init__(me)
+            self.weights = self.load()
+
+        def load(self):
+            return Path(__file__).read_bytes()
+
+        def act(self):
+            self.score = len(self.weights)
+            yield Sense()
+
+    class Reloading(Trained):
+        def act(self):
+            self.load()
+            yield Sense()
+
+    assert not outside_in(Trained)
+    assert outside_in(Reloading).startswith("Path (test_own_code.py:")
+    check(Trained, elsewhere=False)
+
+
+def knows_the_map(observation):
+    return int(ms.environment("open").free.area) * 0
+
+
+class Peeking:
+    def __call__(self, observation):
+        return self.choose(observation)
+
+    def choose(self, observation):
+        return knows_the_map(observation)
+
+
+@pytest.mark.parametrize(
+    "policy", [knows_the_map, Peeking(), Peeking().choose, lambda seen: knows_the_map(seen)]
+)
+def test_a_policy_that_knows_the_map(policy):
+    strategy = policy_strategy("knows-the-map", policy, DecisionSpec(parts=()))
+    refused(strategy, r"ms\.environment is multisrt\.environments\.catalog\.environment")
+
+
+def test_a_rule_of_assignment_that_knows_the_map():
+    @assignment
+    def peek(costs, robot):
+        return costs[robot].argmin() if ms.environment("open").free.area else None
+
+    refused(peek, r"ms\.environment is multisrt\.environments\.catalog\.environment")
+
+
+@pytest.mark.slow
+def test_a_policy_that_counts_its_calls():
+    def count(observation):
+        CALLS.append(1)
+        return len(CALLS) % 3
+
+    strategy = policy_strategy("counts", count, DecisionSpec(parts=()))
+    changes = "global 'CALLS' changes, which explorers share"
+    refused(strategy, changes, world=WORLD, start=(10.4, 4.2))
+
+
+CALLS: list[int] = []

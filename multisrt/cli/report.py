@@ -68,6 +68,7 @@ def report(
     with LiveLine(not quiet, "report", "reading") as live:
         with Store.open(results) as store:
             found, folder = store.results(), store.folder
+        from multisrt.reporting.own_strategies import cautions
         from multisrt.reporting.page import write_report
 
         page = write_report(
@@ -81,4 +82,6 @@ def report(
             progress=live.say,
         )
     if not quiet:
+        for caution in cautions(found):
+            click.echo(f"warning: {caution}", err=True)
         click.echo(f"{page}: {len(found)} of {found.planned} runs")

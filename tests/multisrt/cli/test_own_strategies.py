@@ -140,6 +140,16 @@ def test_an_experiment_with_an_own_strategy_runs_and_reports(
     command = re.search(r"multisrt (explore --spec \S+ --import \S+) --out again", page)
     assert command is not None
     assert str(folder) not in page
+    assert "multisrt experiment run experiment.toml --import mine.py:Mine</code>" in page
+    assert re.search(r"<dt>source of mine</dt><dd>[0-9a-f]{16}</dd>", page)
+    assert "has changed since" not in page
+    mine.write_text(MINE)
+    code, out, err = call("report", "tiny.sqlite", "--import", "mine.py")
+    assert (code, out) == (0, "report/index.html: 2 of 2 runs\n")
+    assert err.startswith("warning: The source of the strategy 'mine' has changed since these ")
+    page = (folder / "report" / "index.html").read_text()
+    assert "The source of the strategy &#39;mine&#39; has changed since" in page
+    assert len(list((folder / "report" / "gallery").iterdir())) == 1
     monkeypatch.chdir(folder / "report")
     assert call(*command[1].split(), "--out", "again", "--quiet")[0] == 3
 
@@ -155,7 +165,9 @@ def test_an_unknown_strategy_costs_a_report_its_own_pictures(
     known = registry._registry()
     ms.compare(spec, store="tiny.sqlite", workers=0, imports=["mine.py"], progress=False)
     del known["mine"]
-    assert call("report", "tiny.sqlite", "--quiet")[0] == 0
+    code, _, err = call("report", "tiny.sqlite")
+    assert code == 0
+    assert err.startswith("warning: The strategy 'mine' is not known here, and its runs are not")
     assert [path.suffix for path in (folder / "report" / "gallery").iterdir()] == [".svg"]
     page = (folder / "report" / "index.html").read_text()
     assert "Not drawn:" in page

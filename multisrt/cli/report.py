@@ -11,7 +11,12 @@ from multisrt.cli.imports import import_all, import_option
 
 
 @click.command()
-@click.argument("results", metavar="RESULTS", type=click.Path(path_type=Path))
+@click.argument(
+    "results",
+    metavar="RESULTS",
+    type=click.Path(path_type=Path),
+    shell_complete=candidates.files_named(".sqlite"),
+)
 @click.option(
     "--out",
     type=click.Path(path_type=Path),
@@ -61,6 +66,12 @@ def report(
       multisrt report star.sqlite --baseline srt-star --measure makespan_s
       multisrt report mine.sqlite --import mine.py
     """
+    if results.suffix == ".toml":
+        raise click.BadParameter(
+            f"{results} describes an experiment; its results are in "
+            f"{results.with_suffix('.sqlite')}, which 'multisrt experiment run {results}' writes",
+            param_hint="RESULTS",
+        )
     import_all(imports)
     from multisrt.experiments.store import Store
     from multisrt.terminal import LiveLine

@@ -35,6 +35,7 @@ strategies = [
   "srt-star",
   "srt-radial",
   # { name = "srt-star", label = "star of 12", options = { cones = 12 } },
+  # "mine",                      # your own: multisrt experiment run THIS_FILE --import mine.py
 ]
 
 # Team sizes, or teams whose robots differ.

@@ -9,7 +9,7 @@ from multisrt.experiments.modules import reference_of
 from multisrt.experiments.own_source import source_digest
 from multisrt.experiments.results import Results
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.robots.registry import is_built_in, strategies
+from multisrt.robots.registry import is_built_in, is_known
 from multisrt.robots.registry import strategy as strategy_named
 
 
@@ -26,10 +26,9 @@ def cautions(results: Results) -> list[str]:
     list of str
         A sentence for each strategy that is unknown here, or whose source has changed since.
     """
-    known = {each.name for each in strategies()}
     told = []
     for name, made_by in results.provenance.strategies.items():
-        if name not in known:
+        if not is_known(name):
             told.append(
                 f"The strategy {name!r} is not known here, and its runs are not drawn: import the "
                 "file that has it (--import FILE.py)."

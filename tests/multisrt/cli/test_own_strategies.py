@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from multisrt.spec import CatalogEnvironment, RunSpec
 from tests.multisrt.cli.commands import Call
 
 MINE = '''"""Strategies for tests."""
@@ -80,7 +81,8 @@ def test_own_and_built_in_strategies_run_side_by_side(call: Call, folder: Path) 
         (["mine.py:Mine", "--strategy", "closest"], "mine.py:Mine is a strategy: name an env"),
         (["room.wkt", "--strategy", "mine.py", "--strategy", "mine:Mine"], "mine is given twice"),
         (["room.wkt", "--strategy", "mine.py:Mien"], "did you mean 'Mine'?"),
-        (["room.wkt", "--strategy", "mine"], "is imported by --import FILE.py"),
+        (["room.wkt", "--strategy", "mine"], "'mine' (did you mean 'mine.py'?)"),
+        (["room.wkt", "--strategy", "yours"], "is imported by --import FILE.py"),
         (["room.wkt", "--import", "none.py"], "none.py: there is no such file"),
         (["none.py:Mine"], "none.py: there is no such file"),
         (["mine.py:Mine", "--option", "scan=2"], "mine has no option 'scan' (did you mean 'scans'"),
@@ -97,6 +99,10 @@ def test_what_is_wrong_is_told_before_anything_is_written(
 
 
 def test_a_run_is_repeated_from_its_spec_with_the_import(call: Call, folder: Path) -> None:
+    text = RunSpec(environment=CatalogEnvironment(name="open"), strategy="mine").to_toml()
+    (folder / "mine.toml").write_text(text)
+    told = "error: mine.toml: the strategy 'mine' is not known here: import the file that has it, "
+    assert call("explore", "--spec", "mine.toml") == (2, "", f"{told}--import mine.py\n")
     call("explore", "room.wkt", "--strategy", "mine.py:Mine", "--out", "first", "--quiet")
     words = ("explore", "--spec", "first/spec.toml", "--import", "mine.py", "--out", "again")
     assert call(*words, "--quiet")[0] == 3

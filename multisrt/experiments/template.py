@@ -30,12 +30,12 @@ environments = [
   # { name = "maze", seeds = "0-9", parameters = { loops = 0.2 } },   # ten worlds, ten conditions
 ]
 
-# Strategies: names ('multisrt strategies'), or tables with options.
+# Strategies: names ('multisrt strategies'), or tables with options. Your own are named as
+# any other; 'multisrt experiment run THIS_FILE --import mine.py' has them.
 strategies = [
   "srt-star",
   "srt-radial",
   # { name = "srt-star", label = "star of 12", options = { cones = 12 } },
-  # "mine",                      # your own: multisrt experiment run THIS_FILE --import mine.py
 ]
 
 # Team sizes, or teams whose robots differ.

@@ -2,6 +2,7 @@
 PYTHON ?= python3
 VENV ?= .venv
 BIN := $(VENV)/bin
+BASE_READY := $(VENV)/.ready-base
 READY := $(VENV)/.ready
 BENCH_READY := $(VENV)/.ready-bench
 OUT := out
@@ -25,14 +26,18 @@ help:
 	@echo "make linkcheck  check the documentation's links to other sites"
 	@echo "make clean    remove the virtual environment and all that was generated"
 
-$(READY): pyproject.toml constraints.txt
+$(BASE_READY): pyproject.toml constraints.txt
 	@$(PYTHON) -c 'import sys; (3, 11) <= sys.version_info[:2] <= (3, 13) or sys.exit("multisrt needs Python 3.11 to 3.13, not %d.%d: make PYTHON=python3.12" % sys.version_info[:2])'
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt pip setuptools
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable .
+	@touch $(BASE_READY)
+
+$(READY): $(BASE_READY)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[plots,frames,polars,parquet,cluster,learn,test,lint,bench,docs]'
 	@touch $(READY)
 
-demo: $(READY)
+demo: $(BASE_READY)
 	$(BIN)/multisrt explore museum --robots 4 --strategy srt-radial --strategy srt-star --seed 1 --out $(OUT)/demo --force
 	@echo
 	@echo "Open the trees in a browser or in Inkscape:"

@@ -26,6 +26,8 @@ COMPLETE, BAD_INPUT, INTERRUPTED = 0, 2, 130
 
 
 def _meant(words: Sequence[str]) -> Sequence[str]:
+    if words[0] == "compare":
+        return ("experiment", "new", "FILE.toml")
     return ("explore", *words) if is_world(words[0]) else ()
 
 

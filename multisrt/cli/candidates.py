@@ -5,13 +5,15 @@ Completion runs with every press of the tab key: nothing here imports compiled k
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+import ast
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 
 import click
 from click.shell_completion import CompletionItem
 
 Items = list[CompletionItem]
+Complete = Callable[[click.Context, click.Parameter, str], Items]
 
 FAULT_KINDS = ("death:", "silence:", "late:")
 """How faults begin."""
@@ -35,7 +37,7 @@ def worlds(context: click.Context, parameter: click.Parameter, incomplete: str) 
     from multisrt.environments.catalog import summaries
 
     found = [CompletionItem(name, help=text) for name, text in summaries().items()]
-    return _names_or_files(found, incomplete)
+    return _classes(incomplete) if ":" in incomplete else _names_or_files(found, incomplete)
 
 
 def strategies(context: click.Context, parameter: click.Parameter, incomplete: str) -> Items:
@@ -49,7 +51,46 @@ def strategies(context: click.Context, parameter: click.Parameter, incomplete: s
         for known in all_strategies()
         if known.name not in before
     ]
-    return _names_or_files(found, incomplete)
+    return _beginning(found, incomplete) + own_strategies(context, parameter, incomplete)
+
+
+def own_strategies(context: click.Context, parameter: click.Parameter, incomplete: str) -> Items:
+    """Return the Python files that begin so, or after ``FILE.py:`` its classes; see `worlds`."""
+    if ":" in incomplete:
+        return _classes(incomplete)
+    return files_named(".py")(context, parameter, incomplete) if incomplete else []
+
+
+def files_named(*suffixes: str) -> Complete:
+    """Return what completes the paths of files with certain suffixes, by way of their folders.
+
+    Parameters
+    ----------
+    *suffixes : str
+        Such as ".py".
+
+    Returns
+    -------
+    callable
+        For click: takes context, parameter and what is there of the word.
+    """
+
+    def complete(context: click.Context, parameter: click.Parameter, incomplete: str) -> Items:
+        folder, slash, begun = incomplete.rpartition("/")
+        above = folder + slash
+        try:
+            there = sorted(Path(above or ".").iterdir())
+        except OSError:
+            return []
+        shown = [path for path in there if begun or not path.name.startswith(".")]
+        named = [
+            f"{above}{path.name}{'/' * path.is_dir()}"
+            for path in shown
+            if path.is_dir() or path.suffix in suffixes
+        ]
+        return _beginning(map(CompletionItem, named), incomplete)
+
+    return complete
 
 
 def options(context: click.Context, parameter: click.Parameter, incomplete: str) -> Items:
@@ -123,6 +164,22 @@ def folders(context: click.Context, parameter: click.Parameter, incomplete: str)
 
 def _beginning(items: Iterable[CompletionItem], incomplete: str) -> Items:
     return [item for item in items if item.value.startswith(incomplete)]
+
+
+def _classes(incomplete: str) -> Items:
+    # Read, not imported: code of others does not run because a key is pressed.
+    place, _, _ = incomplete.partition(":")
+    try:
+        tree = ast.parse(Path(place).read_bytes())
+    except (OSError, SyntaxError, ValueError):
+        return []
+    classes = [node for node in tree.body if isinstance(node, ast.ClassDef)]
+    names = [node.name for node in classes if node.name[0] != "_" and not _has_options(node)]
+    return _beginning((CompletionItem(f"{place}:{name}") for name in names), incomplete)
+
+
+def _has_options(node: ast.ClassDef) -> bool:
+    return any(word in ast.unparse(base) for base in node.bases for word in ("Struct", "Options"))
 
 
 def _names_or_files(items: Iterable[CompletionItem], incomplete: str) -> Items:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from multisrt.cli import candidates
 from multisrt.cli.imports import import_all, import_option
 
 if TYPE_CHECKING:
@@ -32,7 +33,7 @@ Exit code:
 
 # The defaults in brackets are those of `check_explorer`; a test compares them.
 @click.command(epilog=EXAMPLES)
-@click.argument("strategy")
+@click.argument("strategy", shell_complete=candidates.own_strategies)
 @click.option(
     "--option",
     "options",
@@ -100,10 +101,17 @@ def check(
     (package.module:Mine), or a name that 'multisrt strategies' lists.
     """
     from multisrt.cli.run_options import options_of
+    from multisrt.environments.catalog import names
     from multisrt.robots.defects import ExplorerDefect
+    from multisrt.robots.registry import is_known
     from multisrt.terminal import LiveLine
 
     import_all(imports)
+    if strategy in names() and not is_known(strategy):
+        raise click.UsageError(
+            f"{strategy} is an environment, not a strategy: multisrt check STRATEGY --world "
+            f"{strategy}"
+        )
     with LiveLine(not quiet, f"check {strategy}") as live:
         from multisrt.testing import check_explorer
 
@@ -112,9 +120,9 @@ def check(
             if not (live.shown or quiet):
                 click.echo(f"{what} ({done}/{total})", err=True)
 
-        names = {"max_time": "max_time_s", "max_decision": "max_decision_s"}
+        fields = {"max_time": "max_time_s", "max_decision": "max_decision_s"}
         given: dict[str, Any] = {
-            names.get(name, name): value for name, value in limits.items() if value is not None
+            fields.get(name, name): value for name, value in limits.items() if value is not None
         }
         if teams:
             given["teams"] = teams

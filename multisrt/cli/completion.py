@@ -31,7 +31,7 @@ _BASH = r"""
             file) compopt -o default ;;
             plain)
                 COMPREPLY+=("$value")
-                [[ $value == *[=:] ]] && compopt -o nospace
+                [[ $value == *[=:/] ]] && compopt -o nospace
                 ;;
         esac
     done
@@ -52,7 +52,7 @@ _ZSH = r"""
             dir) _path_files -/ ;;
             file) _path_files -f ;;
             plain)
-                if [[ $value == *[=:] ]]; then
+                if [[ $value == *[=:/] ]]; then
                     words_open+=("${value//:/\\:}:$description")
                 else
                     words_done+=("${value//:/\\:}:$description")

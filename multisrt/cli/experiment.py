@@ -90,7 +90,12 @@ experiment.add_command(check)
 
 
 @experiment.command()
-@click.argument("file", metavar="FILE", type=click.Path(path_type=Path))
+@click.argument(
+    "file",
+    metavar="FILE",
+    type=click.Path(path_type=Path),
+    shell_complete=candidates.files_named(".toml"),
+)
 @click.option(
     "--store",
     type=click.Path(path_type=Path),
@@ -177,7 +182,12 @@ def _print_failures(results: Results, path: Path) -> None:
 
 
 @experiment.command()
-@click.argument("results", metavar="RESULTS", type=click.Path(path_type=Path))
+@click.argument(
+    "results",
+    metavar="RESULTS",
+    type=click.Path(path_type=Path),
+    shell_complete=candidates.files_named(".sqlite"),
+)
 @click.argument("out", metavar="OUT", type=click.Path(path_type=Path))
 @click.option("--force", is_flag=True, help="Replace OUT if it exists.")
 def export(results: Path, out: Path, force: bool) -> None:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from multisrt.cli import candidates
 from multisrt.cli.imports import import_all, import_option
 from multisrt.cli.reach import elsewhere
 from multisrt.cli.spec_files import read_experiment
@@ -24,7 +25,12 @@ MAX_ROWS = 24
 
 
 @click.command()
-@click.argument("file", metavar="FILE", type=click.Path(path_type=Path))
+@click.argument(
+    "file",
+    metavar="FILE",
+    type=click.Path(path_type=Path),
+    shell_complete=candidates.files_named(".toml"),
+)
 @click.option(
     "--workers",
     type=click.IntRange(1),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -10,7 +11,7 @@ from click.core import ParameterSource
 
 from multisrt.analysis.progress import Progress
 from multisrt.cli import candidates
-from multisrt.cli.imports import import_all, import_option, named_strategy
+from multisrt.cli.imports import import_all, import_option, named_strategy, require_known
 from multisrt.cli.outputs import new_folder, require_no_run, run_folder
 from multisrt.cli.run_options import DRIVES, FAULTS, OVERRIDES, USUAL, spec_of_options
 from multisrt.cli.sections import SectionedCommand
@@ -35,11 +36,11 @@ SECTIONS = {
     "Robots": ("--range", "--beams", "--footprint", "--drive", "--speed", "--turning-radius"),
     "Radio": ("--radio-range", "--no-multi-hop", "--latency", "--jitter", "--loss", "--walls"),
     "Image maps": ("--resolution", "--threshold"),
-    "Output": ("--out", "--force", "--regret", "--quiet"),
+    "Output": ("--out", "--force", "--regret", "--details", "--quiet"),
 }
 """Headings of the help page, and the options below each."""
 
-EXCEPT_SPEC = ("spec_file", "imports", "out", "force", "regret", "quiet")
+EXCEPT_SPEC = ("spec_file", "imports", "out", "force", "regret", "details", "quiet")
 """Parameters that a spec does not describe."""
 
 EXAMPLES = """
@@ -181,6 +182,9 @@ Exit code:
     is_flag=True,
     help="Compare with a plan that knows the map; making it takes up to a minute.",
 )
+@click.option(
+    "--details", is_flag=True, help="Print all measures also of more than two strategies."
+)
 @click.option("--quiet", is_flag=True, help="Print errors only.")
 @click.pass_context
 def explore(
@@ -219,6 +223,7 @@ def explore(
     if spec_file is not None:
         _require_nothing_else(context)
         specs = [read_run_spec(spec_file)]
+        require_known(specs[0].strategy, spec_file)
         name = spec_file.stem
     elif environment is None:
         raise click.UsageError(
@@ -233,7 +238,9 @@ def explore(
         name = Path(environment).stem
     if given["regret"]:
         _require_plans(specs)
-    folders = _folders(specs, out, name)
+    usual = _usual_folder(specs, name)
+    whole = out or new_folder(usual)
+    folders = [whole] if len(specs) == 1 else [whole / spec.strategy for spec in specs]
     for folder in folders:
         require_no_run(folder, force=force)
     runs = _run_all(specs, folders, force=force, quiet=quiet)
@@ -243,7 +250,11 @@ def explore(
                 f"no environment is named: {OWN_WORLD} is explored; for another: multisrt "
                 f"explore ENV --strategy {own}"
             )
-        print_summary(runs, folders, _regrets(runs) if given["regret"] else None)
+        regrets = _regrets(runs) if given["regret"] else None
+        print_summary(runs, folders, regrets, details=given["details"])
+        if out is None and whole != usual:
+            click.echo(f"{usual} is there already: this is in {whole}")
+        click.echo(f"next: multisrt why {shlex.quote(str(folders[0]))} --robot 0")
     if not all(is_success(run.metrics) for run in runs):
         raise SystemExit(NO_SUCCESS)
 
@@ -306,12 +317,9 @@ def _require_nothing_else(context: click.Context) -> None:
             raise click.UsageError(f"--spec describes the whole run: leave out {given}")
 
 
-def _folders(specs: list[RunSpec], out: Path | None, name: str) -> list[Path]:
-    seed = specs[0].seed
-    if len(specs) == 1:
-        return [out or new_folder(Path("runs") / f"{name}-{specs[0].strategy}-{seed}")]
-    whole = out or new_folder(Path("runs") / f"{name}-{seed}")
-    return [whole / spec.strategy for spec in specs]
+def _usual_folder(specs: list[RunSpec], name: str) -> Path:
+    of_one = f"{specs[0].strategy}-" if len(specs) == 1 else ""
+    return Path("runs") / f"{name}-{of_one}{specs[0].seed}"
 
 
 def _run_all(specs: list[RunSpec], folders: list[Path], *, force: bool, quiet: bool) -> list[Run]:

@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
+
+from multisrt.cli import candidates
+from multisrt.geometry.errors import InvalidInputError
 
 if TYPE_CHECKING:
     from multisrt.robots.strategy import Strategy
@@ -29,6 +33,7 @@ def import_option(command: Callable[..., Any]) -> Callable[..., Any]:
         "imports",
         multiple=True,
         metavar="MODULE|FILE.py",
+        shell_complete=candidates.files_named(".py"),
         help="Import a module or file with strategies of your own; FILE.py:NAME for one of "
         "several; repeatable.",
     )(command)
@@ -74,7 +79,40 @@ def named_strategy(text: str) -> Strategy:
     InvalidInputError
         If there is none; the message says what there is.
     """
-    from multisrt.robots.loading import name_of
-    from multisrt.robots.registry import strategy
+    from multisrt.robots.loading import is_reference, name_of
+    from multisrt.robots.registry import is_known, strategy
 
+    if not is_reference(text):
+        file = _file_of(text)
+        if file.is_file() and not is_known(text):
+            raise InvalidInputError(f"there is no strategy {text!r} (did you mean {str(file)!r}?)")
     return strategy(name_of(text))
+
+
+def require_known(name: str, file: Path) -> None:
+    """Check that the strategy of a spec is known here.
+
+    Parameters
+    ----------
+    name : str
+        The strategy.
+    file : Path
+        The file of the spec.
+
+    Raises
+    ------
+    InvalidInputError
+        If it is not known; the message says how to import it.
+    """
+    from multisrt.robots.registry import broken_strategies, is_known
+
+    if not is_known(name) and name not in broken_strategies():
+        own = _file_of(name)
+        raise InvalidInputError(
+            f"{file}: the strategy {name!r} is not known here: import the file that has it, "
+            f"--import {own if own.is_file() else 'FILE.py'}"
+        )
+
+
+def _file_of(name: str) -> Path:
+    return Path(f"{name.replace('-', '_')}.py")

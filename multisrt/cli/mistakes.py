@@ -113,8 +113,19 @@ def _said(error: click.ClickException) -> str:
         return f"{_named(error)}: {message}"
     if found := re.fullmatch(r"Got unexpected extra arguments? \((.*)\)", message):
         spaced = re.match(r"-?\.?\d", found[1])
-        return f"too many words: {found[1]}{'; write X,Y without a space' * bool(spaced)}"
+        meant = "; write X,Y without a space" if spaced else _meant_strategy(found[1], error)
+        return f"too many words: {found[1]}{meant}"
     return message
+
+
+def _meant_strategy(words: str, error: click.ClickException) -> str:
+    from multisrt.robots.loading import is_reference
+
+    context = error.ctx if isinstance(error, click.UsageError) else None
+    known = [] if context is None else context.command.params
+    if is_reference(words) and any("--strategy" in parameter.opts for parameter in known):
+        return f" (did you mean --strategy {words}?)"
+    return ""
 
 
 def _named(error: click.BadParameter) -> str:

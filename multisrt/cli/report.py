@@ -11,7 +11,12 @@ from multisrt.cli.imports import import_all, import_option
 
 
 @click.command()
-@click.argument("results", metavar="RESULTS", type=click.Path(path_type=Path))
+@click.argument(
+    "results",
+    metavar="RESULTS",
+    type=click.Path(path_type=Path),
+    shell_complete=candidates.files_named(".sqlite"),
+)
 @click.option(
     "--out",
     type=click.Path(path_type=Path),
@@ -61,6 +66,12 @@ def report(
       multisrt report star.sqlite --baseline srt-star --measure makespan_s
       multisrt report mine.sqlite --import mine.py
     """
+    if results.suffix == ".toml":
+        raise click.BadParameter(
+            f"{results} describes an experiment; its results are in "
+            f"{results.with_suffix('.sqlite')}, which 'multisrt experiment run {results}' writes",
+            param_hint="RESULTS",
+        )
     import_all(imports)
     from multisrt.experiments.store import Store
     from multisrt.terminal import LiveLine
@@ -68,6 +79,7 @@ def report(
     with LiveLine(not quiet, "report", "reading") as live:
         with Store.open(results) as store:
             found, folder = store.results(), store.folder
+        from multisrt.reporting.own_strategies import cautions
         from multisrt.reporting.page import write_report
 
         page = write_report(
@@ -81,4 +93,6 @@ def report(
             progress=live.say,
         )
     if not quiet:
+        for caution in cautions(found):
+            click.echo(f"warning: {caution}", err=True)
         click.echo(f"{page}: {len(found)} of {found.planned} runs")

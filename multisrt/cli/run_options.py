@@ -183,6 +183,10 @@ def _overrides(text: str) -> dict[str, Any]:
     values: dict[str, Any] = {}
     if text == USUAL:
         return values
+    if text.isdecimal():
+        raise click.BadParameter(
+            f"{text!r} is not KEY=VALUE (did you mean --robots {text}?)", param_hint="--robot"
+        )
     for part in re.split(r",\s*(?=[a-z-]+=)", text):
         key, value = _key_and_value(part, "--robot")
         if key not in OVERRIDES:

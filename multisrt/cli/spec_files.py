@@ -58,6 +58,10 @@ def read_experiment(path: Path) -> ExperimentSpec:
     """
     from multisrt.experiments.spec import ExperimentSpec
 
+    if path.suffix == ".sqlite":
+        raise InvalidInputError(
+            f"{path} is for results; name the experiment itself, as {path.with_suffix('.toml')}"
+        )
     return _read(path, ExperimentSpec.from_toml, ExperimentSpec.from_json)
 
 

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import inspect
+
 import click
 
 from multisrt.cli import candidates
 from multisrt.cli.imports import named_strategy
 from multisrt.cli.tables import show, table
+
+AS_ABOVE = "As above"
+"""How a docstring refers to that of the class from which an option is inherited."""
 
 
 @click.command()
@@ -48,8 +53,21 @@ def strategies(name: str | None) -> None:
         return
     listed = table("option", "default", "description")
     meanings: dict[str, str] = {}
-    for kind in reversed(chosen.options.__mro__):
-        meanings |= documented_attributes(kind.__doc__ or "")
-    for field in msgspec.structs.fields(chosen.options):
+    defined: dict[str, int] = {}
+    for depth, kind in enumerate(reversed(chosen.options.__mro__)):
+        defined |= dict.fromkeys(inspect.get_annotations(kind), depth)
+        for option, meaning in documented_attributes(kind.__doc__ or "").items():
+            meanings[option] = _whole(meaning, meanings.get(option, ""))
+    # What the strategy adds or changes, before what it inherits.
+    fields = msgspec.structs.fields(chosen.options)
+    for field in sorted(fields, key=lambda field: -defined[field.name]):
         listed.add_row(field.name, written(field.default), meanings.get(field.name, ""))
     show(listed)
+
+
+def _whole(meaning: str, inherited: str) -> str:
+    """Return what an option means, where that is "As above; ..." of an inherited one."""
+    if not inherited or not meaning.startswith(AS_ABOVE):
+        return meaning
+    rest = meaning.removeprefix(AS_ABOVE).lstrip(";. ")
+    return f"{inherited.rstrip('.')}; {rest}" if rest else inherited

@@ -25,11 +25,16 @@ Rows = dict[str, str]
 
 
 def print_summary(
-    runs: list[Run], folders: list[Path], regrets: list[Regret] | None = None
+    runs: list[Run],
+    folders: list[Path],
+    regrets: list[Regret] | None = None,
+    *,
+    details: bool = False,
 ) -> None:
     """Print how runs in one environment ended, their metrics side by side, and their files.
 
-    Several runs are compared in a last table of a row for each.
+    Several runs are compared in a last table of a row for each. If they are more than `MAX_WIDE`,
+    that is the only one, unless details or regrets are asked for.
 
     Parameters
     ----------
@@ -39,6 +44,8 @@ def print_summary(
         Folders with the files of each run.
     regrets : list of Regret, optional
         For each run its times as multiples of those of the informed plan.
+    details : bool, optional
+        Whether all measures are printed of any number of runs.
     """
     from multisrt.finished_run import RUN_FILES, TREE_NAME
 
@@ -49,6 +56,20 @@ def print_summary(
         click.echo(run.outcome)
         click.echo(f"  {run.reason}")
     _print_reach(runs[0])
+    if details or regrets or len(runs) <= MAX_WIDE:
+        _print_measures(runs, regrets)
+    if len(runs) > 1:
+        _print_comparison(runs)
+        click.echo("\n".join(str(folder / TREE_NAME) for folder in folders))
+        others = [name for name in RUN_FILES if name != TREE_NAME]
+        click.echo(f"and beside each {', '.join(others[:-1])} and {others[-1]}")
+        if len(runs) > MAX_WIDE and not (details or regrets):
+            click.echo("all measures: in each run.json, or here with --details")
+    else:
+        click.echo("\n".join(str(folders[0] / name) for name in RUN_FILES))
+
+
+def _print_measures(runs: list[Run], regrets: list[Regret] | None) -> None:
     scans = {_scans(run) for run in runs}
     nodes = (
         "nodes or scans" if len(scans) > 1 else "informative scans" if True in scans else "nodes"
@@ -63,13 +84,6 @@ def print_summary(
     )
     if 1 < len(runs[0].spec.robots) <= MAX_ROBOTS:
         _print_robots(runs)
-    if len(runs) > 1:
-        _print_comparison(runs)
-        click.echo("\n".join(str(folder / TREE_NAME) for folder in folders))
-        others = [name for name in RUN_FILES if name != TREE_NAME]
-        click.echo(f"and beside each {', '.join(others[:-1])} and {others[-1]}")
-    else:
-        click.echo("\n".join(str(folders[0] / name) for name in RUN_FILES))
 
 
 def _print_comparison(runs: list[Run]) -> None:

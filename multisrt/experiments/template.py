@@ -30,7 +30,8 @@ environments = [
   # { name = "maze", seeds = "0-9", parameters = { loops = 0.2 } },   # ten worlds, ten conditions
 ]
 
-# Strategies: names ('multisrt strategies'), or tables with options.
+# Strategies: names ('multisrt strategies'), or tables with options. Your own are named as
+# any other; 'multisrt experiment run THIS_FILE --import mine.py' has them.
 strategies = [
   "srt-star",
   "srt-radial",

@@ -21,6 +21,7 @@ from multisrt.reporting import figures, overall_figures, tables
 from multisrt.reporting.claims import Claim, PrintedTable
 from multisrt.reporting.layout import Cell, Table, number, slug
 from multisrt.reporting.overview import overview
+from multisrt.reporting.own_strategies import cautions, imports
 from multisrt.reporting.reruns import MAX_FAILURES, Failure, Gallery, Specs, Tree, failures
 from multisrt.reporting.reruns import gallery as drawn_gallery
 from multisrt.reporting.study import Study, chosen_measures, other_measures
@@ -73,6 +74,7 @@ class Contents:
     rates: list[Picture] = field(default_factory=list)
     gallery: Gallery = field(default_factory=Gallery)
     failures: list[Failure] = field(default_factory=list)
+    imports: list[str] = field(default_factory=list)
 
     def tables(self) -> list[Table]:
         """Return all tables."""
@@ -158,6 +160,7 @@ def write_report(
         contents.printed = [_printed(i, table) for i, table in enumerate(comparisons, start=1)]
         specs = Specs(results, folder)
         contents.failures = failures(study, specs, path)
+        contents.imports = imports(results, folder or Path())
         if gallery:
             contents.gallery = drawn_gallery(study, specs, say)
         say("writing")
@@ -277,6 +280,8 @@ def _page(contents: Contents) -> str:
         generator=GENERATOR,
         version=study.results.provenance.versions.get("multisrt", ""),
         run=what_was_run(study),
+        cautions=cautions(study.results),
+        imports=contents.imports,
         how_to_read=HOW_TO_READ,
         max_figures=MAX_FIGURES,
         max_failures=MAX_FAILURES,

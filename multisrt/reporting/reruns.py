@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import re
 from collections import defaultdict
 from collections.abc import Callable
@@ -11,13 +10,12 @@ from pathlib import Path
 
 from multisrt.experiments.crossing import Condition, runs
 from multisrt.experiments.measures import MEASURES, measure_named
-from multisrt.experiments.modules import reference_of
 from multisrt.experiments.results import Result, Results
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.reporting.layout import slug
+from multisrt.reporting.own_strategies import imported
 from multisrt.reporting.study import Study
 from multisrt.robots.registry import is_built_in
-from multisrt.robots.registry import strategy as strategy_named
 from multisrt.spec import RunSpec
 
 MAX_TREES = 12
@@ -25,6 +23,12 @@ MAX_TREES = 12
 
 MAX_FAILURES = 30
 """Upper bound of the kinds of failures that are shown with a spec to repeat them."""
+
+OTHER_RUN = (
+    "this version of the program or of the strategy makes another run of the same spec than the "
+    "one that was measured"
+)
+"""Why a run that was simulated again is not drawn."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -41,15 +45,12 @@ class Tree:
         The setting of the run; its strategy is empty.
     svg : str
         The drawing.
-    same : bool
-        Whether the repeated run equals the measured run, byte for byte.
     """
 
     name: str
     result: Result
     setting: Condition
     svg: str
-    same: bool
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -187,13 +188,15 @@ def gallery(study: Study, specs: Specs, progress: Callable[[str], None] | None =
                     raise
                 notes.append(f"{what}: the strategy raised {type(error).__name__}: {error}.")
                 continue
+            if recording.footer.digest != result.digest:
+                notes.append(f"{what}: {OTHER_RUN}.")
+                continue
             trees.append(
                 Tree(
                     name=f"{slug(what)}-{result.key[:8]}",
                     result=result,
                     setting=setting,
                     svg=tree_svg(recording),
-                    same=recording.footer.digest == result.digest,
                 )
             )
     return Gallery(trees=tuple(trees), notes=tuple(notes))
@@ -253,18 +256,7 @@ def failures(study: Study, specs: Specs, out: Path = Path()) -> list[Failure]:
                 results=tuple(results),
                 spec=spec,
                 problem=specs.problem(results[0]) if shown and spec is None else "",
-                imported="" if spec is None else _imported(spec.strategy, out),
+                imported="" if spec is None else imported(spec.strategy, out),
             )
         )
     return sorted(found, key=lambda failure: -len(failure.results))
-
-
-def _imported(name: str, out: Path) -> str:
-    """Return the reference by which a strategy of one's own is imported again from a folder."""
-    if is_built_in(name):
-        return ""
-    try:
-        reference = reference_of(strategy_named(name))
-    except InvalidInputError:  # defined in a notebook
-        return ""
-    return os.path.relpath(reference, out.resolve()) if os.path.isabs(reference) else reference

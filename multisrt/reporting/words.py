@@ -6,6 +6,7 @@ import math
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import count
 
 from multisrt.experiments.measures import Measure
 from multisrt.experiments.results import Results
@@ -134,12 +135,39 @@ def constants_note(study: Study) -> str:
 
 def significance_note(study: Study, measure: Measure) -> str:
     """Return a sentence on the marks of a table whose columns are each a family of tests."""
-    tests = sum(found.kind != "none" for found in study.comparisons(measure))
+    tested = [found for found in study.comparisons(measure) if found.kind != "none"]
+    tests = len(tested)
+    if not any(found.decidable for found in tested):
+        return (
+            f"{_pairs(tested)} of runs: no difference can be significant; take at least "
+            f"{enough_pairs(tests)} repetitions."
+        )
     return (
         f"+ significantly better than {study.baseline}, - significantly worse, no mark: no "
         "significant difference (Wilcoxon signed-rank test, p < 0.05 after Holm's correction over "
         f"all {tests} comparisons by one measure)."
     )
+
+
+def enough_pairs(tests: int) -> int:
+    """Return how many pairs each of some rank tests needs for any difference to be significant.
+
+    Parameters
+    ----------
+    tests : int
+        Number of tests that are corrected together.
+
+    Returns
+    -------
+    int
+        The least number of pairs, if all tests have as many.
+
+    Examples
+    --------
+    >>> enough_pairs(1), enough_pairs(10)
+    (6, 9)
+    """
+    return next(pairs for pairs in count(1) if tests * 2.0 ** (1 - pairs) < SIGNIFICANCE)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

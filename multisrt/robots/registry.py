@@ -78,6 +78,27 @@ def is_built_in(name: str) -> bool:
     return any(name == own.name for own in _built_in())
 
 
+def is_known(name: str) -> bool:
+    """Whether there is a strategy of a name, built in or not.
+
+    Parameters
+    ----------
+    name : str
+        The name.
+
+    Returns
+    -------
+    bool
+        Whether `strategy` finds it.
+
+    Examples
+    --------
+    >>> is_known("minpos"), is_known("mine")
+    (True, False)
+    """
+    return name in _registry()
+
+
 @contextmanager
 def registered(strategy: Strategy) -> Iterator[None]:
     """Register a strategy within a ``with`` block, in place of one that has its name.

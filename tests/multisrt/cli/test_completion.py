@@ -65,7 +65,6 @@ def test_every_world_is_completed(monkeypatch, folder):
     ("line", "kind"),
     [
         ("multisrt explore ./ro", "file"),
-        ("multisrt explore office --strategy mine.py", "file"),
         ("multisrt explore office --spec sp", "file"),
         ("multisrt why ru", "file"),
         ("multisrt explore office --out ru", "dir"),
@@ -75,6 +74,32 @@ def test_every_world_is_completed(monkeypatch, folder):
 def test_files_and_folders_are_left_to_the_shell(monkeypatch, folder, line, kind):
     (found,) = completed(Bash, line, monkeypatch)
     assert found.partition(",")[0] == kind
+
+
+@pytest.mark.parametrize(
+    ("line", "values"),
+    [
+        ("multisrt check ", []),
+        ("multisrt check m", ["mine.py", "more/"]),
+        ("multisrt check mine.py:", ["Mine", "Other"]),
+        ("multisrt explore mine.py:M", ["Mine"]),
+        ("multisrt explore office --strategy more/", ["more/one.py"]),
+        ("multisrt explore office --strategy mine.py:O", ["Other"]),
+        ("multisrt explore office --import mi", ["mine.py"]),
+        ("multisrt explore none.py:", []),
+        ("multisrt experiment run m", ["mine.toml", "more/"]),
+        ("multisrt report m", ["mine.sqlite", "more/"]),
+    ],
+)
+def test_files_are_completed_by_what_is_in_them(monkeypatch, folder, line, values):
+    (folder / "more").mkdir()
+    for name in ("mine.toml", "mine.sqlite", "more/one.py", "more/one.txt"):
+        (folder / name).touch()
+    (folder / "mine.py").write_text(
+        "raise SystemExit\nclass _Own: ...\nclass Options(Struct): ...\nclass Mine: ...\n"
+        "class Other(Mine): ...\n"
+    )
+    assert completed(Bash, line, monkeypatch) == [f"plain,{value}" for value in values]
 
 
 def test_own_maps_are_completed_beside_worlds(monkeypatch, folder):

@@ -70,8 +70,12 @@ def test_a_run_is_replaced_only_by_force(call, folder):
 
 
 def test_runs_without_out_get_folders_of_their_own(call, folder):
-    for _ in range(3):
+    for _ in range(2):
         assert call("explore", "room.wkt", "--quiet") == (0, "", "")
+    first, last = (Path("runs") / name for name in ("room-srt-radial-0", "room-srt-radial-0-3"))
+    assert call("explore", "room.wkt")[1].endswith(
+        f"{first} is there already: this is in {last}\nnext: multisrt why {last} --robot 0\n"
+    )
     names = ["room-srt-radial-0", "room-srt-radial-0-2", "room-srt-radial-0-3"]
     assert sorted(os.listdir(folder / "runs")) == names
     for _ in range(2):
@@ -98,8 +102,13 @@ def test_many_strategies_fit_and_the_best_is_marked(call, monkeypatch):
     assert max(map(len, out.splitlines())) <= 80
     told = out.rpartition(" strategy ")[2]
     assert re.match(r" +success +covered +95 % \(s\) +known \(s\) +done \(s\) +driven \(m\)", told)
+    assert len(out.splitlines()) < 50
     assert all(re.search(rf"^ {name} +yes +\d", told, re.M) for name in names)
     assert told.count("* ") >= 5
+    code, out, _ = call("explore", "room.wkt", "--robots", "2", "--details", *words)
+    assert code == 0
+    assert max(map(len, out.splitlines())) <= 80
+    assert len(re.findall(r"^ smallest clearance ", out, re.M)) > 1
 
 
 @pytest.mark.slow
@@ -136,7 +145,7 @@ def test_a_spec_repeats_its_run(call, folder):
     code, first, _ = call("explore", "pillar.wkt", "--seed", "5", "--out", "a")
     assert code == 0
     again = call("explore", "--spec", "a/spec.toml", "--out", "b")
-    assert again == (0, first.replace("a/", "b/"), "")
+    assert again == (0, first.replace("a/", "b/").replace("why a ", "why b "), "")
     for name in FILES:
         assert (folder / "a" / name).read_bytes() == (folder / "b" / name).read_bytes()
     (folder / "spec.json").write_text(Recording.load("a/recording.jsonl").spec.to_json())

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from multisrt.spec import CatalogEnvironment, RunSpec
 from tests.multisrt.cli.commands import Call
 
 MINE = '''"""Strategies for tests."""
@@ -80,7 +81,8 @@ def test_own_and_built_in_strategies_run_side_by_side(call: Call, folder: Path) 
         (["mine.py:Mine", "--strategy", "closest"], "mine.py:Mine is a strategy: name an env"),
         (["room.wkt", "--strategy", "mine.py", "--strategy", "mine:Mine"], "mine is given twice"),
         (["room.wkt", "--strategy", "mine.py:Mien"], "did you mean 'Mine'?"),
-        (["room.wkt", "--strategy", "mine"], "is imported by --import FILE.py"),
+        (["room.wkt", "--strategy", "mine"], "'mine' (did you mean 'mine.py'?)"),
+        (["room.wkt", "--strategy", "yours"], "is imported by --import FILE.py"),
         (["room.wkt", "--import", "none.py"], "none.py: there is no such file"),
         (["none.py:Mine"], "none.py: there is no such file"),
         (["mine.py:Mine", "--option", "scan=2"], "mine has no option 'scan' (did you mean 'scans'"),
@@ -97,6 +99,10 @@ def test_what_is_wrong_is_told_before_anything_is_written(
 
 
 def test_a_run_is_repeated_from_its_spec_with_the_import(call: Call, folder: Path) -> None:
+    text = RunSpec(environment=CatalogEnvironment(name="open"), strategy="mine").to_toml()
+    (folder / "mine.toml").write_text(text)
+    told = "error: mine.toml: the strategy 'mine' is not known here: import the file that has it, "
+    assert call("explore", "--spec", "mine.toml") == (2, "", f"{told}--import mine.py\n")
     call("explore", "room.wkt", "--strategy", "mine.py:Mine", "--out", "first", "--quiet")
     words = ("explore", "--spec", "first/spec.toml", "--import", "mine.py", "--out", "again")
     assert call(*words, "--quiet")[0] == 3
@@ -140,6 +146,16 @@ def test_an_experiment_with_an_own_strategy_runs_and_reports(
     command = re.search(r"multisrt (explore --spec \S+ --import \S+) --out again", page)
     assert command is not None
     assert str(folder) not in page
+    assert "multisrt experiment run experiment.toml --import mine.py:Mine</code>" in page
+    assert re.search(r"<dt>source of mine</dt><dd>[0-9a-f]{16}</dd>", page)
+    assert "has changed since" not in page
+    mine.write_text(MINE)
+    code, out, err = call("report", "tiny.sqlite", "--import", "mine.py")
+    assert (code, out) == (0, "report/index.html: 2 of 2 runs\n")
+    assert err.startswith("warning: The source of the strategy 'mine' has changed since these ")
+    page = (folder / "report" / "index.html").read_text()
+    assert "The source of the strategy &#39;mine&#39; has changed since" in page
+    assert len(list((folder / "report" / "gallery").iterdir())) == 1
     monkeypatch.chdir(folder / "report")
     assert call(*command[1].split(), "--out", "again", "--quiet")[0] == 3
 
@@ -155,7 +171,9 @@ def test_an_unknown_strategy_costs_a_report_its_own_pictures(
     known = registry._registry()
     ms.compare(spec, store="tiny.sqlite", workers=0, imports=["mine.py"], progress=False)
     del known["mine"]
-    assert call("report", "tiny.sqlite", "--quiet")[0] == 0
+    code, _, err = call("report", "tiny.sqlite")
+    assert code == 0
+    assert err.startswith("warning: The strategy 'mine' is not known here, and its runs are not")
     assert [path.suffix for path in (folder / "report" / "gallery").iterdir()] == [".svg"]
     page = (folder / "report" / "index.html").read_text()
     assert "Not drawn:" in page

@@ -16,3 +16,14 @@ def test_strategies_lists_names_and_options(call):
     code, _, err = call("strategies", "srt-square")
     assert code == 2
     assert err.count("\n") == 1
+
+
+def test_own_options_come_before_inherited_ones(call):
+    _, out, _ = call("strategies", "utility")
+    assert [line.split()[0] for line in out.splitlines()[4:] if re.match(r" \w", line)][:3] == [
+        "replan",
+        "beta",
+        "drive",
+    ]
+    assert "As above" not in out
+    assert "in the paper goals are given anew" in " ".join(out.split())

@@ -36,7 +36,14 @@ from multisrt.reporting.tables import (
     success_table,
     summary_table,
 )
-from multisrt.reporting.words import HOW_TO_REFER, difference, findings, p_value, what_was_run
+from multisrt.reporting.words import (
+    HOW_TO_REFER,
+    difference,
+    findings,
+    p_value,
+    significance_note,
+    what_was_run,
+)
 from tests.multisrt.experiments.results import metrics_of
 
 TIME = measure_named("known_complete_s")
@@ -439,6 +446,9 @@ def test_too_few_runs_are_said_to_be_too_few(make, runs, enough):
     assert bool(said.significant) is enough
     assert bool(said.too_few) is not enough
     assert any("Too few runs" in text for text in said.others) is not enough
+    note = significance_note(study, TIME)
+    assert note.startswith("+ significantly better") is enough
+    assert ("no difference can be significant; take at least 6 rep" in note) is not enough
 
 
 def test_holm_makes_more_runs_necessary(make):

@@ -12,6 +12,7 @@ from multisrt.envs.rewards import Gain
 from multisrt.envs.seen import SeenArea
 from multisrt.events import AnyEvent, Died, Motion
 from multisrt.finished_run import Run
+from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.numerics.arrays import FloatArray
 from multisrt.geometry.regions.safe_region import local_safe_region
 from multisrt.geometry.regions.scan import ExactScan, LaserScan, Scan
@@ -80,6 +81,7 @@ class Mission:
         self.asking: int | None = None
         self.end: End | None = None
         self._ended = ("", "")
+        self._is_closed = False
         self.dead: set[int] = set()
         self.regions: list[FloatArray] = []
         self._seen_by: list[int] = []
@@ -148,14 +150,26 @@ class Mission:
         -------
         list of Gain
             What that brought each robot.
+
+        Raises
+        ------
+        InvalidInputError
+            If the answer is none, and nothing has changed; or if the mission is over and that
+            was told already.
         """
+        if self._is_closed:
+            raise InvalidInputError("the mission is over: call reset first")
         if self.asking is not None:
-            self._explorer(self.asking).advice.answer = answer
+            self._explorer(self.asking).advice.answer = self._decision.checked(answer)
             self._advance()
-        return self._collect()
+        gains = self._collect()
+        # A mission that is over as it begins has one step, which tells so.
+        self._is_closed = self.end is not None
+        return gains
 
     def close(self) -> None:
         """End the mission where it is."""
+        self._is_closed = True
         self._steps.close()
 
     def _explorer(self, robot: int) -> AdvisedExplorer:

@@ -161,7 +161,7 @@ class Stepper(Iterator[Step]):
         Raises
         ------
         InvalidInputError
-            If there is no such robot.
+            If there is no such robot, or a condition is of another type.
 
         Examples
         --------
@@ -174,6 +174,18 @@ class Stepper(Iterator[Step]):
         """
         if robot is not None:
             self._require(robot)
+        for name, value, is_right, what in (
+            ("time_s", time_s, isinstance(time_s, float | int), "a number of seconds"),
+            ("action", action, action in get_args(Action), "a class of robots.explorer, as Move"),
+            ("where", where, callable(where), "a function of a step"),
+        ):
+            if value is not None and not is_right:
+                raise InvalidInputError(f"{name} is {what}, not {value!r}")
+        is_event = isinstance(decision, type) and issubclass(decision, Event)
+        if not (isinstance(decision, bool) or is_event):
+            raise InvalidInputError(
+                f"decision is True or a class of multisrt.events, not {decision!r}"
+            )
         events: tuple[type, ...] = DECISIONS if decision is True else ()
         if isinstance(decision, type):
             events = (decision,)
@@ -359,5 +371,5 @@ class Stepper(Iterator[Step]):
 
     def _require(self, robot: int) -> None:
         robots = len(self.spec.robots)
-        if robot not in range(robots):
+        if not isinstance(robot, int) or robot not in range(robots):
             raise InvalidInputError(f"there is no robot {robot}; robots are 0 to {robots - 1}")

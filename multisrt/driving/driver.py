@@ -41,9 +41,7 @@ from multisrt.robots.messages import Message
 from multisrt.robots.registry import strategy as strategy_named
 from multisrt.robots.strategy import Strategy, as_strategy
 from multisrt.simulation import plain
-
-SAME_TIME_S = 1e-6
-"""A body's clock may fall by this much, in seconds, before that is an error."""
+from multisrt.simulation.plain import SAME_TIME_S
 
 Exploring = Strategy | Callable[[RobotSelf, Any], Explorer] | str
 """A strategy, its name, or a class or function that builds the explorer of one robot."""
@@ -227,6 +225,8 @@ class Driver:
         self._on_call_s = on_call_s
         self._mailbox: list[Message] = []
         self._motion: tuple[Move, float] | None = None
+        # How many actions the explorer has yielded at the present moment.
+        self._acted_s, self._actions = self.time_s, 0
         self._loop = self._run()
 
     @property
@@ -251,9 +251,8 @@ class Driver:
     # Actions -----------------------------------------------------------------------------
 
     def _run(self) -> Generator[bool, None, None]:
-        number, actions = self.me.robot, self.explorer.run()
-        if not hasattr(actions, "send"):
-            plain.refuse(number, "its run() is no generator", "yield the actions")
+        number = self.me.robot
+        actions = plain.steps(self.explorer.run(), number)
         outcome: Outcome = None
         while True:
             action = self._next(actions, outcome)
@@ -262,7 +261,7 @@ class Driver:
                 case Sense():
                     outcome = self._sense()
                 case Look():
-                    outcome = () if self._body.look is None else tuple(self._body.look())
+                    outcome = self._look()
                 case Move():
                     outcome = yield from self._move(plain.motion(action, number))
                 case Stop():
@@ -283,22 +282,29 @@ class Driver:
                     plain.refuse_action(action, number)
 
     def _next(self, actions: Generator[Action, Outcome, None], outcome: Outcome) -> Action:
-        try:
-            return actions.send(outcome)
-        except StopIteration:
-            robot = self.me.robot
-            plain.refuse(robot, "run() ended without a last action Done", "yield Done at the end")
+        if self._acted_s < self.time_s:
+            self._acted_s, self._actions = self.time_s, 0
+        self._actions += 1
+        plain.require_progress(self._actions, self.me.robot, self.time_s)
+        return plain.next_action(actions, outcome, self.me.robot)
 
     def _sense(self) -> Scan:
         scan = self._body.sense()
         if not isinstance(scan, ExactScan | LaserScan):
             self._refuse("sense", scan, "a scan: scan_of_ranges and scan_of_polygon make one")
         self._tell_time(scan.time_s, "sense")
-        place = (*map(float, scan.configuration),)
-        self.events.append(
-            Sensed(time_s=self.time_s, robot=self.me.robot, configuration=place)  # type: ignore[arg-type]
-        )
+        here = self._configuration(scan.configuration, "sense")
+        self.events.append(Sensed(time_s=self.time_s, robot=self.me.robot, configuration=(*here,)))
         return scan
+
+    def _look(self) -> tuple[Sighting, ...]:
+        if self._body.look is None:
+            return ()
+        seen = self._body.look()
+        found = tuple(seen) if isinstance(seen, Iterable) else (seen,)
+        if not all(isinstance(each, Sighting) for each in found):
+            self._refuse("look", seen, "a Sighting of each robot that is seen; if none is, ()")
+        return found
 
     def _send(self, action: Send) -> None:
         if self._body.send is None:
@@ -326,15 +332,8 @@ class Driver:
                 "it yielded Done while a motion goes on",
                 "yield Receive to wait for its end, or Stop",
             )
-        end = Ended(
-            time_s=self.time_s,
-            robot=self.me.robot,
-            reason=done.reason,
-            complete=done.complete,
-            frontier=done.frontier,
-        )
-        self.events.append(plain.as_declared(end, self.me.robot))
-        self.end = end
+        self.end = plain.ended(done, self.me.robot, self.time_s)
+        self.events.append(self.end)
         if not on_call or self.me.team == 1 or self._body.receive is None:
             return None
         told = yield from self._wait(self.time_s + self._on_call_s)
@@ -381,11 +380,13 @@ class Driver:
         if self._motion is None:
             self._refuse(of, moved, "Moved only for a motion that was begun")
         (move, set_out_s), self._motion = self._motion, None
-        here = Configuration(*map(float, moved.configuration))
+        here = self._configuration(moved.configuration, of)
         self._tell_time(moved.time_s, of)
         number = self.me.robot
         self.events.append(_driven(move, set_out_s, self.time_s, here, number))
         if moved.blocked_by is not None:
+            if not isinstance(moved.blocked_by, Sighting):
+                self._refuse(of, moved, "Moved with a Sighting or None as blocked_by")
             by = moved.blocked_by.robot
             self.events.append(
                 Blocked(time_s=self.time_s, robot=number, by=by, configuration=(*here,))
@@ -406,6 +407,8 @@ class Driver:
                 case Moved():
                     return self._moved(told, "receive")
                 case Arrived():
+                    if not isinstance(told.data, tuple | list):
+                        self._refuse("receive", told, "Arrived with a tuple of bytes as data")
                     self._mailbox += map(decode, told.data)
                     self._tell_time(told.time_s, "receive")
                 case TimedOut():
@@ -436,12 +439,27 @@ class Driver:
         self._mailbox.clear()
         return Received(messages, self.time_s)
 
-    def _tell_time(self, time_s: float, of: str) -> None:
-        time_s = float(time_s)
+    def _configuration(self, told: object, of: str) -> Configuration:
+        try:
+            x, y, heading = map(float, told)  # type: ignore[call-overload]
+        except (TypeError, ValueError):
+            x = y = heading = math.nan
+        if not math.isfinite(x + y + heading):
+            raise InvalidInputError(
+                f"{of} of robot {self.me.robot} tells the configuration {brief(told)}: give x, y "
+                "(m) and the heading (rad), three finite numbers"
+            )
+        return Configuration(x, y, heading)
+
+    def _tell_time(self, told: object, of: str) -> None:
+        try:
+            time_s = float(told)  # type: ignore[arg-type]
+        except (TypeError, ValueError):
+            time_s = math.nan
         if not math.isfinite(time_s) or time_s < self.time_s - SAME_TIME_S:
             raise InvalidInputError(
-                f"{of} of robot {self.me.robot} tells {time_s:g} s after {self.time_s:g} s: give "
-                "seconds of one clock, which never falls"
+                f"{of} of robot {self.me.robot} tells the time {brief(told)} after "
+                f"{self.time_s:g} s: give seconds of one clock, which never falls"
             )
         self.time_s = max(self.time_s, time_s)
 

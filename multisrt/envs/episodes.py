@@ -16,7 +16,7 @@ from multisrt.envs.rewards import AreaReward, Gain, Reward
 from multisrt.finished_run import Run
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.recording import Recording
-from multisrt.robots.advised import DecisionSpec
+from multisrt.robots.advised import DecisionSpec, policy_strategy
 
 RENDER_MODES = ["rgb_array"]
 """How environments can be drawn."""
@@ -70,14 +70,26 @@ class Episodes:
         render_mode: str | None,
         keywords: Mapping[str, Any],
     ) -> None:
-        if end_coverage is not None and not 0.0 < end_coverage <= 1.0:
-            raise InvalidInputError(f"end_coverage is a share above 0, up to 1, not {end_coverage}")
+        if end_coverage is not None and not (
+            isinstance(end_coverage, float | int) and 0.0 < end_coverage <= 1.0
+        ):
+            raise InvalidInputError(
+                f"end_coverage is a share above 0, up to 1, not {end_coverage!r}"
+            )
+        if not (decision is None or isinstance(decision, DecisionSpec)):
+            raise InvalidInputError(f"decision is a DecisionSpec, not {decision!r}")
+        if not (reward is None or callable(reward)):
+            raise InvalidInputError(f"reward is a function of a Gain, not {reward!r}")
         if render_mode is not None and render_mode not in RENDER_MODES:
             raise InvalidInputError(
                 f"render_mode is {' or '.join(RENDER_MODES)} or None, not {render_mode!r}"
             )
         self.decision = DecisionSpec() if decision is None else decision
         self.missions = Missions(worlds, STRATEGY, world_seeds, keywords)
+        # What the options or the team cannot be is said now, not at the first mission.
+        advised = policy_strategy(STRATEGY, None, self.decision)
+        advised.parse_options(self.missions.template.options)
+        advised.require_fit(self.missions.template)
         self._reward = AreaReward() if reward is None else reward
         self._end_coverage = end_coverage
         self._mission: Mission | None = None

@@ -80,8 +80,8 @@ class Mission:
             self._goal_m2 = end_coverage * what.area_m2
         self.asking: int | None = None
         self.end: End | None = None
-        self._end_is_told = False
         self._ended = ("", "")
+        self._is_closed = False
         self.dead: set[int] = set()
         self.regions: list[FloatArray] = []
         self._seen_by: list[int] = []
@@ -154,23 +154,22 @@ class Mission:
         Raises
         ------
         InvalidInputError
-            If the answer is not of the form that was asked for, or it has been told already that
-            the mission is over.
+            If the answer is none, and nothing has changed; or if the mission is over and that
+            was told already.
         """
-        # A mission that is over before any decision is told so by its first step.
-        if self.asking is None and (self.end is None or self._end_is_told):
-            raise InvalidInputError(
-                "the mission is over, or a wrong action has ended it: call reset for the next one"
-            )
+        if self._is_closed:
+            raise InvalidInputError("the mission is over: call reset first")
         if self.asking is not None:
-            self._explorer(self.asking).advice.answer = answer
+            self._explorer(self.asking).advice.answer = self._decision.checked(answer)
             self._advance()
         gains = self._collect()
-        self._end_is_told = self.end is not None
+        # A mission that is over as it begins has one step, which tells so.
+        self._is_closed = self.end is not None
         return gains
 
     def close(self) -> None:
         """End the mission where it is."""
+        self._is_closed = True
         self._steps.close()
 
     def _explorer(self, robot: int) -> AdvisedExplorer:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import msgspec
+import numpy as np
 from numpy.random import Generator
 
 from multisrt.environments.environment import Environment
@@ -64,6 +65,8 @@ class Missions:
         Number of robots.
     seed : int
         Seed of the spec that all missions share.
+    template : RunSpec
+        That spec.
 
     Raises
     ------
@@ -98,7 +101,11 @@ class Missions:
                 )
             named: tuple[World, ...] = (worlds.environment,)
         else:
-            one = isinstance(worlds, Environment | EnvironmentSpec | str | Path)
+            one = isinstance(worlds, World)
+            if not (one or isinstance(worlds, Iterable)):
+                raise InvalidInputError(
+                    f"a world is its name, a map file or a spec, not {worlds!r}"
+                )
             named = (worlds,) if one else tuple(worlds)  # type: ignore[arg-type, assignment]
             if not named:
                 raise InvalidInputError("a mission needs a world, and the sequence has none")
@@ -108,7 +115,7 @@ class Missions:
             if isinstance(worlds, RunSpec)
             else RunSpec(environment=self._worlds[0], **run_fields(given))
         )
-        self._template = msgspec.structs.replace(template, strategy=strategy)
+        self.template = msgspec.structs.replace(template, strategy=strategy)
         self._world_seeds = None if world_seeds is None else _checked(world_seeds, self._worlds)
         self.team = len(template.robots)
         self.seed = template.seed
@@ -138,11 +145,33 @@ class Missions:
             self._built[key] = build_environment(world)
             if len(self._built) > MAX_BUILT:
                 self._built.pop(next(iter(self._built)))
-        spec = msgspec.structs.replace(self._template, environment=world, seed=seed)
+        spec = msgspec.structs.replace(self.template, environment=world, seed=seed)
         return spec, self._built[key]
 
 
+def seed_of(given: object, what: str = "seed") -> int:
+    """Return a seed as a builtin number.
+
+    Parameters
+    ----------
+    given : object
+        The seed.
+    what : str
+        What it is called, for the message.
+
+    Raises
+    ------
+    InvalidInputError
+        If it is no whole number from 0.
+    """
+    if not isinstance(given, int | np.integer) or given < 0:
+        raise InvalidInputError(f"{what} is a whole number from 0, not {given!r}")
+    return int(given)
+
+
 def _spec_of(world: World) -> EnvironmentSpec:
+    if not isinstance(world, World):
+        raise InvalidInputError(f"a world is its name, a map file or a spec, not {world!r}")
     if isinstance(world, CatalogEnvironment | FileEnvironment | InlineEnvironment):
         return world
     if isinstance(world, Environment):
@@ -151,7 +180,9 @@ def _spec_of(world: World) -> EnvironmentSpec:
 
 
 def _checked(world_seeds: Sequence[int], worlds: Sequence[EnvironmentSpec]) -> tuple[int, ...]:
-    seeds = tuple(world_seeds)
+    if not isinstance(world_seeds, Iterable):
+        raise InvalidInputError(f"world_seeds is a sequence of seeds, not {world_seeds!r}")
+    seeds = tuple(seed_of(seed, "a seed of world_seeds") for seed in world_seeds)
     if not seeds:
         raise InvalidInputError("world_seeds has no seed; give at least one, or leave it out")
     for world in worlds:

@@ -13,7 +13,7 @@ from pettingzoo import ParallelEnv
 
 from multisrt.envs.episodes import METADATA, Episodes
 from multisrt.envs.mission import Mission
-from multisrt.envs.missions import Worlds
+from multisrt.envs.missions import Worlds, seed_of
 from multisrt.envs.rewards import Reward
 from multisrt.envs.spaces import action_space, observation_space
 from multisrt.finished_run import Run
@@ -100,9 +100,9 @@ class ExploreParallelEnv(ParallelEnv):  # type: ignore[misc]
         render_mode: str | None = None,
         **mission: Any,
     ) -> None:
-        if not 1 <= state_cells <= MAX_STATE_CELLS:
+        if not (isinstance(state_cells, int) and 1 <= state_cells <= MAX_STATE_CELLS):
             raise InvalidInputError(
-                f"state_cells is a whole number from 1 to {MAX_STATE_CELLS}, not {state_cells}"
+                f"state_cells is a whole number from 1 to {MAX_STATE_CELLS}, not {state_cells!r}"
             )
         self._episodes = Episodes(
             environment,
@@ -160,6 +160,7 @@ class ExploreParallelEnv(ParallelEnv):  # type: ignore[misc]
         observations, infos : dict of str to dict
             Of each agent; see `ExploreEnv.reset`.
         """
+        seed = None if seed is None else seed_of(seed)
         if seed is not None or self._chance is None:
             self._chance = np.random.default_rng(
                 self._episodes.missions.seed if seed is None else seed
@@ -193,8 +194,7 @@ class ExploreParallelEnv(ParallelEnv):  # type: ignore[misc]
         Raises
         ------
         InvalidInputError
-            If the mission is over or none has begun, or the agent that asks has no action or one
-            that is not of the action space's form.
+            If the agent that asks has no action, or one that is none; or if the mission is over.
         """
         mission = self._episodes.mission
         answer = None

@@ -11,7 +11,7 @@ from gymnasium import spaces
 from numpy.typing import NDArray
 
 from multisrt.envs.episodes import METADATA, Episodes
-from multisrt.envs.missions import Worlds
+from multisrt.envs.missions import Worlds, seed_of
 from multisrt.envs.rewards import Reward
 from multisrt.envs.spaces import action_space, observation_space
 from multisrt.finished_run import Run
@@ -129,6 +129,7 @@ class ExploreEnv(gymnasium.Env[Observation, Answer]):
             Measures for the record: `decides`, `valid`, `time_s`, `seen_m2`; at the end also
             `outcome` and `reason`.
         """
+        seed = None if seed is None else seed_of(seed)
         is_first = self._np_random is None
         super().reset(seed=self._episodes.missions.seed if seed is None and is_first else seed)
         mission = self._episodes.begin(seed, self.np_random)
@@ -155,8 +156,8 @@ class ExploreEnv(gymnasium.Env[Observation, Answer]):
         Raises
         ------
         InvalidInputError
-            If the mission is over or none has begun, or the action is not of the action space's
-            form.
+            If the action is neither a whole number nor, with places, two numbers; or if the
+            mission is over.
         """
         mission = self._episodes.mission
         [reward] = self._episodes.rewards(mission.step(action))

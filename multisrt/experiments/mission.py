@@ -20,6 +20,7 @@ from multisrt.experiments.results import Result, Status
 from multisrt.experiments.spec import Limits
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.recording import Recording
+from multisrt.robots.defects import ExplorerDefect
 from multisrt.simulation.simulate import simulate
 from multisrt.simulation.worlds import build_environment
 from multisrt.spec import EnvironmentSpec
@@ -141,8 +142,11 @@ def _what_went_wrong(error: BaseException, limits: Limits | None) -> tuple[Statu
         return "over_time", str(over[0])
     if limits is not None and any(map(_lacks_memory, chain)):
         return "over_memory", f"wants more than {limits.memory_mb} MB"
+    said = str(error)
+    while isinstance(error, ExplorerDefect) and error.__cause__ is not None:
+        error = error.__cause__
     if isinstance(error, InvalidInputError):
-        return "refused", str(error)
+        return "refused", said
     place = traceback.extract_tb(error.__traceback__)[-1]
     what = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
     return "error", f"{what} ({Path(place.filename).name}:{place.lineno})"

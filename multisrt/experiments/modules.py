@@ -257,11 +257,6 @@ def _bound_in(module: ModuleType, own: Strategy) -> str:
     return next((name for name, value in list(vars(module).items()) if value is own), "")
 
 
-def _is_made_of(own: Strategy, explorer: Any) -> bool:
-    made = Strategy.of(explorer)
-    return (made.name, made.options) == (own.name, own.options)
-
-
 def _file_of(module: ModuleType) -> Path | None:
     file = getattr(module, "__file__", None)
     path = None if file is None else Path(file)

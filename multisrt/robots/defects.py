@@ -2,9 +2,18 @@
 
 from __future__ import annotations
 
+import sysconfig
+import traceback
+from pathlib import Path
 from typing import NamedTuple
 
 from multisrt.geometry.errors import InvalidInputError
+
+_LIBRARIES = (
+    str(Path(__file__).parents[1]),
+    *(sysconfig.get_path(name) for name in ("stdlib", "purelib", "platlib")),
+)
+"""Folders of code that is not the user's."""
 
 
 class Flaw(NamedTuple):
@@ -53,6 +62,31 @@ class ExplorerDefect(InvalidInputError, AssertionError):
 
     def __str__(self) -> str:
         return f"{self.where}: {self.what}; {self.remedy}"
+
+
+def place_of(error: BaseException) -> str:
+    """Return where an exception was raised, in the user's own code if that took part.
+
+    Parameters
+    ----------
+    error : BaseException
+        The exception, with its traceback.
+
+    Returns
+    -------
+    str
+        Such as ``mine.py:8, in run``; empty without a traceback.
+
+    Examples
+    --------
+    >>> place_of(ValueError("never raised"))
+    ''
+    """
+    frames = traceback.extract_tb(error.__traceback__)
+    own = [frame for frame in frames if not frame.filename.startswith(_LIBRARIES)]
+    for frame in reversed(own or frames):
+        return f"{Path(frame.filename).name}:{frame.lineno}, in {frame.name}"
+    return ""
 
 
 def brief(value: object, length: int = 80) -> str:

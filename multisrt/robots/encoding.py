@@ -12,6 +12,7 @@ import math
 import sys
 import typing
 from collections.abc import Iterator
+from functools import cache
 from typing import Any, Final
 
 import msgspec
@@ -19,6 +20,7 @@ import numpy as np
 
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.numerics.arrays import builtin
+from multisrt.robots.defects import brief
 from multisrt.robots.messages import Message
 
 ARRAY, STRUCTURE, TABLE, LIST = 1, 2, 3, 4
@@ -79,13 +81,19 @@ def decode(data: bytes) -> Message:
     Raises
     ------
     InvalidInputError
-        If the bytes hold no message, or one of a class that this process does not know.
+        If the bytes hold no message, or one of a class that this process does not know, or fields
+        of other types than its class declares.
     """
+    if not isinstance(data, bytes | bytearray | memoryview):
+        raise InvalidInputError(f"a message is decoded from bytes, not from {brief(data)}")
     if len(data) > MAX_BYTES:
         raise InvalidInputError(f"a message of {len(data)} bytes; at most {MAX_BYTES} are decoded")
     try:
         message = _value(msgspec.msgpack.decode(data, ext_hook=_extension))
-    except (msgspec.MsgspecError, TypeError, ValueError, KeyError, RecursionError) as error:
+    except (
+        *(msgspec.MsgspecError, ValueError, TypeError, AttributeError),
+        *(LookupError, ArithmeticError, RecursionError, MemoryError),
+    ) as error:
         if isinstance(error, InvalidInputError):
             raise
         raise InvalidInputError(f"these {len(data)} bytes hold no message: {error}") from None
@@ -145,12 +153,32 @@ def _extension(code: int, data: memoryview) -> Any:
         return np.frombuffer(values, dtype).reshape(shape)
     if code == STRUCTURE:
         name, fields = content
-        return _class(name)(**{key: _value(value) for key, value in fields.items()})
+        return _structure(_class(name), {key: _value(value) for key, value in fields.items()})
     if code == TABLE:
         return {_value(key): _value(value) for key, value in content}
     if code == LIST:
         return _Fixed(map(_value, content))
     raise ValueError(f"an extension of the code {code}")
+
+
+def _structure(cls: type, fields: dict[str, Any]) -> Any:
+    if issubclass(cls, msgspec.Struct) and _is_checkable(cls):
+        return msgspec.convert(fields, cls)
+    if issubclass(cls, Message):
+        msgspec.convert(fields, Message)
+    return cls(**fields)
+
+
+@cache
+def _is_checkable(cls: type[msgspec.Struct]) -> bool:
+    # Whether msgspec can check all fields: it knows no unions of several dataclasses.
+    try:
+        msgspec.convert({}, cls)
+    except (NameError, TypeError):
+        return False
+    except msgspec.ValidationError:
+        pass
+    return True
 
 
 class _Fixed(list[Any]):

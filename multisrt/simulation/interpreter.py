@@ -39,9 +39,6 @@ from multisrt.simulation.motions import Motions
 from multisrt.simulation.robot import Robot
 from multisrt.simulation.sensing import Sensing
 
-MAX_ACTIONS = 100_000
-"""Actions of one explorer at one moment; one that yields more never lets time pass."""
-
 Process = Generator[Any, Any, None]
 """A process of the clock."""
 
@@ -177,16 +174,8 @@ class Interpreter:
             self._acted_s, self._actions = now_s, 0
         self._journal.note_time(now_s)
         self._actions += 1
-        if self._actions > MAX_ACTIONS:
-            plain.refuse(
-                number,
-                f"it yielded {MAX_ACTIONS:,} actions at {now_s:g} s and lets no time pass",
-                "have it move, or wait with a Receive that does not end at once",
-            )
-        try:
-            return actions.send(outcome)
-        except StopIteration:
-            plain.refuse_end(number)
+        plain.require_progress(self._actions, number, now_s)
+        return plain.next_action(actions, outcome, number)
 
     def _note(self, note: Note) -> None:
         number = self._robot.number

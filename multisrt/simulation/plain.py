@@ -20,12 +20,13 @@ from multisrt.events import AnyEvent, Ended, Event, NotedEvent, Purpose
 from multisrt.geometry.numerics.arrays import builtin
 from multisrt.geometry.regions.scan import ExactScan, LaserScan
 from multisrt.planners.motion.trajectory import Trajectory, Waypoint
-from multisrt.robots.defects import ExplorerDefect, article, brief
+from multisrt.robots.defects import ExplorerDefect, article, brief, place_of
 from multisrt.robots.explorer import (
     Action,
     Done,
     Move,
     Moved,
+    Outcome,
     Receive,
     Received,
     Steps,
@@ -44,6 +45,9 @@ _DECODER = msgspec.msgpack.Decoder(AnyEvent)
 
 SAME_TIME_S = 1e-6
 """Times that differ by less are one, in seconds."""
+
+MAX_ACTIONS = 100_000
+"""Actions of one explorer at one moment; one that yields more never lets time pass."""
 
 _NOT_FINITE = re.compile(rb"\xcb[\x7f\xff][\xf0-\xff]")
 """How floats that are infinite or no number begin in MessagePack; other data may look the same."""
@@ -140,6 +144,63 @@ def steps(returned: Any, robot: int) -> Steps:
             "have it yield every action, as in scan = yield Sense(), and at last yield Done(...)",
         )
     return cast(Steps, returned)
+
+
+def next_action(actions: Steps, outcome: Outcome, robot: int) -> Action:
+    """Return what an explorer yields when it is sent the outcome of its last action.
+
+    Parameters
+    ----------
+    actions : generator
+        What its `run()` returned.
+    outcome : Outcome
+        The outcome.
+    robot : int
+        Its robot.
+
+    Raises
+    ------
+    ExplorerDefect
+        If `run()` returns, or raises an exception, which is its cause then.
+    """
+    try:
+        return actions.send(outcome)
+    except StopIteration:
+        refuse_end(robot)
+    except ExplorerDefect:
+        raise
+    except (Exception, SystemExit) as error:
+        said = f": {error}" if str(error) else ""
+        raise ExplorerDefect(
+            f"it raised {type(error).__name__}{said} ({place_of(error)})",
+            f"the explorer of robot {robot}",
+            "correct that line; 'multisrt check FILE' tries the explorer in small worlds",
+        ) from error
+
+
+def require_progress(actions: int, robot: int, now_s: float) -> None:
+    """Raise the error of an explorer that lets no time pass.
+
+    Parameters
+    ----------
+    actions : int
+        How many actions it has yielded at the present moment.
+    robot : int
+        Its robot.
+    now_s : float
+        That moment in seconds.
+
+    Raises
+    ------
+    ExplorerDefect
+        If these are more than `MAX_ACTIONS`.
+    """
+    if actions > MAX_ACTIONS:
+        refuse(
+            robot,
+            f"it yielded {MAX_ACTIONS:,} actions at {now_s:g} s and lets no time pass",
+            "have it move, or wait with a Receive that does not end at once",
+        )
 
 
 def refuse_end(robot: int) -> NoReturn:

@@ -195,3 +195,14 @@ def test_arguments_are_those_of_explore():
     stepper = ms.Stepper("open", seed=1, watch=noted.append)
     stepper.run_until(action=Note)
     assert noted == list(stepper.recording.events)
+
+
+@pytest.mark.parametrize(
+    ("name", "wrong"),
+    [("decision", "x"), ("action", "Move"), ("time_s", "x"), ("where", 3), ("robot", "0")],
+)
+def test_wrong_conditions_are_refused_at_the_call(name, wrong):
+    stepper = ms.Stepper("apartment", seed=1)
+    with pytest.raises(ms.InvalidInputError, match=f"{name}|no robot 0"):
+        stepper.until(**{name: wrong})
+    assert stepper.steps == []

@@ -5,8 +5,8 @@ give way as those do, and ask the policy whenever they need a goal. What they ob
 their scans, their messages and their own place alone.
 """
 
-from multisrt.robots.advised.decision_spec import DecisionSpec
-from multisrt.robots.advised.explorer import AdvisedExplorer, AdvisedOptions, Answer, Policy
+from multisrt.robots.advised.decision_spec import Answer, DecisionSpec
+from multisrt.robots.advised.explorer import AdvisedExplorer, AdvisedOptions, Policy
 from multisrt.robots.advised.observing import Observation
 from multisrt.robots.advised.strategy import policy_strategy
 

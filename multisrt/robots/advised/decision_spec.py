@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import math
-from typing import Literal, get_args
+import operator
+from typing import Any, Literal, get_args
 
 import msgspec
+import numpy as np
 
 from multisrt.geometry.errors import InvalidInputError, did_you_mean
+from multisrt.geometry.numerics.arrays import FloatArray
 
 Part = Literal["frontiers", "others", "map"]
 """A part of an observation that may be left out."""
@@ -17,6 +20,14 @@ MAX_MAP_CELLS = 1024
 
 MAX_FRONTIERS = 1000
 """Largest number of frontiers to choose from."""
+
+
+Answer = Any
+"""The number of a frontier among the nearest, or the offset of a place as two numbers from -1 to 1;
+see `DecisionSpec.actions`."""
+
+OFFSET_NUMBERS = 2
+"""Numbers of the answer that is a place."""
 
 
 class DecisionSpec(msgspec.Struct, frozen=True, kw_only=True):
@@ -65,6 +76,8 @@ class DecisionSpec(msgspec.Struct, frozen=True, kw_only=True):
 
     def __post_init__(self) -> None:
         known = get_args(Part)
+        if not isinstance(self.parts, tuple | list):
+            raise InvalidInputError(f"parts is a tuple of {', '.join(known)}, not {self.parts!r}")
         for part in self.parts:
             if part not in known:
                 raise InvalidInputError(
@@ -84,12 +97,44 @@ class DecisionSpec(msgspec.Struct, frozen=True, kw_only=True):
             ("map_cells", self.map_cells, MAX_MAP_CELLS),
             ("map_scale", self.map_scale, MAX_MAP_CELLS),
         ):
-            if not (isinstance(number, int) and 1 <= number <= most):
+            if not (type(number) is int and 1 <= number <= most):
                 raise InvalidInputError(f"{name} is a whole number from 1 to {most}, not {number}")
-        if not 0.0 < self.place_m < math.inf:
-            raise InvalidInputError(f"place_m is a positive length, not {self.place_m} m")
+        if not (isinstance(self.place_m, float | int) and 0.0 < self.place_m < math.inf):
+            raise InvalidInputError(f"place_m is a positive length in m, not {self.place_m!r}")
 
     @property
     def go_on(self) -> int:
         """The action of a robot that asks nothing and goes on: the number after the frontiers."""
         return self.frontiers
+
+    def checked(self, answer: Answer) -> int | FloatArray:
+        """Return an answer as the number of a frontier, or as the offset of a place.
+
+        Parameters
+        ----------
+        answer : int or (2,) array
+            The answer. Whether it can be followed depends on what the robot knows.
+
+        Raises
+        ------
+        InvalidInputError
+            If it is neither a whole number nor, with places, two numbers.
+
+        Examples
+        --------
+        >>> DecisionSpec(actions="place").checked((0.5, -1)).tolist()
+        [0.5, -1.0]
+        """
+        if self.actions == "frontier":
+            try:
+                return operator.index(answer)
+            except TypeError:
+                raise InvalidInputError(
+                    f"the number of a frontier is a whole number, not {answer!r}"
+                ) from None
+        try:
+            return np.asarray(answer, np.float64).reshape(OFFSET_NUMBERS)
+        except (TypeError, ValueError):
+            raise InvalidInputError(
+                f"the offset of a place is two numbers from -1 to 1, not {answer!r}"
+            ) from None

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import operator
 from collections.abc import Callable
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 
-from multisrt.geometry.errors import InvalidInputError
-from multisrt.robots.advised.decision_spec import DecisionSpec
+from multisrt.geometry.numerics.arrays import FloatArray
+from multisrt.robots.advised.decision_spec import Answer, DecisionSpec
 from multisrt.robots.advised.observing import Observation, observe
 from multisrt.robots.advised.questions import Question, question_of
 from multisrt.robots.explorer import Look, RobotSelf
@@ -22,15 +21,8 @@ from multisrt.robots.frontier.options import BiddingOptions
 from multisrt.robots.frontier.robot import FrontierRobot
 from multisrt.robots.frontier.wavefront_rules import Choice, note_goal, settle_on
 
-Answer = Any
-"""The number of a frontier among the nearest, or the offset of a place as two numbers from -1 to 1;
-see `DecisionSpec.actions`."""
-
 Policy = Callable[[Observation], Answer]
 """Takes what a robot observes, and returns where it is to go."""
-
-OFFSET_NUMBERS = 2
-"""Numbers of the answer that is a place."""
 
 
 class AdvisedOptions(BiddingOptions, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -132,10 +124,11 @@ class Advice:
             self.question = question
             yield Look()
             answer, self.question, self.answer = self.answer, None, None
-        if self.spec.actions == "frontier":
-            row = self._row(question, answer)
+        checked = self.spec.checked(answer)
+        if isinstance(checked, int):
+            row = self._row(question, checked)
             return (yield from settle_on(robot, question.table, row, self._rule, because))
-        goal = self._goal(robot, question, answer)
+        goal = self._goal(robot, question, checked)
         yield note_goal(robot, question.table, goal, self._rule, because)
         return goal
 
@@ -145,25 +138,13 @@ class Advice:
             return (yield from drive_by_option(robot, goal))
         return (yield from drive(robot, goal, to_see=False))
 
-    def _row(self, question: Question, answer: Answer) -> int:
+    def _row(self, question: Question, number: int) -> int:
         # The row of the frontier with the number that was answered, else of the nearest.
-        try:
-            number = operator.index(answer)
-        except TypeError:
-            raise InvalidInputError(
-                f"the number of a frontier is a whole number, not {answer!r}"
-            ) from None
         self.was_valid = 0 <= number < len(question.nearest)
         return int(question.nearest[number if self.was_valid else 0])
 
-    def _goal(self, robot: FrontierRobot, question: Question, answer: Answer) -> Goal:
+    def _goal(self, robot: FrontierRobot, question: Question, offset: FloatArray) -> Goal:
         # The passable place nearest to the one that was answered, else the nearest frontier.
-        try:
-            offset = np.asarray(answer, np.float64).reshape(OFFSET_NUMBERS)
-        except (TypeError, ValueError):
-            raise InvalidInputError(
-                f"the offset of a place is two numbers from -1 to 1, not {answer!r}"
-            ) from None
         field = question.table.field
         assert field is not None, "a robot that can reach a frontier has a field"
         with robot.around_bodies():

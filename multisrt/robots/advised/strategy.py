@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from multisrt.robots.advised.decision_spec import DecisionSpec
 from multisrt.robots.advised.explorer import AdvisedExplorer, AdvisedOptions, Policy
 from multisrt.robots.built_in import require_no_car
@@ -18,6 +20,9 @@ def policy_strategy(
     summary: str = "Where a policy says",
 ) -> Strategy:
     """Return the strategy of robots that go where a policy says.
+
+    Stores of experiments know a strategy by its name and its code, and not by the weights that a
+    policy reads from a file: after training, give it another name, or use another store.
 
     Parameters
     ----------
@@ -54,6 +59,11 @@ def policy_strategy(
     def explorer(me: RobotSelf, options: AdvisedOptions) -> Explorer:
         return AdvisedExplorer(me, options, decisions, policy, rule=name)
 
+    if policy is not None:
+        # The strategy is one of the policy's module: loading by reference goes by that.
+        known: Any = getattr(policy, "func", policy)  # of a functools.partial
+        home = known if hasattr(known, "__name__") else type(known)
+        explorer.__module__, explorer.__name__ = home.__module__, home.__name__
     return Strategy(
         name=name,
         summary=summary,

@@ -180,3 +180,18 @@ def test_an_unknown_strategy_costs_a_report_its_own_pictures(
     assert page.count("there is no strategy &#39;mine&#39;") == 2
     assert "No command repeats it here:" in page
     assert "imported by --import FILE.py" in page
+
+
+def test_an_explorer_that_raises_is_one_line(call: Call, folder: Path) -> None:
+    (folder / "boom.py").write_text(
+        "from multisrt.robots.explorer import Sense\n"
+        "class Boom:\n"
+        "    def __init__(self, me): pass\n"
+        "    def run(self):\n"
+        "        yield Sense()\n"
+        "        raise RuntimeError('boom')\n"
+    )
+    code, out, err = call("explore", "boom.py:Boom", "--quiet")
+    assert (code, out, err.count("\n")) == (2, "", 1)
+    assert "it raised RuntimeError: boom (boom.py:6, in run)" in err
+    assert "multisrt check FILE" in err

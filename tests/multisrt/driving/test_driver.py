@@ -306,3 +306,41 @@ def test_an_explorer_that_returns_is_refused():
 def test_a_strategy_that_sees_the_truth_drives_no_body():
     with pytest.raises(InvalidInputError, match="plans on the true map"):
         ms.drive("informed", self_of(), sense=sense, move=arrive)
+
+
+@pytest.mark.parametrize(
+    ("body", "said"),
+    [
+        ({"move": lambda _: Moved(configuration=None, time_s=1.0)}, "tells the configuration None"),
+        ({"move": lambda _: Moved(configuration=(math.nan, 2, 0), time_s=1.0)}, "three finite"),
+        ({"move": lambda _: Moved(configuration=WAY.end, time_s=None)}, "tells the time None"),
+        ({"look": lambda: None}, "look of robot 0 returned None"),
+        ({"receive": lambda _: Arrived(data=b"abc", time_s=0.5)}, "a tuple of bytes as data"),
+        ({"receive": lambda _: Arrived(data=("abc",), time_s=0.5)}, "decoded from bytes"),
+        ({"receive": lambda _: TimedOut(None)}, "tells the time None"),
+    ],
+)
+def test_what_callables_return_is_checked(body, said):
+    script = Script(Look(), Move(trajectory=WAY), Receive(timeout_s=1.0), END)
+    with pytest.raises(InvalidInputError, match=said):
+        ms.drive(script.strategy, self_of(), **{"sense": sense, "move": arrive} | body)
+
+
+@pytest.mark.slow
+def test_an_explorer_that_lets_no_time_pass_is_stopped():
+    class Looks:
+        def __init__(self, me):
+            pass
+
+        def run(self):
+            while True:
+                yield Look()
+
+    with pytest.raises(ExplorerDefect, match="lets no time pass"):
+        ms.drive(Looks, self_of(), sense=sense, move=arrive)
+
+
+def test_a_wrong_end_is_told_as_that_of_done():
+    script = Script(Done(complete=True, reason=5))
+    with pytest.raises(ExplorerDefect, match="reason of its Done is 5"):
+        ms.drive(script.strategy, self_of(), sense=sense, move=arrive)

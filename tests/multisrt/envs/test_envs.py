@@ -424,3 +424,59 @@ def test_without_the_extra_the_import_says_what_to_install():
     )
     told = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert "pettingzoo, which is not installed: pip install 'multisrt[learn]'" in told.stdout
+
+
+@pytest.mark.parametrize("wrong", [99.5, "x", float("nan"), None])
+def test_a_wrong_action_changes_nothing(wrong):
+    env = single_env("apartment", decision=DecisionSpec(parts=()))
+    env.reset(seed=1)
+    with pytest.raises(InvalidInputError, match="the number of a frontier is a whole number"):
+        env.step(wrong)
+    _, _, terminated, truncated, info = env.step(0)
+    assert not (terminated or truncated)
+    assert info["decides"] and info["time_s"] > 0.0
+
+
+def test_three_numbers_are_no_place():
+    env = single_env("apartment", decision=DecisionSpec(actions="place", parts=()))
+    env.reset(seed=1)
+    with pytest.raises(InvalidInputError, match="two numbers from -1 to 1"):
+        env.step([0.0, 1.0, 0.0])
+    assert env.step([0.0, 1.0])[4]["decides"]
+
+
+def test_no_step_follows_the_end_of_an_episode():
+    env = single_env("apartment", decision=DecisionSpec(parts=()), max_time_s=5.0)
+    env.reset(seed=1)
+    while not env.step(0)[3]:
+        pass
+    with pytest.raises(InvalidInputError, match="call reset first"):
+        env.step(0)
+    env.reset(seed=1)
+    env.close()
+    with pytest.raises(InvalidInputError, match="call reset first"):
+        env.step(0)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "said"),
+    [
+        ({"end_coverage": "x"}, "end_coverage is a share"),
+        ({"world_seeds": 5}, "world_seeds is a sequence of seeds"),
+        ({"world_seeds": [1, "a"]}, "a seed of world_seeds is a whole number"),
+        ({"reward": 3}, "reward is a function of a Gain"),
+        ({"decision": {}}, "decision is a DecisionSpec"),
+        ({"options": {"replan": "nwes"}}, "did you mean 'news'"),
+    ],
+)
+def test_wrong_arguments_are_refused_at_construction(wrong, said):
+    with pytest.raises(InvalidInputError, match=said):
+        single_env("rooms", **wrong)
+
+
+@pytest.mark.parametrize("wrong", [1.5, -1, "1"])
+def test_a_seed_is_a_whole_number(wrong):
+    with pytest.raises(InvalidInputError, match="seed is a whole number from 0"):
+        single_env("apartment").reset(seed=wrong)
+    with pytest.raises(InvalidInputError, match="seed is a whole number from 0"):
+        parallel_env("apartment", robots=2).reset(seed=wrong)

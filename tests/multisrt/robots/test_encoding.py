@@ -148,3 +148,17 @@ def extension(code: int, content: object) -> bytes:
 def test_bytes_that_hold_no_message_are_refused(data):
     with pytest.raises(InvalidInputError, match=r"hold no message|which no class of messages"):
         decode(data)
+
+
+@pytest.mark.parametrize("fields", [[1], {"sender": "evil"}, {"sender": 1, "more": 2}, {}])
+def test_fields_are_as_their_class_declares(fields):
+    content = msgspec.msgpack.encode(["multisrt.robots.messages.Message", fields])
+    data = msgspec.msgpack.encode(msgspec.msgpack.Ext(2, content))
+    with pytest.raises(InvalidInputError):
+        decode(data)
+
+
+@pytest.mark.parametrize("data", [5, None, "text"])
+def test_messages_are_decoded_from_bytes_only(data):
+    with pytest.raises(InvalidInputError, match="decoded from bytes, not from"):
+        decode(data)

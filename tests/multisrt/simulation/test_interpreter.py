@@ -37,13 +37,16 @@ def test_a_run_that_is_no_generator_is_refused(drive, monkeypatch):
         drive()
 
 
-def test_an_explorers_own_error_comes_through(play):
+def test_an_explorers_own_error_is_told_with_its_place(play):
     def script():
         yield Sense()
         raise ZeroDivisionError
 
-    with pytest.raises(ZeroDivisionError):
+    place = r"it raised ZeroDivisionError \(test_interpreter\.py:\d+, in script\); .*check FILE"
+    with pytest.raises(ExplorerDefect, match=place) as caught:
         play(script)
+    # The clock raises a copy, whose cause is the defect itself.
+    assert isinstance(caught.value.__cause__.__cause__, ZeroDivisionError)
 
 
 def test_a_moving_robot_receives_messages_that_wake(

@@ -250,14 +250,14 @@ def test_a_defect_is_raised_by_the_step_after_it(stepping):
     assert not run.is_over
 
 
-def test_an_error_of_an_explorer_is_raised_as_it_is(stepping):
+def test_an_error_of_an_explorer_is_told_with_its_place(stepping):
     def acts(me):
         yield Sense()
         raise KeyError("goal")
 
     run = stepping(acts)
     next(run)
-    with pytest.raises(KeyError, match="goal"):
+    with pytest.raises(ExplorerDefect, match=r"KeyError: 'goal' \(test_stepping\.py:\d+, in acts"):
         next(run)
 
 

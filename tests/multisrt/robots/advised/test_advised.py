@@ -1,5 +1,7 @@
 """Robots that go where a policy says."""
 
+import functools
+
 import numpy as np
 import pytest
 import shapely
@@ -226,3 +228,12 @@ def test_a_car_is_not_driven_by_the_nearness_diagram():
     car = ms.RobotSpec(drive=ms.DriveSpec(kind="dubins", turning_radius_m=0.5))
     with pytest.raises(ms.InvalidInputError, match="is a car"):
         explore(nearest, robots=[car], options={"drive": "nearness-diagram"})
+
+
+def test_a_strategy_is_one_of_the_module_of_its_policy():
+    class Learned:
+        def __call__(self, observation):
+            return 0
+
+    for policy in (Learned(), functools.partial(Learned.__call__, Learned())):
+        assert policy_strategy("learned", policy).explorer.__module__ == __name__

@@ -25,6 +25,7 @@ from multisrt.envs import (
     single_env,
 )
 from multisrt.envs.missions import KEYWORDS
+from multisrt.geometry.errors import InvalidInputError
 from multisrt.robots.registry import registered
 
 HALL = Environment("hall", shapely.box(0, 0, 16, 3), starts=[(8, 1.5)])
@@ -203,18 +204,6 @@ def test_the_robot_that_asks_needs_an_action():
         env.step({"robot_1": 0})
 
 
-@pytest.mark.parametrize("action", [None, [1], "x", 1.0])
-def test_an_action_of_another_kind_is_refused(action):
-    env = single_env(HALL, decision=FEW, range_m=4.0)
-    env.reset(seed=1)
-    with pytest.raises(ms.InvalidInputError, match="is a whole number, not"):
-        env.step(action)
-    with pytest.raises(ms.InvalidInputError, match="a wrong action has ended it: call reset"):
-        env.step(0)
-    env.reset(seed=1)
-    assert env.step(0)[4]["valid"]
-
-
 def test_after_the_end_there_is_no_step():
     alone = single_env(HALL, decision=FEW, range_m=4.0)
     play_alone(alone)
@@ -370,9 +359,8 @@ def test_a_spec_leaves_no_room_for_keywords():
 
 
 def test_options_of_another_strategy_are_refused():
-    env = single_env(HALL, options={"cones": 8, "beta": 2.0})
     with pytest.raises(ms.InvalidInputError, match="no option 'beta'"):
-        env.reset(seed=1)
+        single_env(HALL, options={"cones": 8, "beta": 2.0})
 
 
 def test_a_step_before_the_first_mission_is_refused():
@@ -433,8 +421,10 @@ def test_a_wrong_action_changes_nothing(wrong):
     with pytest.raises(InvalidInputError, match="the number of a frontier is a whole number"):
         env.step(wrong)
     _, _, terminated, truncated, info = env.step(0)
-    assert not (terminated or truncated)
-    assert info["decides"] and info["time_s"] > 0.0
+    assert not terminated
+    assert not truncated
+    assert info["decides"]
+    assert info["time_s"] > 0.0
 
 
 def test_three_numbers_are_no_place():

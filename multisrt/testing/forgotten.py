@@ -83,7 +83,8 @@ def forgotten_return(cls: type) -> str:
 
 def writes_run(cls: type) -> bool:
     """Whether a class has a method `run` of its own, and does not take it from this package."""
-    return any("run" in vars(base) for base in cls.__mro__ if package_of(base) != "multisrt")
+    own = [base for base in cls.__mro__ if base is cls or package_of(base) != "multisrt"]
+    return any("run" in vars(base) for base in own)
 
 
 def _methods(cls: type) -> Iterator[_Method]:

@@ -454,12 +454,13 @@ class Driver:
     def _tell_time(self, told: object, of: str) -> None:
         try:
             time_s = float(told)  # type: ignore[arg-type]
+            said = f"{time_s:g}"
         except (TypeError, ValueError):
-            time_s = math.nan
+            time_s, said = math.nan, brief(told)
         if not math.isfinite(time_s) or time_s < self.time_s - SAME_TIME_S:
             raise InvalidInputError(
-                f"{of} of robot {self.me.robot} tells the time {brief(told)} after "
-                f"{self.time_s:g} s: give seconds of one clock, which never falls"
+                f"{of} of robot {self.me.robot} tells {said} s after {self.time_s:g} s: give "
+                "seconds of one clock, which never falls"
             )
         self.time_s = max(self.time_s, time_s)
 

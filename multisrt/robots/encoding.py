@@ -162,6 +162,8 @@ def _extension(code: int, data: memoryview) -> Any:
 
 
 def _structure(cls: type, fields: dict[str, Any]) -> Any:
+    if issubclass(cls, msgspec.Struct) and (more := fields.keys() - set(cls.__struct_fields__)):
+        raise ValueError(f"a {cls.__name__} has no field {min(more)!r}")
     if issubclass(cls, msgspec.Struct) and _is_checkable(cls):
         return msgspec.convert(fields, cls)
     if issubclass(cls, Message):

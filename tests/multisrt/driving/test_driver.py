@@ -313,11 +313,11 @@ def test_a_strategy_that_sees_the_truth_drives_no_body():
     [
         ({"move": lambda _: Moved(configuration=None, time_s=1.0)}, "tells the configuration None"),
         ({"move": lambda _: Moved(configuration=(math.nan, 2, 0), time_s=1.0)}, "three finite"),
-        ({"move": lambda _: Moved(configuration=WAY.end, time_s=None)}, "tells the time None"),
+        ({"move": lambda _: Moved(configuration=WAY.end, time_s=None)}, "tells None s after"),
         ({"look": lambda: None}, "look of robot 0 returned None"),
         ({"receive": lambda _: Arrived(data=b"abc", time_s=0.5)}, "a tuple of bytes as data"),
         ({"receive": lambda _: Arrived(data=("abc",), time_s=0.5)}, "decoded from bytes"),
-        ({"receive": lambda _: TimedOut(None)}, "tells the time None"),
+        ({"receive": lambda _: TimedOut(None)}, "tells None s after"),
     ],
 )
 def test_what_callables_return_is_checked(body, said):

@@ -130,7 +130,7 @@ def test_a_robot_stops_where_it_is(play, call, straight, sends_each_second, even
 
 
 def test_an_explorer_that_lets_no_time_pass_is_refused(play, call, straight, monkeypatch):
-    monkeypatch.setattr("multisrt.simulation.interpreter.MAX_ACTIONS", 50)
+    monkeypatch.setattr("multisrt.simulation.plain.MAX_ACTIONS", 50)
 
     def waits_for_nothing():
         yield straight(1, 5, 2, 5)
@@ -151,7 +151,7 @@ def test_an_explorer_that_lets_no_time_pass_is_refused(play, call, straight, mon
 
 
 def test_actions_are_counted_separately_at_each_time(play, monkeypatch):
-    monkeypatch.setattr("multisrt.simulation.interpreter.MAX_ACTIONS", 5)
+    monkeypatch.setattr("multisrt.simulation.plain.MAX_ACTIONS", 5)
 
     def waits():
         for _ in range(40):

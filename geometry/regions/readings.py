@@ -101,7 +101,7 @@ def scan_of_polygon(
     time_s: float,
     range_m: float,
 ) -> ExactScan:
-    """Return the scan of a sensor that tells the polygon that it sees.
+    """Return the scan of a sensor that reports a visibility polygon.
 
     Pieces of the boundary whose ends are both at the range are taken as its limit, pieces that
     point at the sensor as the sides of what a corner hides, and all others as obstacles.

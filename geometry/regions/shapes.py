@@ -7,7 +7,7 @@ from typing import Final, Literal
 Shape = Literal["ball", "star", "radial"]
 
 CONTACT_TOLERANCE_M: Final = 0.05
-"""Largest distance in metres of an obstacle behind the arc of a star or a ball that ends at it."""
+"""Maximum distance in metres between the arc of a star or ball and an obstacle at which it ends."""
 
 MIN_CONES: Final = 3
 """Minimum number of cones of a star."""

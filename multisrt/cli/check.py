@@ -66,17 +66,17 @@ Exit code:
 @click.option(
     "--max-actions",
     type=click.IntRange(1),
-    help="Actions by which every robot must be done.  [default: 10000]",
+    help="Maximum number of actions of a robot.  [default: 10000]",
 )
 @click.option(
     "--max-decision",
     type=click.FloatRange(0.0, min_open=True),
-    help="Computing time before a robot yields an action (s).  [default: 10]",
+    help="Maximum computing time before an action (s).  [default: 10]",
 )
 @click.option(
     "--anywhere",
     is_flag=True,
-    help="Let bodies enter what their robots have neither sensed nor been told of.",
+    help="Allow bodies to enter space that their robots do not know to be free.",
 )
 @click.option("--strict", is_flag=True, help="Exit with 1 for a warning, too.")
 @click.option("--quiet", is_flag=True, help="Print defects and warnings only.")
@@ -91,11 +91,11 @@ def check(
     quiet: bool,
     **limits: Any,
 ) -> None:
-    """Check an explorer of your own, and tell its first defect.
+    """Check your own explorer, and report its first defect.
 
-    It is checked that it keeps to the contract of explorers, so that what it does can be
-    believed. It explores small worlds alone and in a team. The first defect ends the check, with
-    what the explorer did, where, and what to change.
+    It explores small worlds, alone and in a team, and every action is checked against the
+    contract of explorers. The check stops at the first defect, and says what the explorer did,
+    where, and what to change.
 
     STRATEGY is a file (mine.py), a class or Strategy in it (mine.py:Mine), one in a module
     (package.module:Mine), or a name that 'multisrt strategies' lists.

@@ -283,8 +283,8 @@ def _require_shared_options(specs: list[RunSpec]) -> None:
         without = [name for name in known if all(key != field.name for field in known[name])]
         if 0 < len(without) < len(known):
             raise InvalidInputError(
-                f"--option {key} is for all strategies, and {without[0]} has none of that name: "
-                "run the strategies one by one"
+                f"--option {key} applies to all strategies, and {without[0]} has no such option: "
+                "run the strategies separately"
             )
 
 

@@ -1,4 +1,4 @@
-"""Mistakes on the command line in one line each, with what was probably meant."""
+"""Usage errors of the command line in one line, with a suggestion."""
 
 from __future__ import annotations
 

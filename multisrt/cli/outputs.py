@@ -2,10 +2,9 @@
 
 - A run without ``--out`` gets a folder of its own (`new_folder`); with ``--out`` an existing run is
   an error (`require_no_run`), and ``--force`` replaces its files and no others.
-- A picture or a table is not written over an existing file (`require_no_file`), but with
-  ``--force``.
-- Experiments that are described anew never replace a file; reports replace reports only; stores
-  of results are continued. The functions that write these see to it.
+- A picture or a table replaces an existing file only with ``--force`` (`require_no_file`).
+- New experiment files never replace a file; reports replace reports only; stores of results are
+  continued. The functions that write these check that.
 """
 
 from __future__ import annotations

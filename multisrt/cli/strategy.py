@@ -1,4 +1,4 @@
-"""`multisrt strategy`: strategies of one's own."""
+"""`multisrt strategy`: create a strategy from a template."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ SIZES = ("rule", "planner", "explorer")
 
 @click.group(cls=CommandGroup)
 def strategy() -> None:
-    """Begin a strategy of your own.
+    """Create a strategy of your own.
 
-    'multisrt strategies' lists those that there are.
+    'multisrt strategies' lists the existing strategies.
 
     \b
     Examples:
@@ -37,7 +37,7 @@ def strategy() -> None:
 @click.option("--name", metavar="NAME", help="Name of the strategy.  [default: that of FILE]")
 @click.option("--force", is_flag=True, help="Overwrite FILE if it exists.")
 def new(file: Path, size: str, name: str | None, force: bool) -> None:
-    """Write an explorer to start from, which works at once.
+    """Write a working strategy to start from.
 
     FILE (.py) gets a strategy with comments, in one of three sizes:
 
@@ -55,7 +55,7 @@ def new(file: Path, size: str, name: str | None, force: bool) -> None:
     from multisrt.robots.toolkit.templates import template
 
     if file.suffix != ".py":
-        raise click.BadParameter(f"{file} must be named .py", param_hint="FILE")
+        raise click.BadParameter(f"{file} must have the suffix .py", param_hint="FILE")
     text = template(size, file.stem if name is None else name, str(file))
     try:
         file.parent.mkdir(parents=True, exist_ok=True)

@@ -106,7 +106,7 @@ def _print_comparison(runs: list[Run]) -> None:
             *(column[number] for column in cells),
         )
     show(compared)
-    click.echo("* best of the successful runs, of which there is one each; 'multisrt experiment'")
+    click.echo("* best of the successful runs, one for each strategy; 'multisrt experiment'")
     click.echo("  compares over many seeds\n")
 
 

@@ -1,4 +1,4 @@
-"""Explorers outside the simulation: with a robot of one's own, or in someone else's simulator."""
+"""Explorers outside the simulation: on a real robot, or in another simulator."""
 
 from multisrt.driving.driver import Arrived, Body, Driver, drive
 from multisrt.driving.team_recording import recording_of

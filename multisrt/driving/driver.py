@@ -1,7 +1,7 @@
 """Explorers outside the simulation: `drive` and `Driver`.
 
-An explorer yields actions and is sent their outcomes. Here they are carried out by callables of
-one's own, which command any body: a real robot, or a robot in a simulator of someone else's.
+An explorer yields actions and is sent their outcomes. Here they are carried out by callables that
+the user supplies, which command any body: a real robot, or a robot in another simulator.
 """
 
 from __future__ import annotations
@@ -68,10 +68,10 @@ Told = Moved | Arrived | TimedOut | None
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Body:
-    """What commands a body that senses, moves and sends.
+    """The callables that command a robot: its sensor, its drive and its radio.
 
     All places are in one frame, in metres and radians, and all times in seconds of one clock,
-    which never falls.
+    which never runs backwards.
 
     Attributes
     ----------
@@ -119,7 +119,7 @@ def drive(
     note: Callable[[AnyEvent], object] | None = None,
     on_call_s: float = 60.0,
 ) -> Driver:
-    """Explore with one robot that is not simulated here; return when its explorer is done.
+    """Run an explorer on a robot outside the simulation until the explorer is done.
 
     Parameters
     ----------
@@ -180,7 +180,7 @@ def drive(
 
 
 class Driver:
-    """Drives one body by one explorer, as far as the body has something to tell.
+    """Runs one explorer on one body, as far as the body has something to report.
 
     With several robots in one process, a loop calls `poll` of each in turn.
 
@@ -235,7 +235,7 @@ class Driver:
         return self.end is not None
 
     def poll(self) -> bool:
-        """Go on until the body has nothing to tell yet.
+        """Continue until the body has nothing to report yet.
 
         Returns
         -------
@@ -245,7 +245,7 @@ class Driver:
         return next(self._loop, False) is not False
 
     def close(self) -> None:
-        """Give up: the explorer is let go of."""
+        """Abandon the run, and close the explorer."""
         self._loop.close()
 
     # Actions -----------------------------------------------------------------------------
@@ -358,7 +358,7 @@ class Driver:
         if self._body.receive is None:
             raise InvalidInputError(
                 "move returned None, so that the motion goes on, but there is no receive that "
-                "tells its end: give one, or return Moved when the motion has ended"
+                "reports its end: give one, or return Moved when the motion has ended"
             )
         return (yield from self._wait(math.inf, hears=move.listen))
 
@@ -427,7 +427,7 @@ class Driver:
         if until_s > self.time_s:
             raise InvalidInputError(
                 f"the explorer of robot {self.me.robot} waits, but there is no receive: give one, "
-                "which returns TimedOut when the time has come that it is given"
+                "which returns TimedOut at the time that it is given"
             )
         return TimedOut(self.time_s)
 

@@ -37,7 +37,7 @@ def recording_of(
     Returns
     -------
     Recording
-        Its spec describes the run, but does not repeat it.
+        The recording; its spec describes the run, which cannot be repeated from it.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Environments for learning: explorations that ask where each robot is to go.
+"""Environments for reinforcement learning, in which actions are the goals of robots.
 
 `parallel_env` makes a PettingZoo `ParallelEnv` of a team, `single_env` a Gymnasium environment of
 a single robot; Gymnasium knows the latter as ``multisrt/Explore-v0`` once this module is imported.
@@ -16,8 +16,8 @@ pause whenever a robot needs a goal. `policy_strategy` makes a strategy of what 
 >>> env.run.outcome
 'complete'
 
-What robots observe is made from their scans, messages and own places alone. Rewards, the state
-and the information beside an observation are measures, which look at the truth.
+Observations are computed from a robot's scans, messages and pose alone. Rewards, the state and the
+info dict are computed from the true world.
 """
 
 from multisrt.extras import extra

@@ -1,4 +1,4 @@
-"""What both kinds of environments have in common: one mission after the other."""
+"""A sequence of missions: what both kinds of environments share."""
 
 from __future__ import annotations
 

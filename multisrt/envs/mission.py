@@ -115,7 +115,7 @@ class Mission:
         return on_the_way(self._observed[robot], self._decision)
 
     def info(self, robot: int) -> dict[str, Any]:
-        """Return what is told beside an observation, for the record."""
+        """Return the info dict that accompanies an observation."""
         told: dict[str, Any] = {
             "decides": robot == self.asking,
             "valid": self._explorer(robot).advice.was_valid,

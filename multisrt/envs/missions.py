@@ -18,7 +18,7 @@ from multisrt.spec import CatalogEnvironment, FileEnvironment, InlineEnvironment
 from multisrt.spec.environments import EnvironmentSpec
 
 MAX_BUILT = 64
-"""Number of worlds that are kept built; the one that was built first is dropped."""
+"""Maximum number of built worlds that are kept; the oldest is dropped first."""
 
 KEYWORDS = (
     "seed",

@@ -30,8 +30,8 @@ class ExploreParallelEnv(ParallelEnv):  # type: ignore[misc]
 
     The mission goes on until a robot asks, and pauses there: at each step exactly one robot
     decides, while the others are on their way, wait, or are done. Only its action counts. All
-    others are to take the last action, ``go on``, the only one that their masks allow; whatever
-    they take is not looked at. Robots that ask at the same moment do so one after the other, in
+    others are to take the last action, ``go on``, the only one that their masks allow; their
+    actions are ignored. Robots that ask at the same moment do so one after the other, in
     the order in which the simulation calls on them, so that a later one may have heard where an
     earlier one goes.
 
@@ -222,7 +222,7 @@ class ExploreParallelEnv(ParallelEnv):  # type: ignore[misc]
         return stepped
 
     def state(self) -> NDArray[np.float32]:
-        """Return the truth, for training in one place: no robot may decide by it.
+        """Return the true state, for centralised training; no robot may decide by it.
 
         Returns
         -------

@@ -12,7 +12,7 @@ from multisrt.geometry.errors import InvalidInputError
 
 
 class Gain(msgspec.Struct, frozen=True, kw_only=True):
-    """What one step of an environment brought a robot; a measure, which looks at the truth.
+    """The gain of one robot in one step of an environment, computed from the true world.
 
     Attributes
     ----------
@@ -36,7 +36,7 @@ class Gain(msgspec.Struct, frozen=True, kw_only=True):
 
 
 Reward = Callable[[Gain], float]
-"""Takes what a step brought a robot, and returns its reward."""
+"""Takes the gain of a robot in a step, and returns its reward."""
 
 
 class AreaReward(msgspec.Struct, frozen=True, kw_only=True):

@@ -143,8 +143,8 @@ class ExploreEnv(gymnasium.Env[Observation, Answer]):
         action : int or (2,) array
             The number of a frontier, in the order in which they are observed; or the offset of a
             place from the robot along x and y, from -1 to 1, in units of
-            `DecisionSpec.place_m`, in whose stead the robot goes to the nearest place where it
-            knows that it can stand. An answer that cannot be followed (a number that the mask
+            `DecisionSpec.place_m`: the robot goes to the place nearest to it where it knows
+            that it can stand. An answer that cannot be followed (a number that the mask
             does not allow, or a place that no known path leads to) sends the robot to the
             nearest frontier, and the info says ``valid: False``.
 

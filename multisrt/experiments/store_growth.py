@@ -56,7 +56,7 @@ def require_continuable(
 
 
 def require_same_program(path: Path, old: Provenance, new: Provenance) -> None:
-    """Raise InvalidInputError unless the same program makes new runs as made the stored ones.
+    """Raise InvalidInputError unless new runs are made by the program that made the stored ones.
 
     Parameters
     ----------
@@ -68,7 +68,7 @@ def require_same_program(path: Path, old: Provenance, new: Provenance) -> None:
     if other := differences(old, new):
         raise InvalidInputError(
             f"{path}: its runs were made by another program ({other}), and new ones "
-            "would not compare with them; choose another file, or install what made them"
+            "would not be comparable; choose another file, or install what made them"
         )
 
 
@@ -106,7 +106,7 @@ def runs_of_changed(
         names = ", ".join(repr(name) for name in changed)
         raise InvalidInputError(
             f"{path}: the source of {names} has changed since {len(found)} of these runs were "
-            "made, and new ones would not compare with them; make those again (--remake on the "
+            "made, and new ones would not be comparable; make those again (--remake on the "
             "command line, remake=True in Python), or choose another file"
         )
     return found

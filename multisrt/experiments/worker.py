@@ -178,8 +178,8 @@ class Worker:
         if changed := changed_strategies(self._expected, other):
             self._end()
             raise InvalidInputError(
-                f"the source of the strategy {changed[0]!r} is another in a worker than it was "
-                "here; leave it as it is while runs are made, and start again"
+                f"the source of the strategy {changed[0]!r} differs between a worker and this "
+                "process; do not change it while runs are made, and start again"
             )
 
     def _end(self) -> None:

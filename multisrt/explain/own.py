@@ -1,4 +1,4 @@
-"""Why a robot with an explorer of one's own decided so: in its own words and numbers."""
+"""Explanations of the decisions that custom explorers put on record with `Decided`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Packages that only some need: the extras of an installation, data frames, and notebooks."""
+"""Optional dependencies: the extras of an installation, data frames, and notebooks."""
 
 from __future__ import annotations
 
@@ -44,8 +44,8 @@ def extra(name: str, what: str) -> Iterator[None]:
     Raises
     ------
     MissingExtraError
-        If a package of the extra is not installed. That any other package is missing is raised as
-        it is.
+        If a package of the extra is not installed. Errors of other imports are raised
+        unchanged.
 
     Examples
     --------

@@ -1,7 +1,7 @@
 """HTML for notebooks: tables and pictures that are readable in light and dark themes.
 
-There is no script in it, and no colour but of the theme: text inherits its colour, and lines are a
-grey that stands out from white and from black.
+It has no scripts and no colours of its own: text inherits the colour of the theme, and lines are a
+grey that is visible on white and on black.
 """
 
 from __future__ import annotations

@@ -98,9 +98,9 @@ BUILT_IN = (
     _strategy("srt-star", f"{_SRT}are stars of equal cones", MultiSrtOptions, _require_reach),
     _strategy("srt-radial", f"{_SRT}keep every reading", MultiSrtOptions, _require_reach),
     _bids("closest", "Every robot to its nearest frontier", BiddingOptions),
-    _bids("greedy", "The shortest ways first, every frontier once", BiddingOptions),
-    _bids("minpos", "To the frontier where fewest are nearer", BiddingOptions),
-    _bids("utility", "A leader weighs ways against views", UtilityOptions, _require_talk),
+    _bids("greedy", "Shortest paths first, each frontier once", BiddingOptions),
+    _bids("minpos", "To the frontier to which the fewest robots are nearer", BiddingOptions),
+    _bids("utility", "A leader weighs view against path length", UtilityOptions, _require_talk),
     _bids(
         "self-bidding",
         "SBX-R: bids for the whole team, which keeps within radio range",

@@ -58,7 +58,7 @@ def encode(message: Message) -> bytes:
     (2.0, 1.5)
     """
     if not isinstance(message, Message):
-        raise InvalidInputError(f"a {type(message).__name__} is no Message")
+        raise InvalidInputError(f"expected a Message, not {type(message).__name__}")
     try:
         return msgspec.msgpack.encode(_tree(message))
     except (OverflowError, RecursionError, TypeError) as error:
@@ -124,7 +124,7 @@ def _tree(value: Any) -> Any:
     try:
         return builtin(value)
     except TypeError:
-        raise TypeError(f"a {type(value).__name__} cannot be sent") from None
+        raise TypeError(f"a value of type {type(value).__name__} cannot be sent") from None
 
 
 def _ext(code: int, content: Any) -> msgspec.msgpack.Ext:

@@ -195,7 +195,7 @@ def import_reference(reference: str) -> tuple[Strategy, ...]:
 
 
 def candidates_in(module: ModuleType) -> dict[str, Any]:
-    """Return what a module has by way of strategies, by name.
+    """Return the strategies of a module, by name.
 
     Parameters
     ----------
@@ -281,7 +281,7 @@ def is_outdated(module: ModuleType) -> bool:
     Returns
     -------
     bool
-        As far as this can be told: by what was read, or by the compiled file that Python keeps.
+        Judged by the text that was imported, or by the compiled file that Python keeps.
 
     Examples
     --------

@@ -14,7 +14,7 @@ from multisrt.geometry.numerics.arrays import builtin
 class Message(msgspec.Struct, frozen=True, kw_only=True):
     """A message from one robot to others; derive a class for every kind of message.
 
-    What it says are its fields: numbers (also those of numpy), text, tuples, other structures,
+    Its content is its fields: numbers (also those of numpy), text, tuples, other structures,
     immutable dataclasses and arrays of numpy. It reaches others as the same object, so nothing in
     it may change: an array in a field is replaced by a copy that cannot be written; in place of
     lists and dictionaries use tuples.

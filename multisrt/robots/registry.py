@@ -156,7 +156,7 @@ def strategy(name: str) -> Strategy:
     Examples
     --------
     >>> strategy("minpos").summary
-    'To the frontier where fewest are nearer'
+    'To the frontier to which the fewest robots are nearer'
     """
     registered = _registry()
     if name not in registered:

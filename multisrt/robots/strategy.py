@@ -321,7 +321,7 @@ def _positional(explorer: Callable[..., Explorer]) -> list[inspect.Parameter]:
     if not taken or needed:
         takes = f"it needs {', '.join(needed)}, too" if needed else "it takes no argument"
         raise InvalidInputError(
-            f"{_title(explorer)} is to take the robot (a RobotSelf) and the options, and nothing "
+            f"{_title(explorer)} must take the robot (a RobotSelf) and the options, and nothing "
             f"else: {takes}; write 'def __init__(self, me, options)'"
         )
     return taken[:2]

@@ -14,7 +14,7 @@ from multisrt.robots.defects import article, brief
 from multisrt.validation_errors import explained
 
 MAX_NAME_LENGTH = 60
-"""Characters of a name: folders and columns of tables are called by it."""
+"""Maximum length of a name in characters: folders and table columns are named after it."""
 
 _NAME = re.compile(r"[a-z0-9]+(-[a-z0-9]+)*")
 

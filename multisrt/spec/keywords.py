@@ -115,7 +115,7 @@ def require_use(spec: RunSpec, given: Mapping[str, str], size: str, *, sized: bo
     >>> ms.explore("open", starts="clustered")
     Traceback (most recent call last):
     ...
-    multisrt.geometry.errors.InvalidInputError: starts is about a team, and there is one robot: ...
+    multisrt.geometry.errors.InvalidInputError: starts is for teams, and there is one robot: ...
     """
     if "starts" in given and all(robot.start is not None for robot in spec.robots):
         raise InvalidInputError(
@@ -124,7 +124,7 @@ def require_use(spec: RunSpec, given: Mapping[str, str], size: str, *, sized: bo
         )
     if given and not sized and len(spec.robots) == 1:
         raise InvalidInputError(
-            f"{next(iter(given.values()))} is about a team, and there is one robot: give {size}, "
+            f"{next(iter(given.values()))} is for teams, and there is one robot: give {size}, "
             "or leave it out"
         )
 

@@ -112,7 +112,7 @@ class Case:
             raise self._defect(
                 f"building the explorer of robot {me.robot} has taken "
                 f"{self._limits.max_decision_s:g} s{place}",
-                "build it at once: what takes long belongs into run()",
+                "keep the constructor fast: long computations belong in run()",
             ) from None
         except (Exception, SystemExit) as error:
             usual = "build it from its RobotSelf and its options alone"
@@ -192,7 +192,7 @@ class Case:
             raise again.defect(why, OWN_STREAM) from None
         raise other.defect(
             f"it reads a clock{_after(clocks_in(self.own_code))}",
-            "go by the times that scans, motions and messages tell",
+            "use the times of scans, motions and messages instead",
         )
 
     def _unknown_cause(self) -> Flaw:
@@ -203,9 +203,9 @@ class Case:
             return Flaw(f"it draws on other random numbers: {chance}", OWN_STREAM)
         order = order_in(self.own_code)
         return Flaw(
-            "it draws on something besides what it was sent"
-            + (f": perhaps on where objects lie in memory, {order}" if order else ""),
-            f"{OWN_STREAM}; let no order of a set decide; {OWN_STATE}",
+            "it depends on something besides what it was sent"
+            + (f": perhaps on memory addresses, {order}" if order else ""),
+            f"{OWN_STREAM}; do not depend on the order of a set; {OWN_STATE}",
         )
 
     def repetitions(self) -> Iterator[Repetition]:
@@ -245,9 +245,9 @@ class Case:
         if digest != self.recording.footer.digest:
             order = order_in(self.own_code)
             raise self._defect(
-                "in another process, where the order of sets is another, the same run has another "
+                "in another process, where sets iterate in another order, the same run has another "
                 f"digest{_after(order)}",
-                "let no order of a set decide: sort what comes from one, as in sorted(names)",
+                "do not depend on the order of a set: sort its elements, as in sorted(names)",
             )
 
     def summary(self) -> CheckedRun:

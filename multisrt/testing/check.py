@@ -5,8 +5,8 @@ in a team, with the real simulation. It stops at the first defect with one clear
 what the explorer did, in which run and at which action, and what to change. It needs no test
 framework; in a test, a call is enough.
 
-**Defects** are what the contract of `multisrt.robots.explorer` does not allow, since it would make
-the results of an explorer worthless or impossible. It is checked that
+**Defects** are violations of the contract of `multisrt.robots.explorer`, with which results would
+be worthless or impossible. It is checked that
 
 - runs repeat: equal specs give equal digests, and an explorer that is sent the same outcomes
   again acts as before; also after other runs, among other explorers, with other states of the
@@ -24,13 +24,13 @@ the results of an explorer worthless or impossible. It is checked that
 - it does not collide, and ends with `Done`: in time, in a number of actions, without standing
   still in time, and without computing for long before it yields.
 
-**Warnings** are what the contract allows, and what is hardly meant: an explorer that ends at once,
-never senses or never moves, that says that it is complete where little was covered, or covers
-little everywhere. They are no defects, because a run is measured by what was done in it, and such
-a run is as valid as it is useless; a baseline may well stand still.
+**Warnings** are about behaviour that the contract allows but that is probably unintended: an
+explorer that ends at once, never senses or never moves, that reports completion where little was
+covered, or covers little everywhere. They are not defects: such runs are valid, if useless, and a
+baseline may stand still.
 
-**Notes** tell where its own account of a run and its scans differ: it notes no nodes, or nodes that
-hold less or more than was seen.
+**Notes** say where its own account of a run and its scans differ: it records no nodes, or nodes
+that hold less or more than was seen.
 
 What is cheap comes first: each world is explored by one robot before a team, and every action is
 checked as it is yielded. What takes too long before it yields is interrupted by a timer of the
@@ -101,7 +101,7 @@ Make = Callable[..., Explorer]
 """What builds the explorer of one robot from its `RobotSelf`, and options if there are any."""
 
 Progress = Callable[[str, int, int], None]
-"""Is told what is done, how many steps have been done, and how many there are."""
+"""Called with the current activity, the number of finished steps, and the number of all steps."""
 
 ELSEWHERE = "repeats in another process"
 
@@ -135,7 +135,7 @@ class CheckedExplorer:
     runs : tuple of CheckedRun
         Its runs.
     warnings : tuple of str
-        What keeps to the contract, and is hardly meant; see `multisrt.testing.check`.
+        Behaviour that is allowed but probably unintended; see `multisrt.testing.check`.
     unchecked : tuple of str
         What could not be checked, and why.
 
@@ -232,7 +232,7 @@ def check_explorer(
         Whether a body must stay in what its robot has sensed, or may have been told of: what the
         sender of a message knew when it sent it.
     elsewhere : bool
-        Whether the runs are repeated in another process, too, where sets have another order.
+        Whether the runs are also repeated in another process, where sets iterate in another order.
     progress : callable, optional
         Called with what is being done, the steps that are done and their number.
 

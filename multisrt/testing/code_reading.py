@@ -1,4 +1,4 @@
-"""What the code of an explorer's class names, and where: it is read, not run."""
+"""Names that the code of an explorer's class uses, and where; the code is read, not run."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What keeps to the contract of explorers, and yet is hardly what its author wants."""
+"""Warnings about explorers that keep to the contract but probably do not do what was intended."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""The runs of a checked explorer once more in another process, where sets have another order.
+"""Repeat the runs of a checked explorer in another process, where sets iterate differently.
 
-Within one process, equal sets of text have one order; every process has its own. So an explorer
-that goes by the order of a set repeats its runs until the program is started again.
+Equal sets of strings iterate in the same order within one process, but not in another one. So an
+explorer that depends on the order of a set repeats its runs until the program is restarted.
 
 `python -m multisrt.testing.other_process [--path=FOLDER ...] REFERENCE` adds the folders to the end
 of its import path, reads specs from standard input, as a list in JSON, and writes the digests of
@@ -27,7 +27,7 @@ from multisrt.simulation.simulate import simulate
 from multisrt.spec import RunSpec
 
 MIN_LIMIT_S = 120.0
-"""Seconds that the other process may take at least: it may have to compile kernels."""
+"""Minimum time limit of the other process in seconds: it may have to compile kernels."""
 
 CANNOT_IMPORT = 2
 """Exit code of the other process if it cannot import the strategy."""

@@ -423,7 +423,7 @@ class SupervisedExplorer:
         cls = own_code_of(self._explorer)
         if door := back_door(cls):
             self._refuse(
-                f"its code names {door}, by which it could get at the truth",
+                f"its code names {door}, by which it could reach the truth",
                 "an explorer knows its scans, its messages and its RobotSelf, and that is all",
             )
         if files := outside_in(cls):
@@ -439,7 +439,7 @@ class SupervisedExplorer:
         if found is not None:
             way, what = found
             self._refuse(
-                f"it gets at the truth: {way} is {what}",
+                f"it reaches the truth: {way} is {what}",
                 "an explorer knows its scans, its messages and its RobotSelf, and that is all",
             )
 

@@ -14,7 +14,7 @@ from types import FrameType, TracebackType
 from typing import Any, ParamSpec, Self, TypeVar
 
 WAITS = 3.0
-"""How many times the limit may pass while it does not compute: it waits, or the machine is busy."""
+"""Maximum wall time of a call as a multiple of the limit, if it waits or the machine is busy."""
 
 AGAIN_S = 0.01
 """Seconds after which an explorer is interrupted again if it caught the interruption."""
@@ -43,7 +43,7 @@ class Limits:
 
 
 class ComputesTooLong(BaseException):
-    """What ends a computation that takes too long; no `except Exception` catches it.
+    """Raised to end a computation that takes too long; not caught by `except Exception`.
 
     Attributes
     ----------

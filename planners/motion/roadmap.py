@@ -143,7 +143,7 @@ class Roadmap(Generic[Place]):
         starts: Mapping[Place, float],
         passable: Callable[[Place, Place], bool] | None = None,
     ) -> tuple[dict[Place, float], dict[Place, Place]]:
-        """Return the shortest ways from several starts to all places.
+        """Return the shortest paths from several starts to all places.
 
         Parameters
         ----------

@@ -216,8 +216,8 @@ def test_the_specs_of_faults_and_radios_are_public():
 @pytest.mark.parametrize(
     ("given", "said"),
     [
-        ({"starts": "clustered"}, "starts is about a team, and there is one robot: give robots"),
-        ({"radio_range_m": 5.0}, "radio_range_m is about a team"),
+        ({"starts": "clustered"}, "starts is for teams, and there is one robot: give robots"),
+        ({"radio_range_m": 5.0}, "radio_range_m is for teams"),
         (
             {"starts": "clustered", "robots": [RobotSpec(start=(2, 2))]},
             "starts says how starts are drawn, but every robot was given its start",

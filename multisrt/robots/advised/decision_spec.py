@@ -1,4 +1,4 @@
-"""What a robot that asks where to go observes, and what it may be answered."""
+"""Observations and actions of a robot whose goals are chosen by a policy."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ OFFSET_NUMBERS = 2
 
 
 class DecisionSpec(msgspec.Struct, frozen=True, kw_only=True):
-    """What a robot that asks where to go observes, and what it may be answered.
+    """Observations and actions of a robot whose goals are chosen by a policy.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""An explorer of the frontier family that is told where to go, by a policy or from outside."""
+"""An explorer of the frontier family whose goals are chosen by a policy or from outside."""
 
 from __future__ import annotations
 
@@ -83,7 +83,7 @@ class AdvisedExplorer(FrontierExplorer):
 
 
 class Advice:
-    """What one robot asks, what it is answered, and what it makes of that.
+    """The question of one robot, the answer to it, and the goal that follows.
 
     Parameters
     ----------

@@ -57,7 +57,7 @@ def assignment(
         Takes the costs, an ``(n, m)`` array of path lengths in metres from each of the n robots
         that are considered to each of m frontiers, ``inf`` where no path leads; and the row of
         the robot that decides. Returns the number of the frontier that this robot goes to, or None
-        if the others are to have them all: it then waits, and the rule is asked again. It is asked
+        to leave them all to the others: it then waits, and the rule is asked again. It is asked
         only while the robot can reach a frontier. Costs are those on the robot's own map, rows in
         the order of the robots' numbers; robots that are idle, or not heard from for some time,
         have none.
@@ -130,7 +130,7 @@ class AssignmentExplorer(FrontierExplorer):
 
 
 class Asked:
-    """A rule of assignment as the frontier family asks it.
+    """Adapter of an assignment rule to the frontier family.
 
     Parameters
     ----------

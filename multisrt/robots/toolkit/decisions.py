@@ -23,8 +23,8 @@ def decided(
 ) -> Note:
     """Return the action that puts a decision on record.
 
-    ``multisrt why`` tells it, and reports count them by strategy. It changes nothing in the run
-    but its digest.
+    ``multisrt why`` shows it, and reports count decisions by strategy. Recording it changes only
+    the digest of the run.
 
     Parameters
     ----------
@@ -40,8 +40,8 @@ def decided(
         The places that it considered. Of more than `multisrt.events.MAX_OPTIONS` those with the
         least first value are recorded, and the goal.
     **values : (m,) array_like
-        What it weighed them by: for each name one number for each option. Infinite numbers, and
-        those that are none, are recorded as missing.
+        Criteria by name, each with one number for each option. Infinite numbers and NaN are
+        recorded as missing.
 
     Returns
     -------

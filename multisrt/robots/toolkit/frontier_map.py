@@ -159,7 +159,7 @@ class FrontierMap:
         Parameters
         ----------
         scan : Scan
-            What `Sense` was answered by.
+            The outcome of `Sense`.
 
         Returns
         -------
@@ -175,7 +175,7 @@ class FrontierMap:
         Parameters
         ----------
         entries : iterable of Node or Closing
-            What `add` has returned to them. Closings of arcs make no difference.
+            What their `add` has returned. Closings of arcs have no effect.
 
         Returns
         -------
@@ -316,7 +316,7 @@ class FrontierMap:
         Parameters
         ----------
         bodies : iterable of Sighting
-            The bodies: those that `Look` was answered by, or the one that ended a motion.
+            The bodies: the outcome of `Look`, or the one that blocked a motion.
         guard_m : float
             Distance between two bodies in metres, as in `Move`.
         """

@@ -1,4 +1,4 @@
-"""Explorers that choose the next place in their map of local safe regions, and nothing else."""
+"""A base class for explorers that only choose the next place in a map of local safe regions."""
 
 from __future__ import annotations
 
@@ -28,8 +28,8 @@ from multisrt.robots.toolkit.decisions import decided
 from multisrt.robots.toolkit.places import places_of
 
 BESIDE_CELLS = 2
-"""A place is taken as the nearest one where the body can stand, up to this many cells, and the
-radius of the body, away."""
+"""Maximum distance from a chosen place to the one where the body can stand that replaces it, in
+cells, beyond the radius of the body."""
 
 
 class RegionOptions(FrontierOptions, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -49,7 +49,7 @@ class RegionOptions(FrontierOptions, frozen=True, kw_only=True, forbid_unknown_f
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Mate:
-    """What another robot has said of itself.
+    """The last reported state of another robot.
 
     Attributes
     ----------
@@ -151,7 +151,7 @@ class RegionExplorer(ABC):
         return self._robot.time_s
 
     def mates(self) -> list[Mate]:
-        """Return what other robots have said of themselves, by number.
+        """Return the last reported states of the other robots, by number.
 
         Returns
         -------
@@ -176,8 +176,8 @@ class RegionExplorer(ABC):
         Returns
         -------
         (m,) array
-            Metres; ``inf`` where no path leads, where other robots stand in all ways, and at
-            places that it has scanned from or tried in vain.
+            Metres; ``inf`` where no path leads, where other robots block all paths, and at
+            places from which it has scanned or that it failed to reach.
         """
         wanted = places_of(places)
         with self._robot.around_bodies():

@@ -1,4 +1,4 @@
-"""A roadmap over the nodes of a map: straight ways between them, and the shortest through them."""
+"""A roadmap over the nodes of a map: straight edges between them, and shortest paths over them."""
 
 from __future__ import annotations
 
@@ -23,10 +23,10 @@ Passable = Callable[[NodeId, NodeId], bool]
 class NodeRoadmap:
     """The nodes of an `ExplorationMap`, joined where the body can go straight between them.
 
-    It grows with the map, also by the nodes that other robots send: call nothing, only ask. On
-    a way from node to node the body goes as far as it can in the region of the one, and on in that
-    of the other; it fits there in any heading, so that bodies that turn in place can follow. Cars
-    need curves: drive along a way with `trajectory_inside`.
+    It grows with the map, also by nodes from other robots, and needs no call to update it. On an
+    edge the body goes as far as it can in the region of one node, and on in that of the other; it
+    fits there in any heading, so that bodies that turn in place can follow. Cars need curves:
+    drive along a path with `trajectory_inside`.
 
     Parameters
     ----------
@@ -35,7 +35,7 @@ class NodeRoadmap:
     footprint : Footprint
         The body.
     reach_m : float
-        Longest way from a node straight to another, in metres: the sensing range.
+        Maximum length of an edge in metres: the sensing range.
     margin_m : float
         Distance in metres that the body keeps from the borders of regions where there is room.
 

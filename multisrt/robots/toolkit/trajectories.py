@@ -65,8 +65,8 @@ def trajectory(
     Raises
     ------
     InvalidInputError
-        If a place is none, or headings are asked of a holonomic body, which keeps its own, or of
-        places without any.
+        If a place is invalid, or headings are requested that places do not have, or for a
+        holonomic body, which keeps its own.
 
     Examples
     --------
@@ -141,7 +141,7 @@ def trajectory_inside(
     Raises
     ------
     InvalidInputError
-        If there is no place, or one is none, headings are asked of a body other than a car,
+        If there is no place, or one is invalid, headings are given for a body other than a car,
         or the region has several rings and the body is no car.
 
     Examples
@@ -212,7 +212,7 @@ def _rows(
         raise InvalidInputError("places have no headings; give x, y and heading of each (n, 3)")
     if isinstance(kinematics, Holonomic) or not (may_turn or isinstance(kinematics, Car)):
         name = type(kinematics).__name__.lower()
-        raise InvalidInputError(f"a {name} body arrives with no heading of choice; give x and y")
+        raise InvalidInputError(f"a {name} body cannot arrive with a given heading; give x and y")
     return numbers
 
 

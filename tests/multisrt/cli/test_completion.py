@@ -113,7 +113,7 @@ def test_zsh_and_fish_are_told_whole_words_and_summaries(monkeypatch, folder):
     assert completed(Zsh, line, monkeypatch) == ["plain", "--option=approach=false", "_"]
     assert completed(Fish, line, monkeypatch) == ["plain,--option=approach=false"]
     line = "multisrt explore --strategy minp"
-    summary = "To the frontier where fewest are nearer"
+    summary = "To the frontier to which the fewest robots are nearer"
     assert completed(Zsh, line, monkeypatch) == ["plain", "minpos", summary]
     assert completed(Fish, line, monkeypatch) == [f"plain,minpos\t{summary}"]
 

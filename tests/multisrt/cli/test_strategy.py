@@ -60,7 +60,7 @@ def test_an_existing_file_is_overwritten_only_by_force(call, folder):
 @pytest.mark.parametrize(
     ("words", "told"),
     [
-        (["mine.txt"], "mine.txt must be named .py"),
+        (["mine.txt"], "mine.txt must have the suffix .py"),
         (["2nd.py"], "a strategy cannot be called '2nd'"),
         (["minpos.py"], "there is a strategy 'minpos' already"),
         (["mine.py", "--size", "huge"], "'huge' is not one of"),

@@ -197,7 +197,7 @@ def test_beams_that_are_too_coarse_for_the_share_are_no_success():
 
 
 def test_the_checker_of_explorers_finds_that_it_sees_the_truth():
-    with pytest.raises(ExplorerDefect, match="gets at the truth"):
+    with pytest.raises(ExplorerDefect, match="reaches the truth"):
         check_explorer(strategy("informed"))
 
 

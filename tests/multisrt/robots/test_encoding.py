@@ -119,7 +119,7 @@ def test_what_cannot_be_sent_is_refused(value):
 
 
 def test_what_is_no_message_is_refused():
-    with pytest.raises(InvalidInputError, match="a int is no Message"):
+    with pytest.raises(InvalidInputError, match="expected a Message, not int"):
         encode(3)  # type: ignore[arg-type]
 
 

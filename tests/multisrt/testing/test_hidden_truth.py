@@ -57,7 +57,7 @@ def by_module(self):
 )
 def test_the_truth(make, match):
     defect = refused(make, match)
-    assert "gets at the truth" in defect.what
+    assert "reaches the truth" in defect.what
 
 
 def test_the_truth_in_a_closure_and_in_a_generator():

@@ -74,14 +74,14 @@ TOLD = {
     "ReadsAClock": (
         "the robot in 'two rooms', action 2: sent the same as before, it yielded Move to "
         "PLACE, not Move to PLACE: it reads a clock: time.time (wrong_explorers.py:LINE);"
-        " go by the times that scans, motions and messages tell"
+        " use the times of scans, motions and messages instead"
     ),
     "GoesByAddresses": (
         "the robot in 'two rooms', action 2: sent the same as before, it yielded Move to "
-        "PLACE, not Move to PLACE: it draws on something besides what it was sent: "
-        "perhaps on where objects lie in memory, id (wrong_explorers.py:LINE); draw "
-        "random numbers from the rng of its RobotSelf alone; let no order of a set "
-        "decide; keep everything in self: no class attribute, global or default that "
+        "PLACE, not Move to PLACE: it depends on something besides what it was sent: "
+        "perhaps on memory addresses, id (wrong_explorers.py:LINE); draw "
+        "random numbers from the rng of its RobotSelf alone; do not depend on the order "
+        "of a set; keep everything in self: no class attribute, global or default that "
         "changes"
     ),
     "WaitsForEver": (
@@ -188,18 +188,18 @@ TOLD = {
         "True or False: bool(x)"
     ),
     "ImportsTheWorld": (
-        "the robot in 'two rooms', before its first action: it gets at the truth: import "
+        "the robot in 'two rooms', before its first action: it reaches the truth: import "
         "of multisrt.environments.catalog is the module multisrt.environments.catalog; an"
         " explorer knows its scans, its messages and its RobotSelf, and that is all"
     ),
     "SearchesMemory": (
         "the robot in 'two rooms', before its first action: its code names gc.get_objects"
-        " (wrong_explorers.py:LINE), by which it could get at the truth; an explorer "
+        " (wrong_explorers.py:LINE), by which it could reach the truth; an explorer "
         "knows its scans, its messages and its RobotSelf, and that is all"
     ),
     "LooksIntoFrames": (
         "the robot in 'two rooms', before its first action: its code names .tb_frame "
-        "(wrong_explorers.py:LINE), by which it could get at the truth; an explorer knows"
+        "(wrong_explorers.py:LINE), by which it could reach the truth; an explorer knows"
         " its scans, its messages and its RobotSelf, and that is all"
     ),
     "ChangesItsScan": (
@@ -227,7 +227,7 @@ TOLD = {
         "run(self), a generator that yields actions and is sent their outcomes"
     ),
     "TakesTooMuch": (
-        "tests.multisrt.testing.wrong_explorers.TakesTooMuch is to take the robot (a "
+        "tests.multisrt.testing.wrong_explorers.TakesTooMuch must take the robot (a "
         "RobotSelf) and the options, and nothing else: it needs world, too; write 'def "
         "__init__(self, me, options)'"
     ),

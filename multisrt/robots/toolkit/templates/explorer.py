@@ -60,7 +60,7 @@ class Mine:
         self.others: dict[int, tuple[float, float]] = {}  # where each was last heard from
 
     def run(self) -> Steps:
-        """Yield actions, and be sent what came of them."""
+        """Yield actions, and receive their outcomes."""
         barred = 0
         while barred < self.options.patience:
             yield from self.look_around()

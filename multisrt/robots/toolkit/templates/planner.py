@@ -55,7 +55,7 @@ class Mine(RegionExplorer):
             near = cdist(places, goals).min(axis=1) < self.options.apart_m
             score = score + 100.0 * near
         best = int(score.argmin())
-        # This is what 'multisrt why' tells of the decision.
+        # 'multisrt why' shows this.
         self.explain(
             "least path less frontier", places, score=score, path_m=path_m, frontier_m=frontier_m
         )

@@ -12,7 +12,7 @@ from multisrt.robots.toolkit import assignment
 
 @assignment
 def mine(costs: NDArray[np.float64], robot: int) -> int | None:
-    """Give frontiers to robots by the shortest paths, each to one robot."""
+    """Assign frontiers by the shortest paths, each to one robot."""
     # costs[i, j] is the length of the path from robot i to frontier j in metres, inf where there
     # is none; `robot` is the row of the robot that decides. Return the number of a frontier, or
     # None to leave them all to the others for now.

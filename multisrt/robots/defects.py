@@ -51,7 +51,7 @@ class ExplorerDefect(InvalidInputError, AssertionError):
     ...     check_explorer(Idle, worlds=[two_rooms()])
     ... except ExplorerDefect as defect:
     ...     print(defect.what)
-    run() ended without a last action Done
+    its run() ended without a last action Done
     """
 
     def __init__(self, what: str, where: str, remedy: str) -> None:

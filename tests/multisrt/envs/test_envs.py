@@ -349,9 +349,8 @@ def test_a_spec_leaves_no_room_for_keywords():
 
 
 def test_options_of_another_strategy_are_refused():
-    env = single_env(HALL, options={"cones": 8, "beta": 2.0})
     with pytest.raises(ms.InvalidInputError, match="no option 'beta'"):
-        env.reset(seed=1)
+        single_env(HALL, options={"cones": 8, "beta": 2.0})
 
 
 def test_a_step_before_the_first_mission_is_refused():

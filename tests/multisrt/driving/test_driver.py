@@ -311,13 +311,13 @@ def test_a_strategy_that_sees_the_truth_drives_no_body():
 @pytest.mark.parametrize(
     ("body", "said"),
     [
-        ({"move": lambda _: Moved(configuration=None, time_s=1.0)}, "tells the configuration None"),
-        ({"move": lambda _: Moved(configuration=(math.nan, 2, 0), time_s=1.0)}, "three finite"),
-        ({"move": lambda _: Moved(configuration=WAY.end, time_s=None)}, "tells None s after"),
+        ({"move": lambda _: Moved(configuration=None, time_s=1.0)}, "tells the configuration None"),  # type: ignore[arg-type]
+        ({"move": lambda _: Moved(configuration=(math.nan, 2, 0), time_s=1.0)}, "three finite"),  # type: ignore[arg-type]
+        ({"move": lambda _: Moved(configuration=WAY.end, time_s=None)}, "tells None s after"),  # type: ignore[arg-type]
         ({"look": lambda: None}, "look of robot 0 returned None"),
-        ({"receive": lambda _: Arrived(data=b"abc", time_s=0.5)}, "a tuple of bytes as data"),
-        ({"receive": lambda _: Arrived(data=("abc",), time_s=0.5)}, "decoded from bytes"),
-        ({"receive": lambda _: TimedOut(None)}, "tells None s after"),
+        ({"receive": lambda _: Arrived(data=b"abc", time_s=0.5)}, "a tuple of bytes as data"),  # type: ignore[arg-type]
+        ({"receive": lambda _: Arrived(data=("abc",), time_s=0.5)}, "decoded from bytes"),  # type: ignore[arg-type]
+        ({"receive": lambda _: TimedOut(None)}, "tells None s after"),  # type: ignore[arg-type]
     ],
 )
 def test_what_callables_return_is_checked(body, said):
@@ -337,10 +337,10 @@ def test_an_explorer_that_lets_no_time_pass_is_stopped():
                 yield Look()
 
     with pytest.raises(ExplorerDefect, match="lets no time pass"):
-        ms.drive(Looks, self_of(), sense=sense, move=arrive)
+        ms.drive(Looks, self_of(), sense=sense, move=arrive)  # type: ignore[arg-type]
 
 
 def test_a_wrong_end_is_told_as_that_of_done():
-    script = Script(Done(complete=True, reason=5))
+    script = Script(Done(complete=True, reason=5))  # type: ignore[arg-type]
     with pytest.raises(ExplorerDefect, match="reason of its Done is 5"):
         ms.drive(script.strategy, self_of(), sense=sense, move=arrive)

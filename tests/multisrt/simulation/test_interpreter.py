@@ -46,7 +46,7 @@ def test_an_explorers_own_error_is_told_with_its_place(play):
     with pytest.raises(ExplorerDefect, match=place) as caught:
         play(script)
     # The clock raises a copy, whose cause is the defect itself.
-    assert isinstance(caught.value.__cause__.__cause__, ZeroDivisionError)
+    assert isinstance(caught.value.__cause__.__cause__, ZeroDivisionError)  # type: ignore[union-attr]
 
 
 def test_a_moving_robot_receives_messages_that_wake(

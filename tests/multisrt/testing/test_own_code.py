@@ -32,7 +32,7 @@ def by_the_table_of_a_module(self):
 
 def by_another_name_of_sys(self):
     yield Sense()
-    system.modules["multisrt.environments.catalog"].environment("open")  # type: ignore[attr-defined]
+    system.modules["multisrt.environments.catalog"].environment("open")
 
 
 def by_its_own_globals(self):

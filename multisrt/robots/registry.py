@@ -93,7 +93,7 @@ def is_known(name: str) -> bool:
 
     Examples
     --------
-    >>> is_known("minpos"), is_known("mine")
+    >>> is_known("minpos"), is_known("nowhere-nearest")
     (True, False)
     """
     return name in _registry()

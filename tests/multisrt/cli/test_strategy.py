@@ -7,6 +7,8 @@ from multisrt.robots import registry
 from multisrt.robots.toolkit import templates
 from tests.multisrt.cli.commands import everything
 
+pytestmark = pytest.mark.usefixtures("forgotten")
+
 
 @pytest.fixture(autouse=True)
 def known(monkeypatch):

@@ -267,7 +267,7 @@ STILL = Moved(configuration=HERE, time_s=-3.0)
         (Sense(), {"sense": lambda: 3}, "sense of robot 0 returned 3"),
         (Move(trajectory=WAY), {"move": lambda move: True}, "move of robot 0 returned True"),
         (Move(trajectory=WAY), {"move": begin}, "no receive that reports its end"),
-        (Move(trajectory=WAY), {"move": lambda move: STILL}, "returned -3 s after 0 s"),
+        (Move(trajectory=WAY), {"move": lambda move: STILL}, "tells -3 s after 0 s"),
         (Send(Word(sender=0)), {}, "sends a message, but there is no send"),
         (Receive(2.0), {}, "waits, but there is no receive"),
         (Receive(2.0), {"receive": lambda until_s: TimedOut(1.0)}, "TimedOut at 2 s or later"),

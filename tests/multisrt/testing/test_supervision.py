@@ -75,15 +75,6 @@ def test_a_message_that_the_receiver_changes_is_found():
     refused(explorer(act), "a message .* that it was sent was changed", teams=(2,), world=WORLD)
 
 
-def test_a_message_that_the_sender_changes_is_found():
-    def act(self):
-        place = np.zeros(2)
-        yield Send(Hello(sender=self.me.robot, place=place))
-        place[0] = 7.0
-
-    refused(explorer(act), "Send that it had yielded|that it had sent", world=WORLD)
-
-
 def test_sightings_that_are_changed_are_found():
     def act(self):
         seen = yield Look()

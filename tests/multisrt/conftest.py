@@ -6,7 +6,6 @@ A module with tests of experiments has an experiment `SPEC`.
 import contextlib
 import subprocess
 import sys
-import tempfile
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -53,7 +52,7 @@ def events_of() -> Callable[..., list[Any]]:
 
 
 @pytest.fixture
-def forgotten(monkeypatch):
+def forgotten(monkeypatch, tmp_path_factory):
     """Forget after a test which strategies it registered and which modules it imported."""
     monkeypatch.setattr(sys, "path", [*sys.path])
     known, before = dict(registry._registry()), set(sys.modules)
@@ -61,7 +60,7 @@ def forgotten(monkeypatch):
     yield
     for name in set(sys.modules) - before:
         file = getattr(sys.modules[name], "__file__", None)
-        if file is not None and Path(file).is_relative_to(tempfile.gettempdir()):
+        if file is not None and Path(file).is_relative_to(tmp_path_factory.getbasetemp()):
             del sys.modules[name]
 
 

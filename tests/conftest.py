@@ -3,7 +3,7 @@
 import importlib.util
 import signal
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import ModuleType
 
@@ -17,6 +17,23 @@ settings.load_profile("repeatable")
 # Shells let background processes ignore interrupts; tests interrupt the processes they start.
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+@pytest.fixture(autouse=True)
+def _registry_as_before() -> Iterator[None]:
+    """Take back what a test registers: the next one finds the strategies of the package."""
+    registry = sys.modules.get("multisrt.robots.registry")
+    before = None if registry is None else dict(registry._registry())
+    yield
+    registry = sys.modules.get("multisrt.robots.registry")
+    if registry is None:
+        return
+    if before is None:
+        registry._registry.cache_clear()
+    else:
+        known = registry._registry()
+        known.clear()
+        known.update(before)
 
 
 def load(path: Path) -> ModuleType:

@@ -9,7 +9,7 @@ from multisrt.environments.environment import Environment
 from multisrt.events import AnyEvent, Motion, NodeAdded
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.recording import Recorder, Recording, RunOutcome, header_of
-from multisrt.recording_flaws import flaw_of
+from multisrt.recording.flaws import flaw_of
 from multisrt.simulation.worlds import inline
 from multisrt.spec import RangeFinderSpec, RobotSpec, RunSpec
 

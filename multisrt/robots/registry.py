@@ -114,9 +114,10 @@ def registered(strategy: Strategy) -> Iterator[None]:
     try:
         yield
     finally:
-        del known[strategy.name]
         if before is not None:
-            known[strategy.name] = before
+            known[strategy.name] = before  # in its old place: `strategies` keeps its order
+        else:
+            del known[strategy.name]
 
 
 def strategies() -> tuple[Strategy, ...]:

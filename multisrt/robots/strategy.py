@@ -186,12 +186,13 @@ class Strategy:
         Examples
         --------
         >>> import multisrt as ms
+        >>> from multisrt.robots.registry import strategy
         >>> spec = ms.RunSpec(
         ...     environment=ms.CatalogEnvironment(name="open"),
         ...     robots=(ms.RobotSpec(), ms.RobotSpec()),
         ...     radio=ms.RadioSpec(range_m=5.0),
         ... )
-        >>> ms.strategies()[2].require_fit(spec)  # doctest: +ELLIPSIS
+        >>> strategy("srt-radial").require_fit(spec)  # doctest: +ELLIPSIS
         Traceback (most recent call last):
         ...
         multisrt.geometry.errors.InvalidInputError: srt-radial needs a radio range of at least ...
@@ -219,10 +220,10 @@ class Strategy:
 
         Examples
         --------
-        >>> import multisrt as ms
-        >>> ms.strategies()[1].parse_options({"cones": "8"}).cones
+        >>> from multisrt.robots.registry import strategy
+        >>> strategy("srt-star").parse_options({"cones": "8"}).cones
         8
-        >>> ms.strategies()[1].parse_options({"cone": 8})  # doctest: +ELLIPSIS
+        >>> strategy("srt-star").parse_options({"cone": 8})  # doctest: +ELLIPSIS
         Traceback (most recent call last):
         ...
         multisrt.geometry.errors.InvalidInputError: srt-star has no option 'cone' ...

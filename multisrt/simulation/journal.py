@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable
 
 from multisrt.events import AnyEvent, NodeAdded, NodeName
 from multisrt.recording import Recorder, Recording, RunOutcome
-from multisrt.recording_flaws import flaw_of
+from multisrt.recording.flaws import flaw_of
 
 Watcher = Callable[[AnyEvent], None]
 """A function that is called with every event as it is recorded."""

@@ -166,7 +166,7 @@ def test_a_file_is_written_completely_or_not_at_all(name, path, tmp_path, monkey
         raise OSError(28, "No space left on device")
 
     with monkeypatch.context() as patch:
-        patch.setattr("multisrt.recording.os.replace", full)
+        patch.setattr("multisrt.recording.files.os.replace", full)
         with pytest.raises(InvalidInputError, match=r"cannot write .*: No space left on device"):
             export(path, out)
     assert out.read_text() == "before"

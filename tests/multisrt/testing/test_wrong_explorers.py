@@ -105,8 +105,8 @@ TOLD = {
     ),
     "ComputesForEver": (
         "the robot in 'two rooms', action 1: it has computed for 0.3 s and yields nothing"
-        " (wrong_explorers.py:LINE, in run: best = max(best, 0.0)); see that every loop "
-        "ends or yields, or give a larger max_decision_s (--max-decision)"
+        " (wrong_explorers.py:LINE, in run: while best < scan.range_m:); see that every "
+        "loop ends or yields, or give a larger max_decision_s (--max-decision)"
     ),
     "CatchesAll": (
         "the robot in 'two rooms', action 1: it has computed for 0.3 s and yields nothing"

@@ -201,7 +201,7 @@ class ComputesForEver(Explorer):
         scan = yield Sense()
         best = 0.0
         while best < scan.range_m:
-            best = max(best, 0.0)
+            best += 0.0
         yield self.end()
 
 

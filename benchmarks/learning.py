@@ -17,7 +17,7 @@ import numpy as np
 from benchmarks.harness import Benchmark, Claim, installed, skipped
 from multisrt.environments.catalog import environment
 from multisrt.environments.environment import Environment
-from multisrt.robots.advised import DecisionSpec, Observation, policy_strategy
+from multisrt.robots.policy import DecisionSpec, Observation, policy_strategy
 from multisrt.robots.registry import registered
 from multisrt.simulation.simulate import simulate
 from multisrt.spec import CatalogEnvironment, RobotSpec, RunSpec
@@ -31,7 +31,7 @@ ROUNDS = 5
 MAX_RATIO = 1.2
 """Upper bound of the time in steps over that of the whole run."""
 
-DECISION = DecisionSpec(parts=("frontiers",))
+DECISION = DecisionSpec(observe=("frontiers",))
 """What the policy needs."""
 
 

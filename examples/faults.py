@@ -6,7 +6,7 @@
 from pathlib import Path
 
 import multisrt as ms
-from multisrt.events import CameBack, Died, FellSilent, Joined, TakenAsLost
+from multisrt.events import CameBack, Died, FellSilent, Joined, PresumedLost
 
 FAULTS = (
     ms.Death(robot=1, time_s=60.0, when="moving"),
@@ -22,7 +22,7 @@ def main(environment="apartment", folder="out/examples"):
     for event in run.recording.events:
         if isinstance(event, Died | FellSilent | CameBack | Joined):
             print(f"{event.time_s:7.1f} s  robot {event.robot}: {type(event).__name__}")
-        elif isinstance(event, TakenAsLost):
+        elif isinstance(event, PresumedLost):
             print(f"{event.time_s:7.1f} s  robot {event.robot} takes {event.other} as lost")
     print()
     print(run.why(robot=0, time_s=100.0))

@@ -13,7 +13,7 @@ import numpy as np
 import multisrt as ms
 from multisrt.envs import AreaReward, DecisionSpec, single_env
 
-DECISION = DecisionSpec(parts=("frontiers",))
+DECISION = DecisionSpec(observe=("frontiers",))
 MAZES = ms.CatalogEnvironment(name="maze", parameters={"size_m": 12, "cells": 6, "loops": 0.3})
 FEATURES = ("path length", "length of the frontier", "turn")
 

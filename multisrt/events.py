@@ -426,7 +426,7 @@ class Learned(Event, frozen=True, kw_only=True, tag="learned"):
     nodes: tuple[NodeName, ...]
 
 
-class TakenAsLost(Event, frozen=True, kw_only=True, tag="taken_as_lost"):
+class PresumedLost(Event, frozen=True, kw_only=True, tag="taken_as_lost"):
     """A robot no longer waits for another one, which has not answered for too long.
 
     Attributes
@@ -563,7 +563,7 @@ NotedEvent = (
     | ArcReopened
     | MapComplete
     | Learned
-    | TakenAsLost
+    | PresumedLost
 )
 """Events that explorers put on record. All others are recorded by the simulation: they say what
 robots did, not what they say of it."""

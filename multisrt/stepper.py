@@ -16,7 +16,7 @@ from multisrt.events import (
     MapComplete,
     NodeAdded,
     NotedEvent,
-    TakenAsLost,
+    PresumedLost,
 )
 from multisrt.finished_run import Run
 from multisrt.geometry.errors import InvalidInputError
@@ -29,7 +29,7 @@ from multisrt.simulation.stepping import RobotState, Step, Stepping
 from multisrt.spec import DriveSpec, Fault, RadioSpec, RobotSpec, RunSpec, Scalar
 from multisrt.spec.keywords import refuse_unknown
 
-NEWS: Final = (NodeAdded, Learned, MapComplete, ArcClosed, ArcReopened, TakenAsLost)
+NEWS: Final = (NodeAdded, Learned, MapComplete, ArcClosed, ArcReopened, PresumedLost)
 """Events that explorers note and that tell what they know, not what they decide."""
 
 DECISIONS: Final = tuple(kind for kind in get_args(NotedEvent) if kind not in NEWS)
@@ -280,9 +280,9 @@ class Stepper(Iterator[Step]):
         return self._stepping.time_s
 
     @property
-    def on_the_air(self) -> int:
+    def messages_in_flight(self) -> int:
         """How many messages are on their way."""
-        return self._stepping.on_the_air
+        return self._stepping.messages_in_flight
 
     @property
     def is_over(self) -> bool:
@@ -297,7 +297,7 @@ class Stepper(Iterator[Step]):
         """
         return self._stepping.recording
 
-    def of(self, robot: int) -> list[Step]:
+    def steps_of(self, robot: int) -> list[Step]:
         """Return the steps of a robot so far.
 
         Examples
@@ -305,7 +305,7 @@ class Stepper(Iterator[Step]):
         >>> import multisrt as ms
         >>> stepper = ms.Stepper("apartment", seed=1)
         >>> step = stepper.run_until(time_s=2.0)
-        >>> [type(step.action).__name__ for step in stepper.of(0)][:2]
+        >>> [type(step.action).__name__ for step in stepper.steps_of(0)][:2]
         ['Sense', 'Note']
         """
         self._require(robot)

@@ -6,7 +6,7 @@ Both run the same simulation as `multisrt.explore`, with its worlds, robots, rad
 pause whenever a robot needs a goal. `policy_strategy` makes a strategy of what was learned.
 
 >>> from multisrt.envs import DecisionSpec, single_env
->>> env = single_env("apartment", decision=DecisionSpec(parts=("frontiers",)))
+>>> env = single_env("apartment", decision=DecisionSpec(observe=("frontiers",)))
 >>> observation, info = env.reset(seed=1)
 >>> is_over = False
 >>> while not is_over:
@@ -26,10 +26,11 @@ with extra("learn", "multisrt.envs"):
     import gymnasium
     import pettingzoo  # noqa: F401
 
+from multisrt.envs.mission_env import MissionEnv
 from multisrt.envs.parallel import ExploreParallelEnv, parallel_env
 from multisrt.envs.rewards import AreaReward, Gain
 from multisrt.envs.single import ExploreEnv, single_env
-from multisrt.robots.advised import DecisionSpec, policy_strategy
+from multisrt.robots.policy import DecisionSpec, policy_strategy
 
 __all__ = [
     "AreaReward",
@@ -37,6 +38,7 @@ __all__ = [
     "ExploreEnv",
     "ExploreParallelEnv",
     "Gain",
+    "MissionEnv",
     "parallel_env",
     "policy_strategy",
     "single_env",

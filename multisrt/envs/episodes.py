@@ -16,7 +16,7 @@ from multisrt.envs.rewards import AreaReward, Gain, Reward
 from multisrt.finished_run import Run
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.recording import Recording
-from multisrt.robots.advised import DecisionSpec, policy_strategy
+from multisrt.robots.policy import DecisionSpec, policy_strategy
 
 RENDER_MODES = ["rgb_array"]
 """How environments can be drawn."""
@@ -87,9 +87,9 @@ class Episodes:
         self.decision = DecisionSpec() if decision is None else decision
         self.missions = Missions(worlds, STRATEGY, world_seeds, keywords)
         # What the options or the team cannot be is said now, not at the first mission.
-        advised = policy_strategy(STRATEGY, None, self.decision)
-        advised.parse_options(self.missions.template.options)
-        advised.require_fit(self.missions.template)
+        strategy = policy_strategy(STRATEGY, None, self.decision)
+        strategy.parse_options(self.missions.template.options)
+        strategy.require_fit(self.missions.template)
         self._reward = AreaReward() if reward is None else reward
         self._end_coverage = end_coverage
         self._mission: Mission | None = None

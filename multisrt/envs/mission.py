@@ -17,14 +17,14 @@ from multisrt.geometry.numerics.arrays import FloatArray
 from multisrt.geometry.regions.safe_region import local_safe_region
 from multisrt.geometry.regions.scan import ExactScan, LaserScan, Scan
 from multisrt.planners.motion.trajectory import leg_length
-from multisrt.robots.advised import AdvisedExplorer, Answer, DecisionSpec, Observation
-from multisrt.robots.advised.observing import nothing_observed, on_the_way
-from multisrt.robots.advised.strategy import policy_strategy
+from multisrt.robots.policy import Answer, DecisionSpec, Observation, PolicyExplorer
+from multisrt.robots.policy.observing import nothing_observed, on_the_way
+from multisrt.robots.policy.strategy import policy_strategy
 from multisrt.robots.registry import registered
 from multisrt.simulation.stepping import Stepping
 from multisrt.spec import RunSpec
 
-STRATEGY = "decided-outside"
+STRATEGY = "policy"
 """The name of the strategy in the specs and recordings of missions."""
 
 COVERED = "covered"
@@ -118,7 +118,7 @@ class Mission:
         """Return the info dict that accompanies an observation."""
         told: dict[str, Any] = {
             "decides": robot == self.asking,
-            "valid": self._explorer(robot).advice.was_valid,
+            "valid": self._explorer(robot).pending.was_valid,
             "time_s": self.time_s,
             "seen_m2": self.seen_m2,
         }
@@ -160,7 +160,7 @@ class Mission:
         if self._is_closed:
             raise InvalidInputError("the mission is over: call reset first")
         if self.asking is not None:
-            self._explorer(self.asking).advice.answer = self._decision.checked(answer)
+            self._explorer(self.asking).pending.answer = self._decision.checked(answer)
             self._advance()
         gains = self._collect()
         # A mission that is over as it begins has one step, which tells so.
@@ -172,9 +172,9 @@ class Mission:
         self._is_closed = True
         self._steps.close()
 
-    def _explorer(self, robot: int) -> AdvisedExplorer:
+    def _explorer(self, robot: int) -> PolicyExplorer:
         explorer = self._steps.explorers[robot]
-        assert isinstance(explorer, AdvisedExplorer)
+        assert isinstance(explorer, PolicyExplorer)
         return explorer
 
     def _advance(self) -> None:
@@ -184,7 +184,7 @@ class Mission:
             if isinstance(step.outcome, ExactScan | LaserScan):
                 self.regions.append(_shown(step.outcome))
                 self._seen_by.append(step.robot)
-            if explorers[step.robot].advice.question is not None:
+            if explorers[step.robot].pending.question is not None:
                 self.asking = step.robot
                 return
         footer = self._steps.recording.footer

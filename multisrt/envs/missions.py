@@ -63,8 +63,8 @@ class Missions:
     ----------
     team : int
         Number of robots.
-    seed : int
-        Seed of the spec that all missions share.
+    seed : int or None
+        The seed that was given, in the spec or as a keyword; None if there was none.
     template : RunSpec
         That spec.
 
@@ -118,7 +118,8 @@ class Missions:
         self.template = msgspec.structs.replace(template, strategy=strategy)
         self._world_seeds = None if world_seeds is None else _checked(world_seeds, self._worlds)
         self.team = len(template.robots)
-        self.seed = template.seed
+        has_seed = isinstance(worlds, RunSpec) or "seed" in given
+        self.seed = template.seed if has_seed else None
         self._built: dict[tuple[int, int | None], Environment] = {
             (number, None): world
             for number, world in enumerate(named)

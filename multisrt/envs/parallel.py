@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -11,26 +11,23 @@ from numpy.random import Generator
 from numpy.typing import NDArray
 from pettingzoo import ParallelEnv
 
-from multisrt.envs.episodes import METADATA, Episodes
 from multisrt.envs.mission import Mission
+from multisrt.envs.mission_env import MissionEnv
 from multisrt.envs.missions import Worlds, seed_of
-from multisrt.envs.rewards import Reward
 from multisrt.envs.spaces import action_space, observation_space
-from multisrt.finished_run import Run
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.recording import Recording
-from multisrt.robots.advised import Answer, DecisionSpec, Observation
+from multisrt.robots.policy import Answer, Observation
 
 MAX_STATE_CELLS = 4096
 """Largest number of rows and columns of a state."""
 
 
-class ExploreParallelEnv(ParallelEnv):  # type: ignore[misc]
+class ExploreParallelEnv(MissionEnv, ParallelEnv):  # type: ignore[misc]
     """A team that explores, and whose robots ask where to go.
 
     The mission goes on until a robot asks, and pauses there: at each step exactly one robot
     decides, while the others are on their way, wait, or are done. Only its action counts. All
-    others are to take the last action, ``go on``, the only one that their masks allow; their
+    others are to take the last action, ``no_op``, the only one that their masks allow; their
     actions are ignored. Robots that ask at the same moment do so one after the other, in
     the order in which the simulation calls on them, so that a later one may have heard where an
     earlier one goes.
@@ -44,24 +41,11 @@ class ExploreParallelEnv(ParallelEnv):  # type: ignore[misc]
     Parameters
     ----------
     environment : Environment, str, Path, RunSpec or sequence of worlds
-        The world, by name or as a map file; several, of which one is drawn for each episode; or
-        the spec of the run, whose strategy is replaced.
-    decision : DecisionSpec, optional
-        What robots observe and may be answered.
-    reward : callable, optional
-        Takes a `Gain` and returns the reward of a robot. Default: `AreaReward`, the area that
-        the team has newly seen (m2), exactly as `multisrt.measure` measures it.
-    end_coverage : float, optional
-        Share of what can be explored at which the mission is over; see `ExploreEnv`.
-    world_seeds : sequence of int, optional
-        Seeds of generated worlds, of which one is drawn for each episode.
+        Where the team explores.
     state_cells : int, default 64
         Number of rows and columns of the state.
-    render_mode : {"rgb_array"}, optional
-        Whether `render` draws: the truth, what of it was seen, and the robots.
-    **mission
-        Keywords of `multisrt.explore` that describe the team and the run: `robots`, `starts`,
-        `radio_range_m`, `radio`, `faults`, `seed`, `options`, `max_time_s`, ...
+    **keywords
+        See `MissionEnv`.
 
     Attributes
     ----------
@@ -80,40 +64,18 @@ class ExploreParallelEnv(ParallelEnv):  # type: ignore[misc]
     >>> observations, infos = env.reset(seed=1)
     >>> [agent for agent in env.agents if infos[agent]["decides"]]
     ['robot_0']
-    >>> go_on = env.action_space("robot_1").n - 1
-    >>> observations, rewards, *_ = env.step({"robot_0": 0, "robot_1": go_on})
+    >>> no_op = env.action_space("robot_1").n - 1
+    >>> observations, rewards, *_ = env.step({"robot_0": 0, "robot_1": no_op})
     >>> sorted(rewards)
     ['robot_0', 'robot_1']
     """
 
-    metadata: dict[str, Any] = METADATA
-
-    def __init__(
-        self,
-        environment: Worlds,
-        *,
-        decision: DecisionSpec | None = None,
-        reward: Reward | None = None,
-        end_coverage: float | None = None,
-        world_seeds: Sequence[int] | None = None,
-        state_cells: int = 64,
-        render_mode: str | None = None,
-        **mission: Any,
-    ) -> None:
+    def __init__(self, environment: Worlds, *, state_cells: int = 64, **keywords: Any) -> None:
         if not (isinstance(state_cells, int) and 1 <= state_cells <= MAX_STATE_CELLS):
             raise InvalidInputError(
                 f"state_cells is a whole number from 1 to {MAX_STATE_CELLS}, not {state_cells!r}"
             )
-        self._episodes = Episodes(
-            environment,
-            decision=decision,
-            reward=reward,
-            end_coverage=end_coverage,
-            world_seeds=world_seeds,
-            render_mode=render_mode,
-            keywords=mission,
-        )
-        self.render_mode = render_mode
+        super().__init__(environment, **keywords)
         team = self._episodes.missions.team
         self.possible_agents = [f"robot_{number}" for number in range(team)]
         self.agents: list[str] = []
@@ -124,16 +86,6 @@ class ExploreParallelEnv(ParallelEnv):  # type: ignore[misc]
         self.observation_spaces = {a: observation_space(team, spec) for a in self.possible_agents}
         self.action_spaces = {a: action_space(spec) for a in self.possible_agents}
         self.state_space = spaces.Box(0.0, 1.0, (3, state_cells, state_cells), np.float32)
-
-    @property
-    def run(self) -> Run:
-        """The mission as a run: so far, as if it were cut off now, or whole once it is over."""
-        return self._episodes.run
-
-    @property
-    def recording(self) -> Recording:
-        """The recording of the mission, so far or whole."""
-        return self._episodes.recording
 
     def observation_space(self, agent: str) -> spaces.Space[Any]:
         """Return the space of what an agent observes."""
@@ -232,14 +184,6 @@ class ExploreParallelEnv(ParallelEnv):  # type: ignore[misc]
         """
         return self._episodes.state(self._state_cells)
 
-    def render(self) -> NDArray[np.uint8] | None:
-        """Return a picture; see `ExploreEnv.render`."""
-        return self._episodes.picture() if self.render_mode == "rgb_array" else None
-
-    def close(self) -> None:
-        """End the mission where it is; its run can still be read."""
-        self._episodes.close()
-
     def _observations(self, mission: Mission) -> dict[str, Observation]:
         return {agent: mission.observation(self._robot(agent)) for agent in self.agents}
 
@@ -258,7 +202,7 @@ def parallel_env(environment: Worlds, **keywords: Any) -> ExploreParallelEnv:
     environment : Environment, str, Path, RunSpec or sequence of worlds
         Where the team explores.
     **keywords
-        See `ExploreParallelEnv`, of which it is an instance.
+        See `MissionEnv`; and `state_cells` of `ExploreParallelEnv`.
 
     Returns
     -------

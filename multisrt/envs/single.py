@@ -2,25 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
 import gymnasium
-import numpy as np
 from gymnasium import spaces
-from numpy.typing import NDArray
 
-from multisrt.envs.episodes import METADATA, Episodes
+from multisrt.envs.mission_env import MissionEnv
 from multisrt.envs.missions import Worlds, seed_of
-from multisrt.envs.rewards import Reward
 from multisrt.envs.spaces import action_space, observation_space
-from multisrt.finished_run import Run
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.recording import Recording
-from multisrt.robots.advised import Answer, DecisionSpec, Observation
+from multisrt.robots.policy import Answer, Observation
 
 
-class ExploreEnv(gymnasium.Env[Observation, Answer]):
+class ExploreEnv(MissionEnv, gymnasium.Env[Observation, Answer]):
     """One robot that explores, and asks at each step where to go.
 
     A step is the way from one decision to the next. An episode is a mission: it is terminated
@@ -30,34 +24,20 @@ class ExploreEnv(gymnasium.Env[Observation, Answer]):
     Parameters
     ----------
     environment : Environment, str, Path, RunSpec or sequence of worlds
-        The world, by name or as a map file; several, of which one is drawn for each episode; or
-        the spec of the run, whose strategy is replaced.
-    decision : DecisionSpec, optional
-        What the robot observes and may be answered.
-    reward : callable, optional
-        Takes a `Gain` and returns the reward. Default: `AreaReward`, the area that is newly seen
-        (m2), exactly as `multisrt.measure` measures it.
-    end_coverage : float, optional
-        Share of what can be explored at which the mission is over, checked at each decision.
-        Default: it goes on until no frontier is left. Each new world then costs the computing of
-        what can be explored there, up to some seconds.
-    world_seeds : sequence of int, optional
-        Seeds of generated worlds, of which one is drawn for each episode.
-    render_mode : {"rgb_array"}, optional
-        Whether `render` draws: the truth, what of it was seen, and the robot.
-    **mission
-        Keywords of `multisrt.explore` that describe the robot and the run: `seed`, `options`,
-        `start`, `footprint`, `range_m`, `beams`, `drive`, `faults`, `max_time_s`.
+        Where the robot explores.
+    **keywords
+        See `MissionEnv`.
 
     Raises
     ------
     InvalidInputError
-        If the arguments contradict each other or describe a run that is impossible.
+        If the arguments contradict each other or describe a run that is impossible, or a
+        team.
 
     Examples
     --------
     >>> from multisrt.envs import DecisionSpec, ExploreEnv
-    >>> env = ExploreEnv("apartment", decision=DecisionSpec(frontiers=4, parts=("frontiers",)))
+    >>> env = ExploreEnv("apartment", decision=DecisionSpec(frontiers=4, observe=("frontiers",)))
     >>> observation, info = env.reset(seed=1)
     >>> sorted(observation), observation["action_mask"].tolist()
     (['action_mask', 'frontiers', 'pose', 'time'], [1, 1, 1, 1, 0])
@@ -66,46 +46,15 @@ class ExploreEnv(gymnasium.Env[Observation, Answer]):
     (True, False, True)
     """
 
-    metadata: dict[str, Any] = METADATA
-
-    def __init__(
-        self,
-        environment: Worlds,
-        *,
-        decision: DecisionSpec | None = None,
-        reward: Reward | None = None,
-        end_coverage: float | None = None,
-        world_seeds: Sequence[int] | None = None,
-        render_mode: str | None = None,
-        **mission: Any,
-    ) -> None:
-        self._episodes = Episodes(
-            environment,
-            decision=decision,
-            reward=reward,
-            end_coverage=end_coverage,
-            world_seeds=world_seeds,
-            render_mode=render_mode,
-            keywords=mission,
-        )
+    def __init__(self, environment: Worlds, **keywords: Any) -> None:
+        super().__init__(environment, **keywords)
         if (team := self._episodes.missions.team) != 1:
             raise InvalidInputError(
                 f"an environment for Gymnasium has one robot, not {team}: use "
                 "multisrt.envs.parallel_env for a team"
             )
-        self.render_mode = render_mode
         self.observation_space: spaces.Space[Any] = observation_space(team, self._episodes.decision)
         self.action_space = action_space(self._episodes.decision)
-
-    @property
-    def run(self) -> Run:
-        """The mission as a run: so far, as if it were cut off now, or whole once it is over."""
-        return self._episodes.run
-
-    @property
-    def recording(self) -> Recording:
-        """The recording of the mission, so far or whole."""
-        return self._episodes.recording
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
@@ -116,15 +65,16 @@ class ExploreEnv(gymnasium.Env[Observation, Answer]):
         ----------
         seed : int, optional
             Seed of the mission, as in `multisrt.explore`; it also determines which world is
-            drawn, and the missions that later calls without a seed begin. Without any, the
-            first mission follows from the seed of the spec.
+            drawn, and the missions that later calls without a seed begin. Where no seed was
+            ever given, neither here nor as `seed` nor in a `RunSpec`, missions are drawn from
+            the entropy of the system, so that each environment begins others.
         options : dict, optional
             Not used.
 
         Returns
         -------
         observation : dict of str to array
-            See `multisrt.robots.advised.observing`.
+            See `multisrt.robots.policy.observing`.
         info : dict
             Measures for the record: `decides`, `valid`, `time_s`, `seen_m2`; at the end also
             `outcome` and `reason`.
@@ -132,6 +82,7 @@ class ExploreEnv(gymnasium.Env[Observation, Answer]):
         seed = None if seed is None else seed_of(seed)
         is_first = self._np_random is None
         super().reset(seed=self._episodes.missions.seed if seed is None and is_first else seed)
+        # Without any seed, `np_random` is seeded from entropy.
         mission = self._episodes.begin(seed, self.np_random)
         return mission.observation(0), mission.info(0)
 
@@ -169,20 +120,6 @@ class ExploreEnv(gymnasium.Env[Observation, Answer]):
             mission.info(0),
         )
 
-    def render(self) -> NDArray[np.uint8] | None:
-        """Return a picture of the truth and of what was seen, if `render_mode` says so.
-
-        Returns
-        -------
-        (n, n, 3) array of uint8 or None
-            Red, green and blue.
-        """
-        return self._episodes.picture() if self.render_mode == "rgb_array" else None
-
-    def close(self) -> None:
-        """End the mission where it is; its run can still be read."""
-        self._episodes.close()
-
 
 def single_env(environment: Worlds, **keywords: Any) -> ExploreEnv:
     """Return a Gymnasium environment of one robot.
@@ -192,7 +129,7 @@ def single_env(environment: Worlds, **keywords: Any) -> ExploreEnv:
     environment : Environment, str, Path, RunSpec or sequence of worlds
         Where the robot explores.
     **keywords
-        See `ExploreEnv`, of which it is an instance.
+        See `MissionEnv`.
 
     Returns
     -------

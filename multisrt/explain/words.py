@@ -13,7 +13,7 @@ from multisrt.events import (
     FellSilent,
     Joined,
     NodeName,
-    TakenAsLost,
+    PresumedLost,
 )
 
 SAME_MOMENT_S = 1e-6
@@ -24,7 +24,7 @@ def troubles(events: Iterable[AnyEvent]) -> Iterator[str]:
     """Yield a line for each event of a robot that was not planned."""
     for event in events:
         match event:
-            case TakenAsLost(other=other):
+            case PresumedLost(other=other):
                 what = f"it no longer waited for robot {other}, which did not answer"
             case Blocked(by=by, configuration=(x, y, _)):
                 what = f"protective stop at {place((x, y))}, before the body of robot {by}"

@@ -20,11 +20,11 @@ from multisrt.events import (
     NodeAdded,
     NodeName,
     Organized,
+    PresumedLost,
     Segment,
     Sensed,
     Sent,
     Supports,
-    TakenAsLost,
 )
 from multisrt.spec import RobotSpec
 
@@ -162,7 +162,7 @@ def _others(event: AnyEvent) -> Iterable[int]:
             return (*chosen, *event.open_frontier_m, *event.active_robots, *event.candidates)
         case Sent():
             return (*event.reached, *event.lost)
-        case TakenAsLost():
+        case PresumedLost():
             return (event.other,)
         case Blocked():
             return (event.by,)

@@ -34,7 +34,7 @@ class Mail:
 
     Attributes
     ----------
-    on_the_air : int
+    messages_in_flight : int
         How many messages are on their way.
     """
 
@@ -55,7 +55,7 @@ class Mail:
         self._traffic = traffic
         self._clock = clock
         self._journal = journal
-        self.on_the_air = 0
+        self.messages_in_flight = 0
         # Positions at one moment, at which many messages are sent.
         self._positions: dict[int, tuple[float, float]] = {}
         self._positions_at_s = -1.0
@@ -79,7 +79,7 @@ class Mail:
         )
         for receiver, delay_s in deliveries:
             if delay_s > 0.0:
-                self.on_the_air += 1
+                self.messages_in_flight += 1
                 self._clock.later(delay_s, partial(self._arrive, self._robots[receiver], message))
             else:
                 _deliver(self._robots[receiver], message)
@@ -109,7 +109,7 @@ class Mail:
         return self._positions[robot]
 
     def _arrive(self, robot: Robot, message: Message) -> None:
-        self.on_the_air -= 1
+        self.messages_in_flight -= 1
         _deliver(robot, message)
 
 

@@ -69,6 +69,6 @@ def simulate(
     setup = set_up(spec, environment, planning=planning)
     opened = nullcontext() if path is None else atomic_write(Path(path))
     with opened as file, closing(Simulation(setup, watch=watch, file=file)) as simulation:
-        while simulation.goes_on():
+        while simulation.has_events():
             simulation.clock.step()
         return simulation.finish()

@@ -137,7 +137,7 @@ class Simulation:
         for process in self._processes:
             clock.start(process)
 
-    def goes_on(self) -> bool:
+    def has_events(self) -> bool:
         """Whether anything is left to happen before the time of the stop rule."""
         return not self._is_over() and self.clock.next_s <= self.spec.stop.max_time_s
 
@@ -181,7 +181,7 @@ class Simulation:
         # All are done or dead, and no message is on its way that could call one on.
         if self.motions.collision is not None:
             return True
-        if self.mail.on_the_air > 0:
+        if self.mail.messages_in_flight > 0:
             return False
         for robot in self.robots:
             if robot.state == "dead":

@@ -186,9 +186,9 @@ class Stepping(Iterator[Step]):
         )
 
     @property
-    def on_the_air(self) -> int:
+    def messages_in_flight(self) -> int:
         """How many messages are on their way."""
-        return self._simulation.mail.on_the_air
+        return self._simulation.mail.messages_in_flight
 
     def frames(self, robot: int) -> tuple[FrameType, ...]:
         """Return where the explorer of a robot stands in its code, for a debugger.
@@ -216,7 +216,7 @@ class Stepping(Iterator[Step]):
 def _steps(simulation: Simulation) -> Generator[Step, None, Recording]:
     # A function, not a method: an object that is dropped takes its suspended steps along.
     with closing(simulation):
-        while simulation.goes_on():
+        while simulation.has_events():
             simulation.clock.step()
             while (step := simulation.paused_at) is not None:
                 simulation.paused_at = None

@@ -33,8 +33,8 @@ def test_a_finished_stepper_is_the_run(whole):
     assert run.digest == whole.digest
     assert stepper.is_over
     assert stepper.time_s == whole.recording.footer.time_s
-    assert [step.robot for step in stepper.of(1)] == [1] * len(stepper.of(1))
-    assert len(stepper.of(0)) + len(stepper.of(1)) == len(stepper.steps)
+    assert [step.robot for step in stepper.steps_of(1)] == [1] * len(stepper.steps_of(1))
+    assert len(stepper.steps_of(0)) + len(stepper.steps_of(1)) == len(stepper.steps)
     assert repr(stepper).endswith(f"ended {stepper.time_s:.2f} s, {len(stepper.steps)} steps)")
 
 

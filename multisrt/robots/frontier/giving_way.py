@@ -11,7 +11,7 @@ from collections.abc import Generator
 
 import numpy as np
 
-from multisrt.events import TakenAsLost
+from multisrt.events import PresumedLost
 from multisrt.planners.navigation.path_following import ahead
 from multisrt.planners.navigation.right_of_way import place_aside
 from multisrt.robots.explorer import Action, Note, Outcome, Send, Sighting, Steps
@@ -75,7 +75,7 @@ def ask_to_leave(robot: FrontierRobot, goal: Goal, met: Sighting) -> Steps:
             return
     if team.mates.last_heard_s(other) < began_s:
         robot.bodies.add(met)
-        yield Note(TakenAsLost(time_s=robot.time_s, robot=robot.me.robot, other=other))
+        yield Note(PresumedLost(time_s=robot.time_s, robot=robot.me.robot, other=other))
         return
     share = 0.5 + robot.me.rng.random()
     robot.bodies.add(met, robot.time_s + share * robot.options.forget_after_s)

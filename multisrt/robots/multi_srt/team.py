@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from multisrt.events import TakenAsLost
+from multisrt.events import PresumedLost
 from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.robots.exploration_map import ExplorationMap
 from multisrt.robots.explorer import Note, RobotSelf, Send, Steps
@@ -227,7 +227,7 @@ class Team(Listener):
         asked = tuple(pending)
         for number in asked:
             if self.roster.is_lost_when_asked(number):
-                yield Note(TakenAsLost(time_s=self.at.time_s, robot=self.number, other=number))
+                yield Note(PresumedLost(time_s=self.at.time_s, robot=self.number, other=number))
         yield from self.say(asked=asked)
 
     def news(self) -> tuple[object, ...]:

@@ -24,18 +24,18 @@ from multisrt.robots.toolkit.assignment import assignment
 from multisrt.robots.toolkit.decisions import decided
 from multisrt.robots.toolkit.frontier_map import Frontier, FrontierMap
 from multisrt.robots.toolkit.places import places_of
-from multisrt.robots.toolkit.region_explorer import Mate, RegionExplorer, RegionOptions
+from multisrt.robots.toolkit.region_explorer import RegionExplorer, RegionOptions, Teammate
 from multisrt.robots.toolkit.roadmap import NodeRoadmap
 from multisrt.robots.toolkit.trajectories import trajectory, trajectory_inside
 
 __all__ = [
     "Frontier",
     "FrontierMap",
-    "Mate",
     "Message",
     "NodeRoadmap",
     "RegionExplorer",
     "RegionOptions",
+    "Teammate",
     "assignment",
     "decided",
     "places_of",

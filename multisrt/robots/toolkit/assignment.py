@@ -120,16 +120,16 @@ class AssignmentExplorer(FrontierExplorer):
     def __init__(
         self, me: RobotSelf, options: FrontierOptions, rule: AssignmentRule, name: str
     ) -> None:
-        self.asked = Asked(rule, name)
-        super().__init__(me, options, self.asked)
+        self._adapter = RuleAdapter(rule, name)
+        super().__init__(me, options, self._adapter)
         self.asks = rule
 
     def why_no_goal(self) -> Event:
         """Return what a robot without a goal is to do: to wait, if the rule says so."""
-        return Event.BARRED if self.asked.is_waiting else super().why_no_goal()
+        return Event.BARRED if self._adapter.is_waiting else super().why_no_goal()
 
 
-class Asked:
+class RuleAdapter:
     """Adapter of an assignment rule to the frontier family.
 
     Parameters

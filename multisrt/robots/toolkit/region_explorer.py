@@ -48,7 +48,7 @@ class RegionOptions(FrontierOptions, frozen=True, kw_only=True, forbid_unknown_f
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Mate:
+class Teammate:
     """The last reported state of another robot.
 
     Attributes
@@ -150,17 +150,17 @@ class RegionExplorer(ABC):
         """The time now, in seconds."""
         return self._robot.time_s
 
-    def mates(self) -> list[Mate]:
+    def teammates(self) -> list[Teammate]:
         """Return the last reported states of the other robots, by number.
 
         Returns
         -------
-        list of Mate
+        list of Teammate
             Without those that have nothing to do, or were not heard from for
             `options.forget_after_s`.
         """
         return [
-            Mate(robot=report.robot, place=Configuration(*report.place), goal=report.goal)
+            Teammate(robot=report.robot, place=Configuration(*report.place), goal=report.goal)
             for report in self._robot.team.present()
         ]
 

@@ -20,9 +20,9 @@ from multisrt.events import (
     Motion,
     NodeAdded,
     Organized,
+    PresumedLost,
     Sent,
     Supports,
-    TakenAsLost,
 )
 from multisrt.explain.srt import explain, explain_all
 from multisrt.geometry.configuration import Configuration
@@ -111,7 +111,7 @@ STORY: tuple[AnyEvent, ...] = (
     ),
     moved(2, (6.25, 9.0, 4.0), (9.0, 8.75, 5.5)),
     Blocked(time_s=9.0, robot=2, by=0, configuration=(8.75, 5.5, 0.0)),
-    TakenAsLost(time_s=12.0, robot=2, other=1),
+    PresumedLost(time_s=12.0, robot=2, other=1),
     FellSilent(time_s=13.0, robot=2),
     CameBack(time_s=14.0, robot=2),
     MapComplete(time_s=15.0, robot=2),

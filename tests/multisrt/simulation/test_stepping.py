@@ -116,7 +116,7 @@ def test_whatever_is_read_after_any_step_changes_nothing(whole, steps):
     before = run.recording
     assert before.events[:1] == whole.events[:1] or not before.events
     assert [robot.robot for robot in run.robots] == [0, 1]
-    assert run.on_the_air >= 0
+    assert run.messages_in_flight >= 0
     for _step in run:
         pass
     assert run.recording.footer == whole.footer
@@ -184,11 +184,11 @@ def test_the_true_state_can_be_read_between_steps(stepping, word):
     assert driver.motion is steps[0].action.trajectory
     assert (driver.mailbox, talker.mailbox) == (1, 0)
     assert (driver.state, talker.motion) == ("on", None)
-    assert run.on_the_air == 0
+    assert run.messages_in_flight == 0
     next(run)
-    assert run.on_the_air == 1
+    assert run.messages_in_flight == 1
     next(run)
-    assert run.on_the_air == 0
+    assert run.messages_in_flight == 0
     assert (run.time_s, run.robots[0].mailbox) == (4.0, 2)
 
 

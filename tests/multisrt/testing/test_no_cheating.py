@@ -14,8 +14,8 @@ from multisrt.geometry.regions.edge_index import EdgeIndex
 from multisrt.geometry.regions.scan import ExactScan
 from multisrt.recording import Recorder
 from multisrt.robots import registry
-from multisrt.robots.advised import DecisionSpec
 from multisrt.robots.explorer import Done, Explorer, RobotSelf, Sense
+from multisrt.robots.policy import DecisionSpec
 from multisrt.robots.registry import strategies
 from multisrt.run import explore
 from multisrt.simulation import sensing

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import multisrt as ms
-from multisrt.robots.advised import DecisionSpec, policy_strategy
 from multisrt.robots.explorer import Sense
+from multisrt.robots.policy import DecisionSpec, policy_strategy
 from multisrt.robots.toolkit import assignment
 from multisrt.testing.own_code import back_door, outside_in
 from tests.multisrt.testing.explorers import WORLD, Base, check, explorer, refused
@@ -144,7 +144,7 @@ class Peeking:
     "policy", [knows_the_map, Peeking(), Peeking().choose, lambda seen: knows_the_map(seen)]
 )
 def test_a_policy_that_knows_the_map(policy):
-    strategy = policy_strategy("knows-the-map", policy, DecisionSpec(parts=()))
+    strategy = policy_strategy("knows-the-map", policy, DecisionSpec(observe=()))
     refused(strategy, r"ms\.environment is multisrt\.environments\.catalog\.environment")
 
 
@@ -162,7 +162,7 @@ def test_a_policy_that_counts_its_calls():
         CALLS.append(1)
         return int(len(CALLS) > 2)
 
-    strategy = policy_strategy("counts", count, DecisionSpec(parts=()))
+    strategy = policy_strategy("counts", count, DecisionSpec(observe=()))
     changes = "global 'CALLS' changes, which explorers share"
     refused(strategy, changes, world=WORLD, start=(10.4, 4.2))
 

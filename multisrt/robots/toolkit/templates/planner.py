@@ -50,7 +50,7 @@ class Mine(RegionExplorer):
         frontier_m = np.repeat([np.hypot(*(arc[:, 2:] - arc[:, :2]).T).sum() for arc in arcs], 3)
         path_m = self.costs(places)  # inf: no path, or it has been there
         score = path_m - self.options.gain * frontier_m
-        goals = [mate.goal for mate in self.mates() if mate.goal is not None]
+        goals = [other.goal for other in self.teammates() if other.goal is not None]
         if goals:
             near = cdist(places, goals).min(axis=1) < self.options.apart_m
             score = score + 100.0 * near

@@ -86,10 +86,10 @@ def test_what_is_no_frontier_is_refused(rule, told):
 
 def test_a_frontier_that_cannot_be_reached_is_refused():
     from multisrt.robots.frontier.wavefront_costs import Table
-    from multisrt.robots.toolkit.assignment import Asked
+    from multisrt.robots.toolkit.assignment import RuleAdapter
 
     costs = np.array([[np.inf, 2.0]])
     table = Table(targets=np.zeros((2, 2)), robots=(4,), costs=costs, field=None, row=0)
     with pytest.raises(ExplorerDefect, match="it returned 0, to which no path"):
-        Asked(lambda costs, robot: 0, "wrong")._ask(table)
-    assert Asked(lambda costs, robot: np.int64(1), "right")._ask(table) == 1
+        RuleAdapter(lambda costs, robot: 0, "wrong")._ask(table)
+    assert RuleAdapter(lambda costs, robot: np.int64(1), "right")._ask(table) == 1

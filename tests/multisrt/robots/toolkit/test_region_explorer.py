@@ -7,7 +7,7 @@ import multisrt as ms
 from multisrt.environments.catalog import environment
 from multisrt.events import ArcClosed, Decided, NodeAdded, Sensed
 from multisrt.robots.defects import ExplorerDefect
-from multisrt.robots.toolkit import Mate, RegionExplorer
+from multisrt.robots.toolkit import RegionExplorer, Teammate
 from multisrt.robots.toolkit.region_explorer import within_disc
 
 WORLD = environment("open", size_m=8.0, columns=2)
@@ -63,11 +63,11 @@ def test_what_stays_frontier_after_a_scan_is_given_up_once(team):
 
 
 def test_robots_know_of_each_other():
-    heard: list[tuple[int, float, Mate]] = []
+    heard: list[tuple[int, float, Teammate]] = []
 
     class Polite(Nearest):
         def choose(self):
-            heard.extend((self.me.robot, self.time_s, mate) for mate in self.mates())
+            heard.extend((self.me.robot, self.time_s, mate) for mate in self.teammates())
             return super().choose()
 
     ms.explore(WORLD, strategy=ms.Strategy.of(Polite), robots=2, seed=1)

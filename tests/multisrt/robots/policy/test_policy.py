@@ -12,14 +12,14 @@ from multisrt.events import GoalChosen
 from multisrt.geometry.grids.occupancy import FREE, OCCUPIED, UNKNOWN, Occupancy
 from multisrt.geometry.regions.boundary import OBSTACLE, RANGE
 from multisrt.geometry.regions.safe_region import LocalSafeRegion
-from multisrt.robots.advised import DecisionSpec, policy_strategy
-from multisrt.robots.advised.observing import cells_around
+from multisrt.robots.policy import DecisionSpec, policy_strategy
+from multisrt.robots.policy.observing import cells_around
 from multisrt.robots.registry import registered
 
 HALL = Environment("hall", shapely.box(0, 0, 16, 3), starts=[(8, 1.5)])
 """A robot in the middle sees 4 m to either side, and so two frontiers."""
 
-FIRST = DecisionSpec(parts=("frontiers",))
+FIRST = DecisionSpec(observe=("frontiers",))
 
 
 def nearest(observation):
@@ -65,13 +65,13 @@ def test_frontiers_are_observed_nearest_first():
 
 
 def test_fewer_frontiers_than_there_are_can_be_observed():
-    seen = first_observation(DecisionSpec(frontiers=1, parts=("frontiers",)))
+    seen = first_observation(DecisionSpec(frontiers=1, observe=("frontiers",)))
     assert seen["frontiers"].shape == (1, 4)
     assert seen["action_mask"].tolist() == [1, 0]
 
 
 def test_only_the_parts_that_are_named_are_observed():
-    assert set(first_observation(DecisionSpec(parts=()))) == {"pose", "time", "action_mask"}
+    assert set(first_observation(DecisionSpec(observe=()))) == {"pose", "time", "action_mask"}
     full = first_observation(DecisionSpec(), robots=2, start=None)
     assert {"map", "others", "others_mask", "frontiers"} < set(full)
 
@@ -103,7 +103,7 @@ def test_an_answer_that_is_no_number_is_refused(answer):
         explore(lambda observation: answer)
 
 
-PLACES = DecisionSpec(actions="place", place_m=4.0, parts=())
+PLACES = DecisionSpec(actions="place", place_m=4.0, observe=())
 
 
 def test_a_place_is_gone_to_though_nothing_is_new_there():
@@ -139,7 +139,7 @@ def test_others_are_observed_as_they_were_heard():
         seen.append(observation)
         return 0
 
-    spec = DecisionSpec(parts=("others",))
+    spec = DecisionSpec(observe=("others",))
     explore(policy, spec=spec, robots=2, starts=[(4, 1.5), (6, 1.5)], range_m=2.0)
     last = seen[-1]
     assert last["others"].shape == (1, 5)
@@ -161,14 +161,14 @@ def test_nothing_is_observed_of_robots_that_are_not_heard():
         seen.append(observation)
         return 0
 
-    spec = DecisionSpec(parts=("others",))
+    spec = DecisionSpec(observe=("others",))
     explore(policy, spec=spec, robots=2, starts=[(4, 1.5), (6, 1.5)], radio_range_m=0.0)
     assert seen
     assert not any(s["others"].any() or s["others_mask"].any() for s in seen)
 
 
 def test_the_map_is_what_the_robot_has_seen():
-    spec = DecisionSpec(parts=("map",), map_cells=60, map_scale=2)
+    spec = DecisionSpec(observe=("map",), map_cells=60, map_scale=2)
     cells = first_observation(spec, start=(8.0, 1.5))["map"]
     assert cells.dtype == np.uint8
     assert cells[30, 30] == FREE
@@ -185,7 +185,7 @@ def test_the_map_can_stay_where_the_robot_started():
         maps.append(observation)
         return 0
 
-    spec = DecisionSpec(parts=("map",), map_centre="start")
+    spec = DecisionSpec(observe=("map",), map_centre="start")
     explore(policy, spec=spec, range_m=4.0)
     assert len(maps) > 1
     free = maps[0]["map"] == FREE
@@ -214,7 +214,7 @@ def test_cells_taken_together_keep_walls():
         ({"actions": "frontiers"}, "actions is frontier or place, not 'frontiers'"),
         ({"frontiers": 0}, "frontiers is a whole number from 1"),
         ({"place_m": float("inf")}, "place_m is a positive length"),
-        ({"parts": ("map", "map")}, "names a part twice"),
+        ({"observe": ("map", "map")}, "names a part twice"),
         ({"map_cells": 2.5}, "map_cells is a whole number"),
         ({"map_centre": "world"}, "map_centre is robot or start"),
     ],

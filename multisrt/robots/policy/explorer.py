@@ -8,9 +8,6 @@ from typing import Literal
 import numpy as np
 
 from multisrt.geometry.numerics.arrays import FloatArray
-from multisrt.robots.advised.decision_spec import Answer, DecisionSpec
-from multisrt.robots.advised.observing import Observation, observe
-from multisrt.robots.advised.questions import Question, question_of
 from multisrt.robots.explorer import Look, RobotSelf
 from multisrt.robots.frontier.driving import Driven, drive
 from multisrt.robots.frontier.explore import FrontierExplorer
@@ -20,12 +17,15 @@ from multisrt.robots.frontier.nearness import drive_by_option
 from multisrt.robots.frontier.options import BiddingOptions
 from multisrt.robots.frontier.robot import FrontierRobot
 from multisrt.robots.frontier.wavefront_rules import Choice, note_goal, settle_on
+from multisrt.robots.policy.decision_spec import Answer, DecisionSpec
+from multisrt.robots.policy.observing import Observation, observe
+from multisrt.robots.policy.questions import Question, question_of
 
 Policy = Callable[[Observation], Answer]
 """Takes what a robot observes, and returns where it is to go."""
 
 
-class AdvisedOptions(BiddingOptions, frozen=True, kw_only=True, forbid_unknown_fields=True):
+class PolicyOptions(BiddingOptions, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Parameters of robots that are told where to go: those of `BiddingOptions`.
 
     Attributes
@@ -38,51 +38,51 @@ class AdvisedOptions(BiddingOptions, frozen=True, kw_only=True, forbid_unknown_f
     replan: Literal["news", "target"] = "target"
 
 
-class AdvisedExplorer(FrontierExplorer):
+class PolicyExplorer(FrontierExplorer):
     """Explores by driving where a policy says.
 
     Parameters
     ----------
     me : RobotSelf
         What the robot knows of itself.
-    options : AdvisedOptions
+    options : PolicyOptions
         Its parameters.
     spec : DecisionSpec
         What it observes and may be answered.
     policy : callable, optional
         Chooses where it goes. Default: the answer comes from outside. Then the run pauses at an
-        action `Look` while `advice.question` is set, and `advice.answer` has to be set before it
+        action `Look` while `pending.question` is set, and `pending.answer` has to be set before it
         goes on.
     rule : str, default "policy"
         The name under which its choices are put on record.
 
     Attributes
     ----------
-    advice : Advice
+    pending : PendingDecision
         Its question that waits for an answer.
     """
 
     def __init__(
         self,
         me: RobotSelf,
-        options: AdvisedOptions,
+        options: PolicyOptions,
         spec: DecisionSpec,
         policy: Policy | None = None,
         *,
         rule: str = "policy",
     ) -> None:
-        advice = Advice(spec, policy, rule)
-        super().__init__(me, options, advice.choose, advice.drive)
-        self.advice = advice
+        pending = PendingDecision(spec, policy, rule)
+        super().__init__(me, options, pending.choose, pending.drive)
+        self.pending = pending
         self.asks = policy
 
     def observe(self) -> Observation:
         """Return what the robot observes as it asks; to be called while it does."""
-        assert self.advice.question is not None
-        return observe(self.robot, self.advice.question, self.advice.spec)
+        assert self.pending.question is not None
+        return observe(self.robot, self.pending.question, self.pending.spec)
 
 
-class Advice:
+class PendingDecision:
     """The question of one robot, the answer to it, and the goal that follows.
 
     Parameters

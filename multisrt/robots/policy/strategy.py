@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from multisrt.robots.advised.decision_spec import DecisionSpec
-from multisrt.robots.advised.explorer import AdvisedExplorer, AdvisedOptions, Policy
 from multisrt.robots.built_in import require_no_car
 from multisrt.robots.explorer import Explorer, RobotSelf
+from multisrt.robots.policy.decision_spec import DecisionSpec
+from multisrt.robots.policy.explorer import Policy, PolicyExplorer, PolicyOptions
 from multisrt.robots.strategy import Strategy
 from multisrt.spec import RunSpec
 
@@ -32,7 +32,7 @@ def policy_strategy(
         Takes what a robot observes (a dict of arrays), and returns the number of a frontier, or
         the offset of a place. One policy serves all robots: it must keep nothing from one call
         to the next, or runs would not repeat. None: answers come from outside; see
-        `AdvisedExplorer`.
+        `PolicyExplorer`.
     spec : DecisionSpec, optional
         What robots observe and may be answered.
     summary : str, optional
@@ -48,7 +48,7 @@ def policy_strategy(
     Always to the nearest frontier, the first of those that are observed:
 
     >>> import multisrt as ms
-    >>> spec = DecisionSpec(parts=())
+    >>> spec = DecisionSpec(observe=())
     >>> first = policy_strategy("first-frontier", lambda observation: 0, spec)
     >>> run = ms.explore("open", strategy=first, seed=1)
     >>> run.outcome, run.metrics.coverage > 0.99
@@ -56,8 +56,8 @@ def policy_strategy(
     """
     decisions = DecisionSpec() if spec is None else spec
 
-    def explorer(me: RobotSelf, options: AdvisedOptions) -> Explorer:
-        return AdvisedExplorer(me, options, decisions, policy, rule=name)
+    def explorer(me: RobotSelf, options: PolicyOptions) -> Explorer:
+        return PolicyExplorer(me, options, decisions, policy, rule=name)
 
     if policy is not None:
         # The strategy is one of the policy's module: loading by reference goes by that.
@@ -67,7 +67,7 @@ def policy_strategy(
     return Strategy(
         name=name,
         summary=summary,
-        options=AdvisedOptions,
+        options=PolicyOptions,
         explorer=explorer,
         fits=_require_fit,
     )

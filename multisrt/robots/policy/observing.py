@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 
 from multisrt.geometry.grids.occupancy import Occupancy
 from multisrt.geometry.numerics.arrays import ByteArray
-from multisrt.robots.advised.decision_spec import DecisionSpec
-from multisrt.robots.advised.questions import Question
 from multisrt.robots.frontier.robot import FrontierRobot
+from multisrt.robots.policy.decision_spec import DecisionSpec
+from multisrt.robots.policy.questions import Question
 
 Observation = dict[str, NDArray[Any]]
 """The parts of an observation, by name."""
@@ -63,7 +63,7 @@ def observe(robot: FrontierRobot, question: Question, spec: DecisionSpec) -> Obs
     seen["pose"][2] = np.clip(np.float32(robot.at.heading), -np.float32(np.pi), np.float32(np.pi))
     seen["time"][0] = min(robot.time_s, MAX_TIME_S)
     _allow(seen, spec, len(question.nearest))
-    if "frontiers" in spec.parts:
+    if "frontiers" in spec.observe:
         rows = question.nearest
         seen["frontiers"][: len(rows)] = np.column_stack(
             [
@@ -72,9 +72,9 @@ def observe(robot: FrontierRobot, question: Question, spec: DecisionSpec) -> Obs
                 np.minimum(question.costs_m[rows], FAR_M),
             ]
         )
-    if "others" in spec.parts:
+    if "others" in spec.observe:
         _note_others(seen, robot)
-    if "map" in spec.parts:
+    if "map" in spec.observe:
         x, y, _ = robot.at if spec.map_centre == "robot" else robot.me.start
         seen["map"] = cells_around(robot.raster, (x, y), spec.map_cells, spec.map_scale)
     return seen
@@ -86,12 +86,12 @@ def nothing_observed(team: int, spec: DecisionSpec) -> Observation:
         "pose": np.zeros(3, np.float32),
         "time": np.zeros(1, np.float32),
     }
-    if "frontiers" in spec.parts:
+    if "frontiers" in spec.observe:
         seen["frontiers"] = np.zeros((spec.frontiers, len(FRONTIER_COLUMNS)), np.float32)
-    if "others" in spec.parts and team > 1:
+    if "others" in spec.observe and team > 1:
         seen["others"] = np.zeros((team - 1, len(OTHER_COLUMNS)), np.float32)
         seen["others_mask"] = np.zeros((team - 1, 2), np.int8)
-    if "map" in spec.parts:
+    if "map" in spec.observe:
         seen["map"] = np.zeros((spec.map_cells, spec.map_cells), np.uint8)
     _allow(seen, spec, 0)
     return seen
@@ -135,13 +135,13 @@ def cells_around(
 
 
 def _allow(seen: Observation, spec: DecisionSpec, frontiers: int) -> None:
-    # Which actions a robot may take: one of some frontiers, or without any, to go on.
+    # Which actions a robot may take: one of some frontiers, or without any, none.
     if spec.actions == "place":
         seen["decides"] = np.array([frontiers > 0], np.int8)
         return
     mask = seen["action_mask"] = np.zeros(spec.frontiers + 1, np.int8)
     mask[:frontiers] = 1
-    mask[spec.go_on] = frontiers == 0
+    mask[spec.no_op] = frontiers == 0
 
 
 def _note_others(seen: Observation, robot: FrontierRobot) -> None:

@@ -41,7 +41,7 @@ class DecisionSpec(msgspec.Struct, frozen=True, kw_only=True):
         Number of frontiers to choose from: the nearest ones by their path.
     place_m : float
         With places: an answer of 1 means so many metres along an axis.
-    parts : tuple of {"frontiers", "others", "map"}
+    observe : tuple of {"frontiers", "others", "map"}
         The parts of the observation. What is left out is not computed.
     map_cells : int
         Number of rows and columns of the observed map.
@@ -57,10 +57,10 @@ class DecisionSpec(msgspec.Struct, frozen=True, kw_only=True):
 
     Examples
     --------
-    >>> spec = DecisionSpec(frontiers=5, parts=("frontiers",))
-    >>> spec.actions, spec.go_on
+    >>> spec = DecisionSpec(frontiers=5, observe=("frontiers",))
+    >>> spec.actions, spec.no_op
     ('frontier', 5)
-    >>> DecisionSpec(parts=("maps",))
+    >>> DecisionSpec(observe=("maps",))
     Traceback (most recent call last):
     ...
     multisrt.geometry.errors.InvalidInputError: an observation has no part 'maps' (did you mean...
@@ -69,23 +69,25 @@ class DecisionSpec(msgspec.Struct, frozen=True, kw_only=True):
     actions: Literal["frontier", "place"] = "frontier"
     frontiers: int = 8
     place_m: float = 5.0
-    parts: tuple[Part, ...] = get_args(Part)
+    observe: tuple[Part, ...] = get_args(Part)
     map_cells: int = 64
     map_scale: int = 2
     map_centre: Literal["robot", "start"] = "robot"
 
     def __post_init__(self) -> None:
         known = get_args(Part)
-        if not isinstance(self.parts, tuple | list):
-            raise InvalidInputError(f"parts is a tuple of {', '.join(known)}, not {self.parts!r}")
-        for part in self.parts:
+        if not isinstance(self.observe, tuple | list):
+            raise InvalidInputError(
+                f"observe is a tuple of {', '.join(known)}, not {self.observe!r}"
+            )
+        for part in self.observe:
             if part not in known:
                 raise InvalidInputError(
                     f"an observation has no part {part!r}{did_you_mean(str(part), known)}; "
                     f"it has: {', '.join(known)}"
                 )
-        if len(set(self.parts)) < len(self.parts):
-            raise InvalidInputError(f"parts names a part twice: {', '.join(self.parts)}")
+        if len(set(self.observe)) < len(self.observe):
+            raise InvalidInputError(f"observe names a part twice: {', '.join(self.observe)}")
         for name, given, allowed in (
             ("actions", self.actions, ("frontier", "place")),
             ("map_centre", self.map_centre, ("robot", "start")),
@@ -103,7 +105,7 @@ class DecisionSpec(msgspec.Struct, frozen=True, kw_only=True):
             raise InvalidInputError(f"place_m is a positive length in m, not {self.place_m!r}")
 
     @property
-    def go_on(self) -> int:
+    def no_op(self) -> int:
         """The action of a robot that asks nothing and goes on: the number after the frontiers."""
         return self.frontiers
 

@@ -5,17 +5,17 @@ give way as those do, and ask the policy whenever they need a goal. What they ob
 their scans, their messages and their own place alone.
 """
 
-from multisrt.robots.advised.decision_spec import Answer, DecisionSpec
-from multisrt.robots.advised.explorer import AdvisedExplorer, AdvisedOptions, Policy
-from multisrt.robots.advised.observing import Observation
-from multisrt.robots.advised.strategy import policy_strategy
+from multisrt.robots.policy.decision_spec import Answer, DecisionSpec
+from multisrt.robots.policy.explorer import Policy, PolicyExplorer, PolicyOptions
+from multisrt.robots.policy.observing import Observation
+from multisrt.robots.policy.strategy import policy_strategy
 
 __all__ = [
-    "AdvisedExplorer",
-    "AdvisedOptions",
     "Answer",
     "DecisionSpec",
     "Observation",
     "Policy",
+    "PolicyExplorer",
+    "PolicyOptions",
     "policy_strategy",
 ]

@@ -25,7 +25,12 @@ Drive = Callable[[FrontierRobot, Goal], Driven]
 
 
 def drive(
-    robot: FrontierRobot, goal: Goal, purpose: Purpose = "explore", *, to_see: bool = True
+    robot: FrontierRobot,
+    goal: Goal,
+    purpose: Purpose = "explore",
+    *,
+    to_see: bool = True,
+    all_the_way: bool = False,
 ) -> Driven:
     """Follow the path to a goal until there is a reason to end.
 
@@ -43,6 +48,9 @@ def drive(
     to_see : bool
         Whether the robot goes there to see what is unknown. If so, the drive also ends where that
         is seen from afar, nothing is left to be seen, or the map has changed.
+    all_the_way : bool
+        Whether it goes on though the raster has no frontier there, as to a place that was chosen
+        by other means: otherwise the drive ends before it begins.
 
     Returns
     -------
@@ -52,7 +60,7 @@ def drive(
     """
     path = goal.path
     while True:
-        reason = reason_to_end(robot, goal, to_see=to_see)
+        reason = reason_to_end(robot, goal, to_see=to_see, all_the_way=all_the_way)
         if reason is not None:
             return reason
         path = ahead(path, robot.at)
@@ -130,7 +138,9 @@ def carry_out(
     return moved
 
 
-def reason_to_end(robot: FrontierRobot, goal: Goal, *, to_see: bool) -> Event | None:
+def reason_to_end(
+    robot: FrontierRobot, goal: Goal, *, to_see: bool, all_the_way: bool = False
+) -> Event | None:
     """Return the reason not to drive on to a goal, as in `drive`; None if there is none."""
     if robot.team.requests.any_pending:
         return Event.INTERRUPTED
@@ -140,7 +150,8 @@ def reason_to_end(robot: FrontierRobot, goal: Goal, *, to_see: bool) -> Event | 
         return None
     if robot.sees_at_half_range(goal):
         return Event.REACHED
-    if robot.options.sense == "moving" and not robot.is_frontier(*goal.place):
+    maps = robot.options.sense == "moving" and not all_the_way
+    if maps and not robot.is_frontier(*goal.place):
         return Event.NOTHING_LEFT
     if robot.may_choose_anew():
         return Event.NEWS

@@ -17,6 +17,7 @@ from multisrt.geometry.numerics.arrays import FloatArray
 from multisrt.robots.defects import ExplorerDefect
 from multisrt.robots.exploration_map import ExplorationMap
 from multisrt.robots.explorer import Note, RobotSelf, Steps
+from multisrt.robots.frontier.driving import Driven, drive
 from multisrt.robots.frontier.explore import FrontierExplorer
 from multisrt.robots.frontier.goal import Goal, Place
 from multisrt.robots.frontier.options import FrontierOptions
@@ -119,10 +120,12 @@ class RegionExplorer(ABC):
             reach_m=me.max_range_m, min_arc_m=me.footprint.width_m, robot=me.robot
         )
         self._explorer = FrontierExplorer(
-            me, options, self._choose, barred=lambda _: self._is_barred
+            me, options, self._choose, self._drive, barred=lambda _: self._is_barred
         )
         # Whether bodies alone bar the ways to a place that was asked for in the last choice.
         self._is_barred = False
+        # Whether the raster, too, had frontier at the place when it was chosen.
+        self._is_frontier = False
         self._closings = 0
         self._explanation: tuple[str, Any, dict[str, Any]] | None = None
 
@@ -224,10 +227,16 @@ class RegionExplorer(ABC):
             (),
             nothing,
         )
+        self._is_frontier = goal is not None and robot.is_frontier(*goal.place)
         # On record is the place as it was chosen, which is one of the options.
         place = None if goal is None else chosen
         yield decided(self.me, robot.time_s, text, place, options, **values)
         return goal
+
+    def _drive(self, robot: FrontierRobot, goal: Goal) -> Driven:
+        # The raster's frontier may be gone where arcs of regions are left: a drive that ended for
+        # that at once would be chosen again, and again.
+        return drive(robot, goal, all_the_way=not self._is_frontier)
 
     def _leave_behind(self, place: Place, because: Event) -> Steps:
         # There is no second time at a place that was chosen, for any robot: others would go there

@@ -3,7 +3,8 @@
 The policy goes to the frontier with the highest weighted sum of features. Weights are drawn from a
 normal distribution, tried in generated mazes, and the best ones give the next distribution.
 `python examples/learn_policy.py` learns in under a minute, and compares what it learned with
-random choice and the nearest frontier in mazes that it has not seen. Needs `multisrt[learn]`.
+random choice and the nearest frontier in mazes that it has not seen, mission by mission. Needs
+`multisrt[learn]`.
 """
 
 from functools import partial
@@ -12,6 +13,7 @@ import numpy as np
 
 import multisrt as ms
 from multisrt.envs import AreaReward, DecisionSpec, single_env
+from multisrt.statistics.intervals import student
 
 DECISION = DecisionSpec(observe=("frontiers",))
 MAZES = ms.CatalogEnvironment(name="maze", parameters={"size_m": 12, "cells": 6, "loops": 0.3})
@@ -36,21 +38,21 @@ def random_choice(chance, seen):
     return int(chance.choice(np.flatnonzero(seen["action_mask"][:-1])))
 
 
-def total_reward(env, policy, seeds):
-    """Return the mean total reward of missions."""
-    total = 0.0
-    for seed in seeds:
+def total_rewards(env, policy, seeds):
+    """Return the total reward of each mission."""
+    totals = np.zeros(len(seeds))
+    for number, seed in enumerate(seeds):
         seen, _ = env.reset(seed=seed)
         is_over = False
         while not is_over:
             seen, reward, terminated, truncated, _ = env.step(policy(seen))
-            total += reward
+            totals[number] += reward
             is_over = terminated or truncated
-    return total / len(seeds)
+    return totals
 
 
 def main(rounds=4, candidates=10, worlds=3, tests=12):
-    """Learn weights and print what they are worth; return total rewards by policy."""
+    """Learn weights and print what they are worth; return total rewards by policy and mission."""
     mazes = partial(
         single_env, MAZES, decision=DECISION, reward=AreaReward(time_cost_per_s=0.2), max_time_s=3e3
     )
@@ -59,7 +61,7 @@ def main(rounds=4, candidates=10, worlds=3, tests=12):
     for number in range(rounds):
         drawn = mean + spread * chance.standard_normal((candidates, len(FEATURES)))
         seeds = chance.integers(2**31, size=worlds).tolist()
-        scores = [total_reward(env, partial(linear, weights), seeds) for weights in drawn]
+        scores = [total_rewards(env, partial(linear, weights), seeds).mean() for weights in drawn]
         best = drawn[np.argsort(scores)[-max(2, candidates // 4) :]]
         mean, spread = best.mean(axis=0), best.std(axis=0) + 0.1
         print(f"round {number + 1}: mean total reward {np.mean(scores):7.1f}")
@@ -70,9 +72,16 @@ def main(rounds=4, candidates=10, worlds=3, tests=12):
         "nearest": lambda seen: 0,
         "learned": partial(linear, mean),
     }
-    found = {name: total_reward(unseen, policy, seeds) for name, policy in policies.items()}
-    for name, reward in found.items():
-        print(f"{name:8} {reward:7.1f} in mazes that it has not seen")
+    found = {name: total_rewards(unseen, policy, seeds) for name, policy in policies.items()}
+    for name, rewards in found.items():
+        print(f"{name:8} {rewards.mean():7.1f} in mazes that it has not seen")
+    # All played the same missions: the difference in each of them tells more than two means.
+    for name in ("random", "nearest"):
+        gain = student(found["learned"] - found[name])
+        print(
+            f"learned - {name:8} {gain.value:+6.1f} a mission, "
+            f"95 % interval {gain.low:+.1f} to {gain.high:+.1f}, {tests} missions"
+        )
     return found
 
 

@@ -1,12 +1,16 @@
 """The page on learning: its code runs from top to bottom."""
 
+import os
 import re
 import runpy
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 
 from multisrt.robots import registry
+from tests.docs.test_pages import blocks
 
 PAGE = Path(__file__).parents[2] / "docs" / "learning.md"
 
@@ -25,3 +29,20 @@ def test_the_code_of_the_page_runs(tmp_path, monkeypatch, capsys):
     told = capsys.readouterr().out
     assert "complete 99.9% covered" in told
     assert (tmp_path / "learned.svg").exists()
+
+
+@pytest.mark.slow
+def test_teams_are_played_in_a_pool_of_processes(tmp_path):
+    [block] = [block for block in blocks(PAGE) if block.file]
+    file = tmp_path / block.file
+    file.write_text(block.text)
+    done = subprocess.run(
+        [sys.executable, file],
+        capture_output=True,
+        text=True,
+        check=False,
+        env={**os.environ, "PYTHONPATH": str(PAGE.parent.parent)},
+    )
+    assert done.returncode == 0, done.stderr
+    rewards = re.findall(r"([\d.]+) m2", done.stdout)
+    assert len(rewards) == len(set(rewards)) == 4

@@ -46,7 +46,7 @@ class Mine(RegionExplorer):
             return None
         # An arc is a row of segments x0, y0, x1, y1. Candidates: the middle of each, and both
         # ends, which may be in reach where the middle is not.
-        places = np.vstack([arc[[len(arc) // 2, 0, -1], :2] for arc in arcs])
+        places = np.vstack([[arc[len(arc) // 2, :2], arc[0, :2], arc[-1, 2:]] for arc in arcs])
         frontier_m = np.repeat([np.hypot(*(arc[:, 2:] - arc[:, :2]).T).sum() for arc in arcs], 3)
         path_m = self.costs(places)  # inf: no path, or it has been there
         score = path_m - self.options.gain * frontier_m

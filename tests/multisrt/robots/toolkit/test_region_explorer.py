@@ -1,4 +1,5 @@
 import math
+from collections import Counter
 
 import numpy as np
 import pytest
@@ -53,6 +54,18 @@ def test_scans_are_mapped_where_places_were_chosen(team):
         for node in nodes:
             assert min(math.dist(node.configuration[:2], goal) for goal in goals) < 0.8
     assert len(team.recording.of(Sensed)) > len(team.recording.of(NodeAdded))
+
+
+@pytest.mark.parametrize("replan", ["target", "news"])
+def test_a_planner_may_map_what_it_sees_on_the_way(replan):
+    """Places where an arc is left, but no frontier of the raster, are driven to nevertheless."""
+    options = {"sense": "moving", "replan": replan}
+    run = ms.explore(WORLD, strategy=Nearest, robots=2, seed=1, options=options, max_time_s=300.0)
+    assert run.outcome == "complete"
+    assert run.metrics.coverage > 0.95
+    # The same place may be chosen again on the way there, but not without end.
+    goals = Counter((e.robot, e.goal) for e in run.recording.of(Decided) if e.goal is not None)
+    assert max(goals.values()) < 10
 
 
 def test_what_stays_frontier_after_a_scan_is_given_up_once(team):

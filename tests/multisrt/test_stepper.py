@@ -181,7 +181,12 @@ def test_a_stepper_that_is_given_up_cannot_be_finished():
 
 def test_robots_that_are_not_there_are_named():
     stepper = ms.Stepper(SPEC)
-    for call in (stepper.of, stepper.where, stepper.variables, lambda k: stepper.until(robot=k)):
+    for call in (
+        stepper.steps_of,
+        stepper.where,
+        stepper.variables,
+        lambda k: stepper.until(robot=k),
+    ):
         with pytest.raises(InvalidInputError, match="no robot 2; robots are 0 to 1"):
             call(2)
 

@@ -319,14 +319,14 @@ def test_without_a_seed_missions_follow_from_that_of_the_spec():
 
 def test_environments_without_any_seed_begin_missions_of_their_own():
     """Two of eight draws of 31 bits are equal once in 10^8 times."""
-    alone = [single_env(HALL, decision=FEW) for _ in range(2)]
-    teams = [parallel_env(HALL, decision=FEW, robots=2) for _ in range(2)]
-    seeds = [(env.reset(), env.run.spec.seed)[1] for env in (*alone, *teams) for _ in range(2)]
+    alone: list[Any] = [single_env(HALL, decision=FEW) for _ in range(2)]
+    teams: list[Any] = [parallel_env(HALL, decision=FEW, robots=2) for _ in range(2)]
+    seeds = [(env.reset(), env.run.spec.seed)[1] for env in alone + teams for _ in range(2)]
     assert len(set(seeds)) == len(seeds)
 
 
 def test_vectors_without_a_seed_begin_missions_of_their_own():
-    envs = gymnasium.make_vec(
+    envs: Any = gymnasium.make_vec(
         ENV_ID, num_envs=3, vectorization_mode="sync", environment=HALL, decision=FEW
     )
     envs.reset()

@@ -16,7 +16,6 @@ import numpy as np
 from multisrt.environments.environment import Environment
 from multisrt.experiments.live import LiveProgress
 from multisrt.experiments.modules import Entrant, import_modules, named
-from multisrt.experiments.own_source import require_files
 from multisrt.experiments.results import Results
 from multisrt.experiments.runner import require_no_import, run_experiment
 from multisrt.experiments.spec import (
@@ -28,6 +27,7 @@ from multisrt.experiments.spec import (
     TeamChoice,
 )
 from multisrt.experiments.store import Store
+from multisrt.experiments.user_source import require_files
 from multisrt.extras.notebook import picture_html
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.numerics.arrays import builtin

@@ -14,10 +14,10 @@ import pytest
 
 import multisrt as ms
 from multisrt.experiments.modules import named, worker_references
-from multisrt.experiments.own_source import source_digest
 from multisrt.experiments.provenance import provenance
 from multisrt.experiments.spec import ExperimentSpec
 from multisrt.experiments.store import Store
+from multisrt.experiments.user_source import source_digest
 from multisrt.robots.explorer import Done
 from multisrt.robots.registry import register, strategy
 from multisrt.robots.strategy import Strategy

@@ -2,26 +2,19 @@
 
 from __future__ import annotations
 
-import ast
 import hashlib
-import importlib.util
+import inspect
 import sys
-import sysconfig
 from collections.abc import Iterable, Iterator
-from pathlib import Path
-from types import ModuleType
+from types import CodeType
+from typing import Any
 
 from multisrt.experiments.modules import home_modules, own_strategies
 from multisrt.experiments.provenance import Provenance, code_of, provenance
 from multisrt.experiments.spec import ExperimentSpec
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.robots.loading import is_outdated
 from multisrt.robots.strategy import Strategy
-
-_LIBRARIES = tuple(
-    Path(sysconfig.get_path(kind)).resolve()
-    for kind in ("stdlib", "platstdlib", "purelib", "platlib")
-)
+from multisrt.robots.user_modules import files_behind, require_current
 
 
 def provenance_with(own: Iterable[Strategy]) -> Provenance:
@@ -102,86 +95,36 @@ def require_files(spec: ExperimentSpec) -> None:
 
 
 def _code_behind(own: Strategy) -> Iterator[bytes]:
-    begin = {}
-    for module in home_modules(own):
-        _require_current(module)
-        file = getattr(module, "__file__", None)
-        if file is not None and file.endswith(".py") and Path(file).exists():
-            begin[Path(file).resolve()] = module.__package__ or ""
-    roots = [path.parent for path in begin]
-    waiting, seen = list(begin.items()), set(begin)
-    while waiting:
-        path, package = waiting.pop()
+    modules = home_modules(own)
+    for module in modules:
+        require_current(module)
+    _require_latest(own)
+    contents = {file.path: file.content for file in files_behind(modules)}
+    for path, content in contents.items():
         try:
-            code, tree = code_of(path.read_bytes())
-        except (OSError, SyntaxError, UnicodeDecodeError) as error:
+            yield code_of(content)[0]
+        except (SyntaxError, UnicodeDecodeError) as error:
             raise InvalidInputError(f"{path}: cannot be read as Python: {error}") from None
-        yield code
-        for its_package, imported in _imports(tree, package):
-            found = _file_of(imported)
-            if found is not None and found not in seen and _is_own(found, roots):
-                _require_current(sys.modules.get(imported))
-                seen.add(found)
-                waiting.append((found, its_package))
 
 
-def _require_current(module: ModuleType | None) -> None:
-    if module is not None and is_outdated(module):
+def _require_latest(own: Strategy) -> None:
+    """Check that an explorer's class or function is not of an earlier import of its module."""
+    explorer: Any = inspect.unwrap(own.explorer)
+    home = sys.modules.get(explorer.__module__)
+    name = getattr(explorer, "__qualname__", "")
+    latest: Any = None if home is None or not hasattr(home, "__file__") else vars(home).get(name)
+    told = [getattr(latest, field, None) for field in ("__module__", "__qualname__")]
+    if told != [explorer.__module__, name]:
+        return
+    # Classes that one import makes in a loop share their code; imports do not.
+    codes = {id(code) for code in _codes(latest)}
+    if latest is not explorer and codes and codes.isdisjoint(map(id, _codes(explorer))):
         raise InvalidInputError(
-            f"{Path(module.__file__ or '').name} has changed since it was imported here: start "
-            f"again, or import it again (importlib.reload) and give its strategy anew"
+            f"{name}, of the strategy {own.name!r}, is of an earlier import of "
+            f"{explorer.__module__}: take it from there anew"
         )
 
 
-def _imports(tree: ast.Module, package: str) -> Iterator[tuple[str, str]]:
-    """Yield the full names that a module in a package imports, each with the package it is in."""
-    for node in ast.walk(tree):
-        if isinstance(node, ast.Import):
-            names = [alias.name for alias in node.names]
-        elif isinstance(node, ast.ImportFrom):
-            base = node.module or ""
-            if node.level:
-                above = package.split(".")[: len(package.split(".")) - node.level + 1]
-                base = ".".join([*above, *filter(None, [base])])
-            names = [base, *(f"{base}.{alias.name}" for alias in node.names)]
-        else:
-            continue
-        for name in names:
-            parts = name.split(".")
-            for length in range(1, len(parts) + 1):
-                full = ".".join(parts[:length])
-                path = _file_of(full)
-                is_package = path is not None and path.name == "__init__.py"
-                yield (full if is_package else full.rpartition(".")[0]), full
-
-
-def _file_of(name: str) -> Path | None:
-    """Return the Python file of a module by its full name, without importing it."""
-    top, *rest = name.split(".")
-    if top in ("", "multisrt"):
-        return None
-    try:
-        spec = sys.modules[top].__spec__ if top in sys.modules else importlib.util.find_spec(top)
-    except (ImportError, ValueError):
-        return None
-    if spec is None:
-        return None
-    if not rest:
-        path = Path(spec.origin) if spec.origin and spec.origin.endswith(".py") else None
-        return path.resolve() if path is not None and path.exists() else None
-    for folder in spec.submodule_search_locations or ():
-        base = Path(folder).joinpath(*rest)
-        for path in (base.with_suffix(".py"), base / "__init__.py"):
-            if path.exists():
-                return path.resolve()
-    return None
-
-
-def _is_own(path: Path, roots: list[Path]) -> bool:
-    """Whether a file is no library's, or of the package that defines the strategy."""
-    libraries = [library for library in _LIBRARIES if path.is_relative_to(library)]
-    beside = [root for root in roots if path.is_relative_to(root)]
-    return all(
-        any(root != library and root.is_relative_to(library) for root in beside)
-        for library in libraries
-    )
+def _codes(explorer: Any) -> list[CodeType]:
+    functions = vars(explorer).values() if inspect.isclass(explorer) else [explorer]
+    return [each.__code__ for each in functions if inspect.isfunction(each)]

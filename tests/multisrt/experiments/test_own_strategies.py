@@ -339,6 +339,18 @@ def test_workers_say_what_they_do_not_know() -> None:
     with pytest.raises(ms.InvalidInputError, match=r"a worker has no strategy 'odd' after import"):
         ms.compare("open", "odd", seeds=1, workers=1, progress=False)
 
+    class Inside:
+        def __init__(self, me: object) -> None:
+            pass
+
+        def run(self) -> Any:
+            yield Done(complete=False, reason="enough")
+
+    told = r"'inside' after importing json; .* cannot be imported .*: Inside is defined within a f"
+    told = told.replace("Inside", r"\S*Inside")
+    with pytest.raises(ms.InvalidInputError, match=told):
+        ms.compare("open", Inside, seeds=1, workers=1, imports=["json"], progress=False)
+
 
 def test_a_provenance_without_own_strategies_stays_readable() -> None:
     assert provenance().strategies == {}

@@ -3,43 +3,35 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from contextlib import ExitStack
-from dataclasses import fields as dataclass_fields
-from numbers import Integral
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import msgspec
-import numpy as np
 
 from multisrt.environments.environment import Environment
+from multisrt.experiments.from_keywords import from_fields, from_keywords
 from multisrt.experiments.live import LiveProgress
 from multisrt.experiments.modules import Entrant, import_modules, named
-from multisrt.experiments.own_source import require_files
 from multisrt.experiments.results import Results
 from multisrt.experiments.runner import require_no_import, run_experiment
 from multisrt.experiments.spec import (
     EnvironmentChoice,
     ExperimentSpec,
     FaultsChoice,
-    RadioChoice,
     StartsChoice,
     TeamChoice,
 )
 from multisrt.experiments.store import Store
-from multisrt.extras.notebook import picture_html
+from multisrt.experiments.user_source import require_files
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.geometry.numerics.arrays import builtin
-from multisrt.reporting.layout import Table
-from multisrt.simulation.worlds import inline
+from multisrt.reporting.shown import Drawings, ShownTable, shown
 from multisrt.spec import RadioSpec
-from multisrt.terminal import terminal_width
 
 if TYPE_CHECKING:
     from multisrt.experiments.measures import Measure
     from multisrt.extras.frames import DataFrame, Package
-    from multisrt.reporting.style import Picture
 
 FIRST_MEASURE = "time_to_95_s"
 """The measure that tables and figures show by default."""
@@ -176,13 +168,13 @@ def compare(
                 "an ExperimentSpec is complete: with it, give only workers, cluster, store, "
                 f"remake, imports and progress, and leave out {', '.join(given)}"
             )
-        spec = _experiment_of(environments)
+        spec = from_fields(environments)
         if store is None and spec.recordings == "failed":
             spec = msgspec.structs.replace(spec, recordings="none")
     else:
         if strategies is None:
             raise InvalidInputError("name the strategies to compare, or give an ExperimentSpec")
-        spec = _experiment({"environments": environments} | given)
+        spec = from_keywords({"environments": environments} | given)
     if spec.recordings != "none" and store is None:
         raise InvalidInputError(
             "recordings are kept beside the results: say where those go (store=...)"
@@ -195,7 +187,11 @@ def compare(
             store = Path(scratch) / "results.sqlite"
         opened = stack.enter_context(Store.create_or_open(store, spec, Path.cwd(), remake=remake))
         live = stack.enter_context(LiveProgress(progress))
-        run_experiment(opened, workers=workers, cluster=cluster, modules=imports, progress=live)
+        try:
+            run_experiment(opened, workers=workers, cluster=cluster, modules=imports, progress=live)
+        except InvalidInputError as error:
+            # It says all; where in the runner it was found would hide where it was called.
+            raise error.with_traceback(None)  # noqa: B904
         return Comparison(opened.results(), Path.cwd())
 
 
@@ -253,7 +249,7 @@ class Comparison:
         """
         from multisrt.reporting.overview import overview_table
 
-        return _shown(overview_table(self.results, baseline=baseline))
+        return shown(overview_table(self.results, baseline=baseline))
 
     def table(
         self, measure: str | Measure = FIRST_MEASURE, *, baseline: str | None = None
@@ -285,7 +281,7 @@ class Comparison:
         """
         from multisrt.reporting.tables import summary_table
 
-        return _shown(summary_table(self.results, measure, baseline=baseline))
+        return shown(summary_table(self.results, measure, baseline=baseline))
 
     def plot(
         self, measure: str | Measure = FIRST_MEASURE, *, baseline: str | None = None
@@ -394,133 +390,3 @@ class Comparison:
         from multisrt.reporting.words import totals
 
         return self.overview().notebook_html(totals(self.results))
-
-
-class ShownTable(Table):
-    """A table that prints itself on a terminal, as wide as that is, and in a notebook."""
-
-    def __repr__(self) -> str:
-        return self.text(terminal_width())
-
-    def __str__(self) -> str:
-        return repr(self)
-
-    def _repr_html_(self) -> str:
-        return self.notebook_html()
-
-
-def _shown(table: Table) -> ShownTable:
-    return ShownTable(
-        **{field.name: getattr(table, field.name) for field in dataclass_fields(Table)}
-    )
-
-
-class Drawings(tuple["Picture", ...]):
-    """Figures that show themselves in a notebook and can be saved as files."""
-
-    __slots__ = ()
-
-    def save(self, folder: str | Path) -> list[Path]:
-        """Write each figure as SVG and as PDF.
-
-        Parameters
-        ----------
-        folder : str or Path
-            Folder for the files; it is created if necessary.
-
-        Returns
-        -------
-        list of Path
-            The files written.
-
-        Raises
-        ------
-        InvalidInputError
-            If the folder cannot be written to.
-        """
-        written = []
-        try:
-            Path(folder).mkdir(parents=True, exist_ok=True)
-            for picture in self:
-                for suffix, data in ((".svg", picture.svg), (".pdf", picture.pdf)):
-                    path = Path(folder) / f"{picture.name}{suffix}"
-                    path.write_bytes(data)
-                    written.append(path)
-        except OSError as error:
-            raise InvalidInputError(
-                f"cannot write to {folder}: {error.strerror or error}"
-            ) from None
-        return written
-
-    def __repr__(self) -> str:
-        return "\n".join(picture.alt for picture in self)
-
-    def _repr_html_(self) -> str:
-        return "\n".join(picture_html(picture.svg, picture.alt) for picture in self)
-
-
-# From keywords to an experiment --------------------------------------------------------------
-
-
-def _experiment(given: Mapping[str, Any]) -> ExperimentSpec:
-    """Build an experiment from the keywords of the short form."""
-    fields: dict[str, Any] = {"name": "comparison", "recordings": "none"} | dict(given)
-    for name in ("environments", "strategies", "robots", "starts", "radios", "faults"):
-        if name in fields:
-            fields[name] = _several(fields[name])
-    fields["environments"] = [_environment(one) for one in fields["environments"]]
-    if "radios" in fields:
-        fields["radios"] = [_radio(one) for one in fields["radios"]]
-    if "seeds" in fields:
-        fields |= _repetitions(fields.pop("seeds"))
-    return _experiment_of(fields)
-
-
-def _experiment_of(fields: object) -> ExperimentSpec:
-    # An experiment from its fields or parts, with numbers of numpy as builtin ones.
-    try:
-        plain = msgspec.to_builtins(fields, enc_hook=builtin)
-    except (TypeError, NotImplementedError) as error:
-        raise InvalidInputError(
-            f"an experiment consists of text, numbers and the parts of an ExperimentSpec "
-            f"({', '.join(ExperimentSpec.__struct_fields__)}): {error}"
-        ) from None
-    return ExperimentSpec.from_dict(plain)
-
-
-def _several(given: object) -> list[Any]:
-    if isinstance(given, Iterable) and not isinstance(given, (str, bytes, dict)):
-        return list(given)
-    return [given]
-
-
-def _repetitions(seeds: object) -> dict[str, int]:
-    if isinstance(seeds, bool):
-        raise InvalidInputError(f"seeds are a number of repetitions, or a range, not {seeds}")
-    if isinstance(seeds, Integral):
-        return {"repetitions": int(seeds)}
-    if not isinstance(seeds, Iterable) or isinstance(seeds, str):
-        raise InvalidInputError(f"seeds are a number of repetitions, or a range, not {seeds!r}")
-    given = list(seeds)
-    if not all(isinstance(seed, Integral) and not isinstance(seed, bool) for seed in given):
-        raise InvalidInputError(f"seeds are whole numbers, not {seeds!r}")
-    if not given or given != list(range(given[0], given[0] + len(given))):
-        raise InvalidInputError(
-            f"seeds are consecutive numbers, as in range(100, 120), not {seeds!r}"
-        )
-    return {"first_seed": int(given[0]), "repetitions": len(given)}
-
-
-def _environment(given: object) -> object:
-    if isinstance(given, Environment):
-        written = inline(given)
-        return EnvironmentChoice(name=written.name, wkt=written.wkt, starts=written.starts)
-    return str(given) if isinstance(given, Path) else given
-
-
-def _radio(given: object) -> object:
-    if isinstance(given, int | float | np.integer | np.floating) and not isinstance(given, bool):
-        return RadioChoice(range_m=float(given))
-    if isinstance(given, RadioSpec) and not isinstance(given, RadioChoice):
-        return RadioChoice(**msgspec.structs.asdict(given))
-    return given

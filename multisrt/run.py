@@ -6,7 +6,7 @@ import inspect
 import operator
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any, Literal, Never
+from typing import Any, Literal, ParamSpec, TypedDict, TypeVar, Unpack
 
 from multisrt.analysis.progress import Progress
 from multisrt.environments.environment import Environment
@@ -31,31 +31,69 @@ from multisrt.spec import (
 )
 from multisrt.spec.keywords import checked, refuse_unknown, require_use, start_of
 
+_P = ParamSpec("_P")
+_R = TypeVar("_R")
+
 Starts = Literal["scattered", "clustered"] | Sequence[Sequence[float]]
 """Start configurations of a team: how to draw them, or one for each robot."""
 
 
+class RunKeywords(TypedDict, total=False):
+    """The keywords that describe a run; `explore` says what they mean."""
+
+    strategy: str | Strategy | Callable[..., Explorer] | None
+    seed: int | None
+    options: Mapping[str, Scalar] | None
+    robots: int | Sequence[RobotSpec] | None
+    start: Sequence[float] | None
+    starts: Starts | None
+    footprint: str | None
+    range_m: float | None
+    beams: int | None
+    drive: DriveSpec | None
+    radio_range_m: float | None
+    radio: RadioSpec | None
+    faults: Sequence[Fault] | None
+    max_time_s: float | None
+
+
+def with_run_keywords(
+    function: Callable[_P, _R],
+) -> Callable[_P, _R]:
+    """Show each of `RunKeywords` in the signature of a function that takes them.
+
+    Parameters
+    ----------
+    function : callable
+        Its last parameter is ``**keywords: Unpack[RunKeywords]``.
+
+    Returns
+    -------
+    callable
+        The same function.
+    """
+    signature = inspect.signature(function)
+    *own, _ = signature.parameters.values()
+    first = [each for each in own if each.kind is not each.KEYWORD_ONLY]
+    run = [
+        inspect.Parameter(
+            name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=kind.__forward_arg__
+        )
+        for name, kind in RunKeywords.__annotations__.items()
+    ]
+    shown = signature.replace(parameters=[*first, *run, *own[len(first) :]])
+    function.__signature__ = shown  # type: ignore[attr-defined]
+    return function
+
+
+@with_run_keywords
 def explore(
     environment: Environment | str | Path | RunSpec,
     *,
-    strategy: str | Strategy | Callable[..., Explorer] | None = None,
-    seed: int | None = None,
-    options: Mapping[str, Scalar] | None = None,
-    robots: int | Sequence[RobotSpec] | None = None,
-    start: Sequence[float] | None = None,
-    starts: Starts | None = None,
-    footprint: str | None = None,
-    range_m: float | None = None,
-    beams: int | None = None,
-    drive: DriveSpec | None = None,
-    radio_range_m: float | None = None,
-    radio: RadioSpec | None = None,
-    faults: Sequence[Fault] | None = None,
-    max_time_s: float | None = None,
     recording_path: str | Path | None = None,
     watch: Watcher | None = None,
     progress: bool = False,
-    **unknown: Never,
+    **keywords: Unpack[RunKeywords],
 ) -> Run:
     """Explore an environment with one robot or a team.
 
@@ -109,8 +147,6 @@ def explore(
     progress : bool
         Whether to show the simulated time and the share that was seen, on one line; on a terminal
         or in a notebook only.
-    **unknown
-        Refused: nothing else may be given.
 
     Returns
     -------
@@ -146,27 +182,15 @@ def explore(
     >>> ms.explore(run.spec).digest == run.digest
     True
     """
-    refuse_unknown("explore", unknown, inspect.signature(explore).parameters)
-    robot = {"footprint": footprint, "range_m": range_m, "beams": beams, "drive": drive}
-    team = {"robots": robots, "start": start, "starts": starts}
-    rest = {
-        "strategy": strategy,
-        "seed": seed,
-        "options": options,
-        "radio_range_m": radio_range_m,
-        "radio": radio,
-        "faults": faults,
-        "max_time_s": max_time_s,
-    }
-    given = {name: value for name, value in (rest | team | robot).items() if value is not None}
-    spec, world = spec_and_world(environment, given)
+    refuse_unknown("explore", keywords, inspect.signature(explore).parameters)
+    spec, world = spec_and_world(environment, keywords)
     with Progress(quiet=not progress) as live:
         watch = live.watcher(spec, world, watch)
         return Run(simulate(spec, world, path=recording_path, watch=watch), world)
 
 
 def spec_and_world(
-    environment: Environment | str | Path | RunSpec, given: Mapping[str, Any]
+    environment: Environment | str | Path | RunSpec, keywords: Mapping[str, Any]
 ) -> tuple[RunSpec, Environment]:
     """Return the spec and the world that the arguments of `explore` describe.
 
@@ -174,14 +198,15 @@ def spec_and_world(
     ----------
     environment : Environment, str, Path or RunSpec
         As for `explore`.
-    given : mapping
-        The arguments of `explore` that describe the run and that are given, by name.
+    keywords : mapping
+        Those of `RunKeywords` that are given; None is as if it were not.
 
     Raises
     ------
     InvalidInputError
         As `explore`.
     """
+    given = {name: value for name, value in keywords.items() if value is not None}
     if isinstance(environment, RunSpec):
         if given:
             raise InvalidInputError(

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+import inspect
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Final, TypedDict, Unpack, get_args
+from typing import Any, Final, Unpack, get_args
 
 from multisrt.environments.environment import Environment
 from multisrt.events import (
@@ -22,11 +23,10 @@ from multisrt.finished_run import Run
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.recording import Recording, atomic_write
 from multisrt.robots.explorer import Action, Explorer, Note
-from multisrt.robots.strategy import Strategy
-from multisrt.run import Starts, spec_and_world
+from multisrt.run import RunKeywords, spec_and_world, with_run_keywords
 from multisrt.simulation.journal import Watcher
 from multisrt.simulation.stepping import RobotState, Step, Stepping
-from multisrt.spec import DriveSpec, Fault, RadioSpec, RobotSpec, RunSpec, Scalar
+from multisrt.spec import RunSpec
 from multisrt.spec.keywords import refuse_unknown
 
 NEWS: Final = (NodeAdded, Learned, MapComplete, ArcClosed, ArcReopened, PresumedLost)
@@ -34,25 +34,6 @@ NEWS: Final = (NodeAdded, Learned, MapComplete, ArcClosed, ArcReopened, Presumed
 
 DECISIONS: Final = tuple(kind for kind in get_args(NotedEvent) if kind not in NEWS)
 """Events that tell a decision of an explorer."""
-
-
-class RunArguments(TypedDict, total=False):
-    """The keywords of `multisrt.explore` that describe a run."""
-
-    strategy: str | Strategy | Callable[..., Explorer]
-    seed: int
-    options: Mapping[str, Scalar]
-    robots: int | Sequence[RobotSpec]
-    start: Sequence[float]
-    starts: Starts
-    footprint: str
-    range_m: float
-    beams: int
-    drive: DriveSpec
-    radio_range_m: float
-    radio: RadioSpec
-    faults: Sequence[Fault]
-    max_time_s: float
 
 
 class Stepper(Iterator[Step]):
@@ -67,7 +48,7 @@ class Stepper(Iterator[Step]):
         As for `multisrt.explore`.
     watch : callable, optional
         Called with every event as it happens.
-    **arguments
+    **keywords
         The keywords of `multisrt.explore` that describe the run.
 
     Attributes
@@ -99,16 +80,16 @@ class Stepper(Iterator[Step]):
     True
     """
 
+    @with_run_keywords
     def __init__(
         self,
         environment: Environment | str | Path | RunSpec,
         *,
         watch: Watcher | None = None,
-        **arguments: Unpack[RunArguments],
+        **keywords: Unpack[RunKeywords],
     ) -> None:
-        refuse_unknown("Stepper", arguments, RunArguments.__annotations__)
-        given = {name: value for name, value in arguments.items() if value is not None}
-        spec, self.environment = spec_and_world(environment, given)
+        refuse_unknown("Stepper", keywords, inspect.signature(Stepper).parameters)
+        spec, self.environment = spec_and_world(environment, keywords)
         self._stepping = Stepping(spec, self.environment, watch=watch)
         self.steps: list[Step] = []
 

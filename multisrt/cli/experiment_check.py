@@ -121,8 +121,8 @@ def _estimate(
     from multisrt.experiments.estimate import estimate
     from multisrt.experiments.live import LiveProgress
     from multisrt.experiments.modules import own_strategies, worker_references
-    from multisrt.experiments.own_source import provenance_with
     from multisrt.experiments.runner import job_of
+    from multisrt.experiments.user_source import provenance_with
     from multisrt.experiments.worker import Worker
 
     made_by = provenance_with(own_strategies(spec))

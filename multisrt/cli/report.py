@@ -79,7 +79,7 @@ def report(
     with LiveLine(not quiet, "report", "reading") as live:
         with Store.open(results) as store:
             found, folder = store.results(), store.folder
-        from multisrt.reporting.own_strategies import cautions
+        from multisrt.reporting.custom_strategies import cautions
         from multisrt.reporting.page import write_report
 
         page = write_report(

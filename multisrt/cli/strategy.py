@@ -7,6 +7,7 @@ from pathlib import Path
 import click
 
 from multisrt.cli.mistakes import CommandGroup
+from multisrt.cli.outputs import require_no_file
 
 SIZES = ("rule", "planner", "explorer")
 """As in `multisrt.robots.toolkit.templates`, which help pages do without."""
@@ -52,21 +53,37 @@ def new(file: Path, size: str, name: str | None, force: bool) -> None:
       multisrt strategy new doors.py --size rule --name nearest-door
     """
     from multisrt.geometry.errors import InvalidInputError
+    from multisrt.recording import atomic_write
     from multisrt.robots.toolkit.templates import template
 
     if file.suffix != ".py":
         raise click.BadParameter(f"{file} must have the suffix .py", param_hint="FILE")
+    _require_own_name(file)
     text = template(size, file.stem if name is None else name, str(file))
+    require_no_file(file, force=force)
     try:
         file.parent.mkdir(parents=True, exist_ok=True)
-        with file.open("w" if force else "x", encoding="utf-8") as opened:
-            opened.write(text)
-    except FileExistsError:
-        raise InvalidInputError(
-            f"{file} exists already; choose another name, or overwrite it with --force"
-        ) from None
     except OSError as error:
         raise InvalidInputError(f"cannot write {file}: {error.strerror or error}") from None
+    with atomic_write(file) as opened:
+        opened.write(text.encode())
     click.echo(file)
     click.echo(f"next: multisrt check {file}")
     click.echo(f"      multisrt explore museum --strategy {file} --robots 3")
+
+
+def _require_own_name(file: Path) -> None:
+    """Check that a file hides no module of Python or of a library from scripts beside it."""
+    import importlib.util
+
+    from multisrt.geometry.errors import InvalidInputError
+
+    spec = importlib.util.find_spec(file.stem) if file.stem.isidentifier() else None
+    if spec is None or spec.origin is None:  # nothing, or a folder of that name
+        return
+    beside = (Path.cwd(), file.parent.resolve())
+    if not (spec.has_location and Path(spec.origin).resolve().parent in beside):
+        raise InvalidInputError(
+            f"{file} would hide the module {file.stem!r} from scripts beside it: choose another "
+            f"name, such as {file.with_stem(f'my_{file.stem}')}"
+        )

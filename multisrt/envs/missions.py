@@ -12,7 +12,7 @@ from numpy.random import Generator
 
 from multisrt.environments.environment import Environment
 from multisrt.geometry.errors import InvalidInputError, did_you_mean
-from multisrt.run import run_fields
+from multisrt.run import RunKeywords, run_fields
 from multisrt.simulation.worlds import build_environment, environment_spec, inline
 from multisrt.spec import CatalogEnvironment, FileEnvironment, InlineEnvironment, RunSpec
 from multisrt.spec.environments import EnvironmentSpec
@@ -20,21 +20,7 @@ from multisrt.spec.environments import EnvironmentSpec
 MAX_BUILT = 64
 """Maximum number of built worlds that are kept; the oldest is dropped first."""
 
-KEYWORDS = (
-    "seed",
-    "options",
-    "robots",
-    "start",
-    "starts",
-    "footprint",
-    "range_m",
-    "beams",
-    "drive",
-    "radio_range_m",
-    "radio",
-    "faults",
-    "max_time_s",
-)
+KEYWORDS = tuple(name for name in RunKeywords.__annotations__ if name != "strategy")
 """The keywords of `multisrt.explore` that describe a team and its mission."""
 
 World = Environment | EnvironmentSpec | str | Path

@@ -22,6 +22,8 @@ from multisrt.robots.strategy import Strategy
 Entrant = str | StrategyChoice | Strategy | Callable[..., Explorer]
 """A strategy to compare: its name, with or without options, or one's own as an object."""
 
+_TO_A_FILE = "write it to a file and import it from there (in a notebook: %%writefile mine.py)"
+
 
 def import_modules(references: Sequence[str]) -> None:
     """Import modules and files, and register the strategies in them.
@@ -138,7 +140,7 @@ def worker_references(
         try:
             found[reference_of(own, by_name=by_name)] = None
         except InvalidInputError:
-            if not given:  # it is registered by what is given, perhaps; workers say if it is not
+            if not given:  # what is given registers it, perhaps; `Worker` says this if it does not
                 raise
     return tuple(found)
 
@@ -177,7 +179,7 @@ def reference_of(own: Strategy, *, by_name: bool = False) -> str:
                 own,
                 f"it is defined in {path.name}, the script that is running, which would run again "
                 "in each of them",
-                "put what the script does under if __name__ == '__main__', or ",
+                "put what the script does under if __name__ == '__main__':",
             )
         place = started_as or str(path)
     elif path is not None and "." not in place and not hasattr(module, "__path__"):
@@ -243,7 +245,9 @@ def _home_of(own: Strategy) -> tuple[ModuleType, str]:
         return main, bound
     if "<locals>" in name:
         raise _not_importable(
-            own, f"{name} is defined within a function", "name the module that registers it, or "
+            own,
+            f"{name} is defined within a function",
+            "name the module that registers it, or write it to a file and import it from there",
         )
     if home is builtins:  # what `exec` gives to classes of code that has no __name__
         raise _not_importable(own, "it is defined by exec, in no module")
@@ -280,9 +284,8 @@ def _absolute(reference: str) -> str:
     return f"{Path(found['file']).expanduser().resolve()}{found['name'] or ''}"
 
 
-def _not_importable(own: Strategy, why: str, remedy: str = "") -> InvalidInputError:
+def _not_importable(own: Strategy, why: str, remedy: str = _TO_A_FILE) -> InvalidInputError:
     return InvalidInputError(
-        f"the strategy {own.name!r} cannot be imported by worker processes: {why}; {remedy}write "
-        "it to a file and import it from there (in a notebook: %%writefile mine.py), or give "
-        "workers=0 (--workers 0), which makes the runs in this process, one after another"
+        f"the strategy {own.name!r} cannot be imported by worker processes: {why}; {remedy}, or "
+        "give workers=0 (--workers 0), which makes the runs in this process, one after another"
     )

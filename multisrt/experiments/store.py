@@ -23,7 +23,6 @@ import msgspec
 from multisrt.experiments.crossing import PlannedRun, runs
 from multisrt.experiments.lock import WriteLock
 from multisrt.experiments.modules import own_strategies
-from multisrt.experiments.own_source import provenance_with
 from multisrt.experiments.provenance import Provenance, changed_strategies
 from multisrt.experiments.results import Result, Results, Status, referred
 from multisrt.experiments.spec import ExperimentSpec
@@ -43,6 +42,7 @@ from multisrt.experiments.store_growth import (
 )
 from multisrt.experiments.store_plans import PlanTable
 from multisrt.experiments.store_rows import COLUMNS, result_of, row_of
+from multisrt.experiments.user_source import provenance_with
 from multisrt.geometry.errors import InvalidInputError
 
 UNFINISHED: tuple[Status, ...] = ("over_time", "over_memory", "crashed", "refused", "error")

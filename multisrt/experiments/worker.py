@@ -22,9 +22,11 @@ import msgspec
 from multisrt.experiments.import_path import python_command
 from multisrt.experiments.job import ANSWERS, Answer, Job, Made, Ready, Unable
 from multisrt.experiments.limits import GRACE_S
+from multisrt.experiments.modules import reference_of
 from multisrt.experiments.provenance import Provenance, changed_strategies, differences, provenance
 from multisrt.experiments.results import Result
 from multisrt.geometry.errors import InvalidInputError
+from multisrt.robots.registry import is_known, strategy
 
 OUTSIDE_SIGNALS = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT, signal.SIGHUP)
 """Signals that end a worker through no fault of its run."""
@@ -171,9 +173,7 @@ class Worker:
             self._end()
             raise InvalidInputError(
                 f"a worker has no strategy {missing[0]!r} after importing "
-                f"{', '.join(self._modules) or 'nothing'}; name the module or file that registers "
-                "it: --import on the command line, imports=[...] in Python; or bind the Strategy "
-                "to a name in its module"
+                f"{', '.join(self._modules) or 'nothing'}; {_remedy(missing[0])}"
             )
         if changed := changed_strategies(self._expected, other):
             self._end()
@@ -253,6 +253,19 @@ class _Process:
         with errors:
             while piece := os.read(errors.fileno(), 65_536):
                 self._last_words = (self._last_words + piece)[-MAX_STDERR_BYTES:]
+
+
+def _remedy(missing: str) -> str:
+    """Return what to do about a strategy that a worker does not know."""
+    if is_known(missing):  # not so in a cluster's worker
+        try:
+            reference_of(strategy(missing))
+        except InvalidInputError as error:  # `worker_references` left it to what the user named
+            return str(error)
+    return (
+        "name the module or file that registers it: --import on the command line, imports=[...] "
+        "in Python; or bind the Strategy to a name in its module"
+    )
 
 
 def _how_it_ended(code: int) -> str:

@@ -26,7 +26,7 @@ from multisrt.experiments.import_path import extend_path
 from multisrt.experiments.job import Answer, Job, Made, Ready, Unable
 from multisrt.experiments.memory import MemoryTrimmer
 from multisrt.experiments.modules import import_modules
-from multisrt.experiments.own_source import provenance_with
+from multisrt.experiments.user_source import provenance_with
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.robots.registry import is_built_in, strategies
 

@@ -21,8 +21,8 @@ from multisrt.events import (
     Point,
     Supports,
 )
+from multisrt.explain.custom import own_choice_lines, own_lines
 from multisrt.explain.frontier import bid_lines, choice_lines
-from multisrt.explain.own import own_choice_lines, own_lines
 from multisrt.explain.words import SAME_MOMENT_S, by_robot, listed, many, place, titled, troubles
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.recording import Recording

@@ -19,9 +19,9 @@ from multisrt.experiments.results import Results
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.reporting import figures, overall_figures, tables
 from multisrt.reporting.claims import Claim, PrintedTable
+from multisrt.reporting.custom_strategies import cautions, imports
 from multisrt.reporting.layout import Cell, Table, number, slug
 from multisrt.reporting.overview import overview
-from multisrt.reporting.own_strategies import cautions, imports
 from multisrt.reporting.reruns import MAX_FAILURES, Failure, Gallery, Specs, Tree, failures
 from multisrt.reporting.reruns import gallery as drawn_gallery
 from multisrt.reporting.study import Study, chosen_measures, other_measures

@@ -12,8 +12,8 @@ from multisrt.experiments.crossing import Condition, runs
 from multisrt.experiments.measures import MEASURES, measure_named
 from multisrt.experiments.results import Result, Results
 from multisrt.geometry.errors import InvalidInputError
+from multisrt.reporting.custom_strategies import imported
 from multisrt.reporting.layout import slug
-from multisrt.reporting.own_strategies import imported
 from multisrt.reporting.study import Study
 from multisrt.robots.registry import is_built_in
 from multisrt.spec import RunSpec

@@ -19,7 +19,6 @@ import traceback
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
-from importlib.machinery import ModuleSpec
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
@@ -27,6 +26,14 @@ from typing import TYPE_CHECKING, Any
 from multisrt.geometry.errors import InvalidInputError, did_you_mean
 from multisrt.robots.registry import register, strategies
 from multisrt.robots.strategy import Strategy, as_strategy
+from multisrt.robots.user_modules import (
+    Place,
+    forget_outdated,
+    keep_track,
+    outdated,
+    require_current,
+    users_modules,
+)
 
 if TYPE_CHECKING:
     from multisrt.robots.explorer import Explorer
@@ -40,8 +47,8 @@ _importing: ContextVar[str] = ContextVar("_importing", default="")
 _registered: dict[str, Strategy] = {}
 """The strategies that were registered here, not by the module that has them."""
 
-_read: dict[str, tuple[ModuleSpec, bytes]] = {}
-"""What each file held when it was imported here, by the name of its module."""
+_brought: set[Place] = set()
+"""The users' modules that were first imported for a file here."""
 
 
 def is_reference(text: str) -> bool:
@@ -230,9 +237,10 @@ def candidates_in(module: ModuleType) -> dict[str, Any]:
 def import_place(place: str) -> ModuleType:
     """Import a module by its name, or a file under its stem.
 
-    A file that has been imported already is imported again if it has changed since. Its folder
-    is added to the end of the import path, so that it can import what is beside it. If its stem
-    is that of another module, it is imported under a name of its own.
+    A file that has been imported already is imported again if it has changed since, or a file
+    that it imports has; that one is imported again, too, if it was first imported for this file.
+    The folder of the file is added to the end of the import path, so that it can import what is
+    beside it. If its stem is that of another module, it is imported under a name of its own.
 
     Parameters
     ----------
@@ -248,7 +256,8 @@ def import_place(place: str) -> ModuleType:
     Raises
     ------
     InvalidInputError
-        If it cannot be imported; the message says in which file and line.
+        If it cannot be imported; the message says in which file and line. If a file that it
+        imports has changed since others imported that.
 
     Examples
     --------
@@ -268,40 +277,6 @@ def import_place(place: str) -> ModuleType:
             f"module in it, {place}.MODULE"
         )
     return module
-
-
-def is_outdated(module: ModuleType) -> bool:
-    """Whether the file of a module has changed since this process imported it.
-
-    Parameters
-    ----------
-    module : module
-        The module.
-
-    Returns
-    -------
-    bool
-        Judged by the text that was imported, or by the compiled file that Python keeps.
-
-    Examples
-    --------
-    >>> is_outdated(importlib.import_module("json"))
-    False
-    """
-    path = Path(getattr(module, "__file__", None) or "")
-    if path.suffix != ".py" or not path.is_file():
-        return False
-    spec, content = _read.get(module.__name__, (None, b""))
-    if spec is not None and spec is module.__spec__:  # it was not imported otherwise since
-        return path.read_bytes() != content
-    cached = Path(getattr(module.__spec__, "cached", None) or "")
-    header = cached.read_bytes()[:16] if cached.is_file() else b""
-    if len(header) < 16 or header[4:8] != bytes(4):
-        return False
-    # Python's own check: modification time and size of the source, modulo 2 ** 32.
-    now = path.stat()
-    kept = [int.from_bytes(header[begin : begin + 4], "little") for begin in (8, 12)]
-    return kept != [int(now.st_mtime) % 2**32, now.st_size % 2**32]
 
 
 def being_imported() -> str:
@@ -346,8 +321,10 @@ def _import_file(place: str) -> ModuleType:
     _add_to_path(str(path.parent))
     name = _module_name(path)
     there = sys.modules.get(name)
-    if there is not None and not is_outdated(there):
+    if there is not None and not outdated(there):
         return there
+    forget_outdated(_brought)
+    before = set(sys.modules)
     spec = importlib.util.spec_from_file_location(name, path)
     assert spec is not None
     assert spec.loader is not None
@@ -359,8 +336,12 @@ def _import_file(place: str) -> ModuleType:
             exec(compile(content, str(path), "exec", dont_inherit=True), vars(module))
     except BaseException:
         del sys.modules[name]
+        for imported, _ in users_modules(set(sys.modules) - before, path.parent):
+            del sys.modules[imported]  # it may change before the next attempt
         raise
-    _read[name] = spec, content
+    behind = keep_track(module, content) | users_modules(set(sys.modules) - before, path.parent)
+    _brought.update(each for each in behind if each[0] not in before | {name})
+    require_current(module)
     return module
 
 

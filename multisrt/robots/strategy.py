@@ -150,6 +150,12 @@ class Strategy:
                 if is_built
                 else "a strategy is made of the class of an explorer, or of a function that builds "
                 f"one, not of {explorer!r}"
+                + ("; write def my_rule(me, options): return ..." if callable(explorer) else "")
+            )
+        if name is None and explorer.__name__ == "<lambda>":
+            raise InvalidInputError(
+                "a strategy is called as its class or function, and a lambda has no name: give "
+                "name=, as in Strategy.of(..., name='my-rule')"
             )
         parameters = _positional(explorer)
         alone = len(parameters) == 1

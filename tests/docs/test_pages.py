@@ -20,6 +20,7 @@ from PIL import Image
 import multisrt as ms
 from multisrt import comparison, run
 from multisrt.cli import cli
+from multisrt.experiments.from_keywords import from_keywords
 
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
@@ -114,7 +115,7 @@ def workplace(tmp_path, monkeypatch):
             return comparison.compare(environments, strategies, robots=robots, seeds=seeds, **given)
         options = {k: given.pop(k) for k in ("store", "imports") if k in given}
         fields = {"environments": environments, "strategies": strategies, "robots": robots}
-        spec = comparison._experiment({**fields, "seeds": seeds, **given})
+        spec = from_keywords({**fields, "seeds": seeds, **given})
         spec = msgspec.structs.replace(
             spec,
             environments=spec.environments[:1],

@@ -1,4 +1,5 @@
 import inspect
+from typing import Any
 
 import pytest
 import shapely
@@ -6,7 +7,7 @@ import shapely
 import multisrt
 from multisrt.environments.environment import Environment
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.run import Run, explore
+from multisrt.run import Run, RunKeywords, explore
 from multisrt.simulation.worlds import inline
 from multisrt.spec import (
     Death,
@@ -58,6 +59,42 @@ def test_the_defaults_are_those_of_the_specs(spec_of):
     names = set(inspect.signature(explore).parameters)
     keywords = names - {"environment", "recording_path", "watch"}
     assert spec_of(ROOM, **dict.fromkeys(keywords)) == RunSpec(environment=inline(ROOM))
+
+
+EXAMPLES: dict[str, Any] = {
+    "strategy": "srt-star",
+    "seed": 7,
+    "options": {"cones": 12},
+    "robots": 3,
+    "start": (1.0, 1.0),
+    "starts": [(1.0, 1.0), (2.0, 1.0)],
+    "footprint": "box:0.6x0.4",
+    "range_m": 3.0,
+    "beams": 90,
+    "drive": DriveSpec(speed_m_s=0.7),
+    "radio_range_m": 15.0,
+    "radio": RadioSpec(range_m=18.0),
+    "faults": [Death(robot=1, time_s=3.0)],
+    "max_time_s": 50.0,
+}
+"""A value of each keyword that differs from its default."""
+
+
+def test_each_keyword_of_a_run_is_taken_everywhere(spec_of):
+    assert EXAMPLES.keys() == RunKeywords.__annotations__.keys()
+    for name, value in EXAMPLES.items():
+        base = {"robots": 2} if name in ("radio_range_m", "radio", "faults") else {}
+        given = base | {name: value}
+        assert spec_of(ROOM, **given) != spec_of(ROOM, **base), name
+        assert multisrt.Stepper(ROOM, **given).spec == spec_of(ROOM, **given), name
+
+
+def test_signatures_show_each_keyword_of_a_run():
+    for function, others in ((explore, 4), (multisrt.Stepper, 2)):
+        shown = inspect.signature(function).parameters
+        assert RunKeywords.__annotations__.keys() < shown.keys()
+        assert len(shown) == others + len(EXAMPLES)
+        assert shown["seed"].annotation == "int | None"
 
 
 def test_every_keyword_reaches_the_spec(spec_of):
@@ -217,7 +254,7 @@ def test_the_specs_of_faults_and_radios_are_public():
     ("given", "said"),
     [
         ({"starts": "clustered"}, "starts is for teams, and there is one robot: give robots"),
-        ({"radio_range_m": 5.0}, "radio_range_m is for teams"),
+        ({"radio_range_m": 15.0}, "radio_range_m is for teams"),
         (
             {"starts": "clustered", "robots": [RobotSpec(start=(2, 2))]},
             "starts says how starts are drawn, but every robot was given its start",

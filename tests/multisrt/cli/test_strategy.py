@@ -51,9 +51,7 @@ def test_an_existing_file_is_overwritten_only_by_force(call, folder):
     before = everything(folder)
     code, out, err = call("strategy", "new", "mine.py")
     assert (code, out) == (2, "")
-    assert err == (
-        "error: mine.py exists already; choose another name, or overwrite it with --force\n"
-    )
+    assert err == ("error: mine.py exists already: name another file, or replace it with --force\n")
     assert everything(folder) == before
     assert call("strategy", "new", "mine.py", "--force")[0] == 0
     assert "RegionExplorer" in (folder / "mine.py").read_text()
@@ -67,6 +65,10 @@ def test_an_existing_file_is_overwritten_only_by_force(call, folder):
         (["minpos.py"], "there is a strategy 'minpos' already"),
         (["mine.py", "--size", "huge"], "'huge' is not one of"),
         (["room.wkt/mine.py"], "room.wkt"),
+        (["own/numpy.py"], "would hide the module 'numpy' from scripts beside it: choose another"),
+        (["random.py", "--force"], "another name, such as my_random.py"),
+        (["sys.py"], "such as my_sys.py"),
+        (["multisrt.py"], "such as my_multisrt.py"),
     ],
 )
 def test_what_cannot_be_written_is_told(call, folder, words, told):

@@ -145,9 +145,9 @@ if __name__ == "__main__":
 def test_workers_of_another_version_are_refused(path, scheduler, cluster_worker, runner):
     pretend = """
 import msgspec
-import multisrt.experiments.own_source as own_source
-mine = msgspec.structs.replace(own_source.provenance(), program="0123")
-own_source.provenance = lambda: mine
+import multisrt.experiments.user_source as user_source
+mine = msgspec.structs.replace(user_source.provenance(), program="0123")
+user_source.provenance = lambda: mine
 """
     with (
         cluster_worker(),

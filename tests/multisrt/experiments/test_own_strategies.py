@@ -5,7 +5,7 @@ from __future__ import annotations
 import subprocess
 import sys
 import textwrap
-from importlib import import_module
+from importlib import import_module, reload
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -14,10 +14,10 @@ import pytest
 
 import multisrt as ms
 from multisrt.experiments.modules import named, worker_references
-from multisrt.experiments.own_source import source_digest
 from multisrt.experiments.provenance import provenance
 from multisrt.experiments.spec import ExperimentSpec
 from multisrt.experiments.store import Store
+from multisrt.experiments.user_source import source_digest
 from multisrt.robots.explorer import Done
 from multisrt.robots.registry import register, strategy
 from multisrt.robots.strategy import Strategy
@@ -229,6 +229,45 @@ def test_a_file_that_changed_since_its_import_is_told(monkeypatch: pytest.Monkey
     assert not Path("x.sqlite").exists()
 
 
+def test_a_change_is_told_without_a_store_and_compiled_files(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(sys, "dont_write_bytecode", True)
+    write("mine.py", "from beside import X\n", MINE)
+    write("beside.py", "X = 1\n")
+    mine = import_module("mine")
+    ms.compare("open", mine.Mine, seeds=1, workers=0, progress=False)
+    write("beside.py", "X = 2\n")
+    for workers in (0, 1):
+        with pytest.raises(ms.InvalidInputError, match=r"beside\.py has changed since it was"):
+            ms.compare("open", mine.Mine, seeds=1, workers=workers, progress=False)
+    reload(import_module("beside"))
+    with pytest.raises(ms.InvalidInputError, match=r"beside was imported again since mine\.py"):
+        ms.compare("open", mine.Mine, seeds=1, workers=0, progress=False)
+    old = mine.Mine
+    reload(mine)
+    ms.compare("open", mine.Mine, seeds=1, workers=0, progress=False)
+    with pytest.raises(ms.InvalidInputError, match="'mine', is of an earlier import of mine: take"):
+        ms.compare("open", old, seeds=1, workers=0, progress=False)
+
+
+def test_classes_that_are_made_in_a_loop_are_of_one_import() -> None:
+    made = textwrap.indent(textwrap.dedent(MINE).partition("import multisrt as ms\n")[2], "    ")
+    write("mine.py", f"OWN = []\nfor _ in range(2):\n{made}    OWN += [Mine]\n")
+    first, second = import_module("mine").OWN
+    assert source_digest(Strategy.of(first)) == source_digest(Strategy.of(second))
+
+
+@pytest.mark.slow
+def test_a_comparison_does_not_differ_by_workers() -> None:
+    write("mine.py", "import beside\n", MINE.replace('"enough"', "beside.REASON"))
+    for reason in ("one", "two"):
+        write("beside.py", f"REASON = {reason!r}\n")
+        for workers in (0, 1):
+            found = ms.compare("open", "mine.py", seeds=1, workers=workers, progress=False)
+            assert [result.reason for result in found.results] == [f"robot 0: {reason}"]
+
+
 def test_a_store_needs_strategies_from_files(monkeypatch: pytest.MonkeyPatch) -> None:
     cell = ModuleType("cell")
     monkeypatch.setitem(sys.modules, "cell", cell)
@@ -299,6 +338,18 @@ def test_workers_say_what_they_do_not_know() -> None:
     )
     with pytest.raises(ms.InvalidInputError, match=r"a worker has no strategy 'odd' after import"):
         ms.compare("open", "odd", seeds=1, workers=1, progress=False)
+
+    class Inside:
+        def __init__(self, me: object) -> None:
+            pass
+
+        def run(self) -> Any:
+            yield Done(complete=False, reason="enough")
+
+    told = r"'inside' after importing json; .* cannot be imported .*: Inside is defined within a f"
+    told = told.replace("Inside", r"\S*Inside")
+    with pytest.raises(ms.InvalidInputError, match=told):
+        ms.compare("open", Inside, seeds=1, workers=1, imports=["json"], progress=False)
 
 
 def test_a_provenance_without_own_strategies_stays_readable() -> None:

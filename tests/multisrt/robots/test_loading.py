@@ -10,7 +10,8 @@ import pytest
 
 import multisrt as ms
 from multisrt.robots import registry
-from multisrt.robots.loading import import_reference, is_outdated, is_reference, load_strategy
+from multisrt.robots.loading import import_reference, is_reference, load_strategy
+from multisrt.robots.user_modules import outdated
 
 MINE = '''"""Strategies for tests."""
 from multisrt.robots.explorer import Done
@@ -112,10 +113,61 @@ def test_a_file_that_is_imported_otherwise_is_not_outdated() -> None:
     write("mine.py", reason="old")
     load_strategy("mine.py")
     module = sys.modules["mine"]
-    assert not is_outdated(module)
+    assert not outdated(module)
     write("mine.py", reason="new, and longer")
-    assert is_outdated(module)
-    assert not is_outdated(importlib.reload(module))
+    assert outdated(module) == "mine.py has changed since it was imported here"
+    assert not outdated(importlib.reload(module))
+
+
+def test_a_file_is_imported_again_with_what_changed_beside_it() -> None:
+    text = "import beside\n" + MINE.replace('"{reason}"', "beside.REASON")
+    write("far/mine.py", text)
+    write("far/other.py", text.replace("import beside", "import apart\nfrom apart import beside"))
+    write("far/apart.py", "import beside\n")
+    for reason in ("one", "two", "six"):  # of one size, within a second
+        write("far/beside.py", f"REASON = {reason!r}\n")
+        assert [reason_of("far/mine.py"), reason_of("far/other.py")] == [reason, reason]
+    kept = sys.modules["apart"], sys.modules["beside"]
+    write("far/other.py", text)
+    assert reason_of("far/other.py") == "six"
+    assert (sys.modules["apart"], sys.modules["beside"]) == kept
+
+
+def test_a_module_in_a_package_is_imported_again() -> None:
+    write("lab/__init__.py", "")
+    write("mine.py", "from lab import deep\n" + MINE.replace('"{reason}"', "deep.REASON"))
+    for reason in ("one", "two"):
+        write("lab/deep.py", f"REASON = {reason!r}\n")
+        assert reason_of("mine.py") == reason
+
+
+def test_what_an_explorer_imports_late_is_imported_again() -> None:
+    text = MINE.replace("        yield", "        import beside\n        yield")
+    write("mine.py", text.replace('"{reason}"', "beside.REASON"))
+    for reason in ("one", "two"):
+        write("beside.py", f"REASON = {reason!r}\n")
+        assert reason_of("mine.py") == reason
+
+
+def test_what_others_imported_is_not_imported_again() -> None:
+    write("mine.py", "import beside\n" + MINE)
+    write("beside.py", "X = 1\n")
+    sys.path.append(str(Path.cwd()))
+    beside = importlib.import_module("beside")
+    load_strategy("mine.py")
+    write("beside.py", "X = 2\n")
+    assert refused("mine.py").startswith("beside.py has changed since it was imported here: start")
+    importlib.reload(beside)
+    assert load_strategy("mine.py").name == "mine"
+
+
+def test_a_failed_import_leaves_nothing_beside_it_imported() -> None:
+    write("beside.py", "REASON = 'one'\n")
+    write("mine.py", "import beside\nraise ValueError\n")
+    assert "ValueError" in refused("mine.py")
+    write("beside.py", "REASON = 'two'\n")
+    write("mine.py", "import beside\n" + MINE.replace('"{reason}"', "beside.REASON"))
+    assert reason_of("mine.py") == "two"
 
 
 def test_a_script_is_imported_without_its_main_part() -> None:

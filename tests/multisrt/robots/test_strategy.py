@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import msgspec
@@ -53,6 +54,17 @@ def test_what_is_given_goes_before_the_class() -> None:
 
     made = Strategy.of(Stays, name="waits", summary="Waits", options=Other)
     assert (made.name, made.summary, made.options) == ("waits", "Waits", Other)
+
+
+def test_a_lambda_needs_a_name() -> None:
+    with pytest.raises(ms.InvalidInputError, match=r"a lambda has no name: give name=, as in Str"):
+        Strategy.of(lambda me: StaysPlainly(me))
+    assert Strategy.of(lambda me: StaysPlainly(me), name="stays").name == "stays"
+
+
+def test_a_partial_is_to_be_a_function() -> None:
+    with pytest.raises(ms.InvalidInputError, match=r"not of functools\.partial.*; write def my_ru"):
+        Strategy.of(partial(Stays, options=Tuning()), name="stays")
 
 
 def test_a_class_that_takes_the_robot_alone_has_no_options() -> None:

@@ -6,8 +6,8 @@ import os
 from pathlib import Path
 
 from multisrt.experiments.modules import reference_of
-from multisrt.experiments.own_source import source_digest
 from multisrt.experiments.results import Results
+from multisrt.experiments.user_source import source_digest
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.robots.registry import is_built_in, is_known
 from multisrt.robots.registry import strategy as strategy_named

@@ -5,7 +5,7 @@ import shapely
 
 from multisrt.environments.environment import Environment
 from multisrt.events import Blocked, Decided, Ended, Learned, Motion, NodeAdded, Sent
-from multisrt.explain.own import MAX_ROWS
+from multisrt.explain.custom import MAX_ROWS
 from multisrt.explain.srt import explain, explain_all
 from multisrt.geometry.configuration import Configuration
 from multisrt.recording import Recorder, header_of

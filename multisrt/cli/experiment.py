@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -11,7 +12,7 @@ import click
 
 from multisrt.cli import candidates
 from multisrt.cli.experiment_check import check
-from multisrt.cli.imports import import_all, import_option
+from multisrt.cli.imports import import_all, import_option, imports_again
 from multisrt.cli.mistakes import CommandGroup
 from multisrt.cli.outputs import require_no_file
 from multisrt.cli.running import Running, make_runs, print_gaps, running_options
@@ -83,7 +84,7 @@ def new(file: Path, like: str | None, schema: bool) -> None:
     preset = None if like is None else preset_named(like).experiment(False)
     for path in write_new(file, like=preset, with_schema=schema):
         click.echo(path)
-    click.echo(f"next: multisrt experiment check {file}")
+    click.echo(f"next: multisrt experiment check {shlex.quote(str(file))}")
 
 
 experiment.add_command(check)
@@ -149,12 +150,12 @@ def run(
     path = file.with_suffix(".sqlite") if store is None else store
     results = make_runs(path, spec, file.parent, running=running, modules=imports)
     if not running.quiet:
-        _print_results(results, path)
+        _print_results(results, path, imports)
     if any(result.failed for result in results):
         raise SystemExit(NO_SUCCESS)
 
 
-def _print_results(results: Results, path: Path) -> None:
+def _print_results(results: Results, path: Path, imports: tuple[str, ...]) -> None:
     from multisrt.reporting.overview import overview_table
     from multisrt.reporting.words import totals
     from multisrt.terminal import terminal_width
@@ -164,7 +165,8 @@ def _print_results(results: Results, path: Path) -> None:
         click.echo(overview_table(results).text(terminal_width()))
         print_gaps(results)
     _print_failures(results, path)
-    click.echo(f"next: multisrt report {path} --out {path.with_suffix('')}-report")
+    store, out = shlex.quote(str(path)), shlex.quote(f"{path.with_suffix('')}-report")
+    click.echo(f"next: multisrt report {store} --out {out}{imports_again(imports)}")
 
 
 def _print_failures(results: Results, path: Path) -> None:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
 from multisrt.cli import candidates
-from multisrt.cli.imports import import_all, import_option
+from multisrt.cli.imports import import_all, import_option, imports_again
 from multisrt.cli.reach import elsewhere
 from multisrt.cli.spec_files import read_experiment
 
@@ -83,7 +84,7 @@ def check(file: Path, workers: int | None, seconds: float, imports: tuple[str, .
         click.echo("no estimate: no trial run came to an end")
     for condition, reason in warnings.items():
         click.echo(f"warning: [{condition}]: {reason}", err=True)
-    click.echo(f"next: multisrt experiment run {file}")
+    click.echo(f"next: multisrt experiment run {shlex.quote(str(file))}{imports_again(imports)}")
 
 
 def _poor_starts(planned: Sequence[PlannedRun]) -> dict[Condition, str]:

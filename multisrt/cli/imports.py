@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -37,6 +38,27 @@ def import_option(command: Callable[..., Any]) -> Callable[..., Any]:
         help="Import a module or file with strategies of your own; FILE.py:NAME for one of "
         "several; repeatable.",
     )(command)
+
+
+def imports_again(imports: tuple[str, ...]) -> str:
+    """Return the options --import of the command that comes next, as a shell reads them.
+
+    Parameters
+    ----------
+    imports : tuple of str
+        What this command imports.
+
+    Returns
+    -------
+    str
+        Each option with a space before it; empty if there is none.
+
+    Examples
+    --------
+    >>> imports_again(("mine.py", "my rules.py:Far"))
+    " --import mine.py --import 'my rules.py:Far'"
+    """
+    return "".join(f" --import {shlex.quote(reference)}" for reference in imports)
 
 
 def import_all(imports: tuple[str, ...]) -> None:

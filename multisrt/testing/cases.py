@@ -35,7 +35,7 @@ from multisrt.testing.own_code import (
     clocks_in,
     order_in,
     place_of_frame,
-    told,
+    place_suffix,
 )
 from multisrt.testing.supervision import SupervisedExplorer, Supervision
 from multisrt.testing.surroundings import modules_of, surroundings
@@ -108,7 +108,7 @@ class Case:
         try:
             explorer = self._watchdog.call(self.strategy.explorer, me, self.options)
         except ComputesTooLong as late:
-            place = told(place_of_frame(built_by, late.frame))
+            place = place_suffix(place_of_frame(built_by, late.frame))
             raise self._defect(
                 f"building the explorer of robot {me.robot} has taken "
                 f"{self._limits.max_decision_s:g} s{place}",
@@ -164,7 +164,7 @@ class Case:
         """Send each explorer the same outcomes in other surroundings, and compare its actions."""
         try:
             self._drive(seed=2, clock_s=2e9)
-        except OtherAction as other:
+        except ActionDiffers as other:
             self._explain(other)
 
     def _drive(self, *, seed: int, clock_s: float) -> None:
@@ -173,19 +173,19 @@ class Case:
                 for repeated in self.repetitions():
                     while repeated.advance():
                         pass
-            except OtherAction as other:
+            except ActionDiffers as other:
                 other.has_drawn = were_drawn()
                 raise
 
-    def _explain(self, other: OtherAction) -> NoReturn:
+    def _explain(self, other: ActionDiffers) -> NoReturn:
         # By what is left of the difference if one thing is as it was before.
         try:
             self._drive(seed=1, clock_s=1e9)
-        except OtherAction as again:
+        except ActionDiffers as again:
             raise again.defect(*self._unknown_cause()) from None
         try:
             self._drive(seed=2, clock_s=1e9)
-        except OtherAction as again:
+        except ActionDiffers as again:
             if not again.has_drawn:
                 raise again.defect(*self._unknown_cause()) from None
             why = f"it draws on global random numbers{_after(chance_in(self.own_code))}"
@@ -324,7 +324,7 @@ class Case:
         return ExplorerDefect(what, f"{who} in {self.title}", remedy)
 
 
-class OtherAction(Exception):
+class ActionDiffers(Exception):
     """An explorer acted otherwise than before."""
 
     def __init__(self, what: str, where: str) -> None:
@@ -371,7 +371,7 @@ class Repetition:
 
         Raises
         ------
-        OtherAction
+        ActionDiffers
             If it does not yield what it yielded before.
         """
         turn = self._before.turns[self._turn]
@@ -395,7 +395,7 @@ class Repetition:
     def _raise(self, what: str) -> NoReturn:
         me = self._before.me
         who = "the robot" if me.team == 1 else f"robot {me.robot} of {me.team}"
-        raise OtherAction(
+        raise ActionDiffers(
             f"sent the same as before, it {what}",
             f"{who} in {self._title}, action {self._turn}",
         )
@@ -409,7 +409,7 @@ def repeat_interleaved(cases: Sequence[Case]) -> None:
             going = [repetition for case in cases for repetition in case.repetitions()]
             while going:
                 going = [repetition for repetition in going if repetition.advance()]
-    except OtherAction as other:
+    except ActionDiffers as other:
         raise other.defect(
             "it shares state with explorers that run at the same time",
             OWN_STATE,

@@ -14,7 +14,7 @@ from multisrt.geometry.errors import did_you_mean
 from multisrt.robots.defects import ExplorerDefect, Flaw
 from multisrt.robots.explorer import Action, Sense
 from multisrt.testing.code_reading import package_of
-from multisrt.testing.own_code import place_of_error, told
+from multisrt.testing.own_code import place_of_error, place_suffix
 
 ACTIONS = {kind.__name__: kind for kind in get_args(Action)}
 """The actions by name."""
@@ -51,7 +51,7 @@ def error_flaw(
     remedy = _not_yielded(error) or _not_begun(error) or _arguments(error) or usual
     if remedy == usual and place:
         remedy = f"correct that line: {usual}"
-    return Flaw(f"it raised {type(error).__name__}{said}{meant}{told(place)}", remedy)
+    return Flaw(f"it raised {type(error).__name__}{said}{meant}{place_suffix(place)}", remedy)
 
 
 def _not_yielded(error: BaseException) -> str:

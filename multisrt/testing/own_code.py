@@ -154,7 +154,7 @@ def place_of_frame(cls: Any, frame: FrameType | None) -> str:
     return _place(cls, frames)
 
 
-def told(place: str) -> str:
+def place_suffix(place: str) -> str:
     """Return a place in code as the end of a phrase; empty if it is not known."""
     return f" ({place})" if place else ""
 

@@ -44,7 +44,7 @@ from multisrt.testing.error_flaw import error_flaw
 from multisrt.testing.fingerprint import fingerprint
 from multisrt.testing.hidden_truth import named_by_code, truth_named_by_code, way_to_truth
 from multisrt.testing.motion_rules import pose, trajectory_flaw
-from multisrt.testing.own_code import back_door, outside_in, place_of_frame, told
+from multisrt.testing.own_code import back_door, outside_in, place_of_frame, place_suffix
 from multisrt.testing.watchdog import ComputesTooLong, Limits, Watchdog
 
 MAX_ACTIONS_AT_ONCE = 1000
@@ -256,7 +256,7 @@ class SupervisedExplorer:
             limit_s = self._supervision.limits.max_decision_s
             self._refuse(
                 f"it has computed for {limit_s:g} s and yields nothing"
-                + told(place_of_frame(cls, late.frame)),
+                + place_suffix(place_of_frame(cls, late.frame)),
                 "see that every loop ends or yields, or give a larger "
                 "max_decision_s (--max-decision)",
             )

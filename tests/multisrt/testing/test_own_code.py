@@ -125,7 +125,7 @@ def test_weights_may_be_read_where_an_explorer_is_built():
     reloading: Any = Reloading
     assert not outside_in(trained)
     assert outside_in(reloading).startswith("Path (test_own_code.py:")
-    check(Trained, elsewhere=False)
+    check(Trained, repeat_in_process=False)
 
 
 def knows_the_map(observation):

@@ -12,7 +12,7 @@ MAX_EXAMPLES = 2
 """How many runs a warning names."""
 
 
-def doubts(runs: Sequence[CheckedRun], cls: type) -> tuple[str, ...]:
+def warnings_about(runs: Sequence[CheckedRun], cls: type) -> tuple[str, ...]:
     """Return warnings about an explorer whose runs have no defect.
 
     Parameters
@@ -42,7 +42,7 @@ def doubts(runs: Sequence[CheckedRun], cls: type) -> tuple[str, ...]:
     >>> class Idle:
     ...     def run(self):
     ...         yield Done(complete=True, reason="has nothing to do")
-    >>> [warning.partition(";")[0] for warning in doubts([run], Idle)]  # doctest: +ELLIPSIS
+    >>> [warning.partition(";")[0] for warning in warnings_about([run], Idle)]  # doctest: +ELLIPSIS
     ['it ends at once: its first action is Done', ...]
     """
     warnings = []

@@ -4,20 +4,21 @@ from __future__ import annotations
 
 import inspect
 from collections import Counter, deque
-from collections.abc import Callable, Generator, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from types import ModuleType
 from typing import Any, NoReturn
 
-import msgspec
 import numpy as np
 
 from multisrt.environments.environment import Environment
 from multisrt.events import Collision
 from multisrt.recording import Recording
-from multisrt.robots.defects import ExplorerDefect, Flaw, article, brief
-from multisrt.robots.explorer import Action, Explorer, Move, Outcome, RobotSelf
+from multisrt.robots.code_places import modules_of, place_suffix
+from multisrt.robots.defects import ExplorerDefect, Flaw, article
+from multisrt.robots.error_flaw import error_flaw
+from multisrt.robots.explorer import Explorer, RobotSelf
 from multisrt.robots.registry import registered
 from multisrt.robots.strategy import Strategy
 from multisrt.simulation.random_streams import random_stream
@@ -26,7 +27,6 @@ from multisrt.spec import RunSpec
 from multisrt.testing.account import account
 from multisrt.testing.checked_run import CheckedRun
 from multisrt.testing.code_reading import OwnCode, own_code_of
-from multisrt.testing.error_flaw import error_flaw
 from multisrt.testing.fingerprint import fingerprint
 from multisrt.testing.forgotten import forgotten_yield
 from multisrt.testing.hidden_truth import named_by_code
@@ -35,18 +35,15 @@ from multisrt.testing.own_code import (
     clocks_in,
     order_in,
     place_of_frame,
-    place_suffix,
 )
+from multisrt.testing.repetition import ActionDiffers, Repetition
 from multisrt.testing.supervision import SupervisedExplorer, Supervision
-from multisrt.testing.surroundings import modules_of, surroundings
+from multisrt.testing.surroundings import surroundings
 from multisrt.testing.watchdog import ComputesTooLong, Limits, Watchdog
 
 DATA = (int, float, complex, str, bytes, tuple, list, dict, set, frozenset, deque, np.ndarray)
 """Types of class attributes, globals and defaults in which explorers might share state."""
 
-
-MAX_DESCRIBED = 120
-"""Characters to which actions and their fields are cut in messages."""
 
 OWN_STATE = "keep everything in self: no class attribute, global or default that changes"
 OWN_STREAM = "draw random numbers from the rng of its RobotSelf alone"
@@ -324,83 +321,6 @@ class Case:
         return ExplorerDefect(what, f"{who} in {self.title}", remedy)
 
 
-class ActionDiffers(Exception):
-    """An explorer acted otherwise than before."""
-
-    def __init__(self, what: str, where: str) -> None:
-        super().__init__(what)
-        self.what = what
-        self.where = where
-        self.has_drawn = False
-
-    def defect(self, why: str, remedy: str) -> ExplorerDefect:
-        """Return the defect, with a reason and a remedy."""
-        return ExplorerDefect(f"{self.what}: {why}", self.where, remedy)
-
-
-class Repetition:
-    """An explorer that is driven by hand, and must act as it did before.
-
-    Parameters
-    ----------
-    before : SupervisedExplorer
-        What it was sent and did.
-    actions : generator
-        The actions of the new explorer.
-    title : str
-        Name of the run in messages.
-    watchdog : Watchdog
-        Calls it.
-    """
-
-    def __init__(
-        self,
-        before: SupervisedExplorer,
-        actions: Generator[Action, Outcome, None],
-        title: str,
-        watchdog: Watchdog,
-    ) -> None:
-        self._before = before
-        self._actions = actions
-        self._title = title
-        self._watchdog = watchdog
-        self._turn = 0
-
-    def advance(self) -> bool:
-        """Send it the next outcome; return whether there are more.
-
-        Raises
-        ------
-        ActionDiffers
-            If it does not yield what it yielded before.
-        """
-        turn = self._before.turns[self._turn]
-        self._turn += 1
-        try:
-            action = self._watchdog.call(self._actions.send, turn.outcome)
-        except StopIteration:
-            acted = "nothing"
-        except ComputesTooLong:
-            acted = "nothing for long"
-        except Exception as error:
-            acted = f"{type(error).__name__}: {error}"
-        else:
-            if fingerprint(action) == turn.print:
-                return self._turn < len(self._before.turns)
-            if found := difference(action, turn.action):
-                self._raise(f"yielded {found}")
-            acted = _described(action)
-        self._raise(f"yielded {acted}, not {_described(turn.action)}")
-
-    def _raise(self, what: str) -> NoReturn:
-        me = self._before.me
-        who = "the robot" if me.team == 1 else f"robot {me.robot} of {me.team}"
-        raise ActionDiffers(
-            f"sent the same as before, it {what}",
-            f"{who} in {self._title}, action {self._turn}",
-        )
-
-
 def repeat_interleaved(cases: Sequence[Case]) -> None:
     """Drive all explorers of all cases by hand, in turns, and compare their actions."""
     modules = list({id(m): m for case in cases for m in case.modules}.values())
@@ -424,46 +344,6 @@ def _names(robots: list[int]) -> str:
 
 def _after(places: str) -> str:
     return f": {places}" if places else ""
-
-
-def _described(action: object) -> str:
-    if isinstance(action, Move):
-        x, y, heading = action.trajectory.end
-        return f"Move to ({x:.6g}, {y:.6g}, {heading:.6g})"
-    return brief(action, MAX_DESCRIBED)
-
-
-def difference(now: object, before: object) -> str:
-    """Return the first field in which two long actions of one kind differ, in words.
-
-    Parameters
-    ----------
-    now, before : object
-        The actions.
-
-    Returns
-    -------
-    str
-        Such as ``Note with event.rule = 'near', not 'far'``; empty for motions, actions of
-        several kinds, and those that can be read as a whole.
-    """
-    if (
-        type(now) is not type(before)
-        or isinstance(now, Move)
-        or max(len(repr(now)), len(repr(before))) <= MAX_DESCRIBED
-    ):
-        return ""
-    kind, place = type(now).__name__, ""
-    while isinstance(now, msgspec.Struct) and type(now) is type(before):
-        for name in now.__struct_fields__:
-            one, other = getattr(now, name), getattr(before, name)
-            if fingerprint(one) != fingerprint(other):
-                place = f"{place}.{name}" if place else name
-                now, before = one, other
-                break
-        else:
-            return ""
-    return f"{kind} with {place} = {brief(now, MAX_DESCRIBED)}, not {brief(before, MAX_DESCRIBED)}"
 
 
 def _kept_by(cls: OwnCode) -> dict[str, bytes]:

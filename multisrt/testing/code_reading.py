@@ -13,6 +13,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import Any, NamedTuple
 
 from multisrt.experiments.provenance import parts_behind
+from multisrt.robots.code_places import package_of
 
 OwnCode = type | types.FunctionType
 """What is read of an explorer: its class, or the function that it asks where to go."""
@@ -129,11 +130,6 @@ def is_of_truth(value: object) -> bool:
     if isinstance(value, type | types.FunctionType):
         return _is_truth_module(value.__module__)
     return False
-
-
-def package_of(thing: Any) -> str:
-    """Return the name of the package that defines a class or function."""
-    return str(getattr(thing, "__module__", "") or "").partition(".")[0]
 
 
 def names_in_code(code: types.CodeType, known: Mapping[str, object]) -> Iterator[Named]:

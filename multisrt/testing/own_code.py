@@ -6,38 +6,27 @@ import datetime
 import gc
 import inspect
 import io
-import linecache
 import os
 import random
 import secrets
 import sys
-import sysconfig
 import time
 import types
 import uuid
 from collections.abc import Iterable, Iterator, Sequence
 from functools import lru_cache
-from pathlib import Path
-from types import FrameType, TracebackType
+from types import FrameType
 from typing import Any
 
 import numpy as np
 
-from multisrt.robots.defects import brief
+from multisrt.robots.code_places import file_of, place_among
 from multisrt.testing import watchdog
-from multisrt.testing.code_reading import BY_TEXT, Named, OwnCode, names_in_reach, package_of
-from multisrt.testing.surroundings import CLOCKS, modules_of
+from multisrt.testing.code_reading import BY_TEXT, Named, OwnCode, names_in_reach
+from multisrt.testing.surroundings import CLOCKS
 
 MAX_NAMES = 3
 """How many places a message names at most."""
-
-_PACKAGE = f"{Path(__file__).parents[1]}{os.sep}"
-_LIBRARIES = (
-    _PACKAGE,
-    "<",
-    *(sysconfig.get_path(name) for name in ("stdlib", "purelib", "platlib")),
-)
-"""Where the files of this package and of others begin."""
 
 _CHANCE = (
     np.random.default_rng,
@@ -110,28 +99,6 @@ _OUTSIDE_MODULES = (
 )
 
 
-def place_of_error(cls: Any, trace: TracebackType | None) -> str:
-    """Return where in the code of an explorer an exception was raised, as text for a message.
-
-    Parameters
-    ----------
-    cls : type or callable
-        The class of the explorer, or the function that builds it.
-    trace : traceback or None
-        That of the exception.
-
-    Returns
-    -------
-    str
-        Such as ``mine.py:34, in choose: costs[goal]``; empty if there is no frame of its code.
-    """
-    frames = []
-    while trace is not None:
-        frames.append((trace.tb_frame.f_code, trace.tb_lineno))
-        trace = trace.tb_next
-    return _place(cls, frames[::-1])
-
-
 def place_of_frame(cls: Any, frame: FrameType | None) -> str:
     """Return where in the code of an explorer it computes, as text for a message.
 
@@ -145,18 +112,13 @@ def place_of_frame(cls: Any, frame: FrameType | None) -> str:
     Returns
     -------
     str
-        As that of `place_of_error`.
+        Such as ``mine.py:34, in choose: costs[goal]``; empty if there is no frame of its code.
     """
     frames = []
     while frame is not None and frame.f_code.co_filename != watchdog.__file__:
         frames.append((frame.f_code, frame.f_lineno))
         frame = frame.f_back
-    return _place(cls, frames)
-
-
-def place_suffix(place: str) -> str:
-    """Return a place in code as the end of a phrase; empty if it is not known."""
-    return f" ({place})" if place else ""
+    return place_among(cls, frames)
 
 
 def chance_in(cls: OwnCode) -> str:
@@ -230,25 +192,6 @@ def outside_in(cls: OwnCode) -> str:
     return ""
 
 
-def _place(cls: Any, frames: Sequence[tuple[types.CodeType, int]]) -> str:
-    # The innermost of the frames that are in the files of the explorer, else of those that are in
-    # no package: a rule's explorer is of this package, and calls the function of the user.
-    is_ours = package_of(cls) == "multisrt"
-    own = {name for name in (getattr(m, "__file__", None) for m in modules_of(cls)) if name}
-    runs = [base.__dict__.get("run") for base in getattr(cls, "__mro__", ())]
-    for made in (cls, *runs):
-        file = made.__code__.co_filename if hasattr(made, "__code__") else ""
-        if not file.startswith(_PACKAGE) or is_ours:
-            own.add(file)
-    of_user = [one for one in frames if not one[0].co_filename.startswith(_LIBRARIES)]
-    inner = [one for one in frames if one[0].co_filename in own]
-    for code, line in (*of_user[:1], *inner[:1]) if is_ours else (*inner[:1], *of_user[:1]):
-        source = linecache.getline(code.co_filename, line).strip()
-        where = f"{_file(code)}:{line}, in {code.co_name}"
-        return f"{where}: {_cut(source)}" if source else where
-    return ""
-
-
 def _places(names: Iterator[Named]) -> str:
     found = list(dict.fromkeys(_at(named) for named in names))
     return ", ".join(found[:MAX_NAMES])
@@ -256,16 +199,7 @@ def _places(names: Iterator[Named]) -> str:
 
 def _at(named: Named) -> str:
     name = named.name.removeprefix("global ").strip("'")
-    return name if named.code is None else f"{name} ({_file(named.code)}:{named.line})"
-
-
-def _file(code: types.CodeType) -> str:
-    name = Path(code.co_filename)
-    return "the notebook" if "ipykernel" in str(name) else name.name
-
-
-def _cut(source: str) -> str:
-    return brief(source, 62)[1:-1] if len(source) > 60 else source
+    return name if named.code is None else f"{name} ({file_of(named.code)}:{named.line})"
 
 
 def _is_any(value: object, others: Iterable[Any]) -> bool:

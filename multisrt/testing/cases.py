@@ -24,7 +24,6 @@ from multisrt.robots.strategy import Strategy
 from multisrt.simulation.random_streams import random_stream
 from multisrt.simulation.simulate import simulate
 from multisrt.spec import RunSpec
-from multisrt.testing.account import account
 from multisrt.testing.checked_run import CheckedRun
 from multisrt.testing.code_reading import OwnCode, own_code_of
 from multisrt.testing.fingerprint import fingerprint
@@ -249,6 +248,9 @@ class Case:
 
     def summary(self) -> CheckedRun:
         """Return how the run went."""
+        # Loaded late: an explorer that fails at once need not wait for what measures runs.
+        from multisrt.testing.account import account
+
         assert self.recording is not None
         footer = self.recording.footer
         covered, differences = account(self.recording, self.world)

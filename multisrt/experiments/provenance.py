@@ -14,7 +14,6 @@ from pathlib import Path
 
 import msgspec
 
-
 _IMPORTS = re.compile(rb"^[ \t]*(?:from|import) multisrt\.(\w+)", re.MULTILINE)
 """Imports of parts of this package. To parse all files would cost a short check a quarter more."""
 

@@ -22,7 +22,7 @@ import numpy as np
 
 from multisrt.robots.code_places import file_of, place_among
 from multisrt.testing import watchdog
-from multisrt.testing.code_reading import BY_TEXT, Named, OwnCode, names_in_reach
+from multisrt.testing.code_reading import BY_TEXT, Named, OwnCode, function_of, names_in_reach
 from multisrt.testing.surroundings import CLOCKS
 
 MAX_NAMES = 3
@@ -70,6 +70,7 @@ _FRAMES = (
     "f_builtins",
     "tb_frame",
     "gi_frame",
+    "__globals__",
     "__subclasses__",
 )
 _OUTSIDE = (
@@ -97,6 +98,10 @@ _OUTSIDE_MODULES = (
     "sqlite3",
     "urllib",
 )
+
+
+_FILE_METHODS = ("open", "read_bytes", "read_text", "write_bytes", "write_text")
+"""Methods of paths and archives by which files are read and written."""
 
 
 def place_of_frame(cls: Any, frame: FrameType | None) -> str:
@@ -166,7 +171,7 @@ def back_door(cls: OwnCode) -> str:
         if (
             _is_any(named.value, _HIDING)
             or _is_of(named, _HIDING_MODULES)
-            or named.name.rpartition(".")[2] in _FRAMES
+            or not set(_FRAMES).isdisjoint(named.name.split("."))
         ):
             return _at(named)
     return ""
@@ -186,8 +191,13 @@ def outside_in(cls: OwnCode) -> str:
     str
         The name and its place, such as ``open (mine.py:12)``; empty if there is none.
     """
+    own_methods = _methods_in_reach(cls)
     for named in names_in_reach(cls, as_it_runs=True):
-        if _is_any(named.value, _OUTSIDE) or _is_of(named, _OUTSIDE_MODULES):
+        if (
+            _is_any(named.value, _OUTSIDE)
+            or _is_of(named, _OUTSIDE_MODULES)
+            or _opens(named, own_methods)
+        ):
             return _at(named)
     return ""
 
@@ -200,6 +210,23 @@ def _places(names: Iterator[Named]) -> str:
 def _at(named: Named) -> str:
     name = named.name.removeprefix("global ").strip("'")
     return name if named.code is None else f"{name} ({file_of(named.code)}:{named.line})"
+
+
+def _methods_in_reach(cls: OwnCode) -> set[str]:
+    # The names of the methods of the classes that the code of a class names, and its own.
+    names = [named.name for named in names_in_reach(cls) if function_of(named.value) is not None]
+    return {name.rpartition(".")[2] for name in names}
+
+
+def _opens(named: Named, own_methods: set[str]) -> bool:
+    # Whether it is a call such as path.open(), of an object that is not known.
+    method = named.name.removeprefix(".")
+    return (
+        named.is_called
+        and named.name != method
+        and method in _FILE_METHODS
+        and method not in own_methods
+    )
 
 
 def _is_any(value: object, others: Iterable[Any]) -> bool:

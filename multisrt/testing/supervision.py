@@ -404,7 +404,8 @@ class SupervisedExplorer:
             self._refuse(
                 f"its code names {files}, by which it could read files while it runs, such as the "
                 "recording that is being written",
-                "read what it needs, such as weights, when its module is imported or in __init__",
+                "read what it needs, such as weights, when its module is imported or in __init__; "
+                "log by the module logging, or put decisions on record with decided(...)",
             )
         found = truth_named_by_code(cls)
         if found is None:

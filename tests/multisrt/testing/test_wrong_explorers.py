@@ -202,6 +202,13 @@ TOLD = {
         "(wrong_explorers.py:LINE), by which it could reach the truth; an explorer knows"
         " its scans, its messages and its RobotSelf, and that is all"
     ),
+    "WritesALog": (
+        "the robot in 'two rooms', before its first action: its code names open "
+        "(wrong_explorers.py:LINE), by which it could read files while it runs, such as the "
+        "recording that is being written; read what it needs, such as weights, when its module is "
+        "imported or in __init__; log by the module logging, or put decisions on record with "
+        "decided(...)"
+    ),
     "ChangesItsScan": (
         "the robot in 'two rooms', action 1: a scan that it was sent was changed; copy "
         "what is to be changed: all that is given is kept"

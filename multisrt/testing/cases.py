@@ -38,6 +38,7 @@ from multisrt.testing.own_code import (
 from multisrt.testing.repetition import ActionDiffers, Repetition
 from multisrt.testing.supervision import SupervisedExplorer, Supervision
 from multisrt.testing.surroundings import surroundings
+from multisrt.testing.unfinished import unfinished
 from multisrt.testing.watchdog import ComputesTooLong, Limits, Watchdog
 
 DATA = (int, float, complex, str, bytes, tuple, list, dict, set, frozenset, deque, np.ndarray)
@@ -264,6 +265,7 @@ class Case:
             actions=dict(kinds),
             digest=footer.digest,
             differences=differences,
+            unfinished=unfinished(self.recording),
         )
 
     def _simulate(

@@ -26,8 +26,8 @@ be worthless or impossible. It is checked that
 
 **Warnings** are about behaviour that the contract allows but that is probably unintended: an
 explorer that ends at once, never senses or never moves, that reports completion where little was
-covered, or covers little everywhere. They are not defects: such runs are valid, if useless, and a
-baseline may stand still.
+covered, covers little everywhere, or stalls in a team where one robot alone completes. They are
+not defects: such runs are valid, if useless, and a baseline may stand still.
 
 **Notes** say where its own account of a run and its scans differ: it records no nodes, or nodes
 that hold less or more than was seen.

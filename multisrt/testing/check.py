@@ -18,7 +18,10 @@ be worthless or impossible. It is checked that
   out: trajectories begin where the robot is, run forwards in time, and keep to its kinematics;
 - its body stays in what the robot has sensed, or may have been told of;
 - neither what it holds nor what its code names leads to the world or to the simulation, and it
-  names no back door to them (``gc.get_objects``, frames, ``importlib``, ``eval``);
+  names no back door to them (``gc.get_objects``, frames, ``importlib``, ``eval``, a module that is
+  given to ``getattr`` or ``attrgetter``);
+- it opens no file and starts no program while it runs: neither by ``open`` nor by a path that it
+  holds (``read_text``); what it needs is read where it is built;
 - no line of its code makes a generator or an action and drops it, where `yield from` or `yield`
   was forgotten;
 - it does not collide, and ends with `Done`: in time, in a number of actions, without standing

@@ -3,8 +3,8 @@
 import shapely
 
 from multisrt.environments.environment import Environment
-from multisrt.planners.motion.steering import turn_and_drive
 from multisrt.robots.explorer import Done, Look, Move, Sense
+from multisrt.robots.toolkit import trajectory
 from multisrt.testing.check_warnings import warnings_about
 from multisrt.testing.checked_run import CheckedRun
 from multisrt.testing.unfinished import Unfinished
@@ -19,7 +19,7 @@ class RunsInto(Base):
         seen = yield Look()
         if seen:
             other = seen[0].configuration
-            way = turn_and_drive(self.me.kinematics, self.at, other.x, other.y)
+            way = trajectory(self.me.kinematics, self.at, [other])
             moved = yield Move(trajectory=way, guard_m=0.1)
             if moved.blocked_by is not None:
                 yield Done(complete=False, reason="no way is left")

@@ -29,6 +29,7 @@ SHOWN = {
         "DrivesBlind": "It drives where it has not looked",
         "DrivesThroughAWall": "It drives through a wall",
         "ImportsTheWorld": "It looks at the true world",
+        "WritesALog": "It writes a log of its own",
         "ChangesItsScan": "It changes what it is given",
     },
     "Motions": {

@@ -14,7 +14,7 @@ from multisrt.cli.completion import PROGRAM, VARIABLE, completion
 from multisrt.cli.environments import environments
 from multisrt.cli.experiment import experiment
 from multisrt.cli.explore import explore
-from multisrt.cli.mistakes import CommandGroup, is_world, told
+from multisrt.cli.mistakes import CommandGroup, is_world, usage_message
 from multisrt.cli.report import report
 from multisrt.cli.reproduce import reproduce
 from multisrt.cli.strategies import strategies
@@ -74,7 +74,7 @@ def main() -> None:
         click.echo(error.format_message(), err=True)
         raise SystemExit(BAD_INPUT) from None
     except click.ClickException as error:
-        _fail(f"error: {told(error)}", error.exit_code)
+        _fail(f"error: {usage_message(error)}", error.exit_code)
     except MultiSrtError as error:
         _fail(f"error: {error}", BAD_INPUT)
     raise SystemExit(result if isinstance(result, int) else COMPLETE)

@@ -76,7 +76,7 @@ def is_world(word: str) -> bool:
     return word in names() or Path(word).is_file()
 
 
-def told(error: click.ClickException) -> str:
+def usage_message(error: click.ClickException) -> str:
     """Return an error of usage as one line.
 
     Parameters

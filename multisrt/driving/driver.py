@@ -8,11 +8,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Generator, Iterable, Mapping
-from dataclasses import dataclass
 from typing import Any, NoReturn
 
-import msgspec
-
+from multisrt.driving.body import Arrived, Body, Told
 from multisrt.events import AnyEvent, Blocked, Ended, Motion, Sensed, Sent
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import InvalidInputError
@@ -34,75 +32,18 @@ from multisrt.robots.explorer import (
     Send,
     Sense,
     Sighting,
+    Steps,
     Stop,
     TimedOut,
 )
 from multisrt.robots.messages import Message
 from multisrt.robots.registry import strategy as strategy_named
 from multisrt.robots.strategy import Strategy, as_strategy
-from multisrt.simulation import plain
+from multisrt.simulation import plain, protocol
 from multisrt.simulation.plain import SAME_TIME_S
 
 Exploring = Strategy | Callable[[RobotSelf, Any], Explorer] | str
 """A strategy, its name, or a class or function that builds the explorer of one robot."""
-
-
-class Arrived(msgspec.Struct, frozen=True, kw_only=True):
-    """Messages that have arrived by radio.
-
-    Attributes
-    ----------
-    data : tuple of bytes
-        At least one message, each as `send` was given it, in the order in which they arrived.
-    time_s : float
-        When the last of them arrived, in seconds.
-    """
-
-    data: tuple[bytes, ...]
-    time_s: float
-
-
-Told = Moved | Arrived | TimedOut | None
-"""What `receive` returns."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Body:
-    """The callables that command a robot: its sensor, its drive and its radio.
-
-    All places are in one frame, in metres and radians, and all times in seconds of one clock,
-    which never runs backwards.
-
-    Attributes
-    ----------
-    sense : callable
-        Takes nothing; returns a scan. `scan_of_ranges` and `scan_of_polygon` make one.
-    move : callable
-        Takes a `Move`: the trajectory to follow and the guard distance. Either it returns when
-        the motion has ended, with where, when, and before which body (`Moved`); or it begins the
-        motion and returns None, and `receive` tells its end.
-    send : callable or None
-        Takes a message as bytes and the number of the robot that it is for, or None for all.
-        None: the robot has no radio.
-    receive : callable or None
-        Takes a time of the clock, which may be infinite. It returns `Arrived` when messages have
-        come, `Moved` when a motion has ended, `TimedOut` when that time has come, or None if
-        none of these has happened yet: then it is called again. It may wait. None: nothing ever
-        comes.
-    look : callable or None
-        Takes nothing; returns a `Sighting` of each other robot that is seen. None: there are no
-        others, or they are not seen.
-    stop : callable or None
-        Takes nothing; ends the present motion and returns `Moved`. It is needed if `move`
-        returns None and the explorer stops on the way.
-    """
-
-    sense: Callable[[], Scan]
-    move: Callable[[Move], Moved | None]
-    send: Callable[[bytes, int | None], object] | None = None
-    receive: Callable[[float], Told] | None = None
-    look: Callable[[], Iterable[Sighting]] | None = None
-    stop: Callable[[], Moved] | None = None
 
 
 def drive(
@@ -252,11 +193,12 @@ class Driver:
 
     def _run(self) -> Generator[bool, None, None]:
         number = self.me.robot
-        actions = plain.steps(self.explorer.run(), number)
+        actions = protocol.begin(self.explorer, number)
         outcome: Outcome = None
         while True:
             action = self._next(actions, outcome)
             outcome = None
+            protocol.require_in_order(action, number, moves=self._motion is not None)
             match action:
                 case Sense():
                     outcome = self._sense()
@@ -279,14 +221,14 @@ class Driver:
                     if outcome is None:
                         return
                 case _:
-                    plain.refuse_action(action, number)
+                    protocol.refuse_action(action, number)
 
-    def _next(self, actions: Generator[Action, Outcome, None], outcome: Outcome) -> Action:
+    def _next(self, actions: Steps, outcome: Outcome) -> Action:
         if self._acted_s < self.time_s:
             self._acted_s, self._actions = self.time_s, 0
         self._actions += 1
-        plain.require_progress(self._actions, self.me.robot, self.time_s)
-        return plain.next_action(actions, outcome, self.me.robot)
+        protocol.require_progress(self._actions, self.me.robot, self.time_s)
+        return protocol.next_action(self.explorer, actions, outcome, self.me.robot)
 
     def _sense(self) -> Scan:
         scan = self._body.sense()
@@ -326,12 +268,6 @@ class Driver:
 
     def _finish(self, done: Done) -> Generator[bool, None, Received | None]:
         on_call = plain.is_on_call(done, self.me.robot)
-        if self._motion is not None:
-            plain.refuse(
-                self.me.robot,
-                "it yielded Done while a motion goes on",
-                "yield Receive to wait for its end, or Stop",
-            )
         self.end = plain.ended(done, self.me.robot, self.time_s)
         self.events.append(self.end)
         if not on_call or self.me.team == 1 or self._body.receive is None:
@@ -345,12 +281,6 @@ class Driver:
     # Motion and waiting ------------------------------------------------------------------
 
     def _move(self, move: Move) -> Generator[bool, None, Outcome]:
-        if self._motion is not None:
-            plain.refuse(
-                self.me.robot,
-                "it yielded Move while a motion goes on",
-                "yield Receive to wait for its end, or Stop",
-            )
         self._motion = move, self.time_s
         moved = self._body.move(move)
         if moved is not None:
@@ -363,10 +293,6 @@ class Driver:
         return (yield from self._wait(math.inf, hears=move.listen))
 
     def _stop(self) -> Moved:
-        if self._motion is None:
-            plain.refuse(
-                self.me.robot, "it yielded Stop, but it stands", "Stop ends a motion: Move first"
-            )
         if self._body.stop is None:
             raise InvalidInputError(
                 f"the explorer of robot {self.me.robot} stops on its way, but there is no stop: "

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import hashlib
 import platform
+import re
 import sys
 from collections.abc import Iterator
 from functools import cache
@@ -12,6 +13,9 @@ from importlib.metadata import version
 from pathlib import Path
 
 import msgspec
+
+_IMPORTS = re.compile(rb"^[ \t]*(?:from|import) multisrt\.(\w+)", re.MULTILINE)
+"""Imports of parts of this package. To parse all files would cost a short check a quarter more."""
 
 
 class Provenance(msgspec.Struct, frozen=True, kw_only=True):
@@ -115,8 +119,9 @@ def program_digest() -> str:
     """
     digest = hashlib.sha256()
     # What `informed` imports besides is `analysis`, by which all runs are measured.
-    informed = {name: content for name, (content, _) in _files_in("informed").items()}
-    for name, content in sorted((_files_behind("simulation") | informed).items()):
+    files = _files_behind("simulation") | _files_in("informed")
+    for name, source in sorted(files.items()):
+        content = code_of(source)[0] if name.endswith((".py", "/")) else source
         digest.update(f"{name} {len(content)}\n".encode())
         digest.update(content)
     return digest.hexdigest()[:16]
@@ -144,22 +149,24 @@ def _files_behind(part: str) -> dict[str, bytes]:
     found: dict[str, bytes] = {}
     parts, waiting = {part}, [part]
     while waiting:
-        for name, (content, imported) in _files_in(waiting.pop()).items():
-            found[name] = content
+        for name, source in _files_in(waiting.pop()).items():
+            found[name] = source
+            imported = {each.decode() for each in _IMPORTS.findall(source)}
             waiting.extend(imported - parts)
             parts |= imported
     return found
 
 
-def _files_in(part: str) -> dict[str, tuple[bytes, set[str]]]:
-    """Return what counts of each file of a part, and the parts that it imports, by its name."""
+def _files_in(part: str) -> dict[str, bytes]:
+    """Return the content of each file of a part by its name; that of a module ends with a slash."""
     top = Path(__file__).parents[1]
     # rglob does not descend into a symbolic link.
     folder = (top / part).resolve()
     if not folder.is_dir():
-        return {f"{part}/": _read(top / f"{part}.py")}
+        return {f"{part}/": (top / f"{part}.py").read_bytes()}
     return {
-        f"{part}/{path.relative_to(folder).as_posix()}": _read(path) for path in _files_of(folder)
+        f"{part}/{path.relative_to(folder).as_posix()}": path.read_bytes()
+        for path in _files_of(folder)
     }
 
 
@@ -167,22 +174,6 @@ def _files_of(folder: Path) -> Iterator[Path]:
     for path in folder.rglob("[!.]*"):
         if path.is_file() and "__pycache__" not in path.parts:
             yield path
-
-
-def _read(path: Path) -> tuple[bytes, set[str]]:
-    """Return what counts of a file, and the parts of this package that it imports."""
-    if path.suffix != ".py":
-        return path.read_bytes(), set()
-    code, tree = code_of(path.read_bytes())
-    imported: set[str] = set()
-    for node in ast.walk(tree):
-        match node:
-            case ast.Import():
-                imported.update(alias.name for alias in node.names)
-            case ast.ImportFrom():
-                imported.update(f"{node.module}.{alias.name}" for alias in node.names)
-    ours = (name.split(".") for name in imported)
-    return code, {name[1] for name in ours if name[0] == "multisrt" and len(name) > 1}
 
 
 def code_of(source: bytes) -> tuple[bytes, ast.Module]:

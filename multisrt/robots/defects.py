@@ -2,18 +2,9 @@
 
 from __future__ import annotations
 
-import sysconfig
-import traceback
-from pathlib import Path
-from typing import NamedTuple
+from typing import NamedTuple, NoReturn
 
 from multisrt.geometry.errors import InvalidInputError
-
-_LIBRARIES = (
-    str(Path(__file__).parents[1]),
-    *(sysconfig.get_path(name) for name in ("stdlib", "purelib", "platlib")),
-)
-"""Folders of code that is not the user's."""
 
 
 class Flaw(NamedTuple):
@@ -64,29 +55,24 @@ class ExplorerDefect(InvalidInputError, AssertionError):
         return f"{self.where}: {self.what}; {self.remedy}"
 
 
-def place_of(error: BaseException) -> str:
-    """Return where an exception was raised, in the user's own code if that took part.
+def refuse(robot: int, what: str, remedy: str) -> NoReturn:
+    """Raise the error of an explorer that does what it may not.
 
     Parameters
     ----------
-    error : BaseException
-        The exception, with its traceback.
+    robot : int
+        Its robot.
+    what : str
+        What it did.
+    remedy : str
+        What to change.
 
-    Returns
-    -------
-    str
-        Such as ``mine.py:8, in run``; empty without a traceback.
-
-    Examples
-    --------
-    >>> place_of(ValueError("never raised"))
-    ''
+    Raises
+    ------
+    ExplorerDefect
+        Always.
     """
-    frames = traceback.extract_tb(error.__traceback__)
-    own = [frame for frame in frames if not frame.filename.startswith(_LIBRARIES)]
-    for frame in reversed(own or frames):
-        return f"{Path(frame.filename).name}:{frame.lineno}, in {frame.name}"
-    return ""
+    raise ExplorerDefect(what, f"the explorer of robot {robot}", remedy) from None
 
 
 def brief(value: object, length: int = 80) -> str:
@@ -98,3 +84,8 @@ def brief(value: object, length: int = 80) -> str:
 def article(noun: str) -> str:
     """Return a noun, such as the name of a type, with its indefinite article."""
     return f"{'an' if noun[:1].lower() in 'aeiou' else 'a'} {noun}"
+
+
+def described(value: object) -> str:
+    """Return a value with its type, as text for a message."""
+    return f"{brief(value)}, {article(type(value).__name__)}"

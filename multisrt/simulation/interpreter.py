@@ -14,6 +14,7 @@ import simpy
 
 from multisrt.events import Ended, Organized, Sensed
 from multisrt.geometry.regions.scan import Scan
+from multisrt.robots.defects import refuse
 from multisrt.robots.explorer import (
     Action,
     Done,
@@ -27,10 +28,11 @@ from multisrt.robots.explorer import (
     Received,
     Send,
     Sense,
+    Steps,
     Stop,
     TimedOut,
 )
-from multisrt.simulation import plain
+from multisrt.simulation import plain, protocol
 from multisrt.simulation.clock import LATE, ROUNDING_S, Clock
 from multisrt.simulation.faults import Faults
 from multisrt.simulation.journal import Journal
@@ -98,7 +100,7 @@ class Interpreter:
         self._motions = surroundings.motions
         self._mail = surroundings.mail
         self._faults = surroundings.faults
-        self.actions: Generator[Action, Outcome, None] | None = None
+        self.actions: Steps | None = None
         # How many actions the explorer has yielded at the present moment.
         self._acted_s = 0.0
         self._actions = 0
@@ -124,12 +126,13 @@ class Interpreter:
     def _interpret(self) -> Process:
         robot, number, pause = self._robot, self._robot.number, self._pause
         outcome: Outcome = None
-        self.actions = actions = self._begin()
+        self.actions = actions = protocol.begin(self._explorer, number)
         while True:
             action = self._next_action(actions, outcome)
             if pause is not None:
                 yield pause(number, outcome, action)
             outcome = None
+            protocol.require_in_order(action, number, moves=robot.motion is not None)
             match action:
                 # The most frequent actions come first.
                 case Receive():
@@ -152,7 +155,7 @@ class Interpreter:
                 case Look():
                     outcome = self._sensing.look(robot, self._clock.now_s)
                 case Stop():
-                    outcome = self._stop()
+                    outcome = self._motions.end(robot, self._clock.now_s)
                 case Done():
                     on_call = plain.is_on_call(action, number)
                     self._finish(action)
@@ -161,27 +164,24 @@ class Interpreter:
                     outcome = yield from self._wait(None)
                     robot.state = "on"
                 case _:
-                    plain.refuse_action(action, number)
+                    protocol.refuse_action(action, number)
             if robot.state == "dead" or self._motions.collision is not None:
                 return
 
-    def _begin(self) -> Generator[Action, Outcome, None]:
-        return plain.steps(self._explorer.run(), self._robot.number)
-
-    def _next_action(self, actions: Generator[Action, Outcome, None], outcome: Outcome) -> Action:
+    def _next_action(self, actions: Steps, outcome: Outcome) -> Action:
         now_s, number = self._clock.now_s, self._robot.number
         if self._acted_s < now_s:
             self._acted_s, self._actions = now_s, 0
         self._journal.note_time(now_s)
         self._actions += 1
-        plain.require_progress(self._actions, number, now_s)
-        return plain.next_action(actions, outcome, number)
+        protocol.require_progress(self._actions, number, now_s)
+        return protocol.next_action(self._explorer, actions, outcome, number)
 
     def _note(self, note: Note) -> None:
         number = self._robot.number
         event = plain.event(note.event, number, self._clock.now_s)
         if flaw := self._journal.flaw(event):
-            plain.refuse(number, f"its {type(event).__name__}: {flaw}", "see multisrt.events")
+            refuse(number, f"its {type(event).__name__}: {flaw}", "see multisrt.events")
         self._journal.record(event)
         if isinstance(event, Organized):
             self._faults.on_doing(self._robot, "master")
@@ -195,23 +195,8 @@ class Interpreter:
         )
         return scan
 
-    def _stop(self) -> Moved:
-        if self._robot.motion is None:
-            plain.refuse(
-                self._robot.number,
-                "it yielded Stop, but it stands",
-                "Stop ends a motion: Move first",
-            )
-        return self._motions.end(self._robot, self._clock.now_s)
-
     def _finish(self, done: Done) -> None:
         robot = self._robot
-        if robot.motion is not None:
-            plain.refuse(
-                robot.number,
-                "it yielded Done while a motion goes on",
-                "yield Receive to wait for its end, or Stop",
-            )
         end = plain.ended(done, robot.number, self._clock.now_s)
         # A robot that is called on and ends as before is not recorded again.
         if robot.end is None or _statement(robot.end) != _statement(end):

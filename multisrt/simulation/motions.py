@@ -10,8 +10,8 @@ from multisrt.events import Blocked, Collision, Motion
 from multisrt.geometry.bodies.collision import Body, CollisionWorld
 from multisrt.geometry.configuration import Configuration
 from multisrt.planners.motion.trajectory import Trajectory, Waypoint
+from multisrt.robots.defects import refuse
 from multisrt.robots.explorer import Move, Moved
-from multisrt.simulation import plain
 from multisrt.simulation.clock import ROUNDING_S, Clock
 from multisrt.simulation.encounters import Encounter
 from multisrt.simulation.journal import Journal
@@ -68,7 +68,7 @@ class Motions:
         self.collision: Collision | None = None
 
     def begin(self, robot: Robot, move: Move) -> bool:
-        """Begin a motion, unless it would touch an obstacle: that is a collision.
+        """Begin a motion of a robot that stands; one that touches an obstacle is a collision.
 
         Returns
         -------
@@ -78,14 +78,8 @@ class Motions:
         Raises
         ------
         ExplorerDefect
-            If the robot moves already, or the trajectory does not start where it is.
+            If the trajectory does not start where the robot is.
         """
-        if robot.motion is not None:
-            plain.refuse(
-                robot.number,
-                "it yielded Move while a motion goes on",
-                "yield Receive to wait for its end, or Stop",
-            )
         now_s, number, trajectory = self._clock.now_s, robot.number, move.trajectory
         _require_start(trajectory, self._traffic.where(number, now_s), number)
         left_s = self._max_time_s - now_s
@@ -239,12 +233,17 @@ class Motions:
         return self._world.first_contact(body, start, end, turn, arc=True) is None
 
 
-def _require_start(trajectory: Trajectory, configuration: Configuration, number: int) -> None:
+def begins_at(trajectory: Trajectory, configuration: Configuration) -> bool:
+    """Whether a trajectory begins where a robot is, but for `START_TOLERANCE`."""
     start = trajectory.start
     turn = abs(math.remainder(start.heading - configuration.heading, 2.0 * math.pi))
-    if start.distance(configuration) > START_TOLERANCE or turn > START_TOLERANCE:
-        plain.refuse(
+    return start.distance(configuration) <= START_TOLERANCE and turn <= START_TOLERANCE
+
+
+def _require_start(trajectory: Trajectory, configuration: Configuration, number: int) -> None:
+    if not begins_at(trajectory, configuration):
+        refuse(
             number,
-            f"it yielded a trajectory from {start}, but the robot is at {configuration}",
+            f"it yielded a trajectory from {trajectory.start}, but the robot is at {configuration}",
             "begin every trajectory where the last motion ended",
         )

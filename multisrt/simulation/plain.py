@@ -10,7 +10,6 @@ import math
 import re
 from collections.abc import Iterator
 from itertools import chain
-from types import CoroutineType, GeneratorType
 from typing import Any, NoReturn, cast, get_args
 
 import msgspec
@@ -18,20 +17,9 @@ import numpy as np
 
 from multisrt.events import AnyEvent, Ended, Event, NotedEvent, Purpose
 from multisrt.geometry.numerics.arrays import builtin
-from multisrt.geometry.regions.scan import ExactScan, LaserScan
 from multisrt.planners.motion.trajectory import Trajectory, Waypoint
-from multisrt.robots.defects import ExplorerDefect, article, brief, place_of
-from multisrt.robots.explorer import (
-    Action,
-    Done,
-    Move,
-    Moved,
-    Outcome,
-    Receive,
-    Received,
-    Steps,
-    TimedOut,
-)
+from multisrt.robots.defects import brief, described, refuse
+from multisrt.robots.explorer import Done, Move, Receive
 from multisrt.robots.messages import Message
 from multisrt.validation_errors import explained
 
@@ -46,170 +34,8 @@ _DECODER = msgspec.msgpack.Decoder(AnyEvent)
 SAME_TIME_S = 1e-6
 """Times that differ by less are one, in seconds."""
 
-MAX_ACTIONS = 100_000
-"""Actions of one explorer at one moment; one that yields more never lets time pass."""
-
 _NOT_FINITE = re.compile(rb"\xcb[\x7f\xff][\xf0-\xff]")
 """How floats that are infinite or no number begin in MessagePack; other data may look the same."""
-
-
-def refuse(robot: int, what: str, remedy: str) -> NoReturn:
-    """Raise the error of an explorer that does what it may not.
-
-    Parameters
-    ----------
-    robot : int
-        Its robot.
-    what : str
-        What it did.
-    remedy : str
-        What to change.
-
-    Raises
-    ------
-    ExplorerDefect
-        Always.
-    """
-    raise ExplorerDefect(what, f"the explorer of robot {robot}", remedy) from None
-
-
-def refuse_action(action: object, robot: int) -> NoReturn:
-    """Raise the error of an explorer that yields what is no action.
-
-    Parameters
-    ----------
-    action : object
-        What it yielded.
-    robot : int
-        Its robot.
-
-    Raises
-    ------
-    ExplorerDefect
-        Always; its remedy is what is yielded instead of such a thing.
-    """
-    what = f"it yielded {brief(action)}, which is no action"
-    remedy = "yield instances of Sense, Look, Move, Stop, Send, Receive, Note and Done"
-    match action:
-        case None:
-            what, remedy = "it yielded None, which is no action", "yield Sense(), not yield alone"
-        case type() if action in get_args(Action):
-            name = action.__name__
-            what, remedy = f"it yielded the class {name}", f"yield an instance: {name}(...)"
-        case GeneratorType():
-            what = f"it yielded what {action.__name__}() returned, a generator"
-            remedy = f"delegate to a procedure that yields actions: yield from {action.__name__}()"
-        case Trajectory():
-            remedy = "yield Move(trajectory=...) to follow it"
-        case Message():
-            remedy = "yield Send(...) to send it"
-        case Event():
-            remedy = "yield Note(...) to put it on record"
-        case ExactScan() | LaserScan() | Moved() | Received() | TimedOut():
-            what = f"it yielded {_described(action)}, which is an outcome"
-            remedy = "outcomes are what it is sent: scan = yield Sense()"
-        case list() | tuple() if action and isinstance(action[0], Action):
-            what = f"it yielded {len(action)} actions at once, in a {type(action).__name__}"
-            remedy = "yield them one by one: each has an outcome"
-    refuse(robot, what, remedy)
-
-
-def steps(returned: Any, robot: int) -> Steps:
-    """Return what `run()` returned, if it is a generator.
-
-    Parameters
-    ----------
-    returned : object
-        What it returned.
-    robot : int
-        Its robot.
-
-    Returns
-    -------
-    generator
-        The same.
-
-    Raises
-    ------
-    ExplorerDefect
-        If it is none.
-    """
-    if isinstance(returned, CoroutineType) or hasattr(returned, "asend"):
-        refuse(robot, "its run() is asynchronous", "write def run(self), not async def")
-    if not hasattr(returned, "send"):
-        what = "None" if returned is None else article(type(returned).__name__)
-        refuse(
-            robot,
-            f"its run() returned {what}, not a generator",
-            "have it yield every action, as in scan = yield Sense(), and at last yield Done(...)",
-        )
-    return cast(Steps, returned)
-
-
-def next_action(actions: Steps, outcome: Outcome, robot: int) -> Action:
-    """Return what an explorer yields when it is sent the outcome of its last action.
-
-    Parameters
-    ----------
-    actions : generator
-        What its `run()` returned.
-    outcome : Outcome
-        The outcome.
-    robot : int
-        Its robot.
-
-    Raises
-    ------
-    ExplorerDefect
-        If `run()` returns, or raises an exception, which is its cause then.
-    """
-    try:
-        return actions.send(outcome)
-    except StopIteration:
-        refuse_end(robot)
-    except ExplorerDefect:
-        raise
-    except (Exception, SystemExit) as error:
-        said = f": {error}" if str(error) else ""
-        raise ExplorerDefect(
-            f"it raised {type(error).__name__}{said} ({place_of(error)})",
-            f"the explorer of robot {robot}",
-            "correct that line; 'multisrt check FILE' tries the explorer in small worlds",
-        ) from error
-
-
-def require_progress(actions: int, robot: int, now_s: float) -> None:
-    """Raise the error of an explorer that lets no time pass.
-
-    Parameters
-    ----------
-    actions : int
-        How many actions it has yielded at the present moment.
-    robot : int
-        Its robot.
-    now_s : float
-        That moment in seconds.
-
-    Raises
-    ------
-    ExplorerDefect
-        If these are more than `MAX_ACTIONS`.
-    """
-    if actions > MAX_ACTIONS:
-        refuse(
-            robot,
-            f"it yielded {MAX_ACTIONS:,} actions at {now_s:g} s and lets no time pass",
-            "have it move, or wait with a Receive that does not end at once",
-        )
-
-
-def refuse_end(robot: int) -> NoReturn:
-    """Raise the error of an explorer whose `run()` returns before it has yielded `Done`."""
-    refuse(
-        robot,
-        "its run() ended without a last action Done",
-        "yield Done(complete=..., reason=...) before it returns",
-    )
 
 
 def timeout_s(receive: Receive, robot: int) -> float | None:
@@ -244,7 +70,7 @@ def size_bytes(message: Any, robot: int) -> int:
         refuse(
             robot,
             "it sent a message that cannot be written: "
-            + (f"{found[0]} is {_described(found[1])}" if found else str(error)),
+            + (f"{found[0]} is {described(found[1])}" if found else str(error)),
             "messages hold numbers, text, tuples, structures and read-only numpy arrays",
         )
 
@@ -447,11 +273,7 @@ def _is_single(value: object) -> bool:
 
 
 def _refuse_value(robot: int, field: str, value: object, remedy: str) -> NoReturn:
-    refuse(robot, f"{field} is {_described(value)}", remedy)
-
-
-def _described(value: object) -> str:
-    return f"{brief(value)}, {article(type(value).__name__)}"
+    refuse(robot, f"{field} is {described(value)}", remedy)
 
 
 def _refuse_unwritable(noted: Event, robot: int) -> None:

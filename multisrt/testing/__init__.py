@@ -3,5 +3,13 @@
 from multisrt.robots.defects import ExplorerDefect
 from multisrt.testing.check import CheckedExplorer, check_explorer, two_rooms
 from multisrt.testing.checked_run import CheckedRun
+from multisrt.testing.unfinished import Unfinished
 
-__all__ = ["CheckedExplorer", "CheckedRun", "ExplorerDefect", "check_explorer", "two_rooms"]
+__all__ = [
+    "CheckedExplorer",
+    "CheckedRun",
+    "ExplorerDefect",
+    "Unfinished",
+    "check_explorer",
+    "two_rooms",
+]

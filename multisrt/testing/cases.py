@@ -4,29 +4,28 @@ from __future__ import annotations
 
 import inspect
 from collections import Counter, deque
-from collections.abc import Callable, Generator, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from types import ModuleType
 from typing import Any, NoReturn
 
-import msgspec
 import numpy as np
 
 from multisrt.environments.environment import Environment
 from multisrt.events import Collision
 from multisrt.recording import Recording
-from multisrt.robots.defects import ExplorerDefect, Flaw, article, brief
-from multisrt.robots.explorer import Action, Explorer, Move, Outcome, RobotSelf
+from multisrt.robots.code_places import modules_of, place_suffix
+from multisrt.robots.defects import ExplorerDefect, Flaw, article
+from multisrt.robots.error_flaw import error_flaw
+from multisrt.robots.explorer import Explorer, RobotSelf
 from multisrt.robots.registry import registered
 from multisrt.robots.strategy import Strategy
 from multisrt.simulation.random_streams import random_stream
 from multisrt.simulation.simulate import simulate
 from multisrt.spec import RunSpec
-from multisrt.testing.account import account
 from multisrt.testing.checked_run import CheckedRun
 from multisrt.testing.code_reading import OwnCode, own_code_of
-from multisrt.testing.error_flaw import error_flaw
 from multisrt.testing.fingerprint import fingerprint
 from multisrt.testing.forgotten import forgotten_yield
 from multisrt.testing.hidden_truth import named_by_code
@@ -35,18 +34,16 @@ from multisrt.testing.own_code import (
     clocks_in,
     order_in,
     place_of_frame,
-    told,
 )
+from multisrt.testing.repetition import ActionDiffers, Repetition
 from multisrt.testing.supervision import SupervisedExplorer, Supervision
-from multisrt.testing.surroundings import modules_of, surroundings
+from multisrt.testing.surroundings import surroundings
+from multisrt.testing.unfinished import unfinished
 from multisrt.testing.watchdog import ComputesTooLong, Limits, Watchdog
 
 DATA = (int, float, complex, str, bytes, tuple, list, dict, set, frozenset, deque, np.ndarray)
 """Types of class attributes, globals and defaults in which explorers might share state."""
 
-
-MAX_DESCRIBED = 120
-"""Characters to which actions and their fields are cut in messages."""
 
 OWN_STATE = "keep everything in self: no class attribute, global or default that changes"
 OWN_STREAM = "draw random numbers from the rng of its RobotSelf alone"
@@ -108,7 +105,7 @@ class Case:
         try:
             explorer = self._watchdog.call(self.strategy.explorer, me, self.options)
         except ComputesTooLong as late:
-            place = told(place_of_frame(built_by, late.frame))
+            place = place_suffix(place_of_frame(built_by, late.frame))
             raise self._defect(
                 f"building the explorer of robot {me.robot} has taken "
                 f"{self._limits.max_decision_s:g} s{place}",
@@ -164,7 +161,7 @@ class Case:
         """Send each explorer the same outcomes in other surroundings, and compare its actions."""
         try:
             self._drive(seed=2, clock_s=2e9)
-        except OtherAction as other:
+        except ActionDiffers as other:
             self._explain(other)
 
     def _drive(self, *, seed: int, clock_s: float) -> None:
@@ -173,19 +170,19 @@ class Case:
                 for repeated in self.repetitions():
                     while repeated.advance():
                         pass
-            except OtherAction as other:
+            except ActionDiffers as other:
                 other.has_drawn = were_drawn()
                 raise
 
-    def _explain(self, other: OtherAction) -> NoReturn:
+    def _explain(self, other: ActionDiffers) -> NoReturn:
         # By what is left of the difference if one thing is as it was before.
         try:
             self._drive(seed=1, clock_s=1e9)
-        except OtherAction as again:
+        except ActionDiffers as again:
             raise again.defect(*self._unknown_cause()) from None
         try:
             self._drive(seed=2, clock_s=1e9)
-        except OtherAction as again:
+        except ActionDiffers as again:
             if not again.has_drawn:
                 raise again.defect(*self._unknown_cause()) from None
             why = f"it draws on global random numbers{_after(chance_in(self.own_code))}"
@@ -252,6 +249,9 @@ class Case:
 
     def summary(self) -> CheckedRun:
         """Return how the run went."""
+        # Loaded late: an explorer that fails at once need not wait for what measures runs.
+        from multisrt.testing.account import account
+
         assert self.recording is not None
         footer = self.recording.footer
         covered, differences = account(self.recording, self.world)
@@ -265,6 +265,7 @@ class Case:
             actions=dict(kinds),
             digest=footer.digest,
             differences=differences,
+            unfinished=unfinished(self.recording),
         )
 
     def _simulate(
@@ -324,83 +325,6 @@ class Case:
         return ExplorerDefect(what, f"{who} in {self.title}", remedy)
 
 
-class OtherAction(Exception):
-    """An explorer acted otherwise than before."""
-
-    def __init__(self, what: str, where: str) -> None:
-        super().__init__(what)
-        self.what = what
-        self.where = where
-        self.has_drawn = False
-
-    def defect(self, why: str, remedy: str) -> ExplorerDefect:
-        """Return the defect, with a reason and a remedy."""
-        return ExplorerDefect(f"{self.what}: {why}", self.where, remedy)
-
-
-class Repetition:
-    """An explorer that is driven by hand, and must act as it did before.
-
-    Parameters
-    ----------
-    before : SupervisedExplorer
-        What it was sent and did.
-    actions : generator
-        The actions of the new explorer.
-    title : str
-        Name of the run in messages.
-    watchdog : Watchdog
-        Calls it.
-    """
-
-    def __init__(
-        self,
-        before: SupervisedExplorer,
-        actions: Generator[Action, Outcome, None],
-        title: str,
-        watchdog: Watchdog,
-    ) -> None:
-        self._before = before
-        self._actions = actions
-        self._title = title
-        self._watchdog = watchdog
-        self._turn = 0
-
-    def advance(self) -> bool:
-        """Send it the next outcome; return whether there are more.
-
-        Raises
-        ------
-        OtherAction
-            If it does not yield what it yielded before.
-        """
-        turn = self._before.turns[self._turn]
-        self._turn += 1
-        try:
-            action = self._watchdog.call(self._actions.send, turn.outcome)
-        except StopIteration:
-            acted = "nothing"
-        except ComputesTooLong:
-            acted = "nothing for long"
-        except Exception as error:
-            acted = f"{type(error).__name__}: {error}"
-        else:
-            if fingerprint(action) == turn.print:
-                return self._turn < len(self._before.turns)
-            if found := difference(action, turn.action):
-                self._raise(f"yielded {found}")
-            acted = _described(action)
-        self._raise(f"yielded {acted}, not {_described(turn.action)}")
-
-    def _raise(self, what: str) -> NoReturn:
-        me = self._before.me
-        who = "the robot" if me.team == 1 else f"robot {me.robot} of {me.team}"
-        raise OtherAction(
-            f"sent the same as before, it {what}",
-            f"{who} in {self._title}, action {self._turn}",
-        )
-
-
 def repeat_interleaved(cases: Sequence[Case]) -> None:
     """Drive all explorers of all cases by hand, in turns, and compare their actions."""
     modules = list({id(m): m for case in cases for m in case.modules}.values())
@@ -409,7 +333,7 @@ def repeat_interleaved(cases: Sequence[Case]) -> None:
             going = [repetition for case in cases for repetition in case.repetitions()]
             while going:
                 going = [repetition for repetition in going if repetition.advance()]
-    except OtherAction as other:
+    except ActionDiffers as other:
         raise other.defect(
             "it shares state with explorers that run at the same time",
             OWN_STATE,
@@ -424,46 +348,6 @@ def _names(robots: list[int]) -> str:
 
 def _after(places: str) -> str:
     return f": {places}" if places else ""
-
-
-def _described(action: object) -> str:
-    if isinstance(action, Move):
-        x, y, heading = action.trajectory.end
-        return f"Move to ({x:.6g}, {y:.6g}, {heading:.6g})"
-    return brief(action, MAX_DESCRIBED)
-
-
-def difference(now: object, before: object) -> str:
-    """Return the first field in which two long actions of one kind differ, in words.
-
-    Parameters
-    ----------
-    now, before : object
-        The actions.
-
-    Returns
-    -------
-    str
-        Such as ``Note with event.rule = 'near', not 'far'``; empty for motions, actions of
-        several kinds, and those that can be read as a whole.
-    """
-    if (
-        type(now) is not type(before)
-        or isinstance(now, Move)
-        or max(len(repr(now)), len(repr(before))) <= MAX_DESCRIBED
-    ):
-        return ""
-    kind, place = type(now).__name__, ""
-    while isinstance(now, msgspec.Struct) and type(now) is type(before):
-        for name in now.__struct_fields__:
-            one, other = getattr(now, name), getattr(before, name)
-            if fingerprint(one) != fingerprint(other):
-                place = f"{place}.{name}" if place else name
-                now, before = one, other
-                break
-        else:
-            return ""
-    return f"{kind} with {place} = {brief(now, MAX_DESCRIBED)}, not {brief(before, MAX_DESCRIBED)}"
 
 
 def _kept_by(cls: OwnCode) -> dict[str, bytes]:

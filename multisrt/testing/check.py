@@ -18,7 +18,10 @@ be worthless or impossible. It is checked that
   out: trajectories begin where the robot is, run forwards in time, and keep to its kinematics;
 - its body stays in what the robot has sensed, or may have been told of;
 - neither what it holds nor what its code names leads to the world or to the simulation, and it
-  names no back door to them (``gc.get_objects``, frames, ``importlib``, ``eval``);
+  names no back door to them (``gc.get_objects``, frames, ``importlib``, ``eval``, a module that is
+  given to ``getattr`` or ``attrgetter``);
+- it opens no file and starts no program while it runs: neither by ``open`` nor by a path that it
+  holds (``read_text``); what it needs is read where it is built;
 - no line of its code makes a generator or an action and drops it, where `yield from` or `yield`
   was forgotten;
 - it does not collide, and ends with `Done`: in time, in a number of actions, without standing
@@ -26,8 +29,8 @@ be worthless or impossible. It is checked that
 
 **Warnings** are about behaviour that the contract allows but that is probably unintended: an
 explorer that ends at once, never senses or never moves, that reports completion where little was
-covered, or covers little everywhere. They are not defects: such runs are valid, if useless, and a
-baseline may stand still.
+covered, covers little everywhere, or stalls in a team where one robot alone completes. They are
+not defects: such runs are valid, if useless, and a baseline may stand still.
 
 **Notes** say where its own account of a run and its scans differ: it records no nodes, or nodes
 that hold less or more than was seen.
@@ -47,7 +50,7 @@ operating system, in the main thread and on Unix only; the message names the lin
 ...     def run(self):
 ...         scan = yield Sense()
 ...         yield Done(complete=False, reason=f"saw {len(scan.boundary)} corners")
->>> print(check_explorer(Glance, worlds=[two_rooms()], elsewhere=False))
+>>> print(check_explorer(Glance, worlds=[two_rooms()], repeat_in_process=False))
 glance keeps to the contract of explorers, with a warning:
   repeats; shares no state; changes nothing that it is given; yields what its body can do;
   stays in what it knows; does not reach the truth; does not collide; ends
@@ -90,8 +93,8 @@ from multisrt.robots.strategy import Strategy
 from multisrt.simulation.worlds import build_environment, inline
 from multisrt.spec import RadioSpec, RobotSpec, RunSpec, StopRule
 from multisrt.testing.cases import Case, repeat_interleaved
+from multisrt.testing.check_warnings import warnings_about
 from multisrt.testing.checked_run import CheckedRun
-from multisrt.testing.doubts import doubts
 from multisrt.testing.other_process import digests_elsewhere, require_first
 from multisrt.testing.watchdog import Limits, Watchdog
 
@@ -103,11 +106,11 @@ Make = Callable[..., Explorer]
 Progress = Callable[[str, int, int], None]
 """Called with the current activity, the number of finished steps, and the number of all steps."""
 
-ELSEWHERE = "repeats in another process"
+IN_PROCESS = "repeats in another process"
 
 CHECKS = (
     "repeats",
-    ELSEWHERE,
+    IN_PROCESS,
     "shares no state",
     "changes nothing that it is given",
     "yields what its body can do",
@@ -148,7 +151,7 @@ class CheckedExplorer:
     ...
     ...     def run(self):
     ...         yield Done(complete=False, reason="has nothing to do")
-    >>> checked = check_explorer(Idle, worlds=[two_rooms()], teams=[1], elsewhere=False)
+    >>> checked = check_explorer(Idle, worlds=[two_rooms()], teams=[1], repeat_in_process=False)
     >>> checked.runs[0].outcome, checked.runs[0].covered, len(checked.warnings)
     ('stalled', 0.0, 1)
     """
@@ -200,7 +203,7 @@ def check_explorer(
     max_actions: int = 10_000,
     max_decision_s: float = 10.0,
     only_known: bool = True,
-    elsewhere: bool = True,
+    repeat_in_process: bool = True,
     progress: Progress | None = None,
 ) -> CheckedExplorer:
     """Check that an explorer keeps to the contract.
@@ -231,7 +234,7 @@ def check_explorer(
     only_known : bool
         Whether a body must stay in what its robot has sensed, or may have been told of: what the
         sender of a message knew when it sent it.
-    elsewhere : bool
+    repeat_in_process : bool
         Whether the runs are also repeated in another process, where sets iterate in another order.
     progress : callable, optional
         Called with what is being done, the steps that are done and their number.
@@ -288,22 +291,22 @@ def check_explorer(
             for world, description in zip(worlds, described, strict=True)
             for size in teams
         ]
-        unchecked = _run_all(cases, elsewhere, progress or (lambda *_: None))
+        unchecked = _run_all(cases, repeat_in_process, progress or (lambda *_: None))
     runs = tuple(case.summary() for case in cases)
     left_out = {
         "stays in what it knows": not only_known,
-        ELSEWHERE: not elsewhere or bool(unchecked),
+        IN_PROCESS: not repeat_in_process or bool(unchecked),
     }
     return CheckedExplorer(
         name=strategy.name,
         checks=tuple(check for check in CHECKS if not left_out.get(check, False)),
         runs=runs,
-        warnings=doubts(runs, cases[0].cls),
+        warnings=warnings_about(runs, cases[0].cls),
         unchecked=unchecked,
     )
 
 
-def _run_all(cases: Sequence[Case], elsewhere: bool, progress: Progress) -> tuple[str, ...]:
+def _run_all(cases: Sequence[Case], repeat_in_process: bool, progress: Progress) -> tuple[str, ...]:
     # What finds most comes first; later steps repeat what has been done. Returns what cannot be.
     total, began_s = 2 * len(cases) + 2, monotonic()
     for done, case in enumerate(cases):
@@ -316,7 +319,7 @@ def _run_all(cases: Sequence[Case], elsewhere: bool, progress: Progress) -> tupl
     for done, case in enumerate(reversed(cases)):
         progress(f"repeating {case.title}", len(cases) + 1 + done, total)
         case.repeat()
-    if not elsewhere:
+    if not repeat_in_process:
         return ()
     progress("repeating in another process", total - 1, total)
     limit_s = 10.0 * (monotonic() - began_s)
@@ -325,7 +328,7 @@ def _run_all(cases: Sequence[Case], elsewhere: bool, progress: Progress) -> tupl
         digests, reason = digests_elsewhere(cases[0].strategy, specs, limit_s)
     except InvalidInputError as error:
         why = str(error).partition(": ")[2].partition(";")[0] or str(error)
-        return (f"{ELSEWHERE}, since it cannot be imported there: {why}",)
+        return (f"{IN_PROCESS}, since it cannot be imported there: {why}",)
     for case, digest in zip_longest(cases, digests):
         case.compare_elsewhere(digest, reason)
     return ()

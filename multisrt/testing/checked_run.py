@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from multisrt.recording import RunOutcome
+from multisrt.testing.unfinished import Unfinished
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -30,6 +31,8 @@ class CheckedRun:
         Digest of the recording.
     differences : tuple of str
         Where the explorers' own account and their scans differ; see `multisrt.testing.account`.
+    unfinished : tuple of Unfinished
+        The robots that have ended without having completed their exploration.
 
     Examples
     --------
@@ -54,6 +57,7 @@ class CheckedRun:
     actions: Mapping[str, int]
     digest: str
     differences: tuple[str, ...] = ()
+    unfinished: tuple[Unfinished, ...] = ()
 
     @property
     def title(self) -> str:

@@ -10,9 +10,11 @@ import sysconfig
 import types
 from collections import deque
 from collections.abc import Iterable, Iterator, Mapping
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 from multisrt.experiments.provenance import parts_behind
+from multisrt.robots.code_places import package_of
 
 OwnCode = type | types.FunctionType
 """What is read of an explorer: its class, or the function that it asks where to go."""
@@ -21,6 +23,21 @@ BY_TEXT = object()
 """Stands for whatever a module holds, where code looks it up by a text."""
 
 _LOOKS_UP = (getattr, vars)
+_OPEN_TO_ALL = ("multisrt", "builtins", "gc", "inspect", "sys")
+"""Packages whose modules lead to the truth by a text, whatever takes them as an argument."""
+
+_KEEPS = ("LOAD_ATTR", "LOAD_METHOD", "STORE_FAST", "STORE_DEREF", "STORE_GLOBAL", "POP_TOP")
+"""What is done to a module that no function is given."""
+
+_NO_LOADS = ("CACHE", "PRECALL", "NOP", "EXTENDED_ARG", "RESUME", "PUSH_NULL")
+_ALIKE = {"LOAD_FAST_CHECK": "LOAD_FAST"}
+_PAIRS = {
+    "LOAD_FAST_LOAD_FAST": ("LOAD_FAST", "LOAD_FAST"),
+    "STORE_FAST_LOAD_FAST": ("STORE_FAST", "LOAD_FAST"),
+    "STORE_FAST_STORE_FAST": ("STORE_FAST", "STORE_FAST"),
+}
+"""Instructions that Python 3.13 and later have for two."""
+
 _BUILDERS = ("__init__", "__new__", "__post_init__")
 
 
@@ -37,12 +54,26 @@ class Named(NamedTuple):
         The code that names it; None for an attribute of the class and a default.
     line : int or None
         Line of its file.
+    is_called : bool
+        Whether it is a method that is called.
     """
 
     name: str
     value: object
     code: types.CodeType | None = None
     line: int | None = None
+    is_called: bool = False
+
+
+class _Step(NamedTuple):
+    # An instruction, in the words of Python 3.11.
+    operation: str
+    argument: Any
+    line: int | None
+    is_called: bool = False
+
+
+_NO_STEP = _Step("", None, None)
 
 
 def own_code_of(explorer: object) -> OwnCode:
@@ -131,11 +162,6 @@ def is_of_truth(value: object) -> bool:
     return False
 
 
-def package_of(thing: Any) -> str:
-    """Return the name of the package that defines a class or function."""
-    return str(getattr(thing, "__module__", "") or "").partition(".")[0]
-
-
 def names_in_code(code: types.CodeType, known: Mapping[str, object]) -> Iterator[Named]:
     """Yield names of some code, and attributes of modules, such as `ms.environment`.
 
@@ -153,23 +179,24 @@ def names_in_code(code: types.CodeType, known: Mapping[str, object]) -> Iterator
     """
     name: str = ""
     current: object = None
-    line: int | None = code.co_firstlineno
     local: dict[str, object] = {}
-    for instruction in dis.get_instructions(code):
-        operation, argument, before = instruction.opname, instruction.argval, current
-        line = instruction.starts_line or line
+    source, module = "", None
+    for (operation, argument, line, is_called), after in pairwise([*_steps_of(code), _NO_STEP]):
+        before = current
         if operation in ("LOAD_GLOBAL", "LOAD_NAME"):
             name, current = argument, known.get(argument, getattr(builtins, argument, None))
             yield Named(f"global {name!r}", current, code, line)
-            yield from _looked_up(before, name, current, code, line)
+            if _is_looked_up(before, current, after.operation):
+                yield Named(_look_up(before, name), BY_TEXT, code, line)
         elif operation == "IMPORT_NAME":
             name, current = argument, sys.modules.get(argument)
             if current is None and _is_truth_module(argument):
                 current = types.ModuleType(argument)
-            yield Named(f"import of {name}", current, code, line)
-        elif operation == "IMPORT_FROM" and isinstance(current, types.ModuleType):
-            found = getattr(current, argument, None)
-            yield Named(f"import of {name}.{argument}", found, code, line)
+            source, module = name, current
+            yield Named(f"import of {source}", module, code, line)
+        elif operation == "IMPORT_FROM":
+            name, current = argument, getattr(module, argument, None)
+            yield Named(f"import of {source}.{name}", current, code, line)
         elif operation in ("LOAD_ATTR", "LOAD_METHOD"):
             if isinstance(current, types.ModuleType | type):
                 is_table = argument == "__dict__" and isinstance(current, types.ModuleType)
@@ -177,7 +204,7 @@ def names_in_code(code: types.CodeType, known: Mapping[str, object]) -> Iterator
                 current = BY_TEXT if is_table else getattr(current, argument, None)
             else:
                 name, current = f".{argument}", None
-            yield Named(name, current, code, line)
+            yield Named(name, current, code, line, is_called)
         elif operation in ("BUILD_SET", "SET_ADD"):
             yield Named("a set", set, code, line)
             current = None
@@ -185,17 +212,48 @@ def names_in_code(code: types.CodeType, known: Mapping[str, object]) -> Iterator
             local[argument], current = current, None
         elif operation in ("LOAD_FAST", "LOAD_DEREF"):
             name, current = argument, local.get(argument)
-            yield from _looked_up(before, name, current, code, line)
+            if _is_looked_up(before, current, after.operation):
+                yield Named(_look_up(before, name), BY_TEXT, code, line)
+        elif operation == "LOAD_CONST" and isinstance(argument, str):
+            # An attribute by its name, such as those that `operator.attrgetter` takes.
+            if all(part.isidentifier() for part in argument.split(".")):
+                yield Named(f".{argument}", None, code, line)
+            current = None
         else:
             current = None
 
 
-def _looked_up(
-    function: object, name: str, value: object, code: types.CodeType, line: int | None
-) -> Iterator[Named]:
-    # A function that takes names as text, such as `getattr`, is given a module.
-    if isinstance(value, types.ModuleType) and any(function is each for each in _LOOKS_UP):
-        yield Named(f"{getattr(function, '__name__', '')}({name})", BY_TEXT, code, line)
+def _steps_of(code: types.CodeType) -> Iterator[_Step]:
+    # The instructions of some code, as far as they load and store.
+    line: int | None = code.co_firstlineno
+    for each in dis.get_instructions(code):
+        if sys.version_info >= (3, 13):
+            line = each.line_number or line
+        else:
+            line = each.starts_line or line
+        name = each.opname
+        if name in _PAIRS:  # two loads or stores in one instruction
+            for operation, argument in zip(_PAIRS[name], each.argval, strict=True):
+                yield _Step(operation, argument, line)
+        elif name not in _NO_LOADS:
+            # Python 3.11 has an instruction for methods, later versions a flag.
+            is_called = name == "LOAD_METHOD" or (name == "LOAD_ATTR" and "NULL" in each.argrepr)
+            yield _Step(_ALIKE.get(name, name), each.argval, line, is_called)
+
+
+def _is_looked_up(before: object, value: object, after: str) -> bool:
+    # Whether a module is given to a function that may take names as text, such as `getattr`.
+    if not isinstance(value, types.ModuleType):
+        return False
+    if any(before is each for each in _LOOKS_UP):
+        return True
+    is_handed_on = after not in _KEEPS
+    return is_handed_on and value.__name__.partition(".")[0] in _OPEN_TO_ALL
+
+
+def _look_up(function: object, name: str) -> str:
+    is_known = any(function is each for each in _LOOKS_UP)
+    return f"{getattr(function, '__name__', '')}({name})" if is_known else f"{name} as an argument"
 
 
 def contents(cell: types.CellType) -> object:

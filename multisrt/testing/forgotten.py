@@ -10,9 +10,9 @@ from pathlib import Path
 from types import FunctionType
 from typing import Any, NamedTuple, get_args
 
+from multisrt.robots.code_places import package_of
 from multisrt.robots.defects import Flaw
 from multisrt.robots.explorer import Action
-from multisrt.testing.code_reading import package_of
 
 
 class _Method(NamedTuple):

@@ -20,6 +20,7 @@ from shapely.geometry.base import BaseGeometry
 from multisrt.environments.environment import Environment
 from multisrt.geometry.bodies.collision import CollisionWorld
 from multisrt.geometry.regions.edge_index import EdgeIndex
+from multisrt.robots.code_places import package_of
 from multisrt.robots.defects import brief
 from multisrt.testing.code_reading import (
     OwnCode,
@@ -29,7 +30,6 @@ from multisrt.testing.code_reading import (
     is_of_truth,
     names_in_code,
     names_in_reach,
-    package_of,
 )
 from multisrt.testing.fingerprint import attributes_of
 

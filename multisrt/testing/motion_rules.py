@@ -10,15 +10,13 @@ from multisrt.geometry.configuration import Configuration
 from multisrt.planners.motion.kinematics import Car, Differential, Holonomic, Kinematics
 from multisrt.planners.motion.trajectory import NO_TURN_RAD, Trajectory, Waypoint, leg_length
 from multisrt.robots.defects import Flaw
+from multisrt.simulation.motions import START_TOLERANCE, begins_at
 
 LIMIT_TOLERANCE = 1e-6
 """Share by which a body may exceed its speed, its turn rate and its curvature, for rounding."""
 
 ASIDE_TOLERANCE_M = 1e-6
 """Distance by which a body that drives along its heading may come off that line, for rounding."""
-
-START_TOLERANCE = 1e-9
-"""A trajectory starts within this of where the robot is, in metres and in radians."""
 
 
 def trajectory_flaw(
@@ -50,11 +48,9 @@ def pose(configuration: Configuration | tuple[float, ...]) -> str:
 
 def _flaws(trajectory: Trajectory, at: Configuration, kinematics: Kinematics) -> Iterator[Flaw]:
     yield from _time_flaws(trajectory)
-    start = trajectory.start
-    turn = abs(math.remainder(start.heading - at.heading, 2.0 * math.pi))
-    if start.distance(at) > START_TOLERANCE or turn > START_TOLERANCE:
+    if not begins_at(trajectory, at):
         yield Flaw(
-            f"its trajectory begins at {pose(start)}, but the robot is at {pose(at)}",
+            f"its trajectory begins at {pose(trajectory.start)}, but the robot is at {pose(at)}",
             "begin where the last Moved says that the robot is, heading included",
         )
     for a, b in pairwise(trajectory.waypoints):

@@ -6,38 +6,27 @@ import datetime
 import gc
 import inspect
 import io
-import linecache
 import os
 import random
 import secrets
 import sys
-import sysconfig
 import time
 import types
 import uuid
 from collections.abc import Iterable, Iterator, Sequence
 from functools import lru_cache
-from pathlib import Path
-from types import FrameType, TracebackType
+from types import FrameType
 from typing import Any
 
 import numpy as np
 
-from multisrt.robots.defects import brief
+from multisrt.robots.code_places import file_of, place_among
 from multisrt.testing import watchdog
-from multisrt.testing.code_reading import BY_TEXT, Named, OwnCode, names_in_reach, package_of
-from multisrt.testing.surroundings import CLOCKS, modules_of
+from multisrt.testing.code_reading import BY_TEXT, Named, OwnCode, function_of, names_in_reach
+from multisrt.testing.surroundings import CLOCKS
 
 MAX_NAMES = 3
 """How many places a message names at most."""
-
-_PACKAGE = f"{Path(__file__).parents[1]}{os.sep}"
-_LIBRARIES = (
-    _PACKAGE,
-    "<",
-    *(sysconfig.get_path(name) for name in ("stdlib", "purelib", "platlib")),
-)
-"""Where the files of this package and of others begin."""
 
 _CHANCE = (
     np.random.default_rng,
@@ -81,6 +70,7 @@ _FRAMES = (
     "f_builtins",
     "tb_frame",
     "gi_frame",
+    "__globals__",
     "__subclasses__",
 )
 _OUTSIDE = (
@@ -110,26 +100,8 @@ _OUTSIDE_MODULES = (
 )
 
 
-def place_of_error(cls: Any, trace: TracebackType | None) -> str:
-    """Return where in the code of an explorer an exception was raised, as text for a message.
-
-    Parameters
-    ----------
-    cls : type or callable
-        The class of the explorer, or the function that builds it.
-    trace : traceback or None
-        That of the exception.
-
-    Returns
-    -------
-    str
-        Such as ``mine.py:34, in choose: costs[goal]``; empty if there is no frame of its code.
-    """
-    frames = []
-    while trace is not None:
-        frames.append((trace.tb_frame.f_code, trace.tb_lineno))
-        trace = trace.tb_next
-    return _place(cls, frames[::-1])
+_FILE_METHODS = ("open", "read_bytes", "read_text", "write_bytes", "write_text")
+"""Methods of paths and archives by which files are read and written."""
 
 
 def place_of_frame(cls: Any, frame: FrameType | None) -> str:
@@ -145,18 +117,13 @@ def place_of_frame(cls: Any, frame: FrameType | None) -> str:
     Returns
     -------
     str
-        As that of `place_of_error`.
+        Such as ``mine.py:34, in choose: costs[goal]``; empty if there is no frame of its code.
     """
     frames = []
     while frame is not None and frame.f_code.co_filename != watchdog.__file__:
         frames.append((frame.f_code, frame.f_lineno))
         frame = frame.f_back
-    return _place(cls, frames)
-
-
-def told(place: str) -> str:
-    """Return a place in code as the end of a phrase; empty if it is not known."""
-    return f" ({place})" if place else ""
+    return place_among(cls, frames)
 
 
 def chance_in(cls: OwnCode) -> str:
@@ -204,7 +171,7 @@ def back_door(cls: OwnCode) -> str:
         if (
             _is_any(named.value, _HIDING)
             or _is_of(named, _HIDING_MODULES)
-            or named.name.rpartition(".")[2] in _FRAMES
+            or not set(_FRAMES).isdisjoint(named.name.split("."))
         ):
             return _at(named)
     return ""
@@ -224,28 +191,14 @@ def outside_in(cls: OwnCode) -> str:
     str
         The name and its place, such as ``open (mine.py:12)``; empty if there is none.
     """
+    own_methods = _methods_in_reach(cls)
     for named in names_in_reach(cls, as_it_runs=True):
-        if _is_any(named.value, _OUTSIDE) or _is_of(named, _OUTSIDE_MODULES):
+        if (
+            _is_any(named.value, _OUTSIDE)
+            or _is_of(named, _OUTSIDE_MODULES)
+            or _opens(named, own_methods)
+        ):
             return _at(named)
-    return ""
-
-
-def _place(cls: Any, frames: Sequence[tuple[types.CodeType, int]]) -> str:
-    # The innermost of the frames that are in the files of the explorer, else of those that are in
-    # no package: a rule's explorer is of this package, and calls the function of the user.
-    is_ours = package_of(cls) == "multisrt"
-    own = {name for name in (getattr(m, "__file__", None) for m in modules_of(cls)) if name}
-    runs = [base.__dict__.get("run") for base in getattr(cls, "__mro__", ())]
-    for made in (cls, *runs):
-        file = made.__code__.co_filename if hasattr(made, "__code__") else ""
-        if not file.startswith(_PACKAGE) or is_ours:
-            own.add(file)
-    of_user = [one for one in frames if not one[0].co_filename.startswith(_LIBRARIES)]
-    inner = [one for one in frames if one[0].co_filename in own]
-    for code, line in (*of_user[:1], *inner[:1]) if is_ours else (*inner[:1], *of_user[:1]):
-        source = linecache.getline(code.co_filename, line).strip()
-        where = f"{_file(code)}:{line}, in {code.co_name}"
-        return f"{where}: {_cut(source)}" if source else where
     return ""
 
 
@@ -256,16 +209,24 @@ def _places(names: Iterator[Named]) -> str:
 
 def _at(named: Named) -> str:
     name = named.name.removeprefix("global ").strip("'")
-    return name if named.code is None else f"{name} ({_file(named.code)}:{named.line})"
+    return name if named.code is None else f"{name} ({file_of(named.code)}:{named.line})"
 
 
-def _file(code: types.CodeType) -> str:
-    name = Path(code.co_filename)
-    return "the notebook" if "ipykernel" in str(name) else name.name
+def _methods_in_reach(cls: OwnCode) -> set[str]:
+    # The names of the methods of the classes that the code of a class names, and its own.
+    names = [named.name for named in names_in_reach(cls) if function_of(named.value) is not None]
+    return {name.rpartition(".")[2] for name in names}
 
 
-def _cut(source: str) -> str:
-    return brief(source, 62)[1:-1] if len(source) > 60 else source
+def _opens(named: Named, own_methods: set[str]) -> bool:
+    # Whether it is a call such as path.open(), of an object that is not known.
+    method = named.name.removeprefix(".")
+    return (
+        named.is_called
+        and named.name != method
+        and method in _FILE_METHODS
+        and method not in own_methods
+    )
 
 
 def _is_any(value: object, others: Iterable[Any]) -> bool:

@@ -3,23 +3,22 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Generator, Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import Any, NoReturn
+from typing import NoReturn, ParamSpec, TypeVar
 
 import msgspec
-import numpy as np
 import shapely
-from shapely.geometry.base import BaseGeometry
 
 from multisrt.environments.environment import Environment
 from multisrt.events import Event
 from multisrt.geometry.numerics.arrays import builtin
-from multisrt.geometry.regions.scan import ExactScan, LaserScan, Scan
+from multisrt.geometry.regions.scan import ExactScan, LaserScan
 from multisrt.planners.motion.sweep import Sweep
 from multisrt.planners.motion.trajectory import Trajectory, standing_at
-from multisrt.robots.defects import ExplorerDefect, Flaw
+from multisrt.robots.code_places import place_suffix
+from multisrt.robots.defects import ExplorerDefect
 from multisrt.robots.explorer import (
     Action,
     Done,
@@ -34,17 +33,17 @@ from multisrt.robots.explorer import (
     RobotSelf,
     Send,
     Sense,
+    Steps,
     Stop,
     TimedOut,
 )
-from multisrt.robots.messages import Message
-from multisrt.simulation import plain
+from multisrt.simulation import plain, protocol
 from multisrt.testing.code_reading import own_code_of
-from multisrt.testing.error_flaw import error_flaw
 from multisrt.testing.fingerprint import fingerprint
 from multisrt.testing.hidden_truth import named_by_code, truth_named_by_code, way_to_truth
+from multisrt.testing.known_space import KnownSpace, seen_in
 from multisrt.testing.motion_rules import pose, trajectory_flaw
-from multisrt.testing.own_code import back_door, outside_in, place_of_frame, told
+from multisrt.testing.own_code import back_door, outside_in, place_of_frame
 from multisrt.testing.watchdog import ComputesTooLong, Limits, Watchdog
 
 MAX_ACTIONS_AT_ONCE = 1000
@@ -53,14 +52,15 @@ MAX_ACTIONS_AT_ONCE = 1000
 LAST_ACTIONS = 100
 """How many of the last actions are counted for a message."""
 
-UNKNOWN_TOLERANCE_M = 0.005
-"""Distance by which a body may reach beyond what was sensed: chords stand for arcs in both."""
-
-STANDS = Flaw("it yielded Stop, but it stands", "Stop ends a motion: Move first")
-MOVES = Flaw("it was Done while it moved", "wait for Moved, or yield Stop")
+USUAL = "an explorer ends with Done, whatever happens"
+"""What to do about an exception that does not tell more."""
 
 SEARCHES = (1, 3, 10, 30, 100, 300, 1000, 3000)
 """Numbers of actions after which an explorer is searched for the truth."""
+
+
+P = ParamSpec("P")
+T = TypeVar("T")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -104,6 +104,8 @@ class Supervision:
         In the order of their numbers.
     defect : ExplorerDefect or None
         The first defect that was found.
+    known : KnownSpace
+        What the robots may know to be free.
     """
 
     def __init__(
@@ -122,27 +124,12 @@ class Supervision:
         self.only_known = only_known
         self.robots: list[SupervisedExplorer] = []
         self.defect: ExplorerDefect | None = None
-        self.regions: list[BaseGeometry] = []
-        self._told: dict[int, tuple[Message, int]] = {}
+        self.known = KnownSpace()
 
     def supervise(self, me: RobotSelf, explorer: Explorer) -> Explorer:
         """Return the supervised explorer that takes the place of an explorer."""
         self.robots.append(SupervisedExplorer(self, me, explorer))
         return self.robots[-1]
-
-    def add_region(self, region: BaseGeometry) -> int:
-        """Keep a region that a robot sensed; return the bit that stands for it."""
-        self.regions.append(region)
-        return 1 << (len(self.regions) - 1)
-
-    def tell(self, message: Message, known: int) -> None:
-        """Note what the sender of a message knew: the message may contain all of it."""
-        before = self._told.get(id(message), (message, 0))[1]
-        self._told[id(message)] = message, before | known
-
-    def told(self, message: Message) -> int:
-        """Return the regions that a message may contain, as bits."""
-        return self._told.get(id(message), (message, 0))[1]
 
     def finish(self) -> None:
         """Check that nothing that was given or sent has been changed by the end of the run.
@@ -174,17 +161,18 @@ class SupervisedExplorer:
         self.turns: list[Turn] = []
         self.is_done = False
         self._supervision = supervision
+        self._known = supervision.known
         self._explorer = explorer
-        self._actions: Generator[Action, Outcome, None] | None = None
+        self._actions: Steps | None = None
         self._at = me.start
         self._now_s = me.time_s
         self._moment = me.time_s, 0
         self._moving: tuple[Move, float] | None = None
         self._kept: list[tuple[str, object, bytes]] = [("its RobotSelf", me, fingerprint(me))]
         body = Sweep(me.footprint, standing_at(me.start))
-        self._known = supervision.add_region(body.shape.buffer(body.pad_m))
+        self._known.add(me.robot, body.shape.buffer(body.pad_m))
 
-    def run(self) -> Generator[Action, Outcome, None]:
+    def run(self) -> Steps:
         """Drive the inner explorer."""
         try:
             yield from self._run()
@@ -192,7 +180,7 @@ class SupervisedExplorer:
             self._supervision.defect = defect
             raise
 
-    def _run(self) -> Generator[Action, Outcome, None]:
+    def _run(self) -> Steps:
         self._actions = self._begin()
         outcome: Outcome = None
         while True:
@@ -211,11 +199,9 @@ class SupervisedExplorer:
 
     # What goes in and out ----------------------------------------------------------------
 
-    def _begin(self) -> Generator[Action, Outcome, None]:
+    def _begin(self) -> Steps:
         self._search()
-        returned = self._called(self._explorer.run)
-        with self._refusals():
-            return plain.steps(returned, self.me.robot)
+        return self._called(protocol.begin, self._explorer, self.me.robot, USUAL)
 
     def _next(self, outcome: Outcome) -> Action:
         assert self._actions is not None
@@ -224,10 +210,14 @@ class SupervisedExplorer:
         if outcome is not None:
             self._keep(outcome)
         try:
-            action: Action = self._called(self._actions.send, outcome)
-        except StopIteration:
-            with self._refusals():
-                plain.refuse_end(self.me.robot)
+            action = self._called(
+                protocol.next_action,
+                self._explorer,
+                self._actions,
+                outcome,
+                self.me.robot,
+                USUAL,
+            )
         except ExplorerDefect as defect:
             # An attempt to write to a read-only array is a change of what was given.
             for what, _, _ in self._kept[given:]:
@@ -245,23 +235,24 @@ class SupervisedExplorer:
             )
         return action
 
-    def _called(self, what: Callable[..., Any], *args: object) -> Any:
-        # What the explorer's own code returns.
-        cls = type(self._explorer)
+    def _called(self, what: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
+        # What a function returns that runs the explorer's own code.
         try:
-            return self._supervision.watchdog.call(what, *args)
-        except StopIteration:
-            raise
+            return self._supervision.watchdog.call(what, *args, **kwargs)
         except ComputesTooLong as late:
+            cls = type(self._explorer)
             limit_s = self._supervision.limits.max_decision_s
             self._refuse(
                 f"it has computed for {limit_s:g} s and yields nothing"
-                + told(place_of_frame(cls, late.frame)),
+                + place_suffix(place_of_frame(cls, late.frame)),
                 "see that every loop ends or yields, or give a larger "
                 "max_decision_s (--max-decision)",
             )
-        except (Exception, SystemExit) as error:
-            self._refuse(*error_flaw(cls, error), cause=error)
+        except ExplorerDefect as defect:
+            if _is_refusal(defect):
+                self._refuse(defect.what, defect.remedy, defect.__cause__)
+            # Code of this package refuses what the explorer's own code returns: a rule.
+            self._refuse(f"{defect.where}: {defect.what}", defect.remedy, defect)
 
     def _require_progress(self) -> None:
         count, limits = len(self.turns), self._supervision.limits
@@ -301,7 +292,7 @@ class SupervisedExplorer:
         # Updates what the robot knows: where it is, what it has seen, what it may have been told.
         if isinstance(outcome, ExactScan | LaserScan):
             self._now_s = outcome.time_s
-            self._known |= self._supervision.add_region(_seen(outcome))
+            self._known.add(self.me.robot, seen_in(outcome))
         elif isinstance(outcome, Moved):
             move, set_out_s = self._moving or (None, 0.0)
             if move is not None and move.listen:
@@ -310,8 +301,7 @@ class SupervisedExplorer:
             self._now_s, self._at, self._moving = outcome.time_s, outcome.configuration, None
         elif isinstance(outcome, Received):
             self._now_s = outcome.time_s
-            for message in outcome.messages:
-                self._known |= self._supervision.told(message)
+            self._known.hear(self.me.robot, outcome.messages)
         elif isinstance(outcome, TimedOut):
             self._now_s = outcome.time_s
         if isinstance(action, Done):
@@ -322,16 +312,14 @@ class SupervisedExplorer:
     def _check(self, action: Action) -> None:
         robot = self.me.robot
         with self._refusals():
+            protocol.require_in_order(action, robot, moves=self._moving is not None)
             match action:
-                case Sense() | Look():
+                case Sense() | Look() | Stop():
                     pass
                 case Move():
                     move = plain.motion(action, robot)
                     self._check_move(move)
                     self._moving = move, self._now_s
-                case Stop():
-                    if self._moving is None:
-                        self._refuse(*STANDS)
                 case Send():
                     self._check_send(action)
                 case Receive():
@@ -347,11 +335,9 @@ class SupervisedExplorer:
                 case Done():
                     plain.ended(action, robot, self._now_s)
                     plain.is_on_call(action, robot)
-                    if self._moving is not None:
-                        self._refuse(*MOVES)
                     self.is_done = True
                 case _:
-                    plain.refuse_action(action, robot)
+                    protocol.refuse_action(action, robot)
         if len(self.turns) in SEARCHES or isinstance(action, Done):
             self._search()
 
@@ -375,18 +361,13 @@ class SupervisedExplorer:
                 if self.me.team > 1
                 else "it is alone: give None for all that there may be",
             )
-        self._supervision.tell(send.message, self._known)
+        self._known.tell(self.me.robot, send.message)
         what = f"a message ({type(send.message).__name__}) that it had sent"
         self._kept.append((what, send.message, fingerprint(send.message)))
 
     # Motion ------------------------------------------------------------------------------
 
     def _check_move(self, move: Move) -> None:
-        if self._moving is not None:
-            self._refuse(
-                "it yielded Move while a motion goes on",
-                "yield Receive to wait for the motion's end, or Stop",
-            )
         trajectory = move.trajectory
         flaw = trajectory_flaw(trajectory, self._at, self.me.kinematics)
         if flaw is not None:
@@ -398,15 +379,8 @@ class SupervisedExplorer:
         if not self._supervision.only_known:
             return
         sweep = Sweep(self.me.footprint, trajectory)
-        rest: BaseGeometry = sweep.shape.buffer(sweep.pad_m - UNKNOWN_TOLERANCE_M)
-        known, regions = self._known, self._supervision.regions
-        for number in range(len(regions) - 1, -1, -1):
-            if rest.is_empty:
-                return
-            if known >> number & 1 and shapely.intersects(regions[number], rest):
-                rest = rest.difference(regions[number])
-        # Slits between adjacent regions come from rounding.
-        if rest.buffer(-0.5 * UNKNOWN_TOLERANCE_M).is_empty:
+        rest = self._known.unknown_part(self.me.robot, sweep.shape, sweep.pad_m)
+        if rest.is_empty:
             return
         place = shapely.point_on_surface(rest)
         self._refuse(
@@ -430,7 +404,8 @@ class SupervisedExplorer:
             self._refuse(
                 f"its code names {files}, by which it could read files while it runs, such as the "
                 "recording that is being written",
-                "read what it needs, such as weights, when its module is imported or in __init__",
+                "read what it needs, such as weights, when its module is imported or in __init__; "
+                "log by the module logging, or put decisions on record with decided(...)",
             )
         found = truth_named_by_code(cls)
         if found is None:
@@ -465,19 +440,11 @@ class SupervisedExplorer:
         try:
             yield
         except ExplorerDefect as defect:
-            if defect.where.startswith("the explorer of "):
+            if _is_refusal(defect):
                 self._refuse(defect.what, defect.remedy)
             raise
 
 
-def _seen(scan: Scan) -> BaseGeometry:
-    # The region that a scan shows to be free; for a laser the polygon of the ends of its beams.
-    if isinstance(scan, ExactScan):
-        polygon = shapely.Polygon(scan.boundary)
-    else:
-        reach = np.where(np.isfinite(scan.ranges), scan.ranges, scan.range_m)
-        angle = 2.0 * np.pi * np.arange(len(reach)) / len(reach)
-        x, y, _ = scan.configuration
-        ends = np.column_stack([x + reach * np.cos(angle), y + reach * np.sin(angle)])
-        polygon = shapely.Polygon(ends)
-    return polygon if polygon.is_valid else shapely.make_valid(polygon)
+def _is_refusal(defect: ExplorerDefect) -> bool:
+    # Whether it is told without a place in the run.
+    return defect.where.startswith("the explorer of ")

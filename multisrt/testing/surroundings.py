@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import datetime
 import random
-import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
@@ -84,15 +83,3 @@ def _clocks(clock_s: float) -> dict[int, Any]:
         replaced[id(getattr(time, name))] = seconds
         replaced[id(getattr(time, f"{name}_ns"))] = lambda: int(1e9 * seconds())
     return replaced
-
-
-def modules_of(cls: Any) -> list[ModuleType]:
-    """Return the loaded modules of the package of a class or function, if it is not this one."""
-    package = cls.__module__.partition(".")[0]
-    if package == "multisrt":
-        return []
-    return [
-        module
-        for name, module in list(sys.modules.items())
-        if isinstance(module, ModuleType) and name.partition(".")[0] == package
-    ]

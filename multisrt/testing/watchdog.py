@@ -13,10 +13,10 @@ from time import monotonic, thread_time
 from types import FrameType, TracebackType
 from typing import Any, ParamSpec, Self, TypeVar
 
-WAITS = 3.0
+MAX_WALL_FACTOR = 3.0
 """Maximum wall time of a call as a multiple of the limit, if it waits or the machine is busy."""
 
-AGAIN_S = 0.01
+RETRY_INTERVAL_S = 0.01
 """Seconds after which an explorer is interrupted again if it caught the interruption."""
 
 P = ParamSpec("P")
@@ -66,7 +66,7 @@ class Watchdog:
     ----------
     limit_s : float
         Computing time in seconds that a call may take. Compilation by numba does not count. A
-        call that waits instead of computing is interrupted after `WAITS` times as long.
+        call that waits instead of computing is interrupted after `MAX_WALL_FACTOR` times as long.
     """
 
     def __init__(self, limit_s: float) -> None:
@@ -119,7 +119,7 @@ class Watchdog:
         if not self._armed:
             return
         if frame is None or frame.f_code.co_filename == __file__:
-            signal.setitimer(signal.ITIMER_REAL, AGAIN_S)
+            signal.setitimer(signal.ITIMER_REAL, RETRY_INTERVAL_S)
             return
         began_cpu_s, began_s = self._began
         if _compiles(frame):
@@ -127,10 +127,10 @@ class Watchdog:
             signal.setitimer(signal.ITIMER_REAL, self.limit_s)
             return
         left_s = self.limit_s - (thread_time() - began_cpu_s)
-        if left_s > 0.0 and monotonic() - began_s < WAITS * self.limit_s:
-            signal.setitimer(signal.ITIMER_REAL, max(left_s, AGAIN_S))
+        if left_s > 0.0 and monotonic() - began_s < MAX_WALL_FACTOR * self.limit_s:
+            signal.setitimer(signal.ITIMER_REAL, max(left_s, RETRY_INTERVAL_S))
             return
-        signal.setitimer(signal.ITIMER_REAL, AGAIN_S)
+        signal.setitimer(signal.ITIMER_REAL, RETRY_INTERVAL_S)
         raise ComputesTooLong(frame)
 
 

@@ -193,5 +193,5 @@ def test_an_explorer_that_raises_is_one_line(call: Call, folder: Path) -> None:
     )
     code, out, err = call("explore", "boom.py:Boom", "--quiet")
     assert (code, out, err.count("\n")) == (2, "", 1)
-    assert "it raised RuntimeError: boom (boom.py:6, in run)" in err
+    assert "it raised RuntimeError: boom (boom.py:6, in run: raise RuntimeError('boom'))" in err
     assert "multisrt check FILE" in err

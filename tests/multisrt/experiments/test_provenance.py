@@ -1,9 +1,12 @@
+import ast
 import shutil
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+
+from multisrt.experiments.provenance import _IMPORTS, parts_behind
 
 ROOT = Path(__file__).parents[3]
 DIGEST = "from multisrt.experiments.provenance import program_digest; print(program_digest())"
@@ -60,3 +63,32 @@ def test_analysis_is_not_part_of_the_digest(package, file):
     before = digest(package)
     change(package, file, "import", "import sys\nimport")
     assert digest(package) == before
+
+
+@pytest.mark.slow
+def test_imports_are_those_that_the_syntax_has():
+    # Read as text, since a check of a strategy has no time to parse all files.
+    behind = parts_behind("simulation")
+    for path in (file for part in behind for file in sources(part)):
+        found = {
+            name.split(".")[1]
+            for node in ast.walk(ast.parse(path.read_bytes()))
+            for name in imported(node)
+            if name.startswith("multisrt.")
+        }
+        assert found <= behind
+        assert found == {part.decode() for part in _IMPORTS.findall(path.read_bytes())}, path
+
+
+def sources(part: str) -> list[Path]:
+    folder = ROOT / "multisrt" / part
+    return list(folder.resolve().rglob("*.py")) if folder.is_dir() else [folder.with_suffix(".py")]
+
+
+def imported(node: ast.AST) -> list[str]:
+    match node:
+        case ast.Import():
+            return [alias.name for alias in node.names]
+        case ast.ImportFrom():
+            return [f"{node.module}.{alias.name}" for alias in node.names]
+    return []

@@ -42,11 +42,22 @@ def test_an_explorers_own_error_is_told_with_its_place(play):
         yield Sense()
         raise ZeroDivisionError
 
-    place = r"it raised ZeroDivisionError \(test_interpreter\.py:\d+, in script\); .*check FILE"
+    place = (
+        r"it raised ZeroDivisionError \(test_interpreter\.py:\d+, in script: raise Zero.*\); "
+        "correct that line: .*check FILE"
+    )
     with pytest.raises(ExplorerDefect, match=place) as caught:
         play(script)
     # The clock raises a copy, whose cause is the defect itself.
     assert isinstance(caught.value.__cause__.__cause__, ZeroDivisionError)  # type: ignore[union-attr]
+
+
+def test_an_error_before_the_first_action_is_told_alike(drive, monkeypatch):
+    monkeypatch.setattr("tests.multisrt.simulation.conftest.Actor.run", lambda _: 1 / 0)
+    with pytest.raises(
+        ExplorerDefect, match=r"ZeroDivisionError: .*\(test_interpreter\.py:\d+, in <l"
+    ):
+        drive()
 
 
 def test_a_moving_robot_receives_messages_that_wake(
@@ -130,7 +141,7 @@ def test_a_robot_stops_where_it_is(play, call, straight, sends_each_second, even
 
 
 def test_an_explorer_that_lets_no_time_pass_is_refused(play, call, straight, monkeypatch):
-    monkeypatch.setattr("multisrt.simulation.plain.MAX_ACTIONS", 50)
+    monkeypatch.setattr("multisrt.simulation.protocol.MAX_ACTIONS", 50)
 
     def waits_for_nothing():
         yield straight(1, 5, 2, 5)
@@ -151,7 +162,7 @@ def test_an_explorer_that_lets_no_time_pass_is_refused(play, call, straight, mon
 
 
 def test_actions_are_counted_separately_at_each_time(play, monkeypatch):
-    monkeypatch.setattr("multisrt.simulation.plain.MAX_ACTIONS", 5)
+    monkeypatch.setattr("multisrt.simulation.protocol.MAX_ACTIONS", 5)
 
     def waits():
         for _ in range(40):

@@ -1,6 +1,9 @@
 """Names in the code of explorers that lead round the contract."""
 
+import logging
+import operator
 import sys as system
+from operator import attrgetter
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +14,7 @@ import multisrt as ms
 from multisrt.robots.explorer import Sense
 from multisrt.robots.policy import DecisionSpec, policy_strategy
 from multisrt.robots.toolkit import assignment
+from multisrt.testing.code_reading import names_in_code
 from multisrt.testing.own_code import back_door, outside_in
 from tests.multisrt.testing.explorers import WORLD, Base, check, explorer, refused
 
@@ -52,9 +56,40 @@ def by_importing(self):
     import_module("multisrt.environments.catalog")
 
 
+def by_an_attribute_getter(self):
+    yield Sense()
+    attrgetter("environment")(ms)("open")
+
+
+def by_a_function_that_is_given_a_module(self):
+    yield Sense()
+    list(map(getattr, [ms], ["environment"]))
+
+
+def by_another_name_of_a_function(self):
+    look_up = operator.attrgetter("environment")
+    yield Sense()
+    look_up(ms)("open")
+
+
+def by_the_globals_of_a_function(self):
+    yield Sense()
+    by_text.__globals__["ms"].environment("open")
+
+
+def by_the_text_of_a_frame(self):
+    yield Sense()
+    attrgetter("gi_frame.f_back.f_locals")(self.actions)
+
+
 @pytest.mark.parametrize(
     ("act", "name"),
     [
+        (by_an_attribute_getter, "ms as an argument"),
+        (by_a_function_that_is_given_a_module, "getattr(ms)"),
+        (by_another_name_of_a_function, "ms as an argument"),
+        (by_the_globals_of_a_function, ".__globals__"),
+        (by_the_text_of_a_frame, ".gi_frame.f_back.f_locals"),
         (by_text, "getattr(ms)"),
         (by_a_module_in_a_variable, "vars(module)"),
         (by_the_table_of_a_module, "ms.__dict__"),
@@ -72,6 +107,9 @@ def test_attributes_of_what_an_explorer_holds_may_go_by_text():
         yield Sense()
         getattr(self, "at")  # noqa: B009
         vars(self)["at"]
+        sorted([self], key=attrgetter("at.x"))
+        numbers = np
+        numbers.asarray(self.at, dtype=ms.RobotSpec)
         np.hypot(1.0, 2.0)
 
     assert not back_door(acting(act))
@@ -88,6 +126,17 @@ def by_a_path(self):
     Path(__file__).read_text()
 
 
+def by_a_path_that_it_holds(self):
+    yield Sense()
+    self.path.read_text()
+
+
+def by_opening_a_path_that_it_holds(self):
+    yield Sense()
+    with self.path.open("a") as log:
+        log.write("sensed")
+
+
 def by_a_program(self):
     import subprocess
 
@@ -96,11 +145,62 @@ def by_a_program(self):
 
 
 @pytest.mark.parametrize(
-    ("act", "name"), [(by_open, "open"), (by_a_path, "Path"), (by_a_program, "import of subp")]
+    ("act", "name"),
+    [
+        (by_open, "open"),
+        (by_a_path, "Path"),
+        (by_a_path_that_it_holds, ".read_text"),
+        (by_opening_a_path_that_it_holds, ".open"),
+        (by_a_program, "import of subp"),
+    ],
 )
 def test_an_explorer_that_reads_files_while_it_runs(act, name):
     assert outside_in(acting(act)).startswith(name)
     refused(explorer(act), f"names {name}.*test_own_code.py.*could read files while it runs")
+
+
+def test_an_explorer_may_have_doors_that_it_opens_and_a_list_of_open_nodes():
+    class Door:
+        def open(self):
+            return True
+
+    class Opens(Base):
+        def act(self):
+            self.open = [self.at]
+            self.open.append(self.door().open())
+            yield Sense()
+
+        def door(self):
+            return Door()
+
+    opens: Any = Opens
+    assert not outside_in(opens)
+
+
+def test_an_explorer_may_log_while_it_runs():
+    class Logs(Base):
+        def __init__(self, me):
+            super().__init__(me)
+            self.log = logging.getLogger("own")
+
+        def act(self):
+            scan = yield Sense()
+            self.log.info("robot %d sensed at %g s", self.me.robot, scan.time_s)
+            LOG.warning("it is so %s", scan)
+
+    check(Logs)
+
+
+def test_all_names_of_an_import_in_a_function_are_read():
+    def act(self):
+        from multisrt.environments.catalog import environment, names
+
+        yield Sense()
+        environment(names()[0])
+
+    named = {name for name, *_ in names_in_code(act.__code__, globals())}
+    places = {f"import of multisrt.environments.catalog.{n}" for n in ("names", "environment")}
+    assert places < named
 
 
 def test_weights_may_be_read_where_an_explorer_is_built():
@@ -125,7 +225,7 @@ def test_weights_may_be_read_where_an_explorer_is_built():
     reloading: Any = Reloading
     assert not outside_in(trained)
     assert outside_in(reloading).startswith("Path (test_own_code.py:")
-    check(Trained, elsewhere=False)
+    check(Trained, repeat_in_process=False)
 
 
 def knows_the_map(observation):
@@ -168,3 +268,5 @@ def test_a_policy_that_counts_its_calls():
 
 
 CALLS: list[int] = []
+
+LOG = logging.getLogger(__name__)

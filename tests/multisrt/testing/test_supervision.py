@@ -149,7 +149,7 @@ def test_move_and_done_during_a_motion_are_found():
 
     twice, once = explorer(act, twice=True), explorer(act, twice=False)
     refused(twice, "while a motion goes on", teams=(2,), world=WORLD)
-    refused(once, "Done while it moved", teams=(2,), world=WORLD)
+    refused(once, "Done while a motion goes on", teams=(2,), world=WORLD)
 
 
 def test_driving_into_unseen_space_is_found():

@@ -9,7 +9,7 @@ from multisrt.events import GoalChosen
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.robots.explorer import Note, Receive, Sense
 from multisrt.testing import check_explorer
-from multisrt.testing.cases import difference
+from multisrt.testing.repetition import difference
 from tests.multisrt.testing import wrong_explorers as wrong
 
 MAX_SECONDS = 3.0
@@ -168,8 +168,8 @@ TOLD = {
         "float; give a finite number"
     ),
     "IsDoneWhileItMoves": (
-        "robot 0 of 3 in 'two rooms', action 3: it was Done while it moved; wait for "
-        "Moved, or yield Stop"
+        "robot 0 of 3 in 'two rooms', action 3: it yielded Done while a motion goes on; "
+        "yield Receive to wait for its end, or Stop"
     ),
     "StopsWhereItStands": (
         "the robot in 'two rooms', action 1: it yielded Stop, but it stands; Stop ends a "
@@ -201,6 +201,13 @@ TOLD = {
         "the robot in 'two rooms', before its first action: its code names .tb_frame "
         "(wrong_explorers.py:LINE), by which it could reach the truth; an explorer knows"
         " its scans, its messages and its RobotSelf, and that is all"
+    ),
+    "WritesALog": (
+        "the robot in 'two rooms', before its first action: its code names open "
+        "(wrong_explorers.py:LINE), by which it could read files while it runs, such as the "
+        "recording that is being written; read what it needs, such as weights, when its module is "
+        "imported or in __init__; log by the module logging, or put decisions on record with "
+        "decided(...)"
     ),
     "ChangesItsScan": (
         "the robot in 'two rooms', action 1: a scan that it was sent was changed; copy "

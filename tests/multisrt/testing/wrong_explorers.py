@@ -360,6 +360,14 @@ class LooksIntoFrames(Explorer):
         yield Done(complete=False, reason=str(frame))
 
 
+class WritesALog(Explorer):
+    def run(self):
+        scan = yield Sense()
+        with open("log.txt", "a") as log:
+            log.write(f"sensed at {scan.time_s} s")
+        yield self.end()
+
+
 class ChangesItsScan(Explorer):
     def run(self):
         scan = yield Sense()

@@ -9,10 +9,10 @@ from multisrt.testing.checked_run import CheckedRun
 from multisrt.testing.forgotten import forgotten_return, writes_run
 
 MAX_EXAMPLES = 2
-"""How many runs a warning names."""
+"""How many runs a warning names, and how many robots of each."""
 
 
-def doubts(runs: Sequence[CheckedRun], cls: type) -> tuple[str, ...]:
+def warnings_about(runs: Sequence[CheckedRun], cls: type) -> tuple[str, ...]:
     """Return warnings about an explorer whose runs have no defect.
 
     Parameters
@@ -42,7 +42,7 @@ def doubts(runs: Sequence[CheckedRun], cls: type) -> tuple[str, ...]:
     >>> class Idle:
     ...     def run(self):
     ...         yield Done(complete=True, reason="has nothing to do")
-    >>> [warning.partition(";")[0] for warning in doubts([run], Idle)]  # doctest: +ELLIPSIS
+    >>> [warning.partition(";")[0] for warning in warnings_about([run], Idle)]  # doctest: +ELLIPSIS
     ['it ends at once: its first action is Done', ...]
     """
     warnings = []
@@ -81,7 +81,34 @@ def doubts(runs: Sequence[CheckedRun], cls: type) -> tuple[str, ...]:
             f"it covered little in all runs: {_shares(small)}; a run is a success from "
             f"{SUCCESS_COVERAGE:.0%} on: see that it drives on while a frontier is left"
         )
+    if stalls := [run for run in runs if _stalls_as_a_team(run, runs)]:
+        warnings.append(
+            f"it stalls in a team: {_stalls(stalls)}; while another body is in the way, drive back "
+            "to let it pass or wait with Receive(timeout_s=...), and plan anew before Done"
+        )
     return tuple(warnings)
+
+
+def _stalls_as_a_team(run: CheckedRun, runs: Sequence[CheckedRun]) -> bool:
+    # Where one robot alone does not complete the world either, the team is not the reason.
+    if run.robots == 1 or run.outcome != "stalled":
+        return False
+    alone = [other.outcome for other in runs if other.robots == 1 and other.world == run.world]
+    if alone:
+        return "complete" in alone
+    return any(robot.blocked_by is not None for robot in run.unfinished)
+
+
+def _stalls(runs: Sequence[CheckedRun]) -> str:
+    texts = []
+    for run in runs[:MAX_EXAMPLES]:
+        names = [str(robot) for robot in run.unfinished[:MAX_EXAMPLES]]
+        if (more := len(run.unfinished) - len(names)) > 0:
+            names = [", ".join(names), f"{more} more"]
+        verb = "ends" if len(names) == 1 else "end"
+        texts.append(f"{' and '.join(names)} {verb} without completing ({run.title})")
+    more = len(runs) - len(texts)
+    return ", ".join(texts) + (f", and so in {more} other runs" if more else "")
 
 
 def _shares(runs: Sequence[CheckedRun]) -> str:

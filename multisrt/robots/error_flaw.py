@@ -11,10 +11,9 @@ from typing import Any, get_args
 import msgspec
 
 from multisrt.geometry.errors import did_you_mean
+from multisrt.robots.code_places import package_of, place_of_error, place_suffix
 from multisrt.robots.defects import ExplorerDefect, Flaw
 from multisrt.robots.explorer import Action, Sense
-from multisrt.testing.code_reading import package_of
-from multisrt.testing.own_code import place_of_error, told
 
 ACTIONS = {kind.__name__: kind for kind in get_args(Action)}
 """The actions by name."""
@@ -22,9 +21,7 @@ ACTIONS = {kind.__name__: kind for kind in get_args(Action)}
 _ARGUMENTS = re.compile("Extra positional arguments|Unexpected keyword argument|Missing required")
 
 
-def error_flaw(
-    cls: Any, error: BaseException, usual: str = "an explorer ends with Done, whatever happens"
-) -> Flaw:
+def error_flaw(cls: Any, error: BaseException, usual: str) -> Flaw:
     """Return the flaw of an explorer that raised an exception, with the line of its code.
 
     Parameters
@@ -51,7 +48,7 @@ def error_flaw(
     remedy = _not_yielded(error) or _not_begun(error) or _arguments(error) or usual
     if remedy == usual and place:
         remedy = f"correct that line: {usual}"
-    return Flaw(f"it raised {type(error).__name__}{said}{meant}{told(place)}", remedy)
+    return Flaw(f"it raised {type(error).__name__}{said}{meant}{place_suffix(place)}", remedy)
 
 
 def _not_yielded(error: BaseException) -> str:

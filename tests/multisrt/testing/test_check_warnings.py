@@ -1,0 +1,79 @@
+"""Warnings about teams that stall."""
+
+import shapely
+
+from multisrt.environments.environment import Environment
+from multisrt.robots.explorer import Done, Look, Move, Sense
+from multisrt.robots.toolkit import trajectory
+from multisrt.testing.check_warnings import warnings_about
+from multisrt.testing.checked_run import CheckedRun
+from multisrt.testing.unfinished import Unfinished
+from tests.multisrt.testing.explorers import Base, check
+
+
+class RunsInto(Base):
+    """Sees all at once, but drives to another robot first, and gives up before it."""
+
+    def run(self):
+        yield Sense()
+        seen = yield Look()
+        if seen:
+            other = seen[0].configuration
+            way = trajectory(self.me.kinematics, self.at, [other])
+            moved = yield Move(trajectory=way, guard_m=0.1)
+            if moved.blocked_by is not None:
+                yield Done(complete=False, reason="no way is left")
+                return
+        yield Done(complete=True, reason="all is seen")
+
+
+def run_of(robots, outcome, *unfinished, world="hall"):
+    return CheckedRun(
+        world=world,
+        robots=robots,
+        outcome=outcome,
+        time_s=10.0,
+        covered=0.99,
+        actions={"Sense": 1, "Move": 1, "Done": 1},
+        digest="0" * 64,
+        unfinished=unfinished,
+    )
+
+
+ROOM = Environment("room", shapely.box(0.0, 0.0, 4.0, 4.0))
+BLOCKED = Unfinished(robot=0, reason="no way", blocked_by=2)
+BESIDE = Unfinished(robot=1, reason="no way", beside=0)
+LOST = Unfinished(robot=2, reason="is lost")
+
+
+def test_robots_that_stop_before_each_other_are_told():
+    checked = check(RunsInto, world=ROOM, start=(2.0, 2.0), teams=(1, 2))
+    (warning,) = [each for each in checked.warnings if "team" in each]
+    assert warning.startswith("it stalls in a team: robot ")
+    assert "('no way is left', stopped before robot " in warning
+    assert "Receive(timeout_s=...)" in warning
+    assert [run.outcome for run in checked.runs] == ["complete", "stalled"]
+    assert checked.runs[0].unfinished == ()
+
+
+def test_a_team_that_stalls_where_one_robot_completes():
+    runs = [run_of(1, "complete"), run_of(3, "stalled", BLOCKED, BESIDE, LOST)]
+    (warning,) = warnings_about(runs, RunsInto)
+    assert warning.partition(";")[0] == (
+        "it stalls in a team: robot 0 ('no way', stopped before robot 2), robot 1 ('no way', "
+        "beside robot 0) and 1 more end without completing (3 robots in 'hall')"
+    )
+    runs += [run_of(robots, "stalled", LOST) for robots in (4, 5, 6)]
+    (warning,) = warnings_about(runs, RunsInto)
+    assert "robot 2 ('is lost') ends without completing (4 robots in 'hall'), and so " in warning
+
+
+def test_what_stalls_alone_too_is_no_matter_of_teams():
+    assert not warnings_about([run_of(1, "stalled", LOST), run_of(3, "stalled", BLOCKED)], Base)
+
+
+def test_without_a_run_alone_bodies_in_the_way_tell():
+    elsewhere = run_of(1, "stalled", LOST, world="maze")
+    assert not warnings_about([elsewhere, run_of(3, "stalled", LOST, BESIDE)], RunsInto)
+    (warning,) = warnings_about([elsewhere, run_of(3, "stalled", LOST, BLOCKED)], RunsInto)
+    assert warning.startswith("it stalls in a team")

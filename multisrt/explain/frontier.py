@@ -7,8 +7,9 @@ from collections.abc import Iterator, Sequence
 
 from multisrt.events import GoalChosen
 from multisrt.explain.story import ChoiceStory
-from multisrt.explain.words import listed, many, place, titled
+from multisrt.explain.words import many, place, titled
 from multisrt.recording import Recording
+from multisrt.robots.naming import named_robots
 
 MAX_COLUMNS = 8
 """Frontiers that a table shows: of more, those nearest to the robot and the chosen one."""
@@ -109,9 +110,9 @@ class _BidStory(ChoiceStory):
         if len(self.team) > 1 and self.choice.robots:
             others = [robot for robot in self.choice.robots if robot != self.robot]
             without = [r for r in self.team if r != self.robot and r not in others]
-            told = f"it considered these other robots: {listed(others)}"
+            told = f"it considered {named_robots(others) if others else 'no other robot'}"
             if without and self.choice.rule != "closest":
-                told += f"; not {listed(without)}, idle or not heard from lately"
+                told += f"; not {named_robots(without)}, idle or not heard from lately"
             yield told
         yield from self.complete()
 

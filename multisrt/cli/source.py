@@ -237,10 +237,7 @@ def _name_of(named: Named) -> str:
     from multisrt.robots.strategy import kebab_case
 
     node = named.node
-    if isinstance(node, ast.FunctionDef):
-        (call,) = node.decorator_list
-    else:
-        call = node
+    call = node.decorator_list[0] if isinstance(node, ast.FunctionDef) else node
     if isinstance(call, ast.Call):
         given = [own.value for own in call.keywords if own.arg == "name"]
         for first in given + call.args[:1]:

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 
 from multisrt.events import GoalChosen
 from multisrt.explain.story import ChoiceStory
-from multisrt.explain.words import many, place, titled
+from multisrt.explain.words import decision_lines, many, place, titled, towards
 from multisrt.recording import Recording
 from multisrt.robots.naming import named_robots
 
@@ -65,16 +65,14 @@ def choice_lines(
 
 def bid_lines(recording: Recording, robot: int) -> Iterator[str]:
     """Yield a heading and a line for each choice of a goal by a robot; nothing without any."""
-    choices = [e for e in recording.events if isinstance(e, GoalChosen) and e.robot == robot]
-    if choices:
-        yield f"{'time (s)':>9}  {'frontiers':>9}  {'path':>9}  choice"
-    for choice in choices:
-        goal = "no goal" if choice.goal is None else f"to {place(choice.goal)}"
-        way = "" if choice.goal is None else f"{choice.cost_m:.2f} m"
-        yield (
-            f"{choice.time_s:9.2f}  {len(choice.frontiers):>9}  {way:>9}  "
-            f"{choice.rule} {goal}: {_because(choice)}"
-        )
+    rows = []
+    for choice in recording.of(GoalChosen):
+        if choice.robot == robot:
+            way = "" if choice.goal is None else f"{choice.cost_m:.2f} m"
+            what = f"{choice.rule} {towards(choice.goal)}: {_because(choice)}"
+            rows.append((choice.time_s, (str(len(choice.frontiers)), way), what))
+    if rows:
+        yield from decision_lines({"frontiers": 9, "path": 9}, rows)
 
 
 class _BidStory(ChoiceStory):

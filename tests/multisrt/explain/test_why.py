@@ -467,7 +467,7 @@ def test_no_goal_and_the_end(bidding):
 
 def test_all_choices_of_goals(bidding):
     head, *lines = explain_all(bidding, 1).splitlines()
-    assert head.split() == ["time", "(s)", "frontiers", "path", "choice"]
+    assert head.split() == ["time", "(s)", "frontiers", "path", "decision"]
     assert [line.split()[0] for line in lines] == [f"{t}.00" for t in (0, 1, 4, 5, 6, 7, 8)]
     assert lines[1].split(maxsplit=4) == [
         "1.00",

@@ -7,8 +7,8 @@ is imported is not found here: names and options that the file does not spell ou
 from __future__ import annotations
 
 import ast
+import os
 import sys
-from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -72,6 +72,13 @@ def strategies_in(place: str) -> dict[str, OwnStrategy]:
     source = None if path is None else _source(path)
     if source is None:
         return {}
+    try:
+        return _strategies_of(source)
+    except RecursionError:  # a name that stands for itself
+        return {}
+
+
+def _strategies_of(source: Source) -> dict[str, OwnStrategy]:
     public = {name: node for name, node in source.defined.items() if name[0] != "_"}
     found = {name: node for name, node in public.items() if _is_strategy(Named(source, node))}
     found = found or {
@@ -148,7 +155,7 @@ def _path_of(module: str, folder: Path, level: int = 0) -> Path | None:
         roots = [folder.joinpath(*[".."] * (level - 1))]
     for root in roots:
         for path in (root / f"{inner}.py", root / inner / "__init__.py"):
-            if path.is_file():
+            if os.path.isfile(path):  # False where it may not be looked at, too
                 return path
     return None
 
@@ -183,14 +190,16 @@ def _imported(source: Source, module: str, name: str, level: int, steps: int) ->
     return None if there is None else _found(there, ast.Name(id=name), steps)
 
 
-def _classes(named: Named, steps: int = MAX_STEPS) -> Iterator[Named]:
-    """Yield a class and those that it derives from, as far as they are found."""
-    if isinstance(named.node, ast.ClassDef) and steps:
-        yield named
-        for base in named.node.bases:
-            above = _found(named.source, base)
-            if above is not None:
-                yield from _classes(above, steps - 1)
+def _classes(named: Named) -> list[Named]:
+    """Return a class and those that it derives from, as far as they are found."""
+    found: dict[ast.AST, Named] = {}
+    left = [named]
+    while left:
+        one = left.pop(0)
+        if isinstance(one.node, ast.ClassDef) and one.node not in found:
+            found[one.node] = one
+            left += filter(None, (_found(one.source, base) for base in one.node.bases))
+    return list(found.values())
 
 
 def _member(named: Named, name: str) -> Named | None:
@@ -239,8 +248,7 @@ def _name_of(named: Named) -> str:
     node = named.node
     call = node.decorator_list[0] if isinstance(node, ast.FunctionDef) else node
     if isinstance(call, ast.Call):
-        given = [own.value for own in call.keywords if own.arg == "name"]
-        for first in given + call.args[:1]:
+        for first in _given(call, "name") + call.args[:1]:
             if isinstance(first, ast.Constant):
                 return str(first.value)
             if isinstance(first, ast.Name):
@@ -288,13 +296,12 @@ def _structure_of_class(named: Named) -> Named | None:
 
 def _structure_of_call(source: Source, node: ast.AST) -> Named | None:
     function = node.func if isinstance(node, ast.Call) else node
-    if isinstance(node, ast.Call):
-        for keyword in node.keywords:
-            if keyword.arg == "options":
-                return _found(source, keyword.value)
+    if isinstance(node, ast.Call) and (given := _given(node, "options")):
+        return _found(source, given[0])
     match function:
         case ast.Attribute(attr="of"):
-            made = _found(source, node.args[0]) if isinstance(node, ast.Call) else None
+            of = [*node.args[:1], *_given(node, "explorer")] if isinstance(node, ast.Call) else []
+            made = _found(source, of[0]) if of else None
             return None if made is None else _structure(made)
     # By default that of the function that is called, or of the strategy that it makes.
     called = _found(source, function)
@@ -305,9 +312,14 @@ def _structure_of_call(source: Source, node: ast.AST) -> Named | None:
         if argument.arg == "options" and default is not None:
             return _found(called.source, default)
     for inner in ast.walk(called.node):
-        if isinstance(inner, ast.Call) and any(own.arg == "options" for own in inner.keywords):
+        if isinstance(inner, ast.Call) and _given(inner, "options"):
             return _structure_of_call(called.source, inner)
     return None
+
+
+def _given(call: ast.Call, name: str) -> list[ast.expr]:
+    """Return what a call gives for a keyword: one value or none."""
+    return [keyword.value for keyword in call.keywords if keyword.arg == name]
 
 
 def _annotated(source: Source, node: ast.AST, number: int) -> Named | None:

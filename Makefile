@@ -18,7 +18,7 @@ help:
 	@echo "make tutorial make all of the tutorial on a strategy of one's own, and compare what is printed"
 	@echo "make golden   make the golden runs and write their digests, when their behaviour is meant to change"
 	@echo "make plan     draw docs/pictures/plan.svg from the imports"
-	@echo "make pictures draw the pictures of the documentation, docs/pictures"
+	@echo "make pictures draw all pictures of the documentation, docs/pictures"
 	@echo "make lint     check style, types, import rules and that the documentation builds"
 	@echo "make bench    measure speed, each claim beside what it is compared with (MULTISRT_MAPS: a folder of public maps)"
 	@echo "make results  repeat the experiments of the papers, over many seeds (many hours); goes on where it stopped"
@@ -60,7 +60,7 @@ golden: $(READY)
 plan: $(READY)
 	$(BIN)/python docs/plan.py
 
-pictures: $(READY)
+pictures: $(READY) plan
 	$(BIN)/python docs/figures
 
 lint: $(READY) docs

@@ -93,11 +93,22 @@ def summary(name: str, runs: pd.DataFrame) -> tuple[str, ...]:
     )
 
 
+PLAIN = (
+    (r"^(robot \d+|all robots): ", ""),
+    (r"\d+\.\d+", "some"),
+    (r"robots? \d+(, \d+)*( and \d+)?", "others"),
+    (r"others, which does", "others, which do"),
+    (r"stands in the way", "stand in the way"),
+)
+"""What is replaced in a reason, in turn, so that numbers do not tell reasons apart."""
+
+
 def kind_of(reason: str) -> str:
     """Return a reason without numbers and robots, by which equal ones are counted."""
-    whys = [re.sub(r"^(robot \d+|all robots): ", "", part) for part in reason.split("; ")]
-    plain = (re.sub(r"robots? [\d, ]*\d", "others", re.sub(r"\d+\.\d+", "some", w)) for w in whys)
-    return "; ".join(sorted(set(plain)))
+    whys = reason.split("; ")
+    for pattern, plain in PLAIN:
+        whys = [re.sub(pattern, plain, why) for why in whys]
+    return "; ".join(sorted(set(whys)))
 
 
 if __name__ == "__main__":

@@ -1,8 +1,9 @@
-"""Draw the pictures of the algorithms and of the gallery: ``python docs/figures``.
+"""Draw the pictures of the documentation: ``python docs/figures``.
 
-Each is drawn by the functions that it explains. With names (``python docs/figures minpos``) only
-those whose file names contain one of them. Writes to `docs/pictures/algorithms` and
-`docs/pictures/gallery`; the same program draws the same bytes.
+Those of the algorithms are drawn by the functions that they explain, all others by the commands
+beside which they stand. With names (``python docs/figures minpos``) only those whose file names
+contain one of them. Writes to `docs/pictures`, of which `docs/plan.py` draws the plan; the same
+program draws the same bytes.
 """
 
 from __future__ import annotations
@@ -13,11 +14,13 @@ from pathlib import Path
 
 import bidding
 import gallery
+import runs
 import teams
 import trees
 
 PICTURES = Path(__file__).resolve().parents[1] / "pictures"
 FIGURES: dict[str, dict[str, Callable[[], str]]] = {
+    "": runs.FIGURES,
     "algorithms": {**trees.FIGURES, **teams.FIGURES, **bidding.FIGURES},
     "gallery": gallery.FIGURES,
 }

@@ -7,8 +7,8 @@ from functools import cache
 
 import numpy as np
 import shapely
-from sketch import Sketch, plan, squares, wall
-from trees import FLAT, region_at
+from setting import BODY, FLAT, FLOOR, RANGE_M, region_at
+from sketch import Sketch, squares
 
 from multisrt.drawing.colours import tint
 from multisrt.environments.environment import Environment
@@ -28,26 +28,12 @@ from multisrt.planners.assignment.positions import positions
 from multisrt.planners.assignment.self_bidding import CohesionRadii, SelfBid, self_bidding
 from multisrt.planners.assignment.utility import utility
 
-CELL_M, RADIUS_M, RANGE_M = 0.1, 0.25, 4.0
+CELL_M = 0.1
 BOUNDS = (0.0, 0.0, 18.0, 10.0)
-WORLD = plan(
-    "floor",
-    wall(0.2, 0.2, 17.8, 9.8),
-    [
-        wall(0.2, 4.0, 3.4, 4.2),
-        wall(4.6, 4.0, 9.6, 4.2),
-        wall(10.8, 4.0, 17.8, 4.2),
-        wall(0.2, 6.0, 7.2, 6.2),
-        wall(8.4, 6.0, 13.4, 6.2),
-        wall(14.6, 6.0, 17.8, 6.2),
-        wall(6.4, 0.2, 6.6, 4.0),
-        wall(10.9, 6.2, 11.1, 9.8),
-    ],
-)
 SCANS = [(3.0, 5.1), (6.2, 5.0), (9.6, 5.1), (7.7, 7.2)]
 ROBOTS = [(2.2, 5.3), (6.6, 4.8), (7.3, 5.3), (10.2, 4.8)]
 SCENES = {
-    "floor": (WORLD, SCANS, ROBOTS),
+    "floor": (FLOOR, SCANS, ROBOTS),
     "room": (FLAT, [(3.6, 3.6)], [(2.8, 2.9), (4.4, 4.4), (4.9, 2.6)]),
 }
 
@@ -69,10 +55,10 @@ class Scene:
 def scene(name: str = "floor") -> Scene:
     """Return the map, the frontier groups' targets, and the costs of robots to them."""
     world, scans, places = SCENES[name]
-    raster = Occupancy(CELL_M, RADIUS_M)
+    raster = Occupancy(CELL_M, BODY.radius_m)
     for x, y in scans:
         raster.add(region_at(world, x, y))
-    groups = [g for g in raster.frontier_groups(2 * RADIUS_M) if g.target is not None]
+    groups = [g for g in raster.frontier_groups(BODY.width_m) if g.target is not None]
     cells = np.array([g.target for g in groups])
     rows = np.stack(raster.indices_of(cells), axis=1)
     costs, paths = [], []
@@ -98,7 +84,7 @@ def frontiers(sketch: Sketch, of: str = "floor", *, names: bool = True) -> None:
     """Draw walls, the groups of frontier cells and their targets."""
     sketch.walls(scene(of).world)
     raster = scene(of).raster
-    for group in raster.frontier_groups(2 * RADIUS_M):
+    for group in raster.frontier_groups(BODY.width_m):
         sketch.cells(raster.centres_of(group.cells), CELL_M, "cell")
     for j, (x, y) in enumerate(scene(of).targets.tolist()):
         sketch.dot(x, y, "target", 4)
@@ -373,7 +359,7 @@ def scores() -> str:
     for k in np.unique(level):
         colour = tint("#009e73", 0.08 + 0.92 * k / 7.0)
         sketch.fill(squares(found[level == k], WIDE_M), colour)
-    sketch.walls(WORLD)
+    sketch.walls(FLOOR)
     for k, goal in enumerate(others.tolist()):
         sketch.dot(*goal, f"r{(0, 1, 3)[k]}", 5)
     best = found[chosen.order[0]].tolist()
@@ -391,7 +377,7 @@ def sector() -> str:
     """Draw the sector in which a robot looks for others."""
     x, y = 4.0, 5.1
     sketch = ground("The sector of 15 degrees to either side of the heading")
-    sketch.walls(WORLD)
+    sketch.walls(FLOOR)
     radius, half = 3.2, np.radians(15.0)
     angles = np.linspace(-half, half, 13)
     rim = np.stack([x + radius * np.cos(angles), y + radius * np.sin(angles)], axis=1)

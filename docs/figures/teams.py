@@ -7,8 +7,8 @@ from functools import cache
 
 import numpy as np
 import shapely
+from setting import BODY, FLAT, RANGE_M, region_at
 from sketch import Bounds, Sketch
-from trees import BODY, FLAT, RANGE_M, region_at
 
 import multisrt as ms
 from multisrt.events import Decision, Motion, NodeAdded, Organized, Supports

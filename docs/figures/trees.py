@@ -6,53 +6,22 @@ import math
 
 import numpy as np
 import shapely
-from sketch import Sketch, plan, wall
+from setting import BODY, FLAT, RANGE_M, region_at
+from sketch import Sketch
 
 from multisrt.environments.environment import Environment
-from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.numerics.kernel import FloatArray
 from multisrt.geometry.regions.boundary import CUT, GAP, OBSTACLE, RANGE
-from multisrt.geometry.regions.edge_index import EdgeIndex
-from multisrt.geometry.regions.safe_region import LocalSafeRegion, Shape, local_safe_region
-from multisrt.geometry.regions.scan import ExactScan, take_scan
+from multisrt.geometry.regions.safe_region import LocalSafeRegion, Shape
 from multisrt.planners.motion.body import PlanningBody
 from multisrt.planners.motion.kinematics import Holonomic
 from multisrt.planners.srt import SrtOptions, SrtPlanner
 from multisrt.robots.exploration_map import ExplorationMap
 from multisrt.robots.knowledge import Node, NodeId
 
-RANGE_M = 4.0
-BODY = Footprint.disc(0.25)
 BOUNDS = (0.0, 0.0, 14.0, 8.4)
 TAGS = {OBSTACLE: "obstacle", RANGE: "range", GAP: "gap", CUT: "cut"}
-FLAT = plan(
-    "flat",
-    wall(0.2, 0.2, 13.8, 8.2),
-    [
-        wall(7.0, 0.2, 7.25, 3.4),
-        wall(7.0, 4.4, 7.25, 8.2),
-        wall(4.6, 5.2, 5.3, 6.1),
-        wall(9.6, 4.7, 13.8, 4.95),
-        wall(1.6, 1.0, 2.4, 1.6),
-        shapely.Point(10.4, 2.2).buffer(0.45),
-    ],
-)
-
-
-def scan_at(environment: Environment, x: float, y: float) -> ExactScan:
-    """Return the exact scan at a place."""
-    index = EdgeIndex(environment.edges, RANGE_M / 3.0)
-    scan = take_scan(index, Configuration(x, y), 0.0, RANGE_M)
-    assert isinstance(scan, ExactScan)
-    return scan
-
-
-def region_at(
-    environment: Environment, x: float, y: float, shape: Shape = "radial"
-) -> LocalSafeRegion:
-    """Return the local safe region at a place."""
-    return local_safe_region(scan_at(environment, x, y), shape)
 
 
 def pieces(region: LocalSafeRegion, tag: int) -> FloatArray:

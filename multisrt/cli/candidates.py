@@ -1,16 +1,20 @@
 """What the shells may complete: worlds, strategies, their options, robots and faults.
 
-Completion runs with every press of the tab key: nothing here imports compiled kernels.
+Completion runs with every press of the tab key: nothing here imports compiled kernels, or files
+of others, which are read as text.
 """
 
 from __future__ import annotations
 
-import ast
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 from click.shell_completion import CompletionItem
+
+if TYPE_CHECKING:
+    from multisrt.cli.source import Option
 
 Items = list[CompletionItem]
 Complete = Callable[[click.Context, click.Parameter, str], Items]
@@ -37,28 +41,40 @@ def worlds(context: click.Context, parameter: click.Parameter, incomplete: str) 
     from multisrt.environments.catalog import summaries
 
     found = [CompletionItem(name, help=text) for name, text in summaries().items()]
-    return _classes(incomplete) if ":" in incomplete else _names_or_files(found, incomplete)
+    return _in_file(incomplete) if ":" in incomplete else _names_or_files(found, incomplete)
 
 
 def strategies(context: click.Context, parameter: click.Parameter, incomplete: str) -> Items:
-    """Return the strategies that begin so, and the files; see `worlds`."""
+    """Return the strategies that begin so, those of --import too, and files; see `worlds`."""
     from multisrt.robots.registry import strategies as all_strategies
 
     given = context.params.get(parameter.name or "")
     before = given if isinstance(given, tuple) else ()
+    summaries = {known.name: known.summary for known in all_strategies()}
+    summaries |= dict.fromkeys(_imported(context), "")
     found = [
-        CompletionItem(known.name, help=known.summary)
-        for known in all_strategies()
-        if known.name not in before
+        CompletionItem(name, help=summary or None)
+        for name, summary in summaries.items()
+        if name not in before
     ]
-    return _beginning(found, incomplete) + own_strategies(context, parameter, incomplete)
+    files = references(context, parameter, incomplete) if incomplete else []
+    return _beginning(found, incomplete) + files
 
 
-def own_strategies(context: click.Context, parameter: click.Parameter, incomplete: str) -> Items:
-    """Return the Python files that begin so, or after ``FILE.py:`` its classes; see `worlds`."""
+def references(context: click.Context, parameter: click.Parameter, incomplete: str) -> Items:
+    """Return the Python files that begin so, or after ``FILE.py:`` its strategies."""
     if ":" in incomplete:
-        return _classes(incomplete)
-    return files_named(".py")(context, parameter, incomplete) if incomplete else []
+        return _in_file(incomplete)
+    return files_named(".py")(context, parameter, incomplete)
+
+
+def labels(context: click.Context, parameter: click.Parameter, incomplete: str) -> Items:
+    """Return the strategies in the results that a command is given; see `worlds`."""
+    from multisrt.experiments.store_file import labels_in
+
+    results = _argument(context, "results")
+    found = labels_in(Path(results)) if results else []
+    return _beginning(map(CompletionItem, found), incomplete)
 
 
 def files_named(*suffixes: str) -> Complete:
@@ -99,7 +115,7 @@ def options(context: click.Context, parameter: click.Parameter, incomplete: str)
     Parameters
     ----------
     context, parameter
-        As click gives them; ``--strategy`` counts if it stands before.
+        As click gives them; ``--strategy`` and ``--import`` count if they stand before.
     incomplete : str
         What is there of the word.
 
@@ -108,30 +124,19 @@ def options(context: click.Context, parameter: click.Parameter, incomplete: str)
     list of CompletionItem
         Keys that all of the strategies have, or ``KEY=VALUE`` for options with few values.
     """
-    import msgspec
-
-    from multisrt.cli.run_options import DEFAULT_STRATEGY
-    from multisrt.robots.registry import strategies as all_strategies
-    from multisrt.validation_errors import allowed_words, written
-
-    asked = context.params.get("strategies") or (DEFAULT_STRATEGY,)
-    fields = [
-        {field.name: field for field in msgspec.structs.fields(known.options)}
-        for known in all_strategies()
-        if known.name in asked
-    ]
-    if not fields:
+    found = [_options_of(name, context) for name in _asked(context)]
+    known = [own for own in found if own is not None]
+    if not known:
         return []
-    shared = {key: fields[0][key] for key in fields[0] if all(key in own for own in fields)}
+    shared = {key: known[0][key] for key in known[0] if all(key in own for own in known)}
     key, equals, _ = incomplete.partition("=")
     if equals and key in shared:
-        found = [CompletionItem(f"{key}={value}") for value in allowed_words(shared[key].type)]
-    else:
-        found = [
-            CompletionItem(f"{name}=", help=f"default {written(field.default)}")
-            for name, field in shared.items()
-        ]
-    return _beginning(found, incomplete)
+        return _beginning((CompletionItem(f"{key}={w}") for w in shared[key].words), incomplete)
+    items = (
+        CompletionItem(f"{name}=", help=f"default {option.default}" if option.default else None)
+        for name, option in shared.items()
+    )
+    return _beginning(items, incomplete)
 
 
 def robots(context: click.Context, parameter: click.Parameter, incomplete: str) -> Items:
@@ -166,20 +171,76 @@ def _beginning(items: Iterable[CompletionItem], incomplete: str) -> Items:
     return [item for item in items if item.value.startswith(incomplete)]
 
 
-def _classes(incomplete: str) -> Items:
-    # Read, not imported: code of others does not run because a key is pressed.
+def _in_file(incomplete: str) -> Items:
+    from multisrt.cli.source import strategies_in
+
     place, _, _ = incomplete.partition(":")
-    try:
-        tree = ast.parse(Path(place).read_bytes())
-    except (OSError, SyntaxError, ValueError):
-        return []
-    classes = [node for node in tree.body if isinstance(node, ast.ClassDef)]
-    names = [node.name for node in classes if node.name[0] != "_" and not _has_options(node)]
-    return _beginning((CompletionItem(f"{place}:{name}") for name in names), incomplete)
+    return _beginning(
+        (CompletionItem(f"{place}:{name}") for name in strategies_in(place)), incomplete
+    )
 
 
-def _has_options(node: ast.ClassDef) -> bool:
-    return any(word in ast.unparse(base) for base in node.bases for word in ("Struct", "Options"))
+def _asked(context: click.Context) -> tuple[str, ...]:
+    """Return the strategies that a command is given: references, names, or the default."""
+    from multisrt.cli.run_options import DEFAULT_STRATEGY
+    from multisrt.robots.loading import is_reference
+
+    if given := context.params.get("strategies"):
+        return tuple(given)
+    if strategy := _argument(context, "strategy"):
+        return (strategy,)
+    environment = _argument(context, "environment")
+    return (environment if is_reference(environment) else DEFAULT_STRATEGY,)
+
+
+def _argument(context: click.Context, name: str) -> str:
+    """Return an argument of the command; empty if it is not given or there is none."""
+    if value := context.params.get(name):
+        return str(value)
+    # While the last option lacks its value, click leaves all arguments in their order.
+    names = [one.name for one in context.command.params if isinstance(one, click.Argument)]
+    given = dict(zip(names, context.args, strict=False))
+    return given.get(name, "")
+
+
+def _options_of(name: str, context: click.Context) -> dict[str, Option] | None:
+    """Return the options of a strategy by its name or a reference; None if it is not found."""
+    import msgspec
+
+    from multisrt.cli.source import Option, strategies_in
+    from multisrt.robots.loading import is_reference, split_reference
+    from multisrt.robots.registry import is_known, strategy
+    from multisrt.validation_errors import allowed_words, written
+
+    if is_reference(name):
+        place, wanted, _ = split_reference(name)
+        there = strategies_in(place)
+        if wanted:
+            return there[wanted].options if wanted in there else None
+        return next(iter(there.values())).options if len(there) == 1 else None
+    if not is_known(name):
+        return _imported(context).get(name)
+    return {
+        field.name: Option(written(field.default), tuple(allowed_words(field.type)))
+        for field in msgspec.structs.fields(strategy(name).options)
+    }
+
+
+def _imported(context: click.Context) -> dict[str, dict[str, Option]]:
+    """Return the options of the strategies that --import names, by the strategies' names."""
+    references = context.params.get("imports")
+    if not references:
+        return {}
+    from multisrt.cli.source import strategies_in
+    from multisrt.robots.loading import split_reference
+
+    found = {}
+    for reference in references:
+        place, wanted, own_name = split_reference(reference)
+        for name, own in strategies_in(place).items():
+            if wanted in ("", name):
+                found[own_name or own.name] = own.options
+    return found
 
 
 def _names_or_files(items: Iterable[CompletionItem], incomplete: str) -> Items:

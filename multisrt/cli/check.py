@@ -33,12 +33,13 @@ Exit code:
 
 # The defaults in brackets are those of `check_explorer`; a test compares them.
 @click.command(epilog=EXAMPLES)
-@click.argument("strategy", shell_complete=candidates.own_strategies)
+@click.argument("strategy", shell_complete=candidates.strategies)
 @click.option(
     "--option",
     "options",
     multiple=True,
     metavar="KEY=VALUE",
+    shell_complete=candidates.options,
     help="Option of the strategy; repeatable.",
 )
 @import_option
@@ -55,6 +56,7 @@ Exit code:
     "worlds",
     multiple=True,
     metavar="ENV",
+    shell_complete=candidates.worlds,
     help="Environment or map file to explore; repeatable.  [default: three small worlds]",
 )
 @click.option("--seed", type=click.IntRange(0), help="Seed of all runs.  [default: 1]")

@@ -34,7 +34,7 @@ def import_option(command: Callable[..., Any]) -> Callable[..., Any]:
         "imports",
         multiple=True,
         metavar="MODULE|FILE.py",
-        shell_complete=candidates.files_named(".py"),
+        shell_complete=candidates.references,
         help="Import a module or file with strategies of your own; FILE.py:NAME for one of "
         "several; repeatable.",
     )(command)

@@ -37,6 +37,7 @@ from multisrt.cli.imports import import_all, import_option
 @click.option(
     "--baseline",
     metavar="STRATEGY",
+    shell_complete=candidates.labels,
     help="Strategy that the others are compared with.  [default: the first]",
 )
 @import_option

@@ -4,7 +4,8 @@ A row is written in one transaction when its run has ended: however the program 
 are there, each once, and the next call makes the others. While it is written the file is in
 SQLite's write-ahead mode, so that reports can read it; closed, it is a single file. With
 `synchronous=NORMAL` a power failure may lose the last runs, which are then made again, but cannot
-damage the file.
+damage the file. What a writer that was killed leaves beside the file is folded into it by the
+next that closes it, reader or writer.
 
 Tables: `meta` (experiment, folder, provenance, number of runs), `runs` (the labels of a condition
 and the fields of `Result`; fields with parts are JSON), and `plans` (see `store_plans`).
@@ -30,6 +31,8 @@ from multisrt.experiments.store_file import (
     begin,
     connect,
     errors_of,
+    fold_in,
+    fold_in_left,
     require_format,
     require_store,
 )
@@ -211,13 +214,12 @@ class Store:
         >>> store = Store.create_or_open("c.sqlite", spec)
         >>> store.close()
         """
-        with suppress(sqlite3.Error):
-            if self._lock is not None:
-                # Fold the write-ahead log in; impossible while a reader is open or the disk full.
-                self._connection.execute("PRAGMA busy_timeout = 0")
-                self._connection.execute("PRAGMA journal_mode = DELETE")
-        self._connection.close()
         if self._lock is not None:
+            fold_in(self._connection)
+        self._connection.close()
+        if self._lock is None:
+            fold_in_left(self.path)
+        else:
             with suppress(OSError):  # not empty, or not there
                 _recordings(self.path).rmdir()
             self._lock.release()

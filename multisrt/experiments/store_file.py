@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sqlite3
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import closing, contextmanager, suppress
 from pathlib import Path
 
 from multisrt.geometry.errors import InvalidInputError
@@ -14,6 +14,9 @@ APPLICATION = 0x4D535254
 
 FORMAT = 2
 """Version of the tables, stored as the `user_version` of the file."""
+
+LOG = ("-wal", "-shm")
+"""Ends of the names of the write-ahead log and its index, beside a file that is written."""
 
 BUSY_S = 30.0
 """How long a connection waits for others that hold the file (s)."""
@@ -48,12 +51,11 @@ CREATE TABLE runs (
 
 
 def connect(path: Path, mode: str) -> sqlite3.Connection:
-    """Connect to a file, for reading (mode "ro") or writing (mode "rwc").
+    """Connect to a file, for reading (mode "ro") or writing ("rw", "rwc").
 
     Python begins a transaction before the first change; ``with connection`` ends it.
     """
-    uri = f"{path.resolve().as_uri()}?mode={mode}"
-    return sqlite3.connect(uri, uri=True, timeout=BUSY_S)
+    return sqlite3.connect(_uri(path, mode), uri=True, timeout=BUSY_S)
 
 
 def begin(path: Path, connection: sqlite3.Connection, meta: Sequence[tuple[str, str]]) -> None:
@@ -89,9 +91,31 @@ def begin(path: Path, connection: sqlite3.Connection, meta: Sequence[tuple[str, 
     connection.execute("PRAGMA synchronous = NORMAL")
 
 
+def fold_in(connection: sqlite3.Connection) -> None:
+    """Fold the write-ahead log into its file, which is then all that there is.
+
+    SQLite refuses where another connection is open; the last one to close does it. On a full disk
+    or one that cannot be written, the log stays.
+    """
+    with suppress(sqlite3.Error):
+        connection.execute("PRAGMA busy_timeout = 0")
+        connection.execute("PRAGMA journal_mode = DELETE")
+
+
+def fold_in_left(path: Path) -> None:
+    """Fold in the log that a killed writer or an earlier reader left beside a file."""
+    if any(path.with_name(path.name + end).exists() for end in LOG):
+        with suppress(sqlite3.Error), closing(connect(path, "rw")) as connection:
+            fold_in(connection)
+
+
 def _is_new(connection: sqlite3.Connection) -> bool:
     (tables,) = connection.execute("SELECT count(*) FROM sqlite_master").fetchone()
     return not tables and _pragma(connection, "application_id") == 0
+
+
+def _uri(path: Path, mode: str) -> str:
+    return f"{path.resolve().as_uri()}?mode={mode}"
 
 
 def _pragma(connection: sqlite3.Connection, name: str) -> int:
@@ -122,6 +146,21 @@ def require_format(path: Path, connection: sqlite3.Connection) -> None:
             f"{path}: results in format {version}, of {which} version of multisrt; this one "
             f"reads format {FORMAT}: use the version that made them, or another file"
         )
+
+
+def labels_in(path: Path) -> list[str]:
+    """Return the labels of the strategies in a file of results; empty if it cannot be read.
+
+    Nothing is written, and no file appears beside it.
+    """
+    # Without a log beside it the file holds all; to read one in use, SQLite needs its log.
+    quiet = "" if path.with_name(path.name + LOG[0]).exists() else "&immutable=1"
+    try:
+        with closing(sqlite3.connect(_uri(path, f"ro{quiet}"), uri=True, timeout=0.0)) as found:
+            ordered = "SELECT strategy FROM runs GROUP BY strategy ORDER BY min(position)"
+            return [str(label) for (label,) in found.execute(ordered)]
+    except (OSError, sqlite3.Error):
+        return []
 
 
 @contextmanager

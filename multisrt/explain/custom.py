@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from multisrt.events import Decided
 from multisrt.explain.story import ChoiceStory
-from multisrt.explain.words import many, place, titled
+from multisrt.explain.words import decision_lines, many, place, titled, towards
 from multisrt.recording import Recording
 
 MAX_ROWS = 12
@@ -42,11 +42,12 @@ def own_choice_lines(
 def own_lines(recording: Recording, robot: int) -> Iterator[str]:
     """Yield a heading and a line for each decision of a robot; nothing without any."""
     decisions = [event for event in recording.of(Decided) if event.robot == robot]
-    if decisions:
-        yield f"{'time (s)':>9}  {'options':>7}  decision"
-    for event in decisions:
-        goal = "no goal" if event.goal is None else f"to {place(event.goal)}"
-        yield f"{event.time_s:9.2f}  {len(event.options):>7}  {goal}: {_line(event.text)}"
+    rows = [
+        (event.time_s, (str(len(event.options)),), f"{towards(event.goal)}: {_line(event.text)}")
+        for event in decisions
+    ]
+    if rows:
+        yield from decision_lines({"options": 7}, rows)
 
 
 class _OwnStory(ChoiceStory):

@@ -7,8 +7,9 @@ from collections.abc import Iterator, Sequence
 
 from multisrt.events import GoalChosen
 from multisrt.explain.story import ChoiceStory
-from multisrt.explain.words import listed, many, place, titled
+from multisrt.explain.words import decision_lines, many, place, titled, towards
 from multisrt.recording import Recording
+from multisrt.robots.naming import named_robots
 
 MAX_COLUMNS = 8
 """Frontiers that a table shows: of more, those nearest to the robot and the chosen one."""
@@ -64,16 +65,14 @@ def choice_lines(
 
 def bid_lines(recording: Recording, robot: int) -> Iterator[str]:
     """Yield a heading and a line for each choice of a goal by a robot; nothing without any."""
-    choices = [e for e in recording.events if isinstance(e, GoalChosen) and e.robot == robot]
-    if choices:
-        yield f"{'time (s)':>9}  {'frontiers':>9}  {'path':>9}  choice"
-    for choice in choices:
-        goal = "no goal" if choice.goal is None else f"to {place(choice.goal)}"
-        way = "" if choice.goal is None else f"{choice.cost_m:.2f} m"
-        yield (
-            f"{choice.time_s:9.2f}  {len(choice.frontiers):>9}  {way:>9}  "
-            f"{choice.rule} {goal}: {_because(choice)}"
-        )
+    rows = []
+    for choice in recording.of(GoalChosen):
+        if choice.robot == robot:
+            way = "" if choice.goal is None else f"{choice.cost_m:.2f} m"
+            what = f"{choice.rule} {towards(choice.goal)}: {_because(choice)}"
+            rows.append((choice.time_s, (str(len(choice.frontiers)), way), what))
+    if rows:
+        yield from decision_lines({"frontiers": 9, "path": 9}, rows)
 
 
 class _BidStory(ChoiceStory):
@@ -109,9 +108,9 @@ class _BidStory(ChoiceStory):
         if len(self.team) > 1 and self.choice.robots:
             others = [robot for robot in self.choice.robots if robot != self.robot]
             without = [r for r in self.team if r != self.robot and r not in others]
-            told = f"it considered these other robots: {listed(others)}"
+            told = f"it considered {named_robots(others) if others else 'no other robot'}"
             if without and self.choice.rule != "closest":
-                told += f"; not {listed(without)}, idle or not heard from lately"
+                told += f"; not {named_robots(without)}, idle or not heard from lately"
             yield told
         yield from self.complete()
 

@@ -23,7 +23,17 @@ from multisrt.events import (
 )
 from multisrt.explain.custom import own_choice_lines, own_lines
 from multisrt.explain.frontier import bid_lines, choice_lines
-from multisrt.explain.words import SAME_MOMENT_S, by_robot, listed, many, place, titled, troubles
+from multisrt.explain.words import (
+    SAME_MOMENT_S,
+    by_robot,
+    decision_lines,
+    listed,
+    many,
+    place,
+    titled,
+    towards,
+    troubles,
+)
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.recording import Recording
 
@@ -129,18 +139,19 @@ def explain_all(recording: Recording, robot: int) -> str:
     _require_robot(recording, robot)
     if lines := [*bid_lines(recording, robot), *own_lines(recording, robot)]:
         return "\n".join(lines) + "\n"
-    lines = [f"{'time (s)':>9}  {'node':>8}  {'frontier':>8}  decision"]
+    rows = []
     for index, event in enumerate(recording.events):
         if isinstance(event, Decision) and event.robot == robot:
             told = _coordinated(recording.events, index)
-            lines.append(
-                f"{event.time_s:9.2f}  {_short_node(event.node, robot):>8}  "
-                f"{event.frontier_m:6.2f} m  {event.choice}"
-                + ("" if event.target is None else f" to {place(event.target)}")
+            what = (
+                event.choice
+                + ("" if event.target is None else f" {towards(event.target)}")
                 + (f", GER {listed(event.ger)}" if len(event.ger) > 1 else "")
                 + ("" if told is None else f"; {told.order} {place(told.new_target)}")
             )
-    return "\n".join(lines) + "\n"
+            cells = _short_node(event.node, robot), f"{event.frontier_m:.2f} m"
+            rows.append((event.time_s, cells, what))
+    return "\n".join(decision_lines({"node": 8, "frontier": 8}, rows)) + "\n"
 
 
 class _Story:

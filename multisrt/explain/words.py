@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from multisrt.events import (
     AnyEvent,
@@ -47,6 +47,30 @@ def titled(title: str, lines: Iterable[str]) -> Iterator[str]:
     indented = [f"  {line}" for line in lines]
     if indented:
         yield from ("", title, *indented)
+
+
+def decision_lines(
+    columns: Mapping[str, int], rows: Iterable[tuple[float, tuple[str, ...], str]]
+) -> Iterator[str]:
+    """Yield a heading and a line for each decision of a robot.
+
+    Parameters
+    ----------
+    columns : mapping of str to int
+        Names and widths, in characters, of the columns between the time and the decision.
+    rows : iterable of (time_s, cells, decision)
+        When it decided, what is in these columns, and what it decided, in words.
+    """
+    heads = [f"{name:>{width}}" for name, width in columns.items()]
+    yield "  ".join((f"{'time (s)':>9}", *heads, "decision"))
+    for time_s, cells, decision in rows:
+        aligned = [f"{cell:>{width}}" for cell, width in zip(cells, columns.values(), strict=True)]
+        yield "  ".join((f"{time_s:9.2f}", *aligned, decision))
+
+
+def towards(goal: Sequence[float] | None) -> str:
+    """Return where a robot goes, as text."""
+    return "no goal" if goal is None else f"to {place(goal)}"
 
 
 def by_robot(nodes: Iterable[NodeName]) -> str:

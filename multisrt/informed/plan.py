@@ -25,6 +25,7 @@ from multisrt.informed.team import Member, Team
 from multisrt.informed.timetable import GAP_M, Course, NoTiming, timed
 from multisrt.informed.views import Bits, Cells, Sensor, count
 from multisrt.planners.motion.kinematics import Car
+from multisrt.robots.naming import named_robots
 from multisrt.spec import RobotSpec, RunSpec
 
 EXTRA_SHARE = 0.001
@@ -258,7 +259,10 @@ class _Planner:
             if roadmap is not None and roadmap.shuts_in(self._bodies[number].start)
         ]
         if not complete and shut_in:
-            reason += f"; robots {shut_in} have no room to leave their starts"
+            have = "has no room to leave its start"
+            if len(shut_in) > 1:
+                have = "have no room to leave their starts"
+            reason += f"; {named_robots(shut_in)} {have}"
         elif not complete:
             reason += ", and no place shows more"
         if not self._options.home:

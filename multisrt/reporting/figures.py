@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -66,8 +66,81 @@ def against_team_size(study: Study, measure: Measure) -> list[Picture]:
         if len({setting.robots for setting in present}) < 2:
             continue
         for number_, group in enumerate(in_groups(study.strategies, study.baseline)):
-            pictures.append(_sizes(study, measure, scene, present, group, number_))
+            lines = {
+                strategy: [
+                    (setting.robots, study.median_interval(measure, setting, strategy))
+                    for setting in present
+                ]
+                for strategy in group
+            }
+            where = study.scene_name(scene)
+            pictures.append(size_lines(lines, study.strategies, measure, where, number_))
     return pictures
+
+
+def size_lines(
+    lines: Mapping[str, Sequence[tuple[int, Interval | None]]],
+    strategies: Sequence[str],
+    measure: Measure,
+    where: str,
+    part: int = 0,
+) -> Picture:
+    """Return medians against team size, a line for each strategy.
+
+    Parameters
+    ----------
+    lines : mapping of str to sequence of (int, Interval or None)
+        For each strategy the median of each team size with its interval. One that is not finite,
+        or None, is not drawn.
+    strategies : sequence of str
+        All strategies of the experiment, by whose order a line gets its look.
+    measure : Measure
+        What the medians are of.
+    where : str
+        The world, in words.
+    part : int, default 0
+        Number of the figure among those of this world.
+    """
+    shown = {
+        strategy: [(n, p) for n, p in own if p is not None and math.isfinite(p.value)]
+        for strategy, own in lines.items()
+    }
+    sizes = sorted({n for own in lines.values() for n, _ in own})
+    alt = f"Median {measure.heading} against the number of robots in {where}. " + "; ".join(
+        f"{strategy}: " + ", ".join(f"{n} robots {number(p.value, measure.digits)}" for n, p in own)
+        for strategy, own in shown.items()
+    )
+
+    def draw(axes: Axes) -> None:
+        for strategy, own in shown.items():
+            look = look_of(strategies.index(strategy))
+            at = [n for n, _ in own]
+            axes.plot(
+                at,
+                [p.value for _, p in own],
+                color=look.colour,
+                linestyle=look.dashes,
+                marker=look.marker,
+                markersize=5.0,
+                label=label_of(strategies, strategy),
+            )
+            bounded = [(n, p.low, p.high) for n, p in own if math.isfinite(p.high - p.low)]
+            if bounded:
+                shade(axes, look, *np.array(bounded).T)
+        if sizes[-1] > 2 * len(sizes):
+            axes.set_xscale("log", base=2)
+        axes.xaxis.set_major_locator(FixedLocator([float(size) for size in sizes]))
+        axes.xaxis.set_minor_locator(NullLocator())
+        axes.set_xticks(sizes, [str(size) for size in sizes])
+        axes.set_xlabel("robots")
+        axes.set_ylabel(textwrap.fill(measure.heading, 34))
+        if measure.lower_is_better:
+            axes.set_ylim(bottom=0.0)
+        headline(axes, where)
+        legend_below(axes)
+
+    name = f"teams-{slug(measure.name)}-{slug(where)}-{part}"
+    return drawn(name, f"{measure.title} against team size: {where}", alt, 3.3, draw)
 
 
 def coverage_curves(study: Study) -> list[Picture]:
@@ -178,57 +251,6 @@ def _with_count(study: Study, measure: Measure, setting: Condition, strategy: st
 
 
 # Lines --------------------------------------------------------------------------------------
-
-
-def _sizes(
-    study: Study,
-    measure: Measure,
-    scene: Condition,
-    settings: Sequence[Condition],
-    group: Sequence[str],
-    number_: int,
-) -> Picture:
-    where = study.scene_name(scene)
-    lines: dict[str, list[tuple[int, Interval]]] = {}
-    for strategy in group:
-        points = [(s.robots, study.median_interval(measure, s, strategy)) for s in settings]
-        lines[strategy] = [(n, p) for n, p in points if p is not None and math.isfinite(p.value)]
-    alt = f"Median {measure.heading} against the number of robots in {where}. " + "; ".join(
-        f"{strategy}: " + ", ".join(f"{n} robots {number(p.value, measure.digits)}" for n, p in own)
-        for strategy, own in lines.items()
-    )
-    sizes = sorted({setting.robots for setting in settings})
-
-    def draw(axes: Axes) -> None:
-        for strategy, own in lines.items():
-            look = look_of(study.strategies.index(strategy))
-            at = [n for n, _ in own]
-            axes.plot(
-                at,
-                [p.value for _, p in own],
-                color=look.colour,
-                linestyle=look.dashes,
-                marker=look.marker,
-                markersize=5.0,
-                label=label_of(study.strategies, strategy),
-            )
-            bounded = [(n, p.low, p.high) for n, p in own if math.isfinite(p.high - p.low)]
-            if bounded:
-                shade(axes, look, *np.array(bounded).T)
-        if sizes[-1] > 2 * len(sizes):
-            axes.set_xscale("log", base=2)
-        axes.xaxis.set_major_locator(FixedLocator([float(size) for size in sizes]))
-        axes.xaxis.set_minor_locator(NullLocator())
-        axes.set_xticks(sizes, [str(size) for size in sizes])
-        axes.set_xlabel("robots")
-        axes.set_ylabel(textwrap.fill(measure.heading, 34))
-        if measure.lower_is_better:
-            axes.set_ylim(bottom=0.0)
-        headline(axes, where)
-        legend_below(axes)
-
-    name = f"teams-{slug(measure.name)}-{slug(where)}-{number_}"
-    return drawn(name, f"{measure.title} against team size: {where}", alt, 3.3, draw)
 
 
 def _curves(study: Study, setting: Condition, strategy: str) -> list[StepCurve]:

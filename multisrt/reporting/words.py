@@ -12,6 +12,7 @@ from multisrt.experiments.measures import Measure
 from multisrt.experiments.results import Results
 from multisrt.reporting.layout import number
 from multisrt.reporting.study import Comparison, Study, team_name
+from multisrt.robots.naming import joined
 from multisrt.statistics.rank_tests import SIGNIFICANCE
 
 LESS_AND_MORE = {
@@ -283,7 +284,7 @@ def what_was_run(study: Study) -> str:
     if study.strategies:
         text += (
             f"{_counted(len(study.strategies), 'strategy', 'strategies')} "
-            f"({_listed(study.strategies)}) in {_counted(worlds, 'world')}, with {_listed(teams)}."
+            f"({joined(study.strategies)}) in {_counted(worlds, 'world')}, with {joined(teams)}."
         )
     return text
 
@@ -381,7 +382,3 @@ def _pairs(compared: Sequence[Comparison]) -> str:
 
 def _counted(count: int, one: str, many: str | None = None) -> str:
     return f"{count:,} {one if count == 1 else many or one + 's'}"
-
-
-def _listed(items: Sequence[str]) -> str:
-    return items[0] if len(items) == 1 else f"{', '.join(items[:-1])} and {items[-1]}"

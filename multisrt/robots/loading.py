@@ -69,8 +69,30 @@ def is_reference(text: str) -> bool:
     >>> [is_reference(text) for text in ("mine.py", "mine.py:Mine", "lab.mine:Mine", "minpos")]
     [True, True, True, False]
     """
-    place, name, _ = _parts(text)
+    place, name, _ = split_reference(text)
     return _is_file(place) or bool(name and re.fullmatch(r"[A-Za-z_]\w*(\.[A-Za-z_]\w*)*", place))
+
+
+def split_reference(reference: str) -> tuple[str, str, str]:
+    """Return the parts of a reference.
+
+    Parameters
+    ----------
+    reference : str
+        As `load_strategy` takes it.
+
+    Returns
+    -------
+    place, name, own_name : str
+        File or module, name in it, and name for the strategy; empty where not given.
+
+    Examples
+    --------
+    >>> split_reference("mine.py:Mine=other"), split_reference("lab.mine")
+    (('mine.py', 'Mine', 'other'), ('lab.mine', '', ''))
+    """
+    found = re.fullmatch(r"(?P<place>.*):(?P<name>[^\W\d]\w*)(=(?P<own>[\w-]+))?", reference)
+    return (found["place"], found["name"], found["own"] or "") if found else (reference, "", "")
 
 
 def load_strategy(reference: str) -> Strategy:
@@ -103,7 +125,7 @@ def load_strategy(reference: str) -> Strategy:
     ...
     multisrt.geometry.errors.InvalidInputError: mine.py: there is no such file
     """
-    place, name, own_name = _parts(reference)
+    place, name, own_name = split_reference(reference)
     module = import_place(place)
     candidates = candidates_in(module)
     if name:
@@ -184,7 +206,7 @@ def import_reference(reference: str) -> tuple[Strategy, ...]:
     >>> import_reference("json")
     ()
     """
-    place, name, _ = _parts(reference)
+    place, name, _ = split_reference(reference)
     if name:
         found: tuple[Strategy, ...] = (load_strategy(reference),)
     else:
@@ -401,12 +423,6 @@ def _told(place: str, path: Path | None, error: BaseException) -> InvalidInputEr
     at = f" ({Path(own[-1].filename).name}:{own[-1].lineno})" if own else ""
     kind = "" if isinstance(error, InvalidInputError) else f"{type(error).__name__}: "
     return InvalidInputError(f"cannot import {place}: {kind}{what}{at}")
-
-
-def _parts(reference: str) -> tuple[str, str, str]:
-    """Return file or module, name in it, and name for the strategy; empty where not given."""
-    found = re.fullmatch(r"(?P<place>.*):(?P<name>[^\W\d]\w*)(=(?P<own>[\w-]+))?", reference)
-    return (found["place"], found["name"], found["own"] or "") if found else (reference, "", "")
 
 
 def _is_file(place: str) -> bool:

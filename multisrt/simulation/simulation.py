@@ -23,6 +23,7 @@ from multisrt.robots.explorer import (
     Send,
 )
 from multisrt.robots.messages import Message
+from multisrt.robots.naming import named_robots
 from multisrt.simulation.clock import Clock
 from multisrt.simulation.faults import Faults, late_starts
 from multisrt.simulation.interpreter import Interpreter, Surroundings
@@ -199,7 +200,8 @@ class Simulation:
             return "stalled", "all robots died"
         waiting = [robot.number for robot in living if robot.state != "done" or robot.end is None]
         if waiting:
-            return "stalled", f"robots {waiting} wait for a message that never comes"
+            wait = "waits" if len(waiting) == 1 else "wait"
+            return "stalled", f"{named_robots(waiting)} {wait} for a message that never comes"
         ends = [robot.end for robot in living if robot.end is not None]
         if len({end.reason for end in ends}) == 1 and len(ends) > 1:
             reasons = f"all robots: {ends[0].reason}"

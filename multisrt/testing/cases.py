@@ -19,6 +19,7 @@ from multisrt.robots.code_places import modules_of, place_suffix
 from multisrt.robots.defects import ExplorerDefect, Flaw, article
 from multisrt.robots.error_flaw import error_flaw
 from multisrt.robots.explorer import Explorer, RobotSelf
+from multisrt.robots.naming import named_robots
 from multisrt.robots.registry import registered
 from multisrt.robots.strategy import Strategy
 from multisrt.simulation.random_streams import random_stream
@@ -341,9 +342,7 @@ def repeat_interleaved(cases: Sequence[Case]) -> None:
 
 
 def _names(robots: list[int]) -> str:
-    if len(robots) == 1:
-        return f"robot {robots[0]} is"
-    return f"robots {', '.join(map(str, robots[:-1]))} and {robots[-1]} are"
+    return f"{named_robots(robots)} {'is' if len(robots) == 1 else 'are'}"
 
 
 def _after(places: str) -> str:

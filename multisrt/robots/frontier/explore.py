@@ -42,6 +42,7 @@ from multisrt.robots.frontier.goal import Goal
 from multisrt.robots.frontier.options import FrontierOptions
 from multisrt.robots.frontier.progress import Event, Progress, State
 from multisrt.robots.frontier.robot import FrontierRobot, Watch
+from multisrt.robots.naming import boxed_in_by
 
 Rule = Callable[[FrontierRobot, Event], Generator[Action, Outcome, Goal | None]]
 """Chooses a goal, given why one is chosen; returns None if there is nothing to go to."""
@@ -247,6 +248,6 @@ class FrontierExplorer:
         """Return the end of a robot in all of whose ways others stand."""
         return Done(
             complete=False,
-            reason=f"boxed in by robots {', '.join(map(str, sorted(by)))}, which do not give way",
+            reason=boxed_in_by(by),
             on_call=not self.robot.team.is_alone,
         )

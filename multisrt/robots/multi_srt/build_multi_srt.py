@@ -14,6 +14,7 @@ from multisrt.robots.multi_srt.support import (
     support_others,
 )
 from multisrt.robots.multi_srt.trees import segments_of
+from multisrt.robots.naming import boxed_in_by, named_robots
 
 
 class SrtExplorer:
@@ -58,19 +59,19 @@ class SrtExplorer:
         barred_m, barring = deferred.left()
         may_leave = any(map(robot.team.roster.answers, barring))
         if open_m and robot.progress.is_boxed_in:
-            around = sorted(robot.obstacles.all)
-            by = f" by robots {around}, which do not give way" if around else ""
-            reason = f"boxed in{by}, with {open_m:.1f} m of frontier left open"
+            boxed_in = boxed_in_by(robot.obstacles.all)
+            reason = f"{boxed_in}, with {open_m:.1f} m of frontier left open"
         elif open_m:
             reason = (
                 f"the planner has no target, with {open_m:.1f} m of frontier left open at "
                 f"{sum(map(deferred.has_frontier, nodes))} nodes"
             )
         elif barring:
-            do_not = "give way" if may_leave else "answer"
+            one = len(barring) == 1
+            do_not = f"{'does' if one else 'do'} not {'give way' if may_leave else 'answer'}"
             reason = (
-                f"robots {barring}, which do not {do_not}, stand in the way to {barred_m:.1f} m of "
-                "frontier; every other arc is explored or closed"
+                f"{named_robots(barring)}, which {do_not}, {'stands' if one else 'stand'} in the "
+                f"way to {barred_m:.1f} m of frontier; every other arc is explored or closed"
             )
         else:
             reason = "every frontier arc is explored or closed"
@@ -78,7 +79,8 @@ class SrtExplorer:
                 others = sorted({node.robot for node in robot.map.open_nodes()})
                 reason = (
                     "every frontier arc of its own tree is explored or closed; "
-                    f"those left in the trees of robots {others} are theirs or out of reach"
+                    f"those left in the {'tree' if len(others) == 1 else 'trees'} of "
+                    f"{named_robots(others)} are left to others or out of reach"
                 )
         return Done(
             # What is left is behind robots that cannot be told to leave, if it is anywhere.

@@ -33,7 +33,7 @@ def decided(
     time_s : float
         The time now, as the last scan, motion or message told it.
     text : str
-        Why it decided so, in words; at most `multisrt.events.MAX_WORDS` characters.
+        Why it decided so, in words; at most `multisrt.events.MAX_TEXT_LENGTH` characters.
     goal : place, optional
         Where it goes; see `places_of`. Default: nowhere.
     options : (m, 2) array_like or sequence of places

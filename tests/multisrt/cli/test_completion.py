@@ -9,6 +9,9 @@ import pytest
 from multisrt import cli
 from multisrt.cli.completion import SHELLS, WHERE, Bash, Fish, Zsh
 from multisrt.environments.catalog import names
+from multisrt.experiments.spec import ExperimentSpec
+from multisrt.experiments.store import Store
+from tests.multisrt.experiments.results import result_of
 
 ROOT = Path(__file__).parents[3]
 
@@ -48,6 +51,10 @@ def completed(shell, line, monkeypatch):
         ("multisrt reproduce al", ["alvarez"]),
         ("multisrt experiment new a.toml --like al", ["alvarez"]),
         ("multisrt completion f", ["fish"]),
+        ("multisrt check srt-s", ["srt-star"]),
+        ("multisrt check minpos --world mu", ["museum"]),
+        ("multisrt check minpos --option sha", ["shape="]),
+        ("multisrt check minpos --option shape=s", ["star"]),
     ],
 )
 def test_bash_completes_the_word_after_its_breaks(monkeypatch, folder, line, values):
@@ -79,13 +86,14 @@ def test_files_and_folders_are_left_to_the_shell(monkeypatch, folder, line, kind
 @pytest.mark.parametrize(
     ("line", "values"),
     [
-        ("multisrt check ", []),
-        ("multisrt check m", ["mine.py", "more/"]),
+        ("multisrt check m", ["minpos", "mine.py", "more/"]),
         ("multisrt check mine.py:", ["Mine", "Other"]),
         ("multisrt explore mine.py:M", ["Mine"]),
         ("multisrt explore office --strategy more/", ["more/one.py"]),
         ("multisrt explore office --strategy mine.py:O", ["Other"]),
         ("multisrt explore office --import mi", ["mine.py"]),
+        ("multisrt explore office --import mine.py:O", ["Other"]),
+        ("multisrt report mine.sqlite --import ", ["mine.py", "more/"]),
         ("multisrt explore none.py:", []),
         ("multisrt experiment run m", ["mine.toml", "more/"]),
         ("multisrt report m", ["mine.sqlite", "more/"]),
@@ -96,10 +104,65 @@ def test_files_are_completed_by_what_is_in_them(monkeypatch, folder, line, value
     for name in ("mine.toml", "mine.sqlite", "more/one.py", "more/one.txt"):
         (folder / name).touch()
     (folder / "mine.py").write_text(
-        "raise SystemExit\nclass _Own: ...\nclass Options(Struct): ...\nclass Mine: ...\n"
-        "class Other(Mine): ...\n"
+        "raise SystemExit\nclass _Own: ...\nclass Options(Struct): ...\nclass Mine:\n"
+        "    def run(self): ...\nclass Other(Mine): ...\n"
     )
     assert completed(Bash, line, monkeypatch) == [f"plain,{value}" for value in values]
+
+
+OWN = """
+raise SystemExit("nothing of it may run")
+from multisrt.robots.frontier.options import FrontierOptions
+from multisrt.robots.toolkit import assignment
+
+class Options(FrontierOptions, frozen=True, kw_only=True):
+    weight: float = 2.0
+    pick: Literal["near", "far"] | None = None
+
+@assignment
+def nearest(costs, robot): ...
+
+weighted = assignment(nearest, name="by-weight", options=Options)
+"""
+
+
+@pytest.mark.parametrize(
+    ("line", "values"),
+    [
+        ("explore office --strategy own.py:", ["nearest", "weighted"]),
+        ("explore office --strategy own.py:weighted --option wei", ["weight="]),
+        ("explore office --strategy own.py:weighted --option pick=", ["near", "far", "none"]),
+        ("explore office --strategy own.py:weighted --option sha", ["shape="]),
+        ("explore office --strategy own.py:nearest --option wei", []),
+        ("explore office --strategy own.py:nearest --option shape=b", ["ball"]),
+        ("explore own.py:weighted --option wei", ["weight="]),
+        ("check own.py:weighted=mine --option wei", ["weight="]),
+        ("explore office --import own.py --strategy by-", ["by-weight"]),
+        ("explore office --import own.py --strategy by-weight --option wei", ["weight="]),
+        ("explore office --strategy minpos --strategy own.py:weighted --option wei", []),
+        # Several are in the file: none is meant.
+        ("explore office --strategy own.py --option wei", []),
+        ("explore office --strategy none.py --option wei", []),
+    ],
+)
+def test_options_of_own_files_are_completed(monkeypatch, folder, line, values):
+    (folder / "own.py").write_text(OWN)
+    found = completed(Bash, f"multisrt {line}", monkeypatch)
+    assert [text.removeprefix("plain,") for text in found] == values
+
+
+def test_the_baseline_of_a_report_is_one_of_its_strategies(monkeypatch, folder):
+    spec = ExperimentSpec(
+        name="x", environments=("open",), strategies=("minpos", "greedy"), repetitions=1
+    )
+    with Store.create_or_open("x.sqlite", spec) as store:
+        for run in (store.runs()[0], store.runs()[-1]):
+            store.add(result_of(run, "crashed"))
+    before = sorted(folder.iterdir())
+    line = "multisrt report x.sqlite --baseline "
+    assert completed(Bash, line, monkeypatch) == ["plain,minpos", "plain,greedy"]
+    assert completed(Bash, line.replace("x.", "y."), monkeypatch) == []
+    assert sorted(folder.iterdir()) == before
 
 
 def test_own_maps_are_completed_beside_worlds(monkeypatch, folder):

@@ -13,6 +13,7 @@ import pytest
 
 from multisrt.experiments.spec import ExperimentSpec
 from multisrt.experiments.store import Store
+from multisrt.experiments.store_file import LOG
 from multisrt.geometry.errors import InvalidInputError
 
 pytestmark = pytest.mark.skipif(
@@ -51,6 +52,10 @@ def parents() -> dict[int, int]:
 
 def workers_of(process: subprocess.Popen[str]) -> list[int]:
     return [pid for pid, parent in parents().items() if parent == process.pid]
+
+
+def logs(path: Path) -> list[Path]:
+    return [log for end in LOG if (log := path.with_name(path.name + end)).exists()]
 
 
 def require_end(pids: list[int]) -> None:
@@ -93,9 +98,12 @@ def test_a_killed_runner_loses_only_runs_under_way(path, undisturbed, finish, ru
             process.wait()
         assert len(workers) == 2
         require_end(workers)
+        assert logs(path)
         with Store.open(path) as store:
             assert done <= store.done < len(undisturbed)
+        assert not logs(path)
     finish(path)
+    assert not logs(path)
 
 
 @pytest.mark.slow
@@ -130,7 +138,7 @@ def test_an_interrupt_keeps_finished_runs(path, finish, runner):
         out, err = process.communicate()
         assert process.returncode == 130, (out, err)
     require_end(workers)
-    assert not Path(f"{path}-wal").exists()
+    assert not logs(path)
     finish(path)
 
 

@@ -10,7 +10,7 @@ from multisrt.experiments.crossing import runs
 from multisrt.experiments.mission import make_run
 from multisrt.experiments.spec import ExperimentSpec, Limits
 from multisrt.experiments.store import Store
-from multisrt.experiments.store_file import FORMAT
+from multisrt.experiments.store_file import FORMAT, LOG
 from multisrt.geometry.errors import InvalidInputError
 from tests.multisrt.experiments.results import metrics_of, result_of
 
@@ -38,6 +38,25 @@ def filled(path):
 
 
 # Storing results -----------------------------------------------------------------------------
+
+
+def test_a_reader_folds_in_a_log_that_no_writer_needs(path):
+    log = path.with_name(path.name + "-wal")
+    with Store.create_or_open(path, SPEC) as writer:
+        writer.add(result_of(writer.missing()[0]))
+        with Store.open(path) as reader:
+            assert reader.done == 1
+        assert log.exists()
+        # What a killed writer leaves: its files as they are, and no process that holds them.
+        left = {end: path.with_name(path.name + end).read_bytes() for end in ("", *LOG)}
+    assert not log.exists()
+    copy = path.with_name("left.sqlite")
+    for end, content in left.items():
+        copy.with_name(copy.name + end).write_bytes(content)
+    for _ in range(2):
+        with Store.open(copy) as reader:
+            assert reader.done == 1
+        assert not any(copy.with_name(copy.name + end).exists() for end in LOG)
 
 
 def test_results_are_read_back_unchanged(path):

@@ -406,7 +406,7 @@ def test_knowledge_and_reason_of_a_bidder_are_explained(bidding):
     knew = part(text, "What it knew")
     assert "its map had 2 scans of its own" in knew
     assert "learned 2 scans of others: 1 of robot 0, 1 of robot 2; last at 0.50 s" in knew
-    assert "these other robots: 0; not 2" in knew
+    assert "considered robot 0; not robot 2, idle" in knew
     why = part(text, "Why it chose again")
     assert "news: its map had changed" in why
     assert "before, since 0.00 s, its goal was (7.50, 2.00)" in why
@@ -467,7 +467,7 @@ def test_no_goal_and_the_end(bidding):
 
 def test_all_choices_of_goals(bidding):
     head, *lines = explain_all(bidding, 1).splitlines()
-    assert head.split() == ["time", "(s)", "frontiers", "path", "choice"]
+    assert head.split() == ["time", "(s)", "frontiers", "path", "decision"]
     assert [line.split()[0] for line in lines] == [f"{t}.00" for t in (0, 1, 4, 5, 6, 7, 8)]
     assert lines[1].split(maxsplit=4) == [
         "1.00",

@@ -220,7 +220,7 @@ def test_a_robot_that_cannot_turn_at_its_start_says_so():
     niche = Environment("niche", shapely.union(box(0, 0, 4, 4), box(4, 1.8, 6, 2.2)))
     recording, metrics = driven(niche, (5.0, 2.0, 0.0), footprint="box:0.5x0.3")
     assert recording.footer.outcome == "stalled"
-    assert "robots [0] have no room to leave their starts" in recording.footer.reason
+    assert "robot 0 has no room to leave its start" in recording.footer.reason
     assert metrics.total_distance_m == 0.0
 
 

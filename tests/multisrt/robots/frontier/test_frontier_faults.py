@@ -271,7 +271,7 @@ def test_a_dead_robot_in_the_only_passage_boxes_others_in(events_of, explored, n
     for robot in (1, 2):
         assert not events_of(recording, Ended, robot)[-1].complete
     reasons = [events_of(recording, Ended, robot)[-1].reason for robot in (1, 2)]
-    assert any(reason.startswith("boxed in by robots 0") for reason in reasons)
+    assert any(reason.startswith("boxed in by robot 0,") for reason in reasons)
     assert not events_of(recording, MapComplete)
 
 

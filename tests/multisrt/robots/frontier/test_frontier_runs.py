@@ -147,7 +147,7 @@ def test_a_jammed_robot_is_done_in_the_end(name, monkeypatch):
     run = simulate(RunSpec(environment=inline(corridor), strategy=name, robots=robots), corridor)
     boxed_in = [e for e in events(run, Ended, 0) if e.time_s < Nagger.LONG_S]
     assert [(e.complete, e.reason) for e in boxed_in] == [
-        (False, "boxed in by robots 1, which do not give way")
+        (False, "boxed in by robot 1, which does not give way")
     ]
     assert not events(run, MapComplete)
     assert run.footer.outcome == "stalled"

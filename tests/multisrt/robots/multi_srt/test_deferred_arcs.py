@@ -125,8 +125,8 @@ def test_a_body_in_the_way_leaves_the_map_open(explorer, robot_state, answers, o
     assert done.frontier == ((5.5, 0.0, 5.5, 1.0),)
     # One that answers may still be told to leave; a dead one bars the way for good.
     assert done.complete == (not answers)
-    said = "which do not give way" if answers else "which do not answer"
-    assert done.reason.startswith(f"robots [1], {said}, stand in the way to 1.0 m of frontier")
+    said = "which does not give way" if answers else "which does not answer"
+    assert done.reason.startswith(f"robot 1, {said}, stands in the way to 1.0 m of frontier")
 
 
 @pytest.mark.parametrize("answers", [True, False])
@@ -300,7 +300,7 @@ def test_a_robot_goes_on_when_the_one_in_its_way_leaves(events_of, strategy):
     first = events_of(recording, Ended, 0)[0]
     assert first.time_s < late_s
     assert first.frontier
-    assert "robots [1], which do not answer, stand in the way" in first.reason
+    assert "robot 1, which does not answer, stands in the way" in first.reason
     assert len(events_of(recording, ArcReopened, 0)) == len(blocked)
     known = events_of(recording, MapComplete)
     assert known
@@ -318,7 +318,7 @@ def test_a_dead_robot_in_the_only_way_leaves_the_map_open(events_of, strategy):
     assert events_of(recording, ArcReopened) == []
     last = events_of(recording, Ended, 0)[-1]
     assert last.frontier
-    assert "robots [1], which do not answer, stand in the way" in last.reason
+    assert "robot 1, which does not answer, stands in the way" in last.reason
     # Nothing is left that it could open: the run is complete, and far from a success.
     assert recording.footer.outcome == "complete"
     assert recording.footer.time_s < 600.0

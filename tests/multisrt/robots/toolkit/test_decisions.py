@@ -6,7 +6,14 @@ import numpy as np
 import pytest
 
 import multisrt as ms
-from multisrt.events import MAX_NAME, MAX_OPTIONS, MAX_VALUES, MAX_WORDS, AnyEvent, Decided
+from multisrt.events import (
+    MAX_NAME_LENGTH,
+    MAX_OPTIONS,
+    MAX_TEXT_LENGTH,
+    MAX_VALUES,
+    AnyEvent,
+    Decided,
+)
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.robots.explorer import Done, Note, Sense
 from multisrt.robots.registry import registered
@@ -73,11 +80,14 @@ def test_what_cannot_be_recorded_is_told(robot, call, told):
 @pytest.mark.parametrize(
     ("changes", "told"),
     [
-        ({"text": "x" * (MAX_WORDS + 1)}, f"{MAX_WORDS + 1} characters of text; give at most"),
+        (
+            {"text": "x" * (MAX_TEXT_LENGTH + 1)},
+            f"{MAX_TEXT_LENGTH + 1} characters of text; give at most",
+        ),
         ({"text": 5}, "is 5; give words"),
         ({"options": ((0.0, 0.0),) * (MAX_OPTIONS + 1)}, f"{MAX_OPTIONS + 1} options"),
         ({"values": {str(k): () for k in range(MAX_VALUES + 1)}}, "11 kinds of values"),
-        ({"values": {"x" * (MAX_NAME + 1): ()}}, "41 characters in the name"),
+        ({"values": {"x" * (MAX_NAME_LENGTH + 1): ()}}, "41 characters in the name"),
         ({"options": ((0.0, 0.0),), "values": {"a": ()}}, "0 values 'a' for 1 options"),
     ],
 )

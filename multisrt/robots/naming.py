@@ -1,0 +1,77 @@
+"""Robots in sentences: `robot 2`, `robots 1, 2 and 4`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+
+def named_robots(numbers: Iterable[int]) -> str:
+    """Return robots as text, by their numbers.
+
+    Parameters
+    ----------
+    numbers : iterable of int
+        The numbers, at least one; they are told in ascending order.
+
+    Returns
+    -------
+    str
+        ``robot`` or ``robots`` and the numbers.
+
+    Examples
+    --------
+    >>> named_robots([2]), named_robots({4, 1}), named_robots([0, 1, 2])
+    ('robot 2', 'robots 1 and 4', 'robots 0, 1 and 2')
+    """
+    words = [str(number) for number in sorted(numbers)]
+    return f"robot{'s' * (len(words) > 1)} {joined(words)}"
+
+
+def boxed_in_by(numbers: Iterable[int]) -> str:
+    """Return the reason of a robot that ends as others stand in all of its ways.
+
+    Parameters
+    ----------
+    numbers : iterable of int
+        The others; none where walls alone leave it no way.
+
+    Returns
+    -------
+    str
+        The reason.
+
+    Examples
+    --------
+    >>> boxed_in_by([2])
+    'boxed in by robot 2, which does not give way'
+    >>> boxed_in_by([2, 0])
+    'boxed in by robots 0 and 2, which do not give way'
+    >>> boxed_in_by([])
+    'boxed in'
+    """
+    others = list(numbers)
+    if not others:
+        return "boxed in"
+    do = "does" if len(others) == 1 else "do"
+    return f"boxed in by {named_robots(others)}, which {do} not give way"
+
+
+def joined(words: Sequence[str]) -> str:
+    """Return words as a list in a sentence.
+
+    Parameters
+    ----------
+    words : sequence of str
+        At least one.
+
+    Returns
+    -------
+    str
+        The words, with commas and ``and`` between them.
+
+    Examples
+    --------
+    >>> joined(["star"]), joined(["star", "ball"]), joined(["star", "ball", "radial"])
+    ('star', 'star and ball', 'star, ball and radial')
+    """
+    return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} and {words[-1]}"

@@ -70,7 +70,7 @@ def explore(
         The environment, its name in the catalogue, or a map file; or the spec of the run, with
         which only `recording_path`, `watch` and `progress` may be given.
     strategy : str, Strategy, class or function, optional
-        Name of a registered strategy, see `strategies`; or one of one's own, as `Strategy.of`
+        Name of a registered strategy, see `strategies`; or a user-defined one, as `Strategy.of`
         takes it or by reference (``"mine.py:Mine"``), which is registered by this in place of one
         of its name.
     seed : int, optional

@@ -30,10 +30,10 @@ from multisrt.spec import DriveSpec, Fault, RadioSpec, RobotSpec, RunSpec, Scala
 from multisrt.spec.keywords import refuse_unknown
 
 NEWS: Final = (NodeAdded, Learned, MapComplete, ArcClosed, ArcReopened, TakenAsLost)
-"""Events that explorers note and that tell what they know, not what they decide."""
+"""Events that explorers note and that state what they know, not what they decide."""
 
 DECISIONS: Final = tuple(kind for kind in get_args(NotedEvent) if kind not in NEWS)
-"""Events that tell a decision of an explorer."""
+"""Events that record a decision of an explorer."""
 
 
 class RunArguments(TypedDict, total=False):
@@ -73,7 +73,7 @@ class Stepper(Iterator[Step]):
     Attributes
     ----------
     steps : list of Step
-        All steps so far: what each robot was told, and what it did.
+        All steps so far: what each robot received, and what it did.
 
     Raises
     ------

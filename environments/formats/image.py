@@ -59,7 +59,7 @@ def read_image(
         Side of a pixel in metres. Images have no scale, so it is required.
     threshold : float, optional
         In [0, 1]: a pixel is free if its lightness is greater. By default 0.9 of the map's
-        white, which is the 99th percentile of lightness: it tells free space from the light
+        white, which is the 99th percentile of lightness: it separates free space from the light
         greys that SLAM maps give the unknown and floor plans give furniture, and follows maps
         that draw free space in grey.
     name : str, optional

@@ -168,7 +168,7 @@ class DistanceField:
         Returns
         -------
         (k,) array
-            Metres; ``inf`` where no path leads, or none that is short enough.
+            Metres; ``inf`` where there is no path, or none that is short enough.
 
         Raises
         ------
@@ -283,7 +283,7 @@ class DistanceField:
         Returns
         -------
         ways : (n, 2) array of int
-            The cells of all ways, one way after the other.
+            The cells of all paths, one path after the other.
         begins : (k + 1,) array of int
             Way i is ``ways[begins[i]:begins[i + 1]]``.
 
@@ -311,8 +311,8 @@ class DistanceField:
 
         All values from the first on that a changed cell may have had a share in are taken
         back; the march goes on from there when they are asked for. Where a change lies within
-        `EXACT_CELLS` of a source the field starts anew. Whatever the changes, all later answers
-        are those of a new field, to the bit.
+        `EXACT_CELLS` of a source the field is computed afresh. Whatever the changes, all later
+        answers are those of a new field, to the bit.
 
         Parameters
         ----------

@@ -146,7 +146,7 @@ class EuclideanField:
         Returns
         -------
         (k,) array
-            Metres; ``inf`` where no path leads.
+            Metres; ``inf`` where there is no path.
 
         Raises
         ------

@@ -278,7 +278,7 @@ def descend(
     Returns
     -------
     ways : (m,) array
-        The cells on the ways from all of them, one way after the other.
+        The cells on the paths from all of them, one path after the other.
     begins : (k + 1,) array
         Way k is ``ways[begins[k]:begins[k + 1]]``.
     """

@@ -1,4 +1,4 @@
-"""Scans from the readings of a real sensor, or of a simulator of one's own."""
+"""Scans from the readings of a real sensor, or of an external simulator."""
 
 from __future__ import annotations
 

@@ -72,7 +72,7 @@ def visibility_polygon(
     range_m : float
         Range of the view in metres, at most `MAX_RANGE_M`.
     arc_tolerance_m : float, optional
-        Largest distance in metres between the arc at which the view ends at its range and its
+        Maximum distance in metres between the arc at which the view ends at its range and its
         chords, which lie inside it. Default: `arc_tolerance` of the range.
 
     Returns

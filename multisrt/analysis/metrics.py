@@ -130,7 +130,7 @@ class Metrics(msgspec.Struct, frozen=True, kw_only=True):
     nodes_by_stage : dict of str to int
         The same by how their places were found; see `multisrt.events.NodeAdded`.
     decisions : int
-        How many times robots of the SRT family chose where to go, and explorers of one's own
+        How many times robots of the SRT family chose where to go, and user-defined explorers
         put a decision on record (`Decision` and `Decided` of `multisrt.events`).
     coordinations : int
         How many times a master organised its group.
@@ -145,9 +145,9 @@ class Metrics(msgspec.Struct, frozen=True, kw_only=True):
     deaths : int
         How many robots died.
     min_clearance_m : float
-        Smallest distance between a body and an obstacle during the run.
+        Minimum distance between a body and an obstacle during the run.
     min_distance_between_robots_m : float or None
-        Smallest distance between two bodies during the run; None for a single robot.
+        Minimum distance between two bodies during the run; None for a single robot.
     lower_bound_s : float
         No team can have seen the share of the explorable area that this run covered in a shorter
         time, whatever it knows: the largest of the bounds that follow. See

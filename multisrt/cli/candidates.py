@@ -183,7 +183,7 @@ def _has_options(node: ast.ClassDef) -> bool:
 
 
 def _names_or_files(items: Iterable[CompletionItem], incomplete: str) -> Items:
-    # Shells complete paths by themselves, but not beside words that are given to them.
+    # Shells complete paths on their own, but not beside words that are given to them.
     found = _beginning(items, incomplete)
     if not found:
         return [CompletionItem(incomplete, type="file")]

@@ -28,7 +28,7 @@ NO_SUCCESS = 3
 """Exit code if an exploration is no success."""
 
 OWN_WORLD = "apartment"
-"""The environment that a strategy of one's own explores if none is named."""
+"""The environment that a user-defined strategy explores if none is named."""
 
 SECTIONS = {
     "Run": ("--strategy", "--import", "--option", "--seed", "--max-time", "--spec"),
@@ -289,7 +289,7 @@ def _require_shared_options(specs: list[RunSpec]) -> None:
 
 
 def _require_plans(specs: list[RunSpec]) -> None:
-    # That no plan fits a team is said before its runs.
+    # Report that no plan fits a team before its runs.
     import msgspec
 
     from multisrt.robots.registry import strategy

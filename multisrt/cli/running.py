@@ -28,7 +28,7 @@ class Running:
     retry : bool
         Whether runs that failed without a result are made again.
     remake : bool
-        Whether runs of one's own strategies that have changed since are made again.
+        Whether runs of user-defined strategies that have changed since are made again.
     quiet : bool
         Whether only errors are printed.
     reference : str or None

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from multisrt.informed.reference import Regret
 
 MAX_ROBOTS = 16
-"""Largest team whose robots are listed one by one."""
+"""Maximum size of a team whose robots are listed one by one."""
 
 MAX_WIDE = 2
 """Number of runs side by side up to which some rows have several numbers."""

@@ -150,7 +150,7 @@ def drive(
 
     Examples
     --------
-    A body that stands in the middle of a room, and is told to look around:
+    A body that stands in the middle of a room, and is commanded to look around:
 
     >>> import numpy as np
     >>> from multisrt.driving import scan_of_polygon
@@ -198,7 +198,7 @@ class Driver:
     explorer : Explorer
         The explorer.
     time_s : float
-        The time in seconds that the explorer was told last.
+        The time in seconds that the explorer last received.
     events : list of Event
         What has happened: what the explorer put on record, scans, motions, messages and the end.
     end : Ended or None

@@ -38,7 +38,7 @@ UNKNOWN_SPREAD = 0.7
 """Standard deviation that is assumed for fewer than three trial runs: a factor of two."""
 
 MAX_SPREAD = 1.5
-"""Largest standard deviation that is reported: a factor of 4.5."""
+"""Maximum standard deviation that is reported: a factor of 4.5."""
 
 Make = Callable[[PlannedRun, Limits], Result]
 

@@ -79,7 +79,7 @@ def columns() -> dict[str, type]:
 
 
 def _computed() -> list[Measure]:
-    """Return the measures that are neither a metric nor told of every run."""
+    """Return the measures that are neither a metric nor reported for every run."""
     return [m for m in MEASURES if m.name not in _scalars() and m.name not in _OF_RESULTS]
 
 

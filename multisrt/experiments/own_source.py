@@ -1,4 +1,4 @@
-"""The source of strategies of one's own, as far as results depend on it."""
+"""The source of user-defined strategies, as far as results depend on it."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _LIBRARIES = tuple(
 
 
 def provenance_with(own: Iterable[Strategy]) -> Provenance:
-    """Return the provenance of results that this process makes with strategies of one's own.
+    """Return the provenance of results that this process makes with user-defined strategies.
 
     Parameters
     ----------
@@ -80,7 +80,7 @@ def source_digest(own: Strategy) -> str:
 
 
 def require_files(spec: ExperimentSpec) -> None:
-    """Check that changes of one's own strategies can be noticed when results are kept.
+    """Check that changes of user-defined strategies can be noticed when results are kept.
 
     Parameters
     ----------

@@ -26,7 +26,7 @@ from multisrt.spec import (
 from multisrt.validation_errors import explained
 
 MAX_FILE_LENGTH = 16_000_000
-"""Longest text that is read as an experiment, in characters."""
+"""Maximum length of an experiment file, in characters."""
 
 FOOTPRINT = RobotSpec().footprint
 """Default footprint of all bodies."""

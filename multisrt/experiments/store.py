@@ -158,7 +158,7 @@ class Store:
         folder : str or Path, optional
             Folder that relative paths of environments refer to; by default the working directory.
         remake : bool, optional
-            Whether the results of one's own strategies that have changed since are deleted.
+            Whether the results of user-defined strategies that have changed since are deleted.
 
         Returns
         -------

@@ -59,7 +59,7 @@ class Worker:
         this process does.
     expected : Provenance, optional
         Provenance that the process must have; by default that of this process, without
-        strategies of one's own.
+        user-defined strategies.
     """
 
     def __init__(self, modules: Sequence[str] = (), expected: Provenance | None = None) -> None:

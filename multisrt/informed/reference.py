@@ -5,7 +5,7 @@ same share is covered, and times until all are done, driven home by both or by n
 
 A reference takes up to a minute to plan, so references are kept in a folder of the user's cache:
 one small JSON file for each world, team and starts. A file that is missing, broken or of another
-version of the program is made anew.
+version of the program is computed again.
 """
 
 from __future__ import annotations

@@ -45,7 +45,7 @@ MEAN_GAINS = {GREEDY: 8.0, MINPOS: 12.0}
 """Mean gains on closest in the paper, in percent (section V A)."""
 
 LARGEST_GAINS = {HOSPITAL: 15.0, MAZE: 20.0}
-"""Largest gains of greedy and minpos on closest in the paper, in percent (section V A)."""
+"""Maximum gains of greedy and minpos on closest in the paper, in percent (section V A)."""
 
 MIN_PAIRS = 6
 """Minimum number of complete pairs of each condition for an interval of a gain."""

@@ -1,4 +1,4 @@
-"""The words and tables in which comparisons are told."""
+"""The words and tables in which comparisons are reported."""
 
 from __future__ import annotations
 

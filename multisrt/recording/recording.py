@@ -105,7 +105,7 @@ class Recording:
         return tuple(Configuration(*start) for start in self.header.starts)
 
     def environment(self) -> Environment:
-        """Return the world that was explored, built anew.
+        """Return the world that was explored, rebuilt.
 
         Returns
         -------

@@ -46,7 +46,7 @@ NOTHING = Cell(text="", sort=math.inf)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Gap:
-    """How a time is told as a gap above another.
+    """How a time is reported as a gap above another.
 
     Attributes
     ----------

@@ -208,7 +208,7 @@ class WantMessage(Message, frozen=True, kw_only=True):
 
     @property
     def wakes(self) -> bool:
-        """True: a robot that moves is told at once, too."""
+        """True: the message reaches even a moving robot at once."""
         return True
 
 

@@ -1,4 +1,4 @@
-"""Strategies of one's own by reference: ``file.py:Name``, ``package.module:Name`` or ``file.py``.
+"""User-defined strategies by reference: ``file.py:Name``, ``package.module:Name`` or ``file.py``.
 
 ``file.py:Name=other`` gives the strategy of a class another name than that of the class.
 
@@ -45,7 +45,7 @@ _read: dict[str, tuple[ModuleSpec, bytes]] = {}
 
 
 def is_reference(text: str) -> bool:
-    """Whether a text is a reference to a strategy of one's own, and not a strategy's name.
+    """Whether a text is a reference to a user-defined strategy, and not a strategy's name.
 
     Parameters
     ----------
@@ -67,7 +67,7 @@ def is_reference(text: str) -> bool:
 
 
 def load_strategy(reference: str) -> Strategy:
-    """Import a strategy of one's own; it is not registered.
+    """Import a user-defined strategy; it is not registered.
 
     Parameters
     ----------

@@ -122,7 +122,7 @@ class LocalFrontiers:
         return changed
 
     def is_wide(self, number: int) -> bool:
-        """Whether a single arc of a node is long enough by itself."""
+        """Whether a single arc of a node is long enough on its own."""
         return bool(self._arcs.arrays.lengths_m[number, 1] >= self._min_length_m)
 
     def is_open(self, number: int) -> bool:

@@ -45,7 +45,7 @@ class Step(msgspec.Struct, frozen=True, kw_only=True):
     time_s : float
         The time in seconds.
     outcome : Outcome
-        What the explorer was told last: the outcome of its action before, None at first.
+        What the explorer last received: the outcome of its action before, None at first.
     action : Action
         What it yielded: the action that is carried out next.
     """

@@ -1,7 +1,7 @@
 """The motions of all bodies in time: where they are, and when one comes too near another.
 
 It holds the truth for the simulation. The first encounter of each pair of robots is found once,
-and holds until one of the two sets out anew or is stopped.
+and holds until one of the two sets out again or is stopped.
 """
 
 from __future__ import annotations

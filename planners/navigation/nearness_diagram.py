@@ -182,7 +182,7 @@ def _steer(
         d_min = min(d_min, ranges[i])
     towards = math.atan2(goal_y, goal_x)
 
-    # 1. The goal, if it is ahead and the way to it is clear.
+    # 1. The goal, if it is ahead and the path to it is clear.
     clear = _goal_is_clear(ranges, directions, radius, range_m, goal_x, goal_y)
     gap_rad, valley_rad = np.nan, np.nan
     if clear and (any_direction or abs(towards) <= 0.5 * math.pi):

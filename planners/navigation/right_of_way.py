@@ -149,7 +149,7 @@ def right_of_way(
     if not seen:
         return Ruling(leader=False)
     conflict = meeting.conflict()
-    # Robots that do not wait for this one will go by themselves.
+    # Robots that do not wait for this one will go on their own.
     passing = [mate.robot for mate in seen if mate not in conflict]
     if passing:
         return Ruling(me.leader and len(conflict) > 1, tuple(passing))
@@ -206,7 +206,7 @@ def stands_in_the_way(
     mate : Configuration
         Configuration of the other robot.
     near_m : float
-        Least distance between the two reference points in metres.
+        Minimum distance between the two reference points in metres.
     within_m : float
         Length of the path that counts, in metres.
 
@@ -240,11 +240,11 @@ def place_aside(
         Places in metres that the robot can reach without passing the leader, such as the centres
         of cells.
     costs : (n,) array
-        Path length to each in metres; ``inf`` where no path leads.
+        Path length to each in metres; ``inf`` where there is no path.
     leader_path : (k, 2) array
         The rest of the leader's path, from its position on.
     apart_m : float
-        Least distance of the place from that path in metres: both radii and the margin.
+        Minimum distance of the place from that path in metres: both radii and the margin.
 
     Returns
     -------

@@ -26,7 +26,7 @@ Policy = Callable[[Observation], Answer]
 
 
 class AdvisedOptions(BiddingOptions, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Parameters of robots that are told where to go: those of `BiddingOptions`.
+    """Parameters of robots whose goals are given: those of `BiddingOptions`.
 
     Attributes
     ----------

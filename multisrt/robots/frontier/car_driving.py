@@ -32,7 +32,7 @@ class Attempt:
     Attributes
     ----------
     nearest_m : float
-        Least length of the path that was left.
+        Minimum length of the path that was left.
     in_vain : int
         Number of motions since that did not bring the car nearer, with nothing new in the map.
     revision : int
@@ -134,7 +134,7 @@ class CarDriver:
         path : (n, 2) array
             The path of the other robot in metres.
         apart_m : float
-            Least distance from it in metres.
+            Minimum distance from it in metres.
 
         Returns
         -------

@@ -244,7 +244,7 @@ class FrontierExplorer:
         return Event.CALLED_ON
 
     def boxed_in(self, by: Iterable[int]) -> Done:
-        """Return the end of a robot in all of whose ways others stand."""
+        """Return the end of a robot all of whose paths others block."""
         return Done(
             complete=False,
             reason=f"boxed in by robots {', '.join(map(str, sorted(by)))}, which do not give way",

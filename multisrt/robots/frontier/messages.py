@@ -115,7 +115,7 @@ class GiveWayMessage(Message, frozen=True, kw_only=True):
 
 
 class StopMessage(Message, frozen=True, kw_only=True):
-    """Tells a robot that its goal is no longer a frontier (SBX-R: stop signal).
+    """Informs a robot that its goal is no longer a frontier (SBX-R: stop signal).
 
     Attributes
     ----------

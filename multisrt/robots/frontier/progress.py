@@ -31,7 +31,7 @@ DRIVING       The robot drives to its goal.
 MEETING       The protective stop has ended a motion before another body. The robot looks for a
               detour, or asks the other to give way.
 YIELDING      The robot makes room, as it was asked to.
-WAITING       Only bodies that may still leave bar the ways to the last frontiers.
+WAITING       Only bodies that may still leave bar the paths to the last frontiers.
 BOXED_IN      Bodies that do not leave bar them; the robot is done until it hears something new.
 COMPLETE      No frontier is left that it can reach; the robot is done until it hears something new.
 ============  ======================================================================================
@@ -88,7 +88,7 @@ class Event(StrEnum):
     REACHED = "reached"
     """The goal is reached."""
     NEWS = "news"
-    """The map has changed, so that a goal may be chosen anew."""
+    """The map has changed, so that a goal may be chosen again."""
     NOTHING_LEFT = "nothing left"
     """Nothing is left to be seen at the goal."""
     NO_WAY = "no way"
@@ -113,9 +113,9 @@ class Event(StrEnum):
     ASKED = "asked"
     """Another robot wants this one to give way."""
     BARRED = "barred"
-    """Frontiers are left, and only bodies that may leave bar the ways to them."""
+    """Frontiers are left, and only bodies that may leave bar the paths to them."""
     BOXED_IN = "boxed in"
-    """Frontiers are left, and bodies that do not leave bar the ways to them."""
+    """Frontiers are left, and bodies that do not leave bar the paths to them."""
     JAMMED = "jammed"
     """The robot and others have too often failed to let each other pass."""
     EXPLORED = "explored"

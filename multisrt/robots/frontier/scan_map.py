@@ -1,4 +1,4 @@
-"""What one robot knows of the world: what it has seen, and what others have told it."""
+"""What one robot knows of the world: what it has seen, and what others have reported."""
 
 from __future__ import annotations
 

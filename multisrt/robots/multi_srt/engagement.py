@@ -27,7 +27,7 @@ REACHED: dict[Phase, int] = {"waiting": 0, "perceived": 1, "planned": 2, "moving
 
 
 class Regroup(Exception):
-    """The group has changed since it was built: the step begins anew, without perceiving again."""
+    """The group has changed since it was built: the step begins again, without perceiving again."""
 
 
 def build_and_wait_gpr(robot: SrtRobot) -> Generator[Action, Outcome, tuple[int, ...]]:
@@ -91,7 +91,7 @@ def build_ger(robot: SrtRobot, gpr: tuple[int, ...]) -> Generator[Action, Outcom
 
 
 def agree(robot: SrtRobot, group: Iterable[int]) -> Steps:
-    """Tell the group what this robot plans, and wait for the plans of the others.
+    """Send the group what this robot plans, and wait for the plans of the others.
 
     Raises
     ------
@@ -102,7 +102,7 @@ def agree(robot: SrtRobot, group: Iterable[int]) -> Steps:
 
 
 def _meet(robot: SrtRobot, group: Iterable[int], phase: Phase) -> Steps:
-    # Tell that this robot has reached a phase, and wait until all others have.
+    # Announce that this robot has reached a phase, and wait until all others have.
     team, at = robot.team, robot.at
     yield from team.announce(phase)
     others = [number for number in group if number != team.number]

@@ -60,7 +60,7 @@ class Planner:
         -------
         choice : Choice
             How the target was found; `end` if there is nothing left to do, `stay` if there is no
-            way to get anywhere.
+            path to get anywhere.
         target : Target or None
             The target; None with `end` and `stay`.
         """

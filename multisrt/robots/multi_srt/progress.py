@@ -33,7 +33,7 @@ CLEAR      follows its target; after `max_waits` waits in a row, as in any state
 CROWDED    stands aside for a while when it was stopped, and takes a place within sensing range of
            the end of a transfer as near enough
 JAMMED     in addition plans around the robots of its group that stand idle
-STUCK      waits, and looks for a way again
+STUCK      waits, and looks for a path again
 BOXED_IN   gives up its task: it stands idle, and others plan around it or order it out of the way
 =========  =====================================================================================
 

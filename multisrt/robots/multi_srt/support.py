@@ -196,7 +196,7 @@ def transfer_to(robot: SrtRobot, end: NodeId, tree: NodeId | None) -> Steps:
 
 
 def is_near_enough(robot: SrtRobot, way: list[NodeId]) -> bool:
-    """Whether the remainder of a way may be left out.
+    """Whether the remainder of a path may be left out.
 
     It may if another robot stands at its end and has nothing to do that would take it away; or
     if the end is within sensing range and the robot makes no progress.
@@ -242,7 +242,7 @@ def wait_for_news(robot: SrtRobot) -> Steps:
 
 
 def ask_those_in_the_way(robot: SrtRobot) -> Steps:
-    """Ask the robots that bar ways whether they are still there: those that stand may be dead."""
+    """Ask the robots that bar paths whether they are still there: those that stand may be dead."""
     team, roster = robot.team, robot.team.roster
     asked_s = robot.at.time_s
     pending = robot.deferred.to_ask()

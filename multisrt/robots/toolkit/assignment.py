@@ -55,7 +55,7 @@ def assignment(
     ----------
     rule : callable
         Takes the costs, an ``(n, m)`` array of path lengths in metres from each of the n robots
-        that are considered to each of m frontiers, ``inf`` where no path leads; and the row of
+        that are considered to each of m frontiers, ``inf`` where there is no path; and the row of
         the robot that decides. Returns the number of the frontier that this robot goes to, or None
         to leave them all to the others: it then waits, and the rule is asked again. It is asked
         only while the robot can reach a frontier. Costs are those on the robot's own map, rows in

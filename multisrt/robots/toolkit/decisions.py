@@ -31,7 +31,7 @@ def decided(
     me : RobotSelf
         What the robot knows of itself.
     time_s : float
-        The time now, as the last scan, motion or message told it.
+        The present time, as given by the last scan, motion or message.
     text : str
         Why it decided so, in words; at most `multisrt.events.MAX_WORDS` characters.
     goal : place, optional

@@ -268,7 +268,7 @@ class FrontierMap:
         Returns
         -------
         (n, m) or (m,) array
-            Metres; ``inf`` where no path leads. One row for each place of `from_`, or the row
+            Metres; ``inf`` where there is no path. One row for each place of `from_`, or the row
             alone if that is a single place.
 
         Notes

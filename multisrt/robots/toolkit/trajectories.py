@@ -136,7 +136,7 @@ def trajectory_inside(
     Returns
     -------
     Trajectory or None
-        None if less than a centimetre of the way is free.
+        None if less than a centimetre of the path is free.
 
     Raises
     ------

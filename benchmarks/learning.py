@@ -32,7 +32,7 @@ MAX_RATIO = 1.2
 """Upper bound of the time in steps over that of the whole run."""
 
 DECISION = DecisionSpec(parts=("frontiers",))
-"""What the policy needs."""
+"""The inputs of the policy."""
 
 
 def nearest(observation: Observation) -> int:
@@ -87,7 +87,7 @@ def in_steps(env: Any) -> str:
 
 
 def whole(spec: RunSpec, world: Environment) -> str:
-    """Make a run; return its digest."""
+    """Execute a run; return its digest."""
     return simulate(spec, world).footer.digest
 
 

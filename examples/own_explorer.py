@@ -14,7 +14,7 @@ from multisrt.testing import check_explorer
 
 
 class News(Message, frozen=True):
-    """What a robot has seen."""
+    """The map of a robot."""
 
     node: Node
 

@@ -70,7 +70,7 @@ class Run:
 
     @property
     def outcome(self) -> RunOutcome:
-        """How the run ended: `complete`, `stalled` or `out_of_time`."""
+        """Outcome of the run: `complete`, `stalled` or `out_of_time`."""
         return self.recording.footer.outcome
 
     @property

@@ -103,7 +103,7 @@ def explore(
     max_time_s : float, optional
         Simulated time (s) at which the run is stopped.
     recording_path : str or Path, optional
-        File to which the recording is written while the run goes on.
+        File to which the recording is written during the run.
     watch : callable, optional
         Called with every event as it happens.
     progress : bool

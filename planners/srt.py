@@ -311,7 +311,7 @@ class SrtPlanner:
         bodies : (m, 3) array, optional
             x, y and required distance of bodies that stand in the way for good.
         past_bodies : bool
-            Whether the path to the place may lead past them all the same.
+            Whether the path to the place may lead past them nevertheless.
 
         Returns
         -------

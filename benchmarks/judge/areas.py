@@ -398,7 +398,7 @@ def _known_to_one(
 
 
 class _Holders:
-    """Who knows what of an area.
+    """The robots that know each part of an area.
 
     Parameters
     ----------

@@ -15,7 +15,7 @@ def inline(translator: HTML5Translator, node: nodes.math) -> None:
 
 
 def block(translator: HTML5Translator, node: nodes.math_block) -> None:
-    """Write a formula on a line of its own."""
+    """Write a formula on a separate line."""
     formula = convert(node.astext(), display="block")
     translator.body.append(f'<div class="math">{formula}</div>\n')
     raise nodes.SkipNode

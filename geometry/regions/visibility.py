@@ -1,4 +1,4 @@
-"""What can be seen from a point: the exact visibility polygon, cut at a range."""
+"""Visibility from a point: the exact visibility polygon, cut at a range."""
 
 from __future__ import annotations
 

@@ -271,7 +271,7 @@ def lost_areas_m2(proof: Evidence, covered: Coverage) -> tuple[float, tuple[floa
 
 
 class SeenMeter:
-    """How much of what a team can explore it has seen so far, while the run goes on.
+    """How much of what a team can explore it has seen so far, during the run.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What a run left uncovered, and why: by the frontier behind which it lies."""
+"""The area that a run left uncovered, and why: by the frontier behind which it lies."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is measured of a run: the names, and what each of them means."""
+"""The measures of a run: their names and definitions."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def is_between(value: object, above: float, most: float) -> bool:
 
 
 class Metrics(msgspec.Struct, frozen=True, kw_only=True):
-    """What is measured of a run.
+    """The measures of a run.
 
     Every measure has one name, here as in `run.json`, in stored results, in the columns of tables
     and on the command line. `METRIC_GROUPS` lists the names by subject, in the order below.
@@ -131,7 +131,7 @@ class Metrics(msgspec.Struct, frozen=True, kw_only=True):
         The same by how their places were found; see `multisrt.events.NodeAdded`.
     decisions : int
         How many times robots of the SRT family chose where to go, and user-defined explorers
-        put a decision on record (`Decision` and `Decided` of `multisrt.events`).
+        recorded a decision (`Decision` and `Decided` of `multisrt.events`).
     coordinations : int
         How many times a master organised its group.
     deadlocks : int
@@ -370,4 +370,4 @@ METRIC_GROUPS: dict[str, tuple[str, ...]] = {
         "lower_bound_witness_s",
     ),
 }
-"""The names of all metrics by subject; each subject is measured by a function of its own."""
+"""The names of all metrics by subject; each subject is measured by its own function."""

@@ -1,4 +1,4 @@
-"""What the shells may complete: worlds, strategies, their options, robots and faults.
+"""Candidates for completion in shells: worlds, strategies, their options, robots and faults.
 
 Completion runs with every press of the tab key: nothing here imports compiled kernels.
 """
@@ -16,7 +16,7 @@ Items = list[CompletionItem]
 Complete = Callable[[click.Context, click.Parameter, str], Items]
 
 FAULT_KINDS = ("death:", "silence:", "late:")
-"""How faults begin."""
+"""Prefixes of faults."""
 
 
 def worlds(context: click.Context, parameter: click.Parameter, incomplete: str) -> Items:

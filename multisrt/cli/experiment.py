@@ -120,7 +120,7 @@ def run(
     remake: bool,
     running: Running,
 ) -> None:
-    """Make the runs of an experiment that have no result yet.
+    """Execute the runs of an experiment that have no result yet.
 
     Each run is stored as it ends; after an interruption of any kind the same command continues.
     The experiment may be extended meanwhile by repetitions or conditions, and by the reference:

@@ -60,8 +60,8 @@ def reproduce(
 ) -> None:
     """Repeat a paper's experiment and check its claims.
 
-    PAPER is multi-srt, sbx-r, minpos or alvarez. After an interruption the same command makes the
-    runs that are missing; with a larger --seeds it adds repetitions.
+    PAPER is multi-srt, sbx-r, minpos or alvarez. After an interruption the same command executes
+    the missing runs; with a larger --seeds it adds repetitions.
 
     \b
     Examples:

@@ -50,7 +50,7 @@ class Estimate:
     Attributes
     ----------
     computing_s, low_s, high_s : float
-        Computing time of all runs that are made (s of one core), and its bounds: one standard
+        Computing time of all runs that are executed (s of one core), and its bounds: one standard
         deviation.
     by_condition_s : dict of Condition to float
         Computing time of one run of each condition (s).
@@ -88,7 +88,7 @@ def estimate(
     planned : sequence of PlannedRun
         Its runs.
     make : callable
-        Makes a run within limits.
+        Executes a run within limits.
     budget_s : float
         Time for trial runs (s), which is kept approximately.
     watch : callable, optional

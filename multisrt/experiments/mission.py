@@ -41,7 +41,7 @@ def make_run(
     success_coverage: float = SUCCESS_COVERAGE,
     horizon_s: float | None = None,
 ) -> Result:
-    """Make a run in this process; with limits, in its main thread.
+    """Execute a run in this process; with limits, in its main thread.
 
     Parameters
     ----------

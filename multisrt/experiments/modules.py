@@ -284,5 +284,5 @@ def _not_importable(own: Strategy, why: str, remedy: str = "") -> InvalidInputEr
     return InvalidInputError(
         f"the strategy {own.name!r} cannot be imported by worker processes: {why}; {remedy}write "
         "it to a file and import it from there (in a notebook: %%writefile mine.py), or give "
-        "workers=0 (--workers 0), which makes the runs in this process, one after another"
+        "workers=0 (--workers 0), which executes the runs in this process, one after another"
     )

@@ -129,7 +129,7 @@ def _require_current(module: ModuleType | None) -> None:
     if module is not None and is_outdated(module):
         raise InvalidInputError(
             f"{Path(module.__file__ or '').name} has changed since it was imported here: start "
-            f"again, or import it again (importlib.reload) and give its strategy anew"
+            f"again, or import it again (importlib.reload) and pass its strategy again"
         )
 
 

@@ -56,9 +56,9 @@ class EnvironmentChoice(_Part, frozen=True, kw_only=True, omit_defaults=True):
         Seed of a generator; "repetition" uses the seed of each repetition, so that every
         repetition has another world.
     seeds : str or tuple of int
-        Several seeds of a generator, such as "0-9", each of which is a condition of its own.
+        Several seeds of a generator, such as "0-9", each of which is a separate condition.
     resolution_m : float or None
-        Metres per pixel of an image without a resolution of its own.
+        Metres per pixel of an image without its own resolution.
     threshold : float or None
         Lightness in [0, 1] above which a pixel of a plain image is free.
     wkt : str or None
@@ -133,7 +133,7 @@ class TeamChoice(_Part, frozen=True, kw_only=True, omit_defaults=True):
 
 
 class StartsChoice(_Part, frozen=True, kw_only=True, omit_defaults=True):
-    """How teams start.
+    """The starts of teams.
 
     Attributes
     ----------

@@ -3,7 +3,7 @@
 A row is written in one transaction when its run has ended: however the program ends, stored runs
 are there, each once, and the next call makes the others. While it is written the file is in
 SQLite's write-ahead mode, so that reports can read it; closed, it is a single file. With
-`synchronous=NORMAL` a power failure may lose the last runs, which are then made again, but cannot
+`synchronous=NORMAL` a power failure may lose the last runs, which are then repeated, but cannot
 damage the file.
 
 Tables: `meta` (experiment, folder, provenance, number of runs), `runs` (the labels of a condition

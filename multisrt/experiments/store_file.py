@@ -16,7 +16,7 @@ FORMAT = 2
 """Version of the tables, stored as the `user_version` of the file."""
 
 BUSY_S = 30.0
-"""How long a connection waits for others that hold the file (s)."""
+"""Timeout of a connection while others hold the file (s)."""
 
 _TABLES = """
 CREATE TABLE meta (name TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID;

@@ -1,4 +1,4 @@
-"""What it takes to continue a store with an experiment that contains its own."""
+"""Requirements for continuing a store with an experiment that contains its own."""
 
 from __future__ import annotations
 

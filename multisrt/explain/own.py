@@ -1,4 +1,4 @@
-"""Explanations of the decisions that custom explorers put on record with `Decided`."""
+"""Explanations of the decisions that custom explorers record with `Decided`."""
 
 from __future__ import annotations
 

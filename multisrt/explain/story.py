@@ -1,4 +1,4 @@
-"""What came before and after one choice of a robot, for the explanations of all strategies."""
+"""Events before and after one choice of a robot, for the explanations of all strategies."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ class ChoiceStory:
     """
 
     things = "scan"
-    """What the robot's nodes are called."""
+    """Name for the robot's nodes."""
 
     def __init__(
         self, recording: Recording, index: int, choice: GoalChosen | Decided, asked_s: float

@@ -42,7 +42,7 @@ NEIGHBOUR_SPACINGS = 2.3
 """Nodes within so many spacings are joined: 16 points of the lattice around each."""
 
 MAX_REFINEMENTS = 3
-"""How often the spacing is reduced if parts of the area are not connected."""
+"""Maximum number of reductions of the spacing if parts of the area are not connected."""
 
 MIN_CONNECTED = 0.995
 """Share of the nodes that are to be connected."""

@@ -1,4 +1,4 @@
-"""What the search knows of a team: where each robot can go, what it sees, what its legs take."""
+"""The team as the search sees it: where each robot can go, what it sees, what its legs take."""
 
 from __future__ import annotations
 

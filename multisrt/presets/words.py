@@ -37,7 +37,7 @@ def failed_runs(bad: Sequence[Result], limit: int) -> list[str]:
     bad : sequence of Result
         Runs that were no success, or not complete.
     limit : int
-        Upper bound of the runs with a line of their own.
+        Upper bound of the runs with a separate line.
     """
     lines = [
         f"{result.condition}, repetition {result.repetition}: "

@@ -76,7 +76,7 @@ GAPS = {
         there=lambda result: result.failed or measure_named("over_bound").of(result) is not None,
     ),
 }
-"""What times are divided by, by the names of the measures."""
+"""Divisors of times, by the names of the measures."""
 
 
 def summary_table(

@@ -1,4 +1,4 @@
-"""What one robot knows of the world: grow-only sets of nodes and closings, and what follows."""
+"""One robot's knowledge of the world: grow-only sets of nodes and closings, and what follows."""
 
 from __future__ import annotations
 

@@ -26,7 +26,7 @@ action     effect                                      outcome that is sent back
 `Stop`     the present motion ends here and now        `Moved`
 `Send`     a message goes out by radio                 None
 `Receive`  waits for messages, or for a motion's end   `Received`, `Moved` or `TimedOut`
-`Note`     an event is put on record                   None
+`Note`     an event is recorded                        None
 `Done`     the robot stays where it is                 nothing; on call, `Received`
 =========  ==========================================  =========================================
 
@@ -168,7 +168,7 @@ class Move(msgspec.Struct, frozen=True, kw_only=True):
         all. None: no protective stop.
     listen : bool
         Whether messages are delivered during the motion: `Received` is sent back when one comes
-        that wakes (see `Message.wakes`), and the motion goes on; `Receive` then waits for what
+        that wakes (see `Message.wakes`), and the motion continues; `Receive` then waits for what
         comes next, and is finally answered by `Moved`.
 
     Examples
@@ -248,7 +248,7 @@ class Receive(msgspec.Struct, frozen=True):
 
 
 class Note(msgspec.Struct, frozen=True):
-    """Put an event on record. It takes no time.
+    """Record an event. It takes no time.
 
     It changes nothing, except that a fault may strike at it: a robot whose `multisrt.Death` has
     ``when="master"`` dies as it records `Organized`.
@@ -392,7 +392,7 @@ Steps = Generator[Action, Outcome, None]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RadioSelf:
-    """What a robot knows of its radio: the data sheet.
+    """The data sheet of a robot's radio.
 
     Attributes
     ----------
@@ -418,7 +418,7 @@ class RadioSelf:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RobotSelf:
-    """What a robot knows of itself before it begins.
+    """The data of a robot before it begins.
 
     Attributes
     ----------
@@ -480,7 +480,7 @@ class RobotSelf:
 
 
 class Explorer(Protocol):
-    """What decides for one robot.
+    """The decision maker of one robot.
 
     Examples
     --------

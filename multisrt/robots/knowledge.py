@@ -1,4 +1,4 @@
-"""What robots send each other of the world: nodes and closings, numbered by their makers."""
+"""The knowledge that robots exchange: nodes and closings, numbered by their makers."""
 
 from __future__ import annotations
 

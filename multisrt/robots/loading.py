@@ -41,7 +41,7 @@ _registered: dict[str, Strategy] = {}
 """The strategies that were registered here, not by the module that has them."""
 
 _read: dict[str, tuple[ModuleSpec, bytes]] = {}
-"""What each file held when it was imported here, by the name of its module."""
+"""Contents of each file when it was imported here, by the name of its module."""
 
 
 def is_reference(text: str) -> bool:
@@ -232,7 +232,7 @@ def import_place(place: str) -> ModuleType:
 
     A file that has been imported already is imported again if it has changed since. Its folder
     is added to the end of the import path, so that it can import what is beside it. If its stem
-    is that of another module, it is imported under a name of its own.
+    is that of another module, it is imported under a separate name.
 
     Parameters
     ----------

@@ -318,7 +318,7 @@ def event(noted: Any, robot: int, now_s: float) -> AnyEvent:
     Parameters
     ----------
     noted : object
-        What the explorer puts on record.
+        What the explorer records.
     robot : int
         Its robot.
     now_s : float

@@ -70,7 +70,7 @@ class Simulation:
     watch : callable, optional
         Called with every event as it is recorded.
     file : binary file, optional
-        Where the recording is written while the run goes on.
+        Where the recording is written during the run.
     pausing : bool, optional
         Whether the run pauses before each action.
 
@@ -149,7 +149,7 @@ class Simulation:
         self.interpreters.clear()
 
     def finish(self) -> Recording:
-        """Let go of the explorers, and return the recording of the run, which does not go on."""
+        """Let go of the explorers, and return the recording of the run, which does not continue."""
         self.close()
         max_time_s = self.spec.stop.max_time_s
         if not self._is_over() and max_time_s < self.clock.next_s < math.inf:
@@ -159,7 +159,7 @@ class Simulation:
         return self._finish(self.journal.last_s, *self._outcome())
 
     def recording_so_far(self) -> Recording:
-        """Return the recording as if the run were cut off now; it goes on."""
+        """Return the recording as if the run were cut off now; it continues."""
         now_s = self.clock.now_s
         return self.journal.cut_off(
             now_s,

@@ -8,7 +8,7 @@ goal behind the robot; holonomic drives, for which every goal is ahead.
 
 The navigator has no memory. It leaves a dead end by the opening nearest to the goal's direction;
 where the goal lies right behind a wall, openings on both sides are equally near, and the robot may
-go back and forth between them for ever. A plan has to lead out of dead ends; the goals given here
+go back and forth between them forever. A plan has to lead out of dead ends; the goals given here
 are places near by on that plan.
 """
 

@@ -1,4 +1,4 @@
-"""What the bounds must know of a robot."""
+"""The properties of a robot that the bounds need."""
 
 from __future__ import annotations
 

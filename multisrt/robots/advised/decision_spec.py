@@ -104,7 +104,7 @@ class DecisionSpec(msgspec.Struct, frozen=True, kw_only=True):
 
     @property
     def go_on(self) -> int:
-        """The action of a robot that asks nothing and goes on: the number after the frontiers."""
+        """The action of a robot that asks nothing and continues: the number after the frontiers."""
         return self.frontiers
 
     def checked(self, answer: Answer) -> int | FloatArray:

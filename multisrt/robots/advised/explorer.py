@@ -52,9 +52,9 @@ class AdvisedExplorer(FrontierExplorer):
     policy : callable, optional
         Chooses where it goes. Default: the answer comes from outside. Then the run pauses at an
         action `Look` while `advice.question` is set, and `advice.answer` has to be set before it
-        goes on.
+        continues.
     rule : str, default "policy"
-        The name under which its choices are put on record.
+        The name under which its choices are recorded.
 
     Attributes
     ----------
@@ -92,7 +92,7 @@ class Advice:
     policy : callable or None
         What answers; None: the answer is set from outside.
     rule : str
-        The name under which choices are put on record.
+        The name under which choices are recorded.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""What one robot that goes to frontiers does from beginning to end.
+"""The explorer of frontier bidding, from beginning to end.
 
 Where the procedures of the papers are:
 

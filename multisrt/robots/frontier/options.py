@@ -68,7 +68,7 @@ class FrontierOptions(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
         let each other pass before it is done. Crowds in narrow places need many attempts.
     max_instant_goals : int
         How many goals in a row may end at the moment they were chosen before a robot pauses.
-        Without pauses, robots that stop each other at once would choose for ever.
+        Without pauses, robots that stop each other at once would choose forever.
     detour_factor : float
         A detour round another robot may be longer than the path by this factor...
     detour_extra_m : float

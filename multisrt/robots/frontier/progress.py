@@ -69,7 +69,7 @@ from multisrt.robots.frontier.options import FrontierOptions
 
 
 class State(Enum):
-    """What a robot is doing; see the drawing above."""
+    """State of a robot; see the drawing above."""
 
     CHOOSING = auto()
     DRIVING = auto()
@@ -81,7 +81,7 @@ class State(Enum):
 
 
 class Event(StrEnum):
-    """What ends a state. The value is the reason on record of a choice that follows."""
+    """What ends a state. The value is the recorded reason of a choice that follows."""
 
     START = "start"
     """The robot has looked round for the first time."""
@@ -157,12 +157,12 @@ TRANSITIONS: Final[Mapping[State, Mapping[Event, State]]] = MappingProxyType(
         State.COMPLETE: {Event.CALLED_ON: State.CHOOSING, Event.ASKED: State.YIELDING},
     }
 )
-"""Where each event leads from each state."""
+"""Transitions: the next state by state and event."""
 
 
 @dataclass(slots=True)
 class Standstill:
-    """What a robot has tried in vain since it last moved.
+    """The unsuccessful attempts of a robot since it last moved.
 
     Attributes
     ----------
@@ -203,7 +203,7 @@ class Progress:
         What ended the state before.
     is_hasty : bool
         Whether too many goals in a row have ended at the moment they were chosen. The robot then
-        pauses: others go on meanwhile, and what kept it from its goals may be over.
+        pauses: others continue meanwhile, and what kept it from its goals may be over.
     """
 
     def __init__(self, options: FrontierOptions, course: Course, raster: Occupancy) -> None:
@@ -222,7 +222,7 @@ class Progress:
         self._instant_goals = 0
 
     def advance(self, event: Event) -> None:
-        """Go on to the next state.
+        """Continue to the next state.
 
         Raises
         ------
@@ -244,7 +244,7 @@ class Progress:
 
     @property
     def standstill(self) -> Standstill:
-        """What was tried in vain here; a new one once the robot has moved."""
+        """The unsuccessful attempts here; a new one once the robot has moved."""
         here, revision = self._course.at[:2], self._raster.revision
         if math.dist(here, self._standstill.place) > MOVED_M:
             self._standstill = Standstill(here, revision)
@@ -285,7 +285,7 @@ class Progress:
         """Whether the robot has waited fewer times than allowed since its map last changed.
 
         Moving does not give it new patience: robots that make room for each other by turns would
-        wait for ever.
+        wait forever.
         """
         return self._waits_here() < self._options.max_waits
 

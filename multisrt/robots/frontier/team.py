@@ -38,7 +38,7 @@ SAME_GOAL_M = 1e-9
 
 @dataclass(slots=True)
 class SharedCells:
-    """What robots that go by the rules of Álvarez agree on.
+    """The state that robots with the rules of Álvarez agree on.
 
     Attributes
     ----------

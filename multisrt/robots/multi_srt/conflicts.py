@@ -21,7 +21,7 @@ from multisrt.robots.protective_stop import conflict, max_gap, planned_gap
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Prospect:
-    """What a robot would do in this step.
+    """The plan of a robot for this step.
 
     Attributes
     ----------
@@ -45,12 +45,12 @@ class Prospect:
 
     @cached_property
     def body(self) -> Sweep:
-        """What its body covers where it stands."""
+        """Area that its body covers where it stands."""
         return Sweep(self.footprint, Trajectory(self.motion.waypoints[:1]))
 
     @cached_property
     def way(self) -> Sweep:
-        """What its body sweeps on the way; the body, if it stays."""
+        """Area that its body sweeps on the way; the body, if it stays."""
         return Sweep(self.footprint, self.motion) if self.moves else self.body
 
     @cached_property

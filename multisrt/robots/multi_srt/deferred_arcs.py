@@ -52,7 +52,7 @@ class DeferredArcs:
     says that it moves or stands elsewhere, and when a robot that did not respond does so again.
 
     The arcs of one node are opened again at most `max_reopenings` times: robots that give way to
-    each other by turns would otherwise try the same for ever. After that they are left for good,
+    each other by turns would otherwise try the same forever. After that they are left for good,
     but stay open in the map.
 
     Parameters

@@ -2,9 +2,9 @@
 
 Source: Multi-SRT, paper section 2, "Construction of GPR/GER"; differs in: the paper leaves open
 how robots agree. Here a group is named by its members and the number of the step that each is
-about to make (its key). A member goes on when all others have said that they have reached the same
-phase with the same key; so no robot moves by a group that another member does not know, whatever
-messages are delayed or lost. There are three exceptions:
+about to make (its key). A member continues when all others have said that they have reached the
+same phase with the same key; so no robot moves by a group that another member does not know,
+whatever messages are delayed or lost. There are three exceptions:
 
 - A member that stands idle in the step that the key names need not say anything.
 - The orders of a master end the waiting: it had the plans of all when it gave them.
@@ -124,7 +124,7 @@ def _meet(robot: SrtRobot, group: Iterable[int], phase: Phase) -> Steps:
 
 def _go_on_without(robot: SrtRobot, late: list[int]) -> None:
     # Robots that hear one another, but not the same others, may never agree on the group. Rather
-    # than wait for ever, this one goes around them, guarded by its protective stop.
+    # than wait forever, this one goes around them, guarded by its protective stop.
     for number in late:
         robot.team.roster.left_out_until_s[number] = robot.at.time_s + robot.options.left_out_s
         robot.avoid(number)

@@ -147,7 +147,7 @@ class Journey:
                 parent=here,
                 order=order.order,
             )
-        # A detour: from the new place the robot goes on to where it was going.
+        # A detour: from the new place the robot continues to where it was going.
         target = self.target
         rest = None
         if order.order == "new target" and target is not None:

@@ -47,7 +47,7 @@ def motion_of(path: Path) -> Trajectory:
 
 
 class RobotState(msgspec.Struct, frozen=True, kw_only=True):
-    """What a robot reports of itself; a newer state replaces an older one.
+    """A robot's report of itself; a newer state replaces an older one.
 
     Attributes
     ----------
@@ -140,7 +140,7 @@ class StateMessage(Message, frozen=True, kw_only=True):
 
 
 class Order(msgspec.Struct, frozen=True, kw_only=True):
-    """What a master orders one robot to do in this step.
+    """The order of a master to one robot in this step.
 
     Attributes
     ----------

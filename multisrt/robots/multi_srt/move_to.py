@@ -135,7 +135,7 @@ def drive(
 def stop_here(robot: SrtRobot, step: Step, moved: Moved) -> Steps:
     """After a protective stop, plan again from where the robot stands.
 
-    A car that cannot reverse has no way back from there: it waits, and goes on.
+    A car that cannot reverse has no way back from there: it waits, and continues.
 
     Raises
     ------

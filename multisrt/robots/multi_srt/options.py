@@ -86,12 +86,12 @@ class MultiSrtOptions(SrtOptions, frozen=True, kw_only=True, forbid_unknown_fiel
         its task. The pauses between them give a body that blocks the way time to leave.
     gives_up_after : int
         Setbacks without progress after which a robot gives up its task. Robots that block each
-        other, all of them on their way somewhere, would wait for ever.
+        other, all of them on their way somewhere, would wait forever.
     max_reopenings : int
         Number of times that the arcs of one node, which bodies barred, are taken up again when a
         body is gone. Robots that give way to each other by turns would otherwise never end.
     max_rounds : int
-        Rounds of questions within one step after which a robot goes on without those that do not
+        Rounds of questions within one step after which a robot continues without those that do not
         agree on the group. Robots that hear one another, but not the same others, may never.
     left_out_s : float
         Time for which it then leaves these out of its groups.

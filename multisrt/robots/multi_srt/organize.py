@@ -65,7 +65,7 @@ def best_targets(conflicts: Conflicts) -> tuple[int, ...]:
 
 
 class Alternatives(Protocol):
-    """What a master knows of other motions that the robots of its group could make."""
+    """A master's knowledge of other motions that the robots of its group could make."""
 
     def new_targets(self, robot: int) -> Iterator[Trajectory]:
         """Draw other targets for a robot, in the order in which they are to be tried."""
@@ -96,7 +96,7 @@ class Alternatives(Protocol):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Arrangement:
-    """What ORGANIZE decided.
+    """The decision of ORGANIZE.
 
     Attributes
     ----------

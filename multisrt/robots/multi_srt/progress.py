@@ -60,7 +60,7 @@ class State(Enum):
 
 
 class Event(Enum):
-    """What changes the state."""
+    """Events that change the state."""
 
     NEW_TASK = "begins to extend a tree, or to go to a node"
     NEW_PLACE = "has reached, by its own plan, a place where it had not been in its task"
@@ -157,7 +157,7 @@ class Progress:
         self._rounds = 0
 
     def has_asked_enough(self) -> bool:
-        """Count a round of questions within a step; return whether it goes on without answers."""
+        """Count a round of questions within a step; return whether it continues without answers."""
         self._rounds += 1
         if self._rounds <= self._options.max_rounds:
             return False

@@ -25,7 +25,7 @@ from multisrt.robots.multi_srt.whereabouts import Whereabouts
 
 
 class SrtRobot:
-    """What one robot knows, and what it is at.
+    """One robot's knowledge and current task.
 
     The parts know one another only as far as their parameters say, and none knows the robot.
 

@@ -1,4 +1,4 @@
-"""What one robot knows of the others of its team."""
+"""One robot's knowledge of the others of its team."""
 
 from __future__ import annotations
 

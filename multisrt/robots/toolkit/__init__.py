@@ -12,7 +12,7 @@ Everything here runs on a robot: it is made from scans, messages and the robot's
 `trajectory`         the motion through places, for every kind of drive
 `trajectory_inside`  the same as far as it stays in a region that is known to be free
 `Message`            the base class of messages with custom content
-`decided`            puts a decision on record, in custom words and numbers
+`decided`            records a decision with custom text and numbers
 `places_of`          an array of places given in any form
 ==================== ==============================================================================
 

@@ -1,4 +1,4 @@
-"""Decisions of explorers of your own, put on record in their words and numbers."""
+"""Decisions of user-defined explorers, recorded with their text and numbers."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def decided(
     options: Any = (),
     **values: Any,
 ) -> Note:
-    """Return the action that puts a decision on record.
+    """Return the action that records a decision.
 
     ``multisrt why`` shows it, and reports count decisions by strategy. Recording it changes only
     the digest of the run.

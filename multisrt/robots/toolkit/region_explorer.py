@@ -188,7 +188,7 @@ class RegionExplorer(ABC):
         return found
 
     def explain(self, text: str, options: Any = (), **values: Any) -> None:
-        """Put the next choice on record with a reason; to be called in `choose`.
+        """Record the next choice with a reason; to be called in `choose`.
 
         Parameters
         ----------
@@ -224,7 +224,7 @@ class RegionExplorer(ABC):
             (),
             nothing,
         )
-        # On record is the place as it was chosen, which is one of the options.
+        # The place is recorded as it was chosen, which is one of the options.
         place = None if goal is None else chosen
         yield decided(self.me, robot.time_s, text, place, options, **values)
         return goal

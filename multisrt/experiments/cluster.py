@@ -153,7 +153,7 @@ def _outcome(future: Any, job: Job, address: str) -> tuple[Result, bytes | None]
     if isinstance(error, InvalidInputError):
         raise InvalidInputError(f"the cluster at {address!r}: {error}") from None
     raise InvalidInputError(
-        f"the cluster at {address!r} cannot execute runs ({type(error).__name__}: {error}); install "
+        f"the cluster at {address!r} cannot start runs ({type(error).__name__}: {error}); install "
         "the same multisrt there as here"
     ) from None
 

@@ -150,7 +150,7 @@ def require_no_import() -> None:
     """
     if place := being_imported():
         raise InvalidInputError(
-            f"{place} executes the runs of an experiment when it is imported; put what it does as a "
+            f"{place} runs an experiment when it is imported; put what it does as a "
             "script under if __name__ == '__main__':"
         )
 

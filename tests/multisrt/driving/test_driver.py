@@ -311,7 +311,7 @@ def test_a_strategy_that_sees_the_truth_drives_no_body():
 @pytest.mark.parametrize(
     ("body", "said"),
     [
-        ({"move": lambda _: Moved(configuration=None, time_s=1.0)}, "reports the configuration None"),  # type: ignore[arg-type]
+        ({"move": lambda _: Moved(configuration=None, time_s=1.0)}, "the configuration None"),  # type: ignore[arg-type]
         ({"move": lambda _: Moved(configuration=(math.nan, 2, 0), time_s=1.0)}, "three finite"),  # type: ignore[arg-type]
         ({"move": lambda _: Moved(configuration=WAY.end, time_s=None)}, "reports None s after"),  # type: ignore[arg-type]
         ({"look": lambda: None}, "look of robot 0 returned None"),

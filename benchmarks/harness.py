@@ -84,7 +84,7 @@ class Claim:
 
 
 Benchmark = Callable[[], Iterable[Claim | str]]
-"""Measures claims one after the other; a text is a line that is no claim."""
+"""Measures claims one after the other; a text is a line that is not a claim."""
 
 
 def in_turns(

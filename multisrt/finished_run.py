@@ -126,7 +126,7 @@ class Run:
         Parameters
         ----------
         frame : {"pandas", "polars"}, optional
-            Whose data frame; by default of pandas if it is installed, else of polars.
+            Library of the data frame; by default pandas if it is installed, else polars.
 
         Returns
         -------

@@ -71,8 +71,8 @@ def explore(
         which only `recording_path`, `watch` and `progress` may be given.
     strategy : str, Strategy, class or function, optional
         Name of a registered strategy, see `strategies`; or a user-defined one, as `Strategy.of`
-        takes it or by reference (``"mine.py:Mine"``), which is registered by this in place of one
-        of its name.
+        accepts it or by reference (``"mine.py:Mine"``); it is registered, and replaces a strategy
+        of the same name.
     seed : int, optional
         Seed of all random streams of the run.
     options : mapping, optional
@@ -115,7 +115,7 @@ def explore(
     Returns
     -------
     Run
-        The finished run. An exploration that stalls or runs out of time is a result, no error.
+        The finished run. An exploration that stalls or runs out of time is a result, not an error.
 
     Raises
     ------

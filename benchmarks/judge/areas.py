@@ -104,7 +104,7 @@ class World:
     def explorable(self, recording: Recording) -> BaseGeometry:
         """Return what the team of a run could see from where its bodies can get to.
 
-        Of a body that is no disc, where the disc fits that is inscribed in it.
+        Of a body that is not a disc, where the disc fits that is inscribed in it.
         """
         seen = []
         ranges: dict[str, float] = {}

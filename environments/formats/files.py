@@ -96,7 +96,7 @@ def require_number(path: Path, what: str, value: Any) -> float:
     Raises
     ------
     MapFormatError
-        If it is no number.
+        If it is not a number.
     """
     if not isinstance(value, bool | str):
         with suppress(TypeError, ValueError):

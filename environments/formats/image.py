@@ -68,7 +68,7 @@ def read_image(
     Raises
     ------
     MapFormatError
-        If the file is no readable image, is larger than 64 million pixels, or has no free
+        If the file is not a readable image, is larger than 64 million pixels, or has no free
         pixel.
     """
     resolution_m = require_resolution(path, resolution_m)

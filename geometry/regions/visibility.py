@@ -29,7 +29,7 @@ MIN_INTERVAL: Final = 1e-14
 """Intervals of pseudo-angle of at most this size are rounding."""
 
 GRAZING_M: Final = 1e-5
-"""A gap that has a wall within this distance in metres runs along that wall: it is no gap."""
+"""A gap that has a wall within this distance in metres runs along that wall: it is not a gap."""
 
 NOTHING_YET: Final = -2
 """Stands for an edge before the boundary's first piece; -1 stands for the range."""

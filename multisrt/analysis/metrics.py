@@ -237,7 +237,7 @@ class Metrics(msgspec.Struct, frozen=True, kw_only=True):
         Raises
         ------
         InvalidInputError
-            If it is no such share.
+            If it is not such a share.
         """
         return self.coverage >= require_threshold(threshold) - ROUNDING
 

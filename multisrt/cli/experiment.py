@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from multisrt.experiments.results import Results
 
 NO_SUCCESS = 3
-"""Exit code if some runs are no success."""
+"""Exit code if some runs did not succeed."""
 
 MAX_FAILURES = 10
 """Runs without success that are printed; the others are only counted."""

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from multisrt.spec import RunSpec
 
 NO_SUCCESS = 3
-"""Exit code if an exploration is no success."""
+"""Exit code if an exploration is not a success."""
 
 OWN_WORLD = "apartment"
 """The environment that a user-defined strategy explores if none is named."""

@@ -21,7 +21,7 @@ PAPERS = ("multi-srt", "sbx-r", "minpos", "alvarez")
 """Names of the papers, for completion, which does not import the presets."""
 
 RUNS_FAILED = 3
-"""Exit code if a run is no success."""
+"""Exit code if a run is not a success."""
 
 
 @click.command()

@@ -120,7 +120,7 @@ def _with_best(values: Sequence[float | None], good: Sequence[bool]) -> list[str
 
 
 def _print_reach(run: Run) -> None:
-    # Why a part of free space is no part of the task: other areas, then the body.
+    # Why a part of free space is not part of the task: other areas, then the body.
     m, start = run.metrics, run.recording.starts[0]
     if said := elsewhere(run.environment, start):
         click.echo(f"  {said}")

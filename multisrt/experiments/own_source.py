@@ -178,7 +178,7 @@ def _file_of(name: str) -> Path | None:
 
 
 def _is_own(path: Path, roots: list[Path]) -> bool:
-    """Whether a file is no library's, or of the package that defines the strategy."""
+    """Whether a file is not a library's, or of the package that defines the strategy."""
     libraries = [library for library in _LIBRARIES if path.is_relative_to(library)]
     beside = [root for root in roots if path.is_relative_to(root)]
     return all(

@@ -35,7 +35,7 @@ class Progress:
     done : int
         Number of stored runs, of earlier calls and of this one.
     failed : int
-        Number of stored runs that are no success.
+        Number of stored runs that did not succeed.
     made : int
         Number of runs made by this call; copies of them do not count.
     elapsed_s : float

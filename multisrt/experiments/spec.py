@@ -324,7 +324,7 @@ class ExperimentSpec(_Part, frozen=True, kw_only=True, omit_defaults=True):
     reference : {"none", "informed"}
         Whether times are also reported as multiples of those of the informed plan.
     recordings : {"none", "failed", "all"}
-        Recordings to keep; a run failed if it is no success.
+        Recordings to keep; a run failed if it is not a success.
 
     Raises
     ------
@@ -427,7 +427,7 @@ class ExperimentSpec(_Part, frozen=True, kw_only=True, omit_defaults=True):
         Raises
         ------
         InvalidInputError
-            If the text is no TOML, or a field is unknown or has a wrong value; the message names
+            If the text is not TOML, or a field is unknown or has a wrong value; the message names
             the field and what is allowed.
 
         Examples

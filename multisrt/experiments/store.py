@@ -392,7 +392,7 @@ class Store:
 
     @property
     def failed(self) -> int:
-        """Number of results that are no success."""
+        """Number of results that did not succeed."""
         return sum(result.failed for result in self._read())
 
     def recording_path(self, key: str) -> Path:

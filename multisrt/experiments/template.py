@@ -161,7 +161,7 @@ def write_new(
 
 
 def _require_ours(path: Path) -> None:
-    """Raise InvalidInputError if a file is there that is no schema of experiments."""
+    """Raise InvalidInputError if a file is there that is not a schema of experiments."""
     try:
         there = path.read_text(encoding="utf-8")
     except (FileNotFoundError, NotADirectoryError):

@@ -360,7 +360,7 @@ def more_with_more_robots(both: BothTimes) -> Judged:
 def more_in_mazes(both: BothTimes) -> Judged:
     """Return the judged claim that minpos gains more on greedy in mazes than in the hospital.
 
-    A repetition in the maze and one in the hospital are no pair, but each is one for all teams.
+    A repetition in the maze and one in the hospital are not a pair, but each is one for all teams.
     """
     judged, beside = (
         Family(

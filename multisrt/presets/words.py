@@ -35,7 +35,7 @@ def failed_runs(bad: Sequence[Result], limit: int) -> list[str]:
     Parameters
     ----------
     bad : sequence of Result
-        Runs that were no success, or not complete.
+        Runs that did not succeed, or were not complete.
     limit : int
         Upper bound of the runs with a separate line.
     """

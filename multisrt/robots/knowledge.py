@@ -157,7 +157,7 @@ class Closing:
     Raises
     ------
     InvalidInputError
-        For an unknown reason, or an arc that is no array of segments.
+        For an unknown reason, or an arc that is not an array of segments.
 
     Examples
     --------

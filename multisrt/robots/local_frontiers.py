@@ -42,7 +42,7 @@ class LocalFrontiers:
     regions : NodeRegions
         The nodes.
     min_length_m : float
-        Joined arcs shorter than this, in metres, are no frontier.
+        Joined arcs shorter than this, in metres, are not frontier.
     include_gaps : bool
         Whether radial pieces behind corners are frontier.
     """

@@ -122,7 +122,7 @@ class Strategy:
         Raises
         ------
         InvalidInputError
-            If `explorer` is no class or function, does not take these arguments, or its
+            If `explorer` is not a class or function, does not take these arguments, or its
             annotation cannot be resolved.
 
         Examples

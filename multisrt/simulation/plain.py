@@ -74,7 +74,7 @@ def refuse(robot: int, what: str, remedy: str) -> NoReturn:
 
 
 def refuse_action(action: object, robot: int) -> NoReturn:
-    """Raise the error of an explorer that yields what is no action.
+    """Raise the error of an explorer that yields something other than an action.
 
     Parameters
     ----------
@@ -132,7 +132,7 @@ def steps(returned: Any, robot: int) -> Steps:
     Raises
     ------
     ExplorerDefect
-        If it is none.
+        If it is not one.
     """
     if isinstance(returned, CoroutineType) or hasattr(returned, "asend"):
         refuse(robot, "its run() is asynchronous", "write def run(self), not async def")
@@ -333,8 +333,8 @@ def event(noted: Any, robot: int, now_s: float) -> AnyEvent:
     Raises
     ------
     ExplorerDefect
-        If it is no event that explorers put on record, has another time, or `as_declared` raises
-        it.
+        If it is not an event that explorers put on record, has another time, or `as_declared`
+        raises it.
     """
     found = _recordable(noted, robot)
     if abs(found.time_s - now_s) > SAME_TIME_S:

@@ -287,7 +287,7 @@ def _border(corner: tuple[float, float], side_m: float) -> FloatArray:
 
 
 def _square_sums(areas: FloatArray, side: int) -> FloatArray:
-    # The areas of squares of cells; what is left at the upper and right borders is no witness.
+    # The areas of squares of cells; what is left at the upper and right borders is not a witness.
     rows, columns = areas.shape[0] // side, areas.shape[1] // side
     squares = areas[: rows * side, : columns * side].reshape(rows, side, columns, side)
     sums: FloatArray = squares.sum(axis=(1, 3))

@@ -41,7 +41,7 @@ class Ways:
     """The roadmap of one robot, and how its body follows the edges.
 
     Where the body fits in any heading, it turns and drives straight. In a narrow place a body
-    that is no disc retraces the motion on which it first came. A car stands at every node in the
+    that is not a disc retraces the motion on which it first came. A car stands at every node in the
     heading in which it first came there, and keeps for every edge the motions in both
     directions: a car that cannot turn round goes back as it came, and one that cannot reverse
     goes only where it knows a way back.

@@ -51,7 +51,7 @@ def decided(
     Raises
     ------
     InvalidInputError
-        If a place is none, there are not as many values as options, or the text is too long.
+        If a place is invalid, there are not as many values as options, or the text is too long.
 
     Examples
     --------

@@ -142,7 +142,7 @@ def trajectory_inside(
     ------
     InvalidInputError
         If there is no place, or one is invalid, headings are given for a body other than a car,
-        or the region has several rings and the body is no car.
+        or the region has several rings and the body is not a car.
 
     Examples
     --------

@@ -264,7 +264,7 @@ def _rooms(rng: np.random.Generator) -> World:
 
 
 KINDS: Final = (_corridor, _comb, _diamond, _branches, _stones, _rooms)
-"""What draws free space, in turn."""
+"""The function that draws free space, in turn."""
 
 
 if __name__ == "__main__":

@@ -62,7 +62,7 @@ MAX_MISSION_YARDSTICKS = 45.0
 """Upper bound of a mission's computing time until the world is covered."""
 
 MAX_TRAVEL_M = {"minpos": 41.0, "best of all": 36.0}
-"""Upper bounds of the way of the robot that drives farthest until the world is covered."""
+"""Upper bounds of the path of the robot that drives farthest until the world is covered."""
 
 MAX_STEP_YARDSTICKS = 0.35
 """Upper bound of what a robot with a laser computes for a second of its mission."""
@@ -74,10 +74,10 @@ CROWD, CROWD_BEAMS, CROWD_WORLD, CROWD_RUN_S = 10, 360, "office", 60.0
 RANGE_M, RADIUS_M, CELL_M = 4.0, 0.25, 0.1
 
 NEWS = 24
-"""Nodes after each of which a robot decides anew."""
+"""Nodes after each of which a robot decides again."""
 
 ROUNDS = 4
-"""Times that a run is measured, in turns with a yardstick, of which the shortest counts."""
+"""Number of measurements of a run, alternating with a yardstick; the shortest counts."""
 
 
 def main() -> None:

@@ -1,4 +1,4 @@
-"""Timing of two sides in turns, and the table of what came out.
+"""Alternating timing of two sides, and the table of results.
 
 Queries are taken in blocks of twenty, which the sides run in turn, so that a busy machine slows
 both alike and neither pays for caches that the other one has emptied. A side runs each query
@@ -44,7 +44,7 @@ class Claim:
         Upper bound of ours over theirs: how much a cost may grow, or be of a limit. Exactly one
         of the two bounds is given.
     holds : bool
-        Whether the results are right, where the comparison can tell.
+        Whether the results are right, where the comparison can show it.
     note : str
         What else is worth knowing.
     """
@@ -84,7 +84,7 @@ class Claim:
 
 
 Benchmark = Callable[[], Iterable[Claim | str]]
-"""Measures claims one after the other; a text is a line that is no claim."""
+"""Measures claims one after the other; a text is a line that is not a claim."""
 
 
 def in_turns(

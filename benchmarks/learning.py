@@ -26,7 +26,7 @@ MISSIONS = (("apartment", 1), ("apartment", 4), ("museum", 1), ("museum", 4))
 """Worlds and numbers of robots."""
 
 ROUNDS = 5
-"""Times that both sides are run, in turns, of which the shortest counts."""
+"""Number of alternating runs of both sides; the shortest counts."""
 
 MAX_RATIO = 1.2
 """Upper bound of the time in steps over that of the whole run."""
@@ -87,7 +87,7 @@ def in_steps(env: Any) -> str:
 
 
 def whole(spec: RunSpec, world: Environment) -> str:
-    """Make a run; return its digest."""
+    """Execute a run; return its digest."""
     return simulate(spec, world).footer.digest
 
 

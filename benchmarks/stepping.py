@@ -16,7 +16,7 @@ from multisrt.spec import CatalogEnvironment, RobotSpec, RunSpec
 WORLD, ROBOTS = "museum", 4
 
 ROUNDS = 7
-"""Times that both sides are run, in turns, of which the shortest counts."""
+"""Number of alternating runs of both sides; the shortest counts."""
 
 MAX_RATIO = 1.1
 """Upper bound of the time in steps over that of the whole."""

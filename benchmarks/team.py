@@ -41,7 +41,7 @@ RUN_S = 120.0
 """Simulated time of a run."""
 
 ROUNDS = 3
-"""Times that teams of all sizes are measured, in turns, of which the median counts."""
+"""Number of alternating measurements of teams of all sizes; the median counts."""
 
 MAX_GROWTH = 1.6
 """Upper bound of a robot-step's time in a larger team over that in the smallest."""
@@ -74,7 +74,7 @@ class Traffic:
 
 
 def robot_steps() -> Iterator[Claim]:
-    """Measure the time of a robot-step in teams of all sizes, in turns."""
+    """Measure the time of a robot-step in teams of all sizes, alternating between them."""
     for robots in TEAMS:
         field(robots)
         step_s(robots, 1)  # compiles, and builds the world's solids

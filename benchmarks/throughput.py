@@ -17,7 +17,7 @@ MISSIONS = 40
 """Missions of one experiment."""
 
 ROUNDS = 4
-"""Times that everything is measured, in turns, of which the shortest counts."""
+"""Number of alternating measurements; the shortest counts."""
 
 MAX_YARDSTICKS = 28.0
 """Upper bound of the time from one mission to the next, with two workers; 17 to 21 are measured,
@@ -32,7 +32,7 @@ MAX_OVERHEAD = 1.1
 
 
 def throughput() -> Iterator[Claim]:
-    """Measure the same experiment with one worker and with two, in turns."""
+    """Measure the same experiment with one worker and with two, alternately."""
     spent: dict[int, list[float]] = {1: [], 2: []}
     yardsticks: dict[int, list[float]] = {1: [], 2: []}
     overheads = []

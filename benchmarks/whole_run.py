@@ -1,7 +1,7 @@
 """What a whole run costs beside the compiled kernels that it calls.
 
 A run is recorded with every call that it makes to a kernel. Then the run and a replay of just
-those calls are timed in turns.
+those calls are timed alternately.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from multisrt.spec import CatalogEnvironment, RunSpec
 WORLD, SEED = "hospital", 2
 
 ROUNDS = 5
-"""Times that both sides are run, in turns, of which the shortest counts."""
+"""Number of alternating runs of both sides; the shortest counts."""
 
 MAX_RATIO = 8.0
 """Upper bound of the time of the run over that of its kernels."""

@@ -1,7 +1,7 @@
 """A fixed portion of work, the unit in which the cost of whole runs is stated.
 
 A time in seconds means little without the machine that it was measured on. The cost of a run is
-therefore given in yardsticks, measured in turns with it on the same machine. A yardstick is made
+therefore given in yardsticks, measured alternately with it on the same machine. A yardstick is made
 of what a run is made of, in about the same shares of its time: Python objects (half), calls of
 numpy on small arrays (a quarter), compiled loops over a grid and steps through memory that no
 cache holds (a quarter). It calls nothing of the library, so that its cost stays the same when the

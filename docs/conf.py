@@ -18,6 +18,7 @@ extensions = [
     "sphinx_copybutton",
     "sphinx_design",
     "linked_code",
+    "mathml",
     "structures",
 ]
 exclude_patterns = ["_extensions", "figures"]
@@ -40,6 +41,7 @@ autodoc_default_options = {"members": True}
 python_maximum_signature_line_length = 88
 
 html_theme = "pydata_sphinx_theme"
+html_math_renderer = "mathml"
 html_static_path = ["_static"]
 html_css_files = ["site.css"]
 html_theme_options = {

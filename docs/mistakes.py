@@ -62,12 +62,12 @@ HEAD = """\
 
 <!-- Written by docs/mistakes.py from the wrong explorers of the tests. -->
 
-`multisrt check mine.py` ends at the first mistake and tells what the explorer did, at which \
-action, and what to change. Here are {count} explorers with one mistake each, and what is said \
-of them. `LINE` stands for the number of a line. What is only useless is a warning, and the \
-check goes on.
+`multisrt check mine.py` ends at the first mistake and reports what the explorer did, at which \
+action, and what to change. Here are {count} explorers with one mistake each, and the messages. \
+`LINE` stands for a line number. Code that is only useless causes a warning, and the check \
+continues.
 
-All of them derive from this class, which has what they have in common:
+All of them derive from this base class:
 
 """
 

@@ -347,7 +347,7 @@ def _require_valid(geometry: BaseGeometry, name: str) -> None:
 
 def _without_slivers(parts: GeometryArray) -> GeometryArray:
     # An erosion removes at most a strip along the boundary and a sector at each hole. A part
-    # with more area than that is no sliver, so that large parts need no erosion.
+    # with more area than that is not a sliver, so that large parts need no erosion.
     radius = SLIVER_WIDTH_M / 2
     holes = shapely.get_num_interior_rings(parts)
     thin = shapely.area(parts) <= radius * shapely.length(parts) + holes * math.pi * radius**2

@@ -1,4 +1,4 @@
-"""The separate areas of a world: components of free space between which no way leads."""
+"""The separate areas of a world: components of free space between which no path leads."""
 
 from __future__ import annotations
 

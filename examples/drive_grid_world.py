@@ -71,7 +71,7 @@ class GridBody:
         self.guard_m, self.is_moving = move.guard_m, True
 
     def drive_all_the_way(self, move):
-        """Drive to the end of the way: for a robot alone, which nothing else has to wait for."""
+        """Drive to the end of the path: for a robot alone, which nothing else has to wait for."""
         self.move(move)
         while self.robot.route:
             self.world.step()
@@ -90,7 +90,7 @@ class GridBody:
         self.world.send(data, [self.world.robots[k] for k in receivers])
 
     def receive(self, until_s):
-        """Tell what has happened: the end of the motion, messages, or that it is time."""
+        """Report what has happened: the end of the motion, messages, or that it is time."""
         if self.is_moving:
             near = [seen for seen in self.look() if self.is_too_near(seen)]
             if near or not self.robot.route:

@@ -14,7 +14,7 @@ from multisrt.testing import check_explorer
 
 
 class News(Message, frozen=True):
-    """What a robot has seen."""
+    """The map of a robot."""
 
     node: Node
 
@@ -55,7 +55,7 @@ class NearestFrontier:
         yield Done(complete=False, reason="other robots stay in its way")
 
     def look(self, scan):
-        """Add a scan to the map, and tell the others if it shows something new."""
+        """Add a scan to the map, and inform the others if it shows something new."""
         self.time_s = scan.time_s
         node = self.map.add(scan)
         if node is not None:
@@ -73,7 +73,7 @@ NEAREST_FRONTIER = ms.Strategy.of(NearestFrontier)
 
 
 def main(environment="apartment", folder="out/examples"):
-    """Check the explorer, explore an environment with a team of three and draw its ways."""
+    """Check the explorer, explore an environment with a team of three and draw its paths."""
     print(check_explorer(NEAREST_FRONTIER))
     run = ms.explore(environment, strategy=NEAREST_FRONTIER, robots=3, seed=1)
     picture = Path(folder) / "own_explorer.svg"

@@ -70,7 +70,7 @@ class Run:
 
     @property
     def outcome(self) -> RunOutcome:
-        """How the run ended: `complete`, `stalled` or `out_of_time`."""
+        """Outcome of the run: `complete`, `stalled` or `out_of_time`."""
         return self.recording.footer.outcome
 
     @property
@@ -126,7 +126,7 @@ class Run:
         Parameters
         ----------
         frame : {"pandas", "polars"}, optional
-            Whose data frame; by default of pandas if it is installed, else of polars.
+            Library of the data frame; by default pandas if it is installed, else polars.
 
         Returns
         -------

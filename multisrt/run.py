@@ -108,9 +108,9 @@ def explore(
         The environment, its name in the catalogue, or a map file; or the spec of the run, with
         which only `recording_path`, `watch` and `progress` may be given.
     strategy : str, Strategy, class or function, optional
-        Name of a registered strategy, see `strategies`; or one of one's own, as `Strategy.of`
-        takes it or by reference (``"mine.py:Mine"``), which is registered by this in place of one
-        of its name.
+        Name of a registered strategy, see `strategies`; or a user-defined one, as `Strategy.of`
+        accepts it or by reference (``"mine.py:Mine"``); it is registered, and replaces a strategy
+        of the same name.
     seed : int, optional
         Seed of all random streams of the run.
     options : mapping, optional
@@ -141,7 +141,7 @@ def explore(
     max_time_s : float, optional
         Simulated time (s) at which the run is stopped.
     recording_path : str or Path, optional
-        File to which the recording is written while the run goes on.
+        File to which the recording is written during the run.
     watch : callable, optional
         Called with every event as it happens.
     progress : bool
@@ -151,7 +151,7 @@ def explore(
     Returns
     -------
     Run
-        The finished run. An exploration that stalls or runs out of time is a result, no error.
+        The finished run. An exploration that stalls or runs out of time is a result, not an error.
 
     Raises
     ------

@@ -33,7 +33,7 @@ NEWS: Final = (NodeAdded, Learned, MapComplete, ArcClosed, ArcReopened, Presumed
 """Events that explorers note and that tell what they know, not what they decide."""
 
 DECISIONS: Final = tuple(kind for kind in get_args(NotedEvent) if kind not in NEWS)
-"""Events that tell a decision of an explorer."""
+"""Events that record a decision of an explorer."""
 
 
 class Stepper(Iterator[Step]):
@@ -54,7 +54,7 @@ class Stepper(Iterator[Step]):
     Attributes
     ----------
     steps : list of Step
-        All steps so far: what each robot was told, and what it did.
+        All steps so far: what each robot received, and what it did.
 
     Raises
     ------

@@ -11,7 +11,7 @@ from typing import Any, Final, Self
 from multisrt.extras.notebook import RewrittenText, is_notebook
 
 PAUSE_S: Final = 0.1
-"""Shortest time between two changes of a line in a notebook (s)."""
+"""Minimum time between two changes of a line in a notebook (s)."""
 
 WIDTH = 100
 """Columns of output that does not go to a terminal."""

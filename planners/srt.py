@@ -306,17 +306,17 @@ class SrtPlanner:
         nodes : sequence of Viewpoint
             All nodes near by.
         leads : callable, optional
-            For a body that does not drive straight: whether a way leads from a node, given by its
+            For a body that does not drive straight: whether a path leads from a node, given by its
             index, to a place x, y and back.
         bodies : (m, 3) array, optional
             x, y and required distance of bodies that stand in the way for good.
         past_bodies : bool
-            Whether the way to the place may lead past them all the same.
+            Whether the path to the place may lead past them nevertheless.
 
         Returns
         -------
         Way or str
-            The place and the way there, or why there is none; see `Refusal`.
+            The place and the path there, or why there is none; see `Refusal`.
         """
         reasons: list[Refusal] = []
         for x, y, left_x, left_y in arc_points(arc, self.d_min_m):
@@ -342,7 +342,7 @@ class SrtPlanner:
     def may_find_way(
         self, x: float, y: float, half_width_m: float, nodes: Sequence[Viewpoint]
     ) -> bool:
-        """Whether `viewing_place` could find a way in a square window; cheap to compute.
+        """Whether `viewing_place` could find a path in a square window; cheap to compute.
 
         Parameters
         ----------

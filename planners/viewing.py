@@ -1,4 +1,4 @@
-"""Places from which a frontier arc is seen, and the ways there from nodes (stage 3 of SRT)."""
+"""Places from which a frontier arc is seen, and the paths there from nodes (stage 3 of SRT)."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from multisrt.planners.motion.steering import steer
 
 Refusal = Literal["too narrow", "not reachable", "seen from near"]
 """Why an arc has no viewing place: the body fits in no place that sees it; it would fit, but no
-known way leads there; all such places have been looked from."""
+known path leads there; all such places have been looked from."""
 
 REFUSALS: Final[tuple[Refusal, ...]] = ("too narrow", "not reachable", "seen from near")
 
@@ -29,22 +29,22 @@ CLOSE_BY: Final = 6.0
 """Viewing places are first looked for within this many radii of the body."""
 
 NEAREST_NODES: Final = 12
-"""Number of nodes, the nearest, from which a way to a place is looked for."""
+"""Number of nodes, the nearest, from which a path to a place is looked for."""
 
 FIRST_PLACES: Final = 4
-"""Number of places in the first batch; one of them mostly has a way."""
+"""Number of places in the first batch; one of them mostly has a path."""
 
 BATCH_WAYS: Final = 64 * NEAREST_NODES
-"""Number of ways in each further batch."""
+"""Number of paths in each further batch."""
 
 MAX_ASKED: Final = 24
-"""Bounds the questions whether a way leads to a place, for each point of an arc."""
+"""Bounds the questions whether a path leads to a place, for each point of an arc."""
 
 MAX_POINTS: Final = 7
 """Maximum number of points along an arc from which it is looked at."""
 
 Leads = Callable[[int, float, float], bool]
-"""Whether a way leads from a node, given by its index, to a place x, y and back."""
+"""Whether a path leads from a node, given by its index, to a place x, y and back."""
 
 
 class Viewpoint(Protocol):
@@ -60,14 +60,14 @@ class Viewpoint(Protocol):
 
 
 class Way(NamedTuple):
-    """A place without a node, and the way there.
+    """A place without a node, and the path there.
 
     Attributes
     ----------
     x, y : float
         The place in metres.
     node : int
-        Index of the node from which the way is straight.
+        Index of the node from which the path is straight.
     roomy : bool
         Whether there is room for any heading all along the way.
     """
@@ -79,7 +79,7 @@ class Way(NamedTuple):
 
 
 class WayFinder:
-    """Finds ways from nodes to new places in known space.
+    """Finds paths from nodes to new places in known space.
 
     Parameters
     ----------
@@ -102,9 +102,9 @@ class WayFinder:
         leads: Leads | None = None,
         bodies: FloatArray | None = None,
     ) -> Way | Refusal:
-        """Return the first of some places that has a way from a node.
+        """Return the first of some places that has a path from a node.
 
-        A way is straight, with room for any heading; from a narrow node, inside what it sees.
+        A path is straight, with room for any heading; from a narrow node, inside what it sees.
 
         Parameters
         ----------
@@ -118,12 +118,12 @@ class WayFinder:
             Decides instead, for a body that does not drive straight; asked at most `MAX_ASKED`
             times.
         bodies : (m, 3) array, optional
-            x, y and required distance of bodies that ways must not pass.
+            x, y and required distance of bodies that paths must not pass.
 
         Returns
         -------
         Way or str
-            The place and its way, or why there is none.
+            The place and its path, or why there is none.
         """
         if not len(places):
             return "too narrow"
@@ -138,7 +138,7 @@ class WayFinder:
     def may_begin(
         self, x: float, y: float, half_width_m: float, nodes: Sequence[Viewpoint]
     ) -> bool:
-        """Whether a way may begin in a square window; see `SrtPlanner.may_find_way`."""
+        """Whether a path may begin in a square window; see `SrtPlanner.may_find_way`."""
         inner = half_width_m - self.body.roomy_radius_m
         return isinstance(self.kinematics, Car) or any(
             max(abs(node.configuration.x - x), abs(node.configuration.y - y)) < inner

@@ -104,7 +104,7 @@ class World:
     def explorable(self, recording: Recording) -> BaseGeometry:
         """Return what the team of a run could see from where its bodies can get to.
 
-        Of a body that is no disc, where the disc fits that is inscribed in it.
+        Of a body that is not a disc, where the disc fits that is inscribed in it.
         """
         seen = []
         ranges: dict[str, float] = {}
@@ -398,7 +398,7 @@ def _known_to_one(
 
 
 class _Holders:
-    """Who knows what of an area.
+    """The robots that know each part of an area.
 
     Parameters
     ----------

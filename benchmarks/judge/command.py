@@ -45,7 +45,7 @@ class Case:
 
 
 def main() -> None:
-    """Make the runs, and print exceptions as they are found, and the table."""
+    """Execute the runs, and print exceptions as they are found, and the table."""
     given = _arguments()
     begin = time.perf_counter()
     places = worlds()

@@ -78,7 +78,7 @@ RADIOS_M: Final = (None, None, 20.0, 12.0)
 TEAMS: Final = (1, 2, 2, 3, 3, 4, 4, 5, 6, 8)
 
 MIN_SHARE_M2: Final = 8.0
-"""Smallest free area for each robot of a team."""
+"""Minimum free area for each robot of a team."""
 
 ROBOT_TIME_S: Final = {"srt": 700.0, "bids": 200.0}
 """Time of all robots together after which a run is stopped: bidding robots scan all the time."""

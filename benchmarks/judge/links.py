@@ -31,7 +31,7 @@ TOUCH_M: Final = 1e-9
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Links:
-    """How robots were cut off.
+    """Times at which robots were cut off.
 
     Attributes
     ----------

@@ -21,10 +21,10 @@ from multisrt.recording import Recording
 IntArray = NDArray[np.int64]
 
 STEP_RAD: Final = 1e-3
-"""Largest turn between two of the points by which an arc is measured."""
+"""Maximum turn between two of the points by which an arc is measured."""
 
 FOUND_M: Final = 2e-5
-"""Smallest distances are found to within this, in metres."""
+"""Minimum distances are found to within this, in metres."""
 
 MIN_TURN_RAD: Final = 1e-12
 """Legs that turn less are straight."""
@@ -134,7 +134,7 @@ def tracks(recording: Recording) -> list[Track]:
 def clearance_m(recording: Recording, ways: list[Track], free: BaseGeometry) -> float:
     """Return the smallest distance between a body and an obstacle during a run.
 
-    The way of a disc's centre, and what a polygon sweeps on a straight line, are shapes whose
+    The path of a disc's centre, and what a polygon sweeps on a straight line, are shapes whose
     distance is exact; where a polygon turns, it is found to within `FOUND_M`.
     """
     walls = free.boundary

@@ -21,16 +21,16 @@ from multisrt.environments.environment import Environment
 from multisrt.recording import Recording
 
 AREA: Final = 1e-4
-"""Largest error of an area, as a share of what is explorable."""
+"""Maximum error of an area, as a share of what is explorable."""
 
 TIME_S: Final = 0.5
-"""Largest error of a time at which a share is reached."""
+"""Maximum error of a time at which a share is reached."""
 
 GAP_M: Final = 1e-4
-"""Largest error of a clearance, or of a distance between robots."""
+"""Maximum error of a clearance, or of a distance between robots."""
 
 LENGTH: Final = 1e-6
-"""Largest relative error of a distance driven."""
+"""Maximum relative error of a distance driven."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

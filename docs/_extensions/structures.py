@@ -21,7 +21,7 @@ FIELDS = ("_tuplegetter", "member_descriptor")
 """Types of the descriptors that are fields: of named tuples, and of classes with slots."""
 
 MAX_DEFAULT = 24
-"""Longest default value that a signature shows."""
+"""Maximum length of a default value that a signature shows."""
 
 Docs = list[str]
 

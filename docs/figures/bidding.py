@@ -40,7 +40,7 @@ SCENES = {
 
 @dataclass(frozen=True)
 class Scene:
-    """What some robots know together."""
+    """The common knowledge of some robots."""
 
     world: Environment
     scans: list[tuple[float, float]]

@@ -111,7 +111,7 @@ class Sketch:
         self.area(squares(centres, cell_m), style)
 
     def fill(self, shape: shapely.Geometry, colour: str) -> None:
-        """Draw a polygon in a colour of its own."""
+        """Draw a polygon in its own colour."""
         self._parts.append(f'<path fill="{colour}" fill-rule="evenodd" d="{self._rings(shape)}"/>')
 
     def text(self, x: float, y: float, text: str, *, dx: float = 0.0, dy: float = 0.0) -> None:

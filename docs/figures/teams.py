@@ -27,7 +27,7 @@ WIDE: Bounds = (-1.2, -2.6, 28.8, 9.8)
 
 
 def state(robot: int) -> RobotState:
-    """Return what a robot tells of itself."""
+    """Return what a robot reports of itself."""
     at, target = ROBOTS[robot], TARGETS[robot]
     moves = at != target
     path: Path = ((0.0, *at, 0.0), (4.0, *target, 0.0)) if moves else ((0.0, *at, 0.0),)
@@ -164,7 +164,7 @@ def orders() -> str:
 
 
 def support(title: str, *, chosen: bool) -> str:
-    """Draw the trees when a robot chooses one, and its way there."""
+    """Draw the trees when a robot chooses one, and its path there."""
     world = "apartment"
     recording = run(world).recording
     events = [e for e in recording.of(Supports) if e.tree is not None]
@@ -215,7 +215,7 @@ def open_frontiers() -> str:
 
 
 def transfer() -> str:
-    """Draw the way of the robot in support."""
+    """Draw the path of the robot in support."""
     return support("SUPPORT_OTHERS: the robot goes to the tree and extends it", chosen=True)
 
 

@@ -93,7 +93,7 @@ FIRST, SECOND = (3.6, 3.6), (6.2, 3.9)
 
 
 def candidates() -> str:
-    """Draw the pieces of one region that are no obstacle."""
+    """Draw the pieces of one region that are not obstacles."""
     sketch = Sketch("The pieces of a region's boundary that end at no obstacle", BOUNDS)
     found = region_at(FLAT, *FIRST)
     sketch.area(found.polygon(), "region")

@@ -96,7 +96,7 @@ def require_number(path: Path, what: str, value: Any) -> float:
     Raises
     ------
     MapFormatError
-        If it is no number.
+        If it is not a number.
     """
     if not isinstance(value, bool | str):
         with suppress(TypeError, ValueError):
@@ -105,7 +105,7 @@ def require_number(path: Path, what: str, value: Any) -> float:
 
 
 def refuse_resolution(path: Path, resolution_m: float | None) -> None:
-    """Reject a resolution, for a format with a scale of its own.
+    """Reject a resolution, for a format with its own scale.
 
     Raises
     ------

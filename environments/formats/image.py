@@ -59,7 +59,7 @@ def read_image(
         Side of a pixel in metres. Images have no scale, so it is required.
     threshold : float, optional
         In [0, 1]: a pixel is free if its lightness is greater. By default 0.9 of the map's
-        white, which is the 99th percentile of lightness: it tells free space from the light
+        white, which is the 99th percentile of lightness: it separates free space from the light
         greys that SLAM maps give the unknown and floor plans give furniture, and follows maps
         that draw free space in grey.
     name : str, optional
@@ -68,7 +68,7 @@ def read_image(
     Raises
     ------
     MapFormatError
-        If the file is no readable image, is larger than 64 million pixels, or has no free
+        If the file is not a readable image, is larger than 64 million pixels, or has no free
         pixel.
     """
     resolution_m = require_resolution(path, resolution_m)

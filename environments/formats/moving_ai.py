@@ -37,7 +37,7 @@ def read_moving_ai(
     path : Path
         Header ``type octile``, ``height H``, ``width W``, ``map``, then H lines of W cells.
     resolution_m : float
-        Side of a cell in metres. The format does not tell; there is no default.
+        Side of a cell in metres. The format does not contain it; there is no default.
     threshold
         Refused: a cell is free or not.
     name : str, optional

@@ -42,7 +42,7 @@ def read_wkt(
     Raises
     ------
     MapFormatError
-        If the text is no such geometry, or a ring is open or crosses itself, or a coordinate
+        If the text is not such a geometry, or a ring is open or crosses itself, or a coordinate
         is not finite.
     """
     refuse_resolution(path, resolution_m)

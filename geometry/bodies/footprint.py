@@ -34,7 +34,7 @@ MAX_PARSED: Final = 256
 """Number of parsed footprints that are cached."""
 
 HEADING_TOLERANCE_RAD: Final = 1e-6
-"""Largest turn of a motion that counts as one of constant heading."""
+"""Maximum turn of a motion that counts as one of constant heading."""
 
 FORMS = (
     "write disc:RADIUS, box:LENGTHxWIDTH or polygon:X,Y X,Y X,Y ... in metres, "

@@ -48,7 +48,7 @@ def free_travel_disc(
     radius : float
         Radius of the disc in metres.
     limit : float
-        Largest travel of interest in metres, which may be infinite.
+        Maximum travel of interest in metres, which may be infinite.
 
     Returns
     -------
@@ -129,7 +129,7 @@ def free_travel_disc_fan(
     radius : float
         Radius of the disc in metres.
     limit : float
-        Largest travel of interest in metres.
+        Maximum travel of interest in metres.
 
     Returns
     -------
@@ -222,7 +222,7 @@ def free_travel_polygon(
     cos_t, sin_t : float
         Unit vector of the motion.
     limit : float
-        Largest travel of interest in metres, which may be infinite.
+        Maximum travel of interest in metres, which may be infinite.
 
     Returns
     -------

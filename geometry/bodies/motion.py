@@ -15,7 +15,7 @@ STRAIGHT_RAD: Final = 1e-8
 """Below this turn an arc is treated as straight: its centre is too far away to compute with."""
 
 HEADING_TOLERANCE_RAD: Final = 1e-6
-"""Largest difference between the heading that a turn leads to and the one that is given."""
+"""Maximum difference between the heading that a turn leads to and the one that is given."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -13,10 +13,10 @@ from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.numerics.arrays import FloatArray
 
 MIN_INSCRIBED_RADIUS_M: Final = 1e-6
-"""Smallest distance from the reference point of a body to its outline, in metres."""
+"""Minimum distance from the reference point of a body to its outline, in metres."""
 
 MAX_SIZE_M: Final = 1e6
-"""Largest coordinate of a corner, and largest length of a body, in metres."""
+"""Maximum coordinate of a corner, and maximum length of a body, in metres."""
 
 
 def checked_outline(vertices: ArrayLike) -> FloatArray:

@@ -23,13 +23,13 @@ BODY_REACH_M = 1.0
 """Height of bodies above the floor and depth below it, larger than the obstacles' height."""
 
 TILE_M = 8.0
-"""Largest width of the tiles into which obstacles are cut.
+"""Maximum width of the tiles into which obstacles are cut.
 
 A triangle that reaches across a whole world would be met by every query.
 """
 
 MAX_TILES = 32
-"""Largest number of tiles along a side of the world; in large worlds tiles are wider."""
+"""Maximum number of tiles along a side of the world; in large worlds tiles are wider."""
 
 MIN_TRIANGLE_HEIGHT_M = 1e-9
 """Triangles thinner than this are dropped: they have no reliable normal."""

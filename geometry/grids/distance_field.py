@@ -81,7 +81,7 @@ def distance_field(
 class DistanceField:
     """Lengths of the shortest paths from the nearest source, computed as far as needed.
 
-    The march stops once the cells asked for are final and goes on when others are. It works on
+    The march stops once the cells asked for are final and continues when others are. It works on
     a window of the grid that doubles when the front reaches its rim, so that neither time nor
     memory depend on the size of the grid. When cells have changed, `repair` takes back what
     they may have had a share in and keeps the rest.
@@ -162,13 +162,13 @@ class DistanceField:
         cells : (k, 2) array_like of int
             Rows and columns.
         at_most_m : float
-            Length in metres beyond which the march does not go on. Cells that it has reached
-            before have their lengths all the same.
+            Length in metres beyond which the march does not continue. Cells that it has reached
+            before keep their lengths.
 
         Returns
         -------
         (k,) array
-            Metres; ``inf`` where no path leads, or none that is short enough.
+            Metres; ``inf`` where there is no path, or none that is short enough.
 
         Raises
         ------
@@ -197,8 +197,8 @@ class DistanceField:
         cells : (k, 2) array_like of int
             Rows and columns.
         at_most_m : float
-            Length in metres beyond which the march does not go on. Cells that it has reached
-            before count all the same.
+            Length in metres beyond which the march does not continue. Cells that it has reached
+            before count nevertheless.
 
         Returns
         -------
@@ -283,7 +283,7 @@ class DistanceField:
         Returns
         -------
         ways : (n, 2) array of int
-            The cells of all ways, one way after the other.
+            The cells of all paths, one path after the other.
         begins : (k + 1,) array of int
             Way i is ``ways[begins[i]:begins[i + 1]]``.
 
@@ -310,9 +310,9 @@ class DistanceField:
         """Adapt to cells that have become passable or blocked.
 
         All values from the first on that a changed cell may have had a share in are taken
-        back; the march goes on from there when they are asked for. Where a change lies within
-        `EXACT_CELLS` of a source the field starts anew. Whatever the changes, all later answers
-        are those of a new field, to the bit.
+        back; the march continues from there when they are asked for. Where a change lies within
+        `EXACT_CELLS` of a source the field is computed afresh. Whatever the changes, all later
+        answers are those of a new field, to the bit.
 
         Parameters
         ----------

@@ -74,7 +74,7 @@ class EuclideanField:
     of that is the distance from a corner to the centre of the cell beside it: compared with the
     shortest lines over centres it is 0.3 % in rooms of 15 cells and 3.2 % in random grids. The
     two orders differ, in either direction, in one cell in five of a random grid, by less than
-    0.01 % on average. Queries go on with the transform: a field is not shared between threads.
+    0.01 % on average. Queries continue with the transform: a field is not shared between threads.
 
     Source: J. C. Elizondo-Leal, E. F. Parra-González and J. G. Ramírez-Torres, The Exact
     Euclidean Distance Transform: A New Algorithm for Universal Path Planning, Int. J. Adv.
@@ -146,7 +146,7 @@ class EuclideanField:
         Returns
         -------
         (k,) array
-            Metres; ``inf`` where no path leads.
+            Metres; ``inf`` where there is no path.
 
         Raises
         ------

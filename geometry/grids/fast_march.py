@@ -45,7 +45,7 @@ ACCEPTED: Final = 3
 ASKED: Final = 1
 """Mark of a cell that is to be accepted before the march stops."""
 RIM: Final = 2
-"""Mark of a cell behind which the grid goes on, but not the window."""
+"""Mark of a cell behind which the grid continues, but not the window."""
 
 
 class March(NamedTuple):
@@ -278,7 +278,7 @@ def descend(
     Returns
     -------
     ways : (m,) array
-        The cells on the ways from all of them, one way after the other.
+        The cells on the paths from all of them, one path after the other.
     begins : (k + 1,) array
         Way k is ``ways[begins[k]:begins[k + 1]]``.
     """
@@ -338,7 +338,7 @@ def take_back(
     Returns
     -------
     held, count : int
-        Number of cells on the front now, and of those that remain accepted. The march goes on as
+        Number of cells on the front now, and of those that remain accepted. The march continues as
         one from nothing would at that moment.
     """
     # A cell that is blocked now had no share in anything accepted before it, and one that is

@@ -195,7 +195,7 @@ class MarchWindow:
 
 
 def _new_arrays(passable: BoolArray, window: Corners) -> March:
-    # With a border of two blocked cells. Cells on the rim are marked where the grid goes on.
+    # With a border of two blocked cells. Cells on the rim are marked where the grid continues.
     r0, r1, c0, c1 = window
     width = c1 - c0 + 4
     size = (r1 - r0 + 4) * width

@@ -14,10 +14,10 @@ from multisrt.geometry.numerics.boxes import all_below, bounds_of
 from multisrt.geometry.numerics.kernel import kernel
 
 MAX_CELLS = 400_000_000
-"""Largest size of a raster in bytes, which for one byte per cell is its number of cells."""
+"""Maximum size of a raster in bytes, which for one byte per cell is its number of cells."""
 
 MAX_CELL_INDEX = 2.0**52
-"""Largest distance from the origin, in cells, at which floats tell neighbouring cells apart."""
+"""Maximum distance from the origin, in cells, at which floats distinguish neighbouring cells."""
 
 OFFSET_X, OFFSET_Y = 0.6947927077420251, 0.9741538717342381
 """Shift of the lattice in cells: ``3 u - v - 1`` and ``3 u + 3 v - 3``.

@@ -118,7 +118,7 @@ def _folder(module: str, chosen_by_user: str) -> Path | None:
                 _remove_others(base, stem, name)
             return base / name
     warnings.warn(
-        "kernels are compiled anew in every process, which takes a minute: none of "
+        "kernels are recompiled in every process, which takes a minute: none of "
         f"{', '.join(map(str, bases))} can be written to; set NUMBA_CACHE_DIR to a folder "
         "that can",
         stacklevel=2,

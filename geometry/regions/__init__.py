@@ -1,1 +1,1 @@
-"""What a range finder sees, the safe regions that follow from it, and their frontiers."""
+"""Scans of range finders, the safe regions that follow from it, and their frontiers."""

@@ -1,4 +1,4 @@
-"""What is left of the frontier arcs of many regions, in arrays that grow with their number."""
+"""Remaining frontier arcs of many regions, in arrays that grow with their number."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ MIN_CAPACITY = 1024
 
 
 class ArcPieces:
-    """What is left of the frontier arcs of many regions.
+    """Remaining frontier arcs of many regions.
 
     New pieces of a region are written after all others. When the arrays are full, the pieces in
     use are compacted into new ones.

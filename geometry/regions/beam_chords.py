@@ -20,7 +20,7 @@ MIN_CORNER_RAD: Final = math.radians(45.0)
 """Minimum angle in radians of the corners of obstacles that may stand between two beams."""
 
 MIN_INCIDENCE_RAD: Final = math.radians(10.0)
-"""Least angle in radians between a beam and a surface for neighbouring beams to count as hits of
+"""Minimum angle in radians between a beam and a surface for neighbouring beams to count as hits of
 one surface."""
 
 

@@ -22,10 +22,10 @@ CUT: Final = 3
 TagArray = NDArray[np.int8]
 
 ARC_TOLERANCE_M: Final = 0.01
-"""Largest distance in metres between an arc and its chords, which lie inside it."""
+"""Maximum distance in metres between an arc and its chords, which lie inside it."""
 
 ARC_TOLERANCE: Final = 0.0025
-"""Largest distance between an arc and its chords as a share of the radius, for short ranges."""
+"""Maximum distance between an arc and its chords as a share of the radius, for short ranges."""
 
 MIN_PIECE_M: Final = 1e-9
 """Boundary pieces of at most this length in metres are rounding."""
@@ -65,7 +65,7 @@ def arc_divisions(radius_m: float, arc_tolerance_m: float) -> int:
     radius_m : float
         Radius of the circle in metres.
     arc_tolerance_m : float
-        Largest distance in metres between the circle and its chords, which lie inside it.
+        Maximum distance in metres between the circle and its chords, which lie inside it.
 
     Examples
     --------
@@ -100,7 +100,7 @@ def add_open_piece(
     walls : (k, 4) array
         Segments x0, y0, x1, y1 in metres.
     sides : (right, left)
-        Largest distances in metres of a wall to the right and to the left of the piece.
+        Maximum distances in metres of a wall to the right and to the left of the piece.
     open_tag : int
         Tag of the stretches without a wall; those with one are `OBSTACLE`.
 

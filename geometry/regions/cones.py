@@ -30,7 +30,7 @@ class Cones(NamedTuple):
     x, y : float
         The place in metres.
     reach : float
-        Largest depth of a cone in metres.
+        Maximum depth of a cone in metres.
     number : int
         Number of cones; the first begins in direction +x.
     parts : int

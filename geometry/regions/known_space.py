@@ -75,7 +75,7 @@ class KnownSpace:
         places : (n, 2) array
             x and y in metres.
         at_most_m : float
-            Largest distance in metres that is returned.
+            Maximum distance in metres that is returned.
 
         Returns
         -------
@@ -86,7 +86,7 @@ class KnownSpace:
         return found
 
     def passes(self, ways: FloatArray, radius_m: float) -> BoolArray:
-        """Return along which straight ways a disc stays inside, if it is inside at their start.
+        """Return along which straight paths a disc stays inside, if it is inside at their start.
 
         Parameters
         ----------
@@ -98,7 +98,7 @@ class KnownSpace:
         Returns
         -------
         (n,) array of bool
-            Whether no piece of the border is nearer to the way than the radius.
+            Whether no piece of the border is nearer to the path than the radius.
         """
         found: BoolArray = _passes(ways, radius_m, self.border)
         return found

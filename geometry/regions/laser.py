@@ -1,4 +1,4 @@
-"""What a laser measures: distances along equally spaced beams."""
+"""Readings of a laser: distances along equally spaced beams."""
 
 from __future__ import annotations
 

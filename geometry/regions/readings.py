@@ -1,4 +1,4 @@
-"""Scans from the readings of a real sensor, or of a simulator of one's own."""
+"""Scans from the readings of a real sensor, or of an external simulator."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def scan_of_ranges(
     Raises
     ------
     InvalidInputError
-        If there are too few beams, a range is no positive number, or the place is not finite.
+        If there are too few beams, a range is not a positive number, or the place is not finite.
 
     Examples
     --------
@@ -124,7 +124,7 @@ def scan_of_polygon(
     Raises
     ------
     InvalidInputError
-        If the corners are no valid polygon around the sensor.
+        If the corners are not a valid polygon around the sensor.
 
     Examples
     --------

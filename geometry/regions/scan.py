@@ -1,4 +1,4 @@
-"""What a range finder measures at one place: the visibility polygon itself, or ranges of beams."""
+"""The scan of a range finder at one place: the visibility polygon itself, or ranges of beams."""
 
 from __future__ import annotations
 

@@ -16,7 +16,7 @@ MIN_CLEARANCE_M: Final = 1e-9
 through it."""
 
 MAX_RANGE_M: Final = 1e7
-"""Largest range in metres, as far as coordinates may lie from the origin."""
+"""Maximum range in metres, as far as coordinates may lie from the origin."""
 
 
 def check_view(x: float, y: float, range_m: float) -> None:
@@ -48,7 +48,7 @@ def signed_clearance(x: float, y: float, radius: float, grid: EdgeGrid, found: I
     x, y : float
         The point, in metres.
     radius : float
-        Largest absolute value that is returned, in metres.
+        Maximum absolute value that is returned, in metres.
     grid : EdgeGrid
         The edges.
     found : (k,) array of int

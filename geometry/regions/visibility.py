@@ -1,4 +1,4 @@
-"""What can be seen from a point: the exact visibility polygon, cut at a range."""
+"""Visibility from a point: the exact visibility polygon, cut at a range."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ MIN_INTERVAL: Final = 1e-14
 """Intervals of pseudo-angle of at most this size are rounding."""
 
 GRAZING_M: Final = 1e-5
-"""A gap that has a wall within this distance in metres runs along that wall: it is no gap."""
+"""A gap that has a wall within this distance in metres runs along that wall: it is not a gap."""
 
 NOTHING_YET: Final = -2
 """Stands for an edge before the boundary's first piece; -1 stands for the range."""
@@ -72,7 +72,7 @@ def visibility_polygon(
     range_m : float
         Range of the view in metres, at most `MAX_RANGE_M`.
     arc_tolerance_m : float, optional
-        Largest distance in metres between the arc at which the view ends at its range and its
+        Maximum distance in metres between the arc at which the view ends at its range and its
         chords, which lie inside it. Default: `arc_tolerance` of the range.
 
     Returns

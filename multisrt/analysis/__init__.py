@@ -1,1 +1,1 @@
-"""What is measured of a run, from its recording and the truth."""
+"""Measures of a run, from its recording and the truth."""

@@ -187,7 +187,7 @@ def known_complete_s(proof: Evidence, covered: Coverage) -> float | None:
     That a robot says so is not enough. Its last word counts, and only if no arc that it gave up as
     blocked by a robot was then still to be taken up again, and if it knew `KNOWN_SHARE` of what the
     team covered in the end, and enough for a success (`SUCCESS_COVERAGE`). So a robot that ends
-    early, or is told of more afterwards, did not know the map complete.
+    early, or learns of more afterwards, did not know the map complete.
     """
     needed_m2 = max(
         KNOWN_SHARE * float(covered.plane.areas_m2[COVERED]),
@@ -271,7 +271,7 @@ def lost_areas_m2(proof: Evidence, covered: Coverage) -> tuple[float, tuple[floa
 
 
 class SeenMeter:
-    """How much of what a team can explore it has seen so far, while the run goes on.
+    """How much of what a team can explore it has seen so far, during the run.
 
     Parameters
     ----------

@@ -41,7 +41,7 @@ ALONG_RAD = 0.1
 """Walls whose direction differs by less from that of the strips run along them."""
 
 SPACING_M = 0.05
-"""Largest distance between neighbouring viewpoints on the border of what a body can reach, in
+"""Maximum distance between neighbouring viewpoints on the border of what a body can reach, in
 metres, where it makes a difference."""
 
 OUTLINE_M = 5e-4
@@ -149,8 +149,8 @@ def _places(component: Polygon, footprint: Footprint, start: Configuration) -> _
 
 @lru_cache(maxsize=16)
 def _roomy_parts(component: Polygon, footprint: Footprint) -> tuple[_Places, ...]:
-    # Where the body passes a corner, its way is an arc, and the chords that stand for it lie nearer
-    # to the corner: coarse ones would let the body through gaps that are too narrow.
+    # Where the body passes a corner, its path is an arc, and the chords that stand for it lie
+    # nearer to the corner: coarse ones would let the body through gaps that are too narrow.
     radius_m = footprint.inscribed_radius_m
     segments = math.ceil(math.pi / 4.0 / math.acos(1.0 - min(1.0, ROUNDING_M / radius_m)))
     eroded = component.buffer(ROUNDING_M - radius_m, quad_segs=segments)

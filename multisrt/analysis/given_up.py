@@ -1,4 +1,4 @@
-"""What a run left uncovered, and why: by the frontier behind which it lies."""
+"""The area that a run left uncovered, and why: by the frontier behind which it lies."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ NO_FRONTIER: Final = "no frontier"
 between regions that nearly touch."""
 
 SAMPLE_M: Final = 0.1
-"""Longest part of a frontier that counts for one area, in metres."""
+"""Maximum length of a part of a frontier that counts for one area, in metres."""
 
 MAX_SAMPLES: Final = 10_000
 """Upper bound of the parts of one segment."""

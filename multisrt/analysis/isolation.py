@@ -34,7 +34,7 @@ __all__ = ["Isolation", "Spell", "TeamIsolation", "isolation", "team_isolation"]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Isolation:
-    """How a robot was cut off from all others.
+    """Times at which a robot was cut off from all others.
 
     Attributes
     ----------
@@ -58,7 +58,7 @@ class Isolation:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TeamIsolation:
-    """How the robots of a team were cut off from one another.
+    """Times at which the robots of a team were cut off from one another.
 
     Attributes
     ----------

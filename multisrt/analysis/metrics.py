@@ -1,4 +1,4 @@
-"""What is measured of a run: the names, and what each of them means."""
+"""The measures of a run: their names and definitions."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def is_between(value: object, above: float, most: float) -> bool:
 
 
 class Metrics(msgspec.Struct, frozen=True, kw_only=True):
-    """What is measured of a run.
+    """The measures of a run.
 
     Every measure has one name, here as in `run.json`, in stored results, in the columns of tables
     and on the command line. `METRIC_GROUPS` lists the names by subject, in the order below.
@@ -130,8 +130,8 @@ class Metrics(msgspec.Struct, frozen=True, kw_only=True):
     nodes_by_stage : dict of str to int
         The same by how their places were found; see `multisrt.events.NodeAdded`.
     decisions : int
-        How many times robots of the SRT family chose where to go, and explorers of one's own
-        put a decision on record (`Decision` and `Decided` of `multisrt.events`).
+        How many times robots of the SRT family chose where to go, and user-defined explorers
+        recorded a decision (`Decision` and `Decided` of `multisrt.events`).
     coordinations : int
         How many times a master organised its group.
     deadlocks : int
@@ -145,9 +145,9 @@ class Metrics(msgspec.Struct, frozen=True, kw_only=True):
     deaths : int
         How many robots died.
     min_clearance_m : float
-        Smallest distance between a body and an obstacle during the run.
+        Minimum distance between a body and an obstacle during the run.
     min_distance_between_robots_m : float or None
-        Smallest distance between two bodies during the run; None for a single robot.
+        Minimum distance between two bodies during the run; None for a single robot.
     lower_bound_s : float
         No team can have seen the share of the explorable area that this run covered in a shorter
         time, whatever it knows: the largest of the bounds that follow. See
@@ -237,7 +237,7 @@ class Metrics(msgspec.Struct, frozen=True, kw_only=True):
         Raises
         ------
         InvalidInputError
-            If it is no such share.
+            If it is not such a share.
         """
         return self.coverage >= require_threshold(threshold) - ROUNDING
 
@@ -370,4 +370,4 @@ METRIC_GROUPS: dict[str, tuple[str, ...]] = {
         "lower_bound_witness_s",
     ),
 }
-"""The names of all metrics by subject; each subject is measured by a function of its own."""
+"""The names of all metrics by subject; each subject is measured by its own function."""

@@ -1,4 +1,4 @@
-"""What the scans of a run showed, computed again from the places where they were taken."""
+"""The area that the scans of a run showed, computed again from the places where they were taken."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the shells may complete: worlds, strategies, their options, robots and faults.
+"""Candidates for completion in shells: worlds, strategies, their options, robots and faults.
 
 Completion runs with every press of the tab key: nothing here imports compiled kernels, or files
 of others, which are read as text.
@@ -20,7 +20,7 @@ Items = list[CompletionItem]
 Complete = Callable[[click.Context, click.Parameter, str], Items]
 
 FAULT_KINDS = ("death:", "silence:", "late:")
-"""How faults begin."""
+"""Prefixes of faults."""
 
 
 def worlds(context: click.Context, parameter: click.Parameter, incomplete: str) -> Items:
@@ -244,7 +244,7 @@ def _imported(context: click.Context) -> dict[str, dict[str, Option]]:
 
 
 def _names_or_files(items: Iterable[CompletionItem], incomplete: str) -> Items:
-    # Shells complete paths by themselves, but not beside words that are given to them.
+    # Shells complete paths on their own, but not beside words that are given to them.
     found = _beginning(items, incomplete)
     if not found:
         return [CompletionItem(incomplete, type="file")]

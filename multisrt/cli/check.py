@@ -1,4 +1,4 @@
-"""`multisrt check`: check a strategy of one's own against the contract of explorers."""
+"""`multisrt check`: check a user-defined strategy against the contract of explorers."""
 
 from __future__ import annotations
 

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from multisrt.experiments.results import Results
 
 NO_SUCCESS = 3
-"""Exit code if some runs are no success."""
+"""Exit code if some runs did not succeed."""
 
 MAX_FAILURES = 10
 """Runs without success that are printed; the others are only counted."""
@@ -121,7 +121,7 @@ def run(
     remake: bool,
     running: Running,
 ) -> None:
-    """Make the runs of an experiment that have no result yet.
+    """Execute the runs of an experiment that have no result yet.
 
     Each run is stored as it ends; after an interruption of any kind the same command continues.
     The experiment may be extended meanwhile by repetitions or conditions, and by the reference:

@@ -50,7 +50,7 @@ def check(file: Path, workers: int | None, seconds: float, imports: tuple[str, .
     """List an experiment's conditions and estimate its duration.
 
     FILE is read and every condition checked without storing anything. For the estimate a few
-    trial runs are made, cheap ones first, and discarded.
+    trial runs are executed, cheap ones first, and discarded.
 
     \b
     Examples:

@@ -25,10 +25,10 @@ if TYPE_CHECKING:
     from multisrt.spec import RunSpec
 
 NO_SUCCESS = 3
-"""Exit code if an exploration is no success."""
+"""Exit code if an exploration is not a success."""
 
 OWN_WORLD = "apartment"
-"""The environment that a strategy of one's own explores if none is named."""
+"""The environment that a user-defined strategy explores if none is named."""
 
 SECTIONS = {
     "Run": ("--strategy", "--import", "--option", "--seed", "--max-time", "--spec"),
@@ -123,7 +123,7 @@ Exit code:
     multiple=True,
     metavar="KEY=VALUE,...",
     shell_complete=candidates.robots,
-    help="What differs for one robot; once for each, in their order. Keys: "
+    help="Values that differ for one robot; once for each robot, in order. Keys: "
     f"{', '.join(OVERRIDES)}; '{USUAL}' if nothing differs.",
 )
 @click.option(
@@ -151,14 +151,14 @@ Exit code:
 )
 @click.option("--speed", type=float, help="Speed (m/s).  [default: 0.5]")
 @click.option(
-    "--turning-radius", type=float, help="Smallest turning radius of a car (m).  [default: 0.6]"
+    "--turning-radius", type=float, help="Minimum turning radius of a car (m).  [default: 0.6]"
 )
 @click.option(
     "--radio-range", type=float, help="Range of the radio (m).  [default: none, unlimited]"
 )
 @click.option("--no-multi-hop", is_flag=True, help="Robots do not relay messages.")
 @click.option("--latency", type=float, help="Delay of every message (s).  [default: 0]")
-@click.option("--jitter", type=float, help="Largest random additional delay (s).  [default: 0]")
+@click.option("--jitter", type=float, help="Maximum random additional delay (s).  [default: 0]")
 @click.option(
     "--loss", type=float, help="Probability that a message is lost, below 1.  [default: 0]"
 )
@@ -180,10 +180,10 @@ Exit code:
 @click.option(
     "--regret",
     is_flag=True,
-    help="Compare with a plan that knows the map; making it takes up to a minute.",
+    help="Compare with a plan that knows the map; computing it takes up to a minute.",
 )
 @click.option(
-    "--details", is_flag=True, help="Print all measures also of more than two strategies."
+    "--details", is_flag=True, help="Print all measures even for more than two strategies."
 )
 @click.option("--quiet", is_flag=True, help="Print errors only.")
 @click.pass_context
@@ -204,8 +204,8 @@ def explore(
     Writes a picture, the metrics and the recording of the run.
 
     ENV is a name that 'multisrt environments' lists, or a map file: a ROS map_server YAML, an
-    image with --resolution (its origin is the lower left corner), GeoJSON or WKT. In its place a
-    strategy of your own, FILE.py:CLASS or MODULE:CLASS, explores the apartment.
+    image with --resolution (its origin is the lower left corner), GeoJSON or WKT. FILE.py:CLASS or
+    MODULE:CLASS in its place is a strategy of your own, which explores the apartment.
     """
     from multisrt.experiments.results import is_success
     from multisrt.robots.loading import is_reference
@@ -289,7 +289,7 @@ def _require_shared_options(specs: list[RunSpec]) -> None:
 
 
 def _require_plans(specs: list[RunSpec]) -> None:
-    # That no plan fits a team is said before its runs.
+    # Report that no plan fits a team before its runs.
     import msgspec
 
     from multisrt.robots.registry import strategy

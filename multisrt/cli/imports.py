@@ -1,4 +1,4 @@
-"""Strategies of one's own on the command line: the option --import, and references."""
+"""User-defined strategies on the command line: the option --import, and references."""
 
 from __future__ import annotations
 

@@ -87,7 +87,7 @@ def usage_message(error: click.ClickException) -> str:
     Returns
     -------
     str
-        What is wrong, and which help page tells more.
+        What is wrong, and which help page has more.
     """
     said = _said(error).rstrip(".")
     for kind, plain in KINDS.items():

@@ -1,6 +1,6 @@
-"""Where commands write: what is there is not replaced unless the user says so.
+"""Output of commands: existing files are not replaced unless the user says so.
 
-- A run without ``--out`` gets a folder of its own (`new_folder`); with ``--out`` an existing run is
+- A run without ``--out`` gets its own folder (`new_folder`); with ``--out`` an existing run is
   an error (`require_no_run`), and ``--force`` replaces its files and no others.
 - A picture or a table replaces an existing file only with ``--force`` (`require_no_file`).
 - New experiment files never replace a file; reports replace reports only; stores of results are
@@ -22,7 +22,7 @@ PARTIAL_NAME = "unfinished"
 """Name of the folder, inside the target, that holds the files until all are written."""
 
 RECORDING_BEGINS = b'{"event":"header"'
-"""How the first line of a recording begins."""
+"""Beginning of the first line of a recording."""
 
 
 def new_folder(folder: Path) -> Path:

@@ -57,8 +57,8 @@ def report(
     """Write a report of an experiment's results.
 
     The report is one self-contained HTML page, with figures and tables beside it. RESULTS is the
-    file written by 'multisrt experiment run', which may still be running. Times beside those of a
-    team that knows the map are in it if that command was given --reference informed. Pictures of
+    file written by 'multisrt experiment run', which may still be running. Times relative to a
+    team that knows the map are included if that command had --reference informed. Pictures of
     strategies of your own need --import.
 
     \b

@@ -21,7 +21,7 @@ PAPERS = ("multi-srt", "sbx-r", "minpos", "alvarez")
 """Names of the papers, for completion, which does not import the presets."""
 
 RUNS_FAILED = 3
-"""Exit code if a run is no success."""
+"""Exit code if a run is not a success."""
 
 
 @click.command()
@@ -60,8 +60,8 @@ def reproduce(
 ) -> None:
     """Repeat a paper's experiment and check its claims.
 
-    PAPER is multi-srt, sbx-r, minpos or alvarez. After an interruption the same command makes the
-    runs that are missing; with a larger --seeds it adds repetitions.
+    PAPER is multi-srt, sbx-r, minpos or alvarez. After an interruption the same command executes
+    the missing runs; with a larger --seeds it adds repetitions.
 
     \b
     Examples:

@@ -1,4 +1,4 @@
-"""Making the runs of an experiment, for `experiment run` and `reproduce`."""
+"""Executing the runs of an experiment, for `experiment run` and `reproduce`."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Running:
-    """How the runs of an experiment are made, as the command line says.
+    """How the runs of an experiment are executed, as given on the command line.
 
     Attributes
     ----------
@@ -26,9 +26,9 @@ class Running:
     cluster : str or None
         Address of a `dask.distributed` scheduler instead.
     retry : bool
-        Whether runs that failed without a result are made again.
+        Whether runs that failed without a result are repeated.
     remake : bool
-        Whether runs of one's own strategies that have changed since are made again.
+        Whether runs of user-defined strategies that have changed since are repeated.
     quiet : bool
         Whether only errors are printed.
     reference : str or None
@@ -79,7 +79,7 @@ def running_options(command: Callable[..., None]) -> Callable[..., None]:
             "--workers",
             type=click.IntRange(0),
             metavar="N",
-            help="Number of processes on this machine; 0: this process makes the runs, without "
+            help="Number of processes on this machine; 0: run in this process, without "
             "limits.  [default: one for each core]",
         ),
         click.option(
@@ -110,7 +110,7 @@ def make_runs(
     running: Running,
     modules: Sequence[str] = (),
 ) -> Results:
-    """Make the runs of an experiment that have no result yet.
+    """Execute the runs of an experiment that have no result yet.
 
     Parameters
     ----------
@@ -121,7 +121,7 @@ def make_runs(
     folder : Path, optional
         Folder that relative paths of environments refer to; by default the working directory.
     running : Running
-        How the runs are made.
+        How the runs are executed.
     modules : sequence of str
         Modules that workers import.
 

@@ -40,12 +40,12 @@ def strategy() -> None:
 def new(file: Path, size: str, name: str | None, force: bool) -> None:
     """Write a working strategy to start from.
 
-    FILE (.py) gets a strategy with comments, in one of three sizes:
+    FILE (.py) receives a commented strategy, in one of three sizes:
 
     \b
       rule      which frontier a robot goes to: a function of path lengths
       planner   the next place, chosen in a map of local safe regions
-      explorer  all that a robot does: scan, map, drive, talk, end
+      explorer  everything that a robot does: scan, map, drive, send, end
 
     \b
     Examples:

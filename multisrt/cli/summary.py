@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from multisrt.informed.reference import Regret
 
 MAX_ROBOTS = 16
-"""Largest team whose robots are listed one by one."""
+"""Maximum size of a team whose robots are listed one by one."""
 
 MAX_WIDE = 2
 """Number of runs side by side up to which some rows have several numbers."""
@@ -120,7 +120,7 @@ def _with_best(values: Sequence[float | None], good: Sequence[bool]) -> list[str
 
 
 def _print_reach(run: Run) -> None:
-    # Why a part of free space is no part of the task: other areas, then the body.
+    # Why a part of free space is not part of the task: other areas, then the body.
     m, start = run.metrics, run.recording.starts[0]
     if said := elsewhere(run.environment, start):
         click.echo(f"  {said}")

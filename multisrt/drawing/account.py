@@ -42,7 +42,7 @@ OUTCOMES: Final = {"complete": "complete", "stalled": "stalled", "out_of_time": 
 def heading(recording: Recording, traces: list[Trace], status: str | None = None) -> list[str]:
     """Return the title of a picture and the lines below it: the run, its outcome and its faults.
 
-    A status is told instead of the outcome.
+    A status is reported instead of the outcome.
     """
     spec, footer = recording.spec, recording.footer
     team = f", {len(traces)} robots" if len(traces) > 1 else ""

@@ -24,7 +24,7 @@ from multisrt.recording import Recording
 from multisrt.simulation.stepping import RobotState
 
 AHEAD: Final = Style(stroke=INK, width_mm=0.3, dashes_mm=(0.7, 0.5))
-"""What is left of a motion."""
+"""The remainder of a motion."""
 
 GOAL: Final = Style(fill="#ffffff", stroke=INK, width_mm=0.3)
 DEAD: Final = Style(fill=INK, stroke=INK, width_mm=0.2)

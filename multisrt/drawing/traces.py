@@ -138,7 +138,7 @@ def traces_of(recording: Recording) -> list[Trace]:
     for event in recording.events:
         if not 0 <= event.robot < len(traces):
             raise InvalidInputError(
-                f"the recording tells of robot {event.robot}, but its team has {len(traces)}, "
+                f"the recording mentions robot {event.robot}, but its team has {len(traces)}, "
                 "counted from 0"
             )
         trace = traces[event.robot]
@@ -301,5 +301,5 @@ def _require_known(name: NodeName, known: dict[NodeName, int], doing: str) -> No
     if name not in known:
         raise InvalidInputError(
             f"the recording {doing} node {serial} of robot {robot}, "
-            "which it has not told of by then"
+            "which it has not reported by then"
         )

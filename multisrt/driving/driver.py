@@ -73,7 +73,7 @@ def drive(
     options : mapping, optional
         Options of the strategy that differ from its defaults.
     note : callable, optional
-        Called with each event that the explorer puts on record.
+        Called with each event that the explorer records.
     on_call_s : float, optional
         How long a robot of a team that is done and on call waits for messages, in seconds.
 
@@ -91,7 +91,7 @@ def drive(
 
     Examples
     --------
-    A body that stands in the middle of a room, and is told to look around:
+    A body that stands in the middle of a room, and is commanded to look around:
 
     >>> import numpy as np
     >>> from multisrt.driving import scan_of_polygon
@@ -139,9 +139,9 @@ class Driver:
     explorer : Explorer
         The explorer.
     time_s : float
-        The time in seconds that the explorer was told last.
+        The time in seconds that the explorer last received.
     events : list of Event
-        What has happened: what the explorer put on record, scans, motions, messages and the end.
+        What has happened: the notes of the explorer, scans, motions, messages and the end.
     end : Ended or None
         How the explorer ended; None while it explores.
     """
@@ -372,7 +372,7 @@ class Driver:
             x = y = heading = math.nan
         if not math.isfinite(x + y + heading):
             raise InvalidInputError(
-                f"{of} of robot {self.me.robot} tells the configuration {brief(told)}: give x, y "
+                f"{of} of robot {self.me.robot} reports the configuration {brief(told)}: give x, y "
                 "(m) and the heading (rad), three finite numbers"
             )
         return Configuration(x, y, heading)
@@ -385,7 +385,7 @@ class Driver:
             time_s, said = math.nan, brief(told)
         if not math.isfinite(time_s) or time_s < self.time_s - SAME_TIME_S:
             raise InvalidInputError(
-                f"{of} of robot {self.me.robot} tells {said} s after {self.time_s:g} s: give "
+                f"{of} of robot {self.me.robot} reports {said} s after {self.time_s:g} s: give "
                 "seconds of one clock, which never falls"
             )
         self.time_s = max(self.time_s, time_s)

@@ -1,4 +1,4 @@
-"""What a team outside the simulation did, as a recording."""
+"""A recording of a team outside the simulation."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Making runs on a cluster of `dask.distributed`.
+"""Executing runs on a cluster of `dask.distributed`.
 
 Each thread of a cluster's workers keeps a worker process of ours, which makes one run after
 another as on a single machine, with the same limits and the same reports of crashes. Jobs hold
@@ -52,7 +52,7 @@ def made_on_cluster(
     made_by: Provenance,
     modules: Sequence[str] = (),
 ) -> Generator[Result, None, None]:
-    """Make runs on a cluster; recordings are written on this machine.
+    """Execute runs on a cluster; recordings are written on this machine.
 
     Parameters
     ----------
@@ -153,7 +153,7 @@ def _outcome(future: Any, job: Job, address: str) -> tuple[Result, bytes | None]
     if isinstance(error, InvalidInputError):
         raise InvalidInputError(f"the cluster at {address!r}: {error}") from None
     raise InvalidInputError(
-        f"the cluster at {address!r} cannot make runs ({type(error).__name__}: {error}); install "
+        f"the cluster at {address!r} cannot start runs ({type(error).__name__}: {error}); install "
         "the same multisrt there as here"
     ) from None
 
@@ -180,7 +180,7 @@ def _lost(address: str) -> InvalidInputError:
 def run_job_remotely(
     job: bytes, expected: bytes, modules: tuple[str, ...]
 ) -> tuple[bytes, bytes | None]:
-    """Make a run in a thread of a cluster's worker.
+    """Execute a run in a thread of a cluster's worker.
 
     Parameters
     ----------

@@ -38,7 +38,7 @@ UNKNOWN_SPREAD = 0.7
 """Standard deviation that is assumed for fewer than three trial runs: a factor of two."""
 
 MAX_SPREAD = 1.5
-"""Largest standard deviation that is reported: a factor of 4.5."""
+"""Maximum standard deviation that is reported: a factor of 4.5."""
 
 Make = Callable[[PlannedRun, Limits], Result]
 
@@ -50,7 +50,7 @@ class Estimate:
     Attributes
     ----------
     computing_s, low_s, high_s : float
-        Computing time of all runs that are made (s of one core), and its bounds: one standard
+        Computing time of all runs that are executed (s of one core), and its bounds: one standard
         deviation.
     by_condition_s : dict of Condition to float
         Computing time of one run of each condition (s).
@@ -88,7 +88,7 @@ def estimate(
     planned : sequence of PlannedRun
         Its runs.
     make : callable
-        Makes a run within limits.
+        Executes a run within limits.
     budget_s : float
         Time for trial runs (s), which is kept approximately.
     watch : callable, optional

@@ -79,7 +79,7 @@ def columns() -> dict[str, type]:
 
 
 def _computed() -> list[Measure]:
-    """Return the measures that are neither a metric nor told of every run."""
+    """Return the measures that are neither a metric nor reported for every run."""
     return [m for m in MEASURES if m.name not in _scalars() and m.name not in _OF_RESULTS]
 
 
@@ -149,7 +149,7 @@ def frame_of(results: Results, frame: Package | None = None) -> DataFrame:
     results : Results
         The results.
     frame : {"pandas", "polars"}, optional
-        Whose data frame; by default of pandas if it is installed, else of polars.
+        Library of the data frame; by default pandas if it is installed, else polars.
 
     Returns
     -------
@@ -179,7 +179,7 @@ def load_results(path: str | Path, *, frame: Package | None = None) -> DataFrame
         The file that ``multisrt experiment run`` or `compare` writes; it may be written to
         meanwhile.
     frame : {"pandas", "polars"}, optional
-        Whose data frame; by default of pandas if it is installed, else of polars.
+        Library of the data frame; by default pandas if it is installed, else polars.
 
     Returns
     -------

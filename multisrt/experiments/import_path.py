@@ -11,7 +11,7 @@ PATH = "--path="
 
 
 def python_command(program: str, arguments: Sequence[str]) -> list[str]:
-    """Return the command that starts a program of this package in a process of its own.
+    """Return the command that starts a program of this package in a separate process.
 
     No file of the working directory shadows a library there, as `queue.py` might.
 

@@ -24,7 +24,7 @@ class Job(msgspec.Struct, frozen=True, kw_only=True):
     recording : str
         File for the recording; empty: none is written.
     only_failed : bool
-        Whether to write the recording only if the run is no success.
+        Whether to write the recording only if the run is not a success.
     success_coverage : float
         Share of the explorable area that the run must cover to be a success.
     horizon_s : float or None

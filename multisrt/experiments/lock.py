@@ -42,7 +42,7 @@ class WriteLock:
                 holder = file.read().strip()
                 file.close()
                 raise InvalidInputError(
-                    f"{path}: another process makes its runs now"
+                    f"{path}: another process executes its runs now"
                     + (f" (process {holder})" if holder else "")
                     + "; wait for it, stop it, or choose another file"
                 ) from None

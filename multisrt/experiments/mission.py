@@ -41,7 +41,7 @@ def make_run(
     success_coverage: float = SUCCESS_COVERAGE,
     horizon_s: float | None = None,
 ) -> Result:
-    """Make a run in this process; with limits, in its main thread.
+    """Execute a run in this process; with limits, in its main thread.
 
     Parameters
     ----------
@@ -52,7 +52,7 @@ def make_run(
     recording_path : Path, optional
         File for the recording; a run that does not come to an end has none.
     only_failed : bool
-        Whether to write the recording only if the run is no success.
+        Whether to write the recording only if the run is not a success.
     success_coverage : float
         Share of the explorable area that the run must cover to be a success.
     horizon_s : float, optional

@@ -1,4 +1,4 @@
-"""Strategies of one's own in worker processes: from a strategy to what imports it there."""
+"""User-defined strategies in worker processes: from a strategy to what imports it there."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from multisrt.robots.registry import is_built_in, strategy
 from multisrt.robots.strategy import Strategy
 
 Entrant = str | StrategyChoice | Strategy | Callable[..., Explorer]
-"""A strategy to compare: its name, with or without options, or one's own as an object."""
+"""A strategy to compare: its name, with or without options, or a user-defined one as an object."""
 
 _TO_A_FILE = "write it to a file and import it from there (in a notebook: %%writefile mine.py)"
 

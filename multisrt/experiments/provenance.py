@@ -90,7 +90,7 @@ def differences(one: Provenance, other: Provenance) -> str:
 
 
 def changed_strategies(one: Provenance, other: Provenance) -> list[str]:
-    """Return the strategies of one's own that two provenances have in different versions.
+    """Return the user-defined strategies that two provenances have in different versions.
 
     Parameters
     ----------

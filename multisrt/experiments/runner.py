@@ -1,4 +1,4 @@
-"""Making the missing runs of an experiment, on this machine or on a cluster."""
+"""Executing the missing runs of an experiment, on this machine or on a cluster."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class Progress:
     done : int
         Number of stored runs, of earlier calls and of this one.
     failed : int
-        Number of stored runs that are no success.
+        Number of stored runs that did not succeed.
     made : int
         Number of runs made by this call; copies of them do not count.
     elapsed_s : float
@@ -84,7 +84,7 @@ def run_experiment(
     modules: Sequence[str] = (),
     progress: Watch | None = None,
 ) -> None:
-    """Make the runs of an experiment that have no result yet.
+    """Execute the runs of an experiment that have no result yet.
 
     Each result is stored as its run ends: an interruption loses only runs under way, and the next
     call continues. Results do not depend on the number of workers or on the machine that made
@@ -150,7 +150,7 @@ def require_no_import() -> None:
     """
     if place := being_imported():
         raise InvalidInputError(
-            f"{place} makes the runs of an experiment when it is imported; put what it does as a "
+            f"{place} runs an experiment when it is imported; put what it does as a "
             "script under if __name__ == '__main__':"
         )
 
@@ -250,7 +250,7 @@ def cores() -> int:
 
 
 def job_of(run: PlannedRun, experiment: ExperimentSpec, recording: str = "") -> Job:
-    """Return the job that makes a run.
+    """Return the job that executes a run.
 
     Parameters
     ----------
@@ -293,7 +293,7 @@ def _jobs(store: Store, missing: Sequence[PlannedRun]) -> Iterator[Job]:
 
 
 Make = Callable[[Iterator[Job]], Generator[Result, None, None]]
-"""Makes runs; their results come in the order in which they end."""
+"""Executes runs; their results come in the order in which they end."""
 
 
 class _Makers:

@@ -26,7 +26,7 @@ from multisrt.spec import (
 from multisrt.validation_errors import explained
 
 MAX_FILE_LENGTH = 16_000_000
-"""Longest text that is read as an experiment, in characters."""
+"""Maximum length of an experiment file, in characters."""
 
 FOOTPRINT = RobotSpec().footprint
 """Default footprint of all bodies."""
@@ -56,9 +56,9 @@ class EnvironmentChoice(_Part, frozen=True, kw_only=True, omit_defaults=True):
         Seed of a generator; "repetition" uses the seed of each repetition, so that every
         repetition has another world.
     seeds : str or tuple of int
-        Several seeds of a generator, such as "0-9", each of which is a condition of its own.
+        Several seeds of a generator, such as "0-9", each of which is a separate condition.
     resolution_m : float or None
-        Metres per pixel of an image without a resolution of its own.
+        Metres per pixel of an image without its own resolution.
     threshold : float or None
         Lightness in [0, 1] above which a pixel of a plain image is free.
     wkt : str or None
@@ -133,7 +133,7 @@ class TeamChoice(_Part, frozen=True, kw_only=True, omit_defaults=True):
 
 
 class StartsChoice(_Part, frozen=True, kw_only=True, omit_defaults=True):
-    """How teams start.
+    """The starts of teams.
 
     Attributes
     ----------
@@ -324,7 +324,7 @@ class ExperimentSpec(_Part, frozen=True, kw_only=True, omit_defaults=True):
     reference : {"none", "informed"}
         Whether times are also reported as multiples of those of the informed plan.
     recordings : {"none", "failed", "all"}
-        Recordings to keep; a run failed if it is no success.
+        Recordings to keep; a run failed if it is not a success.
 
     Raises
     ------
@@ -427,7 +427,7 @@ class ExperimentSpec(_Part, frozen=True, kw_only=True, omit_defaults=True):
         Raises
         ------
         InvalidInputError
-            If the text is no TOML, or a field is unknown or has a wrong value; the message names
+            If the text is not TOML, or a field is unknown or has a wrong value; the message names
             the field and what is allowed.
 
         Examples

@@ -161,7 +161,7 @@ class Store:
         folder : str or Path, optional
             Folder that relative paths of environments refer to; by default the working directory.
         remake : bool, optional
-            Whether the results of one's own strategies that have changed since are deleted.
+            Whether the results of user-defined strategies that have changed since are deleted.
 
         Returns
         -------
@@ -394,7 +394,7 @@ class Store:
 
     @property
     def failed(self) -> int:
-        """Number of results that are no success."""
+        """Number of results that did not succeed."""
         return sum(result.failed for result in self._read())
 
     def recording_path(self, key: str) -> Path:

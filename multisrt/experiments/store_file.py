@@ -19,7 +19,7 @@ LOG = ("-wal", "-shm")
 """Ends of the names of the write-ahead log and its index, beside a file that is written."""
 
 BUSY_S = 30.0
-"""How long a connection waits for others that hold the file (s)."""
+"""Timeout of a connection while others hold the file (s)."""
 
 _TABLES = """
 CREATE TABLE meta (name TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID;

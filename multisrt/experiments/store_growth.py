@@ -1,4 +1,4 @@
-"""What it takes to continue a store with an experiment that contains its own."""
+"""Requirements for continuing a store with an experiment that contains its own."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ def require_same_program(path: Path, old: Provenance, new: Provenance) -> None:
 def runs_of_changed(
     path: Path, connection: sqlite3.Connection, changed: list[str], plan: Plan, *, remake: bool
 ) -> list[str]:
-    """Return the stored runs of strategies of one's own that have changed since.
+    """Return the stored runs of user-defined strategies that have changed since.
 
     Parameters
     ----------

@@ -14,7 +14,7 @@ SCHEMA_NAME = "experiment.schema.json"
 TEMPLATE = """\
 # An experiment: the runs that are made and compared.
 #   multisrt experiment check THIS_FILE    lists the conditions and estimates the duration
-#   multisrt experiment run THIS_FILE      makes the runs; after an interruption it continues
+#   multisrt experiment run THIS_FILE      executes the runs; after an interruption it continues
 # Commented lines show what else is possible.
 
 name = "Star against Radial"
@@ -111,7 +111,7 @@ memory_mb = 4096
 _LIKE = """\
 # {name}, as 'multisrt reproduce' runs it.
 #   multisrt experiment check THIS_FILE    lists the conditions and estimates the duration
-#   multisrt experiment run THIS_FILE      makes the runs; after an interruption it continues
+#   multisrt experiment run THIS_FILE      executes the runs; after an interruption it continues
 
 """
 
@@ -161,7 +161,7 @@ def write_new(
 
 
 def _require_ours(path: Path) -> None:
-    """Raise InvalidInputError if a file is there that is no schema of experiments."""
+    """Raise InvalidInputError if a file is there that is not a schema of experiments."""
     try:
         there = path.read_text(encoding="utf-8")
     except (FileNotFoundError, NotADirectoryError):

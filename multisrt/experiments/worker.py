@@ -1,6 +1,6 @@
-"""Worker processes that make runs, as seen by the process that uses them.
+"""Worker processes that execute runs, as seen by the process that uses them.
 
-Each worker is a process of its own (see `worker_program`), so that limits hold: a run that crashes
+Each worker is a separate process (see `worker_program`), so that limits hold: a run that crashes
 or is killed by the kernel takes nothing else down, and a new process makes the next run.
 """
 
@@ -35,7 +35,7 @@ MAX_STARTS = 3
 """Attempts to start a worker that is killed from outside before it is ready."""
 
 MAX_STDERR_BYTES = 8192
-"""How much is kept of the end of a worker's standard error."""
+"""Length of the end of a worker's standard error that is kept."""
 
 THREADS = ("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 """Variables with which libraries set their number of threads: a worker uses one core."""
@@ -61,7 +61,7 @@ class Worker:
         this process does.
     expected : Provenance, optional
         Provenance that the process must have; by default that of this process, without
-        strategies of one's own.
+        user-defined strategies.
     """
 
     def __init__(self, modules: Sequence[str] = (), expected: Provenance | None = None) -> None:
@@ -76,10 +76,10 @@ class Worker:
         return None if self._process is None else self._process.pid
 
     def make(self, job: Job) -> Result:
-        """Make a run.
+        """Execute a run.
 
         If the process is killed from outside, as by a kernel short of memory, the run may not be
-        at fault and is made once more.
+        at fault and is repeated once.
 
         Parameters
         ----------
@@ -123,7 +123,7 @@ class Worker:
                 place = _place_in(last_words)
                 return job.without_result("crashed", f"its process {how}{place}", wall_s=wall_s)
             if first:
-                reason = f"its process {first}, and when it was made once more, {how}"
+                reason = f"its process {first}, and when it was repeated, {how}"
                 return job.without_result("crashed", reason, wall_s=wall_s)
             first = how
 
@@ -167,7 +167,7 @@ class Worker:
             self._end()
             raise InvalidInputError(
                 f"a worker runs another program than this one ({what}); install the "
-                "same on every machine, and leave it as it is while runs are made"
+                "same on every machine, and do not change it during the experiment"
             )
         if missing := [name for name in self._expected.strategies if name not in other.strategies]:
             self._end()
@@ -179,7 +179,7 @@ class Worker:
             self._end()
             raise InvalidInputError(
                 f"the source of the strategy {changed[0]!r} differs between a worker and this "
-                "process; do not change it while runs are made, and start again"
+                "process; do not change it during an experiment, and start again"
             )
 
     def _end(self) -> None:
@@ -270,7 +270,7 @@ def _remedy(missing: str) -> str:
 
 def _how_it_ended(code: int) -> str:
     if code >= 0:
-        return f"ended by itself with exit code {code}"
+        return f"ended with exit code {code}"
     try:
         name = signal.Signals(-code).name
     except ValueError:

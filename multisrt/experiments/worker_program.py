@@ -36,7 +36,7 @@ what a run allocates lives until it ends."""
 
 
 def main(arguments: Sequence[str]) -> None:
-    """Make runs until standard input ends.
+    """Execute runs until standard input ends.
 
     Parameters
     ----------
@@ -95,7 +95,7 @@ def _own_pipes() -> tuple[IO[bytes], IO[bytes]]:
 
 
 def _read(jobs: IO[bytes], lines: queue.SimpleQueue[bytes]) -> None:
-    """Queue the lines of the input and exit at its end; runs in a thread of its own."""
+    """Queue the lines of the input and exit at its end; runs in a separate thread."""
     while line := jobs.readline():
         lines.put(line)
     os._exit(0)

@@ -1,4 +1,4 @@
-"""Explanations of the decisions that custom explorers put on record with `Decided`."""
+"""Explanations of the decisions that custom explorers record with `Decided`."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ SAME_PLACE_M = 1e-6
 """An option this near to the goal is the chosen one."""
 
 COLUMN = 12
-"""Least width of a table column, in characters."""
+"""Minimum width of a table column, in characters."""
 
 
 def own_choice_lines(
     recording: Recording, index: int, choice: Decided, asked_s: float
 ) -> Iterator[str]:
-    """Yield the lines that explain one decision, as its explorer tells it.
+    """Yield the lines that explain one decision, as its explorer recorded it.
 
     Parameters
     ----------

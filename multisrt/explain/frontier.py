@@ -28,7 +28,7 @@ BECAUSE = {
     "no way": "the way to its last goal turned out not to be free",
     "blocked": "another robot stood in its way",
     "gave way": "it had given way to another robot",
-    "stop signal": "another robot told it that its goal was no frontier any more",
+    "stop signal": "another robot reported that its goal was no longer a frontier",
     "assigned": "goals were swapped, or another robot gave it one or wanted one from it",
     "called on": "it was done, and heard something new",
 }

@@ -1,4 +1,4 @@
-"""What came before and after one choice of a robot, for the explanations of all strategies."""
+"""Events before and after one choice of a robot, for the explanations of all strategies."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ class ChoiceStory:
     """
 
     things = "scan"
-    """What the robot's nodes are called."""
+    """Name for the robot's nodes."""
 
     def __init__(
         self, recording: Recording, index: int, choice: GoalChosen | Decided, asked_s: float
@@ -67,12 +67,12 @@ class ChoiceStory:
         self.meanwhile: list[AnyEvent] = later
 
     def standing(self) -> Iterator[str]:
-        """Tell where the robot stood."""
+        """Describe where the robot stood."""
         x, y, heading = self._pose()
         yield f"at {place((x, y))}, heading {math.degrees(heading):.0f} degrees"
 
     def learned(self) -> Iterator[str]:
-        """Tell what it had learned of others by then."""
+        """Describe what it had learned of others by then."""
         learned = [event for event in self.before if isinstance(event, Learned)]
         names = [name for event in learned for name in event.nodes]
         if names:
@@ -86,13 +86,13 @@ class ChoiceStory:
         return sum(isinstance(event, NodeAdded) for event in self.before)
 
     def complete(self) -> Iterator[str]:
-        """Tell since when it knew its map complete."""
+        """Report since when it knew its map complete."""
         complete = [event for event in self.before if isinstance(event, MapComplete)]
         if complete:
             yield f"it knew since {complete[0].time_s:.2f} s that its map was complete"
 
     def afterwards(self) -> Iterator[str]:
-        """Tell what it did until the next choice."""
+        """Describe what it did until the next choice."""
         motions = [event for event in self.meanwhile if isinstance(event, Motion)]
         for purpose, group in groupby(motions, key=lambda motion: motion.purpose):
             several = list(group)
@@ -109,7 +109,7 @@ class ChoiceStory:
                 yield f"{event.time_s:.2f} s: it ended: {event.reason}"
 
     def messages(self) -> Iterator[str]:
-        """Tell what it said and heard until the next choice."""
+        """Describe what it sent and received until the next choice."""
         kinds = Counter(event.kind for event in self.meanwhile if isinstance(event, Sent))
         if kinds:
             told = ", ".join(f"{count} {kind}" for kind, count in sorted(kinds.items()))
@@ -119,7 +119,7 @@ class ChoiceStory:
             yield f"it learned {many(len(names), self.things)} of others: {by_robot(names)}"
 
     def endings(self) -> Iterator[str]:
-        """Tell its messages and its troubles: the last sections of every explanation."""
+        """Describe its messages and its problems: the last sections of every explanation."""
         until = max(self.asked_s, self.time_s) + SAME_MOMENT_S
         past = (e for e in (*self.before, *self.meanwhile) if e.time_s <= until)
         yield from titled("Messages until the next choice", self.messages())

@@ -40,7 +40,7 @@ def data_frame(columns: Mapping[str, Column], package: Package | None = None) ->
     columns : mapping of str to Column
         The columns by name, of equal length.
     package : {"pandas", "polars"}, optional
-        Whose data frame; by default of pandas if it is installed, else of polars.
+        Library of the data frame; by default pandas if it is installed, else polars.
 
     Returns
     -------

@@ -80,7 +80,7 @@ def picture_html(svg: str | bytes, alt: str) -> str:
     svg : str or bytes
         The document.
     alt : str
-        What readers are told who cannot see it.
+        Text for readers who cannot see it.
 
     Returns
     -------
@@ -123,7 +123,7 @@ def is_notebook() -> bool:
 
 
 class RewrittenText:
-    """A line of text in a notebook that is written anew in place.
+    """A line of text in a notebook that is updated in place.
 
     Parameters
     ----------

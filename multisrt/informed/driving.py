@@ -90,7 +90,7 @@ def stages_of(drive: Drive, timing: Timing) -> list[Stage]:
     end_s, steps_to_end = ahead.duration_s, math.ceil(ahead.duration_s / step_s - 1e-9)
 
     def time_at(k: int) -> float:
-        # The last step of the way there is shorter, and so is the first of the way back.
+        # The last step of the path there is shorter, and so is the first of the way back.
         if k <= steps_to_end:
             return min(k * step_s, end_s)
         return 2.0 * end_s - max(0.0, (2 * steps_to_end - k) * step_s)

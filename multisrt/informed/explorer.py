@@ -29,7 +29,7 @@ GUARD_M = 0.02
 """Guard distance of the protective stop in metres, below the distance that is planned."""
 
 RETRY_S, MAX_RETRIES = 0.5, 240
-"""How long a robot waits whose way is blocked, in seconds, and how often in all."""
+"""Waiting time of a robot whose path is blocked, in seconds, and maximum number of waits."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -53,7 +53,7 @@ class Stage:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Orders:
-    """What one robot is to do.
+    """The orders of one robot.
 
     Attributes
     ----------

@@ -32,7 +32,7 @@ EXTRA_SHARE = 0.001
 """Share beyond that asked for which is planned: cells are not exact."""
 
 ITERATIONS = 1_500
-"""How often the routes of a plan are changed."""
+"""Number of changes of the routes of a plan."""
 
 EASY_PLACES = 6_000
 """Number of places above which iterations are reduced, which bounds the time in large worlds."""
@@ -72,7 +72,7 @@ def plan(
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Body:
-    """What the plan regards of one robot."""
+    """The properties of one robot that the plan uses."""
 
     start: Configuration
     radius_m: float

@@ -5,7 +5,7 @@ same share is covered, and times until all are done, driven home by both or by n
 
 A reference takes up to a minute to plan, so references are kept in a folder of the user's cache:
 one small JSON file for each world, team and starts. A file that is missing, broken or of another
-version of the program is made anew.
+version of the program is computed again.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ HOME_M = 0.05
 
 
 class Reference(msgspec.Struct, frozen=True, kw_only=True):
-    """What the informed plan took in a world, measured as any other run.
+    """Times of the informed plan in a world, measured as any other run.
 
     Attributes
     ----------
@@ -226,7 +226,7 @@ def regret(
     back = there
     if _drove_home(recording):
         back = informed_reference(spec, environment, home=True, planning=planning)
-    # Who ends early is not compared with a plan that goes on.
+    # A run that ends early is not compared with a plan that continues.
     is_alike = metrics.coverage >= min(PLANNED_SHARE, back.coverage) - ROUNDING
     return Regret(
         time_to_99=_multiple(metrics.time_to_99_s, there.time_to_99_s),

@@ -1,4 +1,4 @@
-"""Ways of a body through a world that is known: a roadmap, and paths pulled tight.
+"""Paths of a body through a world that is known: a roadmap, and paths pulled tight.
 
 A body that turns needs the room of its circumscribed disc. The roadmap joins the points of a
 lattice and the corners of the area in which the centre of this disc can be. A shortest path on it
@@ -42,7 +42,7 @@ NEIGHBOUR_SPACINGS = 2.3
 """Nodes within so many spacings are joined: 16 points of the lattice around each."""
 
 MAX_REFINEMENTS = 3
-"""How often the spacing is reduced if parts of the area are not connected."""
+"""Maximum number of reductions of the spacing if parts of the area are not connected."""
 
 MIN_CONNECTED = 0.995
 """Share of the nodes that are to be connected."""
@@ -63,7 +63,7 @@ class Tight(NamedTuple):
 
 
 class Roadmap:
-    """The ways of a disc in one connected part of a world.
+    """The paths of a disc in one connected part of a world.
 
     Parameters
     ----------
@@ -148,7 +148,7 @@ class Roadmap:
         Returns
         -------
         distances : (n,) array
-            Metres; inf where no way leads.
+            Metres; inf where there is no path.
         before : (n,) array of int
             The node before each on its way from `node`; negative for none.
         """
@@ -164,7 +164,7 @@ class Roadmap:
         return row
 
     def tight(self, a: int, b: int) -> Tight | None:
-        """Return the path from a node to another, pulled tight; None if no way leads there.
+        """Return the path from a node to another, pulled tight; None if no path leads there.
 
         That from `b` to `a` is the same path reversed.
         """

@@ -21,10 +21,10 @@ MEAN_WEIGHT: Final = 0.1
 """Weight of the mean time of all robots beside the largest."""
 
 MAX_SEGMENT: Final = 4
-"""Most consecutive places that are moved together."""
+"""Maximum number of consecutive places that are moved together."""
 
 MIN_GAIN_S: Final = 1e-7
-"""Least gain of a change, in seconds: less is rounding."""
+"""Minimum gain of a change, in seconds: less is rounding."""
 
 MAX_PASSES: Final = 60
 
@@ -35,7 +35,7 @@ class Costs(NamedTuple):
     Attributes
     ----------
     time_s : (kinds, m + n, m + n) array
-        Time of each leg without the turns at its ends; inf where no way leads. Robot r starts
+        Time of each leg without the turns at its ends; inf where there is no path. Robot r starts
         at index m + r.
     angle : (kinds, m + n, m + n) array
         Angle of the line along which the leg from i to j leaves i, in radians within [0, pi).

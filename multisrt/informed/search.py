@@ -26,10 +26,10 @@ HOT, COLD = 0.02, 0.0005
 """Temperature at the beginning and at the end, as a share of the first objective."""
 
 MAX_REMOVED = 6
-"""Most places that are removed at once, and a quarter of all."""
+"""Maximum number of places that are removed at once, and a quarter of all."""
 
 MAX_CHOICES = 64
-"""Most places that are weighed to see one cell."""
+"""Maximum number of places that are weighed to see one cell."""
 
 INSERTED_WEIGHT = 0.3
 """Weight of the time of a robot beside the largest, when a place is inserted."""

@@ -1,4 +1,4 @@
-"""What the search knows of a team: where each robot can go, what it sees, what its legs take."""
+"""The team as the search sees it: where each robot can go, what it sees, what its legs take."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from multisrt.informed.views import Bits, Cells, Sensor
 from multisrt.planners.motion.kinematics import Differential, Holonomic
 
 SENSE_SPACING_M = 0.4
-"""Largest distance between scans on the way, in metres."""
+"""Maximum distance between scans on the way, in metres."""
 
 MAX_LEGS = 10_000
 """Legs of which it is kept what is seen on them."""
@@ -37,7 +37,7 @@ class Member:
     kinematics : Holonomic or Differential
         How it moves.
     roadmap : Roadmap
-        Its ways.
+        Its paths.
     node : int
         Its start on the roadmap.
     sensor : Sensor
@@ -114,7 +114,7 @@ class Team:
     def distances(self, robot: int, place: int, others: IntArray) -> FloatArray:
         """Return the distances of other places from one (-1: its start) for a robot, in metres.
 
-        They are measured along its roadmap, so a little too long; inf where no way leads.
+        They are measured along its roadmap, so a little too long; inf where there is no path.
         """
         member = self.members[robot]
         row, _ = member.roadmap.row(self.node(robot, place))

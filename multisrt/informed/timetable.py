@@ -2,7 +2,7 @@
 
 Robots are timed one after another. Each keeps off those before it by waiting on its route, or by
 backing on it; one that is done may go back along its route to make room. Its motion is a shortest
-way in the plane of time and progress (Kant and Zucker, 1986: path-velocity decomposition), found
+path in the plane of time and progress (Kant and Zucker, 1986: path-velocity decomposition), found
 by A*.
 """
 
@@ -22,7 +22,7 @@ STEP_S, MAX_STEPS = 0.05, 3_000
 """Step of time in seconds, unless the longest route has more than so many."""
 
 GAP_M = 0.06
-"""Least distance between bodies that are timed, in metres."""
+"""Minimum distance between bodies that are timed, in metres."""
 
 SLACK_STEPS: Final = 2_000
 """Steps that robots may take longer than the longest routes one after another, at most."""
@@ -84,7 +84,7 @@ def timed(courses: Sequence[Course]) -> list[Timing]:
     """Return when each robot drives so that bodies keep `GAP_M` from one another.
 
     Robots whose routes take longer come first. One that finds no way is put before all others, and
-    all are timed anew.
+    all are timed again.
 
     Raises
     ------

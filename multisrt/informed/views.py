@@ -1,4 +1,4 @@
-"""What is seen from places, as sets of cells.
+"""Views from places, as sets of cells.
 
 A raster steers the search; the drive is measured exactly afterwards. Sets are arrays of 64-bit
 words with one bit for each cell, so that unions and counts of them are quick.

@@ -35,7 +35,7 @@ def saying(p_value: float, is_lower: bool) -> Saying:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Finding:
-    """Result of the test of a comparison by itself.
+    """Result of the test of a single comparison.
 
     Attributes
     ----------

@@ -3,7 +3,7 @@
 A claim makes comparisons of two sets of runs, of which the first is claimed to have the lower
 values: the cells of a family. The family is tested once, two-sided at 5 %, by signed ranks within
 the cells in pairs of repetitions (`statistics.families.paired_family`), or by ranks where there
-are no pairs (`unpaired_family`). Its cells are tested by themselves too, with p-values adjusted by
+are not pairs (`unpaired_family`). Its cells are tested individually, too, with p-values adjusted by
 Holm's procedure: they show where, they find exceptions to a claim without exception, and they are
 what a claim of "somewhere" is about.
 """

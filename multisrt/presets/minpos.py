@@ -45,7 +45,7 @@ MEAN_GAINS = {GREEDY: 8.0, MINPOS: 12.0}
 """Mean gains on closest in the paper, in percent (section V A)."""
 
 LARGEST_GAINS = {HOSPITAL: 15.0, MAZE: 20.0}
-"""Largest gains of greedy and minpos on closest in the paper, in percent (section V A)."""
+"""Maximum gains of greedy and minpos on closest in the paper, in percent (section V A)."""
 
 MIN_PAIRS = 6
 """Minimum number of complete pairs of each condition for an interval of a gain."""
@@ -360,7 +360,7 @@ def more_with_more_robots(both: BothTimes) -> Judged:
 def more_in_mazes(both: BothTimes) -> Judged:
     """Return the judged claim that minpos gains more on greedy in mazes than in the hospital.
 
-    A repetition in the maze and one in the hospital are no pair, but each is one for all teams.
+    A repetition in the maze and one in the hospital are not a pair, but each is one for all teams.
     """
     judged, beside = (
         Family(

@@ -1,4 +1,4 @@
-"""The words and tables in which comparisons are told."""
+"""The words and tables in which comparisons are reported."""
 
 from __future__ import annotations
 
@@ -35,9 +35,9 @@ def failed_runs(bad: Sequence[Result], limit: int) -> list[str]:
     Parameters
     ----------
     bad : sequence of Result
-        Runs that were no success, or not complete.
+        Runs that did not succeed, or were not complete.
     limit : int
-        Upper bound of the runs with a line of their own.
+        Upper bound of the runs with a separate line.
     """
     lines = [
         f"{result.condition}, repetition {result.repetition}: "

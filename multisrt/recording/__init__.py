@@ -1,4 +1,4 @@
-"""Recordings: all that happened in a run, one JSON object a line, written while the run goes on.
+"""Recordings: all that happened in a run, one JSON object a line, written during the run.
 
 The first line is a `Header`: the format and its version, the spec, the world, and the versions of
 the packages. The events of `multisrt.events` follow in the order in which they were recorded. The

@@ -1,4 +1,4 @@
-"""What may be wrong with an event of a recording whose fields have the right types."""
+"""Defects of an event of a recording whose fields have the right types."""
 
 from __future__ import annotations
 

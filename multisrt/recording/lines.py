@@ -20,7 +20,7 @@ from multisrt.spec import RunSpec
 FORMAT = "multisrt-recording"
 VERSION = 4
 READABLE = (3, VERSION)
-"""Versions that are read: 3 has all that 4 has but the decisions of explorers of one's own."""
+"""Versions that are read: 3 has all that 4 has but the decisions of user-defined explorers."""
 RunOutcome = Literal["complete", "stalled", "out_of_time"]
 
 Ring = tuple[tuple[float, float], ...]

@@ -1,4 +1,4 @@
-"""Recording a run while it goes on."""
+"""Recording a run in progress."""
 
 from __future__ import annotations
 

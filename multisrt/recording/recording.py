@@ -101,11 +101,11 @@ class Recording:
 
     @property
     def starts(self) -> tuple[Configuration, ...]:
-        """Where the robots started."""
+        """Starts of the robots."""
         return tuple(Configuration(*start) for start in self.header.starts)
 
     def environment(self) -> Environment:
-        """Return the world that was explored, built anew.
+        """Return the world that was explored, rebuilt.
 
         Returns
         -------
@@ -218,5 +218,5 @@ def _require_header(line: Header | AnyEvent | Footer, path: Path) -> None:
     if line.format_version not in READABLE:
         raise InvalidInputError(
             f"{path}: format version {line.format_version}; this program reads "
-            f"{' and '.join(map(str, READABLE))}: make the run again from its spec"
+            f"{' and '.join(map(str, READABLE))}: repeat the run from its spec"
         )

@@ -1,4 +1,4 @@
-"""Strategies of one's own in a report: whether they are those that made the runs, and a command."""
+"""User-defined strategies in a report: whether they are those that made the runs, and a command."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from multisrt.robots.registry import strategy as strategy_named
 
 
 def cautions(results: Results) -> list[str]:
-    """Return which strategies of one's own are not those that made the runs.
+    """Return which user-defined strategies are not those that made the runs.
 
     Parameters
     ----------
@@ -50,7 +50,7 @@ def _digest(name: str) -> str | None:
 
 
 def imported(name: str, folder: Path) -> str:
-    """Return the reference by which a strategy of one's own is imported again.
+    """Return the reference by which a user-defined strategy is imported again.
 
     Parameters
     ----------
@@ -74,6 +74,6 @@ def imported(name: str, folder: Path) -> str:
 
 
 def imports(results: Results, folder: Path) -> list[str]:
-    """Return the references of all strategies of one's own in an experiment; see `imported`."""
+    """Return the references of all user-defined strategies in an experiment; see `imported`."""
     found = (imported(name, folder) for name in results.provenance.strategies)
     return [reference for reference in found if reference]

@@ -166,7 +166,7 @@ class Table:
         )
 
     def csv(self) -> str:
-        """Return CSV with unrounded numbers in columns of their own."""
+        """Return CSV with unrounded numbers in separate columns."""
         keys = [
             list(dict.fromkeys(key for row in self.rows for key in (row[i].data or {})))
             for i in range(len(self.columns))

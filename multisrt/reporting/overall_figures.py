@@ -202,7 +202,7 @@ def _forest(
             high = min(interval.high, beyond)
             axes.plot([interval.low, high], [at, at], color=look.colour, linewidth=3.0)
             if high < interval.high:
-                # With runs that are no success the interval has no upper end.
+                # With runs that did not succeed the interval has no upper end.
                 axes.plot([high], [at], ">", color=look.colour, markersize=6.0)
             axes.plot([interval.value], [at], look.marker, color=look.colour, markersize=7.0)
         axes.set_yticks(

@@ -110,7 +110,7 @@ def _notes(study: Study, main: Measure, rows: Sequence[Sequence[Cell]]) -> tuple
         notes.append(significance_note(study, main))
     if study.has_constants:
         notes.append(constants_note(study))
-    # Runs that were not made at all are told with the reason of the first.
+    # Runs that were not executed are reported with the reason of the first.
     missing = [result for result in study.results if result.metrics is None]
     if missing:
         first = missing[0]

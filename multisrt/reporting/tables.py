@@ -46,7 +46,7 @@ NOTHING = Cell(text="", sort=math.inf)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Gap:
-    """How a time is told as a gap above another.
+    """How a time is reported as a gap above another.
 
     Attributes
     ----------
@@ -76,7 +76,7 @@ GAPS = {
         there=lambda result: result.failed or measure_named("over_bound").of(result) is not None,
     ),
 }
-"""What times are divided by, by the names of the measures."""
+"""Divisors of times, by the names of the measures."""
 
 
 def summary_table(

@@ -42,7 +42,7 @@ INFINITY_NOTE = (
 
 HOW_TO_REFER = (
     "For times beside those of a team that knows the map, repeat the command that made the runs "
-    'with --reference informed (in Python reference="informed"): it makes no run again.'
+    'with --reference informed (in Python reference="informed"): it repeats no run.'
 )
 
 

@@ -1,4 +1,4 @@
-"""What is wrong with an explorer."""
+"""A defect of an explorer."""
 
 from __future__ import annotations
 

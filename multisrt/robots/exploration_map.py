@@ -1,4 +1,4 @@
-"""What one robot knows of the world: grow-only sets of nodes and closings, and what follows."""
+"""One robot's knowledge of the world: grow-only sets of nodes and closings, and what follows."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class ExplorationMap:
     Parameters
     ----------
     reach_m : float
-        Largest range of the team's range finders in metres.
+        Maximum range of the team's range finders in metres.
     min_arc_m : float, default 0.0
         Minimum length in metres of frontier, joined over all nodes: the body cannot pass through a
         narrower opening.
@@ -407,7 +407,7 @@ class ExplorationMap:
         first : int
             Position in `nodes` from which on nodes are paired.
         radius_m : float
-            Largest distance of the two in metres, borders included.
+            Maximum distance of the two in metres, borders included.
 
         Returns
         -------
@@ -478,7 +478,7 @@ class ExplorationMap:
         Parameters
         ----------
         cell_m : float
-            Width of a cell in metres. All regions are painted anew when it changes.
+            Width of a cell in metres. All regions are repainted when it changes.
 
         Returns
         -------

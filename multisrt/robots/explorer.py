@@ -1,4 +1,4 @@
-"""The contract of an explorer: a plain object that is told what happens and says what to do.
+"""The contract of an explorer: a plain object that receives outcomes and yields actions.
 
 An explorer decides for one robot. Its method `run` is a generator that yields actions and is sent
 back their outcomes, as if it commanded a robot and read the answers:
@@ -13,7 +13,7 @@ back their outcomes, as if it commanded a robot and read the answers:
 ...         scan = yield Sense()
 ...         yield Done(complete=False, reason=f"has looked around at {scan.time_s} s")
 
-It does no input or output, reads no clock but the times that it is told, and cannot reach the
+It does no input or output, reads no clock but the times in these outcomes, and cannot reach the
 world: it knows its scans, its messages and its own configuration, and nothing else. So the same
 explorer can be driven by the simulation, by hand in a test, or by the driver of a real robot.
 
@@ -26,7 +26,7 @@ action     effect                                      outcome that is sent back
 `Stop`     the present motion ends here and now        `Moved`
 `Send`     a message goes out by radio                 None
 `Receive`  waits for messages, or for a motion's end   `Received`, `Moved` or `TimedOut`
-`Note`     an event is put on record                   None
+`Note`     an event is recorded                        None
 `Done`     the robot stays where it is                 nothing; on call, `Received`
 =========  ==========================================  =========================================
 
@@ -168,7 +168,7 @@ class Move(msgspec.Struct, frozen=True, kw_only=True):
         all. None: no protective stop.
     listen : bool
         Whether messages are delivered during the motion: `Received` is sent back when one comes
-        that wakes (see `Message.wakes`), and the motion goes on; `Receive` then waits for what
+        that wakes (see `Message.wakes`), and the motion continues; `Receive` then waits for what
         comes next, and is finally answered by `Moved`.
 
     Examples
@@ -229,7 +229,7 @@ class Receive(msgspec.Struct, frozen=True):
     Attributes
     ----------
     timeout_s : float or None
-        Longest time to wait; 0: until nothing more comes at this moment; None: no limit. During
+        Maximum time to wait; 0: until nothing more comes at this moment; None: no limit. During
         a motion only messages that wake end the waiting; the others are received when the motion
         is over.
 
@@ -248,7 +248,7 @@ class Receive(msgspec.Struct, frozen=True):
 
 
 class Note(msgspec.Struct, frozen=True):
-    """Put an event on record. It takes no time.
+    """Record an event. It takes no time.
 
     It changes nothing, except that a fault may strike at it: a robot whose `multisrt.Death` has
     ``when="master"`` dies as it records `Organized`.
@@ -387,19 +387,19 @@ Steps = Generator[Action, Outcome, None]
 """What `Explorer.run` returns, and what procedures return to which it delegates by yield from."""
 
 
-# What a robot is told before it begins -------------------------------------------------------
+# What a robot is given before it begins -------------------------------------------------------
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RadioSelf:
-    """What a robot knows of its radio: the data sheet.
+    """The data sheet of a robot's radio.
 
     Attributes
     ----------
     range_m : float
         Range in the open, in metres; inf: unlimited.
     latency_s : float
-        Longest time that a message takes; one that has not come by then never comes.
+        Maximum time that a message takes; one that has not come by then never comes.
     loss : float
         Share of messages that are lost, from 0 to 1.
     multi_hop : bool
@@ -418,7 +418,7 @@ class RadioSelf:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RobotSelf:
-    """What a robot knows of itself before it begins.
+    """The data of a robot before it begins.
 
     Attributes
     ----------
@@ -441,7 +441,7 @@ class RobotSelf:
     time_s : float
         When it begins.
     team_range_m : float or None
-        Largest sensing range in the team; None: its own.
+        Maximum sensing range in the team; None: its own.
     orders : object
         What the plan of a strategy that sees the truth wants it to do; None for all others.
 
@@ -475,12 +475,12 @@ class RobotSelf:
 
     @property
     def max_range_m(self) -> float:
-        """Largest sensing range in the team, in metres."""
+        """Maximum sensing range in the team, in metres."""
         return self.range_m if self.team_range_m is None else self.team_range_m
 
 
 class Explorer(Protocol):
-    """What decides for one robot.
+    """The decision maker of one robot.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""What robots send each other of the world: nodes and closings, numbered by their makers."""
+"""The knowledge that robots exchange: nodes and closings, numbered by their makers."""
 
 from __future__ import annotations
 
@@ -157,7 +157,7 @@ class Closing:
     Raises
     ------
     InvalidInputError
-        For an unknown reason, or an arc that is no array of segments.
+        For an unknown reason, or an arc that is not an array of segments.
 
     Examples
     --------
@@ -208,7 +208,7 @@ class WantMessage(Message, frozen=True, kw_only=True):
 
     @property
     def wakes(self) -> bool:
-        """True: a robot that moves is told at once, too."""
+        """True: the message reaches even a moving robot at once."""
         return True
 
 

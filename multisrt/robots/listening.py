@@ -137,7 +137,7 @@ class Listener(ABC):
                 return
 
     def learn(self, entries: tuple[Entry, ...]) -> Steps:
-        """Add entries of others to the map, and put on record which nodes were new."""
+        """Add entries of others to the map, and record which nodes were new."""
         new = self._merge(entries)
         if new:
             yield Note(Learned(time_s=self._clock.time_s, robot=self.number, nodes=new))

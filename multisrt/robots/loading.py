@@ -1,4 +1,4 @@
-"""Strategies of one's own by reference: ``file.py:Name``, ``package.module:Name`` or ``file.py``.
+"""User-defined strategies by reference: ``file.py:Name``, ``package.module:Name`` or ``file.py``.
 
 ``file.py:Name=other`` gives the strategy of a class another name than that of the class.
 
@@ -52,7 +52,7 @@ _brought: set[Place] = set()
 
 
 def is_reference(text: str) -> bool:
-    """Whether a text is a reference to a strategy of one's own, and not a strategy's name.
+    """Whether a text is a reference to a user-defined strategy, and not a strategy's name.
 
     Parameters
     ----------
@@ -96,7 +96,7 @@ def split_reference(reference: str) -> tuple[str, str, str]:
 
 
 def load_strategy(reference: str) -> Strategy:
-    """Import a strategy of one's own; it is not registered.
+    """Import a user-defined strategy; it is not registered.
 
     Parameters
     ----------

@@ -42,7 +42,7 @@ class LocalFrontiers:
     regions : NodeRegions
         The nodes.
     min_length_m : float
-        Joined arcs shorter than this, in metres, are no frontier.
+        Joined arcs shorter than this, in metres, are not frontier.
     include_gaps : bool
         Whether radial pieces behind corners are frontier.
     """
@@ -122,7 +122,7 @@ class LocalFrontiers:
         return changed
 
     def is_wide(self, number: int) -> bool:
-        """Whether a single arc of a node is long enough by itself."""
+        """Whether a single arc of a node is long enough on its own."""
         return bool(self._arcs.arrays.lengths_m[number, 1] >= self._min_length_m)
 
     def is_open(self, number: int) -> bool:

@@ -26,7 +26,7 @@ class NodeRegions:
     Parameters
     ----------
     reach_m : float
-        Largest distance in metres of a region's boundary from its node.
+        Maximum distance in metres of a region's boundary from its node.
 
     Attributes
     ----------

@@ -66,7 +66,7 @@ class OpenFrontiers:
         """Whether no node has a local frontier."""
         if not len(self._regions):
             return True
-        # One arc that is long enough by itself will do; the longest one mostly stays so.
+        # One arc that is long enough on its own suffices; the longest one mostly stays so.
         if not self._frontiers.is_wide(self._witness):
             self._witness = int(self._frontiers.longest_m.argmax())
         if self._frontiers.is_wide(self._witness):

@@ -2,7 +2,7 @@
 
 A motion ends where another body in sight comes nearer than the guard distance. A body that is
 nearer already as the motion begins may stay near, but not come much nearer (`stop_within`).
-Planned ways keep a little more distance than that (`planned_gap`), so that no motion that was
+Planned paths keep a little more distance than that (`planned_gap`), so that no motion that was
 planned with the other body in mind is ended by its protective stop.
 """
 
@@ -18,7 +18,7 @@ LEAVING_SHARE = 0.999
 does not stop a body that moves away."""
 
 BEYOND_GUARD = 1.2
-"""Distance that planned ways keep from other bodies, as a share of the guard distance."""
+"""Distance that planned paths keep from other bodies, as a share of the guard distance."""
 
 
 def stop_within(distance_m: float, guard_m: float) -> float:
@@ -50,7 +50,7 @@ def max_gap(guard_m: float) -> float:
 
 
 def planned_gap(now_m: float, guard_m: float) -> float:
-    """Return the distance that the planned ways of two bodies have to keep.
+    """Return the distance that the planned paths of two bodies have to keep.
 
     It lies beyond the distance at which the protective stop would end a motion: the guard
     distance and a margin where the bodies are farther apart than that, the guard distance where

@@ -53,7 +53,7 @@ class Strategy:
         Takes a `RunSpec`, and raises `InvalidInputError` if the strategy cannot make that run.
     plan : callable or None
         For a strategy that sees the truth: takes the `RunSpec`, the environment, the starts and
-        a callable that is told of its progress or None; returns for each robot what its
+        a callable that receives its progress or None; returns for each robot what its
         `RobotSelf.orders` are to be. None: robots know what they sense and hear.
 
     Raises
@@ -122,7 +122,7 @@ class Strategy:
         Raises
         ------
         InvalidInputError
-            If `explorer` is no class or function, does not take these arguments, or its
+            If `explorer` is not a class or function, does not take these arguments, or its
             annotation cannot be resolved.
 
         Examples

@@ -45,7 +45,7 @@ Process = Generator[Any, Any, None]
 """A process of the clock."""
 
 Pause = Callable[[int, Outcome, Action], simpy.Event]
-"""Takes a robot, what its explorer was told and what it yielded; returns an event to wait for."""
+"""Takes a robot, what its explorer received and what it yielded; returns an event to wait for."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -1,4 +1,4 @@
-"""What a running simulation puts on record."""
+"""The events that a running simulation records."""
 
 from __future__ import annotations
 

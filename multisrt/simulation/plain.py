@@ -144,7 +144,7 @@ def event(noted: Any, robot: int, now_s: float) -> AnyEvent:
     Parameters
     ----------
     noted : object
-        What the explorer puts on record.
+        What the explorer records.
     robot : int
         Its robot.
     now_s : float
@@ -159,8 +159,8 @@ def event(noted: Any, robot: int, now_s: float) -> AnyEvent:
     Raises
     ------
     ExplorerDefect
-        If it is no event that explorers put on record, has another time, or `as_declared` raises
-        it.
+        If it is not an event that explorers put on record, has another time, or `as_declared`
+        raises it.
     """
     found = _recordable(noted, robot)
     if abs(found.time_s - now_s) > SAME_TIME_S:

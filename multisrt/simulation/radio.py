@@ -3,7 +3,7 @@
 A link between two robots holds in both directions or in none. It is limited by the distance, and,
 as the spec says, blocked or weakened by walls. Each passage of the straight line between the two
 through an obstacle counts as one wall, however thick it is; touching a corner or running along a
-wall is no passage, as for a line of sight.
+wall is not a passage, as for a line of sight.
 """
 
 from __future__ import annotations

@@ -26,7 +26,7 @@ class MotionUnderWay:
     set_out_s, arrival_s : float
         When it began, and when it ends if nothing intervenes, in seconds.
     encounter : Encounter or None
-        The first thing that another body will do to it, if all go on as they do.
+        The first thing that another body will do to it, if all continue as they do.
     """
 
     move: Move

@@ -37,7 +37,7 @@ def simulate(
     environment : Environment, optional
         The world that `spec.environment` describes, if it has been built already.
     path : path, optional
-        File to which the recording is written while the run goes on.
+        File to which the recording is written during the run.
     watch : callable, optional
         Called with every event as it is recorded.
     planning : callable, optional

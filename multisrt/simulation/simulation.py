@@ -46,7 +46,7 @@ class Step(msgspec.Struct, frozen=True, kw_only=True):
     time_s : float
         The time in seconds.
     outcome : Outcome
-        What the explorer was told last: the outcome of its action before, None at first.
+        What the explorer last received: the outcome of its action before, None at first.
     action : Action
         What it yielded: the action that is carried out next.
     """
@@ -71,7 +71,7 @@ class Simulation:
     watch : callable, optional
         Called with every event as it is recorded.
     file : binary file, optional
-        Where the recording is written while the run goes on.
+        Where the recording is written during the run.
     pausing : bool, optional
         Whether the run pauses before each action.
 
@@ -150,7 +150,7 @@ class Simulation:
         self.interpreters.clear()
 
     def finish(self) -> Recording:
-        """Let go of the explorers, and return the recording of the run, which does not go on."""
+        """Let go of the explorers, and return the recording of the run, which does not continue."""
         self.close()
         max_time_s = self.spec.stop.max_time_s
         if not self._is_over() and max_time_s < self.clock.next_s < math.inf:
@@ -160,7 +160,7 @@ class Simulation:
         return self._finish(self.journal.last_s, *self._outcome())
 
     def recording_so_far(self) -> Recording:
-        """Return the recording as if the run were cut off now; it goes on."""
+        """Return the recording as if the run were cut off now; it continues."""
         now_s = self.clock.now_s
         return self.journal.cut_off(
             now_s,

@@ -42,7 +42,7 @@ class RobotState(msgspec.Struct, frozen=True, kw_only=True):
     driven_s : float
         How long it has been on that motion, in seconds.
     mailbox : int
-        Number of messages that have arrived and that its explorer has not been told of.
+        Number of messages that have arrived and that its explorer has not received.
     hears : bool
         Whether its radio works.
     """

@@ -1,7 +1,7 @@
 """The motions of all bodies in time: where they are, and when one comes too near another.
 
 It holds the truth for the simulation. The first encounter of each pair of robots is found once,
-and holds until one of the two sets out anew or is stopped.
+and holds until one of the two sets out again or is stopped.
 """
 
 from __future__ import annotations
@@ -133,7 +133,7 @@ class Traffic:
     def next_event(self, robot: int, now_s: float) -> Encounter | None:
         """Return the first thing that another body does to a robot's motion, from a time on.
 
-        It is what happens if all robots go on as they do. The protective stop regards bodies in
+        It is what happens if all robots continue as they do. The protective stop regards bodies in
         sight at its distance; for one that was nearer already when the motion began, `stop_within`
         says where it stops. Contact is regarded always.
 

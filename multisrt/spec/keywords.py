@@ -101,7 +101,7 @@ def require_use(spec: RunSpec, given: Mapping[str, str], size: str, *, sized: bo
     size : str
         How the user gives the size of a team.
     sized : bool
-        Whether the size was given. A team of one is no mistake then: sizes may be tried in turn.
+        Whether the size was given. A team of one is not a mistake then: sizes may be tried in turn.
 
     Raises
     ------
@@ -154,7 +154,7 @@ def start_of(start: Iterable[float]) -> tuple[float, ...]:
     Raises
     ------
     InvalidInputError
-        If it is no sequence of numbers.
+        If it is not a sequence of numbers.
 
     Examples
     --------

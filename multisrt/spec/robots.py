@@ -41,7 +41,7 @@ class DriveSpec(Part, frozen=True, kw_only=True):
     Raises
     ------
     InvalidInputError
-        If a number is not positive and finite, or a drive that is no car is given a turning
+        If a number is not positive and finite, or a drive that is not a car is given a turning
         radius.
 
     Examples
@@ -147,7 +147,7 @@ class RobotSpec(Part, frozen=True, kw_only=True):
     Raises
     ------
     InvalidInputError
-        If the footprint is none, or the start is not finite.
+        If the footprint is invalid, or the start is not finite.
 
     Examples
     --------

@@ -20,7 +20,7 @@ from multisrt.validation_errors import explained
 
 
 class StopRule(Part, frozen=True, kw_only=True):
-    """When a run ends although its robots would go on.
+    """When a run ends although its robots would continue.
 
     Attributes
     ----------
@@ -69,7 +69,7 @@ class RunSpec(Part, frozen=True, kw_only=True):
     faults : tuple of Death, Silence or LateStart
         What goes wrong.
     stop : StopRule
-        When the run ends although its robots would go on.
+        When the run ends although its robots would continue.
     seed : int
         Seed of all random streams of the run, 0 or positive.
 

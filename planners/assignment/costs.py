@@ -87,7 +87,7 @@ class DenseCosts:
     Parameters
     ----------
     costs : (n, m) array
-        Cost of each robot to each frontier in metres; ``inf`` where no path leads. Copied.
+        Cost of each robot to each frontier in metres; ``inf`` where there is no path. Copied.
 
     Attributes
     ----------
@@ -156,7 +156,7 @@ def cost_table(values: ArrayLike, name: str = "costs", *, dimensions: int = 2) -
     Parameters
     ----------
     values : array
-        Metres, 0 or more; ``inf`` where no path leads.
+        Metres, 0 or more; ``inf`` where there is no path.
     name : str
         Name of the array in error messages.
     dimensions : {1, 2}

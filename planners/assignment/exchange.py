@@ -17,8 +17,8 @@ def exchange(robot: int, to_goals: ArrayLike, own: ArrayLike) -> int | None:
     robot : int
         Number of the robot that asks (i).
     to_goals : (n,) array
-        Cost in metres of this robot's path to the goal of each robot; ``inf`` where no path leads
-        or that robot has no goal. The robot's own entry is ignored.
+        Cost in metres of this robot's path to the goal of each robot; ``inf`` where there is no
+        path or that robot has no goal. The robot's own entry is ignored.
     own : (n,) array
         Cost in metres of each robot's path to its own goal.
 
@@ -36,7 +36,7 @@ def exchange(robot: int, to_goals: ArrayLike, own: ArrayLike) -> int | None:
     -----
     Robot i takes the goal of j if it costs i less than its own goal does, and less than it costs
     j; of several the cheapest, then the lower number. Robot j gets the goal of i, whatever it
-    costs. Unless a robot has moved or chosen anew, the same two do not swap back at once.
+    costs. Unless a robot has moved or chosen again, the same two do not swap back at once.
 
     Source: J. A. Álvarez Jáuregui, Algoritmo descentralizado para la exploración multi-robot de
     escenarios 2D (Universidad de Guanajuato, 2018), section 3.2.8, Algorithm 6.

@@ -129,7 +129,8 @@ class _Remaining:
     def cheapest_pair(self, robots: dict[int, None]) -> Pair | None:
         """Return the pair of lowest cost, of equal ones the lowest robot's; None if there is none.
 
-        Robots are asked in the order of their lower bounds, until no bound is below the best pair.
+        Robots are queried in the order of their lower bounds, until no bound is below the best
+        pair.
         """
         if not len(self._frontiers):
             return None

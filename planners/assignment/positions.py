@@ -13,7 +13,7 @@ def positions(costs: FloatArray) -> IntArray:
     Parameters
     ----------
     costs : (n, m) array
-        Cost of each robot to each frontier in metres; ``inf`` where no path leads.
+        Cost of each robot to each frontier in metres; ``inf`` where there is no path.
 
     Returns
     -------

@@ -141,7 +141,7 @@ def self_bidding(
     a : (n, m) array
         Path length from each robot's goal to each frontier in metres; ``inf`` where none leads.
     path_gap : (n, m) array
-        Largest Euclidean distance in metres from a point on the path of that robot to that
+        Maximum Euclidean distance in metres from a point on the path of that robot to that
         frontier to the nearest goal of *another* robot. Ignored for a single robot.
     frontier_gap : (n, m) array
         Euclidean distance in metres from the frontier to the nearest *other* robot. Likewise.

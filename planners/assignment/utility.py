@@ -45,7 +45,7 @@ def utility(
     Parameters
     ----------
     costs : (n, m) array
-        Cost of each robot to each target in metres; ``inf`` where no path leads.
+        Cost of each robot to each target in metres; ``inf`` where there is no path.
     between : (m, m) array
         Euclidean distances between targets in metres.
     visible : (m, m) array of bool

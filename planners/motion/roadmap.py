@@ -1,4 +1,4 @@
-"""A graph of places and the ways between them."""
+"""A graph of places and the paths between them."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ Place = TypeVar("Place", bound=Hashable)
 
 
 class Roadmap(Generic[Place]):
-    """An undirected graph of places, whose edges are ways of known length.
+    """An undirected graph of places, whose edges are paths of known length.
 
     Places are any hashable objects.
 
@@ -30,7 +30,7 @@ class Roadmap(Generic[Place]):
         self._ways: dict[Place, dict[Place, float]] = {}
 
     def add(self, place: Place) -> None:
-        """Add a place without ways; a known place is left as it is."""
+        """Add a place without paths; a known place is left as it is."""
         self._ways.setdefault(place, {})
 
     def connect(self, a: Place, b: Place, length_m: float) -> None:
@@ -48,16 +48,16 @@ class Roadmap(Generic[Place]):
         wanted: Callable[[Place], bool],
         passable: Callable[[Place, Place], bool] | None = None,
     ) -> list[Place] | None:
-        """Return the shortest way to the nearest of the wanted places.
+        """Return the shortest path to the nearest of the wanted places.
 
         Parameters
         ----------
         start : Place
-            Where the way begins.
+            Where the path begins.
         wanted : callable
             Whether a place is a destination.
         passable : callable, optional
-            Whether the way from a place to a neighbour is free at present. Default: all are.
+            Whether the path from a place to a neighbour is free at present. Default: all are.
 
         Returns
         -------
@@ -103,31 +103,31 @@ class Roadmap(Generic[Place]):
         end: Place,
         passable: Callable[[Place, Place], bool] | None = None,
     ) -> list[Place] | None:
-        """Return the shortest way between two places.
+        """Return the shortest path between two places.
 
         Parameters
         ----------
         start, end : Place
-            The ends of the way.
+            The ends of the path.
         passable : callable, optional
             As in `way_to_nearest`.
 
         Returns
         -------
         list of Place or None
-            The places from `start` to `end`; None if no way leads there.
+            The places from `start` to `end`; None if no path leads there.
         """
         return self.way_to_nearest(start, lambda place: place == end, passable)
 
     def lengths(
         self, starts: Iterable[Place], passable: Callable[[Place, Place], bool] | None = None
     ) -> dict[Place, float]:
-        """Return the lengths of the shortest ways from the nearest start.
+        """Return the lengths of the shortest paths from the nearest start.
 
         Parameters
         ----------
         starts : iterable of Place
-            Where ways begin.
+            Where paths begin.
         passable : callable, optional
             As in `way_to_nearest`.
 
@@ -148,7 +148,7 @@ class Roadmap(Generic[Place]):
         Parameters
         ----------
         starts : mapping of Place to float
-            Where ways begin, with the length in metres that each has behind it there.
+            Where paths begin, with the length in metres that each has behind it there.
         passable : callable, optional
             As in `way_to_nearest`.
 
@@ -157,7 +157,7 @@ class Roadmap(Generic[Place]):
         lengths : dict of Place to float
             Lengths in metres, the nearest place first. Unreachable places are missing.
         before : dict of Place to Place
-            The place before each on its way; starts from which ways begin are missing.
+            The place before each on its way; starts from which paths begin are missing.
 
         Examples
         --------

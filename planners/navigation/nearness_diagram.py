@@ -8,7 +8,7 @@ goal behind the robot; holonomic drives, for which every goal is ahead.
 
 The navigator has no memory. It leaves a dead end by the opening nearest to the goal's direction;
 where the goal lies right behind a wall, openings on both sides are equally near, and the robot may
-go back and forth between them for ever. A plan has to lead out of dead ends; the goals given here
+go back and forth between them forever. A plan has to lead out of dead ends; the goals given here
 are places near by on that plan.
 """
 
@@ -182,7 +182,7 @@ def _steer(
         d_min = min(d_min, ranges[i])
     towards = math.atan2(goal_y, goal_x)
 
-    # 1. The goal, if it is ahead and the way to it is clear.
+    # 1. The goal, if it is ahead and the path to it is clear.
     clear = _goal_is_clear(ranges, directions, radius, range_m, goal_x, goal_y)
     gap_rad, valley_rad = np.nan, np.nan
     if clear and (any_direction or abs(towards) <= 0.5 * math.pi):

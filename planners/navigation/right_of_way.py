@@ -1,9 +1,9 @@
-"""Right of way: which of several robots that meet goes on.
+"""Right of way: which of several robots that meet continues.
 
 Source: J. A. Álvarez Jáuregui, "Algoritmo descentralizado para la exploración multi-robot de
 escenarios 2D" (2018), section 3.2.7 and Algorithm 5. A robot looks into a sector about its
 heading; another robot in it makes it wait, unless that robot is inactive. Face to face, the first
-to see the other becomes the leader and goes on, the others wait, and the leader's flag falls when
+to see the other becomes the leader and continues, the others wait, and the leader's flag falls when
 its sector is clear. Differs in what the rules leave open:
 
 - *Face to face* are robots that wait for each other, also three in a ring. Each such group has one
@@ -91,7 +91,7 @@ class Ruling(NamedTuple):
     leader : bool
         Whether its flag is raised from now on.
     waits_for : tuple of int
-        Numbers of the robots that it waits for, ascending; without any, it goes on.
+        Numbers of the robots that it waits for, ascending; without any, it continues.
     """
 
     leader: bool
@@ -106,7 +106,7 @@ def right_of_way(
     margin_m: float = 0.0,
     sector_rad: float = SECTOR_RAD,
 ) -> Ruling:
-    """Decide whether a robot goes on.
+    """Decide whether a robot continues.
 
     Parameters
     ----------
@@ -149,7 +149,7 @@ def right_of_way(
     if not seen:
         return Ruling(leader=False)
     conflict = meeting.conflict()
-    # Robots that do not wait for this one will go by themselves.
+    # Robots that do not wait for this one will continue their own.
     passing = [mate.robot for mate in seen if mate not in conflict]
     if passing:
         return Ruling(me.leader and len(conflict) > 1, tuple(passing))
@@ -206,7 +206,7 @@ def stands_in_the_way(
     mate : Configuration
         Configuration of the other robot.
     near_m : float
-        Least distance between the two reference points in metres.
+        Minimum distance between the two reference points in metres.
     within_m : float
         Length of the path that counts, in metres.
 
@@ -240,11 +240,11 @@ def place_aside(
         Places in metres that the robot can reach without passing the leader, such as the centres
         of cells.
     costs : (n,) array
-        Path length to each in metres; ``inf`` where no path leads.
+        Path length to each in metres; ``inf`` where there is no path.
     leader_path : (k, 2) array
         The rest of the leader's path, from its position on.
     apart_m : float
-        Least distance of the place from that path in metres: both radii and the margin.
+        Minimum distance of the place from that path in metres: both radii and the margin.
 
     Returns
     -------

@@ -78,7 +78,7 @@ def cells_ahead(
     cell_m : float
         Width of a cell in metres.
     sector_rad : float
-        Largest difference between the bearings of a cell and of the goal in radians.
+        Maximum difference between the bearings of a cell and of the goal in radians.
 
     Returns
     -------
@@ -97,7 +97,7 @@ def cells_ahead(
     ahead.
 
     Source: section 3.2.4; differs in: the rectangle is larger by half a cell on each side. The
-    thesis counts cells, so that a way along an axis is one cell wide.
+    thesis counts cells, so that a path along an axis is one cell wide.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""What a robot knows of the world as a raster: free and occupied cells, and their frontier.
+"""A robot's knowledge of the world as a raster: free and occupied cells, and their frontier.
 
 A cell is identified by its row and column in an infinite lattice, which the cell width alone
 determines. These indices are independent of the window of cells that is stored, and two

@@ -330,7 +330,7 @@ class Occupancy:
         x, y : float
             The point in metres.
         within_cells : int
-            Largest distance in rows and in columns from the cell that holds the point.
+            Maximum distance in rows and in columns from the cell that holds the point.
 
         Returns
         -------

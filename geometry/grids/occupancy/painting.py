@@ -238,7 +238,7 @@ def _all_are_known(states: ByteArray) -> bool:
 
 @kernel
 def _mark_frontier(layers: Layers, changed: IntArray) -> None:
-    # Mark the frontier anew in the window of the changes and one cell around it. Cells outside
+    # Update the frontier in the window of the changes and one cell around it. Cells outside
     # of the arrays are unknown.
     states, marks = layers.states, layers.marks
     rows, columns = states.shape

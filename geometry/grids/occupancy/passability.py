@@ -63,7 +63,7 @@ def nearest_passable(x: float, y: float, within_cells: int, layers: Layers) -> i
     x, y : float
         The place in metres.
     within_cells : int
-        Largest distance in rows and in columns from the cell that holds the place.
+        Maximum distance in rows and in columns from the cell that holds the place.
     layers : Layers
         The window.
 

@@ -1,26 +1,26 @@
 """Lower bound of the total path length of robots that visit regions far from each other.
 
-**Theorem.** Let the robots' ways begin at a common point, the root, and come into each of n
+**Theorem.** Let the robots' paths begin at a common point, the root, and come into each of n
 regions, but for some that are left out, whose amounts sum to at most `spare`. Let d(i, j) bound
-from below the way between regions i and j, and d(i) that from the root to region i. Cut each way
+from below the path between regions i and j, and d(i) that from the root to region i. Cut each path
 where it first comes into a region that no way has come into before it in the order of robots and
-time: it has at least the sum of d over consecutive regions. So the ways of the team are at least
+time: it has at least the sum of d over consecutive regions. So the paths of the team are at least
 as long as a spanning tree in which the root has at most as many branches as there are robots and
 no region more than two neighbours, while each region left out hangs at the root by an edge of
 its own.
 
 For a price p >= 0 of an amount and penalties u >= 0, give the edge (i, j) the weight
 d(i, j) + u(i) + u(j), the edge from the root d(i) + u(i) + u(root), and that of a region left out
-p a(i) + 2 u(i). The tree above weighs at most the length of the ways, p times the spare amount,
+p a(i) + 2 u(i). The tree above weighs at most the length of the paths, p times the spare amount,
 2 u(i) for each region and u(root) for each robot. A minimum spanning tree weighs no more. Hence
 the length is at least the weight of a minimum spanning tree less p times the spare amount, the
 sum of 2 u(i), and u(root) for each robot; for any price and penalties. Subgradient steps, which
 raise the penalty of a region with too many neighbours and lower that of one with too few, look
-for good ones. No triangle inequality is used: d need not have it, as ways within a region are
+for good ones. No triangle inequality is used: d need not have it, as paths within a region are
 free.
 
 Source: M. Held and R. M. Karp, The traveling-salesman problem and minimum spanning trees,
-Operations Research 18 (1970); differs in: open ways of a team, regions left out at a price.
+Operations Research 18 (1970); differs in: open paths of a team, regions left out at a price.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ class Service(NamedTuple):
     Attributes
     ----------
     between : (n, n) array
-        Lower bounds of the ways between them in metres; symmetric.
+        Lower bounds of the paths between them in metres; symmetric.
     start : (n,) array
         Those from the root.
     amounts : (n,) array
@@ -64,7 +64,7 @@ class Service(NamedTuple):
 
 @kernel
 def least_total_way(service: Service, chosen: IntArray, rounds: int) -> float:
-    """Return a lower bound of the total length of the ways that serve some regions, in metres.
+    """Return a lower bound of the total length of the paths that serve some regions, in metres.
 
     Parameters
     ----------

@@ -1,20 +1,20 @@
 """Lower bounds of path lengths in a set of places, from the square cells that cover it.
 
-The cells that a set touches hold it, so a way in the set is a way through those cells, and the
-shortest way through the cells is at most as long. It turns only at corners of cells, and between
+The cells that a set touches hold it, so a path in the set is a path through those cells, and the
+shortest path through the cells is at most as long. It turns only at corners of cells, and between
 two corners the moves along the sides, along the diagonals and along those of two cells side by
 side are never longer than it by more than a known factor. So distances on the graph of these
-moves, divided by that factor, are lower bounds of the lengths of all ways in the set: however
+moves, divided by that factor, are lower bounds of the lengths of all paths in the set: however
 narrow, slanted or slitted it is.
 
 **Proof.** Let C be the union of the closed cells.
 
-1. *Ends.* Let A and B be two sets of cells of C. A shortest way in C from A to B turns only at
+1. *Ends.* Let A and B be two sets of cells of C. A shortest path in C from A to B turns only at
    corners of cells, as C is bounded by their sides. Where it leaves A at an inner point of a side
    it does so at a right angle, along an axis: then either it runs into a corner of a cell further
    on, so that it lies on a line of the lattice and leaves A at a corner, too; or it ends at a side
    of B that is parallel, and can be shifted within its row or column of cells until it runs along
-   a line of the lattice. The same holds at B. So a shortest way joins corners of A and B by
+   a line of the lattice. The same holds at B. So a shortest path joins corners of A and B by
    segments between corners.
 2. *Segments.* Let one of these lead from (0, 0) to (m, n), 0 <= n <= m, in widths of a cell; the
    other directions follow by symmetry. Rounding its ordinate down at every whole abscissa gives
@@ -45,7 +45,7 @@ from multisrt.geometry.grids.raster import paint_polygon
 from multisrt.geometry.numerics.kernel import BoolArray, FloatArray, IntArray, kernel
 
 LONGEST_DETOUR: Final = 1.0 / math.cos(0.5 * math.atan(0.5))
-"""Largest ratio of a way along the graph to the shortest way through the cells: 1.0275."""
+"""Maximum ratio of a path along the graph to the shortest path through the cells: 1.0275."""
 
 TOUCH_M: Final = 2e-3
 """Cells that a border comes so near to in metres count as touched, for rounding."""
@@ -213,18 +213,18 @@ def edges_of(area: BaseGeometry) -> FloatArray:
 
 
 class ShortestWays:
-    """Lower bounds of the lengths of ways through a set of cells.
+    """Lower bounds of the lengths of paths through a set of cells.
 
     Parameters
     ----------
     lattice : Lattice
         The cells.
     cells : (rows, columns) array of bool
-        Those that ways may run through.
+        Those that paths may run through.
 
     Examples
     --------
-    From one end of a slanted corridor to the other; the way is 10 m long:
+    From one end of a slanted corridor to the other; the path is 10 m long:
 
     >>> corridor = shapely.LineString([(0, 0), (6, 8)]).buffer(0.05)
     >>> lattice = Lattice.over(corridor, 0.1)
@@ -251,7 +251,7 @@ class ShortestWays:
         self._graph: csr_array = csr_array((scaled, graph[1], graph[0]), shape=(count, count))
 
     def corners(self, cells: BoolArray) -> IntArray:
-        """Return the numbers of the corners of cells, of those that ways may run through."""
+        """Return the numbers of the corners of cells, of those that paths may run through."""
         numbers = [
             self._number[r : r + cells.shape[0], c : c + cells.shape[1]][cells]
             for r, c in ((0, 0), (0, 1), (1, 0), (1, 1))
@@ -260,7 +260,7 @@ class ShortestWays:
         return found[found >= 0]
 
     def from_any(self, corners: IntArray) -> FloatArray:
-        """Return lower bounds in metres of the ways from the nearest of some corners to all.
+        """Return lower bounds in metres of the paths from the nearest of some corners to all.
 
         Parameters
         ----------
@@ -270,20 +270,20 @@ class ShortestWays:
         Returns
         -------
         (n,) array
-            By the number of the corner; ``inf`` where no way leads.
+            By the number of the corner; ``inf`` where there is no path.
         """
         lengths: FloatArray = dijkstra(self._graph, indices=corners, min_only=True)
         return lengths
 
     def to_cells(self, lengths: FloatArray, rows: IntArray, columns: IntArray) -> FloatArray:
-        """Return lower bounds in metres of the ways to some of the cells.
+        """Return lower bounds in metres of the paths to some of the cells.
 
         Parameters
         ----------
         lengths : (n,) array
             Those to the corners, as from `from_any`.
         rows, columns : (k,) arrays of int
-            The cells; each is one that ways may run through.
+            The cells; each is one that paths may run through.
 
         Returns
         -------
@@ -295,7 +295,7 @@ class ShortestWays:
         return least
 
     def between(self, sets: list[IntArray]) -> FloatArray:
-        """Return lower bounds in metres of the ways between any two of some sets of corners.
+        """Return lower bounds in metres of the paths between any two of some sets of corners.
 
         Parameters
         ----------
@@ -305,7 +305,7 @@ class ShortestWays:
         Returns
         -------
         (n, n) array
-            Symmetric; ``inf`` where no way leads.
+            Symmetric; ``inf`` where there is no path.
         """
         members = np.concatenate(sets)
         firsts = np.concatenate(([0], np.cumsum([len(each) for each in sets])[:-1]))

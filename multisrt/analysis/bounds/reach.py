@@ -1,6 +1,6 @@
 """Lower bound of the time that a team needs to come within range of what is far away.
 
-**Theorem.** Let d(x) be the length of the shortest way from a robot's start to a point x through
+**Theorem.** Let d(x) be the length of the shortest path from a robot's start to a point x through
 the space in which lines of sight run: free space, and around it as much as the robot's range
 finder may be off (`Member.spread_m`). When the robot has seen x by a time t, then t is at least
 (d(x) - R) / v, with its range R and speed v. For it has been at a place from which it saw x in

@@ -1,4 +1,4 @@
-"""What the bounds must know of a robot."""
+"""The properties of a robot that the bounds need."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class Member(NamedTuple):
     range_m : float
         The range of its range finder.
     spread_m : float
-        Largest distance of a point that its range finder shows to be free from one that it sees:
+        Maximum distance of a point that its range finder shows to be free from one that it sees:
         0 for the exact visibility polygon. The region between two neighbouring beams of a laser
         is the triangle of its place and one point on each beam; a point of it is an average of
         the place and the ends of the triangle, so that one on the longer beam, as far along it,

@@ -3,19 +3,19 @@
 A *witness* is a square of the plane; its area is that of the places in it that bodies can reach,
 which is explorable. Its *region* are the places from which any point of it is seen. A team that
 has been in none of the region has seen nothing of the witness. So, whichever witnesses a team has
-seen nothing of, their areas sum to no more than what may be left unseen; and the ways of the
+seen nothing of, their areas sum to no more than what may be left unseen; and the paths of the
 robots come into the regions of all others. How long they must be for that in total is bounded by
 `least_total_way`, from distances between regions. The farther apart the regions are, the better:
 witnesses in dead ends and behind corners, with small regions, are tried first.
 
 **Theorem.** Take those witnesses whose regions are farther than a distance r from all starts. Let
-B bound, as `least_total_way` does, the total length of the parts of the robots' ways that lie
+B bound, as `least_total_way` does, the total length of the parts of the robots' paths that lie
 farther than r from all starts, where the distances between two regions and to them count only as
 far as they must lie there: min(d(i, j), d(i) - r + d(j) - r) and d(i) - r. Let B be positive.
 A robot that comes farther than r from the starts needs r to do so, and has v t - r left by time
 t. If j robots do, with a sum of speeds V, then V t - j r >= B; so t is at least the minimum over
-j of (B + j r) / V for the j fastest robots. For r = 0 this is the total way over the speed of
-the team; for a large r the time to the last few witnesses.
+j of (B + j r) / V for the j fastest robots. For r = 0 this is the total path length over the speed
+of the team; for a large r the time to the last few witnesses.
 
 **Regions.** Computed regions hold the true ones. A robot at x that is shown a point of a witness
 to be free sees a point y at most `Member.spread_m` away from it. The segment from x to the point
@@ -69,13 +69,13 @@ APART_M: Final = 0.8
 """Their distance from each other in metres, at least."""
 
 BORDER_M: Final = 0.05
-"""Largest distance in metres of a point of a witness's border from one that is looked from."""
+"""Maximum distance in metres of a point of a witness's border from one that is looked from."""
 
 ROUNDING_M: Final = 2e-3
 """Free space is widened by this much more, in metres; coordinates may be rounded to a grid."""
 
 ARC_M: Final = 0.01
-"""Largest distance in metres of the arc of a range from its chords, by which it is longer."""
+"""Maximum distance in metres of the arc of a range from its chords, by which it is longer."""
 
 PRICES_M: Final = (4.0, 8.0, 16.0, 32.0)
 """Prices that are tried for an average witness left out."""
@@ -97,7 +97,7 @@ class Witnesses:
     lattice : Lattice
         Cells over the places that bodies can reach.
     ways : ShortestWays
-        Ways through these places.
+        Paths through these places.
     squares : (n, 4) array
         x0, y0, x1, y1 of each witness in metres.
     areas_m2 : (n,) array
@@ -105,7 +105,7 @@ class Witnesses:
     regions : tuple of (k,) arrays of int
         The corners of the cells that the region of each touches, numbered by `ways`.
     between : (n, n) array
-        Lower bounds in metres of the ways between two regions.
+        Lower bounds in metres of the paths between two regions.
     """
 
     lattice: Lattice
@@ -116,7 +116,7 @@ class Witnesses:
     between: FloatArray
 
     def from_starts(self, starts: Sequence[tuple[float, float]]) -> FloatArray:
-        """Return lower bounds in metres of the ways from the nearest start to each region."""
+        """Return lower bounds in metres of the paths from the nearest start to each region."""
         here = self.ways.corners(self.lattice.cells_at(np.array(sorted(set(starts)))))
         lengths = self.ways.from_any(here)
         least: FloatArray = np.array([lengths[region].min() for region in self.regions])
@@ -166,7 +166,7 @@ def witness_s(
 def _way_beyond(
     known: Witnesses, start: FloatArray, distance: float, unseen_m2: float, robots: int
 ) -> float:
-    # A lower bound of the total way beyond a distance from the starts.
+    # A lower bound of the total path length beyond a distance from the starts.
     far = np.flatnonzero(start > distance)
     beyond = start[far] - distance
     between = np.minimum(known.between[np.ix_(far, far)], beyond[:, None] + beyond[None, :])
@@ -287,7 +287,7 @@ def _border(corner: tuple[float, float], side_m: float) -> FloatArray:
 
 
 def _square_sums(areas: FloatArray, side: int) -> FloatArray:
-    # The areas of squares of cells; what is left at the upper and right borders is no witness.
+    # The areas of squares of cells; what is left at the upper and right borders is not a witness.
     rows, columns = areas.shape[0] // side, areas.shape[1] // side
     squares = areas[: rows * side, : columns * side].reshape(rows, side, columns, side)
     sums: FloatArray = squares.sum(axis=(1, 3))

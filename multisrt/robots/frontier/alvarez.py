@@ -11,7 +11,7 @@ known area, and the path to that place is the shortest one, not one from cell to
   (`patience`); then the protective stop and `giving_way` decide.
 - Goals are compared whenever one is new, and swapped only if the sum of the two paths does not grow
   by more than the width of a cell. As a swap shortens the shorter of the two paths, robots do not
-  swap for ever.
+  swap forever.
 - A cell counts as inaccessible once every robot that is present (`Teammates.present`) has found
   it so, not every robot of the team. Robots also report the places at the edge of the known area
   that they reached in vain.
@@ -54,7 +54,7 @@ from multisrt.robots.frontier.robot import FrontierRobot
 from multisrt.robots.frontier.wavefront_rules import Choice, choose_closest
 
 SCORES_KEPT = 10
-"""Number of the best cells that are put on record with a choice."""
+"""Number of the best cells that are recorded with a choice."""
 
 REPLANNING_EVENTS = (Event.START, Event.NEWS, Event.CALLED_ON, Event.BLOCKED)
 """Events after which a robot chooses another cell even if its own is still unexplored."""
@@ -150,7 +150,7 @@ class Rules:
         return () if because == Event.NO_WAY and robot.car is not None else (place,)
 
     def wander(self, robot: FrontierRobot, because: Event) -> Choice:
-        """RANDOM GOAL: choose a random place that is known, to go on from there."""
+        """RANDOM GOAL: choose a random place that is known, to continue from there."""
         robot.team.cells.aim = None
         self.in_vain, goal = 0, None
         with robot.around_bodies():

@@ -32,7 +32,7 @@ class Attempt:
     Attributes
     ----------
     nearest_m : float
-        Least length of the path that was left.
+        Minimum length of the path that was left.
     in_vain : int
         Number of motions since that did not bring the car nearer, with nothing new in the map.
     revision : int
@@ -65,7 +65,7 @@ class CarDriver:
     Attributes
     ----------
     route : Route
-        The motion in progress, and how it can go on from there.
+        The motion in progress, and how it can continue from there.
     """
 
     def __init__(
@@ -123,7 +123,7 @@ class CarDriver:
         """Record how far the car came on its motion, which began at `set_out_s`."""
         self.route.note_driven(moved.time_s - set_out_s)
         if moved.blocked_by is not None:
-            # The next motion counts as another attempt, so that the same is not tried for ever.
+            # The next motion counts as another attempt, so that the same is not tried forever.
             self._aim = None
 
     def leave_by_exit(self, path: FloatArray, apart_m: float) -> Trajectory | None:
@@ -134,7 +134,7 @@ class CarDriver:
         path : (n, 2) array
             The path of the other robot in metres.
         apart_m : float
-            Least distance from it in metres.
+            Minimum distance from it in metres.
 
         Returns
         -------

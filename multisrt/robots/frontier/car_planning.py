@@ -35,7 +35,7 @@ from multisrt.robots.frontier.scan_map import ScanMap
 from multisrt.robots.knowledge import Node
 
 HORIZON = 1.5
-"""How far along its path a car plans, in ranges of its range finder."""
+"""Distance along its path that a car plans, in ranges of its range finder."""
 
 SPACING_M = 0.5
 """Spacing, along a path, of the places that are tried as ends."""
@@ -98,7 +98,7 @@ class CarPlanner:
     def plan(
         self, path: FloatArray, starts: Sequence[Trajectory], seen: Sequence[Sighting]
     ) -> Excursion | None:
-        """Plan a motion along a path, and one back to where the car knows how to go on.
+        """Plan a motion along a path, and one back to where the car knows how to continue.
 
         Parameters
         ----------

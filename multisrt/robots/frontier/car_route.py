@@ -1,4 +1,4 @@
-"""The motion that a car is making, and the motions by which it can always go on from there.
+"""The motion that a car is making, and the motions by which it can always continue from there.
 
 A car must never be caught. The *exit* from a configuration is a sequence of motions, known to be
 free, that lead away from it. A car that can reverse goes back as it came. One that cannot sets out
@@ -32,7 +32,7 @@ Exit = tuple[Trajectory, ...]
 
 
 class Excursion(NamedTuple):
-    """A motion to somewhere, from here or from a place on the exit, and how to go on from there.
+    """A motion to somewhere, from here or from a place on the exit, and how to continue from there.
 
     Attributes
     ----------
@@ -95,7 +95,7 @@ class Leg:
 
 
 class Route:
-    """What a car drives now, and its exit.
+    """The current motion of a car, and its exit.
 
     Parameters
     ----------

@@ -24,7 +24,7 @@ class Course:
     at : Configuration
         Where it stands; during a motion, where that motion began.
     time_s : float
-        Time of the last outcome that it was told of, in seconds.
+        Time of the last outcome that it received, in seconds.
     goal : Goal or None
         Where it is going.
     goal_chosen_s : float

@@ -86,7 +86,7 @@ def drive_leg(
     Returns
     -------
     Event or Sighting or None
-        Why driving ended, as `drive` returns it; None if it goes on.
+        Why driving ended, as `drive` returns it; None if it continues.
     """
     car = robot.car
     if car is None:

@@ -1,4 +1,4 @@
-"""What one robot that goes to frontiers does from beginning to end.
+"""The explorer of frontier bidding, from beginning to end.
 
 Where the procedures of the papers are:
 
@@ -245,7 +245,7 @@ class FrontierExplorer:
         return Event.CALLED_ON
 
     def boxed_in(self, by: Iterable[int]) -> Done:
-        """Return the end of a robot in all of whose ways others stand."""
+        """Return the end of a robot all of whose paths others block."""
         return Done(
             complete=False,
             reason=boxed_in_by(by),

@@ -1,8 +1,8 @@
 """Robots that stand in each other's way: detours, asking, and making room.
 
 Source: Álvarez, section "Conflicts between robots": of robots that meet, the first to notice
-leads and goes on, and the others pause. Differs in: where a pause is not enough, as in a passage no
-wider than one body, the other leaves the leader's path.
+leads and continues, and the others pause. Differs in: where a pause is not enough, as in a passage
+no wider than one body, the other leaves the leader's path.
 """
 
 from __future__ import annotations

@@ -11,11 +11,11 @@ from multisrt.robots.knowledge import Counts, Node
 from multisrt.robots.messages import Message
 
 Phase = Literal["choosing", "driving", "idle"]
-"""What a robot is doing: it has no goal yet, is on its way to one, or has nothing to do."""
+"""State of a robot: it has no goal yet, is on its way to one, or has nothing to do."""
 
 
 class RobotReport(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
-    """What a robot says of itself; a later report replaces an earlier one.
+    """A robot's report of itself; a later report replaces an earlier one.
 
     Attributes
     ----------
@@ -115,7 +115,7 @@ class GiveWayMessage(Message, frozen=True, kw_only=True):
 
 
 class StopMessage(Message, frozen=True, kw_only=True):
-    """Tells a robot that its goal is no longer a frontier (SBX-R: stop signal).
+    """Informs a robot that its goal is no longer a frontier (SBX-R: stop signal).
 
     Attributes
     ----------

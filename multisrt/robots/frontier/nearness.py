@@ -119,7 +119,7 @@ def hold_command(
 
 
 def lead(robot: FrontierRobot, path: FloatArray, lookahead_m: float) -> Place:
-    """Return the farthest place on a path, up to the lookahead, to which the way is straight."""
+    """Return the farthest place on a path, up to the lookahead, to which the path is straight."""
     boundary, (x, y, _) = robot.map.boundary, robot.at
     best = path[min(1, len(path) - 1)].tolist()
     for place in corners_within(path, lookahead_m):

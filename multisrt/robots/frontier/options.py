@@ -31,7 +31,7 @@ class FrontierOptions(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
     min_frontier_m : float or None
         Groups of frontier cells that are shorter than this are dropped; None: the body's width.
     replan : {"news", "target"}
-        Whether a goal is chosen anew whenever the map has changed, or only when the last one is
+        Whether a goal is chosen again whenever the map has changed, or only when the last one is
         reached or nothing is left to be seen there.
     replan_period_s : float
         Minimum time between two choices because of news, in seconds.
@@ -55,12 +55,12 @@ class FrontierOptions(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
         Scale of the random times after which robots in each other's way try again, in seconds:
         up to this where a robot that was asked to leave has answered, where the asked robot finds
         no place to go to, and after `max_instant_goals`; half of this to one and a half times
-        this after a robot gave way, and where one waits for others to leave the ways to the last
+        this after a robot gave way, and where one waits for others to leave the paths to the last
         frontiers.
     patience : int
         How often a robot asks another to give way before it looks for another path or goal.
     max_waits : int
-        How often, with nothing new in its map, a robot waits for others to leave the ways to the
+        How often, with nothing new in its map, a robot waits for others to leave the paths to the
         last frontiers before it is done. A wait takes about `pause_s`, so the default is about a
         minute: longer than two robots need to pass each other in a corridor.
     max_jams : int
@@ -68,7 +68,7 @@ class FrontierOptions(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
         let each other pass before it is done. Crowds in narrow places need many attempts.
     max_instant_goals : int
         How many goals in a row may end at the moment they were chosen before a robot pauses.
-        Without pauses, robots that stop each other at once would choose for ever.
+        Without pauses, robots that stop each other at once would choose forever.
     detour_factor : float
         A detour round another robot may be longer than the path by this factor...
     detour_extra_m : float
@@ -178,7 +178,7 @@ class UtilityOptions(BiddingOptions, frozen=True, kw_only=True, forbid_unknown_f
     Attributes
     ----------
     replan : {"target", "news"}
-        As above; in the paper goals are given anew whenever a robot needs one.
+        As above; in the paper goals are reassigned whenever a robot needs one.
     beta : float
         Weight of the path length against the utility (Burgard et al.: beta).
     """

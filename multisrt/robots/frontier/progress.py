@@ -31,7 +31,7 @@ DRIVING       The robot drives to its goal.
 MEETING       The protective stop has ended a motion before another body. The robot looks for a
               detour, or asks the other to give way.
 YIELDING      The robot makes room, as it was asked to.
-WAITING       Only bodies that may still leave bar the ways to the last frontiers.
+WAITING       Only bodies that may still leave bar the paths to the last frontiers.
 BOXED_IN      Bodies that do not leave bar them; the robot is done until it hears something new.
 COMPLETE      No frontier is left that it can reach; the robot is done until it hears something new.
 ============  ======================================================================================
@@ -69,7 +69,7 @@ from multisrt.robots.frontier.options import FrontierOptions
 
 
 class State(Enum):
-    """What a robot is doing; see the drawing above."""
+    """State of a robot; see the drawing above."""
 
     CHOOSING = auto()
     DRIVING = auto()
@@ -81,14 +81,14 @@ class State(Enum):
 
 
 class Event(StrEnum):
-    """What ends a state. The value is the reason on record of a choice that follows."""
+    """What ends a state. The value is the recorded reason of a choice that follows."""
 
     START = "start"
     """The robot has looked round for the first time."""
     REACHED = "reached"
     """The goal is reached."""
     NEWS = "news"
-    """The map has changed, so that a goal may be chosen anew."""
+    """The map has changed, so that a goal may be chosen again."""
     NOTHING_LEFT = "nothing left"
     """Nothing is left to be seen at the goal."""
     NO_WAY = "no way"
@@ -113,9 +113,9 @@ class Event(StrEnum):
     ASKED = "asked"
     """Another robot wants this one to give way."""
     BARRED = "barred"
-    """Frontiers are left, and only bodies that may leave bar the ways to them."""
+    """Frontiers are left, and only bodies that may leave bar the paths to them."""
     BOXED_IN = "boxed in"
-    """Frontiers are left, and bodies that do not leave bar the ways to them."""
+    """Frontiers are left, and bodies that do not leave bar the paths to them."""
     JAMMED = "jammed"
     """The robot and others have too often failed to let each other pass."""
     EXPLORED = "explored"
@@ -157,12 +157,12 @@ TRANSITIONS: Final[Mapping[State, Mapping[Event, State]]] = MappingProxyType(
         State.COMPLETE: {Event.CALLED_ON: State.CHOOSING, Event.ASKED: State.YIELDING},
     }
 )
-"""Where each event leads from each state."""
+"""Transitions: the next state by state and event."""
 
 
 @dataclass(slots=True)
 class Standstill:
-    """What a robot has tried in vain since it last moved.
+    """The unsuccessful attempts of a robot since it last moved.
 
     Attributes
     ----------
@@ -203,7 +203,7 @@ class Progress:
         What ended the state before.
     is_hasty : bool
         Whether too many goals in a row have ended at the moment they were chosen. The robot then
-        pauses: others go on meanwhile, and what kept it from its goals may be over.
+        pauses: others continue meanwhile, and what kept it from its goals may be over.
     """
 
     def __init__(self, options: FrontierOptions, course: Course, raster: Occupancy) -> None:
@@ -222,7 +222,7 @@ class Progress:
         self._instant_goals = 0
 
     def advance(self, event: Event) -> None:
-        """Go on to the next state.
+        """Continue to the next state.
 
         Raises
         ------
@@ -244,7 +244,7 @@ class Progress:
 
     @property
     def standstill(self) -> Standstill:
-        """What was tried in vain here; a new one once the robot has moved."""
+        """The unsuccessful attempts here; a new one once the robot has moved."""
         here, revision = self._course.at[:2], self._raster.revision
         if math.dist(here, self._standstill.place) > MOVED_M:
             self._standstill = Standstill(here, revision)
@@ -285,7 +285,7 @@ class Progress:
         """Whether the robot has waited fewer times than allowed since its map last changed.
 
         Moving does not give it new patience: robots that make room for each other by turns would
-        wait for ever.
+        wait forever.
         """
         return self._waits_here() < self._options.max_waits
 

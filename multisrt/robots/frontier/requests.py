@@ -1,4 +1,4 @@
-"""What the other robots of the team want from this one."""
+"""Requests of the other robots of the team to this one."""
 
 from __future__ import annotations
 

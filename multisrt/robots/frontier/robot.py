@@ -35,7 +35,7 @@ Watch = Callable[["FrontierRobot"], Steps]
 
 
 class FrontierRobot:
-    """What the rules of frontier bidding work on: one robot's knowledge and its place.
+    """The input of the rules of frontier bidding: one robot's knowledge and its place.
 
     The parts hold no reference to the robot, so that all of it is freed with the last reference
     to it.
@@ -107,7 +107,7 @@ class FrontierRobot:
 
     @property
     def at(self) -> Configuration:
-        """Where the robot stands; during a motion, where that motion began."""
+        """Position of the robot; during a motion, where that motion began."""
         return self.course.at
 
     @property
@@ -117,12 +117,12 @@ class FrontierRobot:
 
     @property
     def goal(self) -> Goal | None:
-        """Where it is going."""
+        """Its goal."""
         return self.course.goal
 
     @property
     def raster(self) -> Occupancy:
-        """What it knows of every cell."""
+        """Its knowledge of every cell."""
         return self.map.raster
 
     def targets(self) -> FloatArray:
@@ -241,7 +241,7 @@ class FrontierRobot:
             yield from self._watch(self)
 
     def tell_when_complete(self) -> Steps:
-        """Put on record, once, that no frontier is left that the robot could reach.
+        """Record, once, that no frontier is left that the robot could reach.
 
         Frontier behind bodies counts as left: they may go.
         """

@@ -1,4 +1,4 @@
-"""What one robot knows of the world: what it has seen, and what others have told it."""
+"""One robot's knowledge of the world: what it has seen, and what others have reported."""
 
 from __future__ import annotations
 

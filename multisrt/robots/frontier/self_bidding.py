@@ -164,16 +164,16 @@ def path_gaps(
     others : (k, 2) array
         The places in metres.
     step_m : float
-        Largest spacing of the points compared along a path in metres.
+        Maximum spacing of the points compared along a path in metres.
     first_phi_m : float
         The smallest radius that the result will be compared with, in metres.
 
     Returns
     -------
     (m,) array
-        Metres; ``inf`` where no path leads. Where a path is certain to stay within `first_phi_m`,
-        an upper bound: the straightened path lies in every circle that holds the cells of the
-        descent that it is pulled from.
+        Metres; ``inf`` where there is no path. Where a path is certain to stay within
+        `first_phi_m`, an upper bound: the straightened path lies in every circle that holds the
+        cells of the descent that it is pulled from.
     """
     costs = field.distance(indices)
     gaps = np.where(np.isfinite(costs), 0.0, np.inf)
@@ -234,7 +234,7 @@ def farthest_along(path: FloatArray, step_m: float, places: FloatArray) -> float
 
 
 def send_stop_signals(robot: FrontierRobot) -> Generator[Action, Outcome, None]:
-    """STOP SIGNAL: tell other robots when their goals are no longer frontiers.
+    """STOP SIGNAL: inform other robots when their goals are no longer frontiers.
 
     Called after every scan that added a node of the robot's own.
     """

@@ -38,7 +38,7 @@ SAME_GOAL_M = 1e-9
 
 @dataclass(slots=True)
 class SharedCells:
-    """What robots that go by the rules of Álvarez agree on.
+    """The state that robots with the rules of Álvarez agree on.
 
     Attributes
     ----------
@@ -251,7 +251,7 @@ class Team(Listener):
     def _owes_report(self, report: RobotReport) -> bool:
         """Whether to report to a robot that lacks nodes, and record that it is done.
 
-        A robot with nothing to do does not report by itself, so the other would not hear of them.
+        A robot with nothing to do does not report unasked, so the other would not hear of them.
         """
         if self.phase != "idle":
             return False

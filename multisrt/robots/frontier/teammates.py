@@ -1,4 +1,4 @@
-"""What one robot knows of the other robots of its team, from their reports."""
+"""One robot's knowledge of the other robots of its team, from their reports."""
 
 from __future__ import annotations
 

@@ -41,7 +41,7 @@ class Table:
     robots : tuple of int
         Ids of the robots that are taken into account.
     costs : (n, m) array
-        Path lengths in metres; ``inf`` where no path leads or none was computed.
+        Path lengths in metres; ``inf`` where there is no path or none was computed.
     field : DistanceField or None
         Distances from the deciding robot; None if no passable cell is near it.
     row : int
@@ -79,7 +79,7 @@ class WavefrontCosts:
     targets : (m, 2) array
         Targets of the frontiers in metres.
     costs : (n, m) array
-        Path lengths in metres; ``inf`` where no path leads or none was computed.
+        Path lengths in metres; ``inf`` where there is no path or none was computed.
     """
 
     def __init__(self, robot: FrontierRobot, *, alone: bool = False, whole: bool = False) -> None:

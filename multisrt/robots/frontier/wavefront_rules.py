@@ -1,6 +1,6 @@
 """Frontier rules that every robot decides alone: closest, greedy and MinPos.
 
-The rules themselves are in `planners.assignment`. Here they are asked on the robot's own map, and
+The rules themselves are in `planners.assignment`. Here they are applied to the robot's own map, and
 the decision is recorded with what it was based on.
 
 Source: the papers named there. Differs in: where they count all robots, `greedy` and `minpos` leave

@@ -33,9 +33,9 @@ MIN_ASIDE_GAPS = 2.0
 class KnownAlternatives:
     """Finds other targets, detours and ways aside for the robots of a group.
 
-    For a car there are only ways aside to nodes: where it has not been, only itself can tell how it
-    would come back. The way to a node is checked as a straight line in constant heading, whatever
-    the motion is that the robot then makes; the protective stop guards the difference.
+    For a car there are only ways aside to nodes: where it has not been, only itself can compute how
+    it would come back. The path to a node is checked as a straight line in constant heading,
+    whatever the motion is that the robot then makes; the protective stop guards the difference.
 
     Parameters
     ----------
@@ -79,7 +79,7 @@ class KnownAlternatives:
     ) -> Iterator[Trajectory]:
         """Find places in a robot's region from which its target is reached straight.
 
-        From there the way passes the bodies where they stand at a distance of `gap_m`.
+        From there the path passes the bodies where they stand at a distance of `gap_m`.
         """
         state, body = self._team.state_of(robot), self._body(robot)
         if state.node is None or isinstance(state.kinematics, Car):
@@ -105,12 +105,12 @@ class KnownAlternatives:
         """Find where a robot could leave another's way, the nearest place first.
 
         First straight in its region, then the nearest node of the roadmap that is out of the
-        way, towards which it makes one hop.
+        path, towards which it makes one hop.
 
         Yields
         ------
         length_m : float
-            Length of the way to there.
+            Length of the path to there.
         motion : Trajectory
             The first step.
         node : NodeId or None

@@ -83,7 +83,7 @@ class SrtExplorer:
                     f"{named_robots(others)} are left to others or out of reach"
                 )
         return Done(
-            # What is left is behind robots that cannot be told to leave, if it is anywhere.
+            # What is left is behind robots that cannot be ordered to leave, if it is anywhere.
             complete=not open_m and not may_leave,
             reason=reason,
             frontier=tuple(segment for arcs in frontier for segment in segments_of(arcs)),

@@ -136,7 +136,7 @@ def decide(
     gpr: tuple[int, ...],
     ger: tuple[int, ...],
 ) -> Generator[Action, Outcome, tuple[bool, Step | None]]:
-    """Choose a target, unless the robot is still on its way to one; and tell the group.
+    """Choose a target, unless the robot is still on its way to one; and inform the group.
 
     Returns
     -------
@@ -210,7 +210,7 @@ def _decision(
 
 
 def _is_worth_it(robot: SrtRobot) -> bool:
-    # Whether the target has a frontier still, and the way there is free.
+    # Whether the target has a frontier still, and the path there is free.
     target = robot.journey.target
     if target is None or target.way[0] != robot.at.here:
         return False

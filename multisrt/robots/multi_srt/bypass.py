@@ -1,8 +1,8 @@
-"""Ways through the known space where the roadmap has none.
+"""Paths through the known space where the roadmap has none.
 
 The paper's robots never die, and its roadmap joins all trees. Here the body of a robot that does
 not answer may block an edge of the roadmap where there is room to pass, and trees may touch where
-no two nodes see each other. Such a way is found on a raster of the known space, without the
+no two nodes see each other. Such a path is found on a raster of the known space, without the
 bodies; its first straight piece becomes the next edge of the tree.
 """
 
@@ -30,7 +30,7 @@ CELLS_PER_RADIUS = 5.0
 """Cells of the raster along the circumscribed radius of the body."""
 
 BEYOND_CELLS = 0.1
-"""Margin in cells around bodies: straight ways between cells beyond it keep off the bodies."""
+"""Margin in cells around bodies: straight paths between cells beyond it keep off the bodies."""
 
 Wanted = Callable[[NodeId], bool]
 """Whether a node is one of those that are looked for."""
@@ -46,9 +46,9 @@ class Track:
     Attributes
     ----------
     found_at : NodeId
-        The node at which the robot was when it found the way.
+        The node at which the robot was when it found the path.
     start : NodeId
-        The node at which the way leaves the roadmap.
+        The node at which the path leaves the roadmap.
     along : (n, 2) array
         Places along it, cell by cell, in metres.
     end : NodeId or None
@@ -65,9 +65,9 @@ class Track:
 
 
 class Bypass:
-    """Finds ways off the roadmap for one robot, and remembers the last one.
+    """Finds paths off the roadmap for one robot, and remembers the last one.
 
-    A car has no such ways: it would need curves of its own.
+    A car has no such paths: it would need curves of its own.
 
     Parameters
     ----------
@@ -269,8 +269,8 @@ class _Grid:
 
 
 def _best_start(field: DistanceField, spots: IntArray, before_m: FloatArray) -> int | None:
-    # The cell at which to leave the roadmap for the shortest way in total. The front of the field
-    # advances only as far as a way may be shorter than that over the first cell it reaches.
+    # The cell at which to leave the roadmap for the shortest path in total. The front of the field
+    # advances only as far as a path may be shorter than that over the first cell it reaches.
     nearest = field.first(spots)
     if nearest is None:
         return None

@@ -21,7 +21,7 @@ from multisrt.robots.protective_stop import conflict, max_gap, planned_gap
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Prospect:
-    """What a robot would do in this step.
+    """The plan of a robot for this step.
 
     Attributes
     ----------
@@ -45,12 +45,12 @@ class Prospect:
 
     @cached_property
     def body(self) -> Sweep:
-        """What its body covers where it stands."""
+        """Area that its body covers where it stands."""
         return Sweep(self.footprint, Trajectory(self.motion.waypoints[:1]))
 
     @cached_property
     def way(self) -> Sweep:
-        """What its body sweeps on the way; the body, if it stays."""
+        """Area that its body sweeps on the way; the body, if it stays."""
         return Sweep(self.footprint, self.motion) if self.moves else self.body
 
     @cached_property
@@ -116,19 +116,19 @@ class Conflicts:
         return max(ax0 - bx1, bx0 - ax1) < gap and max(ay0 - by1, by0 - ay1) < gap
 
     def gap(self, i: int, j: int) -> float:
-        """Return the distance in metres that the ways of two robots have to keep."""
+        """Return the distance in metres that the paths of two robots have to keep."""
         apart_m = self.prospects[i].body.distance_to(self.prospects[j].body)
         return planned_gap(apart_m, self.guard_m)
 
     def meet(self, i: int, way_i: Sweep, j: int, way_j: Sweep) -> bool:
-        """Return whether ways of two robots conflict; those that both stay never do."""
+        """Return whether paths of two robots conflict; those that both stay never do."""
         body_i, body_j = self.prospects[i].body, self.prospects[j].body
         if way_i is body_i and way_j is body_j:
             return False
         return conflict(way_i, body_i, way_j, body_j, self.guard_m)
 
     def in_the_way(self, i: int) -> list[int]:
-        """Return the robots whose bodies stand in the planned way of one."""
+        """Return the robots whose bodies stand in the planned path of one."""
         way = self.prospects[i].way
         return [
             j

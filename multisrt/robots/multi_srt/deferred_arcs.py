@@ -27,7 +27,7 @@ from multisrt.robots.multi_srt.roster import Roster
 
 @dataclass(slots=True, eq=False)
 class _Body:
-    # A body that bars ways, where it was seen; whether its robot could be asked to leave then;
+    # A body that bars paths, where it was seen; whether its robot could be asked to leave then;
     # whether it was asked since if it is still there; and whether it is gone.
     sighting: Sighting
     responded: bool
@@ -52,7 +52,7 @@ class DeferredArcs:
     says that it moves or stands elsewhere, and when a robot that did not respond does so again.
 
     The arcs of one node are opened again at most `max_reopenings` times: robots that give way to
-    each other by turns would otherwise try the same for ever. After that they are left for good,
+    each other by turns would otherwise try the same forever. After that they are left for good,
     but stay open in the map.
 
     Parameters
@@ -188,7 +188,7 @@ class DeferredArcs:
         return body
 
     def _hear(self) -> None:
-        # Note the bodies that are gone by what their robots, or others, have told.
+        # Note the bodies that are gone by the reports of their robots, or of others.
         for number, body in list(self._standing.items()):
             if not self._roster.responds(number):
                 continue

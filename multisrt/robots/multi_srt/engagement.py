@@ -2,9 +2,9 @@
 
 Source: Multi-SRT, paper section 2, "Construction of GPR/GER"; differs in: the paper leaves open
 how robots agree. Here a group is named by its members and the number of the step that each is
-about to make (its key). A member goes on when all others have said that they have reached the same
-phase with the same key; so no robot moves by a group that another member does not know, whatever
-messages are delayed or lost. There are three exceptions:
+about to make (its key). A member continues when all others have said that they have reached the
+same phase with the same key; so no robot moves by a group that another member does not know,
+whatever messages are delayed or lost. There are three exceptions:
 
 - A member that stands idle in the step that the key names need not say anything.
 - The orders of a master end the waiting: it had the plans of all when it gave them.
@@ -27,7 +27,7 @@ REACHED: dict[Phase, int] = {"waiting": 0, "perceived": 1, "planned": 2, "moving
 
 
 class Regroup(Exception):
-    """The group has changed since it was built: the step begins anew, without perceiving again."""
+    """The group has changed since it was built: the step begins again, without perceiving again."""
 
 
 def build_and_wait_gpr(robot: SrtRobot) -> Generator[Action, Outcome, tuple[int, ...]]:
@@ -91,7 +91,7 @@ def build_ger(robot: SrtRobot, gpr: tuple[int, ...]) -> Generator[Action, Outcom
 
 
 def agree(robot: SrtRobot, group: Iterable[int]) -> Steps:
-    """Tell the group what this robot plans, and wait for the plans of the others.
+    """Send the group what this robot plans, and wait for the plans of the others.
 
     Raises
     ------
@@ -102,7 +102,7 @@ def agree(robot: SrtRobot, group: Iterable[int]) -> Steps:
 
 
 def _meet(robot: SrtRobot, group: Iterable[int], phase: Phase) -> Steps:
-    # Tell that this robot has reached a phase, and wait until all others have.
+    # Announce that this robot has reached a phase, and wait until all others have.
     team, at = robot.team, robot.at
     yield from team.announce(phase)
     others = [number for number in group if number != team.number]
@@ -124,7 +124,7 @@ def _meet(robot: SrtRobot, group: Iterable[int], phase: Phase) -> Steps:
 
 def _go_on_without(robot: SrtRobot, late: list[int]) -> None:
     # Robots that hear one another, but not the same others, may never agree on the group. Rather
-    # than wait for ever, this one goes around them, guarded by its protective stop.
+    # than wait forever, this one goes around them, guarded by its protective stop.
     for number in late:
         robot.team.roster.left_out_until_s[number] = robot.at.time_s + robot.options.left_out_s
         robot.avoid(number)

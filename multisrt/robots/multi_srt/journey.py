@@ -1,4 +1,4 @@
-"""The way of one robot to its target, step by step."""
+"""The path of one robot to its target, step by step."""
 
 from __future__ import annotations
 
@@ -83,8 +83,8 @@ class Journey:
     def past_here(self, target: Target) -> Target | None:
         """Return the remainder of a target after the nodes at the very place of the robot.
 
-        These count as reached: a motion without length cannot be told from standing, and no
-        master would let the robot go. None, if the target itself is one of them.
+        These count as reached: a motion without length cannot be distinguished from standing, and
+        no master would let the robot go. None, if the target itself is one of them.
         """
         at = self._at
         while len(target.way) > 1:
@@ -147,7 +147,7 @@ class Journey:
                 parent=here,
                 order=order.order,
             )
-        # A detour: from the new place the robot goes on to where it was going.
+        # A detour: from the new place the robot continues to where it was going.
         target = self.target
         rest = None
         if order.order == "new target" and target is not None:
@@ -162,7 +162,7 @@ class Journey:
         )
 
     def resume(self) -> None:
-        """At a new node on a detour, go on to the old target where a straight way leads to it."""
+        """At a new node on a detour, go on to the old target where a straight path leads to it."""
         target, here = self.target, self._at.node
         if target is None or target.way[0] == here:
             return
@@ -170,7 +170,7 @@ class Journey:
         node = self._map[here]
         seen = [n.region.boundary for n in (node, *self._parent(node))]
         if isinstance(target, NewPlace) and len(target.way) == 1:
-            # Where the new node has a frontier, the planner chooses anew.
+            # Where the new node has a frontier, the planner chooses again.
             if self._map.has_frontier(here) or self._ways.is_car:
                 return
             if any(self._goes_straight(around, target.x, target.y) for around in seen):

@@ -47,14 +47,14 @@ def motion_of(path: Path) -> Trajectory:
 
 
 class RobotState(msgspec.Struct, frozen=True, kw_only=True):
-    """What a robot tells of itself; a newer state replaces an older one.
+    """A robot's report of itself; a newer state replaces an older one.
 
     Attributes
     ----------
     robot : int
         Its number.
     said : int
-        Number of this state among all that it has told: the larger is the newer.
+        Number of this state among all that it has reported: the larger is the newer.
     step : int
         Number of steps that it has made.
     phase : Phase
@@ -122,7 +122,7 @@ class StateMessage(Message, frozen=True, kw_only=True):
     asked : tuple of int
         Robots that are to answer in any case.
     entries : tuple of Node or Closing
-        Its own entries that it has not told to all yet, and those of others that it knows beyond
+        Its own entries that it has not sent to all yet, and those of others that it knows beyond
         a gap in their numbers.
     """
 
@@ -140,7 +140,7 @@ class StateMessage(Message, frozen=True, kw_only=True):
 
 
 class Order(msgspec.Struct, frozen=True, kw_only=True):
-    """What a master orders one robot to do in this step.
+    """The order of a master to one robot in this step.
 
     Attributes
     ----------

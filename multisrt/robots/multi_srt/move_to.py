@@ -1,4 +1,4 @@
-"""MOVE_TO: how a robot makes a step, and what it does when it is stopped or told to wait."""
+"""MOVE_TO: how a robot makes a step, and what it does when it is stopped or ordered to wait."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ def wait(robot: SrtRobot) -> Steps:
 
 
 def set_out(robot: SrtRobot, motion: Trajectory) -> Steps:
-    """Tell the team that a motion begins."""
+    """Inform the team that a motion begins."""
     status = robot.team.status
     status.path, status.arrival_s = path_of(motion), robot.at.time_s + motion.duration_s
     yield from robot.team.announce("moving")
@@ -133,14 +133,14 @@ def drive(
 
 
 def stop_here(robot: SrtRobot, step: Step, moved: Moved) -> Steps:
-    """After a protective stop, plan anew from where the robot stands.
+    """After a protective stop, plan again from where the robot stands.
 
-    A car that cannot reverse has no way back from there: it waits, and goes on.
+    A car that cannot reverse has no way back from there: it waits, and continues.
 
     Raises
     ------
     BoxedIn
-        If the way stays blocked for such a car.
+        If the path stays blocked for such a car.
     """
     whole, at = step.motion, robot.at
     robot.journey.target = None

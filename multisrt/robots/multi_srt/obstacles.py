@@ -90,7 +90,7 @@ class Obstacles:
     def berths(self) -> FloatArray:
         """Position of every body and the minimum distance of this body's centre to it, ``(n, 3)``.
 
-        For straight ways in any heading; x, y and distance in metres.
+        For straight paths in any heading; x, y and distance in metres.
         """
         return self._berths(self.all)
 
@@ -103,11 +103,11 @@ class Obstacles:
         return np.array(rows).reshape(-1, 3)
 
     def are_passed_by(self, ways: FloatArray) -> BoolArray:
-        """Return which straight ways ``(n, 4)`` keep off all bodies, in any heading."""
+        """Return which straight paths ``(n, 4)`` keep off all bodies, in any heading."""
         return paths_keep_clear(ways, self.berths)
 
     def on(self, ways: FloatArray) -> dict[int, Sighting]:
-        """Return the bodies, by robot, that some of these straight ways do not keep off."""
+        """Return the bodies, by robot, that some of these straight paths do not keep off."""
         return {
             number: sighting
             for number, sighting in self.all.items()

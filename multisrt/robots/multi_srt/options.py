@@ -72,12 +72,12 @@ class MultiSrtOptions(SrtOptions, frozen=True, kw_only=True, forbid_unknown_fiel
         Number of other targets that a master draws for a robot whose path conflicts, until one
         conflicts with no other robot; each of them takes up to `max_draws` candidates.
     max_waits : int
-        Steps in a row that a robot waits before it chooses its target anew. The default lets
+        Steps in a row that a robot waits before it chooses its target again. The default lets
         three other robots go first.
     crowded_after : int
         Setbacks without progress after which a robot stands aside when it is stopped, and takes
         a place near the end of a transfer as its end; see `multisrt.robots.multi_srt.progress`.
-        Two robots may stop one another a few times before the way of one of them is free.
+        Two robots may stop one another a few times before the path of one of them is free.
     jammed_after : int
         Setbacks without progress after which a robot plans around robots that stand idle: they
         have not cleared its way however often a master ordered them to.
@@ -86,12 +86,12 @@ class MultiSrtOptions(SrtOptions, frozen=True, kw_only=True, forbid_unknown_fiel
         its task. The pauses between them give a body that blocks the way time to leave.
     gives_up_after : int
         Setbacks without progress after which a robot gives up its task. Robots that block each
-        other, all of them on their way somewhere, would wait for ever.
+        other, all of them on their way somewhere, would wait forever.
     max_reopenings : int
         Number of times that the arcs of one node, which bodies barred, are taken up again when a
         body is gone. Robots that give way to each other by turns would otherwise never end.
     max_rounds : int
-        Rounds of questions within one step after which a robot goes on without those that do not
+        Rounds of questions within one step after which a robot continues without those that do not
         agree on the group. Robots that hear one another, but not the same others, may never.
     left_out_s : float
         Time for which it then leaves these out of its groups.
@@ -102,7 +102,7 @@ class MultiSrtOptions(SrtOptions, frozen=True, kw_only=True, forbid_unknown_fiel
         Time for which a robot that waits, and has heard news, waits for more of it.
     home_after_s : float
         Time after which a robot that has nothing left to do, and gave way, goes back to the root
-        of its own tree, if the way there over the roadmap is longer than its sensing range.
+        of its own tree, if the path there over the roadmap is longer than its sensing range.
     """
 
     guard_m: float = 0.1

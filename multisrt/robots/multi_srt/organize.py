@@ -28,7 +28,7 @@ are built greedily."""
 def best_targets(conflicts: Conflicts) -> tuple[int, ...]:
     """Choose the targets that are jointly feasible and of the largest total frontier length.
 
-    A robot may go to its target if its way conflicts with no way of the others that go, and with
+    A robot may go to its target if its path conflicts with no path of the others that go, and with
     no body of those that stay. Of equal sets that one is taken whose robots have waited longest,
     so that a robot that gave way does not step back at once; then the larger set, then that of
     the lower numbers.
@@ -65,7 +65,7 @@ def best_targets(conflicts: Conflicts) -> tuple[int, ...]:
 
 
 class Alternatives(Protocol):
-    """What a master knows of other motions that the robots of its group could make."""
+    """A master's knowledge of other motions that the robots of its group could make."""
 
     def new_targets(self, robot: int) -> Iterator[Trajectory]:
         """Draw other targets for a robot, in the order in which they are to be tried."""
@@ -73,7 +73,7 @@ class Alternatives(Protocol):
     def detours(
         self, robot: int, gap_m: float, prospects: Mapping[int, Prospect]
     ) -> Iterator[Trajectory]:
-        """Find first steps of ways around the bodies in a robot's way, shortest first."""
+        """Find first steps of paths around the bodies in a robot's way, shortest first."""
 
     def ways_aside(
         self, robot: int, way: Sweep, gap_m: float, prospects: Mapping[int, Prospect]
@@ -83,7 +83,7 @@ class Alternatives(Protocol):
         Yields
         ------
         length_m : float
-            Length of the way to there.
+            Length of the path to there.
         motion : Trajectory
             Its first step.
         node : NodeId or None
@@ -96,7 +96,7 @@ class Alternatives(Protocol):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Arrangement:
-    """What ORGANIZE decided.
+    """The decision of ORGANIZE.
 
     Attributes
     ----------
@@ -163,7 +163,7 @@ class _Grants:
         self.targets[i] = motion.end.x, motion.end.y
 
     def is_clear(self, i: int, way: Sweep) -> bool:
-        # Of the ways of all others, which begin with their bodies where they stand.
+        # Of the paths of all others, which begin with their bodies where they stand.
         ways = self._ways
         return not any(self._conflicts.meet(i, way, j, ways[j]) for j in ways if j != i)
 
@@ -194,7 +194,7 @@ class _Grants:
     def _way_aside(
         self, giver: int, other: int
     ) -> tuple[float, int, Order, Trajectory, Sweep] | None:
-        # The shortest way on which a robot leaves another's way: its length, and its order.
+        # The shortest path on which a robot leaves another's way: its length, and its order.
         prospects = self._conflicts.prospects
         gap_m = self._conflicts.gap(giver, other)
         options = self._alternatives.ways_aside(giver, prospects[other].way, gap_m, prospects)

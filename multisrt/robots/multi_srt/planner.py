@@ -2,7 +2,7 @@
 
 Source: Multi-SRT, paper section 2, "Planner"; differs in: the paper has the first stage, *draw*,
 and the return to the parent. The stages *approach* and *complete* are needed for an exploration
-to finish; which of them found a target is on record.
+to finish; the recording says which of them found a target.
 """
 
 from __future__ import annotations
@@ -60,7 +60,7 @@ class Planner:
         -------
         choice : Choice
             How the target was found; `end` if there is nothing left to do, `stay` if there is no
-            way to get anywhere.
+            path to get anywhere.
         target : Target or None
             The target; None with `end` and `stay`.
         """

@@ -33,7 +33,7 @@ CLEAR      follows its target; after `max_waits` waits in a row, as in any state
 CROWDED    stands aside for a while when it was stopped, and takes a place within sensing range of
            the end of a transfer as near enough
 JAMMED     in addition plans around the robots of its group that stand idle
-STUCK      waits, and looks for a way again
+STUCK      waits, and looks for a path again
 BOXED_IN   gives up its task: it stands idle, and others plan around it or order it out of the way
 =========  =====================================================================================
 
@@ -60,7 +60,7 @@ class State(Enum):
 
 
 class Event(Enum):
-    """What changes the state."""
+    """Events that change the state."""
 
     NEW_TASK = "begins to extend a tree, or to go to a node"
     NEW_PLACE = "has reached, by its own plan, a place where it had not been in its task"
@@ -157,7 +157,7 @@ class Progress:
         self._rounds = 0
 
     def has_asked_enough(self) -> bool:
-        """Count a round of questions within a step; return whether it goes on without answers."""
+        """Count a round of questions within a step; return whether it continues without answers."""
         self._rounds += 1
         if self._rounds <= self._options.max_rounds:
             return False

@@ -25,7 +25,7 @@ from multisrt.robots.multi_srt.whereabouts import Whereabouts
 
 
 class SrtRobot:
-    """What one robot knows, and what it is at.
+    """One robot's knowledge and current task.
 
     The parts know one another only as far as their parameters say, and none knows the robot.
 
@@ -55,7 +55,7 @@ class SrtRobot:
     deferred : DeferredArcs
         The frontier that is left to it, without the arcs to which bodies bar the way.
     routes, bypass : Routes, Bypass
-        Routes over the roadmap that keep off them, and where there is none, ways off the roadmap.
+        Routes over the roadmap that keep off them, and where there is none, paths off the roadmap.
     views : Views
         Places from which frontier arcs are seen.
     journey : Journey

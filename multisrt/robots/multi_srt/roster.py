@@ -1,4 +1,4 @@
-"""What one robot knows of the others of its team."""
+"""One robot's knowledge of the others of its team."""
 
 from __future__ import annotations
 
@@ -117,7 +117,7 @@ class Roster:
         return any(self.states[number].phase == "moving" for number in numbers)
 
     def take(self, state: RobotState, sender: int) -> None:
-        """Keep a state that a robot has told, of itself or of another, if it is newer."""
+        """Keep a state that a robot has reported, of itself or of another, if it is newer."""
         number = state.robot
         if number == self._own:
             return

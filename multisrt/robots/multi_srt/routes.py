@@ -66,7 +66,7 @@ class Routes:
         return self.obstacles.on(np.hstack([places[:-1], places[1:]]))
 
     def is_passable(self, a: NodeId, b: NodeId) -> bool:
-        """Whether no body blocks the straight way between two nodes."""
+        """Whether no body blocks the straight path between two nodes."""
         if not self.obstacles:
             return True
         (ax, ay, _), (bx, by, _) = self.map[a].configuration, self.map[b].configuration
@@ -75,7 +75,7 @@ class Routes:
         return bool(self.obstacles.are_passed_by(np.array([[ax, ay, bx, by]]))[0])
 
     def goes_straight(self, x: float, y: float) -> bool:
-        """Whether no body blocks the straight way from the current configuration to a place."""
+        """Whether no body blocks the straight path from the current configuration to a place."""
         q = self.at.q_act
         line = Trajectory((Waypoint(0.0, *q), Waypoint(1.0, x, y, q.heading)))
         return self.obstacles.blocking(q, line) is None

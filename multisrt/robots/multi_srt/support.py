@@ -31,7 +31,7 @@ from multisrt.robots.multi_srt.robot import SrtRobot
 
 @dataclass(slots=True)
 class Supported:
-    """What a robot has found out of the trees that it could support.
+    """A robot's findings on the trees that it could support.
 
     Attributes
     ----------
@@ -85,7 +85,7 @@ def select(robot: SrtRobot, supported: Supported) -> Generator[Action, Outcome, 
     robot.trees.reopened.clear()
     for root in reopened:
         supported.left_m.pop(root, None)
-    # Without support, a robot goes on with its own tree if arcs of it were opened again.
+    # Without support, a robot continues with its own tree if arcs of it were opened again.
     own = reopened.intersection((robot.trees.root,))
     roots = robot.map.roots() if robot.options.support else own
     open_m = {root: open_frontier(robot, root) for root in roots}
@@ -182,7 +182,7 @@ def transfer_to(robot: SrtRobot, end: NodeId, tree: NodeId | None) -> Steps:
 
     def way_on(frontier: FloatArray, draws: Draws) -> Choosing:
         here = robot.at.node
-        yield from ()  # a planner may put events on record; this one has none
+        yield from ()  # a planner may record events; this one has none
         robot.ways.extend()
         way = robot.routes.way(here, end)
         if here == end or (way is not None and is_near_enough(robot, way)):
@@ -196,7 +196,7 @@ def transfer_to(robot: SrtRobot, end: NodeId, tree: NodeId | None) -> Steps:
 
 
 def is_near_enough(robot: SrtRobot, way: list[NodeId]) -> bool:
-    """Whether the remainder of a way may be left out.
+    """Whether the remainder of a path may be left out.
 
     It may if another robot stands at its end and has nothing to do that would take it away; or
     if the end is within sensing range and the robot makes no progress.
@@ -242,7 +242,7 @@ def wait_for_news(robot: SrtRobot) -> Steps:
 
 
 def ask_those_in_the_way(robot: SrtRobot) -> Steps:
-    """Ask the robots that bar ways whether they are still there: those that stand may be dead."""
+    """Ask the robots that bar paths whether they are still there: those that stand may be dead."""
     team, roster = robot.team, robot.team.roster
     asked_s = robot.at.time_s
     pending = robot.deferred.to_ask()
@@ -302,7 +302,7 @@ def _take_over_s(robot: SrtRobot, root: NodeId) -> float:
 
 
 def _gives_up_s(robot: SrtRobot, number: int) -> float:
-    # Until when a robot that was heard from is believed to go on with what it did.
+    # Until when a robot that was heard from is believed to continue with what it did.
     return robot.team.roster.heard_s.get(number, 0.0) + robot.options.take_over_after_s
 
 

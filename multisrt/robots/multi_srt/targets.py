@@ -43,7 +43,7 @@ class NewPlace:
 
 @dataclass(frozen=True, slots=True)
 class KnownNode:
-    """A target that is a node, at the end of a way over the roadmap.
+    """A target that is a node, at the end of a path over the roadmap.
 
     Attributes
     ----------

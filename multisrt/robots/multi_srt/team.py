@@ -1,4 +1,4 @@
-"""How a robot talks to its team: what it tells of itself, and what it answers."""
+"""How a robot communicates with its team: what it reports of itself, and what it answers."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ from multisrt.robots.multi_srt.whereabouts import Whereabouts
 
 @dataclass(slots=True)
 class Status:
-    """What a robot tells its team of its present step; see `RobotState` for the fields."""
+    """What a robot reports to its team of its present step; see `RobotState` for the fields."""
 
     step: int = 0
     phase: Phase = "waiting"
@@ -61,7 +61,7 @@ class Team(Listener):
     Attributes
     ----------
     status : Status
-        What it tells of its present step.
+        What it reports of its present step.
     orders : OrdersMessage or None
         The newest orders of a master.
     """
@@ -142,7 +142,7 @@ class Team(Listener):
             return None
         return orders.order_for(self.number)
 
-    # What is said ------------------------------------------------------------------------
+    # What is sent ------------------------------------------------------------------------
 
     def state(self) -> RobotState:
         """Return this robot's own state."""
@@ -172,7 +172,7 @@ class Team(Listener):
             yield from self.say()
 
     def rest(self) -> Steps:
-        """Tell that this robot stands and has nothing to do."""
+        """Announce that this robot stands and has nothing to do."""
         self.status.path, self.status.frontier_m = (), 0.0
         yield from self.announce("idle")
 
@@ -184,7 +184,7 @@ class Team(Listener):
         Parameters
         ----------
         to : int or None
-            The robot to tell; None: all.
+            The recipient; None: all.
         ask : bool
             Whether robots that this one may meet in its next step are to answer.
         asked : tuple of int
@@ -196,8 +196,8 @@ class Team(Listener):
             known = self._entries.have()
             entries = self._entries.missing_from({**known, self.number: self._told})
             self._told = known.get(self.number, (0, 0))
-        # A robot that asks may have been out of reach: it is told of the whole group. Where
-        # nobody relays, robots always tell of one another.
+        # A robot that asks may have been out of reach: it receives the states of the whole group.
+        # Where nobody relays, robots always report one another.
         relayed = self.hears_all or (to is None and self.me.radio.multi_hop)
         others = () if relayed else self.roster.vouched(self.companions)
         yield Send(

@@ -28,7 +28,7 @@ from multisrt.robots.multi_srt.whereabouts import Whereabouts
 class Trees:
     """What a robot adds to its map, and which frontier is left in it.
 
-    Every change is put on record: the methods that make one are procedures of an explorer.
+    Every change is recorded: the methods that make one are procedures of an explorer.
 
     Parameters
     ----------
@@ -87,7 +87,7 @@ class Trees:
         yield from self.tell_when_complete()
 
     def add_passing(self, region: LocalSafeRegion, step: Step, driven: Trajectory) -> Steps:
-        """ADD: a scan taken on the way to a new place as a node; the robot goes on."""
+        """ADD: a scan taken on the way to a new place as a node; the robot continues."""
         node = self._new_node(region, step.parent)
         back = driven.reversed() if self.ways.is_car and self.ways.can_reverse else None
         self.ways.add(node, OutAndBack(driven, back), step.roomy)

@@ -32,7 +32,7 @@ class Views:
     planner : SrtPlanner
         Its planner.
     bypass : Bypass
-        Its ways off the roadmap.
+        Its paths off the roadmap.
     max_views : int
         How many times arcs in one spot are looked at before they are given up.
 
@@ -114,7 +114,7 @@ class Views:
                 obstacles.berths if obstacles else None,
                 past_bodies=past_bodies,
             )
-            # A window wider than the sensing range holds no more places, only more ways.
+            # A window wider than the sensing range holds no more places, only more paths.
             if not isinstance(found, str):
                 return found, near[found.node].id
             refusal = found
@@ -148,7 +148,7 @@ class Views:
 
     def _windows(self) -> list[float]:
         # Half widths of the windows in which a place is looked for: near the arc first, which is
-        # cheap and mostly enough; at last wide enough for the way to a place at sensing range.
+        # cheap and mostly enough; at last wide enough for the path to a place at sensing range.
         outer_m = self._planner.body.outer_radius_m
         widest = WIDEST_WINDOW * self._me.range_m + outer_m
         windows = [CLOSE_BY * outer_m]

@@ -30,7 +30,7 @@ class OutAndBack(NamedTuple):
     out : Trajectory
         The motion to the place.
     back : Trajectory or None
-        The motion back, for a body that has to retrace its way; None: the roadmap has one.
+        The motion back, for a body that has to retrace its path; None: the roadmap has one.
     """
 
     out: Trajectory
@@ -41,7 +41,7 @@ class Ways:
     """The roadmap of one robot, and how its body follows the edges.
 
     Where the body fits in any heading, it turns and drives straight. In a narrow place a body
-    that is no disc retraces the motion on which it first came. A car stands at every node in the
+    that is not a disc retraces the motion on which it first came. A car stands at every node in the
     heading in which it first came there, and keeps for every edge the motions in both
     directions: a car that cannot turn round goes back as it came, and one that cannot reverse
     goes only where it knows a way back.
@@ -114,10 +114,10 @@ class Ways:
             self._join(parent.id, node.id)
 
     def extend(self) -> None:
-        """Add bridges for the nodes that are new in the map: straight ways from node to node.
+        """Add bridges for the nodes that are new in the map: straight paths from node to node.
 
         On a bridge the body goes as far as it gets in the region of one node, and on in that of
-        the other. Trees of other robots are joined, too: their edges are such ways. No bridge is
+        the other. Trees of other robots are joined, too: their edges are such paths. No bridge is
         longer than the sensing range, by which groups of robots that may meet are found.
         """
         if len(self.map) == self._seen:
@@ -160,7 +160,7 @@ class Ways:
             self.join(a.id, b.id)
 
     def join(self, a: NodeId, b: NodeId) -> None:
-        """Add an edge: a straight way on which the body fits in any heading."""
+        """Add an edge: a straight path on which the body fits in any heading."""
         self._join(a, b)
         length = self.map[a].configuration.distance(self.map[b].configuration)
         self.roadmap.connect(a, b, length)

@@ -17,7 +17,7 @@ class Whereabouts:
     q_act : Configuration
         Current configuration; where the last motion ended (paper: q_act).
     time_s : float
-        Current time, as far as the robot has been told.
+        Current time, as far as the robot knows it.
     here : NodeId or None
         Node at the current configuration; None where none has been added yet.
     tree : NodeId or None

@@ -16,10 +16,10 @@ Part = Literal["frontiers", "others", "map"]
 """A part of an observation that may be left out."""
 
 MAX_MAP_CELLS = 1024
-"""Largest number of rows and columns of an observed map."""
+"""Maximum number of rows and columns of an observed map."""
 
 MAX_FRONTIERS = 1000
-"""Largest number of frontiers to choose from."""
+"""Maximum number of frontiers to choose from."""
 
 
 Answer = Any

@@ -54,7 +54,7 @@ class PolicyExplorer(FrontierExplorer):
         action `Look` while `pending.question` is set, and `pending.answer` has to be set before it
         goes on.
     rule : str, default "policy"
-        The name under which its choices are put on record.
+        The name under which its choices are recorded.
 
     Attributes
     ----------
@@ -92,7 +92,7 @@ class PendingDecision:
     policy : callable or None
         What answers; None: the answer is set from outside.
     rule : str
-        The name under which choices are put on record.
+        The name under which choices are recorded.
 
     Attributes
     ----------

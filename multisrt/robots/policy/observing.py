@@ -1,4 +1,4 @@
-"""What a robot observes when it asks where to go: arrays of fixed shapes.
+"""The observation of a robot that asks where to go: arrays of fixed shapes.
 
 All of it is made from the robot's scans, its messages and its own place. Lengths are in metres and
 times in seconds. Offsets are along the axes of the world, from where the robot is; the map has its
@@ -31,10 +31,10 @@ MAX_TIME_S: Final = 1e6
 """Bounds times and ages, in seconds."""
 
 FRONTIER_COLUMNS: Final = ("dx", "dy", "size_m", "cost_m")
-"""What is observed of a frontier: its offset, its length, and the length of the path there."""
+"""Observation of a frontier: its offset, its length, and the length of the path there."""
 
 OTHER_COLUMNS: Final = ("dx", "dy", "goal_dx", "goal_dy", "age_s")
-"""What is observed of another robot: the offsets of its place and of its goal, as it last said
+"""Observation of another robot: the offsets of its place and of its goal, as it last said
 them, and how long ago that was."""
 
 

@@ -1,4 +1,4 @@
-"""What a robot asks: which of the frontiers that it can reach to go to."""
+"""The question of a robot: which of the frontiers that it can reach to go to."""
 
 from __future__ import annotations
 

@@ -27,7 +27,7 @@ def policy_strategy(
     Parameters
     ----------
     name : str
-        Its name; the choices have it on record, too.
+        Its name; the choices are recorded under it, too.
     policy : callable or None
         Takes what a robot observes (a dict of arrays), and returns the number of a frontier, or
         the offset of a place. One policy serves all robots: it must keep nothing from one call

@@ -8,11 +8,11 @@ Everything here runs on a robot: it is made from scans, messages and the robot's
                      robot
 `RegionExplorer`     an explorer that chooses places in its map of local safe regions, and no more
 `FrontierMap`        a raster of what a robot knows: frontiers, path lengths and paths
-`NodeRoadmap`        straight ways between the nodes of an `ExplorationMap`, and paths over them
+`NodeRoadmap`        straight paths between the nodes of an `ExplorationMap`, and paths over them
 `trajectory`         the motion through places, for every kind of drive
 `trajectory_inside`  the same as far as it stays in a region that is known to be free
-`Message`            the base class of messages with content of one's own
-`decided`            puts a decision on record, in one's own words and numbers
+`Message`            the base class of messages with custom content
+`decided`            records a decision with custom text and numbers
 `places_of`          an array of places given in any form
 ==================== ==============================================================================
 

@@ -55,9 +55,9 @@ def assignment(
     ----------
     rule : callable
         Takes the costs, an ``(n, m)`` array of path lengths in metres from each of the n robots
-        that are considered to each of m frontiers, ``inf`` where no path leads; and the row of
+        that are considered to each of m frontiers, ``inf`` where there is no path; and the row of
         the robot that decides. Returns the number of the frontier that this robot goes to, or None
-        to leave them all to the others: it then waits, and the rule is asked again. It is asked
+        to leave them all to the others: it then waits, and the rule is called again. It is called
         only while the robot can reach a frontier. Costs are those on the robot's own map, rows in
         the order of the robots' numbers; robots that are idle, or not heard from for some time,
         have none.
@@ -114,7 +114,7 @@ class AssignmentExplorer(FrontierExplorer):
     rule : callable
         See `assignment`.
     name : str
-        Name of the rule on record.
+        Name of the rule in recordings.
     """
 
     def __init__(
@@ -137,7 +137,7 @@ class RuleAdapter:
     rule : callable
         See `assignment`.
     name : str
-        Its name on record.
+        Its name in recordings.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""Decisions of explorers of your own, put on record in their words and numbers."""
+"""Decisions of user-defined explorers, recorded with their text and numbers."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def decided(
     options: Any = (),
     **values: Any,
 ) -> Note:
-    """Return the action that puts a decision on record.
+    """Return the action that records a decision.
 
     ``multisrt why`` shows it, and reports count decisions by strategy. Recording it changes only
     the digest of the run.
@@ -31,7 +31,7 @@ def decided(
     me : RobotSelf
         What the robot knows of itself.
     time_s : float
-        The time now, as the last scan, motion or message told it.
+        The present time, as given by the last scan, motion or message.
     text : str
         Why it decided so, in words; at most `multisrt.events.MAX_TEXT_LENGTH` characters.
     goal : place, optional
@@ -51,7 +51,7 @@ def decided(
     Raises
     ------
     InvalidInputError
-        If a place is none, there are not as many values as options, or the text is too long.
+        If a place is invalid, there are not as many values as options, or the text is too long.
 
     Examples
     --------

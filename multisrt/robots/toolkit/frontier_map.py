@@ -53,7 +53,7 @@ class Frontier:
 
 
 class FrontierMap:
-    """What one robot knows as a raster: what is free, where the unknown begins, how to get there.
+    """The map of one robot as a raster: free cells, frontiers, and paths to them.
 
     It is made from the robot's own scans and from what other robots send. Adding a scan costs a
     few milliseconds, however large the map is: only what has changed is computed again.
@@ -164,7 +164,7 @@ class FrontierMap:
         Returns
         -------
         Node or None
-            The scan as a node, to be put on record (``Note(node.added("scan"))``) and sent to
+            The scan as a node, to be recorded (``Note(node.added("scan"))``) and sent to
             others; None if it showed nothing new. The first scan always makes one.
         """
         return self._map.add(scan)
@@ -180,7 +180,7 @@ class FrontierMap:
         Returns
         -------
         tuple of NodeId
-            The nodes that were new, to be put on record (`multisrt.events.Learned`).
+            The nodes that were new, to be recorded (`multisrt.events.Learned`).
         """
         return self._map.merge(tuple(entries))
 
@@ -268,7 +268,7 @@ class FrontierMap:
         Returns
         -------
         (n, m) or (m,) array
-            Metres; ``inf`` where no path leads. One row for each place of `from_`, or the row
+            Metres; ``inf`` where there is no path. One row for each place of `from_`, or the row
             alone if that is a single place.
 
         Notes

@@ -31,7 +31,7 @@ def places_of(places: Any, name: str = "places") -> FloatArray:
     Raises
     ------
     InvalidInputError
-        If they are no places, or a number is not finite.
+        If they are not places, or a number is not finite.
 
     Examples
     --------

@@ -122,7 +122,7 @@ class RegionExplorer(ABC):
         self._explorer = FrontierExplorer(
             me, options, self._choose, self._drive, barred=lambda _: self._is_barred
         )
-        # Whether bodies alone bar the ways to a place that was asked for in the last choice.
+        # Whether bodies alone bar the paths to a place that was asked for in the last choice.
         self._is_barred = False
         # Whether the raster, too, had frontier at the place when it was chosen.
         self._is_frontier = False
@@ -179,7 +179,7 @@ class RegionExplorer(ABC):
         Returns
         -------
         (m,) array
-            Metres; ``inf`` where no path leads, where other robots block all paths, and at
+            Metres; ``inf`` where there is no path, where other robots block all paths, and at
             places from which it has scanned or that it failed to reach.
         """
         wanted = places_of(places)
@@ -191,7 +191,7 @@ class RegionExplorer(ABC):
         return found
 
     def explain(self, text: str, options: Any = (), **values: Any) -> None:
-        """Put the next choice on record with a reason; to be called in `choose`.
+        """Record the next choice with a reason; to be called in `choose`.
 
         Parameters
         ----------
@@ -247,7 +247,7 @@ class RegionExplorer(ABC):
             yield from self._close_near(place, "seen from near")
         elif because is Event.NO_WAY and robot.frontiers.is_given_up(place):
             if math.dist(robot.at[:2], place) <= self._near_m:
-                # The last of the way is too narrow; from here it sees as much.
+                # The last of the path is too narrow; from here it sees as much.
                 yield from robot.perceive()
                 yield from self._close_near(place, "seen from near")
             elif robot.car is None and not len(robot.bodies):

@@ -107,12 +107,12 @@ class NodeRoadmap:
         from_, to : place
             Its ends; each is a node, or can be gone to straight from one.
         passable : callable, optional
-            Whether the way between two nodes, given by their ids, is free at present.
+            Whether the path between two nodes, given by their ids, is free at present.
 
         Returns
         -------
         (k, 2) array or None
-            Its corners in metres, both ends included; None if no way leads there.
+            Its corners in metres, both ends included; None if no path leads there.
         """
         start, end = _one(from_)[0], _one(to)[0]
         lengths, ways = self._routes(start, [end], passable)
@@ -140,7 +140,7 @@ class NodeRoadmap:
         Returns
         -------
         (m,) array
-            Metres; ``inf`` where no path leads.
+            Metres; ``inf`` where there is no path.
         """
         ends = [tuple(end) for end in places_of(to, "to").tolist()]
         return np.array(self._routes(_one(from_)[0], ends, passable)[0], np.float64)

@@ -136,13 +136,13 @@ def trajectory_inside(
     Returns
     -------
     Trajectory or None
-        None if less than a centimetre of the way is free.
+        None if less than a centimetre of the path is free.
 
     Raises
     ------
     InvalidInputError
         If there is no place, or one is invalid, headings are given for a body other than a car,
-        or the region has several rings and the body is no car.
+        or the region has several rings and the body is not a car.
 
     Examples
     --------

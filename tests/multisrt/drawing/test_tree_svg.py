@@ -187,9 +187,9 @@ def test_coordinates_stay_small_where_the_world_is_far_away():
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"robot": 3}, "tells of robot 3, but its team has 1"),
-        ({"parent": (0, 77)}, "node 77 of robot 0, which it has not told of"),
-        ({"parent": (5, 0)}, "node 0 of robot 5, which it has not told of"),
+        ({"robot": 3}, "mentions robot 3, but its team has 1"),
+        ({"parent": (0, 77)}, "node 77 of robot 0, which it has not reported"),
+        ({"parent": (5, 0)}, "node 0 of robot 5, which it has not reported"),
         ({"boundary": ((0.0, 0.0), (1.0, 1.0)), "tags": "00"}, "2 corners and 2 tags"),
         ({"tags": "01"}, "2 tags"),
         ({"tags": "09000"}, "digits from 0 to 3"),

@@ -267,7 +267,7 @@ STILL = Moved(configuration=HERE, time_s=-3.0)
         (Sense(), {"sense": lambda: 3}, "sense of robot 0 returned 3"),
         (Move(trajectory=WAY), {"move": lambda move: True}, "move of robot 0 returned True"),
         (Move(trajectory=WAY), {"move": begin}, "no receive that reports its end"),
-        (Move(trajectory=WAY), {"move": lambda move: STILL}, "tells -3 s after 0 s"),
+        (Move(trajectory=WAY), {"move": lambda move: STILL}, "reports -3 s after 0 s"),
         (Send(Word(sender=0)), {}, "sends a message, but there is no send"),
         (Receive(2.0), {}, "waits, but there is no receive"),
         (Receive(2.0), {"receive": lambda until_s: TimedOut(1.0)}, "TimedOut at 2 s or later"),
@@ -311,13 +311,13 @@ def test_a_strategy_that_sees_the_truth_drives_no_body():
 @pytest.mark.parametrize(
     ("body", "said"),
     [
-        ({"move": lambda _: Moved(configuration=None, time_s=1.0)}, "tells the configuration None"),  # type: ignore[arg-type]
+        ({"move": lambda _: Moved(configuration=None, time_s=1.0)}, "the configuration None"),  # type: ignore[arg-type]
         ({"move": lambda _: Moved(configuration=(math.nan, 2, 0), time_s=1.0)}, "three finite"),  # type: ignore[arg-type]
-        ({"move": lambda _: Moved(configuration=WAY.end, time_s=None)}, "tells None s after"),  # type: ignore[arg-type]
+        ({"move": lambda _: Moved(configuration=WAY.end, time_s=None)}, "reports None s after"),  # type: ignore[arg-type]
         ({"look": lambda: None}, "look of robot 0 returned None"),
         ({"receive": lambda _: Arrived(data=b"abc", time_s=0.5)}, "a tuple of bytes as data"),  # type: ignore[arg-type]
         ({"receive": lambda _: Arrived(data=("abc",), time_s=0.5)}, "decoded from bytes"),  # type: ignore[arg-type]
-        ({"receive": lambda _: TimedOut(None)}, "tells None s after"),  # type: ignore[arg-type]
+        ({"receive": lambda _: TimedOut(None)}, "reports None s after"),  # type: ignore[arg-type]
     ],
 )
 def test_what_callables_return_is_checked(body, said):

@@ -294,7 +294,7 @@ def test_this_process_makes_runs_of_any_strategy() -> None:
 
 def test_an_imported_module_makes_no_runs() -> None:
     write("mine.py", MINE, "ms.compare('open', Mine, seeds=1)\n")
-    with pytest.raises(ms.InvalidInputError, match="mine makes the runs of an experiment when it"):
+    with pytest.raises(ms.InvalidInputError, match="mine runs an experiment when it"):
         ms.compare("open", "minpos", imports=["mine"], progress=False)
 
 

@@ -250,7 +250,7 @@ def test_failing_runs_do_not_affect_others(path, mischief):
     assert re.fullmatch(
         r"its process was ended by SIGSEGV \(.*\) \(__init__.py:\d+\)", found["crash"].reason
     )
-    assert found["leave"].reason == "its process ended by itself with exit code 3"
+    assert found["leave"].reason == "its process ended with exit code 3"
 
 
 @pytest.fixture
@@ -306,7 +306,7 @@ def test_a_run_whose_workers_are_always_killed_crashed(worker):
     result = worker.make(job("die"))
     assert result.status == "crashed"
     assert re.fullmatch(
-        r"its process was ended by SIGKILL \(Killed.*\), and when it was made once more, "
+        r"its process was ended by SIGKILL \(Killed.*\), and when it was repeated, "
         r"was ended by SIGKILL \(Killed.*\)",
         result.reason,
     )

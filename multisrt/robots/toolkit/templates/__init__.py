@@ -16,8 +16,8 @@ from multisrt.robots.strategy import kebab_case
 SIZES: Final[Mapping[str, str]] = MappingProxyType(
     {
         "rule": "a rule of assignment alone: a function from path lengths to a frontier",
-        "planner": "the next place in a map of safe regions; driving and talking are done for it",
-        "explorer": "all that a robot does, from its first scan to its last word",
+        "planner": "the next place in a map of safe regions; driving and messages are provided",
+        "explorer": "everything that a robot does, from its first scan to its end",
     }
 )
 """The sizes, the smallest first, and what of a strategy each leaves to its author."""

@@ -102,7 +102,7 @@ class Mine:
         return moved.blocked_by is None
 
     def look_around(self) -> Steps:
-        """Scan; put what is new on the map and on record, and tell the others."""
+        """Scan; add what is new to the map, record it, and inform the others."""
         scan: Any = yield Sense()
         self.time_s = scan.time_s
         node = self.map.add(scan)

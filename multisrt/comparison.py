@@ -187,11 +187,7 @@ def compare(
             store = Path(scratch) / "results.sqlite"
         opened = stack.enter_context(Store.create_or_open(store, spec, Path.cwd(), remake=remake))
         live = stack.enter_context(LiveProgress(progress))
-        try:
-            run_experiment(opened, workers=workers, cluster=cluster, modules=imports, progress=live)
-        except InvalidInputError as error:
-            # It says all; where in the runner it was found would hide where it was called.
-            raise error.with_traceback(None)  # noqa: B904
+        run_experiment(opened, workers=workers, cluster=cluster, modules=imports, progress=live)
         return Comparison(opened.results(), Path.cwd())
 
 

@@ -51,7 +51,7 @@ def strategies(context: click.Context, parameter: click.Parameter, incomplete: s
     given = context.params.get(parameter.name or "")
     before = given if isinstance(given, tuple) else ()
     summaries = {known.name: known.summary for known in all_strategies()}
-    summaries |= dict.fromkeys(_imported(context), "")
+    summaries = dict.fromkeys(_imported(context), "") | summaries
     found = [
         CompletionItem(name, help=summary or None)
         for name, summary in summaries.items()
@@ -238,8 +238,9 @@ def _imported(context: click.Context) -> dict[str, dict[str, Option]]:
     for reference in references:
         place, wanted, own_name = split_reference(reference)
         for name, own in strategies_in(place).items():
-            if wanted in ("", name):
-                found[own_name or own.name] = own.options
+            known_as = own_name or own.name
+            if wanted in ("", name) and known_as:
+                found[known_as] = own.options
     return found
 
 

@@ -39,7 +39,7 @@ class OwnStrategy(NamedTuple):
     Attributes
     ----------
     name : str
-        Its name as a strategy.
+        Its name as a strategy; empty if the file computes it.
     options : dict of str to Option
         Its options, by name.
     """
@@ -68,7 +68,7 @@ def strategies_in(place: str) -> dict[str, OwnStrategy]:
     >>> own.name, own.options["gain"], own.options["shape"].words
     ('mine', Option(default='1.0', words=()), ('ball', 'star', 'radial'))
     """
-    path = Path(place) if place.endswith(".py") else _path_of(place, Path())
+    path = _resolved(place) if place.endswith(".py") else _path_of(place, Path())
     source = None if path is None else _source(path)
     if source is None:
         return {}
@@ -119,6 +119,10 @@ class Named(NamedTuple):
 # Files and names ---------------------------------------------------------------------------
 
 
+def _resolved(path: str | Path) -> Path:
+    return Path(path).expanduser().resolve()
+
+
 @cache
 def _source(path: Path) -> Source | None:
     try:
@@ -150,13 +154,14 @@ def _source(path: Path) -> Source | None:
 def _path_of(module: str, folder: Path, level: int = 0) -> Path | None:
     """Return the file of a module, which a file in a folder imports."""
     inner = module.replace(".", "/")
-    roots = [folder, Path(), *map(Path, sys.path)]
+    # As when it is imported: no file beside it hides a library.
+    roots = [*map(Path, sys.path), folder, Path()]
     if level:
         roots = [folder.joinpath(*[".."] * (level - 1))]
     for root in roots:
         for path in (root / f"{inner}.py", root / inner / "__init__.py"):
             if os.path.isfile(path):  # False where it may not be looked at, too
-                return path
+                return _resolved(path)
     return None
 
 
@@ -242,18 +247,29 @@ def _makes_strategies(source: Source, function: ast.AST) -> bool:
 
 
 def _name_of(named: Named) -> str:
-    """Return the name of a strategy: that which is given, or that of a class or function."""
+    """Return the name of a strategy: that which is given, or that of a class or function.
+
+    Empty if it is computed.
+    """
     from multisrt.robots.strategy import kebab_case
 
     node = named.node
     call = node.decorator_list[0] if isinstance(node, ast.FunctionDef) else node
     if isinstance(call, ast.Call):
-        for first in _given(call, "name") + call.args[:1]:
-            if isinstance(first, ast.Constant):
-                return str(first.value)
-            if isinstance(first, ast.Name):
-                return kebab_case(first.id)
+        if given := _given(call, "name"):
+            return _text(named.source, given[0])
+        match call.args[:1]:
+            case [ast.Name(id=made) | ast.Attribute(attr=made)]:
+                return kebab_case(made)
+            case [first]:
+                return _text(named.source, first)
     return kebab_case(getattr(node, "name", ""))
+
+
+def _text(source: Source, node: ast.AST) -> str:
+    """Return the text that an expression spells out, or that of the variable that it names."""
+    value = source.defined.get(node.id) if isinstance(node, ast.Name) else node
+    return value.value if isinstance(value, ast.Constant) and isinstance(value.value, str) else ""
 
 
 def _options_of(named: Named) -> dict[str, Option]:
@@ -323,8 +339,12 @@ def _given(call: ast.Call, name: str) -> list[ast.expr]:
 
 
 def _annotated(source: Source, node: ast.AST, number: int) -> Named | None:
-    """Return what the annotation of a parameter of a function names, by its number from 0."""
-    assert isinstance(node, ast.FunctionDef)
+    """Return what the annotation of a parameter of a function names, by its number from 0.
+
+    None if it is no function, or has no such parameter.
+    """
+    if not isinstance(node, ast.FunctionDef):
+        return None
     parameters = [*node.args.posonlyargs, *node.args.args]
     if number >= len(parameters) or (annotation := parameters[number].annotation) is None:
         return None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from pathlib import Path
 
 import click
@@ -59,7 +60,8 @@ def new(file: Path, size: str, name: str | None, force: bool) -> None:
     if file.suffix != ".py":
         raise click.BadParameter(f"{file} must have the suffix .py", param_hint="FILE")
     _require_own_name(file)
-    text = template(size, file.stem if name is None else name, str(file))
+    shown = shlex.quote(str(file))
+    text = template(size, file.stem if name is None else name, shown)
     require_no_file(file, force=force)
     try:
         file.parent.mkdir(parents=True, exist_ok=True)
@@ -68,8 +70,8 @@ def new(file: Path, size: str, name: str | None, force: bool) -> None:
     with atomic_write(file) as opened:
         opened.write(text.encode())
     click.echo(file)
-    click.echo(f"next: multisrt check {file}")
-    click.echo(f"      multisrt explore museum --strategy {file} --robots 3")
+    click.echo(f"next: multisrt check {shown}")
+    click.echo(f"      multisrt explore museum --strategy {shown} --robots 3")
 
 
 def _require_own_name(file: Path) -> None:
@@ -78,7 +80,10 @@ def _require_own_name(file: Path) -> None:
 
     from multisrt.geometry.errors import InvalidInputError
 
-    spec = importlib.util.find_spec(file.stem) if file.stem.isidentifier() else None
+    try:
+        spec = importlib.util.find_spec(file.stem) if file.stem.isidentifier() else None
+    except (ImportError, ValueError):  # a module that was not imported from a file
+        spec = None
     if spec is None or spec.origin is None:  # nothing, or a folder of that name
         return
     beside = (Path.cwd(), file.parent.resolve())

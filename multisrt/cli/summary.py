@@ -48,6 +48,7 @@ def print_summary(
         Whether all measures are printed of any number of runs.
     """
     from multisrt.finished_run import RUN_FILES, TREE_NAME
+    from multisrt.robots.naming import joined
 
     for run in runs:
         spec = run.spec
@@ -62,7 +63,7 @@ def print_summary(
         _print_comparison(runs)
         click.echo("\n".join(str(folder / TREE_NAME) for folder in folders))
         others = [name for name in RUN_FILES if name != TREE_NAME]
-        click.echo(f"and beside each {', '.join(others[:-1])} and {others[-1]}")
+        click.echo(f"and beside each {joined(others)}")
         if len(runs) > MAX_WIDE and not (details or regrets):
             click.echo("all measures: in each run.json, or here with --details")
     else:

@@ -1,4 +1,4 @@
-"""The callables that command a body, and what they are told and tell."""
+"""The callables that command a body, and what they receive and return."""
 
 from __future__ import annotations
 

@@ -19,7 +19,7 @@ from multisrt.geometry.errors import InvalidInputError
 from multisrt.robots.policy import Answer, Observation
 
 MAX_STATE_CELLS = 4096
-"""Largest number of rows and columns of a state."""
+"""Maximum number of rows and columns of a state."""
 
 
 class ExploreParallelEnv(MissionEnv, ParallelEnv):  # type: ignore[misc]

@@ -18,11 +18,12 @@ from multisrt.robots.explorer import Explorer
 from multisrt.robots.loading import import_reference, name_of
 from multisrt.robots.registry import is_built_in, strategy
 from multisrt.robots.strategy import Strategy
+from multisrt.robots.user_modules import is_ours, path_of
 
 Entrant = str | StrategyChoice | Strategy | Callable[..., Explorer]
 """A strategy to compare: its name, with or without options, or a user-defined one as an object."""
 
-_TO_A_FILE = "write it to a file and import it from there (in a notebook: %%writefile mine.py)"
+TO_A_FILE = "write it to a file and import it from there (in a notebook: %%writefile mine.py)"
 
 
 def import_modules(references: Sequence[str]) -> None:
@@ -167,8 +168,8 @@ def reference_of(own: Strategy, *, by_name: bool = False) -> str:
         If it cannot be imported; the message says why, and what to do.
     """
     module, name = _home_of(own)
-    place, path = module.__name__, _file_of(module)
-    if _is_ours(place):
+    place, path = module.__name__, path_of(module)
+    if is_ours(place):
         raise _not_importable(own, "no module has a name for it")
     if place == "__main__":
         started_as = module.__spec__.name if module.__spec__ is not None else ""
@@ -179,7 +180,7 @@ def reference_of(own: Strategy, *, by_name: bool = False) -> str:
                 own,
                 f"it is defined in {path.name}, the script that is running, which would run again "
                 "in each of them",
-                "put what the script does under if __name__ == '__main__':",
+                "put what the script does under if __name__ == '__main__'",
             )
         place = started_as or str(path)
     elif path is not None and "." not in place and not hasattr(module, "__path__"):
@@ -210,7 +211,7 @@ def home_modules(own: Strategy) -> list[ModuleType]:
         of them are.
     """
     names = dict.fromkeys((own.explorer.__module__, own.options.__module__))
-    found = [sys.modules[name] for name in names if name in sys.modules and not _is_ours(name)]
+    found = [sys.modules[name] for name in names if name in sys.modules and not is_ours(name)]
     return found or [module for module in _modules() if _bound_in(module, own)][:1]
 
 
@@ -219,10 +220,6 @@ def _modules() -> list[ModuleType]:
     main = sys.modules["__main__"]
     known = [module for _, module in sorted(sys.modules.items()) if type(module) is ModuleType]
     return [*(module for module in known if module is not main), main]
-
-
-def _is_ours(module: str) -> bool:
-    return module.partition(".")[0] == "multisrt"
 
 
 def _home_of(own: Strategy) -> tuple[ModuleType, str]:
@@ -247,7 +244,7 @@ def _home_of(own: Strategy) -> tuple[ModuleType, str]:
         raise _not_importable(
             own,
             f"{name} is defined within a function",
-            "name the module that registers it, or write it to a file and import it from there",
+            f"name the module that registers it, or {TO_A_FILE}",
         )
     if home is builtins:  # what `exec` gives to classes of code that has no __name__
         raise _not_importable(own, "it is defined by exec, in no module")
@@ -256,15 +253,9 @@ def _home_of(own: Strategy) -> tuple[ModuleType, str]:
 
 def _bound_in(module: ModuleType, own: Strategy) -> str:
     """Return the name that a module has for a strategy; empty for modules of this package."""
-    if _is_ours(module.__name__):
+    if is_ours(module.__name__):
         return ""
     return next((name for name, value in list(vars(module).items()) if value is own), "")
-
-
-def _file_of(module: ModuleType) -> Path | None:
-    file = getattr(module, "__file__", None)
-    path = None if file is None else Path(file)
-    return path.resolve() if path is not None and path.suffix == ".py" and path.exists() else None
 
 
 def _has_main_guard(path: Path) -> bool:
@@ -284,7 +275,7 @@ def _absolute(reference: str) -> str:
     return f"{Path(found['file']).expanduser().resolve()}{found['name'] or ''}"
 
 
-def _not_importable(own: Strategy, why: str, remedy: str = _TO_A_FILE) -> InvalidInputError:
+def _not_importable(own: Strategy, why: str, remedy: str = TO_A_FILE) -> InvalidInputError:
     return InvalidInputError(
         f"the strategy {own.name!r} cannot be imported by worker processes: {why}; {remedy}, or "
         "give workers=0 (--workers 0), which makes the runs in this process, one after another"

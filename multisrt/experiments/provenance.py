@@ -121,7 +121,7 @@ def program_digest() -> str:
     # What `informed` imports besides is `analysis`, by which all runs are measured.
     files = _files_behind("simulation") | _files_in("informed")
     for name, source in sorted(files.items()):
-        content = code_of(source)[0] if name.endswith((".py", "/")) else source
+        content = code_of(source) if name.endswith((".py", "/")) else source
         digest.update(f"{name} {len(content)}\n".encode())
         digest.update(content)
     return digest.hexdigest()[:16]
@@ -176,8 +176,8 @@ def _files_of(folder: Path) -> Iterator[Path]:
             yield path
 
 
-def code_of(source: bytes) -> tuple[bytes, ast.Module]:
-    """Return what counts of the source of a module, and its syntax tree.
+def code_of(source: bytes) -> bytes:
+    """Return what counts of the source of a module.
 
     Parameters
     ----------
@@ -186,14 +186,12 @@ def code_of(source: bytes) -> tuple[bytes, ast.Module]:
 
     Returns
     -------
-    code : bytes
+    bytes
         The source without docstrings, blank lines, comments and messages of raised errors.
-    tree : ast.Module
-        The tree of the whole source.
     """
     text = source.decode("utf-8")
-    lines, tree = text.splitlines(), ast.parse(text)
-    for node in ast.walk(tree):
+    lines = text.splitlines()
+    for node in ast.walk(ast.parse(text)):
         match node:
             case ast.Expr(value=ast.Constant(value=str()), lineno=first, end_lineno=last):
                 lines[first - 1 : last] = [""] * ((last or first) - first + 1)
@@ -202,4 +200,4 @@ def code_of(source: bytes) -> tuple[bytes, ast.Module]:
                 lines[first - 1] = lines[first - 1][: error.end_col_offset]
                 lines[first:last] = [""] * ((last or first) - first)
     code = "\n".join(line for line in lines if line.strip() and not line.lstrip().startswith("#"))
-    return code.encode(), tree
+    return code.encode()

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator
 from types import CodeType
 from typing import Any
 
-from multisrt.experiments.modules import home_modules, own_strategies
+from multisrt.experiments.modules import TO_A_FILE, home_modules, own_strategies
 from multisrt.experiments.provenance import Provenance, code_of, provenance
 from multisrt.experiments.spec import ExperimentSpec
 from multisrt.geometry.errors import InvalidInputError
@@ -86,11 +86,11 @@ def require_files(spec: ExperimentSpec) -> None:
         If a strategy is defined in a notebook's cell or at the prompt.
     """
     for own in own_strategies(spec):
-        if not source_digest(own):
+        if next(iter(files_behind(home_modules(own))), None) is None:
             raise InvalidInputError(
                 f"the strategy {own.name!r} is in no file, and results in a store could be of "
-                "several versions of it; write it to a file and import it from there (in a "
-                "notebook: %%writefile mine.py), or keep results in memory alone: leave out store"
+                f"several versions of it; {TO_A_FILE}, or keep results in memory alone: leave out "
+                "store"
             )
 
 
@@ -102,7 +102,7 @@ def _code_behind(own: Strategy) -> Iterator[bytes]:
     contents = {file.path: file.content for file in files_behind(modules)}
     for path, content in contents.items():
         try:
-            yield code_of(content)[0]
+            yield code_of(content)
         except (SyntaxError, UnicodeDecodeError) as error:
             raise InvalidInputError(f"{path}: cannot be read as Python: {error}") from None
 

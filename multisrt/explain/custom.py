@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from multisrt.events import Decided
 from multisrt.explain.story import ChoiceStory
-from multisrt.explain.words import decision_lines, many, place, titled, towards
+from multisrt.explain.words import decision_lines, many, place, towards
 from multisrt.recording import Recording
 
 MAX_ROWS = 12
@@ -50,29 +50,18 @@ def own_lines(recording: Recording, robot: int) -> Iterator[str]:
         yield from decision_lines({"options": 7}, rows)
 
 
-class _OwnStory(ChoiceStory):
+class _OwnStory(ChoiceStory[Decided]):
     """The explanation of one decision."""
 
     things = "node"
+    happened = "its last decision was"
 
-    def __init__(self, recording: Recording, index: int, choice: Decided, asked_s: float) -> None:
-        super().__init__(recording, index, choice, asked_s)
-        self.choice = choice
-
-    def lines(self) -> Iterator[str]:
-        yield (
-            f"Robot {self.robot} at {self.asked_s:.2f} s: its last decision was at "
-            f"{self.time_s:.2f} s."
-        )
-        for title, lines in (
-            ("Where it stood", self.standing()),
-            ("What it knew", self.knowledge()),
-            ("What it decided", self.decision()),
-            ("What it considered", self.options()),
-            ("What it did next", self.afterwards()),
-        ):
-            yield from titled(title, lines)
-        yield from self.endings()
+    def sections(self) -> Iterator[tuple[str, Iterator[str]]]:
+        yield "Where it stood", self.standing()
+        yield "What it knew", self.knowledge()
+        yield "What it decided", self.decision()
+        yield "What it considered", self.options()
+        yield "What it did next", self.afterwards()
 
     def knowledge(self) -> Iterator[str]:
         yield f"its map had {many(self.own_nodes(), 'node')} that it had made"

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 
 from multisrt.events import GoalChosen
 from multisrt.explain.story import ChoiceStory
-from multisrt.explain.words import decision_lines, many, place, titled, towards
+from multisrt.explain.words import decision_lines, many, place, towards
 from multisrt.recording import Recording
 from multisrt.robots.naming import named_robots
 
@@ -75,31 +75,18 @@ def bid_lines(recording: Recording, robot: int) -> Iterator[str]:
         yield from decision_lines({"frontiers": 9, "path": 9}, rows)
 
 
-class _BidStory(ChoiceStory):
+class _BidStory(ChoiceStory[GoalChosen]):
     """The explanation of one choice of a goal."""
 
-    def __init__(
-        self, recording: Recording, index: int, choice: GoalChosen, asked_s: float
-    ) -> None:
-        super().__init__(recording, index, choice, asked_s)
-        self.choice = choice
+    happened = "it last chose a goal"
 
-    def lines(self) -> Iterator[str]:
-        choice = self.choice
-        yield (
-            f"Robot {self.robot} at {self.asked_s:.2f} s: it last chose a goal at "
-            f"{choice.time_s:.2f} s."
-        )
-        for title, lines in (
-            ("Where it stood", self.standing()),
-            ("What it knew", self.knowledge()),
-            ("Why it chose again", self.reason()),
-            (f"How it chose: {choice.rule}", self.rule()),
-            ("What it chose", self.goal()),
-            ("What it did next", self.afterwards()),
-        ):
-            yield from titled(title, lines)
-        yield from self.endings()
+    def sections(self) -> Iterator[tuple[str, Iterator[str]]]:
+        yield "Where it stood", self.standing()
+        yield "What it knew", self.knowledge()
+        yield "Why it chose again", self.reason()
+        yield f"How it chose: {self.choice.rule}", self.rule()
+        yield "What it chose", self.goal()
+        yield "What it did next", self.afterwards()
 
     def knowledge(self) -> Iterator[str]:
         yield f"its map had {many(self.own_nodes(), 'scan')} of its own that showed something new"

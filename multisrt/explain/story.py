@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from collections import Counter
 from collections.abc import Iterator
 from itertools import groupby, pairwise
+from typing import Generic, TypeVar
 
 from multisrt.events import (
     AnyEvent,
@@ -23,8 +25,10 @@ from multisrt.explain.words import SAME_MOMENT_S, by_robot, many, place, titled,
 from multisrt.planners.motion.trajectory import leg_length
 from multisrt.recording import Recording
 
+ChoiceT = TypeVar("ChoiceT", GoalChosen, Decided)
 
-class ChoiceStory:
+
+class ChoiceStory(ABC, Generic[ChoiceT]):
     """One choice of a robot, with what it knew, did and heard until the next.
 
     Parameters
@@ -48,10 +52,11 @@ class ChoiceStory:
 
     things = "scan"
     """Name for the robot's nodes."""
+    happened: str
+    """What the robot last did, as the first line says it with the time."""
 
-    def __init__(
-        self, recording: Recording, index: int, choice: GoalChosen | Decided, asked_s: float
-    ) -> None:
+    def __init__(self, recording: Recording, index: int, choice: ChoiceT, asked_s: float) -> None:
+        self.choice: ChoiceT = choice
         self.robot, self.asked_s, self.time_s = choice.robot, asked_s, choice.time_s
         self.team = range(len(recording.spec.robots))
         self.start = recording.starts[choice.robot]
@@ -65,6 +70,17 @@ class ChoiceStory:
                 self.next, later = event, later[:number]
                 break
         self.meanwhile: list[AnyEvent] = later
+
+    @abstractmethod
+    def sections(self) -> Iterator[tuple[str, Iterator[str]]]:
+        """Yield the title and the lines of each section about the choice."""
+
+    def lines(self) -> Iterator[str]:
+        """Yield the lines of the whole explanation."""
+        yield f"Robot {self.robot} at {self.asked_s:.2f} s: {self.happened} at {self.time_s:.2f} s."
+        for title, lines in self.sections():
+            yield from titled(title, lines)
+        yield from self.endings()
 
     def standing(self) -> Iterator[str]:
         """Describe where the robot stood."""

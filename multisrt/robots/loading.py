@@ -28,6 +28,7 @@ from multisrt.robots.registry import register, strategies
 from multisrt.robots.strategy import Strategy, as_strategy
 from multisrt.robots.user_modules import (
     Place,
+    forget,
     forget_outdated,
     keep_track,
     outdated,
@@ -359,7 +360,7 @@ def _import_file(place: str) -> ModuleType:
     except BaseException:
         del sys.modules[name]
         for imported, _ in users_modules(set(sys.modules) - before, path.parent):
-            del sys.modules[imported]  # it may change before the next attempt
+            forget(imported, sys.modules[imported])  # it may change before the next attempt
         raise
     behind = keep_track(module, content) | users_modules(set(sys.modules) - before, path.parent)
     _brought.update(each for each in behind if each[0] not in before | {name})

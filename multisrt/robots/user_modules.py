@@ -79,7 +79,7 @@ def files_behind(modules: Iterable[ModuleType]) -> Iterator[SourceFile]:
     """
     waiting = {}
     for module in modules:
-        path = _path_of(module)
+        path = path_of(module)
         if path is not None:
             waiting[module.__name__] = path, module.__package__ or ""
     roots, seen = [path.parent for path, _ in waiting.values()], set(waiting)
@@ -91,9 +91,8 @@ def files_behind(modules: Iterable[ModuleType]) -> Iterator[SourceFile]:
         except (OSError, SyntaxError, ValueError) as error:
             raise InvalidInputError(f"{path}: cannot be read as Python: {error}") from None
         imports: dict[str, None] = {}
-        for its_package, imported in _imports(tree, package):
-            found = _file_of(imported)
-            if found is not None and _is_own(found, roots):
+        for its_package, imported, found in _imports(tree, package):
+            if _is_own(found, roots):
                 imports[imported] = None
                 if imported not in seen:
                     seen.add(imported)
@@ -123,7 +122,7 @@ def keep_track(module: ModuleType, content: bytes | None = None) -> set[Place]:
     InvalidInputError
         If a file cannot be read as Python.
     """
-    path = _path_of(module)
+    path = path_of(module)
     if content is not None and path is not None:
         _sources[module.__name__, path] = _import_of(module), content
     places = set()
@@ -191,7 +190,7 @@ def require_current(module: ModuleType) -> None:
     if what := outdated(module):
         raise InvalidInputError(
             f"{what}: start again, or import it again (importlib.reload) and then what imports "
-            "it, and give the strategy anew"
+            "it, and give the strategy again"
         )
 
 
@@ -209,16 +208,29 @@ def forget_outdated(places: Iterable[Place]) -> None:
     for name, module in [
         (name, module)
         for name, module, path in known
-        if module is not None and _path_of(module) == path and _outdated(module)
+        if module is not None and path_of(module) == path and _outdated(module)
     ]:
-        del sys.modules[name]
-        above, _, last = name.rpartition(".")
-        if above in sys.modules:
-            vars(sys.modules[above]).pop(last, None)
-        cached = getattr(module.__spec__, "cached", None)
-        if cached:
-            with suppress(OSError):  # it goes by whole seconds: a quick change is not noticed
-                Path(cached).unlink(missing_ok=True)
+        forget(name, module)
+
+
+def forget(name: str, module: ModuleType) -> None:
+    """Forget an import of a module: the next one reads its file.
+
+    Parameters
+    ----------
+    name : str
+        Its full name.
+    module : module
+        What it is imported as.
+    """
+    del sys.modules[name]
+    above, _, last = name.rpartition(".")
+    if above in sys.modules:
+        vars(sys.modules[above]).pop(last, None)
+    cached = getattr(module.__spec__, "cached", None)
+    if cached:
+        with suppress(OSError):  # it goes by whole seconds: a quick change is not noticed
+            Path(cached).unlink(missing_ok=True)
     importlib.invalidate_caches()
 
 
@@ -237,7 +249,7 @@ def users_modules(names: Iterable[str], root: Path) -> set[Place]:
     set of Place
         Those of files that are neither libraries' nor of multisrt.
     """
-    files = {name: _path_of(sys.modules[name]) for name in names if not _is_ours(name)}
+    files = {name: path_of(sys.modules[name]) for name in names if not is_ours(name)}
     return {(name, path) for name, path in files.items() if path and _is_own(path, [root])}
 
 
@@ -272,7 +284,7 @@ def _note_source(file: SourceFile) -> None:
 
 
 def _has_changed(module: ModuleType) -> bool:
-    path = _path_of(module)
+    path = path_of(module)
     if path is None:
         return False
     noted, content = _sources.get((module.__name__, path), (None, None))
@@ -300,18 +312,20 @@ def _file_name(module: ModuleType) -> str:
     return Path(module.__file__ or "").name
 
 
-def _path_of(module: ModuleType) -> Path | None:
+def path_of(module: ModuleType) -> Path | None:
+    """Return the Python file of an imported module; None if it has none."""
     file = vars(module).get("__file__") if isinstance(module, ModuleType) else None
     path = Path(file) if isinstance(file, str) else Path()
     return path.resolve() if path.suffix == ".py" and path.is_file() else None
 
 
-def _is_ours(name: str) -> bool:
+def is_ours(name: str) -> bool:
+    """Whether a module, by its full name, is of this package."""
     return name.partition(".")[0] == "multisrt"
 
 
-def _imports(tree: ast.Module, package: str) -> Iterator[tuple[str, str]]:
-    """Yield the full names that a module in a package imports, each with the package it is in."""
+def _imports(tree: ast.Module, package: str) -> Iterator[tuple[str, str, Path]]:
+    """Yield what a module in a package imports: the package it is in, full name and file."""
     for node in ast.walk(tree):
         if isinstance(node, ast.Import):
             names = [alias.name for alias in node.names]
@@ -327,15 +341,15 @@ def _imports(tree: ast.Module, package: str) -> Iterator[tuple[str, str]]:
             parts = name.split(".")
             for length in range(1, len(parts) + 1):
                 full = ".".join(parts[:length])
-                path = _file_of(full)
-                is_package = path is not None and path.name == "__init__.py"
-                yield (full if is_package else full.rpartition(".")[0]), full
+                if (path := _file_of(full)) is not None:
+                    is_package = path.name == "__init__.py"
+                    yield (full if is_package else full.rpartition(".")[0]), full, path
 
 
 def _file_of(name: str) -> Path | None:
     """Return the Python file of a module by its full name, without importing it."""
     top, *rest = name.split(".")
-    if top == "" or _is_ours(top):
+    if top == "" or is_ours(top):
         return None
     try:
         spec = sys.modules[top].__spec__ if top in sys.modules else importlib.util.find_spec(top)

@@ -31,7 +31,7 @@ from multisrt.robots.messages import Message
 MAX_ACTIONS = 100_000
 """Actions of one explorer at one moment; one that yields more never lets time pass."""
 
-TRY_IT = "'multisrt check FILE' tries the explorer in small worlds"
+TRY_IT = "see what 'multisrt check FILE' says of it"
 """What to do about an exception in a run, if it does not tell more."""
 
 

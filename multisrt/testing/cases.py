@@ -22,6 +22,7 @@ from multisrt.robots.explorer import Explorer, RobotSelf
 from multisrt.robots.naming import named_robots
 from multisrt.robots.registry import registered
 from multisrt.robots.strategy import Strategy
+from multisrt.simulation.protocol import begin
 from multisrt.simulation.random_streams import random_stream
 from multisrt.simulation.simulate import simulate
 from multisrt.spec import RunSpec
@@ -211,7 +212,7 @@ class Case:
         for robot in self.robots:
             rng = random_stream(self.spec.seed, "robots", robot.me.robot)
             explorer = self.make(replace(robot.me, rng=rng))
-            yield Repetition(robot, explorer.run(), self.title, self._watchdog)
+            yield Repetition(robot, begin(explorer, robot.me.robot), self.title, self._watchdog)
 
     def repeat(self) -> None:
         """Run the same spec again without supervision, and compare the digests."""

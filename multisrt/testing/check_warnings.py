@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from multisrt.analysis.metrics import SUCCESS_COVERAGE
+from multisrt.robots.naming import joined
 from multisrt.testing.checked_run import CheckedRun
 from multisrt.testing.forgotten import forgotten_return, writes_run
 
@@ -84,7 +85,7 @@ def warnings_about(runs: Sequence[CheckedRun], cls: type) -> tuple[str, ...]:
     if stalls := [run for run in runs if _stalls_as_a_team(run, runs)]:
         warnings.append(
             f"it stalls in a team: {_stalls(stalls)}; while another body is in the way, drive back "
-            "to let it pass or wait with Receive(timeout_s=...), and plan anew before Done"
+            "to let it pass or wait with Receive(timeout_s=...), and plan again before Done"
         )
     return tuple(warnings)
 
@@ -104,11 +105,15 @@ def _stalls(runs: Sequence[CheckedRun]) -> str:
     for run in runs[:MAX_EXAMPLES]:
         names = [str(robot) for robot in run.unfinished[:MAX_EXAMPLES]]
         if (more := len(run.unfinished) - len(names)) > 0:
-            names = [", ".join(names), f"{more} more"]
+            names.append(f"{more} more")
         verb = "ends" if len(names) == 1 else "end"
-        texts.append(f"{' and '.join(names)} {verb} without completing ({run.title})")
+        texts.append(f"{joined(names)} {verb} without completing ({run.title})")
     more = len(runs) - len(texts)
-    return ", ".join(texts) + (f", and so in {more} other runs" if more else "")
+    return ", ".join(texts) + (f", and so in {_other_runs(more)}" if more else "")
+
+
+def _other_runs(count: int) -> str:
+    return f"{count} other run{'s' * (count > 1)}"
 
 
 def _shares(runs: Sequence[CheckedRun]) -> str:
@@ -120,4 +125,4 @@ def _shares(runs: Sequence[CheckedRun]) -> str:
     more = len(runs) - len(texts)
     if more == 0:
         return " and ".join(texts)
-    return f"{', '.join(texts)} and less than {SUCCESS_COVERAGE:.0%} in {more} other runs"
+    return f"{', '.join(texts)} and less than {SUCCESS_COVERAGE:.0%} in {_other_runs(more)}"

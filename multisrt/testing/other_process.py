@@ -20,6 +20,7 @@ import msgspec
 from multisrt.experiments.import_path import extend_path, python_command
 from multisrt.experiments.modules import reference_of
 from multisrt.geometry.errors import InvalidInputError
+from multisrt.robots.defects import ExplorerDefect
 from multisrt.robots.loading import import_reference
 from multisrt.robots.registry import is_built_in, strategies
 from multisrt.robots.strategy import Strategy
@@ -117,7 +118,10 @@ def main(arguments: Sequence[str]) -> None:
         print(error, file=sys.stderr)
         raise SystemExit(CANNOT_IMPORT) from None
     for text in specs:
-        print(simulate(RunSpec.from_json(text)).footer.digest, file=answers, flush=True)
+        try:
+            print(simulate(RunSpec.from_json(text)).footer.digest, file=answers, flush=True)
+        except ExplorerDefect as defect:
+            raise SystemExit(defect.what) from None
 
 
 if __name__ == "__main__":

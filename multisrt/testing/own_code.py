@@ -191,13 +191,8 @@ def outside_in(cls: OwnCode) -> str:
     str
         The name and its place, such as ``open (mine.py:12)``; empty if there is none.
     """
-    own_methods = _methods_in_reach(cls)
     for named in names_in_reach(cls, as_it_runs=True):
-        if (
-            _is_any(named.value, _OUTSIDE)
-            or _is_of(named, _OUTSIDE_MODULES)
-            or _opens(named, own_methods)
-        ):
+        if _is_any(named.value, _OUTSIDE) or _is_of(named, _OUTSIDE_MODULES) or _opens(named, cls):
             return _at(named)
     return ""
 
@@ -218,14 +213,14 @@ def _methods_in_reach(cls: OwnCode) -> set[str]:
     return {name.rpartition(".")[2] for name in names}
 
 
-def _opens(named: Named, own_methods: set[str]) -> bool:
+def _opens(named: Named, cls: OwnCode) -> bool:
     # Whether it is a call such as path.open(), of an object that is not known.
     method = named.name.removeprefix(".")
     return (
         named.is_called
         and named.name != method
         and method in _FILE_METHODS
-        and method not in own_methods
+        and method not in _methods_in_reach(cls)
     )
 
 

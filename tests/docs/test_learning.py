@@ -9,7 +9,6 @@ from pathlib import Path
 
 import pytest
 
-from multisrt.robots import registry
 from tests.docs.test_pages import blocks
 
 PAGE = Path(__file__).parents[2] / "docs" / "learning.md"
@@ -17,8 +16,6 @@ PAGE = Path(__file__).parents[2] / "docs" / "learning.md"
 
 @pytest.mark.slow
 def test_the_code_of_the_page_runs(tmp_path, monkeypatch, capsys):
-    known = dict(registry._registry())
-    monkeypatch.setattr(registry, "_registry", lambda: known)
     monkeypatch.chdir(tmp_path)
     blocks = re.findall(r"^```python\n(.*?)^```$", PAGE.read_text(), re.DOTALL | re.MULTILINE)
     assert len(blocks) > 5

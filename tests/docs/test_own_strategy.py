@@ -5,8 +5,6 @@ from pathlib import Path
 
 import pytest
 
-from multisrt.robots import registry
-
 PAGE = Path(__file__).parents[2] / "docs" / "own-strategy.md"
 BLOCKS = re.findall(r"^```python\n(.*?)^```$", PAGE.read_text(), re.DOTALL | re.MULTILINE)
 
@@ -14,8 +12,6 @@ BLOCKS = re.findall(r"^```python\n(.*?)^```$", PAGE.read_text(), re.DOTALL | re.
 @pytest.mark.slow
 @pytest.mark.parametrize("code", BLOCKS, ids=lambda code: code.splitlines()[-1][:40])
 def test_blocks_run(code, load_module, monkeypatch, tmp_path, capsys):
-    known = dict(registry._registry())
-    monkeypatch.setattr(registry, "_registry", lambda: known)
     path = tmp_path / "block.py"
     path.write_text(code)
     load_module(path)

@@ -16,7 +16,6 @@ from multisrt.events import Event
 from multisrt.experiments.crossing import runs
 from multisrt.experiments.mission import make_run
 from multisrt.recording import Recording
-from multisrt.robots import registry
 
 RUNNER = """
 import sys
@@ -53,10 +52,9 @@ def events_of() -> Callable[..., list[Any]]:
 
 @pytest.fixture
 def forgotten(monkeypatch, tmp_path_factory):
-    """Forget after a test which strategies it registered and which modules it imported."""
+    """Forget after a test which modules it imported."""
     monkeypatch.setattr(sys, "path", [*sys.path])
-    known, before = dict(registry._registry()), set(sys.modules)
-    monkeypatch.setattr(registry, "_registry", lambda: known)
+    before = set(sys.modules)
     yield
     for name in set(sys.modules) - before:
         file = getattr(sys.modules[name], "__file__", None)

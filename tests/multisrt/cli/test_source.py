@@ -101,6 +101,9 @@ def test_options_are_found_as_strategies_find_them(written_as, code, at):
         ("class NearestFirst:\n def run(self): ...", "nearest-first"),
         ("from multisrt.robots import toolkit\n@toolkit.assignment\ndef my_rule(): ...", "my-rule"),
         ("import multisrt as ms\nmade = ms.Strategy.of(Some, name='other-name')", "other-name"),
+        ("import multisrt as ms\nNAME = 'far'\nmade = ms.Strategy.of(Some, name=NAME)", "far"),
+        ("import multisrt as ms\nmade = ms.Strategy.of(Some, name=NAME.lower())", ""),
+        ("import multisrt as ms, b\nmade = ms.Strategy.of(b.SomeOther)", "some-other"),
         ("import multisrt as ms\nmade = ms.Strategy.of(SomeOther)", "some-other"),
         ("from multisrt.envs import policy_strategy as p\nmade = p('learned', None)", "learned"),
     ],
@@ -110,18 +113,33 @@ def test_strategies_have_the_names_that_they_would_have(written_as, code, name):
 
 
 @pytest.mark.parametrize(
-    "code",
+    ("code", "names"),
     [
-        "class Mine(",
-        "A = A | None\nclass O(O): a: A = 1\nclass Mine(Mine):\n Options = O\n def run(self): ...",
-        "import multisrt as ms\nMine = ms.Strategy.of(Mine)",
-        "import multisrt as ms\nMine = ms.Strategy.of()",
-        "from mine import Mine as Mine\nfrom mine import Options\nclass Other(Mine): ...",
-        "\0",
+        ("class Mine(", []),
+        (
+            "A = A | None\nclass O(O): a: A = 1\n"
+            "class Mine(Mine):\n Options = O\n def run(self): ...",
+            [],
+        ),
+        ("class Mine:\n __init__ = object.__init__\n def run(self): ...", ["mine"]),
+        ("import multisrt as ms\nMine = ms.Strategy.of(Mine)", []),
+        ("import multisrt as ms\nMine = ms.Strategy.of()", [""]),
+        ("from mine import Mine as Mine\nfrom mine import Options\nclass Other(Mine): ...", []),
+        ("\0", []),
     ],
 )
-def test_files_that_make_no_sense_are_read_to_no_end(written_as, code):
-    assert all(own.options.keys() <= {"a"} for own in written_as(mine=code).values())
+def test_files_that_make_no_sense_are_read_to_no_end(written_as, code, names):
+    read = written_as(mine=code)
+    assert [own.name for own in read.values()] == names
+    assert all(own.options.keys() <= {"a"} for own in read.values())
+
+
+def test_a_path_is_of_the_folder_that_is_current(tmp_path, monkeypatch):
+    for name in ("First", "Second"):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "mine.py").write_text(f"class {name}:\n def run(self): ...")
+        monkeypatch.chdir(tmp_path / name)
+        assert list(strategies_in("mine.py")) == [name]
 
 
 def test_what_is_no_strategy_is_not_offered(written_as):

@@ -26,4 +26,4 @@ def test_own_options_come_before_inherited_ones(call):
         "drive",
     ]
     assert "As above" not in out
-    assert "in the paper goals are given anew" in " ".join(out.split())
+    assert "in the paper goals are reassigned" in " ".join(out.split())

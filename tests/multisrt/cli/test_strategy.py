@@ -1,20 +1,14 @@
 """`multisrt strategy new`."""
 
+import sys
+
 import pytest
 
 from multisrt.cli.strategy import SIZES
-from multisrt.robots import registry
 from multisrt.robots.toolkit import templates
 from tests.multisrt.cli.commands import everything
 
 pytestmark = pytest.mark.usefixtures("forgotten")
-
-
-@pytest.fixture(autouse=True)
-def known(monkeypatch):
-    """Forget afterwards the strategies that commands have registered."""
-    before = dict(registry._registry())
-    monkeypatch.setattr(registry, "_registry", lambda: before)
 
 
 def test_sizes_are_those_of_the_templates():
@@ -78,3 +72,12 @@ def test_what_cannot_be_written_is_told(call, folder, words, told):
     assert told in err
     assert "Traceback" not in err
     assert everything(folder) == before
+
+
+def test_the_main_program_need_have_no_spec(call, folder, monkeypatch):
+    # As when the command is started by its script.
+    monkeypatch.setattr(sys.modules["__main__"], "__spec__", None)
+    code, out, err = call("strategy", "new", "my own/__main__.py", "--name", "far")
+    assert (code, err) == (0, "")
+    assert "next: multisrt check 'my own/__main__.py'\n" in out
+    assert "multisrt check 'my own/__main__.py'" in (folder / "my own/__main__.py").read_text()

@@ -161,12 +161,30 @@ def test_what_others_imported_is_not_imported_again() -> None:
     assert load_strategy("mine.py").name == "mine"
 
 
-def test_a_failed_import_leaves_nothing_beside_it_imported() -> None:
+def test_a_failed_import_leaves_nothing_beside_it_imported(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(sys, "dont_write_bytecode", False)
     write("beside.py", "REASON = 'one'\n")
     write("mine.py", "import beside\nraise ValueError\n")
     assert "ValueError" in refused("mine.py")
     write("beside.py", "REASON = 'two'\n")
     write("mine.py", "import beside\n" + MINE.replace('"{reason}"', "beside.REASON"))
+    assert reason_of("mine.py") == "two"
+
+
+def test_a_failed_import_leaves_nothing_in_a_known_package(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.syspath_prepend(str(Path.cwd()))
+    Path("lab").mkdir()
+    write("lab/__init__.py", "")
+    importlib.import_module("lab")
+    write("lab/deep.py", "REASON = 'one'\n")
+    write("mine.py", "from lab import deep\nraise ValueError\n")
+    assert "ValueError" in refused("mine.py")
+    write("lab/deep.py", "REASON = 'two'\n")
+    write("mine.py", "from lab import deep\n" + MINE.replace('"{reason}"', "deep.REASON"))
     assert reason_of("mine.py") == "two"
 
 

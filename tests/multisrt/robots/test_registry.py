@@ -27,10 +27,8 @@ def no_explorer(me: RobotSelf, options: object) -> Explorer:
 
 
 @pytest.fixture
-def own(monkeypatch):
-    """A strategy, and a registry that is gone after the test."""
-    known = dict(registry._registry())
-    monkeypatch.setattr(registry, "_registry", lambda: known)
+def own():
+    """A strategy."""
     return Strategy(name="own", summary="mine", options=Options, explorer=no_explorer)
 
 

@@ -242,7 +242,7 @@ def test_a_robot_that_waits_forever_stalls_the_run(play, straight):
         starts=[(1.0, 1.0), (1.0, 5.0), (9.0, 5.0)],
     )  # fmt: skip
     assert recording.footer.outcome == "stalled"
-    assert "[1, 2]" in recording.footer.reason
+    assert recording.footer.reason == "robots 1 and 2 wait for a message that never comes"
     assert told[1] == []
     assert recording.footer.time_s == 4.0
 

@@ -63,7 +63,10 @@ def test_a_team_that_stalls_where_one_robot_completes():
         "it stalls in a team: robot 0 ('no way', stopped before robot 2), robot 1 ('no way', "
         "beside robot 0) and 1 more end without completing (3 robots in 'hall')"
     )
-    runs += [run_of(robots, "stalled", LOST) for robots in (4, 5, 6)]
+    runs += [run_of(robots, "stalled", LOST) for robots in (4, 5)]
+    (warning,) = warnings_about(runs, RunsInto)
+    assert ", and so in 1 other run; " in warning
+    runs.append(run_of(6, "stalled", LOST))
     (warning,) = warnings_about(runs, RunsInto)
     assert "robot 2 ('is lost') ends without completing (4 robots in 'hall'), and so " in warning
 

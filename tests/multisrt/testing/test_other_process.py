@@ -70,7 +70,7 @@ def test_what_fails_there_says_why(tmp_path):
     fails = f"{there}\n    def run(self):\n        raise KeyError('there')\n"
     digests, reason = elsewhere(tmp_path, MINE + fails + "    Mine.run = run\n")
     assert digests == ()
-    assert reason == "KeyError: 'there'"
+    assert reason == "it raised KeyError: 'there' (mine.py:15, in run: raise KeyError('there'))"
 
 
 @pytest.mark.slow

@@ -15,8 +15,18 @@ EXTRAS: Final[Mapping[str, tuple[str, ...]]] = {
     "parquet": ("pyarrow",),
     "cluster": ("distributed",),
     "learn": ("gymnasium", "pettingzoo"),
+    "animation": ("imageio-ffmpeg",),
+    "mcap": ("mcap", "mcap-ros2-support"),
+    "rerun": ("rerun-sdk",),
 }
 """The packages that each extra brings."""
+
+MODULES: Final[Mapping[str, str]] = {
+    "imageio-ffmpeg": "imageio_ffmpeg",
+    "mcap-ros2-support": "mcap_ros2",
+    "rerun-sdk": "rerun",
+}
+"""The modules of those packages that are imported by another name."""
 
 
 class MissingExtraError(MultiSrtError, ImportError):
@@ -55,8 +65,9 @@ def extra(name: str, what: str) -> Iterator[None]:
     try:
         yield
     except ModuleNotFoundError as error:
-        missing = (error.name or "").partition(".")[0]
-        if missing not in EXTRAS[name]:
+        module = (error.name or "").partition(".")[0]
+        missing = next((one for one in EXTRAS[name] if MODULES.get(one, one) == module), None)
+        if missing is None:
             raise
         raise MissingExtraError(
             f"{what} needs {missing}, which is not installed: pip install 'multisrt[{name}]'"

@@ -10,10 +10,10 @@ from pathlib import Path
 import pytest
 
 import multisrt as ms
-from multisrt.extras import EXTRAS, MissingExtraError, extra
+from multisrt.extras import EXTRAS, MODULES, MissingExtraError, extra
 
 ROOT = Path(__file__).parents[3]
-OPTIONAL = [package for packages in EXTRAS.values() for package in packages]
+OPTIONAL = [MODULES.get(package, package) for packages in EXTRAS.values() for package in packages]
 
 
 @pytest.fixture

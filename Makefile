@@ -1,4 +1,6 @@
 # Every target sets up what it needs, in a virtual environment, and is quick the second time.
+# Tests start many processes, each of which would compile all modules without their bytecode.
+unexport PYTHONDONTWRITEBYTECODE
 PYTHON ?= python3
 VENV ?= .venv
 BIN := $(VENV)/bin

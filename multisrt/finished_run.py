@@ -20,6 +20,8 @@ from multisrt.spec import RunSpec
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+    from multisrt.exporting import ExportOptions
+
 RECORDING_NAME = "recording.jsonl"
 RUN_NAME = "run.json"
 TREE_NAME = "tree.svg"
@@ -366,6 +368,36 @@ class Run:
         text = msgspec.json.format(msgspec.json.encode(summary), indent=2)
         with atomic_write(Path(path)) as file:
             file.write(text + b"\n")
+
+    def export(self, path: str | Path, options: ExportOptions | None = None) -> None:
+        """Write the run as a file that Foxglove, ROS 2 or rerun show.
+
+        Parameters
+        ----------
+        path : str or Path
+            The file: ``.mcap`` for Foxglove and ROS 2, ``.rrd`` for rerun. It is written
+            completely or not at all.
+        options : ExportOptions, optional
+            How densely the run is sampled: poses a second, time between maps, width of cells.
+
+        Raises
+        ------
+        InvalidInputError
+            If the suffix is another, the file cannot be written, or there would be too many poses
+            or cells.
+        MissingExtraError
+            If a package is not installed that the format needs (``multisrt[mcap]``,
+            ``multisrt[rerun]``).
+
+        Examples
+        --------
+        >>> import multisrt as ms
+        >>> run = ms.explore("open", robots=2, seed=1, max_time_s=10.0)
+        >>> run.export("run.mcap")
+        """
+        from multisrt.exporting import export_run
+
+        export_run(self.recording, path, options=options, environment=self.environment)
 
     def __repr__(self) -> str:
         return (

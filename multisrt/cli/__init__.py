@@ -14,6 +14,7 @@ from multisrt.cli.completion import PROGRAM, VARIABLE, completion
 from multisrt.cli.environments import environments
 from multisrt.cli.experiment import experiment
 from multisrt.cli.explore import explore
+from multisrt.cli.export import export
 from multisrt.cli.mistakes import CommandGroup, is_world, usage_message
 from multisrt.cli.report import report
 from multisrt.cli.reproduce import reproduce
@@ -40,23 +41,35 @@ def _meant(words: Sequence[str]) -> Sequence[str]:
 def cli() -> None:
     """Simulate and compare multi-robot exploration of unknown planar environments.
 
-    \b
-    Examples:
-      multisrt explore office
-      multisrt explore museum --robots 4 --strategy srt-radial --strategy srt-star
-      multisrt why runs/office-srt-radial-0 --robot 0 --time 31.5
-      multisrt check mine.py
-      multisrt experiment new star.toml
-      multisrt environments
-      multisrt strategies
-      multisrt completion bash
+      \b
+      Examples:
+        multisrt explore office
+        multisrt explore museum --robots 4 --strategy srt-radial --strategy srt-star
+        multisrt why runs/office-srt-radial-0 --robot 0 --time 31.5
+        multisrt export runs/office-srt-radial-0 --out office.mcap
+    multisrt check mine.py
+        multisrt experiment new star.toml
+        multisrt environments
+        multisrt strategies
+        multisrt completion bash
 
-    'multisrt COMMAND --help' describes a command.
+      'multisrt COMMAND --help' describes a command.
     """
 
 
 for command in (
-    *(explore, why, environments, strategies, strategy, check, experiment, report, reproduce),
+    *(
+        explore,
+        why,
+        export,
+        environments,
+        strategies,
+        strategy,
+        check,
+        experiment,
+        report,
+        reproduce,
+    ),
     completion,
 ):
     cli.add_command(command)

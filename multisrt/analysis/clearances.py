@@ -97,12 +97,12 @@ def _laid_out(recording: Recording) -> tuple[Track, ...]:
 
 def _track(start: tuple[float, float, float], motions: list[Motion], end: float) -> Track:
     motions.sort(key=lambda motion: motion.time_s)
-    ways = [motion.waypoints for motion in motions]
-    points = [(0.0, *start), *itertools.chain.from_iterable(ways)]
+    waypoints_of = [motion.waypoints for motion in motions]
+    points = [(0.0, *start), *itertools.chain.from_iterable(waypoints_of)]
     last = points[-1]
-    way = np.array([*points, (max(end, last[0]), *last[1:])])
-    legs: FloatArray = np.hstack([way[:-1], way[1:]])
-    stands = np.cumsum([0, *map(len, ways)])
+    track = np.array([*points, (max(end, last[0]), *last[1:])])
+    legs: FloatArray = np.hstack([track[:-1], track[1:]])
+    stands = np.cumsum([0, *map(len, waypoints_of)])
     legs[stands, 5:] = legs[stands, 1:4]
     return Track(legs, stands)
 

@@ -97,7 +97,7 @@ def legend(traces: list[Trace]) -> list[LegendEntry]:
         ("path in support of others", styles.support, any(t.supporting for t in traces)),
         (
             "path off the tree",
-            styles.way if team else styles.path,
+            styles.team_path if team else styles.path,
             any(t.is_off_tree for t in traces),
         ),
         ("open frontier", FRONTIER, any(t.frontier for t in traces)),
@@ -108,7 +108,7 @@ def legend(traces: list[Trace]) -> list[LegendEntry]:
     return entries + marks_legend(traces, styles)
 
 
-def ways_legend(
+def paths_legend(
     traces: list[Trace], *, goals: bool, frontier: bool, cut_off: bool
 ) -> list[LegendEntry]:
     """Return the legend of frontier bidding, with entries for what is on the map only."""

@@ -21,10 +21,10 @@ from multisrt.drawing.colours import (
     Style,
 )
 from multisrt.drawing.marks import draw_areas, draw_starts_and_ends, draw_stops
+from multisrt.drawing.paths_svg import draw_paths
 from multisrt.drawing.sheet import Sheet
 from multisrt.drawing.svg import child
 from multisrt.drawing.traces import Trace, joined, median_edge_m, traces_of
-from multisrt.drawing.ways_svg import draw_ways
 from multisrt.environments.environment import Environment
 from multisrt.events import NodeAdded
 from multisrt.geometry.numerics.kernel import FloatArray
@@ -96,7 +96,7 @@ def run_sheet(
     if draw_below is not None:
         draw_below(sheet)
     if any(trace.scans for trace in traces):
-        draw_ways(sheet, recording, environment, traces)
+        draw_paths(sheet, recording, environment, traces)
     else:
         _draw_trees(sheet, recording, environment, traces)
     if team:
@@ -151,7 +151,7 @@ def _draw_trees(
     sheet.draw_obstacles(environment)
     for trace in traces:
         styles = RobotStyles.of(trace.robot)
-        _draw_path(sheet, trace, styles.way if team else styles.path)
+        _draw_path(sheet, trace, styles.team_path if team else styles.path)
     for draw in (_draw_supporting, _draw_bridges, _draw_edges):
         for trace in traces:
             draw(sheet, trace)

@@ -64,7 +64,10 @@ def break_the_callee(package: Path) -> None:
 def test_a_kernel_follows_a_callee_of_another_file_and_older_ones_are_removed(package):
     assert answer(package) == "True"
     old = set(package.rglob("*.nbc"))
-    assert {file.name.split("-")[0] for file in old} == {"caller.is_clear", "segments.squared_distance"}
+    assert {file.name.split("-")[0] for file in old} == {
+        "caller.is_clear",
+        "segments.squared_distance",
+    }
     written = {file: file.stat().st_mtime_ns for file in old}
     assert answer(package) == "True"
     assert {file: file.stat().st_mtime_ns for file in package.rglob("*.nbc")} == written

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 
 import click
 
+from multisrt.cli.animate import animate
 from multisrt.cli.check import check
 from multisrt.cli.completion import PROGRAM, VARIABLE, completion
 from multisrt.cli.environments import environments
@@ -45,6 +46,7 @@ def cli() -> None:
       multisrt explore office
       multisrt explore museum --robots 4 --strategy srt-radial --strategy srt-star
       multisrt why runs/office-srt-radial-0 --robot 0 --time 31.5
+      multisrt animate runs/office-srt-radial-0 --out office.mp4
       multisrt check mine.py
       multisrt experiment new star.toml
       multisrt environments
@@ -56,7 +58,18 @@ def cli() -> None:
 
 
 for command in (
-    *(explore, why, environments, strategies, strategy, check, experiment, report, reproduce),
+    *(
+        explore,
+        why,
+        animate,
+        environments,
+        strategies,
+        strategy,
+        check,
+        experiment,
+        report,
+        reproduce,
+    ),
     completion,
 ):
     cli.add_command(command)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -287,6 +287,65 @@ class Run:
         from multisrt.drawing import save_tree_svg
 
         save_tree_svg(self.recording, path)
+
+    def animate(
+        self,
+        path: str | Path,
+        *,
+        duration_s: float | None = None,
+        speed: float | None = None,
+        fps: float | None = None,
+        size: int | tuple[int, int] | None = None,
+        without: Collection[str] = (),
+    ) -> None:
+        """Write an animation of the run, as MP4, GIF, or SVG that moves by itself.
+
+        Parameters
+        ----------
+        path : str or Path
+            The file, ``.mp4``, ``.gif`` or ``.svg``; it is written completely or not at all.
+        duration_s : float, optional
+            Time that the animation takes for the run, from 0.5 to 600 seconds; the last picture
+            stays for another two. By default 24 s, or as long as the run if that is shorter.
+        speed : float, optional
+            How many times as fast as the robots it is, instead of a duration.
+        fps : float, optional
+            Pictures a second, from 1 to 60; 25 by default, 10 in a GIF. In SVG robots move
+            smoothly, and all else appears in steps, 5 a second by default.
+        size : int or (int, int), optional
+            Width in pixels, or width and height; by default a width of 1280, of 720 for GIF and of
+            960 for SVG.
+        without : collection of str, optional
+            What to leave out: ``areas``, ``paths``, ``trees``, ``goals``, ``bodies``, ``caption``.
+
+        Raises
+        ------
+        InvalidInputError
+            If an argument is out of range, or the file cannot be written.
+        MissingExtraError
+            If an MP4 or GIF is to be written and imageio-ffmpeg is not installed
+            (``multisrt[animation]``).
+        EncodingError
+            If ffmpeg fails.
+
+        Examples
+        --------
+        >>> import multisrt as ms
+        >>> run = ms.explore("open", seed=1, max_time_s=10.0)
+        >>> run.animate("run.svg")
+        >>> run.animate("run.gif", duration_s=2.0, size=300)
+        """
+        from multisrt.drawing.animation import save_animation
+
+        save_animation(
+            self.recording,
+            path,
+            duration_s=duration_s,
+            speed=speed,
+            fps=fps,
+            size=size,
+            without=without,
+        )
 
     def save_recording(self, path: str | Path) -> None:
         """Write the recording, one JSON object a line.

@@ -1,0 +1,94 @@
+"""How often robots decided what, and why, from the decisions that they put on record."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from typing import Final, NamedTuple
+
+from multisrt.events import Coordinated, Decided, Decision, GoalChosen
+from multisrt.recording import Recording
+
+MAX_REASON: Final = 60
+"""Upper bound of the characters of a reason; longer ones are cut."""
+
+ANY_NUMBER: Final = "#"
+"""Stands for each number in the words of an explorer of your own."""
+
+ALONE: Final = "no conflict"
+"""The reason of a decision of the SRT family that no master had to coordinate."""
+
+
+class Choice(NamedTuple):
+    """What a robot decided, and why.
+
+    Attributes
+    ----------
+    choice : str
+        Of the SRT family: `choice` of `Decision`. Of robots that bid for frontiers: the rule that
+        chose, or ``no goal``. Of explorers of your own: ``goal`` or ``no goal``.
+    reason : str
+        Of the SRT family: the order of the master if paths conflicted, else ``no conflict``. Of
+        robots that bid: `because` of `GoalChosen`. Of explorers of your own: the first line of
+        their words, with `ANY_NUMBER` for each number, so that words that differ in numbers only
+        are counted together.
+    """
+
+    choice: str
+    reason: str
+
+
+def decision_counts(recording: Recording) -> list[Counter[Choice]]:
+    """Count the decisions of each robot by what it chose and why.
+
+    Parameters
+    ----------
+    recording : Recording
+        The run.
+
+    Returns
+    -------
+    list of Counter
+        For each robot the number of its events `Decision`, `GoalChosen` and `Decided`, by choice
+        and reason.
+
+    Examples
+    --------
+    >>> import multisrt as ms
+    >>> run = ms.explore("open", strategy="minpos", seed=1)
+    >>> (counts,) = decision_counts(run.recording)
+    >>> counts[Choice("minpos", "start")]
+    1
+    """
+    counts: list[Counter[Choice]] = [Counter() for _ in recording.spec.robots]
+    # The last decision of each robot of the SRT family, until it is known how it was coordinated.
+    pending: dict[int, Decision] = {}
+
+    def settle(robot: int, order: str) -> None:
+        if (decision := pending.pop(robot, None)) is not None:
+            counts[robot][Choice(decision.choice, order)] += 1
+
+    for event in recording.events:
+        match event:
+            case Decision():
+                settle(event.robot, ALONE)
+                pending[event.robot] = event
+            case Coordinated():
+                settle(event.robot, f"master: {event.order}")
+            case GoalChosen():
+                choice = "no goal" if event.goal is None else event.rule
+                counts[event.robot][Choice(choice, event.because)] += 1
+            case Decided():
+                choice = "no goal" if event.goal is None else "goal"
+                counts[event.robot][Choice(choice, _general(event.text))] += 1
+    for robot in sorted(pending):
+        settle(robot, ALONE)
+    return counts
+
+
+def _general(text: str) -> str:
+    # The first line, without what differs from one decision to the next.
+    line = next(iter(text.splitlines()), "")
+    shown = " ".join("".join(c if c.isprintable() else " " for c in line).split())
+    plain = re.sub(r"[-+]?\d+(?:[.,]\d+)*(?:[eE][-+]?\d+)?", ANY_NUMBER, shown)
+    return plain if len(plain) <= MAX_REASON else plain[: MAX_REASON - 1] + "…"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
+from collections.abc import Sequence
 from typing import Final, NamedTuple
 
 from multisrt.events import Coordinated, Decided, Decision, GoalChosen
@@ -84,6 +85,76 @@ def decision_counts(recording: Recording) -> list[Counter[Choice]]:
     for robot in sorted(pending):
         settle(robot, ALONE)
     return counts
+
+
+class DecisionRow(NamedTuple):
+    """How often the robots of a strategy decided one thing for one reason.
+
+    Attributes
+    ----------
+    strategy : str
+        The strategy.
+    choice, reason : str
+        See `Choice`.
+    counts : tuple of int
+        One for each robot that counts, summed over the runs of the strategy.
+    share : float
+        Share of all decisions of these robots, from 0 to 1.
+    """
+
+    strategy: str
+    choice: str
+    reason: str
+    counts: tuple[int, ...]
+    share: float
+
+    @property
+    def total(self) -> int:
+        """The sum over all robots."""
+        return sum(self.counts)
+
+
+def decision_rows(
+    recordings: Sequence[Recording], robots: Sequence[int] | None = None
+) -> list[DecisionRow]:
+    """Return the table of the decisions of several runs.
+
+    Parameters
+    ----------
+    recordings : sequence of Recording
+        The runs; those of one strategy are added up.
+    robots : sequence of int, optional
+        The robots whose decisions count; by default all of the largest team.
+
+    Returns
+    -------
+    list of DecisionRow
+        Strategies in the order of their first run; of each the most frequent decisions first.
+        Each row has a count for each robot, also for those that its team lacks.
+
+    Examples
+    --------
+    >>> import multisrt as ms
+    >>> run = ms.explore("open", strategy="minpos", robots=2, seed=1)
+    >>> rows = decision_rows([run.recording])
+    >>> len(rows[0].counts), round(sum(row.share for row in rows), 9)
+    (2, 1.0)
+    """
+    if robots is None:
+        robots = range(max((len(recording.spec.robots) for recording in recordings), default=0))
+    by_strategy: dict[str, list[Counter[Choice]]] = {}
+    for recording in recordings:
+        team = by_strategy.setdefault(recording.spec.strategy, [Counter() for _ in robots])
+        found = decision_counts(recording)
+        for robot, sums in zip(robots, team, strict=True):
+            sums.update(found[robot] if robot < len(found) else {})
+    rows = []
+    for strategy, team in by_strategy.items():
+        whole: Counter[Choice] = sum(team, Counter())
+        for choice in sorted(whole, key=lambda one: (-whole[one], one)):
+            counts = tuple(own[choice] for own in team)
+            rows.append(DecisionRow(strategy, *choice, counts, whole[choice] / whole.total()))
+    return rows
 
 
 def _general(text: str) -> str:

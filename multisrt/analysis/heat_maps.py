@@ -1,11 +1,10 @@
-"""Maps of counts and times on a raster: where robots drove, what they saw, where they were alone."""
+"""Rasters of counts and times: where robots drove, what they saw, where they were isolated."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import Final, Literal
 
 import numpy as np
@@ -26,7 +25,7 @@ VisitCount = Literal["passes", "robots", "scans", "viewers"]
 """What is counted: times that robots drove past a place, robots that did, scans that showed it,
 robots that saw it."""
 
-CELLS: Final = 100
+CELLS: Final = 150
 """The longer side of a world is divided into about as many cells by default."""
 
 MAX_CELLS: Final = 4_000_000
@@ -137,7 +136,7 @@ def isolated_times(
     recording : Recording
         The run.
     cell_m : float, optional
-        Width of the cells in metres; by default as for `visits`.
+        Width of the cells in metres; by default twice as wide as for `visits`.
     environment : Environment, optional
         The world, if it has been built already.
 
@@ -162,7 +161,7 @@ def isolated_times(
     True
     """
     world = environment or recording.environment()
-    found = _empty(world, cell_m)
+    found = _empty(world, cell_m, CELLS // 2)
     rows, columns = found.values.shape
     for robot, own in enumerate(isolation(recording, world)):
         legs = tracks(recording)[robot].legs
@@ -175,10 +174,10 @@ def isolated_times(
     return found
 
 
-def _empty(world: Environment, cell_m: float | None) -> HeatMap:
+def _empty(world: Environment, cell_m: float | None, cells: int = CELLS) -> HeatMap:
     x0, y0, x1, y1 = world.bounds
     if cell_m is None:
-        cell_m = 2.0 ** round(math.log2(max(x1 - x0, y1 - y0) / CELLS))
+        cell_m = 2.0 ** round(math.log2(max(x1 - x0, y1 - y0) / cells))
     if not 0.0 < cell_m < math.inf:
         raise InvalidInputError(f"the width of cells is a positive number of metres, not {cell_m}")
     columns = max(1.0, math.ceil((x1 - x0) / cell_m - 1e-9))
@@ -251,9 +250,8 @@ def _sightings(recording: Recording, world: Environment, like: HeatMap) -> Itera
         for scan, corners in zip(recording.of(Sensed), shown, strict=True):
             if scan.robot != robot or not len(corners):
                 continue
-            (c0, r0), (c1, r1) = (
-                np.searchsorted(x, corners[:, 0].min()), np.searchsorted(y, corners[:, 1].min())
-            ), (np.searchsorted(x, corners[:, 0].max()), np.searchsorted(y, corners[:, 1].max()))
+            c0, c1 = np.searchsorted(x, (corners[:, 0].min(), corners[:, 0].max()))
+            r0, r1 = np.searchsorted(y, (corners[:, 1].min(), corners[:, 1].max()))
             region = shapely.Polygon(corners)
             shapely.prepare(region)
             at_x, at_y = np.meshgrid(x[c0:c1], y[r0:r1])
@@ -261,13 +259,14 @@ def _sightings(recording: Recording, world: Environment, like: HeatMap) -> Itera
         yield seen
 
 
-def _steps(legs: FloatArray, begin: float, end: float, step_m: float) -> tuple[FloatArray, FloatArray]:
+def _steps(
+    legs: FloatArray, begin: float, end: float, step_m: float
+) -> tuple[FloatArray, FloatArray]:
     # Times at which a robot stood for spans of time that together last from begin to end, so
     # short that it moved by no more than a step in each.
     cuts: list[float] = [begin]
-    for start, _, _, _, stop, *_ in legs[(legs[:, 0] < end) & (legs[:, 4] > begin)].tolist():
-        first, last = max(begin, start), min(end, stop)
-        leg = legs_at(legs, np.array([first]))[0]
+    for leg in legs[(legs[:, 0] < end) & (legs[:, 4] > begin)].tolist():
+        first, last = max(begin, leg[0]), min(end, leg[4])
         length_m = math.hypot(leg[5] - leg[1], leg[6] - leg[2])
         # An arc is at most 1.6 times as long as its chord, up to half a turn.
         count = max(1, math.ceil(1.6 * length_m / step_m))

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import math
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 import shapely
+from shapely.geometry.base import BaseGeometry
 
 from multisrt.analysis.scans import scanned_regions
 from multisrt.environments.environment import Environment
@@ -84,24 +86,44 @@ def known_regions(
     return found
 
 
-def area_of(regions: Iterable[KnownRegion], free: shapely.MultiPolygon) -> shapely.MultiPolygon:
-    """Return the free space that some regions cover together.
+def areas_known(
+    regions: Sequence[KnownRegion], times_s: Sequence[float], environment: Environment
+) -> list[dict[int, shapely.MultiPolygon]]:
+    """Return the free space that a robot knows at some times, by the robot that saw it.
 
     Parameters
     ----------
-    regions : iterable of KnownRegion
-        The regions.
-    free : MultiPolygon
-        Free space of the world.
+    regions : sequence of KnownRegion
+        All regions that come to be on its map, by time.
+    times_s : sequence of float
+        The times in seconds, ascending.
+    environment : Environment
+        The world.
 
     Returns
     -------
-    MultiPolygon
-        Empty without regions.
+    list of dict from int to MultiPolygon
+        One for each time, in the order of the robots. The areas of several robots may overlap.
     """
-    polygons = np.array([shapely.Polygon(region.corners) for region in regions], np.object_)
-    if not len(polygons):
-        return shapely.MultiPolygon()
-    union = shapely.union_all(shapely.make_valid(polygons))
-    parts = shapely.get_parts(union.intersection(free))
+    known: dict[int, BaseGeometry] = {}
+    found = []
+    begin = -math.inf
+    for time_s in times_s:
+        for maker in sorted({region.maker for region in regions}):
+            new = [
+                shapely.Polygon(region.corners)
+                for region in regions
+                if region.maker == maker and begin < region.time_s <= time_s
+            ]
+            if new:
+                before = known.get(maker, shapely.MultiPolygon())
+                valid = shapely.make_valid(np.array([*new], np.object_))
+                known[maker] = shapely.union_all([before, *valid])
+        begin = time_s
+        found.append({m: _polygons(known[m].intersection(environment.free)) for m in sorted(known)})
+    return found
+
+
+def _polygons(area: BaseGeometry) -> shapely.MultiPolygon:
+    parts = shapely.get_parts(area)
     return shapely.MultiPolygon([part for part in parts if part.geom_type == "Polygon"])

@@ -127,7 +127,9 @@ def _regions_legend(
     if team:
         what = "the area that a robot saw" if merged else "a local safe region"
         style = styles.outline.scaled(2.0)
-        return [] if "outlines" in absent else [LegendEntry(label=f"outline of {what}", style=style)]
+        return (
+            [] if "outlines" in absent else [LegendEntry(label=f"outline of {what}", style=style)]
+        )
     style = styles.region.scaled(2.0)
     if "outlines" in absent:
         style = replace(style, stroke=None)

@@ -13,7 +13,7 @@ import shapely
 from multisrt.events import Point
 from multisrt.geometry.numerics.kernel import FloatArray
 
-BADGE_MM: Final = (0.8, 2.1)
+BADGE_MM: Final = (1.3, 2.1)
 """Range of the radius of the badges of a team, which are smaller where starts are crowded."""
 
 BADGE_SHARE: Final = 0.4
@@ -156,7 +156,9 @@ def _push(at: FloatArray, others: FloatArray, room: FloatArray, share: float) ->
     turn = GOLDEN_ANGLE * np.arange(len(at))
     own = np.stack([np.cos(turn), np.sin(turn)], axis=-1)
     same = distance < 1e-9
-    direction = np.where(same[..., None], own[:, None], away / np.where(same, 1.0, distance)[..., None])
+    direction = np.where(
+        same[..., None], own[:, None], away / np.where(same, 1.0, distance)[..., None]
+    )
     lacking[lacking < 1e-9] = 0.0
     # A little more than is lacking, so that the last steps end.
     moved: FloatArray = (1.02 * share * lacking[..., None] * direction).sum(axis=1)

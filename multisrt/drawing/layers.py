@@ -44,10 +44,6 @@ def left_out(without: Iterable[str]) -> frozenset[str]:
     --------
     >>> sorted(left_out(["outlines", "nodes"]))
     ['nodes', 'outlines']
-    >>> left_out("outline")
-    Traceback (most recent call last):
-    ...
-    multisrt.geometry.errors.InvalidInputError: there is no layer 'outline' (did you mean 'outlines'?)
     """
     names = frozenset([without] if isinstance(without, str) else without)
     for name in sorted(map(str, names)):

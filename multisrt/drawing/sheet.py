@@ -31,7 +31,7 @@ from multisrt.events import Point
 MAX_MAP_MM: Final = ((265.0, 160.0), (180.0, 225.0))
 """Width and height that bound the map: with its texts it fits A4, landscape or portrait."""
 
-MIN_WEIGHT: Final = 0.4
+MIN_WEIGHT: Final = 0.6
 """Lower bound of the scale of lines and markers, so that they stay visible."""
 
 CORRIDOR_MM: Final = 10.0
@@ -136,6 +136,8 @@ class Sheet:
         The map, with a group for each layer.
     map_mm : (width, height)
         Its size on paper, in millimetres.
+    bounds : (x0, y0, x1, y1)
+        Its bounds in metres, with a frame around free space.
     """
 
     def __init__(
@@ -154,7 +156,7 @@ class Sheet:
         self.swatches: list[Swatch] = []
         self.swatches_heading = ""
         self.heading = tuple(heading)
-        self._bounds: Bounds = (x0 - frame, y0 - frame, x1 + frame, y1 + frame)
+        self.bounds: Bounds = (x0 - frame, y0 - frame, x1 + frame, y1 + frame)
         self.map_mm = ((x1 - x0) / self.mm + 2 * FRAME_MM, (y1 - y0) / self.mm + 2 * FRAME_MM)
         self._width_mm = max(self.map_mm[0], MIN_WIDTH_MM)
         self._root = ET.Element(
@@ -242,7 +244,7 @@ class Sheet:
         return f"Coordinates of the layer 'map' are metres{place}, y up."
 
     def _map_group(self, top_mm: float) -> ET.Element:
-        x0, _, _, y1 = self._bounds
+        x0, _, _, y1 = self.bounds
         left_mm = MARGIN_MM + (self._width_mm - self.map_mm[0]) / 2.0
         right = left_mm * self.mm - (x0 - self.pen.origin[0])
         down = top_mm * self.mm + (y1 - self.pen.origin[1])
@@ -251,7 +253,7 @@ class Sheet:
         return group
 
     def _frame(self) -> str:
-        x0, y0, x1, y1 = self._bounds
+        x0, y0, x1, y1 = self.bounds
         return self.pen.rings([[(x0, y0), (x1, y0), (x1, y1), (x0, y1)]])
 
     def _paper_layer(self, label: str) -> ET.Element:

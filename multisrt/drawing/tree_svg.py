@@ -125,9 +125,7 @@ def run_sheet(
     return sheet
 
 
-def save_tree_svg(
-    recording: Recording, path: str | Path, *, without: Iterable[str] = ()
-) -> None:
+def save_tree_svg(recording: Recording, path: str | Path, *, without: Iterable[str] = ()) -> None:
     """Write the picture of a run to a file; see `tree_svg`.
 
     The file appears once it is complete.
@@ -158,9 +156,7 @@ def save_tree_svg(
         file.write(text.encode())
 
 
-def plot_run(
-    recording: Recording, ax: Axes | None = None, *, without: Iterable[str] = ()
-) -> Axes:
+def plot_run(recording: Recording, ax: Axes | None = None, *, without: Iterable[str] = ()) -> Axes:
     """Draw the picture of a run on axes of matplotlib; see `multisrt.Run.plot`."""
     return on_axes(run_sheet(recording, without=without), ax)
 

@@ -16,6 +16,7 @@ from multisrt.cli.environments import environments
 from multisrt.cli.experiment import experiment
 from multisrt.cli.explore import explore
 from multisrt.cli.export import export
+from multisrt.cli.figure import figure
 from multisrt.cli.mistakes import CommandGroup, is_world, usage_message
 from multisrt.cli.report import report
 from multisrt.cli.reproduce import reproduce
@@ -49,6 +50,7 @@ def cli() -> None:
       multisrt why runs/office-srt-radial-0 --robot 0 --time 31.5
       multisrt animate runs/office-srt-radial-0 --out office.mp4
       multisrt export runs/office-srt-radial-0 --out office.mcap
+      multisrt figure maps runs/office-srt-radial-0
       multisrt check mine.py
       multisrt experiment new star.toml
       multisrt environments
@@ -65,6 +67,7 @@ for command in (
         why,
         export,
         animate,
+        figure,
         environments,
         strategies,
         strategy,

@@ -21,12 +21,12 @@ class Colours {
     this.whenChanged();
   }
 
-  line(run, robot) {
+  lineOf(run, robot) {
     const { colour } = run.robots[robot];
     return this.isDark ? mixed(colour, "#ffffff", 0.3) : colour;
   }
 
-  area(run, robot) {
+  areaOf(run, robot) {
     const { colour, area } = run.robots[robot];
     return this.isDark ? mixed(this.free, colour, 0.42) : area;
   }

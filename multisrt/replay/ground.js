@@ -81,11 +81,12 @@ class Ground {
   layers() {
     const { run, player } = this.view, robot = player.robotOf(run);
     const known = run.knownBy(robot), scans = run.scansOf(robot);
-    const legs = legsOf(run, robot);
+    const legs = legsOf(run, robot), bridges = bridgesOf(run, robot);
     return {
       seen: new Growing(this.view, scans, (c, k) => this.paintSeen(c, scans.rows[k])),
       regions: new Growing(this.view, known, (c, k) => this.paintRegion(c, known.nodes[k])),
       paths: new Growing(this.view, legs, (c, k) => this.paintLeg(c, legs.robot[k], legs.to[k])),
+      bridges: new Growing(this.view, bridges, (c, k) => this.paintBridge(c, bridges.rows[k])),
       trees: new Growing(this.view, known, (c, k) => this.paintNode(c, known.nodes[k], known.since)),
     };
   }
@@ -117,7 +118,7 @@ class Ground {
     if (isTrue) this.fillFree(context, colours.free);
     for (const name of ["seen", "regions"]) if (shown.includes(name)) this.growing[name].show(context);
     if (isTrue) this.strokeWalls(context, colours.wall);
-    for (const name of ["paths", "trees"]) if (shown.includes(name)) this.growing[name].show(context);
+    for (const name of ["paths", "bridges", "trees"]) if (shown.includes(name)) this.growing[name].show(context);
   }
 
   outline(context, outlines, number) {
@@ -164,7 +165,7 @@ class Ground {
     context.globalCompositeOperation = "destination-over";
     context.beginPath();
     this.outline(context, run.nodes.region, node);
-    context.fillStyle = context.strokeStyle = player.colours.area(run, run.nodes.robot[node]);
+    context.fillStyle = context.strokeStyle = player.colours.areaOf(run, run.nodes.robot[node]);
     context.lineWidth = this.view.px(0.7);
     context.fill();
     context.stroke();
@@ -174,16 +175,27 @@ class Ground {
     const { view } = this, { run, player } = view;
     context.beginPath();
     traceLeg(context, view, run.robots[robot].track, to - 1, 1);
-    context.strokeStyle = player.colours.line(run, robot);
+    context.strokeStyle = player.colours.lineOf(run, robot);
     context.globalAlpha = 0.55;
     context.lineWidth = view.px(1);
     context.stroke();
     context.globalAlpha = 1;
   }
 
+  paintBridge(context, row) {
+    const { view } = this, { run, player } = view, { line, robot } = run.bridges;
+    context.beginPath();
+    for (let i = line.first[row]; i < line.first[row + 1]; i++) context.lineTo(view.x(line.x[i]), view.y(line.y[i]));
+    context.strokeStyle = player.colours.lineOf(run, robot[row]);
+    context.lineWidth = view.px(1.6);
+    context.setLineDash([view.px(1.5), view.px(2.5)]);
+    context.stroke();
+    context.setLineDash([]);
+  }
+
   paintNode(context, node, since) {
     const { view } = this, { run, player } = view, { x, y, parent, robot, stage } = run.nodes;
-    const colour = player.colours.line(run, robot[node]), from = parent[node];
+    const colour = player.colours.lineOf(run, robot[node]), from = parent[node];
     if (from >= 0 && stage[node] !== "scan" && since[from] < Infinity) {
       context.beginPath();
       context.moveTo(view.x(x[from]), view.y(y[from]));
@@ -217,6 +229,12 @@ function legsOf(run, robot) {
   });
   found.sort((a, b) => a[0] - b[0] || a[1] - b[1]);
   return { t: Float64Array.from(found, (leg) => leg[0]), robot: found.map((leg) => leg[1]), to: found.map((leg) => leg[2]) };
+}
+
+function bridgesOf(run, robot) {
+  const rows = run.bridges.robot.map((_, row) => row);
+  const own = rows.filter((row) => robot === TEAM || run.bridges.robot[row] === robot);
+  return { rows: own, t: Float64Array.from(own, (row) => run.bridges.t[row]) };
 }
 
 // Add a leg, or the first share of it, to a path on the canvas.

@@ -83,7 +83,7 @@ class Marks {
       const share = track.t[first] > track.t[i] ? Math.min(1, (this.time - track.t[i]) / (track.t[first] - track.t[i])) : 1;
       c.beginPath();
       traceLeg(c, view, track, i, share);
-      this.stroke(player.colours.line(run, robot), 1);
+      this.stroke(player.colours.lineOf(run, robot), 1);
       c.beginPath();
       const [x, y] = this.poses[robot];
       c.moveTo(view.x(x), view.y(y));
@@ -213,7 +213,7 @@ class Marks {
     for (let robot = 0; robot < run.count; robot++) {
       const k = lastBy(by[robot].t, this.time);
       if (k < 0 || !this.isMine(robot) || this.doing[robot] === "dead") continue;
-      const row = by[robot].rows[k], colour = player.colours.line(run, robot);
+      const row = by[robot].rows[k], colour = player.colours.lineOf(run, robot);
       if (this.robot !== TEAM) {
         for (let i = options.first[row]; i < options.first[row + 1]; i++) {
           this.diamond(options.x[i], options.y[i], 3.5);
@@ -261,7 +261,7 @@ class Marks {
   drawBody(robot, [x, y, heading]) {
     const { c, view } = this, { run, player } = view, { body } = run.robots[robot];
     const isDead = this.doing[robot] === "dead", isHere = this.doing[robot] !== "not started";
-    const colour = isDead ? player.colours.ink : player.colours.line(run, robot);
+    const colour = isDead ? player.colours.ink : player.colours.lineOf(run, robot);
     const cos = Math.cos(heading), sin = Math.sin(heading);
     let reach = 0;
     c.beginPath();

@@ -23,6 +23,7 @@ MAX_RUNS: Final = 4
 SCRIPTS: Final = (
     "decode",
     "geometry",
+    "colours",
     "run",
     "frontier",
     "view",

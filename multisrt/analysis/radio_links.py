@@ -6,11 +6,11 @@ import itertools
 import math
 from collections import defaultdict
 
-from multisrt.analysis import clearances
 from multisrt.analysis.isolation import presence
 from multisrt.analysis.isolation_spells import RESOLUTION_S, Spell
 from multisrt.analysis.link_changes import link_changes
 from multisrt.analysis.moving_points import track_of_legs
+from multisrt.analysis.poses import tracks
 from multisrt.environments.environment import Environment
 from multisrt.recording import Recording
 
@@ -51,10 +51,10 @@ def radio_links(
     if spec.reaches_everywhere:
         near.update({pair: [0.0] for pair in pairs})
     elif pairs:
-        tracks = [track_of_legs(track.legs) for track in clearances.tracks(recording)]
+        ways = [track_of_legs(track.legs) for track in tracks(recording)]
         if spec.walls != "pass" and environment is None:
             environment = recording.environment()
-        for time, _, i, j in link_changes(spec, tracks, environment):
+        for time, _, i, j in link_changes(spec, ways, environment):
             near[i, j].append(time)
     works = [_working(present[robot], switches, robot) for robot in range(len(present))]
     found = {}

@@ -113,7 +113,9 @@ def _is_choice(event: AnyEvent, robot: int) -> bool:
 
 
 def _changes(part: Recording, robot: int) -> Iterator[float]:
-    of_trees = any(_is_choice(event, robot) and isinstance(event, Decision) for event in part.events)
+    of_trees = any(
+        _is_choice(event, robot) and isinstance(event, Decision) for event in part.events
+    )
     for event in part.events:
         if event.robot != robot:
             continue

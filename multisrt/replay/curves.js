@@ -20,6 +20,8 @@ const ACTIVITY_COLOURS = { moves: "#56b4e9" };
 class Plot {
   constructor(player, element, title, label) {
     this.player = player;
+    this.width = 0;
+    this.ratio = 1;
     this.figure = make("figure", { className: "chart" });
     this.value = make("b", {});
     this.plot = make("div", { className: "plot" });
@@ -59,8 +61,7 @@ class Plot {
 
   follow(time) {
     const share = this.player.end > 0 ? time / this.player.end : 0;
-    this.cursor.style.transform = `translateX(${share * this.plot.clientWidth}px)`;
-    this.say(time);
+    this.cursor.style.transform = `translateX(${(share * this.width) / this.ratio}px)`;
   }
 
   say() {}
@@ -74,8 +75,7 @@ class Curve extends Plot {
   }
 
   get most() {
-    const { most } = this.curve;
-    return most || Math.max(1, ...this.player.runs.map((run) => this.curve.value(run, run.end) || 0, 1), ...this.player.runs.map((run) => this.curve.peak ? this.curve.peak(run) : 0));
+    return Math.max(1, ...this.player.runs.map((run) => this.curve.most(run)));
   }
 
   paint(c) {
@@ -117,6 +117,10 @@ function stepAt(t, values, time) {
   return row < 0 ? 0 : values[row];
 }
 
+function percent(share) {
+  return `${(100 * share).toFixed(1)} %`;
+}
+
 function distanceBy(run, time) {
   let sum = 0;
   for (let robot = 0; robot < run.count; robot++) sum += run.driven(robot, time);
@@ -124,20 +128,21 @@ function distanceBy(run, time) {
 }
 
 const CURVES = [
-  ["Covered, seen", {
-    most: 1,
+  ["Covered (seen: thin)", {
+    most: () => 1,
     kinds: [["seen", "soft", 1], ["coverage", "link", 2]],
     value: (run, time, kind) => (run.coverage ? stepAt(run.coverage.t, run.coverage[kind || "coverage"], time) : null),
-    text: (run, time) => (run.coverage ? `${(100 * stepAt(run.coverage.t, run.coverage.coverage, time)).toFixed(1)} %, ${(100 * stepAt(run.coverage.t, run.coverage.seen, time)).toFixed(1)} %` : "no scans"),
+    text: (run, time) => (run.coverage ? percent(stepAt(run.coverage.t, run.coverage.coverage, time)) : "no scans"),
   }],
   ["Robots cut off", {
     kinds: [["", "frontier", 1.8]],
-    peak: (run) => Math.max(0, ...run.isolated.robots),
+    most: (run) => Math.max(0, ...run.isolated.robots),
     value: (run, time) => stepAt(run.isolated.t, run.isolated.robots, time),
     text: (run, time) => String(stepAt(run.isolated.t, run.isolated.robots, time)),
   }],
   ["Distance driven", {
     kinds: [["", "ink", 1.8]],
+    most: (run) => distanceBy(run, run.end),
     value: distanceBy,
     text: (run, time) => `${distanceBy(run, time).toFixed(0)} m`,
   }],
@@ -231,5 +236,9 @@ class Lines {
 
   follow(time) {
     for (const plot of this.plots) plot.follow(time);
+  }
+
+  say(time) {
+    for (const plot of this.plots) plot.say(time);
   }
 }

@@ -207,14 +207,14 @@ class Ground {
       context.setLineDash([]);
     }
     context.beginPath();
-    const size = view.px(from < 0 ? 5 : 3);
+    const size = view.px(from < 0 ? 5 : stage[node] === "scan" ? 1.5 : 3);
     if (from < 0) context.rect(view.x(x[node]) - size, view.y(y[node]) - size, 2 * size, 2 * size);
     else context.arc(view.x(x[node]), view.y(y[node]), size, 0, 2 * Math.PI);
     context.fillStyle = colour;
     context.strokeStyle = player.colours.halo;
     context.lineWidth = view.px(1);
     context.fill();
-    context.stroke();
+    if (stage[node] !== "scan") context.stroke();
   }
 }
 

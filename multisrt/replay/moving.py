@@ -114,7 +114,7 @@ def _bridges(recording: Recording, names: Names) -> Iterator[tuple[float, int, F
             )
         )
         for node in names.nodes
-        if node.parent in names.numbers
+        if node.parent is not None
     }
     known: set[tuple[int, frozenset[Point]]] = set()
     for motion in recording.of(Motion):

@@ -9,12 +9,21 @@ import numpy as np
 
 from multisrt.analysis.scans import scanned_regions
 from multisrt.environments.environment import Environment
-from multisrt.events import Learned, NodeAdded, NodeName, Sensed
+from multisrt.events import Learned, NodeAdded, NodeName, Pose, Sensed
 from multisrt.geometry.numerics.kernel import FloatArray, IntArray
 from multisrt.recording import Recording
 from multisrt.replay.outlines import simplified
-from multisrt.replay.packing import UNIT_M, UNIT_RAD, UNIT_S, Packed, Table, differences
-from multisrt.replay.packing import lists, points, whole
+from multisrt.replay.packing import (
+    UNIT_M,
+    UNIT_RAD,
+    UNIT_S,
+    Packed,
+    Table,
+    differences,
+    lists,
+    points,
+    whole,
+)
 
 
 class Names(NamedTuple):
@@ -93,8 +102,7 @@ def packed_learned(recording: Recording, names: Names) -> Packed:
         "t": whole([event.time_s for event in learned], UNIT_S),
         "robot": [event.robot for event in learned],
         "nodes": lists(
-            sorted(numbers[tuple(name)] for name in event.nodes if tuple(name) in numbers)
-            for event in learned
+            sorted(numbers[name] for name in event.nodes if name in numbers) for event in learned
         ),
     }
 
@@ -102,7 +110,7 @@ def packed_learned(recording: Recording, names: Names) -> Packed:
 def _same(
     recording: Recording,
     names: Names,
-    at: Mapping[object, int],
+    at: Mapping[tuple[int, Pose], int],
     scan: Sensed,
     shown: FloatArray,
 ) -> int:

@@ -26,7 +26,8 @@ def whole(values: Any, unit: float) -> list[int]:
     [1000, 250, 0]
     """
     numbers = np.rint(np.asarray(values, np.float64) / unit).astype(np.int64).ravel()
-    return np.diff(numbers, prepend=0).tolist()
+    found: list[int] = np.diff(numbers, prepend=0).tolist()
+    return found
 
 
 def differences(values: Iterable[int]) -> list[int]:

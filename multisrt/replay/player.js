@@ -123,7 +123,7 @@ class Player {
 
   showPlaying() {
     const button = byId("play");
-    button.textContent = this.isPlaying ? "\u23f8\ufe0e" : "\u25b6\ufe0e";
+    byId("play-icon").setAttribute("d", this.isPlaying ? "M3 2h4v12H3zM9 2h4v12H9z" : "M4 2l10 6-10 6z");
     button.setAttribute("aria-label", this.isPlaying ? "Pause" : "Play");
   }
 
@@ -214,6 +214,7 @@ class Player {
     byId("clock").textContent = `${this.time.toFixed(1)} / ${this.end.toFixed(1)} s`;
     this.views.forEach((view, number) => view.element.classList.toggle("chosen", this.runs.length > 1 && number === this.run));
     this.lines.follow(this.time);
+    this.lines.say(this.time);
     this.panel.update();
     this.told = performance.now();
   }

@@ -28,10 +28,16 @@ class Shown:
     """A page that is open, and what went wrong on it."""
 
     def __init__(self, page, url):
-        self.page, self.url, self.errors, self.asked = page, url, [], []
+        self.page, self.url = page, url
+        self.errors: list[str] = []
+        self.asked: list[str] = []
         page.on("pageerror", lambda error: self.errors.append(str(error)))
-        page.on("console", lambda m: m.type in ("error", "warning") and self.errors.append(m.text))
+        page.on("console", self.hear)
         page.on("request", lambda request: self.asked.append(request.url))
+
+    def hear(self, message):
+        if message.type in ("error", "warning"):
+            self.errors.append(message.text)
 
     def open(self, address=""):
         self.page.goto("about:blank")
@@ -193,22 +199,20 @@ def test_keys(shown):
     assert page.page.locator("#rate").is_visible()
 
 
-@pytest.mark.parametrize(("layer", "time_s"), SHOWN_S.items())
-def test_each_layer_draws_something(shown, layer, time_s):
-    page = shown("staged", f"#t={time_s}&layers=")
-    without = page.value(PICTURE)
-    page.page.locator(f"#layers input[name={layer}]").check()
-    page.settle()
-    assert page.value(PICTURE) != without
-    page.page.locator(f"#layers input[name={layer}]").uncheck()
-    page.settle()
-    assert page.value(PICTURE) == without
-
-
-def test_every_layer_has_its_switch(shown):
-    page = shown("staged")
+def test_each_layer_has_a_switch_and_draws_something(shown):
+    page = shown("staged", "#t=0&layers=", viewport={"width": 900, "height": 600})
     names = page.value("[...document.querySelectorAll('#layers input')].map((box) => box.name)")
     assert sorted(names) == sorted(SHOWN_S)
+    for layer, time_s in SHOWN_S.items():
+        page.value(f"replay.player.seek({time_s})")
+        page.settle()
+        without = page.value(PICTURE)
+        page.page.locator(f"#layers input[name={layer}]").check()
+        page.settle()
+        assert page.value(PICTURE) != without, layer
+        page.page.locator(f"#layers input[name={layer}]").uncheck()
+        page.settle()
+        assert page.value(PICTURE) == without, layer
 
 
 def test_it_tells_what_multisrt_why_tells(shown, team_run):

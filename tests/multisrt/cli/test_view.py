@@ -2,7 +2,7 @@ import webbrowser
 
 import pytest
 
-from multisrt.cli import view
+from multisrt.cli.view import MAX_RUNS as MAX_RUNS_OF_COMMAND
 from multisrt.replay import MAX_RUNS, replay_html
 from tests.multisrt.cli.commands import everything
 
@@ -10,8 +10,13 @@ from tests.multisrt.cli.commands import everything
 @pytest.fixture
 def opened(monkeypatch):
     """The addresses that a browser was asked to open."""
-    found = []
-    monkeypatch.setattr(webbrowser, "open", lambda url: not found.append(url))
+    found: list[str] = []
+
+    def note(url):
+        found.append(url)
+        return True
+
+    monkeypatch.setattr(webbrowser, "open", note)
     return found
 
 
@@ -84,7 +89,7 @@ def test_too_many_runs_are_refused_before_they_are_made(call, folder):
     code, _, err = call("view", *["out"] * 5)
     assert (code, err.partition(";")[0]) == (2, "error: a replay shows at most 4 runs, not 5")
     assert everything(folder) == before
-    assert view.MAX_RUNS == MAX_RUNS
+    assert MAX_RUNS_OF_COMMAND == MAX_RUNS
 
 
 @pytest.mark.parametrize(

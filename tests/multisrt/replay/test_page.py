@@ -325,13 +325,12 @@ def test_an_address_is_followed_and_kept(shown):
     assert again.value(state) == page.value(state)
 
 
-@pytest.mark.parametrize(
-    "address", ["#t=x&robot=99&run=7&speed=3&layers=none", "#t=-5", "#t=1e9", "#%"]
-)
-def test_a_broken_address_does_no_harm(shown, address):
-    page = shown(address=address)
-    assert 0.0 <= page.value("replay.player.time") <= page.value("replay.player.end")
-    assert page.value("replay.player.robot") == -1
+def test_a_broken_address_does_no_harm(shown):
+    page = shown()
+    for address in ("#t=x&robot=99&run=7&speed=3&layers=none", "#t=-5", "#t=1e9", "#%"):
+        page.open(address)
+        assert 0.0 <= page.value("replay.player.time") <= page.value("replay.player.end")
+        assert page.value("replay.player.robot") == -1
 
 
 @pytest.mark.parametrize("name", ["team", "both"])

@@ -22,9 +22,8 @@ def growers() -> Recording:
     return ms.explore(
         "apartment",
         robots=3,
-        starts="clustered",
         seed=1,
-        radio=RADIO,
+        radio=ms.RadioSpec(range_m=12.0),
         max_time_s=120.0,
         faults=[ms.Death(robot=2, time_s=60.0)],
     ).recording

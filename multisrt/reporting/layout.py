@@ -166,7 +166,7 @@ class Table:
         )
 
     def markdown(self) -> str:
-        """Return Markdown, as code hosts read it.
+        r"""Return Markdown, as code hosts read it.
 
         Examples
         --------
@@ -176,7 +176,7 @@ class Table:
         <BLANKLINE>
         | World | s |
         |---|---:|
-        | a\\|b | 12.0 |
+        | a\|b | 12.0 |
         <BLANKLINE>
         """
         aligned = ["---"] * self.labels + ["---:"] * (len(self.columns) - self.labels)

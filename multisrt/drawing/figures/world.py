@@ -33,7 +33,7 @@ BADGE_PT: Final = 3.6
 
 def width_mm(ax: Axes, columns: int = 1) -> float:
     """Return about how wide a map will be on paper, in millimetres."""
-    return float(ax.figure.get_figwidth()) * MM_PER_IN / columns * 0.97
+    return float(ax.figure.bbox.width / ax.figure.dpi) * MM_PER_IN / columns * 0.97
 
 
 def sheet_bounds(map_mm: float) -> tuple[tuple[float, float]]:
@@ -93,7 +93,7 @@ def _draw_scale_bar(ax: Axes, map_mm: float) -> None:
         (4, 0),
         textcoords="offset points",
         va="center",
-        fontsize=0.9 * float(ax.yaxis.label.get_size()),
+        fontsize=0.9 * float(ax.yaxis.label.get_fontsize()),
         annotation_clip=False,
     )
 

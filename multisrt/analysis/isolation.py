@@ -11,7 +11,6 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from multisrt.analysis import clearances
 from multisrt.analysis.isolation_spells import (
     NEAR,
     PRESENT,
@@ -22,6 +21,7 @@ from multisrt.analysis.isolation_spells import (
 )
 from multisrt.analysis.link_changes import link_changes
 from multisrt.analysis.moving_points import track_of_legs
+from multisrt.analysis.poses import tracks as tracks_of
 from multisrt.analysis.separation import largest_separation
 from multisrt.environments.environment import Environment
 from multisrt.events import CameBack, Died, FellSilent, Joined
@@ -155,7 +155,7 @@ def team_isolation(recording: Recording, environment: Environment | None = None)
     reaches_all = spec.reaches_everywhere
     tracks: list[FloatArray] = []
     if not (alone or reaches_all):
-        tracks = [track_of_legs(track.legs) for track in clearances.tracks(recording)]
+        tracks = [track_of_legs(track.legs) for track in tracks_of(recording)]
         if spec.walls != "pass" and environment is None:
             environment = recording.environment()
     changes = [*_switches(present, silent)]

@@ -135,9 +135,6 @@ END_MM: Final = 1.7
 STOP_MM: Final = 0.9
 DEATH_MM: Final = 1.5
 
-BADGE_MM: Final = (0.8, 2.1)
-"""Range of the radius of the starts of a team, which are smaller where they are crowded."""
-
 STAGES: Final[dict[Stage, tuple[Marker, str]]] = {
     "root": ("square", "root node"),
     "draw": ("disc", "node drawn at random"),
@@ -208,7 +205,7 @@ class RobotStyles:
                 stroke_opacity=0.45,
                 width_mm=0.09,
             ),
-            outline=Style(stroke=colour, stroke_opacity=0.45, width_mm=0.09),
+            outline=Style(stroke=colour, stroke_opacity=0.4, width_mm=0.09),
             area=Style(fill=fill, stroke=colour, width_mm=0.18),
             path=Style(stroke=INK, width_mm=0.14, dashes_mm=(0.5, 0.4)),
             team_path=Style(stroke=colour, width_mm=0.16, dashes_mm=(0.5, 0.4)),

@@ -105,7 +105,7 @@ def _draw_ahead(sheet: Sheet, robot: RobotState) -> None:
     child(layer, "path", d=sheet.pen.line(points))
     goal = sheet.layer(f"robot {robot.robot}: end of the motion", GOAL)
     end = robot.ahead.end
-    mark = sheet.pen.marker("diamond", end.x, end.y, 1.6 * GOAL_MM * sheet.mm)
+    mark = sheet.pen.marker("diamond", end.x, end.y, sheet.metres(1.6 * GOAL_MM))
     child(goal, "path", d=mark)
 
 

@@ -69,10 +69,14 @@ def bid_lines(recording: Recording, robot: int) -> Iterator[str]:
     for choice in recording.of(GoalChosen):
         if choice.robot == robot:
             length = "" if choice.goal is None else f"{choice.cost_m:.2f} m"
-            what = f"{choice.rule} {towards(choice.goal)}: {_because(choice)}"
-            rows.append((choice.time_s, (str(len(choice.frontiers)), length), what))
+            rows.append((choice.time_s, (str(len(choice.frontiers)), length), bid_choice(choice)))
     if rows:
         yield from decision_lines({"frontiers": 9, "path": 9}, rows)
+
+
+def bid_choice(choice: GoalChosen) -> str:
+    """Return the choice of a goal in one line."""
+    return f"{choice.rule} {towards(choice.goal)}: {_because(choice)}"
 
 
 class _BidStory(ChoiceStory[GoalChosen]):

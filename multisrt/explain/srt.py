@@ -142,16 +142,30 @@ def explain_all(recording: Recording, robot: int) -> str:
     rows = []
     for index, event in enumerate(recording.events):
         if isinstance(event, Decision) and event.robot == robot:
-            told = _coordinated(recording.events, index)
-            what = (
-                event.choice
-                + ("" if event.target is None else f" {towards(event.target)}")
-                + (f", GER {listed(event.ger)}" if len(event.ger) > 1 else "")
-                + ("" if told is None else f"; {told.order} {place(told.new_target)}")
-            )
             cells = _short_node(event.node, robot), f"{event.frontier_m:.2f} m"
-            rows.append((event.time_s, cells, what))
+            rows.append((event.time_s, cells, planned(recording.events, index, event)))
     return "\n".join(decision_lines({"node": 8, "frontier": 8}, rows)) + "\n"
+
+
+def planned(events: Sequence[AnyEvent], index: int, decision: Decision) -> str:
+    """Return a decision of a robot of the SRT family in one line.
+
+    Parameters
+    ----------
+    events : sequence of Event
+        The events of a recording.
+    index : int
+        Index of the decision among them.
+    decision : Decision
+        The decision.
+    """
+    told = _coordinated(events, index)
+    return (
+        decision.choice
+        + ("" if decision.target is None else f" {towards(decision.target)}")
+        + (f", GER {listed(decision.ger)}" if len(decision.ger) > 1 else "")
+        + ("" if told is None else f"; {told.order} {place(told.new_target)}")
+    )
 
 
 class _Story:

@@ -13,7 +13,7 @@ import multisrt as ms
 from multisrt.environments.catalog import names
 from multisrt.environments.environment import Environment
 from multisrt.events import Motion, NodeAdded
-from multisrt.run import Run
+from multisrt.finished_run import Run
 from multisrt.spec import DriveSpec
 
 TURN_STEP_RAD = math.radians(1.0)

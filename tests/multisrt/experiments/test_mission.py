@@ -240,7 +240,7 @@ def test_runs_over_their_memory_are_given_up(register, wrapped):
 
 @pytest.mark.skipif(sys.platform != "linux", reason="a clock of Linux")
 def test_the_kernels_limit_is_set_by_the_clock_that_it_counts(monkeypatch):
-    soft = {}
+    soft: dict[int, int] = {}
     monkeypatch.setattr(limits_module, "_set_soft", soft.__setitem__)
     monkeypatch.setattr(limits_module, "charged_s", lambda: 5000.0)  # far ahead of the exact one
     with limits_module.within(Limits(computing_s=2.5)):

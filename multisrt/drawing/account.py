@@ -107,7 +107,7 @@ def legend(
         (
             "paths",
             "path off the tree",
-            styles.way if team else styles.path,
+            styles.team_path if team else styles.path,
             any(t.is_off_tree for t in traces),
         ),
         ("frontier", "open frontier", FRONTIER, any(t.frontier for t in traces)),
@@ -139,7 +139,7 @@ def _regions_legend(
     return [LegendEntry(label="local safe region", style=style)] if there else []
 
 
-def ways_legend(
+def paths_legend(
     traces: list[Trace], absent: frozenset[str], there: frozenset[str]
 ) -> list[LegendEntry]:
     """Return the legend of frontier bidding, with entries for what is on the map only.

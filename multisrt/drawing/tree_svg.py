@@ -24,10 +24,10 @@ from multisrt.drawing.colours import (
 )
 from multisrt.drawing.layers import left_out
 from multisrt.drawing.marks import draw_areas, draw_starts_and_ends, draw_stops
+from multisrt.drawing.paths_svg import draw_paths
 from multisrt.drawing.sheet import MAX_MAP_MM, Sheet
 from multisrt.drawing.svg import child
 from multisrt.drawing.traces import Trace, joined, median_edge_m, traces_of
-from multisrt.drawing.ways_svg import draw_ways
 from multisrt.environments.environment import Environment
 from multisrt.events import NodeAdded
 from multisrt.geometry.numerics.kernel import FloatArray
@@ -116,7 +116,7 @@ def run_sheet(
     if draw_below is not None:
         draw_below(sheet)
     if any(trace.scans for trace in traces):
-        draw_ways(sheet, recording, environment, traces, absent)
+        draw_paths(sheet, recording, environment, traces, absent)
     else:
         _draw_trees(sheet, recording, environment, traces, absent)
     if team:
@@ -229,7 +229,7 @@ def _region(node: NodeAdded, mm: float) -> shapely.Polygon:
 
 def _draw_path(sheet: Sheet, trace: Trace, team: bool) -> None:
     styles = RobotStyles.of(trace.robot)
-    layer = sheet.layer(f"robot {trace.robot}: path", styles.way if team else styles.path)
+    layer = sheet.layer(f"robot {trace.robot}: path", styles.team_path if team else styles.path)
     if trace.motions:
         child(layer, "path", d=sheet.pen.line(trace.path))
 

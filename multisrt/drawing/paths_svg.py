@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from multisrt.drawing.account import ways_legend
+from multisrt.drawing.account import paths_legend
 from multisrt.drawing.colours import CUT_OFF, FRONTIER_CELLS, GOAL_MM, KNOWN, RobotStyles
 from multisrt.drawing.marks import draw_areas, draw_starts_and_ends, draw_stops
 from multisrt.drawing.scanned import (
     frontier_left,
     goals_of,
-    isolated_ways,
+    isolated_paths,
     min_frontier_m,
     rings_of,
     team_raster,
@@ -22,7 +22,7 @@ from multisrt.geometry.grids.occupancy import UNKNOWN
 from multisrt.recording import Recording
 
 
-def draw_ways(
+def draw_paths(
     sheet: Sheet,
     recording: Recording,
     environment: Environment,
@@ -40,7 +40,7 @@ def draw_ways(
     """
     raster, first = team_raster(recording)
     left = [] if "frontier" in absent else frontier_left(raster, min_frontier_m(recording))
-    cut_off = {} if "isolation" in absent else isolated_ways(recording, environment, traces)
+    cut_off = {} if "isolation" in absent else isolated_paths(recording, environment, traces)
     goals = {trace.robot: goals_of(recording, trace.robot) for trace in traces}
     if "areas" not in absent:
         areas = {trace.robot: rings_of(raster, first == trace.robot) for trace in traces}
@@ -49,11 +49,11 @@ def draw_ways(
         known = sheet.layer("known", KNOWN)
         child(known, "path", d=sheet.pen.rings(rings_of(raster, raster.cells != UNKNOWN)))
     sheet.draw_obstacles(environment)
-    for robot, ways in cut_off.items():
+    for robot, paths in cut_off.items():
         layer = sheet.layer(f"robot {robot}: cut off", CUT_OFF)
-        child(layer, "path", d="".join(map(sheet.pen.line, ways)))
+        child(layer, "path", d="".join(map(sheet.pen.line, paths)))
     for trace in traces if "paths" not in absent else ():
-        _draw_way(sheet, trace)
+        _draw_path(sheet, trace)
     if left:
         layer = sheet.layer("frontier left", FRONTIER_CELLS, fill_rule="evenodd")
         child(layer, "path", d=sheet.pen.rings(left))
@@ -63,12 +63,12 @@ def draw_ways(
         draw_stops(sheet, trace)
     draw_starts_and_ends(sheet, traces, absent)
     there = {"goals": any(goals.values()), "frontier": bool(left), "isolation": bool(cut_off)}
-    sheet.legend += ways_legend(
+    sheet.legend += paths_legend(
         traces, absent, frozenset(name for name, is_there in there.items() if is_there)
     )
 
 
-def _draw_way(sheet: Sheet, trace: Trace) -> None:
+def _draw_path(sheet: Sheet, trace: Trace) -> None:
     layer = sheet.layer(f"robot {trace.robot}: path", RobotStyles.of(trace.robot).edge)
     if trace.motions:
         child(layer, "path", d=sheet.pen.line(trace.path))

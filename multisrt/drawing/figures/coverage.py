@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -17,12 +17,13 @@ from multisrt.statistics.curves import StepCurve, common_grid, curve_bands
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from matplotlib.lines import Line2D
 
 HEIGHT_SHARE = 0.62
 """Height of the axes as a share of the width of the figure."""
 
 
-def draw_coverage(recordings: Sequence[Recording], ax: Axes) -> list[object]:
+def draw_coverage(recordings: Sequence[Recording], ax: Axes) -> list[Line2D]:
     """Draw the share of the explorable area that teams had covered, against time.
 
     Parameters
@@ -43,10 +44,10 @@ def draw_coverage(recordings: Sequence[Recording], ax: Axes) -> list[object]:
         columns = coverage_curve(recording, recording.environment())
         curve = np.asarray(columns["time_s"].values), np.asarray(columns["coverage"].values)
         curves.setdefault(recording.spec.strategy, []).append(curve)
-    lines: list[object] = []
+    lines: list[Line2D] = []
     for number, (strategy, own) in enumerate(curves.items()):
         look = look_of(number)
-        drawn = {"color": look.colour, "linestyle": look.dashes, "label": printable(strategy)}
+        drawn: dict[str, Any] = {"color": look.colour, "linestyle": look.dashes, "label": printable(strategy)}
         if len(own) == 1 or max(float(np.asarray(times)[-1]) for times, _ in own) <= 0.0:
             lines += ax.step(*own[0], where="post", **drawn)
             continue

@@ -21,6 +21,14 @@ def ax():
     return Figure(figsize=(5, 4)).add_subplot()
 
 
+def shown_by(image):
+    return np.ma.filled(np.ma.asarray(image.get_array()), 0.0)
+
+
+def corners_of(line):
+    return np.asarray(line.get_xydata())
+
+
 def waypoints(recording, robot):
     start = recording.header.starts[robot][:2]
     moved = [e for e in recording.events if isinstance(e, Motion) and e.robot == robot]
@@ -34,8 +42,8 @@ def test_trajectories_are_those_of_the_recording(bidders, growers, ax):
         assert len(drawn) == 3
         for robot, line in enumerate(drawn):
             own = waypoints(recording, robot)
-            path = shapely.LineString(line.get_xydata())
-            np.testing.assert_allclose(line.get_xydata()[[0, -1]], own[[0, -1]])
+            path = shapely.LineString(corners_of(line))
+            np.testing.assert_allclose(corners_of(line)[[0, -1]], own[[0, -1]])
             assert shapely.distance(path, shapely.points(own)).max() < 1e-9
             length = f"{path.length:,.0f} m"
             assert line.get_label() == f"robot {robot}: {length}"
@@ -52,7 +60,7 @@ def test_single_robots_are_chosen(bidders, ax):
 def test_numbers_at_starts_do_not_touch(bidders):
     figure = draw_figure("trajectories", bidders, style="ieee")
     discs = [
-        (figure.axes[0].transData.transform(line.get_xydata()[0]), line.get_markersize())
+        (figure.axes[0].transData.transform(corners_of(line)[0]), line.get_markersize())
         for line in figure.axes[0].lines
         if line.get_marker() == "o"
     ]
@@ -191,12 +199,12 @@ def test_heat_maps_show_the_counts(bidders):
     for count in ("passes", "viewers"):
         figure = draw_figure("visits", bidders, options=FigureOptions(count=count))
         (image,) = figure.axes[0].images
-        shown = np.ma.filled(image.get_array(), 0.0)
+        shown = shown_by(image)
         np.testing.assert_array_equal(shown, visits(bidders, count).values)
     figure = draw_figure("isolation", bidders)
     (image,) = figure.axes[0].images
     np.testing.assert_array_equal(
-        np.ma.filled(image.get_array(), 0.0), isolated_times(bidders).values
+        shown_by(image), isolated_times(bidders).values
     )
 
 

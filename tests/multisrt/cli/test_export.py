@@ -121,7 +121,7 @@ def test_an_interrupted_export_leaves_nothing(folder, run, suffix):
 def test_progress_reaches_the_end(folder, run):
     from multisrt.exporting import export_run
 
-    shares = []
+    shares: list[float] = []
     recording = Recording.load(folder / "out" / "recording.jsonl")
     export_run(recording, folder / "x.mcap", progress=shares.append)
     assert shares == sorted(shares)

@@ -28,11 +28,11 @@ def team() -> ms.Run:
         ms.RobotSpec(footprint="box:0.5x0.3", range_finder=finder),
         ms.RobotSpec(footprint="disc:0.2", range_finder=finder, drive=car),
     ]
-    faults = [
+    faults = (
         ms.Death(robot=0, time_s=14.0),
         ms.LateStart(robot=1, time_s=5.0),
         ms.Silence(robot=2, time_s=8.0, duration_s=6.0),
-    ]
+    )
     return ms.explore(
         "apartment",
         robots=robots,

@@ -42,21 +42,21 @@ def expected_cells(grid, regions, walls):
     clear = shapely.distance(borders, centres) > CLEAR_M
     if walls:
         xs, ys = np.meshgrid(x, y)
-        for half, name in (
-            (0.5 * grid.cell_m - CLEAR_M, "surely"),
-            (0.5 * grid.cell_m + CLEAR_M, "at all"),
-        ):
-            boxes = shapely.box(xs - half, ys - half, xs + half, ys + half)
-            tree = shapely.STRtree(boxes.ravel())
-            hit = np.zeros(boxes.size, bool)
-            hit[tree.query(np.array(walls), predicate="intersects")[1]] = True
-            hit = hit.reshape(boxes.shape)
-            if name == "surely":
-                cells[hit], surely = OCCUPIED_CELL, hit
-                clear |= hit
-            else:
-                clear &= hit == surely
+        surely, perhaps = (
+            touched(xs, ys, 0.5 * grid.cell_m + change_m, walls) for change_m in (-CLEAR_M, CLEAR_M)
+        )
+        cells[surely] = OCCUPIED_CELL
+        clear = (clear | surely) & (surely == perhaps)
     return cells, clear
+
+
+def touched(xs, ys, half_m, walls):
+    """Return which boxes of a half-width around centres a wall passes through."""
+    boxes = shapely.box(xs - half_m, ys - half_m, xs + half_m, ys + half_m)
+    hit = np.zeros(boxes.size, np.bool_)
+    found = shapely.STRtree(boxes.ravel()).query(np.array(walls), predicate="intersects")
+    hit[found[1]] = True
+    return hit.reshape(boxes.shape)
 
 
 def obstacles_of(node):
@@ -156,8 +156,9 @@ def test_the_truth_is_the_world(team, messages):
 
 
 def test_the_truth_has_holes_and_islands_in_them():
-    ring = shapely.box(0, 0, 9, 9).difference(shapely.box(2, 2, 7, 7))
-    world = ms.Environment("ring", shapely.MultiPolygon([ring, shapely.box(4, 4, 5, 5)]))
+    outline, hole = shapely.box(0, 0, 9, 9).exterior, shapely.box(2, 2, 7, 7).exterior
+    ring, island = shapely.Polygon(outline, [hole]), shapely.box(4, 4, 5, 5)
+    world = ms.Environment("ring", shapely.MultiPolygon([ring, island]))
     recording = ms.explore(world, start=(1.0, 1.0), max_time_s=1.0).recording
     grid = grid_of(recording, world, ExportOptions(cell_m=0.1))
     cells = truth_of(world, grid)

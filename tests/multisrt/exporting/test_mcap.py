@@ -12,7 +12,7 @@ import shapely
 import yaml
 from mcap.reader import make_reader
 from rosbags.highlevel import AnyReader
-from rosbags.interfaces import QosDurability, QosReliability
+from rosbags.interfaces import ConnectionExtRosbag2, QosDurability, QosReliability
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 import multisrt as ms
@@ -75,6 +75,11 @@ def true_pose(recording, robot, time_s):
     return pose
 
 
+def qualities(bag):
+    assert isinstance(bag, ConnectionExtRosbag2)
+    return bag.offered_qos_profiles
+
+
 def points_of(marker):
     return np.array([(point.x, point.y) for point in marker.points]).reshape(-1, 2)
 
@@ -132,6 +137,7 @@ def test_the_file_is_one_of_the_ros2_profile(team_mcap):
         reader = make_reader(file)
         assert reader.get_header().profile == "ros2"
         summary = reader.get_summary()
+    assert summary is not None
     assert {schema.encoding for schema in summary.schemas.values()} == {"ros2msg"}
     assert {channel.message_encoding for channel in summary.channels.values()} == {"cdr"}
     names = {schema.name for schema in summary.schemas.values()}
@@ -141,7 +147,7 @@ def test_the_file_is_one_of_the_ros2_profile(team_mcap):
 
 def test_maps_and_bodies_are_latched_and_streams_are_not(team_mcap):
     with AnyReader([team_mcap]) as reader:
-        quality = {one.topic: one.ext.offered_qos_profiles for one in reader.connections}
+        quality = {one.topic: qualities(one.ext) for one in reader.connections}
     for topic, profiles in quality.items():
         (profile,) = profiles
         assert profile.reliability == QosReliability.RELIABLE
@@ -193,7 +199,7 @@ def test_poses_are_those_of_the_recording(team, messages, robot):
 
 
 def test_transforms_are_the_poses(messages):
-    frames = {}
+    frames: dict[str, list] = {}
     for time, message in messages["/tf"]:
         (one,) = message.transforms
         assert one.header.frame_id == "map"

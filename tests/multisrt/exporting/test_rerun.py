@@ -39,7 +39,7 @@ def columns(team_rrd):
 
 def read(path):
     """Return for each entity and component its rows: time in nanoseconds (or None), values."""
-    found = defaultdict(list)
+    found: dict[tuple[str, str], list] = defaultdict(list)
     for chunk in RrdReader(path).stream():
         table = chunk.to_record_batch()
         names = table.schema.names
@@ -67,8 +67,8 @@ def test_poses_are_those_of_the_mcap_file(columns, messages):
         assert [time for time, _ in shifts] == [time for time, _ in poses]
         expected = [(p.pose.position.x, p.pose.position.y, 0.0) for _, p in poses]
         assert np.allclose([value[0] for _, value in shifts], expected, atol=1e-5)
-        expected = [(0.0, 0.0, p.pose.orientation.z, p.pose.orientation.w) for _, p in poses]
-        assert np.allclose([value[0] for _, value in turns], expected, atol=1e-6)
+        facing = [(0.0, 0.0, p.pose.orientation.z, p.pose.orientation.w) for _, p in poses]
+        assert np.allclose([value[0] for _, value in turns], facing, atol=1e-6)
 
 
 def test_maps_are_those_of_the_mcap_file(columns, messages):

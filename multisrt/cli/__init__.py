@@ -9,12 +9,14 @@ from collections.abc import Sequence
 
 import click
 
+from multisrt.cli.animate import animate
 from multisrt.cli.check import check
 from multisrt.cli.completion import PROGRAM, VARIABLE, completion
 from multisrt.cli.environments import environments
 from multisrt.cli.experiment import experiment
 from multisrt.cli.explore import explore
 from multisrt.cli.export import export
+from multisrt.cli.figure import figure
 from multisrt.cli.mistakes import CommandGroup, is_world, usage_message
 from multisrt.cli.report import report
 from multisrt.cli.reproduce import reproduce
@@ -41,19 +43,21 @@ def _meant(words: Sequence[str]) -> Sequence[str]:
 def cli() -> None:
     """Simulate and compare multi-robot exploration of unknown planar environments.
 
-      \b
-      Examples:
-        multisrt explore office
-        multisrt explore museum --robots 4 --strategy srt-radial --strategy srt-star
-        multisrt why runs/office-srt-radial-0 --robot 0 --time 31.5
-        multisrt export runs/office-srt-radial-0 --out office.mcap
-    multisrt check mine.py
-        multisrt experiment new star.toml
-        multisrt environments
-        multisrt strategies
-        multisrt completion bash
+    \b
+    Examples:
+      multisrt explore office
+      multisrt explore museum --robots 4 --strategy srt-radial --strategy srt-star
+      multisrt why runs/office-srt-radial-0 --robot 0 --time 31.5
+      multisrt animate runs/office-srt-radial-0 --out office.mp4
+      multisrt export runs/office-srt-radial-0 --out office.mcap
+      multisrt figure maps runs/office-srt-radial-0
+      multisrt check mine.py
+      multisrt experiment new star.toml
+      multisrt environments
+      multisrt strategies
+      multisrt completion bash
 
-      'multisrt COMMAND --help' describes a command.
+    'multisrt COMMAND --help' describes a command.
     """
 
 
@@ -62,6 +66,8 @@ for command in (
         explore,
         why,
         export,
+        animate,
+        figure,
         environments,
         strategies,
         strategy,

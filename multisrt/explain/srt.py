@@ -44,7 +44,7 @@ CHOICES = {
     "parent": "back to the parent node, as nothing is left to do here",
     "nearest_open": "the nearest node that has a frontier left",
     "home": "back to its root, as no frontier is left that it can open",
-    "bypass": "a place on the way round a robot that stands and does not answer",
+    "bypass": "a place on a detour around a robot that stands still and does not answer",
     "stay": "to stay where it is",
     "end": "to end here",
 }
@@ -281,7 +281,7 @@ class _Story:
         if not chosen:
             return
         last = chosen[-1]
-        none = "no way leads to a tree that may need support"
+        none = "no path leads to a tree that may need support"
         what = none if last.tree is None else f"the tree of robot {last.tree}"
         yield f"its last choice, at {last.time_s:.2f} s: {what}"
         yield f"{'tree':>4}  {'open frontier':>13}  {'active robots':>13}"

@@ -113,11 +113,11 @@ class ChoiceStory(ABC, Generic[ChoiceT]):
         for purpose, group in groupby(motions, key=lambda motion: motion.purpose):
             several = list(group)
             legs = [leg for motion in several for leg in pairwise(motion.waypoints)]
-            way = math.fsum(leg_length(*leg) for leg in legs)
+            length_m = math.fsum(leg_length(*leg) for leg in legs)
             begin, end = several[0].time_s, several[-1].waypoints[-1]
             did = "gave way and drove" if purpose == "give way" else "drove"
             yield (
-                f"from {begin:.2f} s on it {did} {way:.2f} m in {end[0] - begin:.2f} s, "
+                f"from {begin:.2f} s on it {did} {length_m:.2f} m in {end[0] - begin:.2f} s, "
                 f"to {place(end[1:3])}"
             )
         for event in self.meanwhile:

@@ -21,8 +21,8 @@ _LIBRARIES = tuple(
 )
 
 _Import = ModuleSpec | ModuleType | None
-"""One import of a module: its spec, which every import and reload makes anew; a main program has
-none and stands for itself. None: not imported yet."""
+"""One import of a module: its spec, as every import and reload creates a new spec; a main program
+has none and stands for itself. None: not imported yet."""
 
 Place = tuple[str, Path]
 """The full name of a module, and its file."""

@@ -201,7 +201,7 @@ class Team(Listener):
                 yield from self.learn(message.entries)
             case GiveWayMessage():
                 if not self._goes_first(message):
-                    self.requests.way = message
+                    self.requests.give_way = message
                 yield from self.report(to=message.sender)
             case StopMessage():
                 goal = self._course.goal

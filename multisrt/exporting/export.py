@@ -76,7 +76,7 @@ def export_run(
         if path.suffix.lower() == ".mcap":
             write_mcap(file, recording, grid, contents)
         else:
-            write_rerun(file.name, recording, environment, grid, contents)
+            write_rerun(Path(file.name), recording, environment, grid, contents)
 
 
 def require_format(path: Path) -> None:

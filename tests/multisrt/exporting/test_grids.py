@@ -84,7 +84,10 @@ def check(cells, grid, regions, walls):
     assert {FREE_CELL, UNKNOWN_CELL} <= set(np.unique(expected))
 
 
-@pytest.mark.parametrize("robot", range(4))
+SLOW = [pytest.param(robot, marks=pytest.mark.slow) for robot in (0, 1, 3)]
+
+
+@pytest.mark.parametrize("robot", [*SLOW, 2])
 def test_maps_hold_what_a_robot_made_and_learned(team, messages, robot):
     grid = grid_of(team.recording, team.environment, ExportOptions())
     shown = messages[f"/robot_{robot}/map"]
@@ -170,6 +173,7 @@ def test_the_truth_has_holes_and_islands_in_them():
     assert (cells == FREE_CELL).sum() * 0.01 == pytest.approx(57.0, rel=0.06)
 
 
+@pytest.mark.slow
 def test_maps_of_bidders_hold_their_scans(bidders):
     recording = bidders.recording
     grid = grid_of(recording, bidders.environment, ExportOptions(cell_m=0.2))
@@ -183,6 +187,7 @@ def test_maps_of_bidders_hold_their_scans(bidders):
     assert not list(maps.changed())
 
 
+@pytest.mark.slow
 def test_robots_that_note_no_nodes_know_their_scans(bidders):
     whole = bidders.recording
     recording = ms.Recording(

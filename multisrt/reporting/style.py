@@ -13,6 +13,7 @@ from multisrt.drawing.colours import INK, ROBOT_COLOURS, tint
 from multisrt.drawing.svg import printable
 from multisrt.extras import extra
 from multisrt.geometry.numerics.arrays import FloatArray
+from multisrt.reporting.compact import compact
 
 with extra("plots", "a figure or a report"):
     import matplotlib as mpl
@@ -193,7 +194,7 @@ def drawn(
             name=name,
             title=printable(title),
             alt=printable(alt),
-            svg=svg,
+            svg=compact(svg),
             pdf=_saved(figure, "pdf", {"CreationDate": None, "Title": printable(title)}),
         )
 

@@ -286,6 +286,32 @@ class Run:
 
         save_tree_svg(self.recording, path)
 
+    def replay(self, path: str | Path) -> None:
+        """Write a page that replays the run in a browser, without network or server.
+
+        Parameters
+        ----------
+        path : str or Path
+            The file, of at most 20 MB; it is written completely or not at all.
+
+        Raises
+        ------
+        InvalidInputError
+            If the file cannot be written, or would be larger.
+
+        See Also
+        --------
+        multisrt.replay.save_replay : replays of several runs side by side.
+
+        Examples
+        --------
+        >>> import multisrt as ms
+        >>> ms.explore("open", seed=1, max_time_s=10.0).replay("replay.html")
+        """
+        from multisrt.replay import save_replay
+
+        save_replay(self.recording, path)
+
     def save_recording(self, path: str | Path) -> None:
         """Write the recording, one JSON object a line.
 

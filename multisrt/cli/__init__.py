@@ -19,6 +19,7 @@ from multisrt.cli.report import report
 from multisrt.cli.reproduce import reproduce
 from multisrt.cli.strategies import strategies
 from multisrt.cli.strategy import strategy
+from multisrt.cli.view import view
 from multisrt.cli.why import why
 
 COMPLETE, BAD_INPUT, INTERRUPTED = 0, 2, 130
@@ -44,6 +45,7 @@ def cli() -> None:
     Examples:
       multisrt explore office
       multisrt explore museum --robots 4 --strategy srt-radial --strategy srt-star
+      multisrt view runs/office-srt-radial-0
       multisrt why runs/office-srt-radial-0 --robot 0 --time 31.5
       multisrt check mine.py
       multisrt experiment new star.toml
@@ -56,7 +58,7 @@ def cli() -> None:
 
 
 for command in (
-    *(explore, why, environments, strategies, strategy, check, experiment, report, reproduce),
+    *(explore, view, why, environments, strategies, strategy, check, experiment, report, reproduce),
     completion,
 ):
     cli.add_command(command)

@@ -17,6 +17,7 @@ from multisrt.cli.run_options import DRIVES, FAULTS, OVERRIDES, USUAL, spec_of_o
 from multisrt.cli.sections import SectionedCommand
 from multisrt.cli.spec_files import read_run_spec
 from multisrt.cli.summary import print_summary
+from multisrt.cli.view import REPLAY_NAME, open_page, require_few, write_page
 from multisrt.cli.watching import Watching, require_terminal
 from multisrt.geometry.errors import InvalidInputError
 
@@ -37,18 +38,28 @@ SECTIONS = {
     "Robots": ("--range", "--beams", "--footprint", "--drive", "--speed", "--turning-radius"),
     "Radio": ("--radio-range", "--no-multi-hop", "--latency", "--jitter", "--loss", "--walls"),
     "Image maps": ("--resolution", "--threshold"),
-    "Output": ("--out", "--force", "--regret", "--details", "--watch", "--quiet"),
+    "Output": ("--out", "--force", "--view", "--regret", "--details", "--watch", "--quiet"),
 }
 """Headings of the help page, and the options below each."""
 
-EXCEPT_SPEC = ("spec_file", "imports", "out", "force", "regret", "details", "watch", "quiet")
+EXCEPT_SPEC = (
+    "spec_file",
+    "imports",
+    "out",
+    "force",
+    "view",
+    "regret",
+    "details",
+    "watch",
+    "quiet",
+)
 """Parameters that a spec does not describe."""
 
 EXAMPLES = """
 \b
 Examples:
   multisrt explore office
-  multisrt explore museum --robots 4 --starts clustered --radio-range 15
+  multisrt explore museum --robots 4 --starts clustered --radio-range 15 --view
   multisrt explore museum --robots 4 --strategy srt-radial --strategy srt-star
   multisrt explore office --robots 4 --strategy minpos --radio-range 15
   multisrt explore museum --robots 4 --watch
@@ -67,6 +78,7 @@ Files written, with several strategies in one folder each:
   run.json         spec, outcome, digest and metrics
   spec.toml        the spec; 'multisrt explore --spec' repeats the run
   recording.jsonl  every event of the run, one per line
+  replay.html      with --view only: the replay, of all strategies together
 
 \b
 Exit code:
@@ -180,6 +192,11 @@ Exit code:
 )
 @click.option("--force", is_flag=True, help="Replace the run that --out holds.")
 @click.option(
+    "--view",
+    is_flag=True,
+    help="Replay the runs in a browser when they are done: writes replay.html too.",
+)
+@click.option(
     "--regret",
     is_flag=True,
     help="Compare with a plan that knows the map; computing it takes up to a minute.",
@@ -245,6 +262,8 @@ def explore(
         name = Path(environment).stem
     if given["regret"]:
         _require_plans(specs)
+    if given["view"]:
+        require_few(len(specs))
     usual = _usual_folder(specs, name)
     whole = out or new_folder(usual)
     folders = [whole] if len(specs) == 1 else [whole / spec.strategy for spec in specs]
@@ -263,6 +282,10 @@ def explore(
         if out is None and whole != usual:
             click.echo(f"{usual} is there already: this is in {whole}")
         click.echo(f"next: multisrt why {shlex.quote(str(folders[0]))} --robot 0")
+    if given["view"]:
+        page = whole / REPLAY_NAME
+        write_page([run.recording for run in runs], page)
+        open_page(page)
     if not all(is_success(run.metrics) for run in runs):
         raise SystemExit(NO_SUCCESS)
 

@@ -44,6 +44,7 @@ CHOICES = {
     "parent": "back to the parent node, as nothing is left to do here",
     "nearest_open": "the nearest node that has a frontier left",
     "home": "back to its root, as no frontier is left that it can open",
+    "transfer": "to go to the tree of another robot, or back to its own",
     "bypass": "a place on the way round a robot that stands and does not answer",
     "stay": "to stay where it is",
     "end": "to end here",

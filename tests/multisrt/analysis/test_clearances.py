@@ -1,7 +1,6 @@
 """Clearances to walls and distances between robots, by hand and by dense sampling."""
 
 import cmath
-import gc
 import itertools
 import math
 from collections.abc import Callable
@@ -247,17 +246,6 @@ def fastest_point(recording: Recording) -> float:
             arc = chord if turn < 1e-6 else chord * turn / 2.0 / math.sin(turn / 2.0)
             speeds.append((arc + 0.4 * turn) / (b[0] - a[0]))
     return max(speeds)
-
-
-def test_tracks_are_computed_once_and_live_with_the_recording(recorded):
-    gc.collect()
-    before = len(clearances._TRACKS)
-    recording = recorded(starts=[(1.0, 1.0, 0.0), (3.0, 1.0, 0.0)])
-    assert clearances.tracks(recording) is clearances.tracks(recording)
-    assert len(clearances._TRACKS) == before + 1
-    del recording
-    gc.collect()
-    assert len(clearances._TRACKS) == before
 
 
 @pytest.mark.parametrize("wall_y", [0.36, 0.3634])

@@ -2,29 +2,23 @@
 
 Distances are computed with shapely and in closed form, independently of the collision queries of
 the simulation.
-
-Between two waypoints a body moves with a constant twist. Over a share `s` of such a leg, with
-turn `a` and chord `C`, its reference point has moved by the chord turned by `(s - 1) a / 2` and
-shortened by `sin(s a / 2) / sin(a / 2)`.
 """
 
 from __future__ import annotations
 
 import itertools
 import math
-from collections import defaultdict
 from functools import lru_cache
 from typing import NamedTuple
-from weakref import WeakKeyDictionary
 
 import numpy as np
 import shapely
 
 from multisrt.analysis.arc_distances import arcs_to_segments, centres_of_rotation
+from multisrt.analysis.poses import durations, leg_lengths, legs_at, poses_on, tracks
 from multisrt.environments.environment import Environment
-from multisrt.events import Motion
 from multisrt.geometry.bodies.footprint import Footprint
-from multisrt.geometry.numerics.kernel import BoolArray, FloatArray, IntArray
+from multisrt.geometry.numerics.kernel import BoolArray, FloatArray
 from multisrt.recording import Recording
 
 MIN_TURN_RAD = 1e-7
@@ -38,73 +32,6 @@ MAX_PAIRS = 20_000
 
 ROUNDING_M = 1e-9
 """Bound of the difference of distances that are computed in two ways, in metres."""
-
-
-class Track(NamedTuple):
-    """The motion of a robot from 0 to the end of the run.
-
-    Attributes
-    ----------
-    legs : (n, 8) array
-        Time, x, y, heading at the start and at the end of each leg; legs follow one another
-        without gaps.
-    stands : (k + 1,) array of int
-        Indices of the legs on which it stands: one before each of its k motions, and the last.
-    """
-
-    legs: FloatArray
-    stands: IntArray
-
-    @property
-    def driven(self) -> FloatArray:
-        """The legs of its motions."""
-        return np.delete(self.legs, self.stands, axis=0)
-
-    def moving_spans(self) -> FloatArray:
-        """Return begin and end of each leg on which the body moved or turned, ``(m, 2)``."""
-        driven = self.driven
-        moving = (driven[:, 1:4] != driven[:, 5:]).any(axis=1)
-        return np.column_stack([driven[moving, 0], driven[moving, 4]])
-
-    def length_m(self) -> float:
-        """Return the path length of the reference point, along arcs, in metres."""
-        lengths = _lengths(self.legs)
-        return math.fsum(
-            lengths[before + 1 : after].sum()
-            for before, after in itertools.pairwise(self.stands.tolist())
-        )
-
-
-_TRACKS: WeakKeyDictionary[Recording, tuple[Track, ...]] = WeakKeyDictionary()
-
-
-def tracks(recording: Recording) -> tuple[Track, ...]:
-    """Return the track of each robot, computed once for a recording."""
-    if recording not in _TRACKS:
-        _TRACKS[recording] = _laid_out(recording)
-    return _TRACKS[recording]
-
-
-def _laid_out(recording: Recording) -> tuple[Track, ...]:
-    motions: dict[int, list[Motion]] = defaultdict(list)
-    for motion in recording.of(Motion):
-        motions[motion.robot].append(motion)
-    return tuple(
-        _track(start, motions[robot], recording.footer.time_s)
-        for robot, start in enumerate(recording.header.starts)
-    )
-
-
-def _track(start: tuple[float, float, float], motions: list[Motion], end: float) -> Track:
-    motions.sort(key=lambda motion: motion.time_s)
-    ways = [motion.waypoints for motion in motions]
-    points = [(0.0, *start), *itertools.chain.from_iterable(ways)]
-    last = points[-1]
-    way = np.array([*points, (max(end, last[0]), *last[1:])])
-    legs: FloatArray = np.hstack([way[:-1], way[1:]])
-    stands = np.cumsum([0, *map(len, ways)])
-    legs[stands, 5:] = legs[stands, 1:4]
-    return Track(legs, stands)
 
 
 def smallest_clearance(recording: Recording, environment: Environment) -> float:
@@ -156,33 +83,6 @@ def smallest_distance_between_robots(recording: Recording) -> float | None:
     for i, j in itertools.combinations(range(len(legs)), 2):
         best = _closest_approach(_Pair(bodies[i], bodies[j]), _together(legs[i], legs[j]), best)
     return max(0.0, best)
-
-
-def _lengths(legs: FloatArray) -> FloatArray:
-    chords = np.hypot(legs[:, 5] - legs[:, 1], legs[:, 6] - legs[:, 2])
-    return np.where(chords > 0.0, chords / _chord_share(legs[:, 7] - legs[:, 3]), 0.0)
-
-
-def _chord_share(turn: FloatArray) -> FloatArray:
-    # The ratio of the length of a chord to that of its arc.
-    share: FloatArray = np.sinc(turn / (2.0 * math.pi))
-    return np.where(share == 0.0, 1.0, share)  # a full turn in place, which has no chord
-
-
-def _poses(legs: FloatArray, share: FloatArray) -> FloatArray:
-    # The poses at a share, from 0 to 1, of each leg; (n, 3).
-    chord_x, chord_y = legs[:, 5] - legs[:, 1], legs[:, 6] - legs[:, 2]
-    turn = legs[:, 7] - legs[:, 3]
-    length = share * np.sinc(share * turn / (2.0 * math.pi)) / _chord_share(turn)
-    angle = (share - 1.0) * turn / 2.0
-    cos, sin = length * np.cos(angle), length * np.sin(angle)
-    return np.column_stack(
-        [
-            legs[:, 1] + cos * chord_x - sin * chord_y,
-            legs[:, 2] + sin * chord_x + cos * chord_y,
-            legs[:, 3] + share * turn,
-        ]
-    )
 
 
 def _turns(footprint: Footprint, legs: FloatArray) -> BoolArray:
@@ -299,8 +199,8 @@ class _Pair(NamedTuple):
 
     def distances_over(self, spans: _Spans) -> FloatArray:
         # Where both move straight: one is swept along its motion as seen from the other.
-        at_one, at_two = _poses_at(spans.one, spans.start), _poses_at(spans.two, spans.start)
-        later = _poses_at(spans.one, spans.end) - (_poses_at(spans.two, spans.end) - at_two)
+        at_one, at_two = poses_on(spans.one, spans.start), poses_on(spans.two, spans.start)
+        later = poses_on(spans.one, spans.end) - (poses_on(spans.two, spans.end) - at_two)
         later[:, 2] = at_one[:, 2]
         others = np.array(_outlines(self.two, at_two))
         gaps = np.full(len(others), np.inf)
@@ -324,13 +224,7 @@ def _lasting(legs: FloatArray) -> FloatArray:
 def _together(one: FloatArray, two: FloatArray) -> _Spans:
     times = np.unique(np.concatenate([one[:, 0], two[:, 0], one[-1:, 4], two[-1:, 4]]))
     start, end = (times, times) if len(times) == 1 else (times[:-1], times[1:])
-    return _Spans(_legs_at(one, start), _legs_at(two, start), start, end)
-
-
-def _legs_at(track: FloatArray, times: FloatArray) -> FloatArray:
-    which = np.searchsorted(track[:, 0], times, side="right") - 1
-    legs: FloatArray = track[np.clip(which, 0, len(track) - 1)]
-    return legs
+    return _Spans(legs_at(one, start), legs_at(two, start), start, end)
 
 
 def _closest_approach(pair: _Pair, spans: _Spans, best: float) -> float:
@@ -343,7 +237,7 @@ def _closest_approach(pair: _Pair, spans: _Spans, best: float) -> float:
     spans = spans.where(_apart(spans) - reach < best)
     while len(spans.start):
         moment, nearer = (spans.start + spans.end) / 2.0, _approach(pair, spans)
-        at_one, at_two = _poses_at(spans.one, moment), _poses_at(spans.two, moment)
+        at_one, at_two = poses_on(spans.one, moment), poses_on(spans.two, moment)
         near = np.hypot(*(at_one - at_two)[:, :2].T) - reach - nearer < best - TOLERANCE_M
         straight = near & _are_straight(pair, spans)
         if straight.any():
@@ -391,11 +285,11 @@ def _approach(pair: _Pair, spans: _Spans) -> FloatArray:
 
 def _motion_at(legs: FloatArray, times: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
     # Position, velocity and turn rate of reference points.
-    poses, duration = _poses_at(legs, times), _duration(legs)
+    poses, duration = poses_on(legs, times), durations(legs)
     turn = legs[:, 7] - legs[:, 3]
     angle = np.arctan2(legs[:, 6] - legs[:, 2], legs[:, 5] - legs[:, 1])
     angle = angle + poses[:, 2] - legs[:, 3] - turn / 2.0
-    speed = _lengths(legs) / duration
+    speed = leg_lengths(legs) / duration
     velocity = np.column_stack([speed * np.cos(angle), speed * np.sin(angle)])
     return poses[:, :2], velocity, turn / duration
 
@@ -404,16 +298,7 @@ def _apart(spans: _Spans) -> FloatArray:
     # A lower bound of the distance between the paths of two reference points.
     one, two = spans.one, spans.two
     between = np.hypot(two[:, 1] - one[:, 1], two[:, 2] - one[:, 2])
-    return between - _lengths(one) - _lengths(two) - ROUNDING_M
-
-
-def _poses_at(legs: FloatArray, times: FloatArray) -> FloatArray:
-    return _poses(legs, np.clip((times - legs[:, 0]) / _duration(legs), 0.0, 1.0))
-
-
-def _duration(legs: FloatArray) -> FloatArray:
-    duration = legs[:, 4] - legs[:, 0]
-    return np.where(duration > 0.0, duration, 1.0)
+    return between - leg_lengths(one) - leg_lengths(two) - ROUNDING_M
 
 
 def _are_straight(pair: _Pair, spans: _Spans) -> BoolArray:

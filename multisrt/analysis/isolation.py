@@ -11,7 +11,6 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from multisrt.analysis import clearances
 from multisrt.analysis.isolation_spells import (
     NEAR,
     PRESENT,
@@ -22,6 +21,7 @@ from multisrt.analysis.isolation_spells import (
 )
 from multisrt.analysis.link_changes import link_changes
 from multisrt.analysis.moving_points import track_of_legs
+from multisrt.analysis.poses import tracks as tracks_of
 from multisrt.analysis.separation import largest_separation
 from multisrt.environments.environment import Environment
 from multisrt.events import CameBack, Died, FellSilent, Joined
@@ -150,12 +150,12 @@ def team_isolation(recording: Recording, environment: Environment | None = None)
     of range of each other break it without isolating any robot, which `split_s` measures.
     """
     spec, end = recording.spec.radio, recording.footer.time_s
-    present, silent = _presence(recording)
+    present, silent = presence(recording)
     alone = len(present) < 2
     reaches_all = spec.reaches_everywhere
     tracks: list[FloatArray] = []
     if not (alone or reaches_all):
-        tracks = [track_of_legs(track.legs) for track in clearances.tracks(recording)]
+        tracks = [track_of_legs(track.legs) for track in tracks_of(recording)]
         if spec.walls != "pass" and environment is None:
             environment = recording.environment()
     changes = [*_switches(present, silent)]
@@ -194,8 +194,8 @@ def _duration(spells: tuple[Spell, ...]) -> float:
     return math.fsum(end - begin for begin, end in spells)
 
 
-def _presence(recording: Recording) -> tuple[list[Spell], list[tuple[float, int]]]:
-    # From when to when each robot takes part, and when a radio falls silent or comes back.
+def presence(recording: Recording) -> tuple[list[Spell], list[tuple[float, int]]]:
+    """Return when each robot takes part, and when which radio falls silent or comes back."""
     end = recording.footer.time_s
     late = {fault.robot for fault in recording.spec.faults if isinstance(fault, LateStart)}
     robots = range(len(recording.starts))

@@ -13,7 +13,6 @@ from multisrt.analysis.bounds import lower_bounds
 from multisrt.analysis.clearances import (
     smallest_clearance,
     smallest_distance_between_robots,
-    tracks,
 )
 from multisrt.analysis.coverage import (
     Coverage,
@@ -27,6 +26,7 @@ from multisrt.analysis.given_up import given_up_m2
 from multisrt.analysis.isolation import team_isolation
 from multisrt.analysis.known_area import known_to_one
 from multisrt.analysis.metrics import Metrics, is_between
+from multisrt.analysis.poses import tracks
 from multisrt.analysis.remaining_frontier import remaining_frontier
 from multisrt.environments.environment import Environment
 from multisrt.events import (

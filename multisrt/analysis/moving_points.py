@@ -24,7 +24,7 @@ def track_of_legs(legs: FloatArray) -> FloatArray:
     ----------
     legs : (n, 8) array
         Time, x, y and heading at the start and at the end of each leg, as in
-        `multisrt.analysis.clearances.Track`.
+        `multisrt.analysis.poses.Track`.
 
     Returns
     -------

@@ -7,6 +7,7 @@ from pathlib import Path
 import click
 
 from multisrt.cli.imports import import_all, import_option
+from multisrt.cli.recordings import recording_in
 
 
 @click.command()
@@ -40,31 +41,8 @@ def why(
     if everything and time_s is not None:
         raise click.UsageError("--all lists all decisions: leave out --time")
     import_all(imports)
-    path = _recording_in(recording)
+    path = recording_in(recording)
     with LiveLine(True, "reading", str(path)):
         loaded = Recording.load(path)
         text = explain_all(loaded, robot) if everything else explain(loaded, robot, time_s)
     click.echo(text, nl=False)
-
-
-def _recording_in(path: Path) -> Path:
-    # The recording of a folder, or beside another file of the run.
-    from multisrt.finished_run import RECORDING_NAME, RUN_FILES
-    from multisrt.geometry.errors import InvalidInputError
-
-    if path.is_dir():
-        if (path / RECORDING_NAME).is_file():
-            return path / RECORDING_NAME
-        found = sorted(below.parent for below in path.glob(f"*/{RECORDING_NAME}"))
-        if len(found) == 1:
-            return found[0] / RECORDING_NAME
-        if found:
-            raise InvalidInputError(
-                f"{path} holds {len(found)} runs: name one of {', '.join(map(str, found))}"
-            )
-        raise InvalidInputError(f"{path} holds no run: there is no {RECORDING_NAME} in it")
-    if path.name in RUN_FILES and path.name != RECORDING_NAME:
-        beside = path.with_name(RECORDING_NAME)
-        if beside.is_file():
-            raise InvalidInputError(f"{path} is no recording; name that of the run: {beside}")
-    return path

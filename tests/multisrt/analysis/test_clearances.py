@@ -1,7 +1,6 @@
 """Clearances to walls and distances between robots, by hand and by dense sampling."""
 
 import cmath
-import gc
 import itertools
 import math
 from collections.abc import Callable
@@ -249,17 +248,6 @@ def fastest_point(recording: Recording) -> float:
     return max(speeds)
 
 
-def test_tracks_are_computed_once_and_live_with_the_recording(recorded):
-    gc.collect()
-    before = len(clearances._TRACKS)
-    recording = recorded(starts=[(1.0, 1.0, 0.0), (3.0, 1.0, 0.0)])
-    assert clearances.tracks(recording) is clearances.tracks(recording)
-    assert len(clearances._TRACKS) == before + 1
-    del recording
-    gc.collect()
-    assert len(clearances._TRACKS) == before
-
-
 @pytest.mark.parametrize("wall_y", [0.36, 0.3634])
 def test_a_corner_that_passes_a_wall_between_two_degrees(recorded, moved, wall_y):
     # A box turns in place; its corner is lowest after 90 - atan(2 / 3) = 56.31 degrees, which no
@@ -293,10 +281,10 @@ def test_a_corner_of_a_wall_beside_a_box_that_turns(recorded, moved):
 )
 @settings(max_examples=60, deadline=None)
 def test_the_clearance_is_that_of_dense_sampling(recorded, body, start, step, pillars):
-    way = shapely.LineString([start[:2], np.add(start, step)[:2]]).buffer(1.5)
+    swept = shapely.LineString([start[:2], np.add(start, step)[:2]]).buffer(1.5)
     solid = [shapely.Point(x, y).buffer(0.3, 1) for x, y, _ in pillars]
     hall = Environment.from_outline(
-        "hall", shapely.box(0, 0, 10, 10), [one for one in solid if not one.intersects(way)]
+        "hall", shapely.box(0, 0, 10, 10), [one for one in solid if not one.intersects(swept)]
     )
     end = tuple(np.add(start, step).tolist())
     motion = Motion(time_s=0.0, robot=0, waypoints=((0.0, *start), (1.0, *end)))

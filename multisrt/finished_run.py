@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -19,6 +19,8 @@ from multisrt.spec import RunSpec
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+
+    from multisrt.exporting import ExportOptions
 
 RECORDING_NAME = "recording.jsonl"
 RUN_NAME = "run.json"
@@ -192,7 +194,7 @@ class Run:
 
         return data_frame(events(self.recording), frame)
 
-    def plot(self, ax: Axes | None = None) -> Axes:
+    def plot(self, ax: Axes | None = None, *, without: Iterable[str] = ()) -> Axes:
         """Draw the run on axes of matplotlib: the same as in its SVG picture, in the same colours.
 
         Parameters
@@ -200,6 +202,8 @@ class Run:
         ax : matplotlib.axes.Axes, optional
             Where to draw; their aspect becomes equal. By default a new figure of pyplot, with
             title and legend.
+        without : iterable of str, optional
+            Layers to leave out; see `save_svg`.
 
         Returns
         -------
@@ -221,7 +225,7 @@ class Run:
         """
         from multisrt.drawing import plot_run
 
-        return plot_run(self.recording, ax)
+        return plot_run(self.recording, ax, without=without)
 
     def plot_coverage(self, ax: Axes | None = None, **line: Any) -> Axes:
         """Draw the share of the explorable area that the team had covered, against time.
@@ -264,27 +268,60 @@ class Run:
 
         return coverage_curve(self.recording, self.environment)
 
-    def save_svg(self, path: str | Path) -> None:
-        """Draw the exploration trees as SVG.
+    def to_svg(self, *, without: Iterable[str] = ()) -> str:
+        """Return the picture of the run: its exploration trees or paths, as an SVG document.
+
+        Parameters
+        ----------
+        without : iterable of str, optional
+            Layers to leave out; see `save_svg`.
+
+        Returns
+        -------
+        str
+            The document; equal runs have equal documents.
+
+        Raises
+        ------
+        InvalidInputError
+            If there is no such layer.
+
+        Examples
+        --------
+        >>> import multisrt as ms
+        >>> run = ms.explore("open", seed=1, max_time_s=10.0)
+        >>> run.to_svg(without=["outlines", "nodes"]).count("<svg")
+        1
+        """
+        from multisrt.drawing import tree_svg
+
+        return tree_svg(self.recording, without=without)
+
+    def save_svg(self, path: str | Path, *, without: Iterable[str] = ()) -> None:
+        """Draw the exploration trees, or the paths of frontier bidding, as SVG.
 
         Parameters
         ----------
         path : str or Path
             The file; it is written completely or not at all.
+        without : iterable of str, optional
+            Layers to leave out: names of `multisrt.drawing.LAYERS`, such as `outlines` or `nodes`.
 
         Raises
         ------
         InvalidInputError
-            If the file cannot be written.
+            If there is no such layer, or the file cannot be written.
 
         Examples
         --------
         >>> import multisrt as ms
-        >>> ms.explore("open", seed=1, max_time_s=10.0).save_svg("tree.svg")
+        >>> run = ms.explore("open", seed=1, max_time_s=10.0)
+        >>> run.save_svg("tree.svg")
+        >>> run.save_svg("bare.svg", without=["outlines", "nodes"])
         """
         from multisrt.drawing import save_tree_svg
 
-        save_tree_svg(self.recording, path)
+        save_tree_svg(self.recording, path, without=without)
 
     def animate(
         self,
@@ -344,6 +381,32 @@ class Run:
             size=size,
             without=without,
         )
+
+    def replay(self, path: str | Path) -> None:
+        """Write a page that replays the run in a browser, without network or server.
+
+        Parameters
+        ----------
+        path : str or Path
+            The file, of at most 20 MB; it is written completely or not at all.
+
+        Raises
+        ------
+        InvalidInputError
+            If the file cannot be written, or would be larger.
+
+        See Also
+        --------
+        multisrt.replay.save_replay : replays of several runs side by side.
+
+        Examples
+        --------
+        >>> import multisrt as ms
+        >>> ms.explore("open", seed=1, max_time_s=10.0).replay("replay.html")
+        """
+        from multisrt.replay import save_replay
+
+        save_replay(self.recording, path)
 
     def save_recording(self, path: str | Path) -> None:
         """Write the recording, one JSON object a line.
@@ -425,6 +488,36 @@ class Run:
         text = msgspec.json.format(msgspec.json.encode(summary), indent=2)
         with atomic_write(Path(path)) as file:
             file.write(text + b"\n")
+
+    def export(self, path: str | Path, options: ExportOptions | None = None) -> None:
+        """Write the run as a file that Foxglove, ROS 2 or rerun show.
+
+        Parameters
+        ----------
+        path : str or Path
+            The file: ``.mcap`` for Foxglove and ROS 2, ``.rrd`` for rerun. It is written
+            completely or not at all.
+        options : ExportOptions, optional
+            How densely the run is sampled: poses a second, time between maps, width of cells.
+
+        Raises
+        ------
+        InvalidInputError
+            If the suffix is another, the file cannot be written, or there would be too many poses
+            or cells.
+        MissingExtraError
+            If a package is not installed that the format needs (``multisrt[mcap]``,
+            ``multisrt[rerun]``).
+
+        Examples
+        --------
+        >>> import multisrt as ms
+        >>> run = ms.explore("open", robots=2, seed=1, max_time_s=10.0)
+        >>> run.export("run.mcap")
+        """
+        from multisrt.exporting import export_run
+
+        export_run(self.recording, path, options=options, environment=self.environment)
 
     def __repr__(self) -> str:
         return (

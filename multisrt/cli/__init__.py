@@ -15,11 +15,14 @@ from multisrt.cli.completion import PROGRAM, VARIABLE, completion
 from multisrt.cli.environments import environments
 from multisrt.cli.experiment import experiment
 from multisrt.cli.explore import explore
+from multisrt.cli.export import export
+from multisrt.cli.figure import figure
 from multisrt.cli.mistakes import CommandGroup, is_world, usage_message
 from multisrt.cli.report import report
 from multisrt.cli.reproduce import reproduce
 from multisrt.cli.strategies import strategies
 from multisrt.cli.strategy import strategy
+from multisrt.cli.view import view
 from multisrt.cli.why import why
 
 COMPLETE, BAD_INPUT, INTERRUPTED = 0, 2, 130
@@ -45,8 +48,11 @@ def cli() -> None:
     Examples:
       multisrt explore office
       multisrt explore museum --robots 4 --strategy srt-radial --strategy srt-star
+      multisrt view runs/office-srt-radial-0
       multisrt why runs/office-srt-radial-0 --robot 0 --time 31.5
       multisrt animate runs/office-srt-radial-0 --out office.mp4
+      multisrt export runs/office-srt-radial-0 --out office.mcap
+      multisrt figure maps runs/office-srt-radial-0
       multisrt check mine.py
       multisrt experiment new star.toml
       multisrt environments
@@ -60,8 +66,11 @@ def cli() -> None:
 for command in (
     *(
         explore,
+        view,
         why,
+        export,
         animate,
+        figure,
         environments,
         strategies,
         strategy,

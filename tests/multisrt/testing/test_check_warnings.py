@@ -19,8 +19,8 @@ class RunsInto(Base):
         seen = yield Look()
         if seen:
             other = seen[0].configuration
-            way = trajectory(self.me.kinematics, self.at, [other])
-            moved = yield Move(trajectory=way, guard_m=0.1)
+            motion = trajectory(self.me.kinematics, self.at, [other])
+            moved = yield Move(trajectory=motion, guard_m=0.1)
             if moved.blocked_by is not None:
                 yield Done(complete=False, reason="no way is left")
                 return

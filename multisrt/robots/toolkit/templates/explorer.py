@@ -82,7 +82,7 @@ class Mine:
             barred = 0 if has_gone else barred + 1
             # While others are in the way, wait a little before trying again.
             yield from self.listen(0.0 if has_gone else self.me.rng.uniform(1.0, 3.0))
-        yield Done(complete=False, reason="other robots stand in all ways")
+        yield Done(complete=False, reason="other robots block all paths")
 
     def choose(self, frontiers: tuple[Frontier, ...]) -> tuple[Frontier, NDArray[np.float64]]:
         """Return the frontier to go to, and the length of the path to each in metres."""
@@ -93,11 +93,11 @@ class Mine:
     def go(self, goal: Frontier, path: Any) -> Any:
         """Follow a path until the next scan; return False if another robot was in the way."""
         assert self.map.region is not None
-        way = trajectory_inside(self.me, self.at, path, self.map.region)
-        if way is None:  # It stands there and sees nothing new, or does not fit through.
+        motion = trajectory_inside(self.me, self.at, path, self.map.region)
+        if motion is None:  # It stands there and sees nothing new, or does not fit through.
             self.map.give_up(goal)
             return True
-        moved: Any = yield Move(trajectory=way.until(self.options.leg_s), guard_m=0.1)
+        moved: Any = yield Move(trajectory=motion.until(self.options.leg_s), guard_m=0.1)
         self.at = moved.configuration
         return moved.blocked_by is None
 

@@ -1,0 +1,140 @@
+"""The page of a replay: one file, which needs neither a network nor a server."""
+
+from __future__ import annotations
+
+from base64 import b64encode
+from collections.abc import Sequence
+from hashlib import sha256
+from importlib.resources import files
+from pathlib import Path
+from typing import Final
+
+from multisrt.drawing.svg import printable
+from multisrt.geometry.errors import InvalidInputError
+from multisrt.recording import Recording, atomic_write
+from multisrt.replay.payload import DETAILS, compressed, payload
+
+MAX_BYTES: Final = 20_000_000
+"""Upper bound of the size of a page, in bytes."""
+
+MAX_RUNS: Final = 4
+"""Upper bound of the runs on a page."""
+
+SCRIPTS: Final = (
+    "decode",
+    "geometry",
+    "colours",
+    "run",
+    "frontier",
+    "view",
+    "ground",
+    "marks",
+    "curves",
+    "panel",
+    "player",
+    "address",
+    "main",
+)
+"""The parts of the script, in the order in which they follow one another."""
+
+
+def replay_html(recordings: Recording | Sequence[Recording]) -> str:
+    """Return a page that replays runs in a browser.
+
+    Parameters
+    ----------
+    recordings : Recording or sequence of Recording
+        One run, or up to four that are shown side by side on one clock.
+
+    Returns
+    -------
+    str
+        An HTML document of at most 20 MB that loads nothing else. Equal recordings give equal
+        documents. To stay below that size, outlines of regions are simplified and explanations
+        reduced, as the page then says.
+
+    Raises
+    ------
+    InvalidInputError
+        If there are no runs or more than four, a recording contradicts itself, or the page would
+        be larger.
+
+    Examples
+    --------
+    >>> import multisrt as ms
+    >>> from multisrt.replay import replay_html
+    >>> run = ms.explore("open", robots=2, seed=1, max_time_s=10.0)
+    >>> replay_html(run.recording).startswith("<!doctype html>")
+    True
+    """
+    runs = [recordings] if isinstance(recordings, Recording) else list(recordings)
+    if not 1 <= len(runs) <= MAX_RUNS:
+        raise InvalidInputError(f"a replay shows 1 to {MAX_RUNS} runs, not {len(runs)}")
+    for detail in DETAILS:
+        page = _page(runs, compressed(payload(runs, detail)))
+        if len(page) <= MAX_BYTES:
+            return page
+    several = " fewer runs, or" if len(runs) > 1 else ""
+    raise InvalidInputError(
+        f"the replay would have {len(page) / 1e6:.0f} MB, more than {MAX_BYTES / 1e6:.0f}: "
+        f"show{several} runs of less time (--max-time) or fewer robots"
+    )
+
+
+def save_replay(recordings: Recording | Sequence[Recording], path: str | Path) -> None:
+    """Write a page that replays runs in a browser; see `replay_html`.
+
+    Parameters
+    ----------
+    recordings : Recording or sequence of Recording
+        One run, or up to four.
+    path : str or Path
+        The file; it is written completely or not at all.
+
+    Raises
+    ------
+    InvalidInputError
+        As `replay_html` does, or if the file cannot be written.
+
+    Examples
+    --------
+    >>> import multisrt as ms
+    >>> from multisrt.replay import save_replay
+    >>> run = ms.explore("open", seed=1, max_time_s=10.0)
+    >>> save_replay(run.recording, "replay.html")
+    """
+    page = replay_html(recordings)
+    with atomic_write(Path(path)) as file:
+        file.write(page.encode())
+
+
+def _page(runs: Sequence[Recording], data: str) -> str:
+    from jinja2 import Environment, PackageLoader, StrictUndefined
+
+    template = Environment(
+        loader=PackageLoader("multisrt", "replay"), autoescape=True, undefined=StrictUndefined
+    ).get_template("page.html.j2")
+    style, script = _source("page.css"), _script()
+    titles = [f"{run.spec.strategy} in {run.header.world}" for run in runs]
+    return template.render(
+        title=printable(" | ".join(titles)),
+        style=style,
+        script=script,
+        style_hash=_hash(style),
+        script_hash=_hash(script),
+        data=data,
+    )
+
+
+def _script() -> str:
+    parts = [_source(f"{name}.js") for name in SCRIPTS]
+    return '\n(() => {\n"use strict";\n' + "\n".join(parts) + "})();\n"
+
+
+def _source(name: str) -> str:
+    return files("multisrt.replay").joinpath(name).read_text(encoding="utf-8")
+
+
+def _hash(text: str) -> str:
+    # As Content-Security-Policy names what may run.
+    return f"'sha256-{b64encode(sha256(text.encode()).digest()).decode()}'"

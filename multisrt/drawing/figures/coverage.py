@@ -51,7 +51,8 @@ def draw_coverage(recordings: Sequence[Recording], ax: Axes) -> list[Line2D]:
         label = printable(strategy)
         drawn: dict[str, Any] = {"color": look.colour, "linestyle": look.dashes, "label": label}
         if len(own) == 1 or max(float(np.asarray(times)[-1]) for times, _ in own) <= 0.0:
-            lines.append(plot_steps(*own[0], ax, **drawn).lines[-1])
+            times_s, shares = map(np.asarray, own[0])
+            lines.append(plot_steps(times_s, shares, ax, **drawn).lines[-1])
             continue
         bands = curve_bands(own, common_grid(own))
         drawn["label"] = f"{label} ({len(own)} runs)"

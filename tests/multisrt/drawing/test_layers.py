@@ -2,6 +2,7 @@
 
 import re
 import xml.etree.ElementTree as ET
+from importlib import import_module
 from itertools import combinations
 
 import numpy as np
@@ -90,7 +91,8 @@ def test_regions_of_many_nodes_are_outlined_as_one(trees, monkeypatch):
     assert 20 < len(nodes) <= MAX_OUTLINES
     own = [n for n in nodes if n.robot == 0]
     assert len(layers(tree_svg(trees))["robot 0: regions"]) == len(own) > 1
-    monkeypatch.setattr("multisrt.drawing.tree_svg.MAX_OUTLINES", 20)
+    # The package has the function by the name of its module.
+    monkeypatch.setattr(import_module("multisrt.drawing.tree_svg"), "MAX_OUTLINES", 20)
     (outline,) = layers(tree_svg(trees))["robot 0: regions"]
     regions = [shapely.make_valid(shapely.Polygon(n.boundary)) for n in own]
     drawn: BaseGeometry = shapely.Polygon()

@@ -26,6 +26,7 @@ SCRIPTS: Final = (
     "colours",
     "run",
     "frontier",
+    "tiles",
     "view",
     "ground",
     "marks",

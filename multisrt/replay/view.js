@@ -151,7 +151,7 @@ class View {
     if (!this.width) return true;
     const isDone = this.ground.draw(time);
     this.marks.draw(time);
-    return isDone;
+    return isDone && this.marks.isDone;
   }
 }
 

@@ -73,7 +73,7 @@ def large() -> Iterator[Claim | str]:
     if browser is None or importlib.util.find_spec("playwright") is None:
         yield skipped(text, "chromium or playwright")
         return
-    for where, address in (("from the beginning", "#t=0"), ("the last part", "#t=1200")):
+    for where, address in (("from the beginning", "#t=0"), ("the last part", "#t=600")):
         rates = frame_rates(page, browser, f"{address}&speed=10")
         yield Claim(
             text=f"{text}, {where}",
@@ -116,7 +116,8 @@ def multiplied(run: Recording) -> Recording:
     )
     starts = tuple(Configuration(*copy.place(start)) for copy in copies for start in run.starts)
     events = tuple(_limited(copy.event(event) for event in run.events for copy in copies))
-    return Recording(header=header_of(spec, world, starts), events=events, footer=run.footer)
+    footer = msgspec.structs.replace(run.footer, time_s=max(event.time_s for event in events))
+    return Recording(header=header_of(spec, world, starts), events=events, footer=footer)
 
 
 def _limited(events: Iterable[AnyEvent]) -> Iterator[AnyEvent]:

@@ -195,7 +195,7 @@ class Ground {
     context.beginPath();
     for (let i = line.first[row]; i < line.first[row + 1]; i++) context.lineTo(view.x(line.x[i]), view.y(line.y[i]));
     context.strokeStyle = player.colours.lineOf(run, robot[row]);
-    context.lineWidth = view.px(1.6);
+    context.lineWidth = view.thin(1.6);
     context.setLineDash([view.px(1.5), view.px(2.5)]);
     context.stroke();
     context.setLineDash([]);
@@ -209,18 +209,18 @@ class Ground {
       context.moveTo(view.x(x[from]), view.y(y[from]));
       context.lineTo(view.x(x[node]), view.y(y[node]));
       context.strokeStyle = colour;
-      context.lineWidth = view.px(2);
-      context.setLineDash(run.robots[robot[node]].dashes.map((mm) => view.px(3.5 * mm)));
+      context.lineWidth = view.thin(2);
+      context.setLineDash(run.robots[robot[node]].dashes.map((mm) => view.thin(3.5 * mm)));
       context.stroke();
       context.setLineDash([]);
     }
     context.beginPath();
-    const size = view.px(from < 0 ? 5 : stage[node] === "scan" ? 1.5 : 3);
+    const size = view.thin(from < 0 ? 5 : stage[node] === "scan" ? 1.5 : 3);
     if (from < 0) context.rect(view.x(x[node]) - size, view.y(y[node]) - size, 2 * size, 2 * size);
     else context.arc(view.x(x[node]), view.y(y[node]), size, 0, 2 * Math.PI);
     context.fillStyle = colour;
     context.strokeStyle = player.colours.halo;
-    context.lineWidth = view.px(1);
+    context.lineWidth = view.thin(1);
     context.fill();
     if (stage[node] !== "scan") context.stroke();
   }

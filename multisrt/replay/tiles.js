@@ -77,7 +77,7 @@ class FrontierPicture {
       context.lineTo(view.x(part[2]), view.y(part[3]));
     }
     context.strokeStyle = view.player.colours.frontier;
-    context.lineWidth = view.px(2.5);
+    context.lineWidth = view.thin(2.5);
     context.lineCap = "square";
     context.stroke();
     context.restore();

@@ -18,6 +18,9 @@ from multisrt.terminal import WIDTH
 MIN_LABEL_COLUMN: Final = 12
 """Minimum width of a column of labels, in characters."""
 
+LONG_LABEL: Final = 20
+"""Length of a label from which it may be broken into lines, in characters."""
+
 MINUS: Final = "\N{MINUS SIGN}"
 
 
@@ -131,9 +134,11 @@ class Table:
             for row in self.rows
         )
         notes = "".join(f"<p>{_escaped(note)}</p>" for note in self.notes)
+        long = " long" * any(len(row[0].text) > LONG_LABEL for row in self.rows)
         return (
-            f'<div class="scroll" role="region" tabindex="0" aria-label="{_escaped(self.title)}">\n'
-            f'<table id="table-{self.name}" class="sorts">\n'
+            f'<div class="scroll table" role="region" tabindex="0" '
+            f'aria-label="{_escaped(self.title)}">\n'
+            f'<table id="table-{self.name}" class="sorts{long}">\n'
             f"<caption>{_escaped(self.title)}</caption>\n"
             f"<thead><tr>{head}</tr></thead>\n<tbody>\n{body}\n</tbody>\n</table>\n</div>\n"
             f'<div class="notes">{notes}</div>'
@@ -164,6 +169,30 @@ class Table:
             f"  \\begin{{tabular}}{{{columns}}}\n    \\toprule\n    {head} \\\\\n    \\midrule\n"
             f"{body}\n    \\bottomrule\n  \\end{{tabular}}\n\\end{{table}}\n"
         )
+
+    def markdown(self) -> str:
+        r"""Return Markdown, as code hosts read it.
+
+        Examples
+        --------
+        >>> rows = ((Cell(text="a|b"), Cell(text="12.0")),)
+        >>> print(Table(name="t", title="Times", columns=("World", "s"), rows=rows).markdown())
+        Times
+        <BLANKLINE>
+        | World | s |
+        |---|---:|
+        | a\|b | 12.0 |
+        <BLANKLINE>
+        """
+        aligned = ["---"] * self.labels + ["---:"] * (len(self.columns) - self.labels)
+        rows = [self.columns, *(tuple(cell.line for cell in row) for row in self.rows)]
+        written = [
+            "| " + " | ".join(printable(text).replace("|", r"\|") for text in row) + " |"
+            for row in rows
+        ]
+        lines = [self.title, "", written[0], f"|{'|'.join(aligned)}|", *written[1:]]
+        notes = [line for note in self.notes for line in ("", printable(note))]
+        return "\n".join((*lines, *notes)) + "\n"
 
     def csv(self) -> str:
         """Return CSV with unrounded numbers in separate columns."""

@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 
 import multisrt as ms
 from multisrt.cli import cli
+from multisrt.drawing.looks import DASHES, MARKERS, look_of
 from multisrt.drawing.svg import printable
 from multisrt.experiments.crossing import Condition, runs
 from multisrt.experiments.provenance import provenance
@@ -27,12 +28,9 @@ from multisrt.reporting.page import write_report
 from multisrt.reporting.reruns import Specs, gallery, gallery_settings, median_run
 from multisrt.reporting.study import Study
 from multisrt.reporting.style import (
-    DASHES,
-    MARKERS,
     MAX_LABEL,
     Picture,
     in_groups,
-    look_of,
     short_labels,
 )
 from multisrt.spec import RunSpec

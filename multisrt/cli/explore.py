@@ -244,9 +244,7 @@ def explore(
     if force and out is None:
         raise click.UsageError("--force replaces the run in --out DIR, which is not given")
     if given["watch"]:
-        if quiet:
-            raise click.UsageError("--watch draws while --quiet prints errors only: give one")
-        require_terminal()
+        _require_watchable(quiet)
     import_all(imports)
     own = environment if environment is not None and is_reference(environment) else None
     if own is not None:
@@ -271,10 +269,7 @@ def explore(
         specs = [spec_of_options(environment, name, given) for name in names or (None,)]
         _require_shared_options(specs)
         name = Path(environment).stem
-    if given["regret"]:
-        _require_plans(specs)
-    if given["view"]:
-        require_few(len(specs))
+    _require_shown(specs, given)
     usual = _usual_folder(specs, name)
     whole = out or new_folder(usual)
     folders = [whole] if len(specs) == 1 else [whole / spec.strategy for spec in specs]
@@ -328,6 +323,20 @@ def _require_shared_options(specs: list[RunSpec]) -> None:
                 f"--option {key} applies to all strategies, and {without[0]} has no such option: "
                 "run the strategies separately"
             )
+
+
+def _require_watchable(quiet: bool) -> None:
+    if quiet:
+        raise click.UsageError("--watch draws while --quiet prints errors only: give one")
+    require_terminal()
+
+
+def _require_shown(specs: list[RunSpec], given: dict[str, Any]) -> None:
+    # What cannot be compared or shown of these runs is reported before they are made.
+    if given["regret"]:
+        _require_plans(specs)
+    if given["view"]:
+        require_few(len(specs))
 
 
 def _require_plans(specs: list[RunSpec]) -> None:

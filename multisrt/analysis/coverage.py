@@ -298,7 +298,8 @@ class SeenMeter:
         """The share seen so far, from 0 to 1."""
         return min(1.0, float(self._plane.areas_m2[SEEN]) / self._explorable_m2)
 
-    def add(self, scan: Sensed) -> None:
-        """Take in a scan."""
+    def add(self, scan: Sensed) -> FloatArray:
+        """Take in a scan, and return the corners of what it showed, ``(n, 2)``."""
         shown = shown_from(self._index, self._finders[scan.robot], [scan.configuration])
         self._plane.relabel(runs_of(self._plane.cut, shown), [[OUTSIDE, SEEN, SEEN]])
+        return shown[0]

@@ -18,6 +18,7 @@ from multisrt.cli.sections import SectionedCommand
 from multisrt.cli.spec_files import read_run_spec
 from multisrt.cli.summary import print_summary
 from multisrt.cli.view import REPLAY_NAME, open_page, require_few, write_page
+from multisrt.cli.watching import Watching, require_terminal
 from multisrt.geometry.errors import InvalidInputError
 
 if TYPE_CHECKING:
@@ -37,7 +38,10 @@ SECTIONS = {
     "Robots": ("--range", "--beams", "--footprint", "--drive", "--speed", "--turning-radius"),
     "Radio": ("--radio-range", "--no-multi-hop", "--latency", "--jitter", "--loss", "--walls"),
     "Image maps": ("--resolution", "--threshold"),
-    "Output": ("--out", "--force", "--view", "--without", "--regret", "--details", "--quiet"),
+    "Output": (
+        *("--out", "--force", "--view", "--watch", "--without"),
+        *("--regret", "--details", "--quiet"),
+    ),
 }
 """Headings of the help page, and the options below each."""
 
@@ -48,7 +52,7 @@ LAYERS = (
 """Layers of the picture that can be left out; a test compares them with `multisrt.drawing`."""
 
 EXCEPT_SPEC = (
-    *("spec_file", "imports", "out", "without", "force", "view"),
+    *("spec_file", "imports", "out", "without", "force", "view", "watch"),
     *("regret", "details", "quiet"),
 )
 """Parameters that a spec does not describe."""
@@ -60,6 +64,7 @@ Examples:
   multisrt explore museum --robots 4 --starts clustered --radio-range 15
   multisrt explore museum --robots 4 --strategy srt-radial --strategy srt-star
   multisrt explore office --robots 4 --strategy minpos --view
+  multisrt explore museum --robots 4 --watch
   multisrt explore floor.yaml --start 2.5,4 --start 3.5,4 --range 6
   multisrt explore plan.png --resolution 0.05 --footprint box:0.6x0.4
   multisrt explore office --robots 3 --fault death:2@30 --fault late:1@60
@@ -209,6 +214,7 @@ Exit code:
 @click.option(
     "--details", is_flag=True, help="Print all measures even for more than two strategies."
 )
+@click.option("--watch", is_flag=True, help="Draw the team in the terminal while it runs.")
 @click.option("--quiet", is_flag=True, help="Print errors only.")
 @click.pass_context
 def explore(
@@ -237,6 +243,10 @@ def explore(
 
     if force and out is None:
         raise click.UsageError("--force replaces the run in --out DIR, which is not given")
+    if given["watch"]:
+        if quiet:
+            raise click.UsageError("--watch draws while --quiet prints errors only: give one")
+        require_terminal()
     import_all(imports)
     own = environment if environment is not None and is_reference(environment) else None
     if own is not None:
@@ -270,7 +280,8 @@ def explore(
     folders = [whole] if len(specs) == 1 else [whole / spec.strategy for spec in specs]
     for folder in folders:
         require_no_run(folder, force=force)
-    runs = _run_all(specs, folders, without, force=force, quiet=quiet)
+    live = Watching() if given["watch"] else Progress(quiet)
+    runs = _run_all(specs, folders, live, without, force=force)
     if not quiet:
         if own is not None:
             click.echo(
@@ -356,10 +367,10 @@ def _usual_folder(specs: list[RunSpec], name: str) -> Path:
 def _run_all(
     specs: list[RunSpec],
     folders: list[Path],
+    live: Progress,
     without: tuple[str, ...],
     *,
     force: bool,
-    quiet: bool,
 ) -> list[Run]:
     from multisrt.finished_run import RECORDING_NAME, RUN_NAME, SPEC_NAME, TREE_NAME, Run
     from multisrt.robots.registry import strategy
@@ -371,7 +382,7 @@ def _run_all(
         strategy(spec.strategy).parse_options(spec.options)
         strategy(spec.strategy).require_fit(spec)
     runs = []
-    with Progress(quiet) as progress:
+    with live as progress:
         progress.say("reading the environment")
         world = build_environment(specs[0].environment)
         for spec, out in zip(specs, folders, strict=True):

@@ -266,7 +266,7 @@ def _page(contents: Contents) -> str:
     environment = jinja2.Environment(
         autoescape=True, trim_blocks=True, lstrip_blocks=True, undefined=jinja2.StrictUndefined
     )
-    environment.filters["image"] = _image
+    environment.filters["image"] = lambda svg: Markup(_image(svg))
     environment.filters["size"] = _size
     environment.filters["number"] = number
     environment.filters["printable"] = printable
@@ -302,17 +302,18 @@ def _shown(trees: Sequence[Tree]) -> set[str]:
 
 
 def _image(svg: bytes | str) -> str:
-    # A data address isolates the names, styles and scripts of a drawing.
+    # A data address isolates the names, styles and scripts of a drawing. In quotes, < and > stand
+    # for themselves.
     text = svg.decode() if isinstance(svg, bytes) else svg
     text = re.sub(r"^<\?xml.*?\?>\s*(<!DOCTYPE[^>]*>\s*)?", "", text, flags=re.DOTALL)
-    text = re.sub(r"\s*\n\s*", " ", text).replace("> <", "><")
-    return "data:image/svg+xml," + quote(text, safe=" =:/,;-.()+*!@?~$'|[]{}^")
+    text = re.sub(r"\s*\n\s*", " ", text).replace("> <", "><").strip()
+    return "data:image/svg+xml," + quote(text, safe=" =:/,;-.()+*!@?~$'|[]{}^<>")
 
 
 def _size(svg: bytes | str) -> dict[str, int]:
     # Width and height, so that the page reserves room for the image.
     text = svg if isinstance(svg, str) else svg.decode()
-    found = re.search(r'viewBox="0 0 ([\d.]+) ([\d.]+)"', text)
+    found = re.search(r"viewBox=[\"']0 0 ([\d.]+) ([\d.]+)[\"']", text)
     assert found is not None
     width, height = float(found[1]), float(found[2])
     return {"width": 560, "height": round(560 * height / width)}

@@ -10,6 +10,7 @@ from multisrt.drawing.looks import Look
 from multisrt.drawing.svg import printable
 from multisrt.extras import extra
 from multisrt.geometry.numerics.arrays import FloatArray
+from multisrt.reporting.compact import compact
 
 with extra("plots", "a figure or a report"):
     from matplotlib.axes import Axes
@@ -134,7 +135,7 @@ def drawn(
             name=name,
             title=printable(title),
             alt=printable(alt),
-            svg=saved(figure, "svg", title),
+            svg=compact(saved(figure, "svg", title)),
             pdf=saved(figure, "pdf", title),
         )
 

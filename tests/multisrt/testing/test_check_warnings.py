@@ -1,5 +1,7 @@
 """Warnings about teams that stall."""
 
+from typing import Any
+
 import pytest
 import shapely
 
@@ -104,7 +106,7 @@ def written(folder, **replaced):
     return f"{folder / 'impatient.py'}:Mine"
 
 
-SMALL = {"teams": (2,), "repeat_in_process": False}
+SMALL: dict[str, Any] = {"teams": (2,), "repeat_in_process": False}
 NEVER_GIVES_UP = ("while barred < self.options.patience:", "while True:")
 
 

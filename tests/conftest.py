@@ -10,6 +10,8 @@ from types import ModuleType
 import pytest
 from hypothesis import settings
 
+from tests.browser import launched
+
 # The same examples in every run and no deadlines: failures are reproducible.
 settings.register_profile("repeatable", derandomize=True, deadline=None, database=None)
 settings.load_profile("repeatable")
@@ -58,3 +60,10 @@ def load_module() -> Callable[[Path], ModuleType]:
 def worlds() -> ModuleType:
     """The module tests/geometry/worlds.py, which cannot be imported in importlib mode."""
     return load(Path(__file__).parent / "geometry" / "worlds.py")
+
+
+@pytest.fixture(scope="session")
+def browser():
+    """Chromium, without a window; see tests/browser.py."""
+    with launched() as found:
+        yield found

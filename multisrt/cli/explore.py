@@ -59,9 +59,9 @@ EXAMPLES = """
 \b
 Examples:
   multisrt explore office
-  multisrt explore museum --robots 4 --starts clustered --radio-range 15 --view
+  multisrt explore museum --robots 4 --starts clustered --radio-range 15
   multisrt explore museum --robots 4 --strategy srt-radial --strategy srt-star
-  multisrt explore office --robots 4 --strategy minpos --radio-range 15
+  multisrt explore office --robots 4 --strategy minpos --view
   multisrt explore museum --robots 4 --watch
   multisrt explore floor.yaml --start 2.5,4 --start 3.5,4 --range 6
   multisrt explore plan.png --resolution 0.05 --footprint box:0.6x0.4

@@ -8,14 +8,14 @@ async function main() {
     player,
     address,
     poses: (time, number = 0) => player.runs[number].robots.map((_, robot) => player.runs[number].pose(robot, time)),
-    frontierLength: (time, robot = TEAM, number = 0) => frontierLength(player.runs[number], robot, time),
+    frontier: (time, robot = TEAM, number = 0) => frontierAt(player.runs[number], robot, time),
   };
 }
 
-function frontierLength(run, robot, time) {
+function frontierAt(run, robot, time) {
   const frontier = run.frontier(robot);
   do frontier.at(time); while (!frontier.isDone);
-  return frontier.at(time).reduce((sum, [x0, y0, x1, y1]) => sum + distance(x0, y0, x1, y1), 0);
+  return frontier.at(time).map(([x0, y0, x1, y1]) => [[x0, y0], [x1, y1]]);
 }
 
 main().catch((error) => {

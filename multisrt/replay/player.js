@@ -87,7 +87,7 @@ class Player {
       Escape: () => this.choose(this.run, TEAM),
       z: () => this.views.forEach((view) => view.showWhole()),
       d: () => this.colours.set(!this.colours.isDark),
-      f: () => (byId("rate").hidden = !byId("rate").hidden),
+      f: () => this.showRate(byId("rate").hidden),
       "?": () => byId("keys").showModal(),
     };
   }
@@ -144,26 +144,57 @@ class Player {
     this.say(`speed ${this.pace}`);
   }
 
+  // Events of a run that are stepped through: those of the chosen robot, or all.
+  eventsOf(run) {
+    const robot = this.robotOf(run);
+    return robot === TEAM ? { t: run.log.t, rows: null } : run.log.by[robot];
+  }
+
+  // How many events of each run lie behind; `shown` is the run of the last of them.
+  positions(direction) {
+    const key = `${this.time} ${this.robot}`;
+    if (this.steps && this.steps.key === key) return this.steps;
+    const behind = this.runs.map((run) => {
+      const { t } = this.eventsOf(run);
+      if (direction > 0) return this.time === 0 ? 0 : lastBy(t, this.time) + 1;
+      let k = lastBy(t, this.time) + 1;
+      while (k > 0 && t[k - 1] >= this.time) k--;
+      return k;
+    });
+    return { behind, shown: null };
+  }
+
   // The next or previous event of the chosen robot, or of any robot of any run.
   step(direction) {
     if (this.isPlaying) this.pause();
+    const { behind, shown } = this.positions(direction);
     let best = null;
     this.runs.forEach((run, number) => {
-      const robot = this.robotOf(run), own = robot === TEAM ? { t: run.log.t } : run.log.by[robot];
-      const here = this.cursor && this.cursor.time === this.time && this.cursor.run === number ? this.cursor.k : null;
-      let k = here === null ? lastBy(own.t, this.time) + (direction > 0 ? 1 : 0) : here + direction;
-      if (here === null && direction < 0) while (k >= 0 && own.t[k] >= this.time) k--;
-      if (k < 0 || k >= own.t.length) return;
-      if (!best || direction * (own.t[k] - best.t) < 0) best = { t: own.t[k], number, k, row: own.rows ? own.rows[k] : k };
+      const { t, rows } = this.eventsOf(run);
+      const k = direction > 0 ? behind[number] : behind[number] - (shown === number ? 2 : 1);
+      if (k < 0 || k >= t.length) return;
+      if (!best || direction * (t[k] - best.t) < 0) best = { t: t[k], number, k, row: rows ? rows[k] : k };
     });
-    if (best) this.goTo(best.number, best.row, best.k);
-    else this.say(direction > 0 ? "no later event" : "no earlier event");
+    if (!best) {
+      this.say(direction > 0 ? "no later event" : "no earlier event");
+      return;
+    }
+    if (direction < 0 && shown !== null && shown !== best.number) behind[shown]--;
+    behind[best.number] = best.k + 1;
+    this.show(best.number, best.row, behind);
   }
 
-  goTo(number, row, k = null) {
+  goTo(number, row) {
+    this.time = this.runs[number].log.t[row];
+    const { behind } = this.positions(1), { rows } = this.eventsOf(this.runs[number]);
+    behind[number] = (rows ? rows.indexOf(row) : row) + 1;
+    this.show(number, row, behind);
+  }
+
+  show(number, row, behind) {
     const run = this.runs[number];
     this.seek(run.log.t[row]);
-    this.cursor = k === null ? null : { time: this.time, run: number, k };
+    this.steps = { behind, shown: number, key: `${this.time} ${this.robot}` };
     this.say((this.runs.length > 1 ? `${run.title}: ` : "") + run.said(row));
   }
 
@@ -242,6 +273,11 @@ class Player {
     this.count(now);
     this.isComplete = isDone;
     if (this.isPlaying || !isDone) this.redraw();
+  }
+
+  showRate(isShown) {
+    byId("rate").hidden = !isShown;
+    this.redraw();
   }
 
   // Frames in the last second.

@@ -7,6 +7,7 @@ import json
 import re
 import shlex
 import tomllib
+import webbrowser
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -127,6 +128,7 @@ def workplace(tmp_path, monkeypatch):
 
     monkeypatch.setattr(ms, "explore", explore)
     monkeypatch.setattr(ms, "compare", compare)
+    monkeypatch.setattr(webbrowser, "open", lambda url: True)
     return tmp_path
 
 

@@ -1,4 +1,6 @@
 # Every target sets up what it needs, in a virtual environment, and is quick the second time.
+# Tests start many processes, each of which would compile all modules without their bytecode.
+unexport PYTHONDONTWRITEBYTECODE
 PYTHON ?= python3
 VENV ?= .venv
 BIN := $(VENV)/bin
@@ -9,7 +11,7 @@ OUT := out
 # Public maps that some benchmarks use; where there are none, they are left out.
 MULTISRT_MAPS ?= ../shared/maps
 
-.PHONY: help demo test check tutorial golden plan pictures lint bench results docs linkcheck clean
+.PHONY: help demo test check tutorial golden plan pictures lint types style imports bench results docs linkcheck clean
 
 help:
 	@echo "make demo     a team of four explores the museum with SRT-Radial and SRT-Star; pictures in $(OUT)/demo"
@@ -63,11 +65,17 @@ plan: $(READY)
 pictures: $(READY) plan
 	$(BIN)/python docs/figures
 
-lint: $(READY) docs
+# Two jobs check the types and build the documentation at the same time.
+lint: types docs style imports
+
+types: $(READY)
+	$(BIN)/mypy
+
+style: $(READY)
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
-	$(BIN)/mypy
-	$(BIN)/mypy --implicit-reexport --cache-dir .mypy_cache/tests tests
+
+imports: $(READY)
 	$(BIN)/lint-imports
 
 # VisiLibity comes as source only: swig writes its bindings, and a C++ compiler builds them.

@@ -70,7 +70,7 @@ class GridBody:
         self.robot.route = [waypoint[1:] for waypoint in move.trajectory.waypoints]
         self.guard_m, self.is_moving = move.guard_m, True
 
-    def drive_all_the_way(self, move):
+    def drive_to_the_end(self, move):
         """Drive to the end of the path: for a robot alone, which nothing else has to wait for."""
         self.move(move)
         while self.robot.route:
@@ -145,7 +145,7 @@ def explore_alone() -> tuple[GridWorld, list[Driver]]:
     world = GridWorld(MAP, CELL_M)
     world.robots = [GridRobot(2.0, 6.0, 0.0)]
     body = GridBody(world, 0)
-    driver = ms.drive("srt-radial", body.knows(), sense=body.sense, move=body.drive_all_the_way)
+    driver = ms.drive("srt-radial", body.knows(), sense=body.sense, move=body.drive_to_the_end)
     return world, [driver]
 
 

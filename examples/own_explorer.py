@@ -26,7 +26,7 @@ class NearestFrontier:
         self.me, self.at, self.map = me, me.start, FrontierMap(me)
 
     def run(self):
-        """Look, choose, and drive on until no frontier is left, or others stand in all ways."""
+        """Look, choose, and drive on until no frontier is left, or others block all paths."""
         waits = 0
         while waits < 100:
             yield from self.look((yield Sense()))
@@ -43,16 +43,16 @@ class NearestFrontier:
             moved = None
             if path is not None:
                 yield decided(self.me, self.time_s, "the nearest", goal, frontiers, path_m=costs)
-                way = trajectory_inside(self.me, self.at, path, self.map.region)
-                if way is None:
+                motion = trajectory_inside(self.me, self.at, path, self.map.region)
+                if motion is None:
                     self.map.give_up(goal)
                     continue
-                moved = yield Move(trajectory=way.until(1.0), guard_m=0.1)
+                moved = yield Move(trajectory=motion.until(1.0), guard_m=0.1)
                 self.at = moved.configuration
             is_barred = moved is None or moved.blocked_by is not None
             waits = waits + 1 if is_barred else 0
             yield from self.hear((yield Receive(self.me.rng.uniform(1.0, 3.0) * is_barred)))
-        yield Done(complete=False, reason="other robots stay in its way")
+        yield Done(complete=False, reason="other robots block all paths")
 
     def look(self, scan):
         """Add a scan to the map, and inform the others if it shows something new."""

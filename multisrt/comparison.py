@@ -77,7 +77,7 @@ def compare(
     environments : str, Path, Environment or EnvironmentChoice, or several; or ExperimentSpec
         Names in the catalogue, map files or environments; or the whole experiment.
     strategies : str, StrategyChoice, Strategy, class or function, or several
-        Names of registered strategies, with or without options; or strategies of one's own, as
+        Names of registered strategies, with or without options; or user-defined strategies, as
         `Strategy.of` takes them or by reference (``"mine.py:Mine"``), which are registered by
         this and imported by the worker processes. Marks in tables compare the others with the
         first.
@@ -102,13 +102,14 @@ def compare(
         File in which results are kept: called again, `compare` makes only the runs that are
         missing, and ``multisrt report`` reads it. By default results are kept in memory alone.
     remake : bool
-        Whether runs in `store` of one's own strategies that have changed since are made again;
+        Whether runs in `store` of user-defined strategies that have changed since are made again;
         otherwise they are an error.
     imports : sequence of str
         Modules or files with further strategies (``"mine.py"``), imported by this process and by
         workers.
     progress : bool
-        Whether to show a progress bar, on a terminal only.
+        Whether to show the progress: a bar on a terminal and in a notebook, elsewhere a line on
+        standard error every 30 s.
     **fields
         Further fields of `ExperimentSpec`: `bodies`, `blocks`, `exclude`, `drive`,
         `range_finder`, `stop`, `limits`, `success_coverage`, `horizon_s`, `reference`, `about`.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Iterable, Mapping
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -19,6 +19,8 @@ from multisrt.spec import RunSpec
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+
+    from multisrt.exporting import ExportOptions
 
 RECORDING_NAME = "recording.jsonl"
 RUN_NAME = "run.json"
@@ -192,7 +194,7 @@ class Run:
 
         return data_frame(events(self.recording), frame)
 
-    def plot(self, ax: Axes | None = None) -> Axes:
+    def plot(self, ax: Axes | None = None, *, without: Iterable[str] = ()) -> Axes:
         """Draw the run on axes of matplotlib: the same as in its SVG picture, in the same colours.
 
         Parameters
@@ -200,6 +202,8 @@ class Run:
         ax : matplotlib.axes.Axes, optional
             Where to draw; their aspect becomes equal. By default a new figure of pyplot, with
             title and legend.
+        without : iterable of str, optional
+            Layers to leave out; see `save_svg`.
 
         Returns
         -------
@@ -221,7 +225,7 @@ class Run:
         """
         from multisrt.drawing import plot_run
 
-        return plot_run(self.recording, ax)
+        return plot_run(self.recording, ax, without=without)
 
     def plot_coverage(self, ax: Axes | None = None, **line: Any) -> Axes:
         """Draw the share of the explorable area that the team had covered, against time.
@@ -264,27 +268,119 @@ class Run:
 
         return coverage_curve(self.recording, self.environment)
 
-    def save_svg(self, path: str | Path) -> None:
-        """Draw the exploration trees as SVG.
+    def to_svg(self, *, without: Iterable[str] = ()) -> str:
+        """Return the picture of the run: its exploration trees or paths, as an SVG document.
+
+        Parameters
+        ----------
+        without : iterable of str, optional
+            Layers to leave out; see `save_svg`.
+
+        Returns
+        -------
+        str
+            The document; equal runs have equal documents.
+
+        Raises
+        ------
+        InvalidInputError
+            If there is no such layer.
+
+        Examples
+        --------
+        >>> import multisrt as ms
+        >>> run = ms.explore("open", seed=1, max_time_s=10.0)
+        >>> run.to_svg(without=["outlines", "nodes"]).count("<svg")
+        1
+        """
+        from multisrt.drawing import tree_svg
+
+        return tree_svg(self.recording, without=without)
+
+    def save_svg(self, path: str | Path, *, without: Iterable[str] = ()) -> None:
+        """Draw the exploration trees, or the paths of frontier bidding, as SVG.
 
         Parameters
         ----------
         path : str or Path
             The file; it is written completely or not at all.
+        without : iterable of str, optional
+            Layers to leave out: names of `multisrt.drawing.LAYERS`, such as `outlines` or `nodes`.
 
         Raises
         ------
         InvalidInputError
-            If the file cannot be written.
+            If there is no such layer, or the file cannot be written.
 
         Examples
         --------
         >>> import multisrt as ms
-        >>> ms.explore("open", seed=1, max_time_s=10.0).save_svg("tree.svg")
+        >>> run = ms.explore("open", seed=1, max_time_s=10.0)
+        >>> run.save_svg("tree.svg")
+        >>> run.save_svg("bare.svg", without=["outlines", "nodes"])
         """
         from multisrt.drawing import save_tree_svg
 
-        save_tree_svg(self.recording, path)
+        save_tree_svg(self.recording, path, without=without)
+
+    def animate(
+        self,
+        path: str | Path,
+        *,
+        duration_s: float | None = None,
+        speed: float | None = None,
+        fps: float | None = None,
+        size: int | tuple[int, int] | None = None,
+        without: Collection[str] = (),
+    ) -> None:
+        """Write an animation of the run, as MP4, GIF, or SVG that moves by itself.
+
+        Parameters
+        ----------
+        path : str or Path
+            The file, ``.mp4``, ``.gif`` or ``.svg``; it is written completely or not at all.
+        duration_s : float, optional
+            Time that the animation takes for the run, from 0.5 to 600 seconds; the last picture
+            stays for another two. By default 24 s, or as long as the run if that is shorter.
+        speed : float, optional
+            How many times as fast as the robots it is, instead of a duration.
+        fps : float, optional
+            Pictures a second, from 1 to 60; 25 by default, 10 in a GIF. In SVG robots move
+            smoothly, and all else appears in steps, 5 a second by default.
+        size : int or (int, int), optional
+            Width in pixels, or width and height; by default a width of 1280, of 720 for GIF and of
+            960 for SVG.
+        without : collection of str, optional
+            What to leave out: ``areas``, ``paths``, ``trees``, ``goals``, ``bodies``, ``caption``.
+
+        Raises
+        ------
+        InvalidInputError
+            If an argument is out of range, or the file cannot be written.
+        MissingExtraError
+            If an MP4 or GIF is to be written and imageio-ffmpeg is not installed
+            (``multisrt[animation]``).
+        EncodingError
+            If ffmpeg fails.
+
+        Examples
+        --------
+        >>> import multisrt as ms
+        >>> run = ms.explore("open", seed=1, max_time_s=10.0)
+        >>> run.animate("run.svg")
+        >>> run.animate("run.gif", duration_s=2.0, size=300)
+        """
+        from multisrt.drawing.animation import save_animation
+
+        save_animation(
+            self.recording,
+            path,
+            duration_s=duration_s,
+            speed=speed,
+            fps=fps,
+            size=size,
+            without=without,
+        )
 
     def replay(self, path: str | Path) -> None:
         """Write a page that replays the run in a browser, without network or server.
@@ -392,6 +488,36 @@ class Run:
         text = msgspec.json.format(msgspec.json.encode(summary), indent=2)
         with atomic_write(Path(path)) as file:
             file.write(text + b"\n")
+
+    def export(self, path: str | Path, options: ExportOptions | None = None) -> None:
+        """Write the run as a file that Foxglove, ROS 2 or rerun show.
+
+        Parameters
+        ----------
+        path : str or Path
+            The file: ``.mcap`` for Foxglove and ROS 2, ``.rrd`` for rerun. It is written
+            completely or not at all.
+        options : ExportOptions, optional
+            How densely the run is sampled: poses a second, time between maps, width of cells.
+
+        Raises
+        ------
+        InvalidInputError
+            If the suffix is another, the file cannot be written, or there would be too many poses
+            or cells.
+        MissingExtraError
+            If a package is not installed that the format needs (``multisrt[mcap]``,
+            ``multisrt[rerun]``).
+
+        Examples
+        --------
+        >>> import multisrt as ms
+        >>> run = ms.explore("open", robots=2, seed=1, max_time_s=10.0)
+        >>> run.export("run.mcap")
+        """
+        from multisrt.exporting import export_run
+
+        export_run(self.recording, path, options=options, environment=self.environment)
 
     def __repr__(self) -> str:
         return (

@@ -159,15 +159,15 @@ def _cells_between(came: IntArray, start: int, goal: int, width: int) -> IntArra
         before = came[cell]
         n += max(abs(cell // width - before // width), abs(cell % width - before % width))
         cell = before
-    way = np.empty((n, 2), np.int64)
+    path = np.empty((n, 2), np.int64)
     row, column, turn = goal // width, goal % width, goal
     for k in range(n - 1, -1, -1):
-        way[k, 0], way[k, 1] = row - 1, column - 1
+        path[k, 0], path[k, 1] = row - 1, column - 1
         if row == turn // width and column == turn % width:
             turn = came[turn]
         row += np.sign(turn // width - row)
         column += np.sign(turn % width - column)
-    return way
+    return path
 
 
 @kernel

@@ -44,10 +44,10 @@ from multisrt.planners.srt_options import SrtOptions
 from multisrt.planners.viewing import (
     REFUSALS,
     Leads,
+    PlaceFinder,
     Refusal,
+    ViewingPlace,
     Viewpoint,
-    Way,
-    WayFinder,
     arc_points,
     lattice,
 )
@@ -130,7 +130,7 @@ class SrtPlanner:
         self.kinematics = kinematics
         self.options = options
         self.d_min_m = d_min_m
-        self._ways = WayFinder(body, kinematics, options.completion_spacing * d_min_m)
+        self._finder = PlaceFinder(body, kinematics, options.completion_spacing * d_min_m)
 
     def draw(
         self,
@@ -292,7 +292,7 @@ class SrtPlanner:
         bodies: FloatArray | None = None,
         *,
         past_bodies: bool = False,
-    ) -> Way | Refusal:
+    ) -> ViewingPlace | Refusal:
         """Stage 3: return a place in the known region from which a frontier arc is seen.
 
         Parameters
@@ -315,7 +315,7 @@ class SrtPlanner:
 
         Returns
         -------
-        Way or str
+        ViewingPlace or str
             The place and the path there, or why there is none; see `Refusal`.
         """
         reasons: list[Refusal] = []
@@ -333,13 +333,13 @@ class SrtPlanner:
             if bodies is not None:
                 places = places[paths_keep_clear(np.hstack([places, places]), bodies)]
             in_the_way = None if past_bodies else bodies
-            found = self._ways.first_place(places, known, nodes, leads, in_the_way)
+            found = self._finder.first_place(places, known, nodes, leads, in_the_way)
             if not isinstance(found, str):
                 return found
             reasons.append(found)
         return max(reasons, key=REFUSALS.index, default="too narrow")
 
-    def may_find_way(
+    def may_find_path(
         self, x: float, y: float, half_width_m: float, nodes: Sequence[Viewpoint]
     ) -> bool:
         """Whether `viewing_place` could find a path in a square window; cheap to compute.
@@ -354,10 +354,10 @@ class SrtPlanner:
         Returns
         -------
         bool
-            False only if no way begins in the window: at a node with room for any heading inside
+            False only if no path begins in the window: at a node with room for any heading inside
             it, or at a narrow node.
         """
-        return self._ways.may_begin(x, y, half_width_m, nodes)
+        return self._finder.may_begin(x, y, half_width_m, nodes)
 
 
 class _Arcs:

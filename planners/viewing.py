@@ -34,7 +34,7 @@ NEAREST_NODES: Final = 12
 FIRST_PLACES: Final = 4
 """Number of places in the first batch; one of them mostly has a path."""
 
-BATCH_WAYS: Final = 64 * NEAREST_NODES
+BATCH_PATHS: Final = 64 * NEAREST_NODES
 """Number of paths in each further batch."""
 
 MAX_ASKED: Final = 24
@@ -59,7 +59,7 @@ class Viewpoint(Protocol):
         """Local safe region around it."""
 
 
-class Way(NamedTuple):
+class ViewingPlace(NamedTuple):
     """A place without a node, and the path there.
 
     Attributes
@@ -69,7 +69,7 @@ class Way(NamedTuple):
     node : int
         Index of the node from which the path is straight.
     roomy : bool
-        Whether there is room for any heading all along the way.
+        Whether there is room for any heading all along the path.
     """
 
     x: float
@@ -78,7 +78,7 @@ class Way(NamedTuple):
     roomy: bool
 
 
-class WayFinder:
+class PlaceFinder:
     """Finds paths from nodes to new places in known space.
 
     Parameters
@@ -101,7 +101,7 @@ class WayFinder:
         nodes: Sequence[Viewpoint],
         leads: Leads | None = None,
         bodies: FloatArray | None = None,
-    ) -> Way | Refusal:
+    ) -> ViewingPlace | Refusal:
         """Return the first of some places that has a path from a node.
 
         A path is straight, with room for any heading; from a narrow node, inside what it sees.
@@ -122,7 +122,7 @@ class WayFinder:
 
         Returns
         -------
-        Way or str
+        ViewingPlace or str
             The place and its path, or why there is none.
         """
         if not len(places):
@@ -138,7 +138,7 @@ class WayFinder:
     def may_begin(
         self, x: float, y: float, half_width_m: float, nodes: Sequence[Viewpoint]
     ) -> bool:
-        """Whether a path may begin in a square window; see `SrtPlanner.may_find_way`."""
+        """Whether a path may begin in a square window; see `SrtPlanner.may_find_path`."""
         inner = half_width_m - self.body.roomy_radius_m
         return isinstance(self.kinematics, Car) or any(
             max(abs(node.configuration.x - x), abs(node.configuration.y - y)) < inner
@@ -153,7 +153,7 @@ class WayFinder:
         nodes: Sequence[Viewpoint],
         spots: FloatArray,
         bodies: FloatArray | None,
-    ) -> Way | Refusal:
+    ) -> ViewingPlace | Refusal:
         radius_m = self.body.roomy_radius_m
         roomy = known.holds(spots) & (known.clearances(spots, radius_m) >= radius_m)
         begins = np.flatnonzero(
@@ -166,24 +166,24 @@ class WayFinder:
             some = places[done : done + batch]
             apart = np.hypot(*(spots[begins] - some[:, None]).transpose(2, 0, 1))
             nearest = begins[np.argsort(apart, axis=1, kind="stable")[:, :NEAREST_NODES]]
-            ways = np.dstack([spots[nearest], np.repeat(some[:, None], nearest.shape[1], 1)])
-            clear = known.passes(ways.reshape(-1, 4), radius_m)
+            paths = np.dstack([spots[nearest], np.repeat(some[:, None], nearest.shape[1], 1)])
+            clear = known.passes(paths.reshape(-1, 4), radius_m)
             if bodies is not None:
-                clear &= paths_keep_clear(ways.reshape(-1, 4), bodies)
+                clear &= paths_keep_clear(paths.reshape(-1, 4), bodies)
             clear = clear.reshape(nearest.shape) & roomy[nearest]
             for i in np.flatnonzero(clear.any(axis=1) | ~roomy[nearest].all(axis=1)).tolist():
                 x, y = some[i].tolist()
                 for k, is_clear in zip(nearest[i].tolist(), clear[i].tolist(), strict=True):
                     if is_clear:
-                        return Way(x, y, k, roomy=True)
+                        return ViewingPlace(x, y, k, roomy=True)
                     if not roomy[k] and self._leaves_a_narrow_node(nodes[k], x, y):
-                        return Way(x, y, k, roomy=False)
-            done, batch = done + batch, BATCH_WAYS // nearest.shape[1]
+                        return ViewingPlace(x, y, k, roomy=False)
+            done, batch = done + batch, BATCH_PATHS // nearest.shape[1]
         return "not reachable"
 
     def _first_asked_for(
         self, places: FloatArray, spots: FloatArray, leads: Leads
-    ) -> Way | Refusal:
+    ) -> ViewingPlace | Refusal:
         asked = 0
         for x, y in places.tolist():
             distances = np.hypot(spots[:, 0] - x, spots[:, 1] - y)
@@ -192,7 +192,7 @@ class WayFinder:
                     return "not reachable"
                 asked += 1
                 if leads(k, x, y):
-                    return Way(x, y, k, roomy=False)
+                    return ViewingPlace(x, y, k, roomy=False)
         return "not reachable"
 
     def _is_narrow(self, node: Viewpoint) -> bool:

@@ -57,14 +57,14 @@ class Links:
     changes: int
 
 
-def links(recording: Recording, ways: list[Track], free: BaseGeometry) -> Links:
+def links(recording: Recording, tracks: list[Track], free: BaseGeometry) -> Links:
     """Measure how robots were cut off: the state in the middle of each step counts for it."""
-    spec, robots = recording.spec.radio, len(ways)
+    spec, robots = recording.spec.radio, len(tracks)
     steps = max(1, math.ceil(recording.footer.time_s / STEP_S))
     step_s = recording.footer.time_s / steps
     times: FloatArray = (np.arange(steps, dtype=np.float64) + 0.5) * step_s
     present, working = _present(recording, times), _working(recording, times)
-    places = np.stack([way.at(times)[:, :2] for way in ways])
+    places = np.stack([track.at(times)[:, :2] for track in tracks])
     linked = np.zeros((robots, robots, steps), np.bool_)
     apart = np.full((robots, robots, steps), np.inf)
     shapely.prepare(free)

@@ -131,7 +131,7 @@ def tracks(recording: Recording) -> list[Track]:
     ]
 
 
-def clearance_m(recording: Recording, ways: list[Track], free: BaseGeometry) -> float:
+def clearance_m(recording: Recording, tracks: list[Track], free: BaseGeometry) -> float:
     """Return the smallest distance between a body and an obstacle during a run.
 
     The path of a disc's centre, and what a polygon sweeps on a straight line, are shapes whose
@@ -140,20 +140,20 @@ def clearance_m(recording: Recording, ways: list[Track], free: BaseGeometry) -> 
     walls = free.boundary
     shapely.prepare(walls)
     best = math.inf
-    for body, way in zip(bodies_of(recording.spec), ways, strict=True):
-        shapes = body.at(way.legs[:1, 1:4])
+    for body, track in zip(bodies_of(recording.spec), tracks, strict=True):
+        shapes = body.at(track.legs[:1, 1:4])
         curved = []
-        for leg in range(len(way.legs)):
+        for leg in range(len(track.legs)):
             if body.outline is None:
-                if way.lengths[leg] > 0.0:
-                    shapes.append(shapely.LineString(way.along(leg)[:, :2]))
-            elif abs(way.turns[leg]) > MIN_TURN_RAD:
+                if track.lengths[leg] > 0.0:
+                    shapes.append(shapely.LineString(track.along(leg)[:, :2]))
+            elif abs(track.turns[leg]) > MIN_TURN_RAD:
                 curved.append(leg)
-            elif way.lengths[leg] > 0.0:
-                shapes += _swept(body, way.along(leg))
+            elif track.lengths[leg] > 0.0:
+                shapes += _swept(body, track.along(leg))
         best = min(best, float(shapely.distance(walls, shapes).min()) - body.radius_m)
         if curved:
-            best = _smallest_turning(body, way, np.array(curved), walls, best)
+            best = _smallest_turning(body, track, np.array(curved), walls, best)
     return best
 
 
@@ -163,12 +163,12 @@ def _swept(body: Body, ends: FloatArray) -> list[BaseGeometry]:
 
 
 def _smallest_turning(
-    body: Body, way: Track, legs: IntArray, walls: BaseGeometry, best: float
+    body: Body, track: Track, legs: IntArray, walls: BaseGeometry, best: float
 ) -> float:
-    reach = way.lengths[legs] + np.abs(way.turns[legs]) * body.circumscribed_m
+    reach = track.lengths[legs] + np.abs(track.turns[legs]) * body.circumscribed_m
 
     def distance(which: IntArray, shares: FloatArray) -> FloatArray:
-        return np.asarray(shapely.distance(walls, body.at(way.on(legs[which], shares))))
+        return np.asarray(shapely.distance(walls, body.at(track.on(legs[which], shares))))
 
     return smallest(distance, np.zeros(len(legs)), np.ones(len(legs)), reach, best)
 
@@ -206,28 +206,28 @@ def smallest(
     return best
 
 
-def between_robots_m(recording: Recording, ways: list[Track]) -> float | None:
+def between_robots_m(recording: Recording, tracks: list[Track]) -> float | None:
     """Return the smallest distance between two bodies at one moment; None for a single robot."""
     best = math.inf
     bodies = bodies_of(recording.spec)
-    for (one, way), (two, other) in itertools.combinations(zip(bodies, ways, strict=True), 2):
-        joints = np.unique(np.concatenate([way.legs[:, 0], other.legs[:, 0], way.legs[-1:, 4]]))
+    for (one, track), (two, other) in itertools.combinations(zip(bodies, tracks, strict=True), 2):
+        joints = np.unique(np.concatenate([track.legs[:, 0], other.legs[:, 0], track.legs[-1:, 4]]))
         middles = (joints[:-1] + joints[1:]) / 2.0
-        rates = way.rates(middles, one.circumscribed_m if one.outline else 0.0)
+        rates = track.rates(middles, one.circumscribed_m if one.outline else 0.0)
         rates += other.rates(middles, two.circumscribed_m if two.outline else 0.0)
-        best = smallest(_Gap(one, way, two, other), joints[:-1], joints[1:], rates, best)
+        best = smallest(_Gap(one, track, two, other), joints[:-1], joints[1:], rates, best)
     return max(0.0, best) if math.isfinite(best) else None
 
 
 class _Gap:
     """The distance of two bodies at some times."""
 
-    def __init__(self, one: Body, way: Track, two: Body, other: Track) -> None:
-        self._one, self._way, self._two, self._other = one, way, two, other
+    def __init__(self, one: Body, track: Track, two: Body, other: Track) -> None:
+        self._one, self._track, self._two, self._other = one, track, two, other
 
     def __call__(self, _: IntArray, times: FloatArray) -> FloatArray:
         gaps = shapely.distance(
-            np.array(self._one.at(self._way.at(times))),
+            np.array(self._one.at(self._track.at(times))),
             np.array(self._two.at(self._other.at(times))),
         )
         return np.asarray(gaps) - self._one.radius_m - self._two.radius_m

@@ -155,8 +155,8 @@ def _curve(recording: Recording, world: Environment, judged: Areas) -> Figure:
 
 
 def _motions(ours: Metrics, recording: Recording, world: Environment) -> list[Figure]:
-    ways = tracks(recording)
-    driven = [float(way.lengths.sum()) for way in ways]
+    driven_tracks = tracks(recording)
+    driven = [float(track.lengths.sum()) for track in driven_tracks]
     total_m = math.fsum(driven)
     figures = [
         _figure("distance", ours.total_distance_m, total_m, LENGTH, of=total_m),
@@ -165,18 +165,27 @@ def _motions(ours: Metrics, recording: Recording, world: Environment) -> list[Fi
             for one, other in zip(ours.distance_by_robot_m, driven, strict=True)
         ),
         _figure("spread of the distance", ours.distance_spread_m, float(np.std(driven)), 1e-4),
-        _figure("clearance", ours.min_clearance_m, clearance_m(recording, ways, world.free), GAP_M),
+        _figure(
+            "clearance",
+            ours.min_clearance_m,
+            clearance_m(recording, driven_tracks, world.free),
+            GAP_M,
+        ),
     ]
-    between_m = between_robots_m(recording, ways)
+    between_m = between_robots_m(recording, driven_tracks)
     if between_m is not None and ours.min_distance_between_robots_m is not None:
         figures.append(
             _figure("between robots", ours.min_distance_between_robots_m, between_m, GAP_M)
         )
-        figures += _links(ours, links(recording, ways, world.free), recording, ways)
+        figures += _links(
+            ours, links(recording, driven_tracks, world.free), recording, driven_tracks
+        )
     return figures
 
 
-def _links(ours: Metrics, judged: Links, recording: Recording, ways: list[Track]) -> list[Figure]:
+def _links(
+    ours: Metrics, judged: Links, recording: Recording, driven_tracks: list[Track]
+) -> list[Figure]:
     # Each change is found to within a step, and what lasts for less than one may be missed.
     allowed_s = STEP_S * (2.0 + judged.changes)
     fastest = max(robot.drive.speed_m_s for robot in recording.spec.robots)

@@ -99,7 +99,7 @@ def robots(sketch: Sketch, of: str = "floor") -> None:
         sketch.text(x, y, str(i))
 
 
-def ways(sketch: Sketch, chosen: list[int | None], of: str = "floor") -> None:
+def chosen_paths(sketch: Sketch, chosen: list[int | None], of: str = "floor") -> None:
     """Draw the path of each robot to its frontier."""
     for i, j in enumerate(chosen):
         if j is not None and j >= 0:
@@ -174,7 +174,7 @@ def by_closest() -> str:
     oracle = DenseCosts(scene().costs)
     sketch = ground("CLOSEST: every robot to its nearest frontier")
     frontiers(sketch)
-    ways(sketch, [closest(oracle, i) for i in range(len(ROBOTS))])
+    chosen_paths(sketch, [closest(oracle, i) for i in range(len(ROBOTS))])
     robots(sketch)
     return sketch.svg()
 
@@ -184,7 +184,7 @@ def by_greedy() -> str:
     found = greedy(DenseCosts(scene().costs))
     sketch = ground("GREEDY: always the cheapest pair that is left")
     frontiers(sketch)
-    ways(sketch, found.assignment.tolist())
+    chosen_paths(sketch, found.assignment.tolist())
     robots(sketch)
     for k, pair in enumerate(found.rounds, 1):
         sketch.sample(
@@ -216,7 +216,7 @@ def by_minpos() -> str:
     table = positions(scene().costs)
     sketch = ground("MINPOS: to the frontier to which the fewest robots are nearer")
     frontiers(sketch)
-    ways(sketch, chosen)
+    chosen_paths(sketch, chosen)
     robots(sketch)
     for i, j in enumerate(chosen):
         sketch.sample(f"l{i}", f"robot {i}: F{j}, {table[i, j]} nearer")
@@ -238,7 +238,7 @@ def by_utility() -> str:
     for j, place in enumerate(targets):
         if j != first and sees[first, j] and between[first, j] < 2 * RANGE_M:
             sketch.line([targets[first], place], "path")
-    ways(sketch, found.assignment.tolist(), "room")
+    chosen_paths(sketch, found.assignment.tolist(), "room")
     robots(sketch, "room")
     for k, (i, j, worth, share) in enumerate(found.rounds, 1):
         sketch.sample(f"l{i}", f"{k}: robot {i} to F{j}, U {worth:.2f}, V {share:.2f}")

@@ -229,8 +229,8 @@ def complete() -> str:
     _, arc = max(left, key=lambda item: float(item[1][:, 1].max()) * (item[0].serial == 4))
     x, y = arc[len(arc) // 2, :2]
     nodes = known.near(x, y, 2.0 * RANGE_M)
-    way = planner().viewing_place(arc, known.known_space(x, y, 2.0 * RANGE_M), RANGE_M, nodes)
-    assert not isinstance(way, str), way
+    found = planner().viewing_place(arc, known.known_space(x, y, 2.0 * RANGE_M), RANGE_M, nodes)
+    assert not isinstance(found, str), found
     sketch = Sketch("Stage 3: a known place from which a remaining arc is seen", BOUNDS)
     for place in places:
         sketch.area(region_at(FLAT, *place).polygon(), "region")
@@ -240,12 +240,12 @@ def complete() -> str:
     sketch.segments(arc, "frontier")
     sketch.line(places[:4], "bold")
     sketch.line([places[0], places[4]], "bold")
-    start = nodes[way.node].configuration
-    sketch.line([start[:2], (way.x, way.y)], "path")
-    sketch.segments([(way.x, way.y, x, y)], "thin")
+    start = nodes[found.node].configuration
+    sketch.line([start[:2], (found.x, found.y)], "path")
+    sketch.segments([(found.x, found.y, x, y)], "thin")
     for place in places[1:]:
         sketch.dot(*place, "target")
-    sketch.dot(way.x, way.y, "chosen", 6)
+    sketch.dot(found.x, found.y, "chosen", 6)
     sketch.dot(*places[0], "robot")
     sketch.sample("frontier", "the arc")
     sketch.sample("free", "other arcs left")

@@ -206,7 +206,7 @@ def _row(
 
 
 def _connecting_door(room: Bay, door_m: float) -> BaseGeometry:
-    """Return the opening to the next room, half way into the depth."""
+    """Return the opening to the next room, halfway into the depth."""
     low = 0.45 * room.depth_m - door_m / 2
     return room.place(box(room.width_m, low, room.width_m + WALL_M, low + door_m))
 
@@ -277,4 +277,4 @@ _FURNISHINGS: tuple[tuple[Callable[[float, float], list[BaseGeometry]], float, f
     (_team_office, 4.4, math.inf),
     (_team_office, 5.4, math.inf),
 )
-"""Ways to furnish a room, with the minimum and maximum width of the room."""
+"""Furnishings of a room, with the minimum and maximum width of the room."""

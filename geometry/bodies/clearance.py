@@ -79,12 +79,12 @@ def disc_clearance(boundary: FloatArray, x: float, y: float) -> float:
 
 
 @kernel
-def paths_keep_clear(ways: FloatArray, discs: FloatArray) -> BoolArray:
+def paths_keep_clear(paths: FloatArray, discs: FloatArray) -> BoolArray:
     """Return which straight paths keep clear of all discs.
 
     Parameters
     ----------
-    ways : (n, 4) array
+    paths : (n, 4) array
         First and last point x, y, x, y of each path in metres.
     discs : (m, 3) array
         Centre x, y and radius of each disc in metres.
@@ -96,15 +96,15 @@ def paths_keep_clear(ways: FloatArray, discs: FloatArray) -> BoolArray:
 
     Examples
     --------
-    >>> ways = np.array([(0.0, 0.0, 4.0, 0.0), (0.0, 2.0, 4.0, 2.0)])
-    >>> paths_keep_clear(ways, np.array([(2.0, 0.5, 1.0)])).tolist()
+    >>> paths = np.array([(0.0, 0.0, 4.0, 0.0), (0.0, 2.0, 4.0, 2.0)])
+    >>> paths_keep_clear(paths, np.array([(2.0, 0.5, 1.0)])).tolist()
     [False, True]
     """
-    off = np.ones(ways.shape[0], np.bool_)
-    for i in range(ways.shape[0]):
+    off = np.ones(paths.shape[0], np.bool_)
+    for i in range(paths.shape[0]):
         for k in range(discs.shape[0]):
             x, y, radius = discs[k]
-            ax, ay, bx, by = ways[i, 0] - x, ways[i, 1] - y, ways[i, 2] - x, ways[i, 3] - y
+            ax, ay, bx, by = paths[i, 0] - x, paths[i, 1] - y, paths[i, 2] - x, paths[i, 3] - y
             if squared_distance(ax, ay, bx, by) < radius * radius:
                 off[i] = False
                 break

@@ -13,7 +13,7 @@ from multisrt.geometry.bodies.solids import convex_prism, standing_prisms
 from multisrt.geometry.configuration import Configuration
 
 # The distance is FCL's return value. A result that is already nearer keeps the bindings from
-# filling it with arrays for nearest points that nobody reads.
+# filling it with arrays for nearest points that are never read.
 _COLLISION_REQUEST = fcl.CollisionRequest()
 _DISTANCE_REQUEST = fcl.DistanceRequest()
 _UNUSED_RESULT = fcl.DistanceResult(-math.inf)

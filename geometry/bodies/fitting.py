@@ -210,9 +210,9 @@ def _arc_leaves_left(
     along = (qx - ax) * ex + (qy - ay) * ey
     if along < -TOLERANCE_M or along > length + TOLERANCE_M:
         return False
-    way = math.atan2(px * qy - py * qx, px * qx + py * qy)
+    turned = math.atan2(px * qy - py * qx, px * qx + py * qy)
     if turn < 0.0:
-        way = -way
-    if way < -slack:
-        way += TWO_PI
-    return way <= abs(turn)
+        turned = -turned
+    if turned < -slack:
+        turned += TWO_PI
+    return turned <= abs(turn)

@@ -282,10 +282,10 @@ class DistanceField:
 
         Returns
         -------
-        ways : (n, 2) array of int
+        paths : (n, 2) array of int
             The cells of all paths, one path after the other.
         begins : (k + 1,) array of int
-            Way i is ``ways[begins[i]:begins[i + 1]]``.
+            Path i is ``paths[begins[i]:begins[i + 1]]``.
 
         Raises
         ------
@@ -303,8 +303,8 @@ class DistanceField:
         at = self._march.numbers_of(rows, columns)
         down, begins = descend(at, arrays.state, arrays.distance, arrays.width)
         row, column = np.divmod(down, arrays.width)
-        ways = np.column_stack([row - 2 + window[0], column - 2 + window[2]])
-        return ways, begins
+        paths = np.column_stack([row - 2 + window[0], column - 2 + window[2]])
+        return paths, begins
 
     def repair(self, window: tuple[int, int, int, int]) -> None:
         """Adapt to cells that have become passable or blocked.

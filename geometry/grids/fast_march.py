@@ -277,21 +277,21 @@ def descend(
 
     Returns
     -------
-    ways : (m,) array
+    paths : (m,) array
         The cells on the paths from all of them, one path after the other.
     begins : (k + 1,) array
-        Way k is ``ways[begins[k]:begins[k + 1]]``.
+        Path k is ``paths[begins[k]:begins[k + 1]]``.
     """
-    ways, count = np.empty(256, np.int64), 0
+    paths, count = np.empty(256, np.int64), 0
     begins = np.zeros(at.shape[0] + 1, np.int64)
     for k in range(at.shape[0]):
         u = at[k]
         while True:
-            if count == ways.shape[0]:
+            if count == paths.shape[0]:
                 more = np.empty(2 * count, np.int64)
-                more[:count] = ways
-                ways = more
-            ways[count] = u
+                more[:count] = paths
+                paths = more
+            paths[count] = u
             count += 1
             steepest, below = 0.0, 0
             for away in (-1, 0, 1):
@@ -308,7 +308,7 @@ def descend(
                 break
             u = below
         begins[k + 1] = count
-    return ways[:count].copy(), begins
+    return paths[:count].copy(), begins
 
 
 @kernel

@@ -85,12 +85,12 @@ class KnownSpace:
         found: FloatArray = _clearances(places, at_most_m, self.border)
         return found
 
-    def passes(self, ways: FloatArray, radius_m: float) -> BoolArray:
+    def passes(self, paths: FloatArray, radius_m: float) -> BoolArray:
         """Return along which straight paths a disc stays inside, if it is inside at their start.
 
         Parameters
         ----------
-        ways : (n, 4) array
+        paths : (n, 4) array
             x0, y0, x1, y1 in metres, each from x0, y0.
         radius_m : float
             Radius of the disc in metres.
@@ -100,7 +100,7 @@ class KnownSpace:
         (n,) array of bool
             Whether no piece of the border is nearer to the path than the radius.
         """
-        found: BoolArray = _passes(ways, radius_m, self.border)
+        found: BoolArray = _passes(paths, radius_m, self.border)
         return found
 
     def sees(self, x: float, y: float, places: FloatArray) -> BoolArray:
@@ -193,11 +193,11 @@ def _clearances(places: FloatArray, at_most: float, border: FloatArray) -> Float
 
 
 @kernel
-def _passes(ways: FloatArray, radius: float, border: FloatArray) -> BoolArray:
-    passes = np.ones(ways.shape[0], np.bool_)
-    for i in range(ways.shape[0]):
-        x, y = ways[i, 0], ways[i, 1]
-        dx, dy = ways[i, 2] - x, ways[i, 3] - y
+def _passes(paths: FloatArray, radius: float, border: FloatArray) -> BoolArray:
+    passes = np.ones(paths.shape[0], np.bool_)
+    for i in range(paths.shape[0]):
+        x, y = paths[i, 0], paths[i, 1]
+        dx, dy = paths[i, 2] - x, paths[i, 3] - y
         left, right = min(0.0, dx) - radius, max(0.0, dx) + radius
         low, high = min(0.0, dy) - radius, max(0.0, dy) + radius
         for b in range(border.shape[0]):
@@ -207,7 +207,7 @@ def _passes(ways: FloatArray, radius: float, border: FloatArray) -> BoolArray:
                 and min(ax, bx) < right
                 and max(ay, by) > low
                 and min(ay, by) < high
-                and _distance_to_way(ax, ay, bx, by, dx, dy) < radius
+                and _distance_to_path(ax, ay, bx, by, dx, dy) < radius
             ):
                 passes[i] = False
                 break
@@ -215,7 +215,7 @@ def _passes(ways: FloatArray, radius: float, border: FloatArray) -> BoolArray:
 
 
 @kernel
-def _distance_to_way(ax: float, ay: float, bx: float, by: float, dx: float, dy: float) -> float:
+def _distance_to_path(ax: float, ay: float, bx: float, by: float, dx: float, dy: float) -> float:
     # Distance from segment a-b to the one from the origin to d.
     if cross_each_other(ax, ay, bx, by, 0.0, 0.0, dx, dy):
         return 0.0

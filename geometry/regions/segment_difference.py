@@ -25,7 +25,7 @@ OUTWARD_M: Final = 1e-6
 """Distance in metres by which segments are shifted to their right before they are compared.
 
 Two regions that end at one line would otherwise take it from each other: the line is on the
-boundary of both, and shapely's difference deletes it although nobody has seen behind it.
+boundary of both, and shapely's difference deletes it although no robot has seen behind it.
 """
 
 MIN_SEGMENT_M: Final = 1e-7

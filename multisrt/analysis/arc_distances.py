@@ -111,9 +111,9 @@ def arcs_to_segments(
     hit = (at >= 0.0) & (at <= length) & on_arc(foot)
     nearest = np.where(hit, np.minimum(nearest, np.abs(height - radius)), nearest)
     half = np.sqrt(np.maximum(radius * radius - height * height, 0.0))
-    for way in (half, -half):
-        crossing = (height < radius) & (at + way >= 0.0) & (at + way <= length)
-        nearest = np.where(crossing & on_arc(foot + way[..., None] * along), 0.0, nearest)
+    for offset in (half, -half):
+        crossing = (height < radius) & (at + offset >= 0.0) & (at + offset <= length)
+        nearest = np.where(crossing & on_arc(foot + offset[..., None] * along), 0.0, nearest)
     return nearest
 
 

@@ -130,7 +130,7 @@ def coverage(proof: Evidence) -> Coverage:
     robots = len(proof.recording.spec.robots)
     times: list[float] = []
     regions: list[int] = []
-    # What happened (SEE or COVER), and who saw (-1: nobody).
+    # What happened (SEE or COVER), and who saw (-1: no robot).
     what: list[int] = []
     who: list[int] = []
     scans = 0
@@ -171,7 +171,7 @@ def coverage(proof: Evidence) -> Coverage:
 
 def _tables(robots: int) -> IntArray:
     # A label says both what is covered and who saw it: state * owners + owner. One table for each
-    # thing that happens, and in it for nobody and for each robot that sees.
+    # thing that happens, and in it for no robot and for each robot that sees.
     sees = owner_tables(robots)[:, EXPLORABLE:] - EXPLORABLE
     owners = sees.shape[1]
     sees = np.vstack([np.arange(owners), sees])

@@ -9,11 +9,14 @@ from collections.abc import Sequence
 
 import click
 
+from multisrt.cli.animate import animate
 from multisrt.cli.check import check
 from multisrt.cli.completion import PROGRAM, VARIABLE, completion
 from multisrt.cli.environments import environments
 from multisrt.cli.experiment import experiment
 from multisrt.cli.explore import explore
+from multisrt.cli.export import export
+from multisrt.cli.figure import figure
 from multisrt.cli.mistakes import CommandGroup, is_world, usage_message
 from multisrt.cli.report import report
 from multisrt.cli.reproduce import reproduce
@@ -47,6 +50,9 @@ def cli() -> None:
       multisrt explore museum --robots 4 --strategy srt-radial --strategy srt-star
       multisrt view runs/office-srt-radial-0
       multisrt why runs/office-srt-radial-0 --robot 0 --time 31.5
+      multisrt animate runs/office-srt-radial-0 --out office.mp4
+      multisrt export runs/office-srt-radial-0 --out office.mcap
+      multisrt figure maps runs/office-srt-radial-0
       multisrt check mine.py
       multisrt experiment new star.toml
       multisrt environments
@@ -58,7 +64,21 @@ def cli() -> None:
 
 
 for command in (
-    *(explore, view, why, environments, strategies, strategy, check, experiment, report, reproduce),
+    *(
+        explore,
+        view,
+        why,
+        export,
+        animate,
+        figure,
+        environments,
+        strategies,
+        strategy,
+        check,
+        experiment,
+        report,
+        reproduce,
+    ),
     completion,
 ):
     cli.add_command(command)

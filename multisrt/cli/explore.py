@@ -38,20 +38,22 @@ SECTIONS = {
     "Robots": ("--range", "--beams", "--footprint", "--drive", "--speed", "--turning-radius"),
     "Radio": ("--radio-range", "--no-multi-hop", "--latency", "--jitter", "--loss", "--walls"),
     "Image maps": ("--resolution", "--threshold"),
-    "Output": ("--out", "--force", "--view", "--regret", "--details", "--watch", "--quiet"),
+    "Output": (
+        *("--out", "--force", "--view", "--watch", "--without"),
+        *("--regret", "--details", "--quiet"),
+    ),
 }
 """Headings of the help page, and the options below each."""
 
+LAYERS = (
+    *("areas", "outlines", "paths", "support", "bridges", "edges", "nodes", "goals", "isolation"),
+    *("frontier", "given-up", "stops", "starts", "ends", "failures"),
+)
+"""Layers of the picture that can be left out; a test compares them with `multisrt.drawing`."""
+
 EXCEPT_SPEC = (
-    "spec_file",
-    "imports",
-    "out",
-    "force",
-    "view",
-    "regret",
-    "details",
-    "watch",
-    "quiet",
+    *("spec_file", "imports", "out", "without", "force", "view", "watch"),
+    *("regret", "details", "quiet"),
 )
 """Parameters that a spec does not describe."""
 
@@ -67,6 +69,7 @@ Examples:
   multisrt explore plan.png --resolution 0.05 --footprint box:0.6x0.4
   multisrt explore office --robots 3 --fault death:2@30 --fault late:1@60
   multisrt explore office --robot footprint=disc:0.3,range=6 --robot speed=1
+  multisrt explore museum --robots 4 --without outlines --without nodes
   multisrt explore mine.py:Mine --robots 3
   multisrt explore museum --strategy mine.py:Mine --strategy minpos
   multisrt explore --spec runs/office-srt-radial-0/spec.toml --out again
@@ -192,6 +195,13 @@ Exit code:
 )
 @click.option("--force", is_flag=True, help="Replace the run that --out holds.")
 @click.option(
+    "--without",
+    multiple=True,
+    type=click.Choice(LAYERS),
+    metavar="LAYER",
+    help=f"Leave a layer out of the picture; repeatable: {', '.join(LAYERS)}.",
+)
+@click.option(
     "--view",
     is_flag=True,
     help="Replay the runs in a browser when they are done: writes replay.html too.",
@@ -217,6 +227,7 @@ def explore(
     spec_file: Path | None,
     force: bool,
     quiet: bool,
+    without: tuple[str, ...],
     **given: Any,
 ) -> None:
     """Explore an environment with one robot or a team.
@@ -266,7 +277,7 @@ def explore(
     folders = [whole] if len(specs) == 1 else [whole / spec.strategy for spec in specs]
     for folder in folders:
         require_no_run(folder, force=force)
-    runs = _run_all(specs, folders, live, force=force)
+    runs = _run_all(specs, folders, live, without, force=force)
     if not quiet:
         if own is not None:
             click.echo(
@@ -359,7 +370,12 @@ def _usual_folder(specs: list[RunSpec], name: str) -> Path:
 
 
 def _run_all(
-    specs: list[RunSpec], folders: list[Path], live: Progress, *, force: bool
+    specs: list[RunSpec],
+    folders: list[Path],
+    live: Progress,
+    without: tuple[str, ...],
+    *,
+    force: bool,
 ) -> list[Run]:
     from multisrt.finished_run import RECORDING_NAME, RUN_NAME, SPEC_NAME, TREE_NAME, Run
     from multisrt.robots.registry import strategy
@@ -380,7 +396,7 @@ def _run_all(
                 path, planning = folder / RECORDING_NAME, progress.planning(spec.strategy)
                 run = Run(simulate(spec, world, path=path, watch=watch, planning=planning), world)
                 progress.say(f"{spec.strategy}: measuring and drawing")
-                run.save_svg(folder / TREE_NAME)
+                run.save_svg(folder / TREE_NAME, without=without)
                 run.save_summary(folder / RUN_NAME)
                 run.save_spec(folder / SPEC_NAME)
             runs.append(run)

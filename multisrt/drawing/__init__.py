@@ -5,9 +5,11 @@ from multisrt.drawing.environment_svg import (
     plot_environment,
     save_environment_svg,
 )
+from multisrt.drawing.layers import LAYERS
 from multisrt.drawing.tree_svg import plot_run, save_tree_svg, tree_svg
 
 __all__ = [
+    "LAYERS",
     "environment_svg",
     "plot_environment",
     "plot_run",

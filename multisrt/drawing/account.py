@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Final
 
 from multisrt.drawing.colours import (
@@ -74,86 +75,138 @@ def description(recording: Recording) -> str:
     )
 
 
-def legend(traces: list[Trace]) -> list[LegendEntry]:
-    """Return the legend of the trees, with entries for what is on the map only."""
+def legend(
+    traces: list[Trace], absent: frozenset[str] = frozenset(), *, merged: bool = False
+) -> list[LegendEntry]:
+    """Return the legend of the trees, with entries for what is on the map only.
+
+    Parameters
+    ----------
+    traces : list of Trace
+        The robots.
+    absent : frozenset of str
+        Layers that are left out; see `multisrt.drawing.layers`.
+    merged : bool
+        Whether the regions of each robot are outlined as one.
+    """
     team = len(traces) > 1
     styles = RobotStyles.of_any() if team else RobotStyles.of(0)
     stages = {node.stage for trace in traces for node in trace.nodes.values()}
     reasons = {event.reason for trace in traces for event in trace.closed}
-    entries = [
-        LegendEntry(label="outline of a local safe region", style=styles.outline.scaled(2.0))
-        if team
-        else LegendEntry(label="local safe region", style=styles.region.scaled(2.0))
-    ]
-    if any(trace.edges for trace in traces):
+    entries = _regions_legend(styles, absent, team, merged)
+    if any(trace.edges for trace in traces) and "edges" not in absent:
         entries.append(LegendEntry(label="edge of the tree", style=styles.edge))
     for stage, (marker, label) in STAGES.items():
-        if stage != "root" and stage in stages:
+        if stage != "root" and stage in stages and "nodes" not in absent:
             entries.append(
                 LegendEntry(label=label, style=styles.node, marker=marker, size_mm=NODE_MM[1])
             )
-    for label, style, there in (
-        ("bridge between two nodes", styles.bridge, any(t.bridges for t in traces)),
-        ("path in support of others", styles.support, any(t.supporting for t in traces)),
+    for layer, label, style, there in (
+        ("bridges", "bridge between two nodes", styles.bridge, any(t.bridges for t in traces)),
+        ("support", "path in support of others", styles.support, any(t.supporting for t in traces)),
         (
+            "paths",
             "path off the tree",
-            styles.way if team else styles.path,
+            styles.team_path if team else styles.path,
             any(t.is_off_tree for t in traces),
         ),
-        ("open frontier", FRONTIER, any(t.frontier for t in traces)),
-        *((f"frontier given up: {why}", style, why in reasons) for why, style in CLOSED.items()),
+        ("frontier", "open frontier", FRONTIER, any(t.frontier for t in traces)),
+        *(
+            ("given-up", f"frontier given up: {why}", style, why in reasons)
+            for why, style in CLOSED.items()
+        ),
     ):
-        if there:
+        if there and layer not in absent:
             entries.append(LegendEntry(label=label, style=style))
-    return entries + marks_legend(traces, styles)
+    return entries + marks_legend(traces, styles, absent)
 
 
-def ways_legend(
-    traces: list[Trace], *, goals: bool, frontier: bool, cut_off: bool
+def _regions_legend(
+    styles: RobotStyles, absent: frozenset[str], team: bool, merged: bool
 ) -> list[LegendEntry]:
-    """Return the legend of frontier bidding, with entries for what is on the map only."""
+    if team:
+        what = "the area that a robot saw" if merged else "a local safe region"
+        style = styles.outline.scaled(2.0)
+        return (
+            [] if "outlines" in absent else [LegendEntry(label=f"outline of {what}", style=style)]
+        )
+    style = styles.region.scaled(2.0)
+    if "outlines" in absent:
+        style = replace(style, stroke=None)
+    if "areas" in absent:
+        style = replace(style, fill=None)
+    there = style.fill or style.stroke
+    return [LegendEntry(label="local safe region", style=style)] if there else []
+
+
+def paths_legend(
+    traces: list[Trace], absent: frozenset[str], there: frozenset[str]
+) -> list[LegendEntry]:
+    """Return the legend of frontier bidding, with entries for what is on the map only.
+
+    Parameters
+    ----------
+    traces : list of Trace
+        The robots.
+    absent : frozenset of str
+        Layers that are left out; see `multisrt.drawing.layers`.
+    there : frozenset of str
+        Which of the layers `goals`, `frontier` and `isolation` have something to show.
+    """
     styles = RobotStyles.of_any() if len(traces) > 1 else RobotStyles.of(0)
-    entries = [LegendEntry(label="border of the explored area", style=KNOWN)]
-    if len(traces) == 1:
-        entries = [LegendEntry(label="explored area", style=styles.area)]
-    for label, style, there in (
-        ("path", styles.edge, any(t.motions for t in traces)),
-        ("path of an isolated robot", CUT_OFF, cut_off),
-        ("frontier of this area", FRONTIER_CELLS, frontier),
+    entries = []
+    if len(traces) == 1 and "areas" not in absent:
+        entries.append(LegendEntry(label="explored area", style=styles.area))
+    elif "outlines" not in absent:
+        entries.append(LegendEntry(label="border of the explored area", style=KNOWN))
+    for layer, label, style, is_there in (
+        ("paths", "path", styles.edge, any(t.motions for t in traces)),
+        ("isolation", "path of an isolated robot", CUT_OFF, "isolation" in there),
+        ("frontier", "frontier of this area", FRONTIER_CELLS, "frontier" in there),
     ):
-        if there:
+        if is_there and layer not in absent:
             entries.append(LegendEntry(label=label, style=style))
-    if goals:
+    if "goals" in there and "goals" not in absent:
         entries.append(
             LegendEntry(label="goal", style=styles.node, marker="diamond", size_mm=GOAL_MM)
         )
-    return entries + marks_legend(traces, styles)
+    return entries + marks_legend(traces, styles, absent)
 
 
-def marks_legend(traces: list[Trace], styles: RobotStyles) -> list[LegendEntry]:
+def marks_legend(
+    traces: list[Trace], styles: RobotStyles, absent: frozenset[str] = frozenset()
+) -> list[LegendEntry]:
     """Return the legend of marks at single places: starts, ends, stops, deaths and collisions."""
     team = len(traces) > 1
     start: Marker = "pin" if team else "arrow"
     late = styles.late_start if team else LATE_START
     away = any(t.death is None and t.is_away for t in traces)
-    marks: list[tuple[str, Style, Marker, float, bool]] = [
+    marks: list[tuple[str, str, Style, Marker, float, bool]] = [
         (
+            "starts",
             "start, with the robot's number" if team else "start",
             styles.start if team else START,
             start,
             START_MM,
             not all(t.late for t in traces),
         ),
-        ("late start", late, start, START_MM, any(t.late for t in traces)),
-        ("end", styles.end if team else END, "arrow", END_MM, away),
-        ("protective stop", STOP, "octagon", STOP_MM, any(t.stops for t in traces)),
-        ("death", DEATH, "cross", DEATH_MM, any(t.death for t in traces)),
-        ("collision", COLLISION, "cross", START_MM, any(t.collisions for t in traces)),
+        ("starts", "late start", late, start, START_MM, any(t.late for t in traces)),
+        ("ends", "end", styles.end if team else END, "arrow", END_MM, away),
+        ("stops", "protective stop", STOP, "octagon", STOP_MM, any(t.stops for t in traces)),
+        ("failures", "death", DEATH, "cross", DEATH_MM, any(t.death for t in traces)),
+        (
+            "failures",
+            "collision",
+            COLLISION,
+            "cross",
+            START_MM,
+            any(t.collisions for t in traces),
+        ),
     ]
     return [
         LegendEntry(label=label, style=style, marker=marker, size_mm=size)
-        for label, style, marker, size, there in marks
-        if there
+        for layer, label, style, marker, size, there in marks
+        if there and layer not in absent
     ]
 
 

@@ -37,7 +37,7 @@ MIN_SCALE: Final = 0.35
 Attributes = Mapping[str, str]
 
 
-def on_axes(sheet: Sheet, ax: Axes | None) -> Axes:
+def on_axes(sheet: Sheet, ax: Axes | None, scale: float | None = None) -> Axes:
     """Draw the map of a sheet on axes, and return them.
 
     Parameters
@@ -47,6 +47,8 @@ def on_axes(sheet: Sheet, ax: Axes | None) -> Axes:
     ax : matplotlib.axes.Axes or None
         Where to draw; their aspect becomes equal. None for a new figure of pyplot, with the
         heading and the legend of the sheet.
+    scale : float, optional
+        Size of the map on the axes over its size on paper; by default as the axes are now.
 
     Raises
     ------
@@ -58,7 +60,7 @@ def on_axes(sheet: Sheet, ax: Axes | None) -> Axes:
     if ax is None:
         ax = _with_legend(sheet)
     ax.set_aspect("equal")
-    scale = _scale(sheet, ax)
+    scale = _scale(sheet, ax) if scale is None else scale
     for layer in sheet.map:
         for shape in layer:
             _draw(sheet, ax, {**layer.attrib, **shape.attrib}, shape, scale)
@@ -90,8 +92,10 @@ def _with_legend(sheet: Sheet) -> Axes:
 
     wide, high = sheet.map_mm
     height_in = min(MAX_HEIGHT_IN, WIDTH_IN * high / wide)
-    handles = [_handle(entry) for entry in sheet.legend]
-    handles += [_handle(LegendEntry(label=one.label, style=one.line)) for one in sheet.swatches]
+    handles = [legend_handle(entry) for entry in sheet.legend]
+    handles += [
+        legend_handle(LegendEntry(label=one.label, style=one.line)) for one in sheet.swatches
+    ]
     rows = -(-len(handles) // 3)
     figure, ax = plt.subplots(
         figsize=(WIDTH_IN, height_in + 0.25 * rows + 0.9), layout="constrained"
@@ -107,7 +111,8 @@ def _with_legend(sheet: Sheet) -> Axes:
     return ax
 
 
-def _handle(entry: LegendEntry) -> Any:
+def legend_handle(entry: LegendEntry) -> Any:
+    """Return an entry of a legend of matplotlib."""
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
@@ -194,8 +199,14 @@ def _path(data: str, origin: tuple[float, float], *, is_even_odd: bool = False) 
             paths.append(Path(points))
     if is_even_odd:
         lines = _oriented(lines)
-    paths += [Path(ring, closed=True) for ring in lines]
-    return Path.make_compound_path(*paths)
+    return Path.make_compound_path(*paths, *(Path(ring, closed=True) for ring in lines))
+
+
+def path_of_rings(rings: Sequence[FloatArray]) -> Path:
+    """Return the path of closed rings, each ``(n, 2)`` with the first point at its end again."""
+    from matplotlib.path import Path
+
+    return Path.make_compound_path(*(Path(ring, closed=True) for ring in rings))
 
 
 def _oriented(rings: list[FloatArray]) -> list[FloatArray]:

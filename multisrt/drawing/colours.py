@@ -135,9 +135,6 @@ END_MM: Final = 1.7
 STOP_MM: Final = 0.9
 DEATH_MM: Final = 1.5
 
-BADGE_MM: Final = (0.8, 2.1)
-"""Range of the radius of the starts of a team, which are smaller where they are crowded."""
-
 STAGES: Final[dict[Stage, tuple[Marker, str]]] = {
     "root": ("square", "root node"),
     "draw": ("disc", "node drawn at random"),
@@ -159,7 +156,7 @@ class RobotStyles:
         Local safe region of a single robot, and of a robot in a team.
     area : Style
         Area that a robot in a team saw first. Areas do not overlap, so that colours never mix.
-    path, way : Style
+    path, team_path : Style
         Path of a single robot, and of a robot in a team.
     support, bridge : Style
         Path in support of other robots, and paths between nodes that no edge joins.
@@ -173,7 +170,7 @@ class RobotStyles:
     outline: Style
     area: Style
     path: Style
-    way: Style
+    team_path: Style
     support: Style
     bridge: Style
     edge: Style
@@ -208,10 +205,10 @@ class RobotStyles:
                 stroke_opacity=0.45,
                 width_mm=0.09,
             ),
-            outline=Style(stroke=colour, stroke_opacity=0.45, width_mm=0.09),
+            outline=Style(stroke=colour, stroke_opacity=0.4, width_mm=0.09),
             area=Style(fill=fill, stroke=colour, width_mm=0.18),
             path=Style(stroke=INK, width_mm=0.14, dashes_mm=(0.5, 0.4)),
-            way=Style(stroke=colour, width_mm=0.16, dashes_mm=(0.5, 0.4)),
+            team_path=Style(stroke=colour, width_mm=0.16, dashes_mm=(0.5, 0.4)),
             # Opaque, so that paths of several robots on one line do not mix their colours.
             support=Style(stroke=tint(colour, 0.72), width_mm=1.0, dashes_mm=(1.1, 0.9)),
             bridge=Style(stroke=colour, width_mm=0.22),

@@ -57,7 +57,7 @@ def environment_sheet(environment: Environment) -> Sheet:
     sheet.draw_obstacles(environment)
     if environment.starts:
         layer = sheet.layer("suggested starts", SUGGESTED_START)
-        size = START_MM * sheet.mm
+        size = sheet.metres(START_MM)
         path = "".join(sheet.pen.marker("diamond", x, y, size) for x, y in environment.starts)
         child(layer, "path", d=path)
         sheet.legend.append(

@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Iterator, Mapping
 from typing import Final
 
-import numpy as np
-import shapely
-
-from multisrt.drawing.colours import (
+from multisrt.drawing.badges import (
     BADGE_MM,
+    Box,
+    Disc,
+    badge_radius_mm,
+    box_at,
+    label_place,
+    spread,
+)
+from multisrt.drawing.colours import (
     COLLISION,
     DEATH,
     DEATH_MM,
@@ -24,25 +30,56 @@ from multisrt.drawing.colours import (
     RobotStyles,
 )
 from multisrt.drawing.sheet import TEXT_MM, Sheet
-from multisrt.drawing.svg import child
+from multisrt.drawing.svg import child, text_width
 from multisrt.drawing.traces import Trace
 from multisrt.events import Died
 from multisrt.geometry.numerics.kernel import FloatArray
 
-BADGE_SHARE: Final = 0.45
-"""Radius of a start as a share of the distance to the next start, clipped to `BADGE_MM`."""
+PIN_REACH: Final = 1.6
+"""Distance of the tip of a badge from its centre, in radii."""
 
 
-def draw_starts_and_ends(sheet: Sheet, traces: list[Trace]) -> None:
-    """Mark the start and the last position of every robot, its death and its collisions."""
+def draw_starts_and_ends(
+    sheet: Sheet, traces: list[Trace], without: frozenset[str] = frozenset()
+) -> None:
+    """Mark the start and the last position of every robot, its death and its collisions.
+
+    Numbers stand above all markers, and badges where they cover neither one another nor an end.
+
+    Parameters
+    ----------
+    sheet : Sheet
+        Where to draw.
+    traces : list of Trace
+        The robots.
+    without : frozenset of str
+        Layers that are left out; see `multisrt.drawing.layers`.
+    """
     team = len(traces) > 1
-    badge_mm = _badge_mm(traces, sheet.mm)
+    ends = list(_ends(sheet, traces, without))
     for trace in traces:
-        if team:
-            _draw_badge(sheet, trace, badge_mm)
-        else:
-            _draw_start(sheet, trace)
-        _draw_end(sheet, trace, team)
+        if "ends" not in without:
+            _draw_end(sheet, trace, team)
+        if "failures" not in without:
+            _draw_collisions(sheet, trace)
+    # Boxes of badges, which labels of deaths must not cover.
+    taken: list[Box] = [box_at((x, y), (2.0 * r, 2.0 * r)) for x, y, r in ends]
+    badges: list[Disc] = []
+    if "starts" not in without and team:
+        starts = [trace.start[:2] for trace in traces]
+        radius_mm = badge_radius_mm(starts, sheet.metres(1.0))
+        places = spread(starts, sheet.metres(radius_mm), ends)
+        badges = [Disc(float(x), float(y), sheet.metres(radius_mm)) for x, y in places]
+        reach = 2.0 * PIN_REACH * sheet.metres(radius_mm)
+        taken += [box_at((x, y), (reach, reach)) for x, y, _ in badges]
+    if "failures" not in without:
+        for trace in traces:
+            if trace.death is not None:
+                _draw_death(sheet, trace, trace.death, taken)
+    for trace, badge in zip(traces, badges, strict=False):
+        _draw_badge(sheet, trace, badge)
+    if "starts" not in without and not team:
+        _draw_start(sheet, traces[0])
 
 
 def draw_stops(sheet: Sheet, trace: Trace) -> None:
@@ -50,7 +87,7 @@ def draw_stops(sheet: Sheet, trace: Trace) -> None:
     if trace.stops:
         layer = sheet.layer(f"robot {trace.robot}: protective stops", STOP)
         places = dict.fromkeys(event.configuration[:2] for event in trace.stops)
-        size = STOP_MM * sheet.mm
+        size = sheet.metres(STOP_MM)
         path = "".join(sheet.pen.marker("octagon", x, y, size) for x, y in places)
         child(layer, "path", d=path)
 
@@ -69,53 +106,68 @@ def draw_areas(
             child(layer, "path", d=sheet.pen.rings(rings))
 
 
+def _ends(sheet: Sheet, traces: list[Trace], without: frozenset[str]) -> Iterator[Disc]:
+    # What the badges of starts keep clear of.
+    for trace in traces:
+        if trace.death is not None:
+            if "failures" not in without:
+                yield Disc(*trace.death.configuration[:2], sheet.metres(DEATH_MM))
+        elif trace.is_away and "ends" not in without:
+            yield Disc(*trace.end[:2], sheet.metres(0.8 * END_MM))
+        if "failures" not in without:
+            for event in trace.collisions:
+                yield Disc(*event.configuration[:2], sheet.metres(START_MM))
+
+
 def _draw_start(sheet: Sheet, trace: Trace) -> None:
     x, y, heading = trace.start
     layer = sheet.layer(f"robot {trace.robot}: start", LATE_START if trace.late else START)
-    child(layer, "path", d=sheet.pen.marker("arrow", x, y, START_MM * sheet.mm, heading))
+    child(layer, "path", d=sheet.pen.marker("arrow", x, y, sheet.metres(START_MM), heading))
 
 
-def _draw_badge(sheet: Sheet, trace: Trace, badge_mm: float) -> None:
+def _draw_badge(sheet: Sheet, trace: Trace, badge: Disc) -> None:
     # The start of a robot in a team, with the number of the robot.
     x, y, heading = trace.start
+    radius_mm = badge.radius / sheet.metres(1.0)
     styles = RobotStyles.of(trace.robot)
     style = styles.late_start if trace.late else styles.start
-    layer = sheet.layer(f"robot {trace.robot}: start", style.scaled(badge_mm / BADGE_MM[1]))
-    child(layer, "path", d=sheet.pen.marker("pin", x, y, badge_mm * sheet.mm, heading))
+    layer = sheet.layer(f"robot {trace.robot}: start", style.scaled(radius_mm / BADGE_MM[1]))
+    if math.hypot(badge.x - x, badge.y - y) > 0.5 * badge.radius:
+        leader = {**sheet.attributes(styles.bridge), "fill": "none"}
+        child(layer, "path", d=sheet.pen.line([(x, y), (badge.x, badge.y)]), **leader)
+        dot = {**sheet.attributes(styles.node), "stroke": "none"}
+        child(layer, "path", d=sheet.pen.marker("disc", x, y, 0.25 * badge.radius), **dot)
+    child(layer, "path", d=sheet.pen.marker("pin", badge.x, badge.y, badge.radius, heading))
     number = str(trace.robot)
-    sheet.label(layer, number, (x, y), badge_mm * (1.5 if len(number) == 1 else 1.3))
+    size_mm = radius_mm * sheet.weight * (1.5 if len(number) == 1 else 1.3)
+    sheet.label(layer, number, (badge.x, badge.y), size_mm)
 
 
 def _draw_end(sheet: Sheet, trace: Trace, team: bool) -> None:
-    if trace.death is not None:
-        _draw_death(sheet, trace, trace.death)
-    elif trace.is_away:
+    if trace.death is None and trace.is_away:
         x, y, heading = trace.end
         style = RobotStyles.of(trace.robot).end if team else END
         end = sheet.layer(f"robot {trace.robot}: end", style)
-        child(end, "path", d=sheet.pen.marker("arrow", x, y, END_MM * sheet.mm, heading))
+        child(end, "path", d=sheet.pen.marker("arrow", x, y, sheet.metres(END_MM), heading))
+
+
+def _draw_collisions(sheet: Sheet, trace: Trace) -> None:
     if trace.collisions:
         layer = sheet.layer(f"robot {trace.robot}: collision", COLLISION)
         for event in trace.collisions:
             x, y, _ = event.configuration
-            child(layer, "path", d=sheet.pen.marker("cross", x, y, START_MM * sheet.mm))
+            child(layer, "path", d=sheet.pen.marker("cross", x, y, sheet.metres(START_MM)))
 
 
-def _draw_death(sheet: Sheet, trace: Trace, death: Died) -> None:
+def _draw_death(sheet: Sheet, trace: Trace, death: Died, taken: list[Box]) -> None:
+    # Its number stands where it covers no badge and no other number.
     layer = sheet.layer(f"robot {trace.robot}: death")
     x, y, _ = death.configuration
-    cross = sheet.pen.marker("cross", x, y, DEATH_MM * sheet.mm)
+    cross = sheet.pen.marker("cross", x, y, sheet.metres(DEATH_MM))
     for style in (HALO, DEATH):
-        child(layer, "path", d=cross, **style.attributes(sheet.mm))
-    beside = (x + 1.9 * DEATH_MM * sheet.mm, y + 1.5 * DEATH_MM * sheet.mm)
-    sheet.label(layer, str(trace.robot), beside, TEXT_MM, halo_mm=0.8)
-
-
-def _badge_mm(traces: list[Trace], mm: float) -> float:
-    if len(traces) == 1:
-        return BADGE_MM[1]
-    starts = shapely.points([trace.start[:2] for trace in traces])
-    apart = shapely.distance(starts[:, None], starts[None, :])
-    np.fill_diagonal(apart, np.inf)
-    crowd = float(np.quantile(apart.min(axis=0), 0.1))
-    return float(np.clip(BADGE_SHARE * crowd / mm, *BADGE_MM))
+        child(layer, "path", d=cross, **sheet.attributes(style))
+    number = str(trace.robot)
+    size = sheet.metres(text_width(number, TEXT_MM)), sheet.metres(TEXT_MM)
+    beside = label_place((x, y), size, sheet.metres(1.1 * DEATH_MM), taken)
+    taken.append(box_at(beside, size))
+    sheet.label(layer, number, beside, TEXT_MM * sheet.weight, halo_mm=0.8 * sheet.weight)

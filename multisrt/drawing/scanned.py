@@ -104,20 +104,20 @@ def goals_of(recording: Recording, robot: int) -> list[Point]:
     return list(dict.fromkeys(goals))
 
 
-def isolated_ways(
+def isolated_paths(
     recording: Recording, environment: Environment, traces: Sequence[Trace]
 ) -> dict[int, list[FloatArray]]:
     """Return the parts of paths that were driven in isolation, by robot, as ``(n, 2)`` points."""
     cut_off = isolation(recording, environment)
     found = {}
     for trace in traces:
-        ways = list(_ways_within(trace, cut_off[trace.robot].spells))
-        if ways:
-            found[trace.robot] = ways
+        paths = list(_paths_within(trace, cut_off[trace.robot].spells))
+        if paths:
+            found[trace.robot] = paths
     return found
 
 
-def _ways_within(trace: Trace, spells: Sequence[Spell]) -> Iterator[FloatArray]:
+def _paths_within(trace: Trace, spells: Sequence[Spell]) -> Iterator[FloatArray]:
     legs = [leg for motion in trace.motions for leg in pairwise(motion.waypoints)]
     for begin, end in spells:
         points: list[Point] = []

@@ -31,6 +31,12 @@ from multisrt.events import Point
 MAX_MAP_MM: Final = ((265.0, 160.0), (180.0, 225.0))
 """Width and height that bound the map: with its texts it fits A4, landscape or portrait."""
 
+MIN_WEIGHT: Final = 0.6
+"""Lower bound of the scale of lines and markers, so that they stay visible."""
+
+CORRIDOR_MM: Final = 10.0
+"""Width of typical passages on paper from which on lines and markers have their full size."""
+
 MIN_WIDTH_MM: Final = 150.0
 """Minimum width of the sheet without margins, for heading and legend."""
 
@@ -106,11 +112,16 @@ class Sheet:
         Lines above the map; the first one is the title.
     description : str
         Description of the document, for programs.
+    bounds_mm : sequence of (width, height), optional
+        Bounds of the map on paper, of which the one is used that makes it larger.
 
     Attributes
     ----------
     mm : float
         Metres of the world per millimetre on paper.
+    weight : float
+        Scale of lines and markers, from `MIN_WEIGHT` to 1; below 1 where passages are narrow on
+        paper.
     pen : Pen
         Writer of coordinates of the world.
     legend : list of LegendEntry
@@ -125,18 +136,27 @@ class Sheet:
         The map, with a group for each layer.
     map_mm : (width, height)
         Its size on paper, in millimetres.
+    bounds : (x0, y0, x1, y1)
+        Its bounds in metres, with a frame around free space.
     """
 
-    def __init__(self, environment: Environment, heading: Sequence[str], description: str) -> None:
+    def __init__(
+        self,
+        environment: Environment,
+        heading: Sequence[str],
+        description: str,
+        bounds_mm: Sequence[tuple[float, float]] = MAX_MAP_MM,
+    ) -> None:
         x0, y0, x1, y1 = environment.bounds
-        self.mm = 1.0 / max(min(w / (x1 - x0), h / (y1 - y0)) for w, h in MAX_MAP_MM)
+        self.mm = 1.0 / max(min(w / (x1 - x0), h / (y1 - y0)) for w, h in bounds_mm)
+        self.weight = _weight(environment, self.mm)
         frame = FRAME_MM * self.mm
         self.pen = Pen.for_bounds(environment.bounds)
         self.legend: list[LegendEntry] = []
         self.swatches: list[Swatch] = []
         self.swatches_heading = ""
         self.heading = tuple(heading)
-        self._bounds: Bounds = (x0 - frame, y0 - frame, x1 + frame, y1 + frame)
+        self.bounds: Bounds = (x0 - frame, y0 - frame, x1 + frame, y1 + frame)
         self.map_mm = ((x1 - x0) / self.mm + 2 * FRAME_MM, (y1 - y0) / self.mm + 2 * FRAME_MM)
         self._width_mm = max(self.map_mm[0], MIN_WIDTH_MM)
         self._root = ET.Element(
@@ -154,10 +174,18 @@ class Sheet:
         self.map = self._map_group(below + GAP_MM)
         self._y_mm = below + GAP_MM + self.map_mm[1] + GAP_MM
 
+    def metres(self, size_mm: float) -> float:
+        """Return the size of a marker or the width of a line on the map, in metres."""
+        return size_mm * self.weight * self.mm
+
+    def attributes(self, style: Style) -> dict[str, str]:
+        """Return the SVG attributes of a style for shapes on the map."""
+        return style.attributes(self.metres(1.0))
+
     def layer(self, label: str, style: Style | None = None, **attributes: str) -> ET.Element:
         """Add a layer above all others of the map and return it; its units are metres, y up."""
         group = layer(self.map, label)
-        set_attributes(group, {} if style is None else style.attributes(self.mm))
+        set_attributes(group, {} if style is None else self.attributes(style))
         set_attributes(group, attributes)
         return group
 
@@ -233,7 +261,7 @@ class Sheet:
         return f"Coordinates of the layer 'map' are metres{place}, y up."
 
     def _map_group(self, top_mm: float) -> ET.Element:
-        x0, _, _, y1 = self._bounds
+        x0, _, _, y1 = self.bounds
         left_mm = MARGIN_MM + (self._width_mm - self.map_mm[0]) / 2.0
         right = left_mm * self.mm - (x0 - self.pen.origin[0])
         down = top_mm * self.mm + (y1 - self.pen.origin[1])
@@ -242,7 +270,7 @@ class Sheet:
         return group
 
     def _frame(self) -> str:
-        x0, y0, x1, y1 = self._bounds
+        x0, y0, x1, y1 = self.bounds
         return self.pen.rings([[(x0, y0), (x1, y0), (x1, y1), (x0, y1)]])
 
     def _paper_layer(self, label: str) -> ET.Element:
@@ -291,7 +319,7 @@ class Sheet:
         for k, entry in enumerate(self.legend):
             column, row = divmod(k, rows)
             x, y = MARGIN_MM + column * column_mm, top_mm + (row + 0.5) * row_mm
-            _sample(group, entry, x, y)
+            _sample(group, entry, x, y, self.weight)
             child(group, "text", entry.label, x=x + SAMPLE_MM + 2.0, y=y + 0.36 * TEXT_MM)
         return top_mm + rows * row_mm
 
@@ -307,8 +335,8 @@ class Sheet:
         for k, swatch in enumerate(self.swatches):
             column, row = divmod(k, rows)
             x, y = MARGIN_MM + column * column_mm, top_mm + (row + 1.5) * row_mm
-            _sample(group, LegendEntry(label="", style=swatch.area), x, y)
-            _sample(group, LegendEntry(label="", style=swatch.line), x, y)
+            _sample(group, LegendEntry(label="", style=swatch.area), x, y, self.weight)
+            _sample(group, LegendEntry(label="", style=swatch.line), x, y, self.weight)
             child(group, "text", swatch.label, x=x + SAMPLE_MM + 1.0, y=y + 0.36 * TEXT_MM)
         return top_mm + (rows + 1) * row_mm
 
@@ -348,13 +376,20 @@ def round_length(longest: float) -> float:
     return max(c for c in candidates if c <= longest)
 
 
-def _sample(parent: ET.Element, entry: LegendEntry, x: float, y: float) -> None:
+def _weight(environment: Environment, mm: float) -> float:
+    # A corridor of length l and width w has the area l w and about the perimeter 2 l.
+    free = environment.free
+    passage_mm = 2.0 * free.area / free.length / mm
+    return min(1.0, max(MIN_WEIGHT, passage_mm / CORRIDOR_MM))
+
+
+def _sample(parent: ET.Element, entry: LegendEntry, x: float, y: float, weight: float) -> None:
     # The y axis of samples points up, as on the map.
-    drawn = entry.style.attributes(1.0)
+    drawn = entry.style.attributes(weight)
     place = f"translate({plain(x + SAMPLE_MM / 2)} {plain(y)}) scale(1 -1)"
     half = SAMPLE_MM / 2.0
     if entry.marker is not None:
-        path = Pen(decimals=3).marker(entry.marker, 0.0, 0.0, entry.size_mm)
+        path = Pen(decimals=3).marker(entry.marker, 0.0, 0.0, entry.size_mm * weight)
     elif entry.style.fill is not None:
         path = f"M{plain(-half + 0.5)}-1.4h{plain(SAMPLE_MM - 1.0)}v2.8h{plain(1.0 - SAMPLE_MM)}z"
     else:

@@ -77,7 +77,7 @@ def state_svg(recording: Recording, robots: Sequence[RobotState]) -> str:
     sheet.legend.append(LegendEntry(label="body of a robot", style=styles.end))
     if any(robot.motion is not None for robot in robots):
         sheet.legend += [
-            LegendEntry(label="way ahead", style=AHEAD),
+            LegendEntry(label="path ahead", style=AHEAD),
             LegendEntry(label="end of the motion", style=GOAL, marker="diamond", size_mm=GOAL_MM),
         ]
     return sheet.svg()
@@ -101,11 +101,11 @@ def _draw_ahead(sheet: Sheet, robot: RobotState) -> None:
     points = [(robot.configuration.x, robot.configuration.y)]
     for a, b in pairwise(waypoints):
         points += leg_points(a, b)
-    layer = sheet.layer(f"robot {robot.robot}: way ahead", AHEAD)
+    layer = sheet.layer(f"robot {robot.robot}: path ahead", AHEAD)
     child(layer, "path", d=sheet.pen.line(points))
     goal = sheet.layer(f"robot {robot.robot}: end of the motion", GOAL)
     end = robot.ahead.end
-    mark = sheet.pen.marker("diamond", end.x, end.y, 1.6 * GOAL_MM * sheet.mm)
+    mark = sheet.pen.marker("diamond", end.x, end.y, sheet.metres(1.6 * GOAL_MM))
     child(goal, "path", d=mark)
 
 

@@ -29,7 +29,7 @@ FAR_M = 10_000.0
 Browsers compute with 24 binary digits, which resolve millimetres up to here.
 """
 
-_CORNERS: dict[Marker, tuple[tuple[float, float], ...]] = {
+CORNERS: dict[Marker, tuple[tuple[float, float], ...]] = {
     "triangle": ((-1.1, -0.75), (1.1, -0.75), (0.0, 1.25)),
     "wedge": ((-1.1, 0.75), (0.0, -1.25), (1.1, 0.75)),
     "diamond": ((0.0, -1.25), (1.25, 0.0), (0.0, 1.25), (-1.25, 0.0)),
@@ -50,6 +50,7 @@ _CORNERS: dict[Marker, tuple[tuple[float, float], ...]] = {
     ),
     "arrow": ((1.3, 0.0), (-0.9, 0.9), (-0.4, 0.0), (-0.9, -0.9)),
 }
+"""Corners of markers of size 1 around (0, 0)."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -112,7 +113,7 @@ class Pen:
             return "".join(
                 fine.line([(x + c * u - s * v, y + s * u + c * v) for u, v in arm]) for arm in arms
             )
-        corners = [(x + c * u - s * v, y + s * u + c * v) for u, v in _CORNERS[marker]]
+        corners = [(x + c * u - s * v, y + s * u + c * v) for u, v in CORNERS[marker]]
         return fine._path(corners, closed=True)
 
     def _path(self, points: ArrayLike, *, closed: bool) -> str:

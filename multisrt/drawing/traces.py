@@ -165,7 +165,7 @@ def traces_of(recording: Recording) -> list[Trace]:
     if not any(trace.scans for trace in traces):
         for robot, segments in remaining_frontier(recording).items():
             traces[robot].frontier = segments
-        _sort_ways(traces)
+        _sort_paths(traces)
     return traces
 
 
@@ -208,7 +208,7 @@ def _hang(node: NodeAdded, traces: list[Trace], trees: dict[NodeName, int]) -> N
     traces[node.robot].edges.setdefault(tree, []).append(edge)
 
 
-def _sort_ways(traces: list[Trace]) -> None:
+def _sort_paths(traces: list[Trace]) -> None:
     # Paths run along edges of any tree, along bridges between nodes, or off both.
     places = {_rounded(n.configuration) for trace in traces for n in trace.nodes.values()}
     edges = {
@@ -239,9 +239,9 @@ def _supporting(motions: list[Motion], places: set[Point]) -> list[FloatArray]:
         if motion.purpose not in SUPPORTING:
             continue
         for points in _sections(motion, places):
-            way = tuple(map(_rounded, points))
-            if way not in known and way[::-1] not in known:
-                known.add(way)
+            rounded = tuple(map(_rounded, points))
+            if rounded not in known and rounded[::-1] not in known:
+                known.add(rounded)
                 _extend(lines, points)
     return lines
 

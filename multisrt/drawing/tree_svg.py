@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
@@ -20,11 +22,12 @@ from multisrt.drawing.colours import (
     RobotStyles,
     Style,
 )
+from multisrt.drawing.layers import left_out
 from multisrt.drawing.marks import draw_areas, draw_starts_and_ends, draw_stops
-from multisrt.drawing.sheet import Sheet
+from multisrt.drawing.paths_svg import draw_paths
+from multisrt.drawing.sheet import MAX_MAP_MM, Sheet
 from multisrt.drawing.svg import child
 from multisrt.drawing.traces import Trace, joined, median_edge_m, traces_of
-from multisrt.drawing.ways_svg import draw_ways
 from multisrt.environments.environment import Environment
 from multisrt.events import NodeAdded
 from multisrt.geometry.numerics.kernel import FloatArray
@@ -39,8 +42,12 @@ NODE_SHARE: Final = 0.2
 SIMPLER_MM: Final = 0.015
 """Tolerance of the outlines of regions, in millimetres on paper."""
 
+MAX_OUTLINES: Final = 40
+"""Upper bound of the regions of a team that are outlined one by one; of more, each robot's regions
+are outlined as one."""
 
-def tree_svg(recording: Recording) -> str:
+
+def tree_svg(recording: Recording, *, without: Iterable[str] = ()) -> str:
     """Return a picture of a run.
 
     It shows regions, edges and nodes of the trees and the open frontier. Of frontier bidding it
@@ -50,6 +57,8 @@ def tree_svg(recording: Recording) -> str:
     ----------
     recording : Recording
         Recording of the run.
+    without : iterable of str, optional
+        Layers to leave out: names of `multisrt.drawing.LAYERS`.
 
     Returns
     -------
@@ -60,7 +69,7 @@ def tree_svg(recording: Recording) -> str:
     Raises
     ------
     InvalidInputError
-        If the recording contradicts itself; the message says where.
+        If the recording contradicts itself; the message says where. If there is no such layer.
 
     Examples
     --------
@@ -68,14 +77,19 @@ def tree_svg(recording: Recording) -> str:
     >>> run = ms.explore("open", robots=2, seed=1, max_time_s=10.0)
     >>> tree_svg(run.recording).count("<svg")
     1
+    >>> "outline of a" in tree_svg(run.recording, without=["outlines"])
+    False
     """
-    return run_sheet(recording).svg()
+    return run_sheet(recording, without=without).svg()
 
 
 def run_sheet(
     recording: Recording,
     status: str | None = None,
     draw_below: Callable[[Sheet], None] | None = None,
+    *,
+    without: Iterable[str] = (),
+    bounds_mm: Sequence[tuple[float, float]] = MAX_MAP_MM,
 ) -> Sheet:
     """Return the sheet of `tree_svg`, for other formats.
 
@@ -87,25 +101,31 @@ def run_sheet(
         What the heading says instead of the outcome.
     draw_below : callable, optional
         Draws on the ground, below all else.
+    without : iterable of str, optional
+        Layers to leave out: names of `LAYERS`.
+    bounds_mm : sequence of (width, height), optional
+        Bounds of the map on paper; see `Sheet`.
     """
+    absent = left_out(without)
     environment = recording.environment()
     traces = traces_of(recording)
-    sheet = Sheet(environment, heading(recording, traces, status), description(recording))
+    title = heading(recording, traces, status)
+    sheet = Sheet(environment, title, description(recording), bounds_mm)
     team = len(traces) > 1
     sheet.draw_ground("free space that is on no map")
     if draw_below is not None:
         draw_below(sheet)
     if any(trace.scans for trace in traces):
-        draw_ways(sheet, recording, environment, traces)
+        draw_paths(sheet, recording, environment, traces, absent)
     else:
-        _draw_trees(sheet, recording, environment, traces)
+        _draw_trees(sheet, recording, environment, traces, absent)
     if team:
         sheet.swatches = swatches(traces)
         sheet.swatches_heading = swatches_heading(traces)
     return sheet
 
 
-def save_tree_svg(recording: Recording, path: str | Path) -> None:
+def save_tree_svg(recording: Recording, path: str | Path, *, without: Iterable[str] = ()) -> None:
     """Write the picture of a run to a file; see `tree_svg`.
 
     The file appears once it is complete.
@@ -116,6 +136,8 @@ def save_tree_svg(recording: Recording, path: str | Path) -> None:
         Recording of the run.
     path : str or Path
         The file, which is replaced if it exists. Its folder must exist.
+    without : iterable of str, optional
+        Layers to leave out; see `tree_svg`.
 
     Raises
     ------
@@ -129,39 +151,55 @@ def save_tree_svg(recording: Recording, path: str | Path) -> None:
     >>> Path("tree.svg").read_text().count("<svg")
     1
     """
-    text = tree_svg(recording)
+    text = tree_svg(recording, without=without)
     with atomic_write(Path(path)) as file:
         file.write(text.encode())
 
 
-def plot_run(recording: Recording, ax: Axes | None = None) -> Axes:
+def plot_run(recording: Recording, ax: Axes | None = None, *, without: Iterable[str] = ()) -> Axes:
     """Draw the picture of a run on axes of matplotlib; see `multisrt.Run.plot`."""
-    return on_axes(run_sheet(recording), ax)
+    return on_axes(run_sheet(recording, without=without), ax)
 
 
 def _draw_trees(
-    sheet: Sheet, recording: Recording, environment: Environment, traces: list[Trace]
+    sheet: Sheet,
+    recording: Recording,
+    environment: Environment,
+    traces: list[Trace],
+    absent: frozenset[str],
 ) -> None:
-    team, node_mm = len(traces) > 1, _node_mm(traces, sheet.mm)
-    if team:
+    team = len(traces) > 1
+    merged = team and sum(len(trace.nodes) for trace in traces) > MAX_OUTLINES
+    if team and "areas" not in absent:
         draw_areas(sheet, _areas(recording, sheet), len(traces))
     for trace in traces:
-        styles = RobotStyles.of(trace.robot)
-        _draw_regions(sheet, trace, styles.outline if team else styles.region)
+        _draw_regions(sheet, trace, _region_style(trace.robot, team, absent), merged)
     sheet.draw_obstacles(environment)
-    for trace in traces:
-        styles = RobotStyles.of(trace.robot)
-        _draw_path(sheet, trace, styles.way if team else styles.path)
-    for draw in (_draw_supporting, _draw_bridges, _draw_edges):
-        for trace in traces:
+    for name, draw in (
+        ("paths", partial(_draw_path, team=team)),
+        ("support", _draw_supporting),
+        ("bridges", _draw_bridges),
+        ("edges", _draw_edges),
+        ("nodes", partial(_draw_nodes, node_mm=_node_mm(traces, sheet.metres(1.0)))),
+        ("given-up", _draw_closed_arcs),
+        ("frontier", _draw_frontier),
+        ("stops", draw_stops),
+    ):
+        for trace in traces if name not in absent else ():
             draw(sheet, trace)
-    for trace in traces:
-        _draw_nodes(sheet, trace, node_mm)
-    for draw in (_draw_closed_arcs, _draw_frontier, draw_stops):
-        for trace in traces:
-            draw(sheet, trace)
-    draw_starts_and_ends(sheet, traces)
-    sheet.legend += legend(traces)
+    draw_starts_and_ends(sheet, traces, absent)
+    sheet.legend += legend(traces, absent, merged=merged)
+
+
+def _region_style(robot: int, team: bool, absent: frozenset[str]) -> Style | None:
+    # Regions of a single robot are filled one by one; those of a team are outlines.
+    styles = RobotStyles.of(robot)
+    style = styles.outline if team else styles.region
+    if "outlines" in absent:
+        style = replace(style, stroke=None)
+    if "areas" in absent:
+        style = replace(style, fill=None)
+    return style if style.fill or style.stroke else None
 
 
 def _areas(recording: Recording, sheet: Sheet) -> dict[int, list[FloatArray]]:
@@ -170,8 +208,15 @@ def _areas(recording: Recording, sheet: Sheet) -> dict[int, list[FloatArray]]:
     return seen_first(regions, [node.robot for node in nodes], 10.0**-sheet.pen.decimals)
 
 
-def _draw_regions(sheet: Sheet, trace: Trace, style: Style) -> None:
+def _draw_regions(sheet: Sheet, trace: Trace, style: Style | None, merged: bool) -> None:
+    if style is None:
+        return
     layer = sheet.layer(f"robot {trace.robot}: regions", style)
+    if merged:
+        regions = [_region(node, sheet.mm) for node in trace.nodes.values()]
+        if rings := seen_first(regions, [0] * len(regions), 10.0**-sheet.pen.decimals):
+            child(layer, "path", d=sheet.pen.rings(rings[0]))
+        return
     for node in trace.nodes.values():
         path = sheet.pen.rings([shapely.get_coordinates(_region(node, sheet.mm))])
         child(layer, "path", id=f"robot-{trace.robot}-region-{node.serial}", d=path)
@@ -182,8 +227,9 @@ def _region(node: NodeAdded, mm: float) -> shapely.Polygon:
     return shapely.simplify(shapely.Polygon(node.boundary), SIMPLER_MM * mm)
 
 
-def _draw_path(sheet: Sheet, trace: Trace, style: Style) -> None:
-    layer = sheet.layer(f"robot {trace.robot}: path", style)
+def _draw_path(sheet: Sheet, trace: Trace, team: bool) -> None:
+    styles = RobotStyles.of(trace.robot)
+    layer = sheet.layer(f"robot {trace.robot}: path", styles.team_path if team else styles.path)
     if trace.motions:
         child(layer, "path", d=sheet.pen.line(trace.path))
 
@@ -215,7 +261,7 @@ def _draw_nodes(sheet: Sheet, trace: Trace, node_mm: float) -> None:
     for stage, (marker, _) in STAGES.items():
         places = [node.configuration[:2] for node in trace.nodes.values() if node.stage == stage]
         if places:
-            size = node_mm * sheet.mm
+            size = sheet.metres(node_mm)
             path = "".join(sheet.pen.marker(marker, x, y, size) for x, y in places)
             child(layer, "path", id=f"robot-{trace.robot}-nodes-{stage}", d=path)
 
@@ -227,7 +273,7 @@ def _draw_closed_arcs(sheet: Sheet, trace: Trace) -> None:
         lines = [line for arc in arcs for line in joined(arc)]
         if lines:
             path = "".join(map(sheet.pen.line, lines))
-            child(layer, "path", d=path, **style.attributes(sheet.mm))
+            child(layer, "path", d=path, **sheet.attributes(style))
 
 
 def _draw_frontier(sheet: Sheet, trace: Trace) -> None:

@@ -17,7 +17,7 @@ from multisrt.robots.policy import Answer, Observation
 class ExploreEnv(MissionEnv, gymnasium.Env[Observation, Answer]):
     """One robot that explores, and asks at each step where to go.
 
-    A step is the way from one decision to the next. An episode is a mission: it is terminated
+    A step lasts from one decision to the next. An episode is a mission: it is terminated
     when the robot can reach no more frontier or has stalled, or at `end_coverage`; it is truncated
     at the time of the stop rule.
 

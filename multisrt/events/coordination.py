@@ -68,7 +68,7 @@ class Supports(Event, frozen=True, kw_only=True, tag="supports"):
     Attributes
     ----------
     tree : int or None
-        The chosen tree; None if no way leads to any of the candidates.
+        The chosen tree; None if no path leads to any of the candidates.
     open_frontier_m : dict of tree to float
         Length of the open frontier of every known tree.
     active_robots : dict of tree to int

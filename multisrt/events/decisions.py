@@ -54,7 +54,7 @@ class Decision(Event, frozen=True, kw_only=True, tag="decision"):
         Number of candidates that were drawn; those of the stage `approach` are not counted.
     refused : dict of str to int
         Numbers of refused candidates, of both stages, by reason: `no room`, `near a node`,
-        `in another region`, `no way for the car`, `blocked by a robot` (the way there passes too
+        `in another region`, `no way for the car`, `blocked by a robot` (the path there passes too
         near to a body that the robot plans around; see `ArcClosed`).
     candidates : tuple of (x, y, reason)
         The refused candidates, of both stages, in the order in which they were refused.
@@ -125,7 +125,7 @@ class GoalChosen(Event, frozen=True, kw_only=True, tag="goal_chosen"):
 
 
 class Decided(Event, frozen=True, kw_only=True, tag="decided"):
-    """A robot decided where to go next, told in the words and numbers of its explorer.
+    """A robot decided where to go next, recorded with the text and numbers of its explorer.
 
     For explorers of your own; see `multisrt.robots.toolkit.decided`, which makes one of arrays.
 

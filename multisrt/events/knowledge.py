@@ -36,8 +36,8 @@ class NodeAdded(Event, frozen=True, kw_only=True, tag="node"):
         Where the scan was taken.
     stage : {"root", "draw", "approach", "complete", "bypass", "coordinate", "passed", "scan"}
         How the place was found. `draw`, `approach`, `complete`: by that stage of the planner;
-        `bypass`: on the way round a robot that stands; `coordinate`: by a master, or where a
-        protective stop ended a motion; `passed`: on the way to a chosen place; `scan`: where a
+        `bypass`: on a detour around a robot that stands still; `coordinate`: by a master, or where
+        a protective stop ended a motion; `passed`: on the way to a chosen place; `scan`: where a
         robot that bids for frontiers took a scan that showed something new.
     boundary : tuple of (x, y)
         Corners of the local safe region, counter-clockwise, not closed.
@@ -91,7 +91,7 @@ class ArcReopened(Event, frozen=True, kw_only=True, tag="arc_reopened"):
 class MapComplete(Event, frozen=True, kw_only=True, tag="map_complete"):
     """No frontier is left in the map of a robot, not even behind bodies of other robots.
 
-    For a robot that bids: none that it could reach if no body stood in its way.
+    For a robot that bids: none that it could reach if no body blocked its path.
     """
 
 

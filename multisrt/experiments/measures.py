@@ -1,4 +1,4 @@
-"""Measures by which runs are compared: title, unit, and which way is better."""
+"""Measures by which runs are compared: title, unit, and whether more or less is better."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The source of strategies of one's own, as far as results depend on it."""
+"""The source code of user-defined strategies, as far as results depend on it."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from multisrt.robots.user_modules import files_behind, require_current
 
 
 def provenance_with(own: Iterable[Strategy]) -> Provenance:
-    """Return the provenance of results that this process makes with strategies of one's own.
+    """Return the provenance of results that this process makes with user-defined strategies.
 
     Parameters
     ----------
@@ -73,7 +73,7 @@ def source_digest(own: Strategy) -> str:
 
 
 def require_files(spec: ExperimentSpec) -> None:
-    """Check that changes of one's own strategies can be noticed when results are kept.
+    """Check that changes of user-defined strategies can be noticed when results are kept.
 
     Parameters
     ----------
@@ -121,7 +121,7 @@ def _require_latest(own: Strategy) -> None:
     if latest is not explorer and codes and codes.isdisjoint(map(id, _codes(explorer))):
         raise InvalidInputError(
             f"{name}, of the strategy {own.name!r}, is of an earlier import of "
-            f"{explorer.__module__}: take it from there anew"
+            f"{explorer.__module__}: import it from there again"
         )
 
 

@@ -42,12 +42,14 @@ def own_choice_lines(
 def own_lines(recording: Recording, robot: int) -> Iterator[str]:
     """Yield a heading and a line for each decision of a robot; nothing without any."""
     decisions = [event for event in recording.of(Decided) if event.robot == robot]
-    rows = [
-        (event.time_s, (str(len(event.options)),), f"{towards(event.goal)}: {_line(event.text)}")
-        for event in decisions
-    ]
+    rows = [(event.time_s, (str(len(event.options)),), own_choice(event)) for event in decisions]
     if rows:
         yield from decision_lines({"options": 7}, rows)
+
+
+def own_choice(choice: Decided) -> str:
+    """Return a decision in one line."""
+    return f"{towards(choice.goal)}: {_line(choice.text)}"
 
 
 class _OwnStory(ChoiceStory[Decided]):

@@ -25,8 +25,8 @@ BECAUSE = {
     "reached": "it had reached its last goal",
     "news": "its map had changed",
     "nothing left": "nothing was left to be seen at its last goal",
-    "no way": "the way to its last goal turned out not to be free",
-    "blocked": "another robot stood in its way",
+    "no way": "the path to its last goal turned out to be blocked",
+    "blocked": "another robot blocked its path",
     "gave way": "it had given way to another robot",
     "stop signal": "another robot reported that its goal was no longer a frontier",
     "assigned": "goals were swapped, or another robot gave it one or wanted one from it",
@@ -68,11 +68,15 @@ def bid_lines(recording: Recording, robot: int) -> Iterator[str]:
     rows = []
     for choice in recording.of(GoalChosen):
         if choice.robot == robot:
-            way = "" if choice.goal is None else f"{choice.cost_m:.2f} m"
-            what = f"{choice.rule} {towards(choice.goal)}: {_because(choice)}"
-            rows.append((choice.time_s, (str(len(choice.frontiers)), way), what))
+            length = "" if choice.goal is None else f"{choice.cost_m:.2f} m"
+            rows.append((choice.time_s, (str(len(choice.frontiers)), length), bid_choice(choice)))
     if rows:
         yield from decision_lines({"frontiers": 9, "path": 9}, rows)
+
+
+def bid_choice(choice: GoalChosen) -> str:
+    """Return the choice of a goal in one line."""
+    return f"{choice.rule} {towards(choice.goal)}: {_because(choice)}"
 
 
 class _BidStory(ChoiceStory[GoalChosen]):

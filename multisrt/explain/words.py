@@ -23,23 +23,27 @@ SAME_MOMENT_S = 1e-6
 def troubles(events: Iterable[AnyEvent]) -> Iterator[str]:
     """Yield a line for each event of a robot that was not planned."""
     for event in events:
-        match event:
-            case PresumedLost(other=other):
-                what = f"it no longer waited for robot {other}, which did not answer"
-            case Blocked(by=by, configuration=(x, y, _)):
-                what = f"protective stop at {place((x, y))}, before the body of robot {by}"
-            case FellSilent():
-                what = "its radio failed"
-            case CameBack():
-                what = "its radio worked again"
-            case Joined():
-                what = "it was switched on, late"
-            case Died(configuration=(x, y, _), doing=doing):
-                doing_what = "organising as master" if doing == "master" else doing
-                what = f"it died at {place((x, y))}, {doing_what}"
-            case _:
-                continue
-        yield f"{event.time_s:.2f} s: {what}"
+        if what := trouble(event):
+            yield f"{event.time_s:.2f} s: {what}"
+
+
+def trouble(event: AnyEvent) -> str:
+    """Return an event that was not planned in words; empty for other events."""
+    match event:
+        case PresumedLost(other=other):
+            return f"it no longer waited for robot {other}, which did not answer"
+        case Blocked(by=by, configuration=(x, y, _)):
+            return f"protective stop at {place((x, y))}, before the body of robot {by}"
+        case FellSilent():
+            return "its radio failed"
+        case CameBack():
+            return "its radio worked again"
+        case Joined():
+            return "it was switched on, late"
+        case Died(configuration=(x, y, _), doing=doing):
+            doing_what = "organising as master" if doing == "master" else doing
+            return f"it died at {place((x, y))}, {doing_what}"
+    return ""
 
 
 def titled(title: str, lines: Iterable[str]) -> Iterator[str]:

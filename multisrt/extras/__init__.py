@@ -16,14 +16,13 @@ EXTRAS: Final[Mapping[str, tuple[str, ...]]] = {
     "cluster": ("distributed",),
     "learn": ("gymnasium", "pettingzoo"),
     "animation": ("imageio-ffmpeg",),
-    "mcap": ("mcap", "mcap-ros2-support"),
+    "mcap": ("mcap",),
     "rerun": ("rerun-sdk",),
 }
 """The packages that each extra brings."""
 
 MODULES: Final[Mapping[str, str]] = {
     "imageio-ffmpeg": "imageio_ffmpeg",
-    "mcap-ros2-support": "mcap_ros2",
     "rerun-sdk": "rerun",
 }
 """The modules of those packages that are imported by another name."""

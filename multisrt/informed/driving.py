@@ -59,8 +59,8 @@ def drive_along(
 
     Examples
     --------
-    >>> way = np.array([[0.0, 0.0], [0.0, 1.0]])
-    >>> drive = drive_along(Configuration(0.0, 0.0, 0.0), Differential(speed_m_s=1.0), [way])
+    >>> path = np.array([[0.0, 0.0], [0.0, 1.0]])
+    >>> drive = drive_along(Configuration(0.0, 0.0, 0.0), Differential(speed_m_s=1.0), [path])
     >>> [round(time, 3) for time in drive.scans_s]
     [1.333, 1.667, 2.0]
     """
@@ -90,7 +90,7 @@ def stages_of(drive: Drive, timing: Timing) -> list[Stage]:
     end_s, steps_to_end = ahead.duration_s, math.ceil(ahead.duration_s / step_s - 1e-9)
 
     def time_at(k: int) -> float:
-        # The last step of the path there is shorter, and so is the first of the way back.
+        # The last step of the path there is shorter, and so is the first of the path back.
         if k <= steps_to_end:
             return min(k * step_s, end_s)
         return 2.0 * end_s - max(0.0, (2 * steps_to_end - k) * step_s)

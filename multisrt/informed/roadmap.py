@@ -125,12 +125,12 @@ class Roadmap:
         pairs = tree.query_pairs(NEIGHBOUR_SPACINGS * spacing, output_type="ndarray")
         pairs = pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))].astype(np.int64)
         joined = _free_pairs(self.places, pairs, self._index.grid)
-        # A start may be nearer to an obstacle than nodes are: any way that has room leads off.
+        # A start may be nearer to an obstacle than nodes are: any edge that has room counts.
         self._roomy = np.ones(len(self.places), np.bool_)
         self._roomy[:n] = shapely.contains_xy(wide, first)
         tight = ~(self._roomy[pairs[:, 0]] & self._roomy[pairs[:, 1]])
-        ways = shapely.linestrings(self.places[pairs[tight]])
-        joined[tight] = shapely.covers(narrow, ways)
+        edges = shapely.linestrings(self.places[pairs[tight]])
+        joined[tight] = shapely.covers(narrow, edges)
         pairs = pairs[joined]
         lengths = np.hypot(*(self.places[pairs[:, 0]] - self.places[pairs[:, 1]]).T)
         size = len(self.places)

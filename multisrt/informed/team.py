@@ -196,7 +196,7 @@ class _Table:
         self._legs = np.full((3, 64, 64), np.nan)
 
     def of(self, nodes: IntArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return lengths (inf: no way), turning, and angles of the line at the first node."""
+        """Return lengths (inf: no path), turning, and angles of the line at the first node."""
         if len(self._slots) + len(nodes) > MAX_SLOTS:
             self._slots.clear()
             self._legs[:] = np.nan

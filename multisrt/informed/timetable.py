@@ -67,7 +67,7 @@ class Timing:
 
 
 class NoTiming(Exception):
-    """No way was found to time a robot.
+    """No timetable was found for a robot.
 
     Attributes
     ----------
@@ -83,8 +83,8 @@ class NoTiming(Exception):
 def timed(courses: Sequence[Course]) -> list[Timing]:
     """Return when each robot drives so that bodies keep `GAP_M` from one another.
 
-    Robots whose routes take longer come first. One that finds no way is put before all others, and
-    all are timed again.
+    Robots whose routes take longer come first. One that finds no timetable is put before all
+    others, and all are timed again.
 
     Raises
     ------
@@ -173,8 +173,8 @@ def _progress(
     places: FloatArray, end: int, others: FloatArray, apart: FloatArray, steps: int
 ) -> IntArray:
     # A* over (time, progress): a step ahead costs nothing beyond what must be, a wait one step, a
-    # step back two. Done: at the end of the route or on the way back from it, where nobody comes
-    # any more. An empty array: there is no way.
+    # step back two. Done: at the end of the route or on the way back from it, where no robot comes
+    # any more. An empty array: there is none.
     size = len(places)
     horizon = others.shape[1]
     free_since = np.full(size, -1, np.int64)

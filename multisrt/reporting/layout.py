@@ -170,6 +170,30 @@ class Table:
             f"{body}\n    \\bottomrule\n  \\end{{tabular}}\n\\end{{table}}\n"
         )
 
+    def markdown(self) -> str:
+        r"""Return Markdown, as code hosts read it.
+
+        Examples
+        --------
+        >>> rows = ((Cell(text="a|b"), Cell(text="12.0")),)
+        >>> print(Table(name="t", title="Times", columns=("World", "s"), rows=rows).markdown())
+        Times
+        <BLANKLINE>
+        | World | s |
+        |---|---:|
+        | a\|b | 12.0 |
+        <BLANKLINE>
+        """
+        aligned = ["---"] * self.labels + ["---:"] * (len(self.columns) - self.labels)
+        rows = [self.columns, *(tuple(cell.line for cell in row) for row in self.rows)]
+        written = [
+            "| " + " | ".join(printable(text).replace("|", r"\|") for text in row) + " |"
+            for row in rows
+        ]
+        lines = [self.title, "", written[0], f"|{'|'.join(aligned)}|", *written[1:]]
+        notes = [line for note in self.notes for line in ("", printable(note))]
+        return "\n".join((*lines, *notes)) + "\n"
+
     def csv(self) -> str:
         """Return CSV with unrounded numbers in separate columns."""
         keys = [

@@ -60,8 +60,8 @@ a frozen structure of options. This one drives back and forth, as a complete exa
 ...         for k in range(self.options.times):
 ...             yield Sense()
 ...             goal = ends[k % 2]
-...             way = turn_and_drive(self.me.kinematics, at, goal.x, goal.y)
-...             moved = yield Move(trajectory=way, guard_m=0.1)
+...             motion = turn_and_drive(self.me.kinematics, at, goal.x, goal.y)
+...             moved = yield Move(trajectory=motion, guard_m=0.1)
 ...             at = moved.configuration
 ...             if moved.blocked_by is not None:
 ...                 yield Done(complete=False, reason="another robot is in the way")
@@ -142,10 +142,10 @@ class Look(msgspec.Struct, frozen=True):
     >>> def wait_for_space():
     ...     while (yield Look()):
     ...         yield Receive(timeout_s=1.0)
-    ...     yield Done(complete=False, reason="nobody is in sight")
+    ...     yield Done(complete=False, reason="no robot is in sight")
     >>> steps = wait_for_space()
     >>> next(steps), steps.send(()).reason
-    (Look(), 'nobody is in sight')
+    (Look(), 'no robot is in sight')
     """
 
 
@@ -174,8 +174,8 @@ class Move(msgspec.Struct, frozen=True, kw_only=True):
     Examples
     --------
     >>> from multisrt.planners.motion.kinematics import Holonomic
-    >>> way = Holonomic(speed_m_s=0.5).drive(Configuration(0.0, 0.0, 0.0), 3.0, 4.0)
-    >>> move = Move(trajectory=way, guard_m=0.1)
+    >>> motion = Holonomic(speed_m_s=0.5).drive(Configuration(0.0, 0.0, 0.0), 3.0, 4.0)
+    >>> move = Move(trajectory=motion, guard_m=0.1)
     >>> move.trajectory.duration_s, move.purpose
     (10.0, 'explore')
     """

@@ -11,7 +11,7 @@ def named_robots(numbers: Iterable[int]) -> str:
     Parameters
     ----------
     numbers : iterable of int
-        The numbers, at least one; they are told in ascending order.
+        The numbers, at least one; they are listed in ascending order.
 
     Returns
     -------
@@ -28,12 +28,12 @@ def named_robots(numbers: Iterable[int]) -> str:
 
 
 def boxed_in_by(numbers: Iterable[int]) -> str:
-    """Return the reason of a robot that ends as others stand in all of its ways.
+    """Return the reason of a robot that ends because others block all of its paths.
 
     Parameters
     ----------
     numbers : iterable of int
-        The others; none where walls alone leave it no way.
+        The others; none where walls alone leave it no path.
 
     Returns
     -------

@@ -54,7 +54,7 @@ def planned_gap(now_m: float, guard_m: float) -> float:
 
     It lies beyond the distance at which the protective stop would end a motion: the guard
     distance and a margin where the bodies are farther apart than that, the guard distance where
-    they are within the margin; and for bodies that are nearer already, half way between their
+    they are within the margin; and for bodies that are nearer already, halfway between their
     present distance and that of their stop.
 
     Parameters
@@ -81,19 +81,19 @@ def planned_gap(now_m: float, guard_m: float) -> float:
     return 0.5 * (now_m + stop_within(now_m, guard_m))
 
 
-def conflict(way_a: Sweep, body_a: Sweep, way_b: Sweep, body_b: Sweep, guard_m: float) -> bool:
-    """Return whether two ways come nearer to one another than `planned_gap` allows.
+def conflict(sweep_a: Sweep, body_a: Sweep, sweep_b: Sweep, body_b: Sweep, guard_m: float) -> bool:
+    """Return whether two sweeps come nearer to one another than `planned_gap` allows.
 
     Parameters
     ----------
-    way_a, way_b : Sweep
+    sweep_a, sweep_b : Sweep
         What each body sweeps; for a body that stays, what it covers where it stands.
     body_a, body_b : Sweep
         What each body covers now.
     guard_m : float
         Guard distance in metres.
     """
-    apart_m = way_a.distance_to(way_b)
+    apart_m = sweep_a.distance_to(sweep_b)
     if apart_m >= max_gap(guard_m):
         return False
     return apart_m < planned_gap(body_a.distance_to(body_b), guard_m)

@@ -55,7 +55,7 @@ class Course:
     __slots__ = (
         "_boxes",
         "_bulges",
-        "_way",
+        "_track",
         "arrival_s",
         "begin_s",
         "guard_m",
@@ -73,7 +73,7 @@ class Course:
         bulges = [leg_length(a, b) * abs(b.heading - a.heading) / 8.0 for a, b in pairwise(points)]
         self._bulges = [*bulges, 0.0]
         self._boxes = _remaining_boxes(points, self._bulges)
-        self._way: FloatArray | None = None
+        self._track: FloatArray | None = None
 
     @classmethod
     def standing(cls, configuration: Configuration, begin_s: float) -> Course:
@@ -81,20 +81,20 @@ class Course:
         return cls(standing_at(configuration), begin_s, None)
 
     @property
-    def way(self) -> FloatArray:
+    def track(self) -> FloatArray:
         """Time, x and y of every waypoint, and the bulge of the leg that begins there, ``(n, 4)``.
 
         The bulge is the largest distance of an arc from its chord, in metres. The array is made
         on first use, as most motions come near no other.
         """
-        if self._way is None:
-            self._way = np.array(
+        if self._track is None:
+            self._track = np.array(
                 [
                     (self.begin_s + w.time_s, w.x, w.y, bulge)
                     for w, bulge in zip(self.trajectory.waypoints, self._bulges, strict=True)
                 ]
             )
-        return self._way
+        return self._track
 
     def at(self, time_s: float) -> Configuration:
         """Return where the body is at a time."""

@@ -90,7 +90,7 @@ def first_encounter(
     reach_m = sum(body.footprint.circumscribed_radius_m for body in bodies) + stop_m
     until_s = max(now_s, own.begin_s)
     while True:
-        begin_s, until_s = _next_near(own.way, others.way, until_s, own.arrival_s, reach_m)
+        begin_s, until_s = _next_near(own.track, others.track, until_s, own.arrival_s, reach_m)
         if begin_s == math.inf:
             return None
         span = _Span(index, bodies, courses, begin_s, until_s)
@@ -186,13 +186,13 @@ class _Span:
 
     def _time_to_move(self, distance_m: float) -> float:
         # A time in which no two points of the bodies move by more than a distance, together.
-        way = 0.0
+        moved_m = 0.0
         for body, course in zip(self._bodies, self._courses, strict=True):
             start, end = course.stretch(self._begin_s, self._until_s)
-            way += leg_length((0.0, *start), (0.0, *end))
-            way += body.turning_radius_m * abs(end[2] - start[2])
+            moved_m += leg_length((0.0, *start), (0.0, *end))
+            moved_m += body.turning_radius_m * abs(end[2] - start[2])
         whole = self._until_s - self._begin_s
-        return whole if way <= distance_m else whole * distance_m / way
+        return whole if moved_m <= distance_m else whole * distance_m / moved_m
 
 
 def _shape(body: Body, at: Configuration) -> shapely.Point | shapely.Polygon:
@@ -204,7 +204,7 @@ def _shape(body: Body, at: Configuration) -> shapely.Point | shapely.Polygon:
 def _next_near(
     a: FloatArray, b: FloatArray, begin: float, end: float, reach: float
 ) -> tuple[float, float]:
-    """Return the next span of time, within one leg of each of two ways, that comes within reach.
+    """Return the next span of time, within one leg of each of two tracks, that comes within reach.
 
     Parameters
     ----------
@@ -249,11 +249,11 @@ def _next_near(
 
 
 @kernel
-def _place(way: FloatArray, leg: int, time: float) -> tuple[float, float]:
-    if leg + 1 >= way.shape[0]:
-        return way[leg, 1], way[leg, 2]
-    share = (time - way[leg, 0]) / (way[leg + 1, 0] - way[leg, 0])
+def _place(track: FloatArray, leg: int, time: float) -> tuple[float, float]:
+    if leg + 1 >= track.shape[0]:
+        return track[leg, 1], track[leg, 2]
+    share = (time - track[leg, 0]) / (track[leg + 1, 0] - track[leg, 0])
     share = min(1.0, max(0.0, share))
-    x = way[leg, 1] + share * (way[leg + 1, 1] - way[leg, 1])
-    y = way[leg, 2] + share * (way[leg + 1, 2] - way[leg, 2])
+    x = track[leg, 1] + share * (track[leg + 1, 1] - track[leg, 1])
+    y = track[leg, 2] + share * (track[leg + 1, 2] - track[leg, 2])
     return x, y

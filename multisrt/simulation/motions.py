@@ -15,7 +15,7 @@ from multisrt.robots.explorer import Move, Moved
 from multisrt.simulation.clock import ROUNDING_S, Clock
 from multisrt.simulation.encounters import Encounter
 from multisrt.simulation.journal import Journal
-from multisrt.simulation.robot import MotionUnderWay, Robot
+from multisrt.simulation.robot import CurrentMotion, Robot
 from multisrt.simulation.sensing import Sensing
 from multisrt.simulation.traffic import Traffic
 
@@ -88,7 +88,7 @@ class Motions:
         if touching is not None:
             self._collide_with_obstacle(robot, *touching)
             return False
-        robot.motion = MotionUnderWay(
+        robot.motion = CurrentMotion(
             move=move, set_out_s=now_s, arrival_s=now_s + trajectory.duration_s
         )
         self._traffic.begin(number, now_s, trajectory, move.guard_m)
@@ -150,7 +150,7 @@ class Motions:
             if robot.motion is not None and robot.motion.set_out_s < time_s
         ]
 
-    def _event(self, robot: Robot, motion: MotionUnderWay, driven: Trajectory) -> Motion:
+    def _event(self, robot: Robot, motion: CurrentMotion, driven: Trajectory) -> Motion:
         waypoints = tuple(
             (min(motion.set_out_s + w.time_s, self._max_time_s), w.x, w.y, w.heading)
             for w in driven.waypoints

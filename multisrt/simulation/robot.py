@@ -16,7 +16,7 @@ from multisrt.spec import RobotSpec
 
 
 @dataclass(slots=True, kw_only=True)
-class MotionUnderWay:
+class CurrentMotion:
     """A motion that has begun and not ended.
 
     Attributes
@@ -67,7 +67,7 @@ class Robot:
         Whether its radio works.
     waits : bool
         Whether it stands and waits.
-    motion : MotionUnderWay or None
+    motion : CurrentMotion or None
         Its motion; None while it stands.
     end : Ended or None
         The last end that was recorded of it.
@@ -82,7 +82,7 @@ class Robot:
         self.state: Literal["off", "on", "done", "dead"] = "off"
         self.hears = False
         self.waits = False
-        self.motion: MotionUnderWay | None = None
+        self.motion: CurrentMotion | None = None
         self.end: Ended | None = None
 
     def poke(self) -> None:

@@ -395,8 +395,8 @@ class _Lattice:
             for node, fits, straight in zip(nodes, has_room, in_sight, strict=True):
                 if fits:
                     q, r = node
-                    way = math.sqrt(q * q + q * r + r * r) if straight else hops
-                    found.append((way * self._step, node))
+                    length = math.sqrt(q * q + q * r + r * r) if straight else hops
+                    found.append((length * self._step, node))
         places = self._places([node for _, node in sorted(found)[:count]])
         return [(float(x), float(y)) for x, y in places]
 

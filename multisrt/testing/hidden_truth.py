@@ -40,7 +40,7 @@ _ATOMS = frozenset((int, float, bool, str, bytes, type(None)))
 _PLAIN = (int, float, complex, str, bytes, type(None), types.ModuleType, types.CodeType)
 
 
-def way_to_truth(roots: Mapping[str, object], world: Environment) -> tuple[str, str] | None:
+def path_to_truth(roots: Mapping[str, object], world: Environment) -> tuple[str, str] | None:
     """Search all objects that can be reached from some objects for the truth.
 
     Attributes, slots, items, closures, defaults and the local variables of generators are
@@ -55,22 +55,22 @@ def way_to_truth(roots: Mapping[str, object], world: Environment) -> tuple[str, 
 
     Returns
     -------
-    (way, what) or None
+    (path, what) or None
         A shortest path, such as ``explorer.planner._worlds[0]``, and what was found there; None
         if there is nothing.
     """
     seen: dict[int, object] = {}
     waiting = deque(roots.items())
     while waiting:
-        way, thing = waiting.popleft()
+        path, thing = waiting.popleft()
         if id(thing) in seen or isinstance(thing, _PLAIN):
             continue
         seen[id(thing)] = thing
         if (what := _truth_in(thing, world)) is not None:
-            return way, what
+            return path, what
         if not isinstance(thing, type):
             waiting.extend(
-                (way + step, child)
+                (path + step, child)
                 for step, child in _within(thing)
                 if type(child) not in _ATOMS and id(child) not in seen
             )
@@ -115,7 +115,7 @@ def truth_named_by_code(cls: OwnCode) -> tuple[str, str] | None:
 def _truth_in(thing: object, world: Environment) -> str | None:
     # A description of a thing that is the truth.
     if isinstance(thing, np.ndarray):
-        # The checker builds worlds anew: those of the user have equal arrays.
+        # The checker builds its own worlds: those of the user have equal arrays.
         same = np.may_share_memory(thing, world.edges) or np.array_equal(thing, world.edges)
         return "an array of the world's edges" if same else None
     if isinstance(thing, EdgeIndex):

@@ -70,12 +70,12 @@ def _time_flaws(trajectory: Trajectory) -> Iterator[Flaw]:
 
 def _limit_flaws(a: Waypoint, b: Waypoint, kinematics: Kinematics) -> Iterator[Flaw]:
     # Speed and turn rate.
-    way = f"from {pose(a[1:])} to {pose(b[1:])}"
+    leg = f"from {pose(a[1:])} to {pose(b[1:])}"
     length, turn, time_s = leg_length(a, b), abs(b.heading - a.heading), b.time_s - a.time_s
     max_m = kinematics.speed_m_s * time_s * (1.0 + LIMIT_TOLERANCE) + START_TOLERANCE
     if length > max_m:
         yield Flaw(
-            f"it drives {length:.6g} m {way} in {time_s:.6g} s",
+            f"it drives {length:.6g} m {leg} in {time_s:.6g} s",
             f"its kinematics allow {kinematics.speed_m_s:g} m/s: give its waypoints later "
             "times, or let multisrt.planners.motion.steering make its trajectories",
         )
@@ -83,7 +83,7 @@ def _limit_flaws(a: Waypoint, b: Waypoint, kinematics: Kinematics) -> Iterator[F
         kinematics.turn_rate_rad_s * time_s * (1.0 + LIMIT_TOLERANCE) + START_TOLERANCE
     ):
         yield Flaw(
-            f"it turns by {turn:.6g} rad {way} in {time_s:.6g} s",
+            f"it turns by {turn:.6g} rad {leg} in {time_s:.6g} s",
             f"its kinematics allow {kinematics.turn_rate_rad_s:g} rad/s: give its waypoints later "
             "times",
         )
@@ -91,13 +91,13 @@ def _limit_flaws(a: Waypoint, b: Waypoint, kinematics: Kinematics) -> Iterator[F
 
 def _direction_flaws(a: Waypoint, b: Waypoint, kinematics: Kinematics) -> Iterator[Flaw]:
     # What this kind of drive cannot do at any speed.
-    way = f"from {pose(a[1:])} to {pose(b[1:])}"
+    leg = f"from {pose(a[1:])} to {pose(b[1:])}"
     length, turn = leg_length(a, b), abs(b.heading - a.heading)
     turns = turn > NO_TURN_RAD
     if isinstance(kinematics, Holonomic):
         if turns:
             yield Flaw(
-                f"it turns {way}",
+                f"it turns {leg}",
                 "a holonomic body keeps its heading: give all waypoints that of the start",
             )
         return
@@ -107,15 +107,15 @@ def _direction_flaws(a: Waypoint, b: Waypoint, kinematics: Kinematics) -> Iterat
     aside = abs(dy * math.cos(middle) - dx * math.sin(middle))
     if aside > ASIDE_TOLERANCE_M:
         yield Flaw(
-            f"it moves sideways, by {aside:.3g} m, {way}",
+            f"it moves sideways, by {aside:.3g} m, {leg}",
             "its kinematics drive along the heading: turn first",
         )
     if isinstance(kinematics, Car):
         min_m = turn * kinematics.turning_radius_m * (1.0 - LIMIT_TOLERANCE)
         if turns and length < min_m - START_TOLERANCE:
             yield Flaw(
-                f"its curve is too tight {way}",
+                f"its curve is too tight {leg}",
                 f"the car's turning radius is {kinematics.turning_radius_m:g} m",
             )
         if ahead < -ASIDE_TOLERANCE_M and not kinematics.reverse:
-            yield Flaw(f"it drives backwards {way}", "this car drives forwards only")
+            yield Flaw(f"it drives backwards {leg}", "this car drives forwards only")

@@ -229,7 +229,7 @@ def _is_any(value: object, others: Iterable[Any]) -> bool:
 
 
 def _is_same_method(value: object, other: object) -> bool:
-    # Methods are made anew whenever they are named.
+    # Each access to a method makes a new object.
     owner = getattr(value, "__self__", None)
     return (
         isinstance(owner, type)

@@ -40,7 +40,7 @@ from multisrt.robots.explorer import (
 from multisrt.simulation import plain, protocol
 from multisrt.testing.code_reading import own_code_of
 from multisrt.testing.fingerprint import fingerprint
-from multisrt.testing.hidden_truth import named_by_code, truth_named_by_code, way_to_truth
+from multisrt.testing.hidden_truth import named_by_code, path_to_truth, truth_named_by_code
 from multisrt.testing.known_space import KnownSpace, seen_in
 from multisrt.testing.motion_rules import pose, trajectory_flaw
 from multisrt.testing.own_code import back_door, outside_in, place_of_frame
@@ -410,11 +410,11 @@ class SupervisedExplorer:
         found = truth_named_by_code(cls)
         if found is None:
             roots = {"explorer": self._explorer, "run()": self._actions, **named_by_code(cls)}
-            found = way_to_truth(roots, self._supervision.world)
+            found = path_to_truth(roots, self._supervision.world)
         if found is not None:
-            way, what = found
+            path, what = found
             self._refuse(
-                f"it reaches the truth: {way} is {what}",
+                f"it reaches the truth: {path} is {what}",
                 "an explorer knows its scans, its messages and its RobotSelf, and that is all",
             )
 

@@ -1,4 +1,4 @@
-"""Robots that end without having completed their exploration, and which body is in their way."""
+"""Robots that end without having completed their exploration, and which body blocks them."""
 
 from __future__ import annotations
 
@@ -44,12 +44,12 @@ class Unfinished:
     beside: int | None = None
 
     def __str__(self) -> str:
-        way = ""
+        where = ""
         if self.blocked_by is not None:
-            way = f", stopped before robot {self.blocked_by}"
+            where = f", stopped before robot {self.blocked_by}"
         elif self.beside is not None:
-            way = f", beside robot {self.beside}"
-        return f"robot {self.robot} ({brief(self.reason, MAX_REASON_LENGTH)}{way})"
+            where = f", beside robot {self.beside}"
+        return f"robot {self.robot} ({brief(self.reason, MAX_REASON_LENGTH)}{where})"
 
 
 def unfinished(recording: Recording) -> tuple[Unfinished, ...]:

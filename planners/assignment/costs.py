@@ -179,7 +179,7 @@ def cost_table(values: ArrayLike, name: str = "costs", *, dimensions: int = 2) -
     if len(wrong):
         place = tuple(wrong[0].tolist())
         raise InvalidInputError(
-            f"{name} is {table[place]} at {list(place)}; distances are 0 or more, inf for no way"
+            f"{name} is {table[place]} at {list(place)}; distances are 0 or more, inf for no path"
         )
     table += 0.0  # positions() compares rows bit by bit
     table.setflags(write=False)

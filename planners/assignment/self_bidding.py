@@ -95,7 +95,7 @@ class SelfBid:
 
     Attributes
     ----------
-    ways : (n, m) array
+    path_lengths : (n, m) array
         Path length of each robot to each frontier by way of its present goal (rho + a), in metres.
     steps : tuple of BidStep
         The radii tried with their tables; the last was matched.
@@ -106,7 +106,7 @@ class SelfBid:
         reach none.
     """
 
-    ways: FloatArray
+    path_lengths: FloatArray
     steps: tuple[BidStep, ...]
     matching: IntArray
     choice: int | None
@@ -192,11 +192,11 @@ def self_bidding(
         if gap.shape != onward.shape:
             raise InvalidInputError(f"{name} has the shape {gap.shape}; a has {onward.shape}")
 
-    ways = goals_left[:, None] + onward
-    offers = _offers(ways, radii.diagonal_m)
+    path_lengths = goals_left[:, None] + onward
+    offers = _offers(path_lengths, radii.diagonal_m)
     # A bid is finite once phi exceeds this; a robot alone has no bridge to keep.
-    bridge = np.maximum(*gaps) if robots > 1 else np.zeros_like(ways)
-    bridge[~np.isfinite(ways)] = np.inf
+    bridge = np.maximum(*gaps) if robots > 1 else np.zeros_like(path_lengths)
+    bridge[~np.isfinite(path_lengths)] = np.inf
     steps: list[BidStep] = []
     while True:
         phi_m = radii.radius_m(len(steps))
@@ -205,35 +205,37 @@ def self_bidding(
         if np.isfinite(bids[robot]).any() or phi_m > radii.diagonal_m:
             break
 
-    matching = minimum_matching(bids, ways)
+    matching = minimum_matching(bids, path_lengths)
     matched = int(matching[robot])
     return SelfBid(
-        ways=ways,
+        path_lengths=path_lengths,
         steps=tuple(steps),
         matching=matching,
-        choice=closest(DenseCosts(ways), robot) if matched == UNASSIGNED else matched,
+        choice=closest(DenseCosts(path_lengths), robot) if matched == UNASSIGNED else matched,
     )
 
 
-def _offers(ways: FloatArray, diagonal_m: float) -> FloatArray:
+def _offers(path_lengths: FloatArray, diagonal_m: float) -> FloatArray:
     """Return Equation 1 without its penalty: exploitation minus exploration, ``(n, m)``."""
-    robots = len(ways)
+    robots = len(path_lengths)
     if robots == 1:
-        return ways.copy()
-    counted = np.where(np.isfinite(ways), ways, max(diagonal_m, largest_finite(ways)))
+        return path_lengths.copy()
+    counted = np.where(
+        np.isfinite(path_lengths), path_lengths, max(diagonal_m, largest_finite(path_lengths))
+    )
     others = np.array([np.delete(counted, k, axis=0).mean(axis=0) for k in range(robots)])
     offers: FloatArray = counted - others
     return offers
 
 
-def minimum_matching(bids: ArrayLike, ways: ArrayLike) -> IntArray:
+def minimum_matching(bids: ArrayLike, path_lengths: ArrayLike) -> IntArray:
     """Match robots to frontiers at the minimum sum of bids.
 
     Parameters
     ----------
     bids : (n, m) array
         Bids in metres, possibly negative; ``inf`` for pairs that must not be matched.
-    ways : (n, m) array
+    path_lengths : (n, m) array
         Path lengths in metres, which break ties.
 
     Returns
@@ -259,7 +261,7 @@ def minimum_matching(bids: ArrayLike, ways: ArrayLike) -> IntArray:
     [-1, 0]
     """
     offered = np.asarray(bids, np.float64)
-    distances = np.asarray(ways, np.float64)
+    distances = np.asarray(path_lengths, np.float64)
     robots, frontiers = offered.shape
     finite: BoolArray = np.isfinite(offered)
     if not finite.any():

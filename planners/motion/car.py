@@ -39,7 +39,7 @@ MAX_SEED = 2**31 - 1
 """Maximum seed of OMPL; the minimum is 1."""
 
 
-def car_way(
+def car_trajectory(
     body: PlanningBody,
     car: Car,
     region: FloatArray | BaseGeometry,
@@ -76,18 +76,18 @@ def car_way(
     >>> body = PlanningBody(Footprint.parse("box:0.6x0.4"), margin_m=0.05)
     >>> hall = np.array([[0.0, 0.0], [6.0, 0.0], [6.0, 4.0], [0.0, 4.0]])
     >>> start, goal = Configuration(1.0, 2.0, 0.0), Configuration(5.0, 2.0, 0.0)
-    >>> round(car_way(body, Car(), hall, start, goal, seed=1).length_m, 6)
+    >>> round(car_trajectory(body, Car(), hall, start, goal, seed=1).length_m, 6)
     4.0
     """
     room = body.room(_rings(region), start, goal)
     if room is None:
         return None
-    return shortest_way(car, room, start, goal) or _planned(
+    return shortest_curve(car, room, start, goal) or _planned(
         car, room, start, goal, seed, _Budget(max_checks)
     )
 
 
-def car_ways(
+def car_out_and_back(
     body: PlanningBody,
     car: Car,
     region: FloatArray | BaseGeometry,
@@ -131,13 +131,13 @@ def car_ways(
     for goal in _goals(car, start, x, y):
         if not room.holds(goal):
             continue
-        out = shortest_way(car, room, start, goal)
-        back = _back(out) if car.reverse else shortest_way(car, room, goal, start)
+        out = shortest_curve(car, room, start, goal)
+        back = _back(out) if car.reverse else shortest_curve(car, room, goal, start)
         if out is not None and back is not None:
             return out, back
         found.append((goal, out, back))
     # Headings for which one direction is known already come first.
-    found.sort(key=lambda ways: ways[1] is None and ways[2] is None)
+    found.sort(key=lambda known: known[1] is None and known[2] is None)
     budget = _Budget(max_checks)
     for goal, out, back in found[:MAX_PLANS]:
         out = out or _planned(car, room, start, goal, seed, budget)
@@ -165,12 +165,12 @@ def _back(out: Trajectory | None) -> Trajectory | None:
     return None if out is None else out.reversed()
 
 
-def shortest_way(
+def shortest_curve(
     car: Car, room: Room, start: Configuration, goal: Configuration
 ) -> Trajectory | None:
     """Return the motion along a car's shortest curve; None if there is no room for it."""
-    way = curve(car, start, goal)
-    return way if room.lets_pass(way.waypoints) else None
+    motion = curve(car, start, goal)
+    return motion if room.lets_pass(motion.waypoints) else None
 
 
 class _Budget:
@@ -212,7 +212,7 @@ def _planned(
     def lets_pass(first: Any, last: Any) -> bool:
         budget.left -= 1
         a, b = _configuration(first), _configuration(last)
-        return room.holds(b) and shortest_way(car, room, a, b) is not None
+        return room.holds(b) and shortest_curve(car, room, a, b) is not None
 
     information.setStateValidityChecker(lambda state: room.holds(_configuration(state)))
     information.setMotionValidator(_motion_validator()(information, lets_pass))
@@ -258,18 +258,18 @@ def _joined(car: Car, room: Room, stops: list[Configuration]) -> Trajectory | No
 
     OMPL's curves between stops differ from ours by rounding; None where that matters.
     """
-    way: Trajectory | None = None
+    motion: Trajectory | None = None
     here = 0
     while here < len(stops) - 1:
         for there in range(len(stops) - 1, here, -1):
-            leg = shortest_way(car, room, stops[here], stops[there])
+            leg = shortest_curve(car, room, stops[here], stops[there])
             if leg is not None:
                 break
         if leg is None:
             return None
-        way = leg if way is None else way.then(leg)
+        motion = leg if motion is None else motion.then(leg)
         here = there
-    return way
+    return motion
 
 
 def _configuration(state: Any) -> Configuration:

@@ -20,29 +20,29 @@ class Roadmap(Generic[Place]):
     >>> roadmap = Roadmap()
     >>> roadmap.connect("door", "hall", 3.0)
     >>> roadmap.connect("hall", "desk", 2.0)
-    >>> roadmap.way("door", "desk")
+    >>> roadmap.path("door", "desk")
     ['door', 'hall', 'desk']
     >>> roadmap.lengths(["door"])
     {'door': 0.0, 'hall': 3.0, 'desk': 5.0}
     """
 
     def __init__(self) -> None:
-        self._ways: dict[Place, dict[Place, float]] = {}
+        self._edges: dict[Place, dict[Place, float]] = {}
 
     def add(self, place: Place) -> None:
         """Add a place without paths; a known place is left as it is."""
-        self._ways.setdefault(place, {})
+        self._edges.setdefault(place, {})
 
     def connect(self, a: Place, b: Place, length_m: float) -> None:
-        """Connect two places by a way of `length_m` metres, in both directions; adds new places."""
-        self._ways.setdefault(a, {})[b] = length_m
-        self._ways.setdefault(b, {})[a] = length_m
+        """Connect two places in both directions by an edge of `length_m` metres; add new places."""
+        self._edges.setdefault(a, {})[b] = length_m
+        self._edges.setdefault(b, {})[a] = length_m
 
     def neighbours(self, place: Place) -> tuple[Place, ...]:
         """Return the neighbours of a place in the order of their connection; none if unknown."""
-        return tuple(self._ways.get(place, ()))
+        return tuple(self._edges.get(place, ()))
 
-    def way_to_nearest(
+    def path_to_nearest(
         self,
         start: Place,
         wanted: Callable[[Place], bool],
@@ -80,11 +80,11 @@ class Roadmap(Generic[Place]):
                 continue
             settled.add(place)
             if wanted(place):
-                way = [place]
-                while way[-1] != start:
-                    way.append(came_from[way[-1]])
-                return way[::-1]
-            for neighbour, length in self._ways.get(place, {}).items():
+                path = [place]
+                while path[-1] != start:
+                    path.append(came_from[path[-1]])
+                return path[::-1]
+            for neighbour, length in self._edges.get(place, {}).items():
                 reach = travelled + length
                 if (
                     neighbour not in settled
@@ -97,7 +97,7 @@ class Roadmap(Generic[Place]):
                     heapq.heappush(queue, (reach, order, neighbour))
         return None
 
-    def way(
+    def path(
         self,
         start: Place,
         end: Place,
@@ -110,14 +110,14 @@ class Roadmap(Generic[Place]):
         start, end : Place
             The ends of the path.
         passable : callable, optional
-            As in `way_to_nearest`.
+            As in `path_to_nearest`.
 
         Returns
         -------
         list of Place or None
             The places from `start` to `end`; None if no path leads there.
         """
-        return self.way_to_nearest(start, lambda place: place == end, passable)
+        return self.path_to_nearest(start, lambda place: place == end, passable)
 
     def lengths(
         self, starts: Iterable[Place], passable: Callable[[Place, Place], bool] | None = None
@@ -129,7 +129,7 @@ class Roadmap(Generic[Place]):
         starts : iterable of Place
             Where paths begin.
         passable : callable, optional
-            As in `way_to_nearest`.
+            As in `path_to_nearest`.
 
         Returns
         -------
@@ -150,7 +150,7 @@ class Roadmap(Generic[Place]):
         starts : mapping of Place to float
             Where paths begin, with the length in metres that each has behind it there.
         passable : callable, optional
-            As in `way_to_nearest`.
+            As in `path_to_nearest`.
 
         Returns
         -------
@@ -180,7 +180,7 @@ class Roadmap(Generic[Place]):
             lengths[place] = length
             if last is not None:
                 before[place] = last
-            for neighbour, more in self._ways.get(place, {}).items():
+            for neighbour, more in self._edges.get(place, {}).items():
                 if neighbour not in lengths and (passable is None or passable(place, neighbour)):
                     order += 1
                     heapq.heappush(queue, (length + more, order, neighbour, place))

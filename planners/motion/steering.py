@@ -160,8 +160,8 @@ def turn_and_drive(
 
     Examples
     --------
-    >>> way = turn_and_drive(Differential(), Configuration(0.0, 0.0, 0.0), 0.0, 2.0)
-    >>> len(way.waypoints), way.length_m
+    >>> motion = turn_and_drive(Differential(), Configuration(0.0, 0.0, 0.0), 0.0, 2.0)
+    >>> len(motion.waypoints), motion.length_m
     (3, 2.0)
     """
     if isinstance(kinematics, Holonomic):

@@ -62,7 +62,7 @@ def motion(
     else:
         raise InvalidInputError(
             "a car cannot turn in place, as the nearness diagram asks for; "
-            "use a holonomic or differential drive, or plan its way instead"
+            "use a holonomic or differential drive, or plan its path instead"
         )
     x, y = at.x + chord * math.cos(direction), at.y + chord * math.sin(direction)
     return Trajectory((Waypoint(0.0, *at), Waypoint(duration_s, x, y, heading)))

@@ -32,7 +32,7 @@ PASSABLE_RADII: Final = 2.2
 
 Situation = Literal["goal", "gap", "middle", "turn", "blocked"]
 """What a robot heads for: the goal; a gap, past its corner; the middle of a narrow valley; nothing,
-as it turns in place to a goal behind it that it can reach straight; nothing, as there is no way."""
+as it turns in place to a goal behind it that it can reach straight; nothing, without a path."""
 
 SITUATIONS: Final[tuple[Situation, ...]] = ("goal", "gap", "middle", "turn", "blocked")
 _GOAL, _GAP, _MIDDLE, _TURN, _BLOCKED = range(5)

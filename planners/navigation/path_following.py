@@ -102,13 +102,13 @@ def follow(
     >>> body = PlanningBody(Footprint.disc(0.25), margin_m=0.05)
     >>> square = np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]])
     >>> path = np.array([[1.0, 1.0], [3.0, 1.0], [3.0, 9.0]])
-    >>> way = follow(body, Holonomic(), square, Configuration(1.0, 1.0, 0.0), path)
-    >>> round(way.end.x, 3), round(way.end.y, 3)
+    >>> motion = follow(body, Holonomic(), square, Configuration(1.0, 1.0, 0.0), path)
+    >>> round(motion.end.x, 3), round(motion.end.y, 3)
     (3.0, 3.7)
     """
     if isinstance(kinematics, Car):
         raise InvalidInputError(
-            "a car does not follow straight legs; plan its curves with car_way, "
+            "a car does not follow straight legs; plan its curves with car_trajectory, "
             "or use a holonomic or differential drive"
         )
     corners = _polyline(path)
@@ -117,10 +117,10 @@ def follow(
         or steer(body, kinematics, boundary, at, *_within(at, corners[1], limit_m)) is not None
     ):
         corners = corners[1:]
-    way: Trajectory | None = None
+    motion: Trajectory | None = None
     driven = 0.0
     for corner in corners:
-        here = at if way is None else way.end
+        here = at if motion is None else motion.end
         x, y = _within(here, corner, limit_m - driven)
         distance = math.dist((x, y), here[:2])
         if distance < SAME_CORNER_M:
@@ -135,10 +135,10 @@ def follow(
                 leg = steer(body, kinematics, boundary, here, x, y)
         if leg is not None:
             driven += distance
-            way = leg if way is None else way.then(leg)
+            motion = leg if motion is None else motion.then(leg)
         if not fits:
-            return way if driven >= min_length_m else None
-    return way
+            return motion if driven >= min_length_m else None
+    return motion
 
 
 def _within(here: Configuration, corner: FloatArray, distance: float) -> tuple[float, float]:

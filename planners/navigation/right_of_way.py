@@ -67,7 +67,7 @@ class Party:
     leader : bool
         Whether it has raised its flag.
     inactive : bool
-        Whether it has finished or is lost, so that nobody waits for it.
+        Whether it has finished or is lost, so that no robot waits for it.
     """
 
     robot: int
@@ -254,8 +254,8 @@ def place_aside(
     Examples
     --------
     >>> places = np.array([[3.0, 0.5], [4.0, 0.6], [5.0, 2.0]])
-    >>> way = np.array([[0.0, 0.0], [8.0, 0.0]])
-    >>> place_aside(places, np.array([0.5, 3.0, 1.5]), way, 0.6)
+    >>> path = np.array([[0.0, 0.0], [8.0, 0.0]])
+    >>> place_aside(places, np.array([0.5, 3.0, 1.5]), path, 0.6)
     (5.0, 2.0)
     """
     places = np.ascontiguousarray(places, dtype=np.float64)

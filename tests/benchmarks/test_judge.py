@@ -74,10 +74,10 @@ def test_beams_end_before_the_nearest_of_three_readings():
 def test_a_quarter_turn_is_a_quarter_of_a_circle():
     waypoints = ((1.0, 0.0, 0.0, 0.0), (3.0, 2.0, 2.0, math.pi / 2))
     motion = Motion(time_s=1.0, robot=0, waypoints=waypoints)
-    way = Track((0.0, 0.0, 0.0), [motion], 5.0)
-    assert way.lengths.sum() == pytest.approx(math.pi, rel=1e-6)
+    track = Track((0.0, 0.0, 0.0), [motion], 5.0)
+    assert track.lengths.sum() == pytest.approx(math.pi, rel=1e-6)
     half = math.sqrt(2.0)
-    assert way.at(np.array([0.5, 2.0, 4.0])).tolist() == [
+    assert track.at(np.array([0.5, 2.0, 4.0])).tolist() == [
         pytest.approx((0.0, 0.0, 0.0)),
         pytest.approx((half, 2.0 - half, math.pi / 4)),
         pytest.approx((2.0, 2.0, math.pi / 2)),

@@ -3,6 +3,7 @@
 import importlib.util
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 from typing import Any
 
@@ -216,7 +217,7 @@ def test_a_named_store_is_kept(asked, tmp_path):
 
 
 def test_without_a_store_no_file_is_left(asked, tmp_path, monkeypatch):
-    monkeypatch.setattr(comparison.tempfile, "tempdir", str(tmp_path / "scratch"))
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path / "scratch"))
     (tmp_path / "scratch").mkdir()
     compare("open", TWO, seeds=1)
     assert [path.name for path in tmp_path.iterdir()] == ["scratch"]

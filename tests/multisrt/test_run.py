@@ -6,8 +6,9 @@ import shapely
 
 import multisrt
 from multisrt.environments.environment import Environment
+from multisrt.finished_run import Run
 from multisrt.geometry.errors import InvalidInputError
-from multisrt.run import Run, RunKeywords, explore
+from multisrt.run import RunKeywords, explore
 from multisrt.simulation.worlds import inline
 from multisrt.spec import (
     Death,

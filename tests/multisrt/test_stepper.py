@@ -133,7 +133,7 @@ def test_the_present_state_is_drawn(tmp_path):
     stepper.run_until(time_s=6.0, robot=0, action=Sense)
     before = named(stepper.draw())
     assert {"robot 0: tree", "robot 0: body", "robot 1: body", "robot 1: death"} <= before
-    assert "robot 0: way ahead" not in before
+    assert "robot 0: path ahead" not in before
     stepper.save_svg(tmp_path / "state.svg")
     assert (tmp_path / "state.svg").read_text() == stepper._repr_svg_()
     assert f"at {stepper.time_s:,.1f} s" in stepper.draw()
@@ -146,7 +146,7 @@ def test_motions_under_way_are_drawn_with_their_ends():
     moving = [robot.robot for robot in stepper.robots if robot.motion is not None]
     assert moving
     for robot in moving:
-        assert {f"robot {robot}: way ahead", f"robot {robot}: end of the motion"} <= drawn
+        assert {f"robot {robot}: path ahead", f"robot {robot}: end of the motion"} <= drawn
     ahead: Any = stepper.robots[moving[0]].ahead
     assert ahead.start == pytest.approx(stepper.robots[moving[0]].configuration)
 

@@ -51,14 +51,14 @@ def costs_by_dijkstra(passable, start):
 @given(GRIDS, st.data())
 def test_paths_are_as_short_as_those_of_dijkstra(passable, data):
     start, goal = data.draw(cells(passable.shape)), data.draw(cells(passable.shape))
-    way = [tuple(cell) for cell in a_star(passable, *start, *goal).tolist()]
+    path = [tuple(cell) for cell in a_star(passable, *start, *goal).tolist()]
     cost = costs_by_dijkstra(passable, start)[goal] if passable[goal] else math.inf
     if math.isinf(cost):
-        assert way == []
+        assert path == []
         return
-    assert (way[0], way[-1]) == (start, goal)
-    assert all(may_step(passable, a, b) for a, b in pairwise(way))
-    assert sum(math.dist(a, b) for a, b in pairwise(way)) == pytest.approx(cost)
+    assert (path[0], path[-1]) == (start, goal)
+    assert all(may_step(passable, a, b) for a, b in pairwise(path))
+    assert sum(math.dist(a, b) for a, b in pairwise(path)) == pytest.approx(cost)
 
 
 def test_the_only_path_of_a_maze_is_found():

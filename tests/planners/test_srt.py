@@ -172,7 +172,7 @@ def test_candidates_without_room_are_recorded_as_drawn():
     assert reason == "no room"
 
 
-def test_a_car_draws_where_it_fits_on_a_straight_way():
+def test_a_car_draws_where_it_fits_on_a_straight_path():
     # It cannot turn in place, but curves may lead there; `accept` decides on those.
     corridor = region(shapely.box(0, 0, 4, 0.5), 2.0, 0.25)
     ends = np.array([(4.0, 0.2, 4.0, 0.3), (0.0, 0.3, 0.0, 0.2)])
@@ -245,8 +245,8 @@ def test_a_door_seen_edge_on_is_approached(worlds):
     assert there < 0.5 * shapely.Point(at[:2]).distance(target)
     assert y > 3.0
     assert seen.polygon().exterior.distance(shapely.Point(x, y)) >= 0.25
-    way = shapely.LineString([at[:2], (x, y)])
-    assert way.buffer(0.25).difference(seen.polygon()).area < 1e-6
+    path = shapely.LineString([at[:2], (x, y)])
+    assert path.buffer(0.25).difference(seen.polygon()).area < 1e-6
 
 
 def test_after_a_refusal_the_next_place_is_tried():

@@ -15,7 +15,7 @@ from multisrt.planners.motion.body import PlanningBody
 from multisrt.planners.motion.kinematics import Holonomic
 from multisrt.planners.srt import SrtPlanner
 from multisrt.planners.srt_options import SrtOptions
-from multisrt.planners.viewing import Way, arc_points
+from multisrt.planners.viewing import ViewingPlace, arc_points
 
 
 def planner(footprint: str = "disc:0.25") -> SrtPlanner:
@@ -52,7 +52,7 @@ def test_viewing_place_has_room_for_the_whole_margin():
     # The lattice has steps of d_min / 4 = 0.125 m around (6, 2). At x = 5.75 the disc of 0.252 m
     # does not fit; at x = 5.625 there is the whole margin.
     found = viewing_place(ARC, shapely.box(0, 0, 6, 4), 3.0, standing_at((1.0, 2.0)))
-    assert found == Way(5.625, 2.0, 0, roomy=True)
+    assert found == ViewingPlace(5.625, 2.0, 0, roomy=True)
 
 
 def test_viewing_place_is_away_from_nodes():
@@ -81,7 +81,7 @@ def test_viewing_place_may_be_reached_on_curves():
         return node == 0 and len(asked) > 2
 
     found = viewing_place(ARC, free, 3.0, nodes, leads)
-    assert found == Way(*asked[3][1:], 0, roomy=False)
+    assert found == ViewingPlace(*asked[3][1:], 0, roomy=False)
     # Nearest nodes first, place by place.
     assert [node for node, *_ in asked] == [1, 0, 1, 0]
     asked.clear()
@@ -94,15 +94,15 @@ def test_viewing_place_may_be_reached_on_curves():
     ),
     half_width=st.floats(0.5, 3.0),
 )
-def test_no_way_is_found_where_none_may_begin(places, half_width):
+def test_no_path_is_found_where_none_may_begin(places, half_width):
     nodes = standing_at(*places)
     window = shapely.box(6 - half_width, 2 - half_width, 6 + half_width, 2 + half_width)
     free = shapely.box(0, 0, 6, 4).intersection(window)
-    if not planner().may_find_way(6.0, 2.0, half_width, nodes):
+    if not planner().may_find_path(6.0, 2.0, half_width, nodes):
         assert isinstance(viewing_place(ARC, free, half_width, nodes), str)
 
 
-def test_ways_begin_inside_the_window_or_at_narrow_nodes():
+def test_paths_begin_inside_the_window_or_at_narrow_nodes():
     inside, outside = standing_at((5.0, 2.0), (2.0, 2.0))
     slit = shapely.box(1.0, 1.8, 3.0, 2.2)
     narrow = SimpleNamespace(
@@ -110,10 +110,10 @@ def test_ways_begin_inside_the_window_or_at_narrow_nodes():
         region=SimpleNamespace(boundary=np.array(slit.exterior.coords)[:-1]),
     )
     box = planner("box:0.5x0.3")
-    assert box.may_find_way(6.0, 2.0, 1.5, [outside, inside])
-    assert not box.may_find_way(6.0, 2.0, 1.5, [outside])
-    assert box.may_find_way(6.0, 2.0, 1.5, [outside, narrow])
-    assert not box.may_find_way(6.0, 2.0, 1.5, [])
+    assert box.may_find_path(6.0, 2.0, 1.5, [outside, inside])
+    assert not box.may_find_path(6.0, 2.0, 1.5, [outside])
+    assert box.may_find_path(6.0, 2.0, 1.5, [outside, narrow])
+    assert not box.may_find_path(6.0, 2.0, 1.5, [])
 
 
 def test_too_narrow_for_the_body():
@@ -131,7 +131,7 @@ def test_too_narrow_where_only_the_slit_sees_the_arc():
     assert viewing_place(arc, free, 3.0, standing_at((1.0, 1.0))) == "too narrow"
 
 
-def test_not_reachable_by_a_straight_way():
+def test_not_reachable_by_a_straight_path():
     # The pocket before the arc has room for the body, but only a slit, round a corner, leads there.
     rooms = shapely.box(0, 0, 4, 4), shapely.box(4.5, 1, 6, 3)
     slit = shapely.box(4, 0, 5.2, 0.2), shapely.box(5, 0, 5.2, 1)
@@ -153,7 +153,7 @@ def test_points_of_an_arc_outside_the_window_are_ignored():
     arc = np.array([(6.0, 0.2, 6.0, 3.8)])
     nodes = standing_at((5.3, 2.0), (5.65, 2.0), (4.0, 0.7))
     free = shapely.box(0, 0, 6, 4)
-    assert isinstance(viewing_place(arc, free, 1.0, nodes), Way)
+    assert isinstance(viewing_place(arc, free, 1.0, nodes), ViewingPlace)
     window = (5.0, 1.6, 7.0, 2.4)
     assert viewing_place(arc, free, 1.0, nodes, window=window) == "seen from near"
 

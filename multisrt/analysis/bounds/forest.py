@@ -3,7 +3,7 @@
 **Theorem.** Let the robots' paths begin at a common point, the root, and come into each of n
 regions, but for some that are left out, whose amounts sum to at most `spare`. Let d(i, j) bound
 from below the path between regions i and j, and d(i) that from the root to region i. Cut each path
-where it first comes into a region that no way has come into before it in the order of robots and
+where it first comes into a region that no path has entered before it in the order of robots and
 time: it has at least the sum of d over consecutive regions. So the paths of the team are at least
 as long as a spanning tree in which the root has at most as many branches as there are robots and
 no region more than two neighbours, while each region left out hangs at the root by an edge of
@@ -63,7 +63,7 @@ class Service(NamedTuple):
 
 
 @kernel
-def least_total_way(service: Service, chosen: IntArray, rounds: int) -> float:
+def min_total_length(service: Service, chosen: IntArray, rounds: int) -> float:
     """Return a lower bound of the total length of the paths that serve some regions, in metres.
 
     Parameters
@@ -86,14 +86,14 @@ def least_total_way(service: Service, chosen: IntArray, rounds: int) -> float:
 
     >>> between, start = np.array([[0.0, 7.0], [7.0, 0.0]]), np.array([3.0, 4.0])
     >>> service = Service(between, start, np.ones(2), 0.0, 100.0, 1)
-    >>> round(least_total_way(service, np.arange(2), 200), 1)
+    >>> round(min_total_length(service, np.arange(2), 200), 1)
     10.0
-    >>> round(least_total_way(service._replace(robots=2), np.arange(2), 200), 1)
+    >>> round(min_total_length(service._replace(robots=2), np.arange(2), 200), 1)
     7.0
 
     If one of them may be left out, at best the nearer one is served:
 
-    >>> round(least_total_way(service._replace(spare=1.0, price=4.0), np.arange(2), 200), 1)
+    >>> round(min_total_length(service._replace(spare=1.0, price=4.0), np.arange(2), 200), 1)
     3.0
     """
     between, start, amounts, spare, price, robots = service
@@ -158,12 +158,12 @@ def chosen_regions(service: Service, chosen: BoolArray, rounds: int) -> IntArray
         Number of subgradient steps for each attempt.
     """
     now = chosen.copy()
-    best = least_total_way(service, np.flatnonzero(now), rounds)
+    best = min_total_length(service, np.flatnonzero(now), rounds)
     while True:
         change = -1
         for i in range(now.shape[0]):
             now[i] = not now[i]
-            length = least_total_way(service, np.flatnonzero(now), rounds)
+            length = min_total_length(service, np.flatnonzero(now), rounds)
             now[i] = not now[i]
             if length > best + MIN_GAIN_M:
                 best, change = length, i

@@ -212,7 +212,7 @@ def edges_of(area: BaseGeometry) -> FloatArray:
     return edges
 
 
-class ShortestWays:
+class ShortestPaths:
     """Lower bounds of the lengths of paths through a set of cells.
 
     Parameters
@@ -228,9 +228,9 @@ class ShortestWays:
 
     >>> corridor = shapely.LineString([(0, 0), (6, 8)]).buffer(0.05)
     >>> lattice = Lattice.over(corridor, 0.1)
-    >>> ways = ShortestWays(lattice, lattice.touched(corridor))
+    >>> paths = ShortestPaths(lattice, lattice.touched(corridor))
     >>> ends = [lattice.touched(shapely.Point(*end).buffer(0.01)) for end in [(0, 0), (6, 8)]]
-    >>> lengths = ways.between([ways.corners(end) for end in ends])
+    >>> lengths = paths.between([paths.corners(end) for end in ends])
     >>> bool(9.5 < lengths[0, 1] < 10.0)
     True
     """

@@ -109,7 +109,7 @@ def lower_bounds(
     -----
     **Area.** While a robot moves from x to x', at a distance d, its disc of range R takes in at
     most 2 R d more area: the disc around x' without that around x is no larger. So all that it
-    has seen after a way of length l is in a set whose area is at most that of its first disc and
+    has seen after a path of length l is in a set whose area is at most that of its first disc and
     2 R l more. What is seen at all is in free space; so the robots together have seen no more
     than the free part of the union of their first discs, and the sum of 2 R v t. A laser shows
     nothing beyond its range either.

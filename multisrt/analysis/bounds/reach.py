@@ -4,12 +4,12 @@
 the space in which lines of sight run: free space, and around it as much as the robot's range
 finder may be off (`Member.spread_m`). When the robot has seen x by a time t, then t is at least
 (d(x) - R) / v, with its range R and speed v. For it has been at a place from which it saw x in
-a straight line no longer than R, and had come there by a way no longer than v t; both lie in the
+a straight line no longer than R, and had come there by a path no longer than v t; both lie in the
 space. So the points of the least such time over all robots beyond t are unseen at t. Where the
 places that bodies can reach, which are explorable, have more area beyond t than may be left
 unseen, the team has not seen its share by t.
 
-Distances are those of `ShortestWays` over the cells that touch the space, which are never longer
+Distances are those of `ShortestPaths` over the cells that touch the space, which are never longer
 than d(x) for any point x of the cell at whose corners they end; areas of places are exact for
 each cell.
 """
@@ -25,7 +25,7 @@ import numpy as np
 from shapely import MultiPolygon, Polygon
 from shapely.geometry.base import BaseGeometry
 
-from multisrt.analysis.bounds.lattice import Lattice, ShortestWays
+from multisrt.analysis.bounds.lattice import Lattice, ShortestPaths
 from multisrt.analysis.bounds.team import Member
 from multisrt.environments.environment import Environment
 from multisrt.geometry.numerics.kernel import FloatArray, IntArray
@@ -94,10 +94,10 @@ def _lattice(environment: Environment) -> Lattice:
 
 
 @lru_cache(maxsize=16)
-def _ways(environment: Environment, spread_m: float) -> ShortestWays:
+def _shortest_paths(environment: Environment, spread_m: float) -> ShortestPaths:
     lattice = _lattice(environment)
     space = environment.free.buffer(spread_m, join_style="mitre", mitre_limit=2.0)
-    return ShortestWays(lattice, lattice.touched(space if spread_m else environment.free))
+    return ShortestPaths(lattice, lattice.touched(space if spread_m else environment.free))
 
 
 @lru_cache(maxsize=16)
@@ -120,7 +120,7 @@ def _distances(
     starts: tuple[tuple[float, float], ...],
 ) -> FloatArray:
     # From the nearest start to each of the cells that hold places.
-    ways = _ways(environment, spread_m)
+    paths = _shortest_paths(environment, spread_m)
     here = _lattice(environment).cells_at(np.array(starts))
     rows, columns, _ = _places_by_cell(environment, reachable)
-    return ways.to_cells(ways.from_any(ways.corners(here)), rows, columns)
+    return paths.to_cells(paths.from_any(paths.corners(here)), rows, columns)

@@ -5,11 +5,11 @@ which is explorable. Its *region* are the places from which any point of it is s
 has been in none of the region has seen nothing of the witness. So, whichever witnesses a team has
 seen nothing of, their areas sum to no more than what may be left unseen; and the paths of the
 robots come into the regions of all others. How long they must be for that in total is bounded by
-`least_total_way`, from distances between regions. The farther apart the regions are, the better:
+`min_total_length`, from distances between regions. The farther apart the regions are, the better:
 witnesses in dead ends and behind corners, with small regions, are tried first.
 
 **Theorem.** Take those witnesses whose regions are farther than a distance r from all starts. Let
-B bound, as `least_total_way` does, the total length of the parts of the robots' paths that lie
+B bound, as `min_total_length` does, the total length of the parts of the robots' paths that lie
 farther than r from all starts, where the distances between two regions and to them count only as
 far as they must lie there: min(d(i, j), d(i) - r + d(j) - r) and d(i) - r. Let B be positive.
 A robot that comes farther than r from the starts needs r to do so, and has v t - r left by time
@@ -37,8 +37,8 @@ from typing import Final
 
 import numpy as np
 
-from multisrt.analysis.bounds.forest import Service, chosen_regions, least_total_way
-from multisrt.analysis.bounds.lattice import Lattice, ShortestWays, edges_of
+from multisrt.analysis.bounds.forest import Service, chosen_regions, min_total_length
+from multisrt.analysis.bounds.lattice import Lattice, ShortestPaths, edges_of
 from multisrt.analysis.bounds.reach import Places, cell_width
 from multisrt.analysis.bounds.team import Member
 from multisrt.environments.environment import Environment
@@ -96,20 +96,20 @@ class Witnesses:
     ----------
     lattice : Lattice
         Cells over the places that bodies can reach.
-    ways : ShortestWays
+    paths : ShortestPaths
         Paths through these places.
     squares : (n, 4) array
         x0, y0, x1, y1 of each witness in metres.
     areas_m2 : (n,) array
         The area of each that bodies can reach.
     regions : tuple of (k,) arrays of int
-        The corners of the cells that the region of each touches, numbered by `ways`.
+        The corners of the cells that the region of each touches, numbered by `paths`.
     between : (n, n) array
         Lower bounds in metres of the paths between two regions.
     """
 
     lattice: Lattice
-    ways: ShortestWays
+    paths: ShortestPaths
     squares: FloatArray
     areas_m2: FloatArray
     regions: tuple[IntArray, ...]
@@ -117,8 +117,8 @@ class Witnesses:
 
     def from_starts(self, starts: Sequence[tuple[float, float]]) -> FloatArray:
         """Return lower bounds in metres of the paths from the nearest start to each region."""
-        here = self.ways.corners(self.lattice.cells_at(np.array(sorted(set(starts)))))
-        lengths = self.ways.from_any(here)
+        here = self.paths.corners(self.lattice.cells_at(np.array(sorted(set(starts)))))
+        lengths = self.paths.from_any(here)
         least: FloatArray = np.array([lengths[region].min() for region in self.regions])
         return least
 
@@ -157,13 +157,13 @@ def witness_s(
     robots = np.arange(1, len(team) + 1)
     longest = 0.0
     for distance in np.linspace(0.0, float(start.max()), DISTANCES, endpoint=False).tolist():
-        way = _way_beyond(known, start, distance, unseen_m2, len(team))
-        if way > 0.0:
-            longest = max(longest, float(np.min((way + robots * distance) / speeds)))
+        length = _length_beyond(known, start, distance, unseen_m2, len(team))
+        if length > 0.0:
+            longest = max(longest, float(np.min((length + robots * distance) / speeds)))
     return longest
 
 
-def _way_beyond(
+def _length_beyond(
     known: Witnesses, start: FloatArray, distance: float, unseen_m2: float, robots: int
 ) -> float:
     # A lower bound of the total path length beyond a distance from the starts.
@@ -178,7 +178,7 @@ def _way_beyond(
             between, beyond, known.areas_m2[far] / unit_m2, unseen_m2 / unit_m2, price, robots
         )
         chosen = chosen_regions(service, nothing, ROUNDS_TRYING)
-        longest = max(longest, least_total_way(service, chosen, ROUNDS_FINAL))
+        longest = max(longest, min_total_length(service, chosen, ROUNDS_FINAL))
     return longest
 
 
@@ -208,7 +208,7 @@ def witnesses(
     for row, column in np.argwhere(areas >= MIN_FILLED * side_m**2).tolist():
         centre = np.array([_corner(lattice, row, column, side)]) + 0.5 * side_m
         found.append((int(np.count_nonzero(sight.seen_from(centre))), row, column))
-    ways = ShortestWays(lattice, places)
+    paths = ShortestPaths(lattice, places)
     kept: list[tuple[int, int]] = []
     regions: list[IntArray] = []
     for _, row, column in sorted(found):
@@ -219,12 +219,12 @@ def witnesses(
         own = np.s_[row * side : (row + 1) * side, column * side : (column + 1) * side]
         region[own] = places[own]
         kept.append((row, column))
-        regions.append(ways.corners(region))
+        regions.append(paths.corners(region))
         if len(kept) == MAX_WITNESSES:
             break
     return Witnesses(
         lattice=lattice,
-        ways=ways,
+        paths=paths,
         squares=np.array(
             [
                 (*corner, corner[0] + side_m, corner[1] + side_m)
@@ -233,7 +233,7 @@ def witnesses(
         ).reshape(-1, 4),
         areas_m2=np.array([areas[row, column] for row, column in kept]),
         regions=tuple(regions),
-        between=ways.between(regions) if regions else np.zeros((0, 0)),
+        between=paths.between(regions) if regions else np.zeros((0, 0)),
     )
 
 

@@ -14,7 +14,7 @@ known area, and the path to that place is the shortest one, not one from cell to
   swap forever.
 - A cell counts as inaccessible once every robot that is present (`Teammates.present`) has found
   it so, not every robot of the team. Robots also report the places at the edge of the known area
-  that they reached in vain.
+  that they reached without result.
 - A robot that was stuck goes to a random place (proposed in the thesis as future work).
 """
 
@@ -35,14 +35,14 @@ from multisrt.planners.navigation.path_following import ahead
 from multisrt.planners.navigation.right_of_way import Party, right_of_way
 from multisrt.robots.explorer import Action, Note, Outcome, RobotSelf, Send, Sighting
 from multisrt.robots.frontier.alvarez_goals import (
+    PathToCell,
     Survey,
-    Way,
     is_open,
+    path_cost,
+    path_to,
     robot_options,
     search,
     take_survey,
-    way_cost,
-    way_to,
 )
 from multisrt.robots.frontier.driving import REACHED_M, Driven, drive, drive_leg
 from multisrt.robots.frontier.explore import FrontierExplorer
@@ -108,23 +108,23 @@ class Rules:
         with robot.around_bodies():
             survey = take_survey(robot, team.cells.tried, agreed(robot))
             aim = None if because in REPLANNING_EVENTS else team.cells.aim
-            way = None if aim is None else way_to(robot, survey, aim)
+            path = None if aim is None else path_to(robot, survey, aim)
             unreached: list[Place] = []
             scores: Scores = ()
-            if way is None:
+            if path is None:
                 aim, scores, unreached = best_cell(robot, survey)
-                way = None if aim is None else way_to(robot, survey, aim)
-            goal = None if way is None else goal_of(robot, way)
+                path = None if aim is None else path_to(robot, survey, aim)
+            goal = None if path is None else goal_of(robot, path)
         team.cells.aim = None if goal is None else aim
         yield from tell_inaccessible(robot, [] if len(robot.bodies) else unreached, tried)
         if self.in_vain >= robot_options(robot).random_goal_after and goal is not None:
             return (yield from self.wander(robot, because))
-        if goal is None or way is None:
+        if goal is None or path is None:
             goal = yield from choose_closest(robot, because)
             self.place = None if goal is None else goal.place
             return goal
         self.place = goal.place
-        yield Note(chosen(robot, "rules", because, aim, way.cost_m, scores))
+        yield Note(chosen(robot, "rules", because, aim, path.cost_m, scores))
         return goal
 
     def remember(self, robot: FrontierRobot, because: Event) -> tuple[Place, ...]:
@@ -242,20 +242,20 @@ class Rules:
         with robot.around_bodies():
             survey = take_survey(robot, team.cells.tried, agreed(robot))
             here = robot.at[:2]
-            own = way_cost(robot, survey, here, team.cells.aim)
+            own = path_cost(robot, survey, here, team.cells.aim)
             owners, asked = [own], [math.inf]
             for mate in mates:
                 assert mate.aim is not None
                 is_near = math.dist(here, mate.aim) < own
                 owners.append(
-                    way_cost(robot, survey, mate.place[:2], mate.aim) if is_near else math.inf
+                    path_cost(robot, survey, mate.place[:2], mate.aim) if is_near else math.inf
                 )
-                asked.append(way_cost(robot, survey, here, mate.aim) if is_near else math.inf)
+                asked.append(path_cost(robot, survey, here, mate.aim) if is_near else math.inf)
             partner = exchange(0, asked, owners)
             if partner is None:
                 return False
             mate = mates[partner - 1]
-            swapped = asked[partner] + way_cost(robot, survey, mate.place[:2], team.cells.aim)
+            swapped = asked[partner] + path_cost(robot, survey, mate.place[:2], team.cells.aim)
         if mate.aim is None or swapped > own + owners[partner] + robot.options.cell_m:
             return False
         given, team.cells.aim = team.cells.aim, mate.aim
@@ -285,10 +285,10 @@ def best_scores(cells: FloatArray, given: GoalChoice) -> Scores:
     return tuple(zip(*cells[best].T.tolist(), *(t[best].tolist() for t in terms), strict=True))
 
 
-def goal_of(robot: FrontierRobot, way: Way) -> Goal | None:
+def goal_of(robot: FrontierRobot, path: PathToCell) -> Goal | None:
     """Return the place where a path leaves the known area as a goal."""
     field = robot.own_field()
-    return None if field is None else robot.goal_at(field, *way.edge)
+    return None if field is None else robot.goal_at(field, *path.edge)
 
 
 def chosen(
@@ -327,7 +327,7 @@ def agreed(robot: FrontierRobot) -> list[Place]:
 def tell_inaccessible(
     robot: FrontierRobot, cells: list[Place], tried: tuple[Place, ...]
 ) -> Generator[Action, Outcome, None]:
-    """INACCESSIBLE CELLS: report cells to which no path leads, and places tried in vain."""
+    """INACCESSIBLE CELLS: report cells to which no path leads, and places tried without result."""
     team, me = robot.team, robot.me.robot
     new = [cell for cell in cells if me not in team.cells.inaccessible.get(cell, {})]
     for cell in new:

@@ -52,7 +52,7 @@ class Survey:
     ----------
     row, column : int
         Where the first row and column of the raster's cells lie in the lattice.
-    unknown, ways : (rows, columns) array of bool
+    unknown, traversable : (rows, columns) array of bool
         Which cells of the raster are unknown, and which ones A* may pass.
     reachable : (rows, columns) array of bool
         Which of these can be reached from where the robot stands.
@@ -69,7 +69,7 @@ class Survey:
     row: int
     column: int
     unknown: BoolArray
-    ways: BoolArray
+    traversable: BoolArray
     reachable: BoolArray
     start: Cell | None
     centres: FloatArray
@@ -90,7 +90,7 @@ class Survey:
         return index is not None and bool(self.reachable[index])
 
 
-class Way(NamedTuple):
+class PathToCell(NamedTuple):
     """A path to an unexplored cell.
 
     Attributes
@@ -115,7 +115,7 @@ def take_survey(
     robot : FrontierRobot
         The robot. In `around_bodies`, bodies in its way are obstacles too.
     tried : iterable of (x, y)
-        Places at the edge of the known area that were tried in vain.
+        Places at the edge of the known area that were tried without result.
     inaccessible : iterable of (x, y)
         Cells of the search that all robots found inaccessible; they are obstacles.
     """
@@ -127,16 +127,16 @@ def take_survey(
     row, column = raster.row + int(rows[0]) - pad, raster.column + int(columns[0]) - pad
     inner = slice(pad, shape[0] - pad), slice(pad, shape[1] - pad)
     held = slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1)
-    unknown, ways = np.ones(shape, np.bool_), np.zeros(shape, np.bool_)
+    unknown, traversable = np.ones(shape, np.bool_), np.zeros(shape, np.bool_)
     unknown[inner] = ~seen[held]
-    ways[inner] = raster.passable[held]
-    ways |= unknown & ~_closed(robot, tried, (row, column), shape)
+    traversable[inner] = raster.passable[held]
+    traversable |= unknown & ~_closed(robot, tried, (row, column), shape)
 
-    start = robot.ways.first_cell()
+    start = robot.path_finder.first_cell()
     reached = np.zeros(shape, np.bool_)
     if start is not None:
         start = start[0] - row, start[1] - column
-        reached = reachable(ways, *start)
+        reached = reachable(traversable, *start)
 
     x0, y0 = raster.centre_of(row + pad, column + pad)
     x1, y1 = raster.centre_of(row + shape[0] - pad - 1, column + shape[1] - pad - 1)
@@ -146,7 +146,7 @@ def take_survey(
         [raster.cell_of(x, 0.0)[1] - column for x in xs.tolist()],
     )
     unexplored = unknown[at]
-    obstacle = ~unexplored & ~ways[at]
+    obstacle = ~unexplored & ~traversable[at]
     for x, y in inaccessible:
         r, c = round((y - ys[0]) / width), round((x - xs[0]) / width)
         if 0 <= r < len(ys) and 0 <= c < len(xs) and unexplored[r, c]:
@@ -155,7 +155,7 @@ def take_survey(
         row=row,
         column=column,
         unknown=unknown,
-        ways=ways,
+        traversable=traversable,
         reachable=reached,
         start=start,
         centres=np.stack(np.meshgrid(xs, ys), axis=-1),
@@ -256,7 +256,7 @@ def search(
     )
 
 
-def way_to(robot: FrontierRobot, survey: Survey, aim: Place) -> Way | None:
+def path_to(robot: FrontierRobot, survey: Survey, aim: Place) -> PathToCell | None:
     """Return the path to an unexplored cell; None if there is none, or the cell has been seen.
 
     LOOK AHEAD: where no obstacle lies ahead, the path is straight. PLAN: otherwise by A*.
@@ -272,27 +272,27 @@ def way_to(robot: FrontierRobot, survey: Survey, aim: Place) -> Way | None:
     (r, c), (goal_r, goal_c) = survey.start, goal
     obstacles = survey.centres[survey.obstacle]
     if not cells_ahead(obstacles, robot.at[:2], aim, width).any() and in_sight(
-        survey.ways, c + 0.5, r + 0.5, goal_c, goal_r
+        survey.traversable, c + 0.5, r + 0.5, goal_c, goal_r
     ):
         n = SAMPLES * (abs(goal_r - r) + abs(goal_c - c)) + 1
         line = np.linspace((r + 0.5, c + 0.5), (goal_r + 0.5, goal_c + 0.5), n)
-        way, cells = np.floor(line).astype(np.int64), math.hypot(goal_r - r, goal_c - c)
+        path, cells = np.floor(line).astype(np.int64), math.hypot(goal_r - r, goal_c - c)
     else:
-        way = a_star(survey.ways, r, c, goal_r, goal_c)
-        cells = _length(way)
-    row, column = way[last_known(survey.ways & ~survey.unknown, way)].tolist()
+        path = a_star(survey.traversable, r, c, goal_r, goal_c)
+        cells = _length(path)
+    row, column = path[last_known(survey.traversable & ~survey.unknown, path)].tolist()
     edge = raster.centre_of(row + survey.row, column + survey.column)
-    return Way(edge, cells * raster.cell_m)
+    return PathToCell(edge, cells * raster.cell_m)
 
 
-def last_known(known: BoolArray, way: IntArray) -> int:
+def last_known(known: BoolArray, path: IntArray) -> int:
     """Return the index of the last cell of a path before its first step into unknown cells.
 
     Parameters
     ----------
     known : (rows, columns) array of bool
         Which cells are known.
-    way : (n, 2) array of int
+    path : (n, 2) array of int
         The path as rows and columns; its last cell is not known.
 
     Returns
@@ -300,24 +300,24 @@ def last_known(known: BoolArray, way: IntArray) -> int:
     int
         Index into the path. A diagonal step counts as known if one of the two cells beside it is.
     """
-    rows, columns = way.T
+    rows, columns = path.T
     beside = known[rows[:-1], columns[1:]] | known[rows[1:], columns[:-1]]
     return int(np.argmin(known[rows[1:], columns[1:]] & beside))
 
 
-def way_cost(robot: FrontierRobot, survey: Survey, place: Place, aim: Place) -> float:
+def path_cost(robot: FrontierRobot, survey: Survey, place: Place, aim: Place) -> float:
     """Return the length in metres of the path of A* from a place to a cell; inf without one."""
     start = robot.raster.passable_near(*place, NEAR_BY_CELLS)
     goal = survey.index_of(robot.raster, aim)
     if start is None or goal is None:
         return math.inf
-    way = a_star(survey.ways, start[0] - survey.row, start[1] - survey.column, *goal)
-    return _length(way) * robot.raster.cell_m if len(way) else math.inf
+    path = a_star(survey.traversable, start[0] - survey.row, start[1] - survey.column, *goal)
+    return _length(path) * robot.raster.cell_m if len(path) else math.inf
 
 
-def _length(way: IntArray) -> float:
+def _length(path: IntArray) -> float:
     """Return the length of a path of cells, in cells."""
-    steps = np.abs(np.diff(way, axis=0)).sum(axis=1)
+    steps = np.abs(np.diff(path, axis=0)).sum(axis=1)
     return float((steps == 1).sum() + DIAGONAL * (steps == 2).sum())
 
 

@@ -1,4 +1,4 @@
-"""Bodies of other robots that bar the way and do not leave."""
+"""Bodies of other robots that block the path and do not leave."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ MOVED_M = 0.05
 
 @dataclass(frozen=True, slots=True)
 class BodyInTheWay:
-    """A robot that bars the way and does not leave.
+    """A robot that blocks the path and does not leave.
 
     Attributes
     ----------

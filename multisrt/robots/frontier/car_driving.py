@@ -142,11 +142,13 @@ class CarDriver:
             None if the exit does not lead so far away.
         """
         starts = self.route.exit_starts()
-        places = np.array([way.end[:2] for way in starts])
-        place = place_aside(places, np.array([way.duration_s for way in starts]), path, apart_m)
+        places = np.array([motion.end[:2] for motion in starts])
+        place = place_aside(
+            places, np.array([motion.duration_s for motion in starts]), path, apart_m
+        )
         if place is None:
             return None
-        first = next(way for way in starts if way.end[:2] == place)
+        first = next(motion for motion in starts if motion.end[:2] == place)
         self.route.take_exit(first)
         self._aim = place
         return first

@@ -20,7 +20,7 @@ from multisrt.geometry.configuration import Configuration, wrap_angle
 from multisrt.geometry.numerics.distances import inside
 from multisrt.geometry.numerics.kernel import FloatArray
 from multisrt.planners.motion.body import PlanningBody
-from multisrt.planners.motion.car import ARRIVAL_TURNS, MAX_SEED, car_ways, shortest_way
+from multisrt.planners.motion.car import ARRIVAL_TURNS, MAX_SEED, car_out_and_back, shortest_curve
 from multisrt.planners.motion.curves import curve_length
 from multisrt.planners.motion.kinematics import Car
 from multisrt.planners.motion.room import Room
@@ -116,7 +116,9 @@ class CarPlanner:
         """
         body, car = self._body, self._car
         points = spaced_points(path, HORIZON * self._me.range_m)
-        known = self._known_around(np.vstack([points[:, :2], [way.end[:2] for way in starts]]))
+        known = self._known_around(
+            np.vstack([points[:, :2], [motion.end[:2] for motion in starts]])
+        )
         rings = rings_of(known.difference(self._bodies_beside(path, seen)))
         room = body.room(rings, self._course.at)
         if room is None:
@@ -144,11 +146,11 @@ class CarPlanner:
         """Plan by sampling, out and back to here."""
         for x, y, _, _ in ends:
             seed = int(self._me.rng.integers(1, MAX_SEED))
-            ways = car_ways(
+            found = car_out_and_back(
                 self._body, self._car, rings, here.end, x, y, seed, max_checks=MAX_CHECKS
             )
-            if ways is not None:
-                return Excursion(here, *ways, 0.0)
+            if found is not None:
+                return Excursion(here, *found, 0.0)
         return None
 
     def _known_around(self, points: FloatArray) -> BaseGeometry:
@@ -195,7 +197,9 @@ class _Curves:
     def __init__(self, car: Car, room: Room, starts: Sequence[Trajectory]) -> None:
         self._car = car
         self._room = room
-        self._homes = [(way.duration_s, way.end) for way in starts if room.holds(way.end)]
+        self._homes = [
+            (motion.duration_s, motion.end) for motion in starts if room.holds(motion.end)
+        ]
         self._backs: dict[Configuration, tuple[Trajectory, float] | None] = {}
 
     def find(self, first: Trajectory, room: Room, ends: list[End]) -> Excursion | None:
@@ -206,7 +210,7 @@ class _Curves:
             goals = [goal for goal in goals if room.holds(goal)]
             # The nearest heading first, whether forwards or backwards.
             for goal in sorted(goals, key=lambda goal: curve_length(self._car, start, goal)):
-                out = shortest_way(self._car, room, start, goal)
+                out = shortest_curve(self._car, room, start, goal)
                 if out is None or out.duration_s == 0.0:
                     continue
                 if self._car.reverse:
@@ -219,8 +223,10 @@ class _Curves:
     def _back(self, place: Configuration) -> tuple[Trajectory, float] | None:
         """Return a motion from a place to the exit, and the time along the exit there."""
         if place not in self._backs:
-            ways = ((shortest_way(self._car, self._room, place, at), s) for s, at in self._homes)
-            self._backs[place] = next(((way, s) for way, s in ways if way is not None), None)
+            found = ((shortest_curve(self._car, self._room, place, at), s) for s, at in self._homes)
+            self._backs[place] = next(
+                ((motion, s) for motion, s in found if motion is not None), None
+            )
         return self._backs[place]
 
 

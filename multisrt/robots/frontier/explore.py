@@ -7,7 +7,7 @@ SBX-R                              module
 =================================  =============================================================
 Algorithm 1, main exploration      `explore`, here, with the states in `progress`
 - map generator                    `scan_map`
-- EEDT planner                     `ways`, with `geometry.grids.euclidean_field`
+- EEDT planner                     `path_finder`, with `geometry.grids.euclidean_field`
 - navigator                        `nearness`, with `planners.navigation.nearness_diagram`
 - stop signal                      `self_bidding`; heard in `team`
 Algorithm 2, table of bids         `self_bidding`, with `planners.assignment.self_bidding`
@@ -162,10 +162,10 @@ class FrontierExplorer:
         if ended is Event.REACHED:
             robot.frontiers.note_reached(goal.place, robot.at[:2])
         elif ended is Event.NO_WAY:
-            self.judge_no_way(goal)
+            self.judge_no_path(goal)
         return ended
 
-    def judge_no_way(self, goal: Goal) -> None:
+    def judge_no_path(self, goal: Goal) -> None:
         """Give a goal up if it is the second to which the path was not free from here."""
         robot, here = self.robot, self.progress.standstill
         if robot.car is not None:
@@ -177,7 +177,7 @@ class FrontierExplorer:
     def request(self) -> Event:
         """Return what the others want from this robot, the most urgent first."""
         requests = self.robot.team.requests
-        if requests.way is not None:
+        if requests.give_way is not None:
             return Event.ASKED
         if requests.stop:
             requests.stop = False
@@ -203,7 +203,7 @@ class FrontierExplorer:
 
     def give_way(self) -> Act:
         """Make room for a robot that asked for it."""
-        robot, asked = self.robot, self.robot.team.requests.way
+        robot, asked = self.robot, self.robot.team.requests.give_way
         assert asked is not None
         place = robot.at[:2]
         yield from give_way(robot)
@@ -217,7 +217,7 @@ class FrontierExplorer:
         self.progress.note_wait()
         yield from robot.team.pause(robot.options.pause_s * (0.5 + robot.me.rng.random()))
         yield from robot.bodies.look()
-        return Event.BLOCKED if robot.team.requests.way is None else Event.ASKED
+        return Event.BLOCKED if robot.team.requests.give_way is None else Event.ASKED
 
     def stand_by(self) -> Act:
         """Be done until something new is heard."""
@@ -239,7 +239,7 @@ class FrontierExplorer:
         while robot.raster.revision == known and not team.requests.any_pending:
             outcome = yield done
             yield from team.take(outcome)
-        if team.requests.way is not None:
+        if team.requests.give_way is not None:
             return Event.ASKED
         team.requests.stop = False
         return Event.CALLED_ON

@@ -1,4 +1,4 @@
-"""Robots that stand in each other's way: detours, asking, and making room.
+"""Robots that block each other's path: detours, asking, and making room.
 
 Source: Álvarez, section "Conflicts between robots": of robots that meet, the first to notice
 leads and continues, and the others pause. Differs in: where a pause is not enough, as in a passage
@@ -38,7 +38,7 @@ def find_detour(
         return None
     options = robot.options
     limit_m = options.detour_factor * goal.cost_m + options.detour_extra_m
-    around = robot.ways.detour_to(goal, seen, limit_m)
+    around = robot.path_finder.detour_to(goal, seen, limit_m)
     if around is None or around.cost_m <= REACHED_M:
         return None
     progress.note_detour()
@@ -66,9 +66,9 @@ def ask_to_leave(robot: FrontierRobot, goal: Goal, met: Sighting) -> Steps:
         asked_s = team.asked_s[other] = robot.time_s
         yield Send(request_for(robot, goal), other)
         yield from team.pause(team.period_s)
-        if team.requests.way is None and team.mates.last_heard_s(other) >= asked_s:
+        if team.requests.give_way is None and team.mates.last_heard_s(other) >= asked_s:
             yield from team.pause(robot.options.pause_s * robot.me.rng.random())
-        if team.requests.way is not None:
+        if team.requests.give_way is not None:
             return
         now = {sighting.robot: sighting for sighting in (yield from robot.bodies.look())}
         if other not in now or has_moved(now[other], met):
@@ -84,7 +84,7 @@ def ask_to_leave(robot: FrontierRobot, goal: Goal, met: Sighting) -> Steps:
 def give_way(robot: FrontierRobot) -> Steps:
     """Leave the path of the robot that asked for it, and wait until it has passed."""
     team, pause_s = robot.team, robot.options.pause_s
-    asked, team.requests.way = team.requests.way, None
+    asked, team.requests.give_way = team.requests.give_way, None
     assert asked is not None
     aside = yield from find_place_aside(robot, asked)
     if aside is not None and aside.cost_m > REACHED_M:

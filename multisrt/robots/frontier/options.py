@@ -52,7 +52,7 @@ class FrontierOptions(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
         Time after which a question without an answer is repeated, in seconds; the latency of the
         radio is added.
     pause_s : float
-        Scale of the random times after which robots in each other's way try again, in seconds:
+        Scale of the random times after which robots that block each other try again, in seconds:
         up to this where a robot that was asked to leave has answered, where the asked robot finds
         no place to go to, and after `max_instant_goals`; half of this to one and a half times
         this after a robot gave way, and where one waits for others to leave the paths to the last

@@ -13,7 +13,7 @@ class Requests:
 
     Attributes
     ----------
-    way : GiveWayMessage or None
+    give_way : GiveWayMessage or None
         The last request to give way.
     stop : bool
         Whether a stop signal came for the present goal.
@@ -32,7 +32,7 @@ class Requests:
     (True, True)
     """
 
-    way: GiveWayMessage | None = None
+    give_way: GiveWayMessage | None = None
     stop: bool = False
     goal: bool = False
     assignment: AssignmentMessage | None = None
@@ -45,4 +45,4 @@ class Requests:
     @property
     def any_pending(self) -> bool:
         """Whether there is a request for which a robot stops driving."""
-        return self.way is not None or self.stop or self.a_choice_is_due
+        return self.give_way is not None or self.stop or self.a_choice_is_due

@@ -26,9 +26,9 @@ from multisrt.robots.frontier.fields import indices_of
 from multisrt.robots.frontier.frontiers import Frontiers
 from multisrt.robots.frontier.goal import Goal
 from multisrt.robots.frontier.options import FrontierOptions
+from multisrt.robots.frontier.path_finder import PathFinder
 from multisrt.robots.frontier.scan_map import ScanMap, raster_for
 from multisrt.robots.frontier.team import Team
-from multisrt.robots.frontier.ways import Ways
 
 Watch = Callable[["FrontierRobot"], Steps]
 """Called after every scan that showed something new."""
@@ -66,7 +66,7 @@ class FrontierRobot:
         Robots that stand in its way and do not leave.
     frontiers : Frontiers
         The places to go to.
-    ways : Ways
+    paths : PathFinder
         The shortest paths from where it stands.
     team : Team
         Its messages, and what it knows of the others.
@@ -94,7 +94,7 @@ class FrontierRobot:
         self.map = ScanMap(me.robot, raster, options.shape, options.cones)
         self.bodies = Bodies(self.course, self.map)
         self.frontiers = Frontiers(raster, width_m, width_m if least_m is None else least_m)
-        self.ways = Ways(self.body, options, self.course, self.map, self.bodies)
+        self.path_finder = PathFinder(self.body, options, self.course, self.map, self.bodies)
         self.team = Team(me, options, self.course, self.map, self.bodies, self.frontiers)
         drive = me.kinematics
         self.car = (
@@ -139,23 +139,23 @@ class FrontierRobot:
 
     def field(self, x: float, y: float) -> DistanceField | None:
         """Return the distances from a place; see `DistanceFields.field`."""
-        return self.ways.field(x, y)
+        return self.path_finder.field(x, y)
 
     def own_field(self) -> DistanceField | None:
-        """Return the distances from where the robot stands; see `Ways.own_field`."""
-        return self.ways.own_field()
+        """Return the distances from where the robot stands; see `PathFinder.own_field`."""
+        return self.path_finder.own_field()
 
     def around_bodies(self, sightings: Iterable[Sighting] = ()) -> AbstractContextManager[None]:
-        """Block the cells that bodies keep the robot from; see `Ways.around_bodies`."""
-        return self.ways.around_bodies(sightings)
+        """Block the cells that bodies keep the robot from; see `PathFinder.around_bodies`."""
+        return self.path_finder.around_bodies(sightings)
 
     def indices_of(self, places: FloatArray) -> IntArray:
         """Return the indices of the cells of places, ``(k, 2)``; see `fields.indices_of`."""
         return indices_of(self.raster, places)
 
     def goal_at(self, field: DistanceField, x: float, y: float) -> Goal:
-        """Return a place as a goal, with the path to it; see `Ways.goal_at`."""
-        return self.ways.goal_at(field, x, y)
+        """Return a place as a goal, with the path to it; see `PathFinder.goal_at`."""
+        return self.path_finder.goal_at(field, x, y)
 
     def blocked_frontiers(self) -> bool:
         """Whether there are frontiers to which only bodies in the way bar all paths."""
@@ -189,7 +189,7 @@ class FrontierRobot:
         """Whether a goal counts as reached from where the robot stands.
 
         That is so, by the option `reached`, if it is in sight within half the range, and was not
-        already seen from afar in vain.
+        already seen from afar without result.
         """
         if self.options.reached == "cell" or self.frontiers.was_seen_in_vain(goal.place):
             return False

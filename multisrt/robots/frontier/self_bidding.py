@@ -180,14 +180,14 @@ def path_gaps(
     if math.isinf(first_phi_m):
         return gaps
     reached = np.flatnonzero(np.isfinite(costs))
-    ways, begins = field.descents(indices[reached])
+    cells_on_paths, begins = field.descents(indices[reached])
     corner = np.array([field.x0, field.y0])
-    cells: FloatArray = (ways[:, ::-1] + 0.5) * field.cell_m + corner
+    cells: FloatArray = (cells_on_paths[:, ::-1] + 0.5) * field.cell_m + corner
     starts: FloatArray = field.starts * field.cell_m + corner
     radii = enclosing_radii(cells, begins, starts, others)
     gaps[reached] = radii
     for k in np.flatnonzero(radii > first_phi_m - ROUNDING_M).tolist():
-        path = straightened(field, ways[begins[k] : begins[k + 1]])
+        path = straightened(field, cells_on_paths[begins[k] : begins[k + 1]])
         gaps[reached[k]] = farthest_along(path, step_m, others)
     return gaps
 

@@ -74,7 +74,7 @@ class Team(Listener):
     bodies : Bodies
         The bodies in its way; those that are heard from are no longer lost.
     frontiers : Frontiers
-        Its targets; places that others tried in vain are given up.
+        Its targets; places that others tried without result are given up.
 
     Attributes
     ----------
@@ -201,7 +201,7 @@ class Team(Listener):
                 yield from self.learn(message.entries)
             case GiveWayMessage():
                 if not self._goes_first(message):
-                    self.requests.way = message
+                    self.requests.give_way = message
                 yield from self.report(to=message.sender)
             case StopMessage():
                 goal = self._course.goal

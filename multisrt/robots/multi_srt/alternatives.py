@@ -21,20 +21,20 @@ from multisrt.robots.multi_srt.messages import RobotState
 from multisrt.robots.multi_srt.robot import SrtRobot
 
 ASIDE_DIRECTIONS = 24
-"""Number of directions in which a place out of another's way is looked for."""
+"""Number of directions in which a place out of another's path is looked for."""
 
 ASIDE_SHARES = (0.25, 0.5, 0.75, 1.0)
 """Distances of such places, as shares of how far the robot gets in a direction."""
 
 MIN_ASIDE_GAPS = 2.0
-"""Such places are farther off than this many of the gaps to be kept: less hardly clears a way."""
+"""Such places are farther off than this many of the gaps to be kept: less hardly clears a path."""
 
 
 class KnownAlternatives:
-    """Finds other targets, detours and ways aside for the robots of a group.
+    """Finds other targets, detours and places aside for the robots of a group.
 
-    For a car there are only ways aside to nodes: where it has not been, only itself can compute how
-    it would come back. The path to a node is checked as a straight line in constant heading,
+    A car moves aside to nodes only: from elsewhere, only the car itself can compute how it would
+    come back. The path to a node is checked as a straight line in constant heading,
     whatever the motion is that the robot then makes; the protective stop guards the difference.
 
     Parameters
@@ -99,10 +99,10 @@ class KnownAlternatives:
                 if motion is not None:
                     yield motion
 
-    def ways_aside(
-        self, robot: int, way: Sweep, gap_m: float, prospects: Mapping[int, Prospect]
+    def motions_aside(
+        self, robot: int, swept: Sweep, gap_m: float, prospects: Mapping[int, Prospect]
     ) -> Iterator[tuple[float, Trajectory, NodeId | None]]:
-        """Find where a robot could leave another's way, the nearest place first.
+        """Find where a robot could move out of another's path, the nearest place first.
 
         First straight in its region, then the nearest node of the roadmap that is out of the
         path, towards which it makes one hop.
@@ -119,18 +119,18 @@ class KnownAlternatives:
         state = self._team.state_of(robot)
         if state.node is None:
             return
-        yield from self._places_aside(robot, state, way, gap_m)
-        yield from self._nodes_aside(robot, state, way, gap_m, prospects)
+        yield from self._places_aside(robot, state, swept, gap_m)
+        yield from self._nodes_aside(robot, state, swept, gap_m, prospects)
 
     def _places_aside(
-        self, robot: int, state: RobotState, way: Sweep, gap_m: float
+        self, robot: int, state: RobotState, swept: Sweep, gap_m: float
     ) -> Iterator[tuple[float, Trajectory, NodeId | None]]:
         if isinstance(state.kinematics, Car):
             return
         body, heading = self._body(robot), state.place[2]
         for length, x, y in self._fan(robot, state, gap_m):
             place = Sweep(body.footprint, standing_at(Configuration(x, y, heading)))
-            if place.distance_to(way) >= gap_m:
+            if place.distance_to(swept) >= gap_m:
                 motion = self._straight(robot, x, y)
                 if motion is not None:
                     yield length, motion, None
@@ -139,24 +139,24 @@ class KnownAlternatives:
         self,
         robot: int,
         state: RobotState,
-        way: Sweep,
+        swept: Sweep,
         gap_m: float,
         prospects: Mapping[int, Prospect],
     ) -> Iterator[tuple[float, Trajectory, NodeId | None]]:
         assert state.node is not None
-        known, ways, footprint = self._map, self._robot.ways, self._body(robot).footprint
-        ways.extend()
+        known, roadmap, footprint = self._map, self._robot.roadmap, self._body(robot).footprint
+        roadmap.extend()
         others = [other for number, other in prospects.items() if number != robot]
 
         def is_aside(node: NodeId) -> bool:
             body = Sweep(footprint, standing_at(known[node].configuration))
-            return body.distance_to(way) >= gap_m
+            return body.distance_to(swept) >= gap_m
 
         def is_passable(a: NodeId, b: NodeId) -> bool:
             sweep = Sweep(footprint, _line(known[a].configuration, known[b].configuration))
             return all(sweep.distance_to(other.body) >= gap_m for other in others)
 
-        route = ways.to_nearest(state.node, is_aside, is_passable)
+        route = roadmap.to_nearest(state.node, is_aside, is_passable)
         if route is None or len(route) < 2:
             return
         places = [known[node].configuration for node in route]

@@ -79,8 +79,8 @@ class SrtExplorer:
                 others = sorted({node.robot for node in robot.map.open_nodes()})
                 reason = (
                     "every frontier arc of its own tree is explored or closed; "
-                    f"those left in the {'tree' if len(others) == 1 else 'trees'} of "
-                    f"{named_robots(others)} are left to others or out of reach"
+                    f"the open arcs of the {'tree' if len(others) == 1 else 'trees'} of "
+                    f"{named_robots(others)} are left to other robots or out of reach"
                 )
         return Done(
             # What is left is behind robots that cannot be ordered to leave, if it is anywhere.

@@ -148,7 +148,7 @@ def decide(
     Raises
     ------
     BoxedIn
-        If no way was found too many times in a row.
+        If no path was found too many times in a row.
     """
     team, journey, progress = robot.team, robot.journey, robot.progress
     frontier_m = total_length(frontier)
@@ -164,11 +164,11 @@ def decide(
         found = yield from choose(frontier, draws)
         choice, target = found
         if choice == "stay":
-            progress.note(Event.NO_WAY)
+            progress.note(Event.NO_PATH)
             if progress.is_boxed_in:
                 raise BoxedIn
         elif target is not None:
-            progress.note(Event.WAY)
+            progress.note(Event.PATH)
         yield Note(_decision(robot, found, frontier_m, draws, (gpr, ger)))
         if choice == "end":
             yield from team.rest()
@@ -212,9 +212,9 @@ def _decision(
 def _is_worth_it(robot: SrtRobot) -> bool:
     # Whether the target has a frontier still, and the path there is free.
     target = robot.journey.target
-    if target is None or target.way[0] != robot.at.here:
+    if target is None or target.route[0] != robot.at.here:
         return False
     if target.aim is not None and not robot.trees.may_extend(target.aim):
         return False
-    hops = zip(target.way, target.way[1:], strict=False)
+    hops = zip(target.route, target.route[1:], strict=False)
     return all(robot.routes.is_passable(a, b) for a, b in hops)

@@ -36,12 +36,12 @@ Wanted = Callable[[NodeId], bool]
 """Whether a node is one of those that are looked for."""
 
 Leg = tuple[NodeId, NodeId | tuple[float, float]]
-"""A straight way off the roadmap: the node at which it begins, and the node or place at its end."""
+"""A straight path off the roadmap: the node where it begins, and the node or place at its end."""
 
 
 @dataclass(frozen=True, slots=True)
 class Track:
-    """A way off the roadmap that was found, and is followed piece by piece.
+    """A path off the roadmap that was found, and is followed piece by piece.
 
     Attributes
     ----------
@@ -90,7 +90,7 @@ class Bypass:
     def to(self, wanted: Wanted) -> Target | None:
         """Return the target that leads on to the nearest wanted node, or None.
 
-        Where the way off the roadmap is one straight line to a node, it becomes an edge of the
+        Where the path off the roadmap is one straight line to a node, it becomes an edge of the
         roadmap, and the target is the wanted node; else the target is the end of its first piece.
         """
         leg = self.first_leg(wanted)
@@ -99,9 +99,9 @@ class Bypass:
         start, end = leg
         if not isinstance(end, NodeId):
             return self._place(start, end)
-        self.routes.ways.join(start, end)
-        way = self.routes.to_nearest(self.at.node, wanted)
-        return None if way is None else KnownNode(tuple(way))
+        self.routes.roadmap.join(start, end)
+        route = self.routes.to_nearest(self.at.node, wanted)
+        return None if route is None else KnownNode(tuple(route))
 
     def to_place(self, x: float, y: float, aim: NodeId) -> NewPlace | None:
         """Return the target that leads on to a place from which `aim`'s frontier is seen."""
@@ -116,15 +116,15 @@ class Bypass:
         return replace(place, stage="complete", aim=aim, is_interim=False)
 
     def _place(self, start: NodeId, place: tuple[float, float]) -> NewPlace | None:
-        way = self.routes.way(self.at.node, start)
-        if way is None:
+        route = self.routes.route(self.at.node, start)
+        if route is None:
             return None
-        return NewPlace(*place, "bypass", tuple(way), roomy=True, is_interim=True)
+        return NewPlace(*place, "bypass", tuple(route), roomy=True, is_interim=True)
 
     def first_leg(
         self, wanted: Wanted | None = None, goal: tuple[float, float] | None = None
     ) -> Leg | None:
-        """Return the straight piece with which the shortest way off the roadmap begins.
+        """Return the straight piece with which the shortest path off the roadmap begins.
 
         Parameters
         ----------
@@ -139,9 +139,9 @@ class Bypass:
             The node at which it begins; the roadmap leads there.
         end : NodeId or (x, y)
             Its end: a node from which the roadmap leads on, or a place without a node.
-        None, if there is no way.
+        None, if there is no path.
         """
-        if self.at.here is None or self.routes.ways.is_car:
+        if self.at.here is None or self.routes.roadmap.is_car:
             return None
         for find in (self._rest_of_the_track, self._search):
             track = find(wanted, goal)
@@ -159,9 +159,9 @@ class Bypass:
     def leads_without_bodies(
         self, wanted: Wanted | None = None, goal: tuple[float, float] | None = None
     ) -> bool:
-        """Whether there would be a way if no body stood there; see `first_leg`."""
+        """Whether there would be a path if no body stood there; see `first_leg`."""
         obstacles = self.routes.obstacles
-        if not obstacles or self.at.here is None or self.routes.ways.is_car:
+        if not obstacles or self.at.here is None or self.routes.roadmap.is_car:
             return False
         with obstacles.ignored():
             return self._search(wanted, goal) is not None
@@ -175,7 +175,7 @@ class Bypass:
             return None
         if tuple(track.along[track.gone - 1]) == self.at.q_act[:2]:
             track = Track(here, here, track.along[track.gone :], track.end)
-        elif here != track.found_at or self.routes.way(here, track.start) is None:
+        elif here != track.found_at or self.routes.route(here, track.start) is None:
             return None
         if not len(track.along):
             return None
@@ -192,13 +192,13 @@ class Bypass:
         return int(clear[-1]) + 1 if len(clear) else 0
 
     def _search(self, wanted: Wanted | None, goal: tuple[float, float] | None) -> Track | None:
-        # The shortest way off the roadmap, on a raster.
+        # The shortest path off the roadmap, on a raster.
         here, routes = self.at.node, self.routes
         looked_for = [] if wanted is None else [n.id for n in self.map.nodes if wanted(n.id)]
         if goal is None and not looked_for:
             return None
-        routes.ways.extend()
-        grid, roadmap = _Grid(self.body, self.map, routes.obstacles), routes.ways.roadmap
+        routes.roadmap.extend()
+        grid, roadmap = _Grid(self.body, self.map, routes.obstacles), routes.roadmap.graph
         starts = roadmap.lengths([here], routes.is_passable)
         begins = grid.with_room([*starts])
         beyond = roadmap.lengths(looked_for, routes.is_passable)
@@ -219,11 +219,11 @@ class Bypass:
     def _goes_straight(self, start: FloatArray, ends: FloatArray) -> BoolArray:
         # Whether the body gets straight from a place with room to others within sensing range.
         x, y = start.tolist()
-        ways = np.hstack([np.broadcast_to(start, ends.shape), ends])
+        paths = np.hstack([np.broadcast_to(start, ends.shape), ends])
         known = self.map.known_space(x, y, self.me.range_m + self.body.outer_radius_m)
         clear: BoolArray = np.hypot(*(ends - start).T) <= self.me.range_m
-        clear[clear] = known.passes(ways[clear], self.body.roomy_radius_m)
-        clear[clear] = self.routes.obstacles.are_passed_by(ways[clear])
+        clear[clear] = known.passes(paths[clear], self.body.roomy_radius_m)
+        clear[clear] = self.routes.obstacles.are_passed_by(paths[clear])
         return clear
 
 

@@ -49,7 +49,7 @@ class Prospect:
         return Sweep(self.footprint, Trajectory(self.motion.waypoints[:1]))
 
     @cached_property
-    def way(self) -> Sweep:
+    def sweep(self) -> Sweep:
         """Area that its body sweeps on the way; the body, if it stays."""
         return Sweep(self.footprint, self.motion) if self.moves else self.body
 
@@ -106,7 +106,7 @@ class Conflicts:
             (i, j)
             for i, j in itertools.combinations(numbers, 2)
             if self._may_meet(prospects[i], prospects[j])
-            and self.meet(i, prospects[i].way, j, prospects[j].way)
+            and self.meet(i, prospects[i].sweep, j, prospects[j].sweep)
         )
 
     def _may_meet(self, a: Prospect, b: Prospect) -> bool:
@@ -120,18 +120,18 @@ class Conflicts:
         apart_m = self.prospects[i].body.distance_to(self.prospects[j].body)
         return planned_gap(apart_m, self.guard_m)
 
-    def meet(self, i: int, way_i: Sweep, j: int, way_j: Sweep) -> bool:
+    def meet(self, i: int, sweep_i: Sweep, j: int, sweep_j: Sweep) -> bool:
         """Return whether paths of two robots conflict; those that both stay never do."""
         body_i, body_j = self.prospects[i].body, self.prospects[j].body
-        if way_i is body_i and way_j is body_j:
+        if sweep_i is body_i and sweep_j is body_j:
             return False
-        return conflict(way_i, body_i, way_j, body_j, self.guard_m)
+        return conflict(sweep_i, body_i, sweep_j, body_j, self.guard_m)
 
     def in_the_way(self, i: int) -> list[int]:
         """Return the robots whose bodies stand in the planned path of one."""
-        way = self.prospects[i].way
+        sweep = self.prospects[i].sweep
         return [
             j
             for j in sorted(self.prospects)
-            if j != i and self.meet(i, way, j, self.prospects[j].body)
+            if j != i and self.meet(i, sweep, j, self.prospects[j].body)
         ]

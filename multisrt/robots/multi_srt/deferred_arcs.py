@@ -1,6 +1,6 @@
-"""Frontier arcs that a robot defers because bodies of other robots block the way to them.
+"""Frontier arcs that a robot defers because bodies of other robots block the path to them.
 
-A body blocks the way only for a time, so such an arc is not closed but stays open in the map. The
+A body blocks the path only for a time, so such an arc is not closed but stays open in the map. The
 robot that could not get there leaves it out of its plans until one of the bodies is gone. While an
 arc is deferred, the map of this robot is not complete.
 """
@@ -147,7 +147,7 @@ class DeferredArcs:
         Returns
         -------
         length_m : float
-            Length of the frontier to which bodies bar the way, in metres.
+            Length of the frontier to which bodies block the path, in metres.
         robots : list of int
             The robots whose bodies these are, in rising order.
         """

@@ -11,8 +11,8 @@ from multisrt.geometry.numerics.kernel import FloatArray
 from multisrt.robots.exploration_map import ExplorationMap
 from multisrt.robots.knowledge import Node
 from multisrt.robots.multi_srt.messages import Order, motion_of
+from multisrt.robots.multi_srt.roadmap import OutAndBack, SrtRoadmap
 from multisrt.robots.multi_srt.targets import KnownNode, NewPlace, Step, Target
-from multisrt.robots.multi_srt.ways import OutAndBack, Ways
 from multisrt.robots.multi_srt.whereabouts import Whereabouts
 
 NEW_PLACE_M: Final = 0.05
@@ -28,27 +28,27 @@ class Journey:
         Where the robot is.
     known : ExplorationMap
         Its map.
-    ways : Ways
+    roadmap : SrtRoadmap
         Its roadmap.
 
     Attributes
     ----------
     target : Target or None
-        The target of which some way is left.
+        The target, as long as it has not been reached.
     came : Step or None
         The last step made.
     purpose : Purpose
         Why the robot moves, for the record.
     """
 
-    def __init__(self, at: Whereabouts, known: ExplorationMap, ways: Ways) -> None:
+    def __init__(self, at: Whereabouts, known: ExplorationMap, roadmap: SrtRoadmap) -> None:
         self.target: Target | None = None
         self.came: Step | None = None
         self.purpose: Purpose = "explore"
         self._been: list[tuple[float, float]] = []
         self._at = at
         self._map = known
-        self._ways = ways
+        self._roadmap = roadmap
 
     def begin(self, purpose: Purpose) -> None:
         """Begin a task: to extend a tree, or to go to a node."""
@@ -77,7 +77,7 @@ class Journey:
             return None
         if isinstance(target, NewPlace):
             return target.x, target.y
-        x, y, _ = self._map[target.way[-1]].configuration
+        x, y, _ = self._map[target.route[-1]].configuration
         return x, y
 
     def past_here(self, target: Target) -> Target | None:
@@ -87,35 +87,35 @@ class Journey:
         no master would let the robot go. None, if the target itself is one of them.
         """
         at = self._at
-        while len(target.way) > 1:
-            a, b = target.way[:2]
+        while len(target.route) > 1:
+            a, b = target.route[:2]
             is_here = self._map[b].configuration[:2] == at.q_act[:2]
-            if not is_here or len(self._ways.hop(at.q_act, a, b).waypoints) > 1:
+            if not is_here or len(self._roadmap.hop(at.q_act, a, b).waypoints) > 1:
                 return target
             at.here = b
-            target = replace(target, way=target.way[1:])
+            target = replace(target, route=target.route[1:])
         return None if isinstance(target, KnownNode) else target
 
     def step_to(self, target: Target, frontier_m: float = 0.0) -> Step:
         """Return the next step towards a target, made for a frontier of this length."""
-        a = target.way[0]
-        if len(target.way) > 1:
-            b = target.way[1]
-            is_last = isinstance(target, KnownNode) and len(target.way) == 2
+        a = target.route[0]
+        if len(target.route) > 1:
+            b = target.route[1]
+            is_last = isinstance(target, KnownNode) and len(target.route) == 2
             return Step(
-                way=OutAndBack(self._ways.hop(self._at.q_act, a, b)),
+                out_and_back=OutAndBack(self._roadmap.hop(self._at.q_act, a, b)),
                 node=b,
-                rest=None if is_last else replace(target, way=target.way[1:]),
+                rest=None if is_last else replace(target, route=target.route[1:]),
                 parent=a,
                 frontier_m=frontier_m,
             )
         assert isinstance(target, NewPlace)
         boundary = self._map[a].region.boundary
-        way = self._ways.to_place(self._at.q_act, boundary, target.x, target.y, target.roomy)
-        if way is None:
-            raise AssertionError(f"no way to ({target.x}, {target.y}), which was found free")
+        motion = self._roadmap.to_place(self._at.q_act, boundary, target.x, target.y, target.roomy)
+        if motion is None:
+            raise AssertionError(f"no path to ({target.x}, {target.y}), which was found free")
         return Step(
-            way=way,
+            out_and_back=motion,
             node=None,
             parent=a,
             stage=target.stage,
@@ -139,10 +139,10 @@ class Journey:
         if order.order == "wait" or here is None:
             return None
         if order.node is not None:
-            if not self._ways.knows_hop(here, order.node):
+            if not self._roadmap.knows_hop(here, order.node):
                 return None
             return Step(
-                way=OutAndBack(self._ways.hop(self._at.q_act, here, order.node)),
+                out_and_back=OutAndBack(self._roadmap.hop(self._at.q_act, here, order.node)),
                 node=order.node,
                 parent=here,
                 order=order.order,
@@ -151,9 +151,9 @@ class Journey:
         target = self.target
         rest = None
         if order.order == "new target" and target is not None:
-            rest = target if len(target.way) == 1 else replace(target, way=target.way[1:])
+            rest = target if len(target.route) == 1 else replace(target, route=target.route[1:])
         return Step(
-            way=OutAndBack(motion_of(order.path)),
+            out_and_back=OutAndBack(motion_of(order.path)),
             node=None,
             rest=rest,
             parent=here,
@@ -164,26 +164,26 @@ class Journey:
     def resume(self) -> None:
         """At a new node on a detour, go on to the old target where a straight path leads to it."""
         target, here = self.target, self._at.node
-        if target is None or target.way[0] == here:
+        if target is None or target.route[0] == here:
             return
         self.target = None
         node = self._map[here]
         seen = [n.region.boundary for n in (node, *self._parent(node))]
-        if isinstance(target, NewPlace) and len(target.way) == 1:
+        if isinstance(target, NewPlace) and len(target.route) == 1:
             # Where the new node has a frontier, the planner chooses again.
-            if self._map.has_frontier(here) or self._ways.is_car:
+            if self._map.has_frontier(here) or self._roadmap.is_car:
                 return
             if any(self._goes_straight(around, target.x, target.y) for around in seen):
-                self.target = replace(target, way=(here,), roomy=True)
+                self.target = replace(target, route=(here,), roomy=True)
             return
-        self._ways.extend()
-        following = target.way[0]
-        if following not in self._ways.roadmap.neighbours(here) and not self._ways.is_car:
+        self._roadmap.extend()
+        following = target.route[0]
+        if following not in self._roadmap.graph.neighbours(here) and not self._roadmap.is_car:
             x, y, _ = self._map[following].configuration
             if any(self._goes_straight(around, x, y) for around in seen):
-                self._ways.join(here, following)
-        if following in self._ways.roadmap.neighbours(here):
-            self.target = replace(target, way=(here, *target.way))
+                self._roadmap.join(here, following)
+        if following in self._roadmap.graph.neighbours(here):
+            self.target = replace(target, route=(here, *target.route))
 
     def _parent(self, node: Node) -> list[Node]:
         return [] if node.parent is None else [self._map[node.parent]]
@@ -191,4 +191,4 @@ class Journey:
     def _goes_straight(self, boundary: FloatArray, x: float, y: float) -> bool:
         # In the region of any node, in any heading.
         q = self._at.q_act
-        return self._ways.body.disc_travel(boundary, q.x, q.y, x, y)
+        return self._roadmap.body.disc_travel(boundary, q.x, q.y, x, y)

@@ -13,9 +13,9 @@ from multisrt.planners.motion.trajectory import Trajectory
 from multisrt.robots.explorer import Action, Move, Moved, Outcome, Sense, Steps
 from multisrt.robots.multi_srt.messages import path_of
 from multisrt.robots.multi_srt.progress import BoxedIn, Event
+from multisrt.robots.multi_srt.roadmap import OutAndBack
 from multisrt.robots.multi_srt.robot import SrtRobot
 from multisrt.robots.multi_srt.targets import Step
-from multisrt.robots.multi_srt.ways import OutAndBack
 
 
 def perceive(robot: SrtRobot) -> Generator[Action, Outcome, LocalSafeRegion]:
@@ -135,7 +135,7 @@ def drive(
 def stop_here(robot: SrtRobot, step: Step, moved: Moved) -> Steps:
     """After a protective stop, plan again from where the robot stands.
 
-    A car that cannot reverse has no way back from there: it waits, and continues.
+    A car that cannot reverse cannot return from there: it waits, and continues.
 
     Raises
     ------
@@ -147,25 +147,25 @@ def stop_here(robot: SrtRobot, step: Step, moved: Moved) -> Steps:
     driven_s = moved.time_s - (robot.team.status.arrival_s - whole.duration_s)
     while moved.blocked_by is not None:
         robot.heed(moved.blocked_by)
-        if robot.ways.can_reverse:
+        if robot.roadmap.can_reverse:
             break
-        robot.progress.note(Event.NO_WAY)
+        robot.progress.note(Event.NO_PATH)
         if robot.progress.is_boxed_in:
             raise BoxedIn
         yield from pause_a_while(robot)
         motion = whole.after(driven_s)
         yield from set_out(robot, motion)
         began_s = at.time_s
-        moved = yield from follow(robot, replace(step, way=OutAndBack(motion)))
+        moved = yield from follow(robot, replace(step, out_and_back=OutAndBack(motion)))
         driven_s += moved.time_s - began_s
     if moved.blocked_by is None:
-        robot.progress.note(Event.WAY)
+        robot.progress.note(Event.PATH)
         at.here = step.node
         return
     driven = whole.until(driven_s)
     if driven.length_m > 0.0 or at.q_act != whole.start:
-        back = driven.reversed() if robot.ways.is_car else None
-        came = replace(step, way=OutAndBack(driven, back), stage="coordinate")
+        back = driven.reversed() if robot.roadmap.is_car else None
+        came = replace(step, out_and_back=OutAndBack(driven, back), stage="coordinate")
         robot.journey.came, at.here = came, None
         return
     # The motion was stopped before it began: let some time pass, and plan around that body.

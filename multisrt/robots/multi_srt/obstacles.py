@@ -78,11 +78,11 @@ class Obstacles:
         bodies = self.all
         if not bodies:
             return None
-        way = Sweep(self._body.footprint, motion)
+        sweep = Sweep(self._body.footprint, motion)
         own_body = Sweep(self._body.footprint, standing_at(at))
         for number, sighting in bodies.items():
             body = Sweep(sighting.footprint, standing_at(sighting.configuration))
-            if conflict(way, own_body, body, body, self._guard_m):
+            if conflict(sweep, own_body, body, body, self._guard_m):
                 return number
         return None
 
@@ -102,16 +102,16 @@ class Obstacles:
         ]
         return np.array(rows).reshape(-1, 3)
 
-    def are_passed_by(self, ways: FloatArray) -> BoolArray:
+    def are_passed_by(self, paths: FloatArray) -> BoolArray:
         """Return which straight paths ``(n, 4)`` keep off all bodies, in any heading."""
-        return paths_keep_clear(ways, self.berths)
+        return paths_keep_clear(paths, self.berths)
 
-    def on(self, ways: FloatArray) -> dict[int, Sighting]:
+    def on(self, paths: FloatArray) -> dict[int, Sighting]:
         """Return the bodies, by robot, that some of these straight paths do not keep off."""
         return {
             number: sighting
             for number, sighting in self.all.items()
-            if not paths_keep_clear(ways, self._berths({number: sighting})).all()
+            if not paths_keep_clear(paths, self._berths({number: sighting})).all()
         }
 
     @contextmanager

@@ -47,7 +47,7 @@ class MultiSrtOptions(SrtOptions, frozen=True, kw_only=True, forbid_unknown_fiel
         A tree may need support if its open frontier is at least this long, in metres, for each
         robot that is active in it (paper: F bar); None: the sensing range.
     select : {"closest_root", "most_recent"}
-        Which of these trees is supported: the one whose root is the shortest way off, or the
+        Which of these trees is supported: the one whose root has the shortest path, or the
         one that was extended last.
     take_over_after_s : float
         With a limited radio, time after which a robot that is done with its own tree takes over
@@ -82,8 +82,8 @@ class MultiSrtOptions(SrtOptions, frozen=True, kw_only=True, forbid_unknown_fiel
         Setbacks without progress after which a robot plans around robots that stand idle: they
         have not cleared its way however often a master ordered them to.
     boxed_in_after : int
-        Number of times in a row that a robot may find no way at all; after one more it gives up
-        its task. The pauses between them give a body that blocks the way time to leave.
+        Number of times in a row that a robot may find no path at all; after one more it gives up
+        its task. The pauses between them give a body that blocks the path time to leave.
     gives_up_after : int
         Setbacks without progress after which a robot gives up its task. Robots that block each
         other, all of them on their way somewhere, would wait forever.

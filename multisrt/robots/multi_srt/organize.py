@@ -75,10 +75,10 @@ class Alternatives(Protocol):
     ) -> Iterator[Trajectory]:
         """Find first steps of paths around the bodies in a robot's way, shortest first."""
 
-    def ways_aside(
-        self, robot: int, way: Sweep, gap_m: float, prospects: Mapping[int, Prospect]
+    def motions_aside(
+        self, robot: int, sweep: Sweep, gap_m: float, prospects: Mapping[int, Prospect]
     ) -> Iterator[tuple[float, Trajectory, NodeId | None]]:
-        """Find where a robot could leave another's way.
+        """Find where a robot could move out of another's path.
 
         Yields
         ------
@@ -128,7 +128,7 @@ def organize(conflicts: Conflicts, alternatives: Alternatives) -> Arrangement:
     prospects = conflicts.prospects
     grants = _Grants(conflicts, alternatives)
     for i in best_targets(conflicts):
-        grants.grant(i, Order(order="keep"), prospects[i].motion, prospects[i].way)
+        grants.grant(i, Order(order="keep"), prospects[i].motion, prospects[i].sweep)
     rest = [i for i in prospects if i not in grants.orders and prospects[i].moves]
     rest.sort(key=lambda i: (-prospects[i].frontier_m, i))
     for i in rest:
@@ -154,25 +154,25 @@ class _Grants:
         self.targets = {
             i: (p.motion.start.x, p.motion.start.y) for i, p in conflicts.prospects.items()
         }
-        self._ways = {i: prospect.body for i, prospect in conflicts.prospects.items()}
+        self._sweeps = {i: prospect.body for i, prospect in conflicts.prospects.items()}
         self._conflicts = conflicts
         self._alternatives = alternatives
 
-    def grant(self, i: int, order: Order, motion: Trajectory, way: Sweep) -> None:
-        self.orders[i], self._ways[i] = order, way
+    def grant(self, i: int, order: Order, motion: Trajectory, sweep: Sweep) -> None:
+        self.orders[i], self._sweeps[i] = order, sweep
         self.targets[i] = motion.end.x, motion.end.y
 
-    def is_clear(self, i: int, way: Sweep) -> bool:
+    def is_clear(self, i: int, sweep: Sweep) -> bool:
         # Of the paths of all others, which begin with their bodies where they stand.
-        ways = self._ways
-        return not any(self._conflicts.meet(i, way, j, ways[j]) for j in ways if j != i)
+        sweeps = self._sweeps
+        return not any(self._conflicts.meet(i, sweep, j, sweeps[j]) for j in sweeps if j != i)
 
     def redirect(self, i: int, motions: Iterable[Trajectory]) -> None:
         # To the first of some places that the robot reaches without conflict.
         for motion in motions:
-            way = self._alternatives.sweep(i, motion)
-            if self.is_clear(i, way):
-                return self.grant(i, Order(order="new target", path=path_of(motion)), motion, way)
+            sweep = self._alternatives.sweep(i, motion)
+            if self.is_clear(i, sweep):
+                return self.grant(i, Order(order="new target", path=path_of(motion)), motion, sweep)
 
     def clear_the_way(self, i: int) -> None:
         # Bodies stand in the way of i. Where two robots block one another, the one with the
@@ -184,23 +184,25 @@ class _Grants:
             pairs = [(j, i)]
             if prospects[j].moves and i in conflicts.in_the_way(j):
                 pairs.append((i, j))
-            found = [aside for pair in pairs if (aside := self._way_aside(*pair)) is not None]
+            found = [
+                aside for pair in pairs if (aside := self._best_motion_aside(*pair)) is not None
+            ]
             if found:
-                _, giver, order, motion, way = min(found, key=lambda option: option[:2])
-                self.grant(giver, order, motion, way)
+                _, giver, order, motion, sweep = min(found, key=lambda option: option[:2])
+                self.grant(giver, order, motion, sweep)
                 if giver == i:
                     return
 
-    def _way_aside(
+    def _best_motion_aside(
         self, giver: int, other: int
     ) -> tuple[float, int, Order, Trajectory, Sweep] | None:
-        # The shortest path on which a robot leaves another's way: its length, and its order.
+        # The shortest path on which a robot moves out of another's path: its length, and its order.
         prospects = self._conflicts.prospects
         gap_m = self._conflicts.gap(giver, other)
-        options = self._alternatives.ways_aside(giver, prospects[other].way, gap_m, prospects)
+        options = self._alternatives.motions_aside(giver, prospects[other].sweep, gap_m, prospects)
         for length_m, motion, node in options:
-            way = self._alternatives.sweep(giver, motion)
-            if self.is_clear(giver, way):
+            sweep = self._alternatives.sweep(giver, motion)
+            if self.is_clear(giver, sweep):
                 order = Order(order="give way", path=path_of(motion), node=node)
-                return length_m, giver, order, motion, way
+                return length_m, giver, order, motion, sweep
         return None

@@ -38,7 +38,7 @@ class Planner:
     completing : bool
         Whether the third stage is reached already, as in the tree of another robot. Before, a
         robot without a target goes back to the parent of its node, as in the paper. The stage
-        begins at the root, or where there is no way back to the parent, as when a body blocks it;
+        begins at the root, or where no path leads back to the parent, as when a body blocks it;
         from then on the robot goes over the roadmap, and does so until the tree is complete.
     """
 
@@ -72,9 +72,9 @@ class Planner:
         parent = robot.map[here].parent
         steps_back = robot.options.backtrack == "parent" and not self._completing
         if steps_back and parent is not None and here != robot.at.tree:
-            way = robot.routes.way(here, parent)
-            if way is not None:
-                return "parent", KnownNode(tuple(way))
+            route = robot.routes.route(here, parent)
+            if route is not None:
+                return "parent", KnownNode(tuple(route))
         return (yield from self._complete(here))
 
     def _draw_or_approach(self, here: NodeId, frontier: FloatArray, draws: Draws) -> Found | None:
@@ -120,14 +120,14 @@ class Planner:
         tree, drawn_out = robot.at.tree, robot.views.drawn_out
         assert tree is not None
         drawn_out.add(here)
-        robot.ways.extend()
+        robot.roadmap.extend()
         supports = tree != robot.trees.root
         if robot.options.backtrack == "nearest_open" or (supports and not robot.options.complete):
-            way = robot.routes.to_nearest(
+            route = robot.routes.to_nearest(
                 here, lambda n: n not in drawn_out and robot.trees.may_extend(n)
             )
-            if way is not None:
-                return "nearest_open", KnownNode(tuple(way), way[-1])
+            if route is not None:
+                return "nearest_open", KnownNode(tuple(route), route[-1])
         if robot.options.complete:
             self._completing = True
             found = yield from self._view_or_close(here, tree)
@@ -144,15 +144,15 @@ class Planner:
         # A target that leads to a view of an arc; arcs of which there is no view are closed.
         robot = self._robot
         trees, routes = robot.trees, robot.routes
-        while (way := routes.to_nearest(here, trees.may_extend)) is not None:
-            node = way[-1]
+        while (route := routes.to_nearest(here, trees.may_extend)) is not None:
+            node = route[-1]
             for arc in robot.deferred.arcs(node):
                 found = robot.views.viewing_place(node, arc)
                 if isinstance(found, NewPlace):
                     return ("bypass" if found.is_interim else "complete"), found
                 if node not in robot.views.drawn_out:
                     # A node of another robot, at which this one has drawn no candidate yet.
-                    return "nearest_open", KnownNode(tuple(way), node)
+                    return "nearest_open", KnownNode(tuple(route), node)
                 if isinstance(found, Barred):
                     yield from trees.defer(node, arc, found.bodies)
                 else:
@@ -170,18 +170,18 @@ class Planner:
         return None
 
     def _bodies_before(self, here: NodeId, node: NodeId) -> dict[int, Sighting]:
-        # The bodies that bar the way to a node, by robot; none if nothing leads there without them.
+        # The bodies that block the path to a node, by robot; none if none would lead there anyway.
         robot = self._robot
-        way = robot.ways.way(here, node)
-        if way is not None:
-            return robot.routes.bodies_on(way)
+        route = robot.roadmap.path(here, node)
+        if route is not None:
+            return robot.routes.bodies_on(route)
         return robot.obstacles.all if robot.bypass.leads_without_bodies(node.__eq__) else {}
 
 
 def on_the_way(robot: SrtRobot, end: NodeId, choice: Literal["home", "transfer"]) -> Found:
     """Choose a node as the target: over the roadmap, or past bodies off it; or stay for now."""
-    way = robot.routes.way(robot.at.node, end)
-    if way is not None:
-        return choice, KnownNode(tuple(way))
+    route = robot.routes.route(robot.at.node, end)
+    if route is not None:
+        return choice, KnownNode(tuple(route))
     past_bodies = robot.bypass.to(lambda node: node == end)
     return ("stay", None) if past_bodies is None else ("bypass", past_bodies)

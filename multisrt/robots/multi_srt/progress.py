@@ -4,7 +4,7 @@ A *setback* is a step that did not go as planned: a master ordered something els
 protective stop ended the motion. *Progress* is to reach, by a plan of its own, a place where the
 robot has not been in its present task, which is to extend one tree or to go to one node. The
 number of setbacks since the last progress determines the states of the first row; where there is
-no way at all, those of the second row follow:
+no path at all, those of the second row follow:
 
 ::
 
@@ -16,13 +16,13 @@ no way at all, those of the second row follow:
         +------ progress -------+------- progress ------+
                new task         |       new task
                                 |
-         any of the three:      | no way                      | gives_up_after
-                                v       no way, more than     v setbacks
+         any of the three:      | no path                     | gives_up_after
+                                v       no path, more than    v setbacks
                            +-------+    boxed_in_after times   +----------+
                            | STUCK | ------------------------> | BOXED_IN |
                            +-------+    in a row               +----------+
                                 |                                   |
-                                | a way, new task                   | a way
+                                | a path, new task                  | a path
                                 v                                   v
          back to the first row, by the number of setbacks: CLEAR, CROWDED or JAMMED
 
@@ -65,8 +65,8 @@ class Event(Enum):
     NEW_TASK = "begins to extend a tree, or to go to a node"
     NEW_PLACE = "has reached, by its own plan, a place where it had not been in its task"
     SETBACK = "was ordered otherwise by a master, or stopped"
-    NO_WAY = "has found no way to anywhere"
-    WAY = "has found a way"
+    NO_PATH = "has found no path to anywhere"
+    PATH = "has found a path"
 
 
 class BoxedIn(Exception):
@@ -103,7 +103,7 @@ class Progress:
     def __init__(self, options: MultiSrtOptions) -> None:
         self.state = State.CLEAR
         self.setbacks = 0
-        self._no_ways = 0
+        self._pathless = 0
         self._rounds = 0
         self._options = options
 
@@ -125,16 +125,16 @@ class Progress:
     def note(self, event: Event) -> None:
         """Go to the state to which an event leads."""
         match self.state, event:
-            case _, Event.NO_WAY:
-                self._no_ways += 1
-                gives_up = self.is_boxed_in or self._no_ways > self._options.boxed_in_after
+            case _, Event.NO_PATH:
+                self._pathless += 1
+                gives_up = self.is_boxed_in or self._pathless > self._options.boxed_in_after
                 self.state = State.BOXED_IN if gives_up else State.STUCK
             case State.STUCK | State.BOXED_IN, Event.SETBACK:
-                pass  # where there is no way, a setback says nothing new
+                pass  # where there is no path, a setback says nothing new
             case State.BOXED_IN, Event.NEW_TASK:
-                self.setbacks = 0  # no way was found for the last task, and none for this one yet
+                self.setbacks = 0  # no path was found for the last task, and none for this one yet
             case _:
-                self._no_ways = 0
+                self._pathless = 0
                 self._count(event)
                 gives_up = self.setbacks >= self._options.gives_up_after
                 self.state = (
@@ -153,7 +153,7 @@ class Progress:
         return State.CROWDED if self.setbacks >= self._options.crowded_after else State.CLEAR
 
     def begin_step(self) -> None:
-        """Begin a step: no member of its group has been asked in vain yet."""
+        """Begin a step: no member of its group has been asked without success yet."""
         self._rounds = 0
 
     def has_asked_enough(self) -> bool:

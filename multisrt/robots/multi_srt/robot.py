@@ -15,12 +15,12 @@ from multisrt.robots.multi_srt.journey import Journey
 from multisrt.robots.multi_srt.obstacles import Obstacles
 from multisrt.robots.multi_srt.options import MultiSrtOptions
 from multisrt.robots.multi_srt.progress import Progress
+from multisrt.robots.multi_srt.roadmap import SrtRoadmap
 from multisrt.robots.multi_srt.roster import Roster
 from multisrt.robots.multi_srt.routes import Routes
 from multisrt.robots.multi_srt.team import Team
 from multisrt.robots.multi_srt.trees import Trees
 from multisrt.robots.multi_srt.views import Views
-from multisrt.robots.multi_srt.ways import Ways
 from multisrt.robots.multi_srt.whereabouts import Whereabouts
 
 
@@ -48,12 +48,12 @@ class SrtRobot:
         All nodes that it knows, its own and those of others.
     trees : Trees
         What it adds to the map, and which frontier is left (paper: T and all T_i).
-    ways : Ways
+    roadmap : SrtRoadmap
         How its body gets from node to node, and to a new place.
     obstacles : Obstacles
         Bodies of others that it plans around.
     deferred : DeferredArcs
-        The frontier that is left to it, without the arcs to which bodies bar the way.
+        The frontier that is left to it, without the arcs to which bodies block the path.
     routes, bypass : Routes, Bypass
         Routes over the roadmap that keep off them, and where there is none, paths off the roadmap.
     views : Views
@@ -81,16 +81,16 @@ class SrtRobot:
             robot=me.robot,
         )
         self.at = Whereabouts(q_act=me.start, time_s=me.time_s)
-        self.ways = Ways(me, body, self.map)
+        self.roadmap = SrtRoadmap(me, body, self.map)
         self.obstacles = Obstacles(body, options.guard_m)
         roster = Roster(me, options, self.at, self.obstacles)
         self.deferred = DeferredArcs(self.map, roster, options.max_reopenings)
-        self.trees = Trees(me, self.at, self.map, self.ways, self.deferred)
+        self.trees = Trees(me, self.at, self.map, self.roadmap, self.deferred)
         self.at.tree = self.trees.root
-        self.routes = Routes(self.at, self.map, self.ways, self.obstacles)
+        self.routes = Routes(self.at, self.map, self.roadmap, self.obstacles)
         self.bypass = Bypass(me, body, self.routes)
         self.views = Views(me, self.planner, self.bypass, options.max_views)
-        self.journey = Journey(self.at, self.map, self.ways)
+        self.journey = Journey(self.at, self.map, self.roadmap)
         self.progress = Progress(options)
         self.team = Team(me, options, self.at, self.map, roster)
 
@@ -102,12 +102,12 @@ class SrtRobot:
     def refuse(self, x: float, y: float) -> str | None:
         """Return why the robot cannot go straight to a candidate; None if it can."""
         at = self.at
-        if not self.obstacles and not self.ways.is_car:
+        if not self.obstacles and not self.roadmap.is_car:
             return None
-        way = self.ways.to_place(at.q_act, self.map[at.node].region.boundary, x, y)
-        if way is None:
-            return "no way for the car" if self.ways.is_car else "no room"
-        blocking = self.obstacles.blocking(at.q_act, way.out)
+        out_and_back = self.roadmap.to_place(at.q_act, self.map[at.node].region.boundary, x, y)
+        if out_and_back is None:
+            return "no way for the car" if self.roadmap.is_car else "no room"
+        blocking = self.obstacles.blocking(at.q_act, out_and_back.out)
         return None if blocking is None else "blocked by a robot"
 
     def notice(self, seen: tuple[Sighting, ...]) -> None:

@@ -13,7 +13,7 @@ from multisrt.robots.exploration_map import ExplorationMap
 from multisrt.robots.explorer import Sighting
 from multisrt.robots.knowledge import NodeId
 from multisrt.robots.multi_srt.obstacles import Obstacles
-from multisrt.robots.multi_srt.ways import Ways
+from multisrt.robots.multi_srt.roadmap import SrtRoadmap
 from multisrt.robots.multi_srt.whereabouts import Whereabouts
 
 Place = tuple[float, float]
@@ -29,39 +29,39 @@ class Routes:
         Where the robot is.
     known : ExplorationMap
         Its map.
-    ways : Ways
+    roadmap : SrtRoadmap
         Its roadmap.
     obstacles : Obstacles
         Bodies to keep off.
     """
 
     def __init__(
-        self, at: Whereabouts, known: ExplorationMap, ways: Ways, obstacles: Obstacles
+        self, at: Whereabouts, known: ExplorationMap, roadmap: SrtRoadmap, obstacles: Obstacles
     ) -> None:
         self.at = at
         self.map = known
-        self.ways = ways
+        self.roadmap = roadmap
         self.obstacles = obstacles
 
-    def way(self, start: NodeId, end: NodeId) -> list[NodeId] | None:
+    def route(self, start: NodeId, end: NodeId) -> list[NodeId] | None:
         """Return the shortest route between two nodes, both included, or None."""
-        own = self.ways.me.robot
+        own = self.roadmap.me.robot
         if start.robot != own or end.robot != own:
-            self.ways.extend()
-        return self.ways.way(start, end, self.is_passable)
+            self.roadmap.extend()
+        return self.roadmap.path(start, end, self.is_passable)
 
     def to_nearest(self, start: NodeId, wanted: Callable[[NodeId], bool]) -> list[NodeId] | None:
         """Return the route to the nearest wanted node of the roadmap, or None."""
-        return self.ways.to_nearest(start, wanted, self.is_passable)
+        return self.roadmap.to_nearest(start, wanted, self.is_passable)
 
-    def length_m(self, way: list[NodeId]) -> float:
+    def length_m(self, route: list[NodeId]) -> float:
         """Return the length of a route in metres."""
-        places = [self.map[node].configuration for node in way]
+        places = [self.map[node].configuration for node in route]
         return math.fsum(a.distance(b) for a, b in itertools.pairwise(places))
 
-    def bodies_on(self, way: list[NodeId], beyond: Place | None = None) -> dict[int, Sighting]:
-        """Return the bodies, by robot, on a way and on that from its end to a place beyond."""
-        places = [self.map[node].configuration[:2] for node in way]
+    def bodies_on(self, route: list[NodeId], beyond: Place | None = None) -> dict[int, Sighting]:
+        """Return the bodies, by robot, on a route and on the path from its end to a place."""
+        places = [self.map[node].configuration[:2] for node in route]
         places += [places[-1] if beyond is None else beyond]
         return self.obstacles.on(np.hstack([places[:-1], places[1:]]))
 

@@ -7,7 +7,7 @@ Source: Multi-SRT, paper section 2, SUPPORT_OTHERS. Differs in:
 - A robot that has extended another's tree goes home from where it stands, not by way of the root
   of that tree.
 - A tree that the robot has supported before is selected again only if its open frontier is longer
-  than what the robot left then, or if a body that barred the way to a part of it is gone.
+  than what the robot left then, or if a body that blocked the path to a part of it is gone.
 """
 
 from __future__ import annotations
@@ -98,7 +98,7 @@ def select(robot: SrtRobot, supported: Supported) -> Generator[Action, Outcome, 
     )
     if not candidates:
         return None
-    robot.ways.extend()
+    robot.roadmap.extend()
     if robot.options.select == "most_recent":
         by_recency = sorted(candidates, key=lambda root: (-_last_extended_s(robot, root), root))
         candidates = tuple(by_recency)
@@ -129,13 +129,13 @@ def may_need_support(robot: SrtRobot, root: NodeId, open_m: float, active: int) 
 
 
 def _choose(robot: SrtRobot, candidates: tuple[NodeId, ...]) -> NodeId | None:
-    # The first, or that of the closest root, of the trees to whose root there is a way.
+    # The first, or that of the closest root, of the trees to whose root there is a path.
     here, routes = robot.at.node, robot.routes
     if robot.options.select == "most_recent":
-        chosen = next((root for root in candidates if routes.way(here, root) is not None), None)
+        chosen = next((root for root in candidates if routes.route(here, root) is not None), None)
     else:
-        way = routes.to_nearest(here, lambda node: node in candidates)
-        chosen = None if way is None else way[-1]
+        route = routes.to_nearest(here, lambda node: node in candidates)
+        chosen = None if route is None else route[-1]
     if chosen is None and robot.bypass.to(lambda node: node in candidates) is not None:
         *others, last = candidates
         chosen = next((root for root in others if robot.bypass.to(root.__eq__)), last)
@@ -180,36 +180,36 @@ def transfer_to(robot: SrtRobot, end: NodeId, tree: NodeId | None) -> Steps:
     """
     robot.at.tree = tree
 
-    def way_on(frontier: FloatArray, draws: Draws) -> Choosing:
+    def next_choice(frontier: FloatArray, draws: Draws) -> Choosing:
         here = robot.at.node
         yield from ()  # a planner may record events; this one has none
-        robot.ways.extend()
-        way = robot.routes.way(here, end)
-        if here == end or (way is not None and is_near_enough(robot, way)):
+        robot.roadmap.extend()
+        route = robot.routes.route(here, end)
+        if here == end or (route is not None and is_near_enough(robot, route)):
             return "end", None
         return on_the_way(robot, end, "transfer")
 
     robot.progress.note(Event.NEW_TASK)
     robot.journey.begin("home" if end == robot.trees.root else "support")
     yield from robot.team.begin_step()
-    yield from take_steps(robot, way_on)
+    yield from take_steps(robot, next_choice)
 
 
-def is_near_enough(robot: SrtRobot, way: list[NodeId]) -> bool:
+def is_near_enough(robot: SrtRobot, route: list[NodeId]) -> bool:
     """Whether the remainder of a path may be left out.
 
     It may if another robot stands at its end and has nothing to do that would take it away; or
     if the end is within sensing range and the robot makes no progress.
     """
-    length_m = robot.routes.length_m(way)
+    length_m = robot.routes.length_m(route)
     if robot.progress.is_hindered and length_m <= robot.me.range_m:
         return True
-    end = robot.map[way[-1]].configuration
+    end = robot.map[route[-1]].configuration
     reach_m = 2.0 * robot.planner.body.outer_radius_m + robot.options.guard_m
     states = robot.team.roster.states.values()
     standing = [state.place for state in states if state.phase == "idle"]
     standing += [(*sighting.configuration,) for sighting in robot.obstacles.silent.values()]
-    return len(way) == 2 and any(math.dist(end[:2], place[:2]) < reach_m for place in standing)
+    return len(route) == 2 and any(math.dist(end[:2], place[:2]) < reach_m for place in standing)
 
 
 def exploration_running(robot: SrtRobot) -> bool:
@@ -279,8 +279,8 @@ def _give_way(robot: SrtRobot, order: Order) -> Steps:
     yield from robot.team.rest()
     if robot.at.here is None:
         return
-    way = robot.routes.way(robot.at.here, root)
-    if way is not None and robot.routes.length_m(way) > robot.me.range_m:
+    route = robot.routes.route(robot.at.here, root)
+    if route is not None and robot.routes.length_m(route) > robot.me.range_m:
         yield from robot.team.pause(robot.options.home_after_s)
         yield from transfer_to(robot, root, None)
         yield from robot.team.rest()

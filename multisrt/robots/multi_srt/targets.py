@@ -9,7 +9,7 @@ from multisrt.events import Stage
 from multisrt.planners.motion.trajectory import Trajectory
 from multisrt.robots.explorer import Sighting
 from multisrt.robots.knowledge import NodeId
-from multisrt.robots.multi_srt.ways import OutAndBack
+from multisrt.robots.multi_srt.roadmap import OutAndBack
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,7 +22,7 @@ class NewPlace:
         Its position in metres.
     stage : Stage
         How it was found, for the record.
-    way : tuple of NodeId
+    route : tuple of NodeId
         Nodes of the roadmap to pass, from the current one; the last becomes the new node's parent.
     roomy : bool
         Whether the body fits in any heading along the straight line from that last node.
@@ -35,7 +35,7 @@ class NewPlace:
     x: float
     y: float
     stage: Stage
-    way: tuple[NodeId, ...]
+    route: tuple[NodeId, ...]
     roomy: bool = False
     aim: NodeId | None = None
     is_interim: bool = False
@@ -47,13 +47,13 @@ class KnownNode:
 
     Attributes
     ----------
-    way : tuple of NodeId
+    route : tuple of NodeId
         From the current node to the target, both included.
     aim : NodeId or None
         The node whose frontier is the reason to go there.
     """
 
-    way: tuple[NodeId, ...]
+    route: tuple[NodeId, ...]
     aim: NodeId | None = None
 
 
@@ -79,8 +79,8 @@ class Step:
 
     Attributes
     ----------
-    way : OutAndBack
-        The motion, and for a new place the way back from there where it is known.
+    out_and_back : OutAndBack
+        The motion, and for a new place the motion back where it is known.
     node : NodeId or None
         The node at the end of the motion; None where there is none yet.
     rest : Target or None
@@ -97,7 +97,7 @@ class Step:
         The order of a master that this step carries out; None: the robot's own plan.
     """
 
-    way: OutAndBack
+    out_and_back: OutAndBack
     node: NodeId | None
     rest: Target | None = None
     parent: NodeId
@@ -109,7 +109,7 @@ class Step:
     @property
     def motion(self) -> Trajectory:
         """The trajectory to follow."""
-        return self.way.out
+        return self.out_and_back.out
 
     @property
     def gives_way(self) -> bool:

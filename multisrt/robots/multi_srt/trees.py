@@ -20,8 +20,8 @@ from multisrt.robots.exploration_map import ExplorationMap
 from multisrt.robots.explorer import Note, RobotSelf, Sighting, Steps
 from multisrt.robots.knowledge import Closing, ClosingId, Node, NodeId
 from multisrt.robots.multi_srt.deferred_arcs import DeferredArcs
+from multisrt.robots.multi_srt.roadmap import OutAndBack, SrtRoadmap
 from multisrt.robots.multi_srt.targets import Step
-from multisrt.robots.multi_srt.ways import OutAndBack, Ways
 from multisrt.robots.multi_srt.whereabouts import Whereabouts
 
 
@@ -38,7 +38,7 @@ class Trees:
         Where it is.
     known : ExplorationMap
         Its map.
-    ways : Ways
+    roadmap : SrtRoadmap
         Its roadmap.
     deferred : DeferredArcs
         The arcs that it leaves for later.
@@ -56,13 +56,13 @@ class Trees:
         me: RobotSelf,
         at: Whereabouts,
         known: ExplorationMap,
-        ways: Ways,
+        roadmap: SrtRoadmap,
         deferred: DeferredArcs,
     ) -> None:
         self.me = me
         self.at = at
         self.map = known
-        self.ways = ways
+        self.roadmap = roadmap
         self.deferred = deferred
         self.root = NodeId(me.robot, 0)
         self.reopened: list[NodeId] = []
@@ -82,15 +82,17 @@ class Trees:
         """
         node = self._new_node(region, None if came is None else came.parent)
         self.at.here = node.id
-        self.ways.add(node, None if came is None else came.way, came is not None and came.roomy)
+        self.roadmap.add(
+            node, None if came is None else came.out_and_back, came is not None and came.roomy
+        )
         yield Note(node.added("root" if came is None else came.stage))
         yield from self.tell_when_complete()
 
     def add_passing(self, region: LocalSafeRegion, step: Step, driven: Trajectory) -> Steps:
         """ADD: a scan taken on the way to a new place as a node; the robot continues."""
         node = self._new_node(region, step.parent)
-        back = driven.reversed() if self.ways.is_car and self.ways.can_reverse else None
-        self.ways.add(node, OutAndBack(driven, back), step.roomy)
+        back = driven.reversed() if self.roadmap.is_car and self.roadmap.can_reverse else None
+        self.roadmap.add(node, OutAndBack(driven, back), step.roomy)
         yield Note(node.added("passed"))
 
     def _new_node(self, region: LocalSafeRegion, parent: NodeId | None) -> Node:
@@ -120,12 +122,12 @@ class Trees:
         yield self._closed(node, arc, reason)
 
     def defer(self, node: NodeId, arc: FloatArray, bodies: Mapping[int, Sighting]) -> Steps:
-        """Leave a frontier arc ``(k, 4)`` of a node for later, as bodies bar the way."""
+        """Leave a frontier arc ``(k, 4)`` of a node for later, as bodies block the path."""
         self.deferred.defer(node, arc, bodies)
         yield self._closed(node, arc, BLOCKED)
 
     def reopen(self) -> Steps:
-        """Take up the arcs again to which a body no longer bars the way."""
+        """Take up the arcs again to which no body blocks the path any more."""
         for node, arc in self.deferred.take_back():
             self.reopened.append(node)
             yield Note(

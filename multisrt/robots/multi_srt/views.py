@@ -12,7 +12,7 @@ from shapely.geometry.base import BaseGeometry
 from multisrt.events import ClosingReason
 from multisrt.geometry.numerics.kernel import FloatArray
 from multisrt.planners.srt import SrtPlanner
-from multisrt.planners.viewing import CLOSE_BY, Refusal, Way, arc_points
+from multisrt.planners.viewing import CLOSE_BY, Refusal, ViewingPlace, arc_points
 from multisrt.robots.explorer import RobotSelf
 from multisrt.robots.knowledge import Node, NodeId
 from multisrt.robots.multi_srt.bypass import Bypass
@@ -79,14 +79,14 @@ class Views:
         if isinstance(found, str):
             return self._refused(found, arc, x, y)
         place, start = found
-        way = routes.way(here, start)
+        route = routes.route(here, start)
         last = np.array([[*self._map[start].configuration[:2], place.x, place.y]])
         # A robot that had to wait may choose the same again: it has not looked meanwhile.
         again = self._last_choice == (spot, here)
         self._last_choice = spot, here
-        if way is not None and routes.obstacles.are_passed_by(last)[0]:
+        if route is not None and routes.obstacles.are_passed_by(last)[0]:
             self._looked[spot] += not again
-            return NewPlace(place.x, place.y, "complete", tuple(way), place.roomy, node)
+            return NewPlace(place.x, place.y, "complete", tuple(route), place.roomy, node)
         target = self._bypass.to_place(place.x, place.y, node)
         if target is None:
             return self._barred("not reachable", found)
@@ -95,13 +95,13 @@ class Views:
 
     def _view(
         self, arc: FloatArray, x: float, y: float, *, past_bodies: bool = False
-    ) -> tuple[Way, NodeId] | Refusal:
+    ) -> tuple[ViewingPlace, NodeId] | Refusal:
         # A place that sees an arc around x, y, and the node from which it is reached.
         obstacles = self._routes.obstacles
         refusal: Refusal = "too narrow"
         for window in self._windows():
             near = self._map.near(x, y, math.sqrt(2.0) * window)
-            if window < self._me.range_m and not self._planner.may_find_way(x, y, window, near):
+            if window < self._me.range_m and not self._planner.may_find_path(x, y, window, near):
                 continue
             found = self._planner.viewing_place(
                 arc,
@@ -109,7 +109,7 @@ class Views:
                 min(window, self._me.range_m),
                 near,
                 self._leads(near, self._map.local_union(x, y, window))
-                if self._routes.ways.is_car
+                if self._routes.roadmap.is_car
                 else None,
                 obstacles.berths if obstacles else None,
                 past_bodies=past_bodies,
@@ -132,19 +132,21 @@ class Views:
             found = self._view(arc, x, y)
         return reason if isinstance(found, str) else self._barred(reason, found)
 
-    def _barred(self, reason: ClosingReason, found: tuple[Way, NodeId]) -> Barred | ClosingReason:
+    def _barred(
+        self, reason: ClosingReason, found: tuple[ViewingPlace, NodeId]
+    ) -> Barred | ClosingReason:
         # What stands in the way to a place; the reason, if no body does.
         (x, y, *_), start = found
-        way = self._routes.ways.way(self._bypass.at.node, start)
-        if way is not None:
-            bodies = self._routes.bodies_on(way, (x, y))
+        route = self._routes.roadmap.path(self._bypass.at.node, start)
+        if route is not None:
+            bodies = self._routes.bodies_on(route, (x, y))
         else:
             leads = self._bypass.leads_without_bodies(goal=(x, y))
             bodies = self._routes.obstacles.all if leads else {}
         return Barred(bodies) if bodies else reason
 
     def _leads(self, near: list[Node], known: BaseGeometry) -> Callable[[int, float, float], bool]:
-        return lambda k, x, y: self._routes.ways.leads(near[k], known, x, y)
+        return lambda k, x, y: self._routes.roadmap.leads(near[k], known, x, y)
 
     def _windows(self) -> list[float]:
         # Half widths of the windows in which a place is looked for: near the arc first, which is

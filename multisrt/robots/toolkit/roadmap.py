@@ -115,10 +115,10 @@ class NodeRoadmap:
             Its corners in metres, both ends included; None if no path leads there.
         """
         start, end = _one(from_)[0], _one(to)[0]
-        lengths, ways = self._routes(start, [end], passable)
+        lengths, routes = self._routes(start, [end], passable)
         if not math.isfinite(lengths[0]):
             return None
-        middle = [self.map[node].configuration[:2] for node in ways[0]]
+        middle = [self.map[node].configuration[:2] for node in routes[0]]
         corners = [start]
         for corner in (*middle, end):
             if math.dist(corner, corners[-1]) > 0.0:

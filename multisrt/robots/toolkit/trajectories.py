@@ -16,7 +16,7 @@ from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.numerics.arrays import FloatArray
 from multisrt.geometry.regions.safe_region import LocalSafeRegion
 from multisrt.planners.motion.body import PlanningBody
-from multisrt.planners.motion.car import car_way, car_ways
+from multisrt.planners.motion.car import car_out_and_back, car_trajectory
 from multisrt.planners.motion.curves import curve
 from multisrt.planners.motion.kinematics import (
     Car,
@@ -76,14 +76,14 @@ def trajectory(
     Configuration(x=2.0, y=1.0, heading=1.5707963267948966)
     >>> trajectory(Holonomic(), here, corner).length_m
     3.0
-    >>> way = trajectory(Car(), here, [(2.0, 0.0, math.pi)], headings=True)
-    >>> way.end.heading == math.pi, way.length_m > 2.0
+    >>> motion = trajectory(Car(), here, [(2.0, 0.0, math.pi)], headings=True)
+    >>> motion.end.heading == math.pi, motion.length_m > 2.0
     (True, True)
     """
     rows = _rows(kinematics, places, headings)
-    way = standing_at(_floats(start))
+    motion = standing_at(_floats(start))
     for number, row in enumerate(rows):
-        here = way.end
+        here = motion.end
         x, y = row[:2]
         if isinstance(kinematics, Car):
             heading = row[2] if headings else _onward(here, row, rows[number + 1 :])
@@ -93,8 +93,8 @@ def trajectory(
             if headings and isinstance(kinematics, Differential):
                 turn = turns_between(leg.end.heading, row[2])[0]
                 leg = leg.then(kinematics.turn(leg.end, turn))
-        way = way.then(leg)
-    return way
+        motion = motion.then(leg)
+    return motion
 
 
 def trajectory_inside(
@@ -156,8 +156,8 @@ def trajectory_inside(
     ...     rng=np.random.default_rng(0),
     ... )
     >>> square = np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]])
-    >>> way = trajectory_inside(me, me.start, [(3.0, 1.0), (3.0, 9.0)], square)
-    >>> round(way.end.x, 2), round(way.end.y, 2)
+    >>> motion = trajectory_inside(me, me.start, [(3.0, 1.0), (3.0, 9.0)], square)
+    >>> round(motion.end.x, 2), round(motion.end.y, 2)
     (3.0, 3.74)
     """
     rows = _rows(me.kinematics, places, headings, may_turn=False)
@@ -181,20 +181,20 @@ def _car_inside(
 ) -> Trajectory | None:
     # Leg by leg; a plan by sampling has the seed 1, so that chance makes no difference.
     area = region if isinstance(region, BaseGeometry) else _ring(region)
-    way: Trajectory | None = None
+    motion: Trajectory | None = None
     for row in rows:
-        here = start if way is None else way.end
+        here = start if motion is None else motion.end
         if math.dist(here[:2], row[:2]) < SAME_PLACE_M:
             continue
         if len(row) == 3:
-            leg = car_way(body, car, area, here, Configuration(*row), 1)
+            leg = car_trajectory(body, car, area, here, Configuration(*row), 1)
         else:
-            ways = car_ways(body, car, area, here, row[0], row[1], 1)
-            leg = None if ways is None else ways[0]
+            found = car_out_and_back(body, car, area, here, row[0], row[1], 1)
+            leg = None if found is None else found[0]
         if leg is None:
             break
-        way = leg if way is None else way.then(leg)
-    return way
+        motion = leg if motion is None else motion.then(leg)
+    return motion
 
 
 SAME_PLACE_M = 1e-9

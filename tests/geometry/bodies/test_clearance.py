@@ -238,8 +238,8 @@ def test_travel_of_a_disc_agrees_with_shapely():
         if clearance < radius:
             assert travel == 0.0
             continue
-        way = shapely.LineString([(x, y), (x, y) + travel * ahead])
-        assert ring.distance(way) >= radius - 1e-8
+        path = shapely.LineString([(x, y), (x, y) + travel * ahead])
+        assert ring.distance(path) >= radius - 1e-8
         if travel < limit:
             stopped += 1
             assert ring.distance(shapely.Point((x, y) + travel * ahead)) < radius + 1e-8
@@ -294,12 +294,12 @@ def test_a_touching_box_can_turn_away_but_not_in():
     reach, lean = math.sqrt(0.13), math.atan2(0.2, 0.3)
     touch = math.acos(0.32 / reach) - lean
     assert rotation_is_free(ROOM, box, 0.32, 4.0, touch, 0.0)
-    ways = {turn: rotation_is_free(ROOM, box, 0.32, 4.0, touch, turn) for turn in (-0.05, 0.05)}
+    free = {turn: rotation_is_free(ROOM, box, 0.32, 4.0, touch, turn) for turn in (-0.05, 0.05)}
     expected = {}
-    for turn in ways:
+    for turn in free:
         placed = Footprint.box(0.6, 0.4).placed((0.32, 4.0, touch + turn))
         expected[turn] = bool(shapely.Polygon(ROOM).covers(placed))
-    assert ways == expected
+    assert free == expected
     assert sorted(expected.values()) == [False, True]
 
 

@@ -26,8 +26,8 @@ def cluttered(seed=0, count=70, width=12.0):
         at = rng.uniform(0, width, 2)
         solid.append(shapely.Polygon(at + (reach * [np.cos(angles), np.sin(angles)]).T))
     for _ in range(6):
-        start, way = rng.uniform(0, width, 2), rng.uniform(-2, 2, 2)
-        solid.append(shapely.LineString([start, start + way]).buffer(2e-3, cap_style="flat"))
+        start, step = rng.uniform(0, width, 2), rng.uniform(-2, 2, 2)
+        solid.append(shapely.LineString([start, start + step]).buffer(2e-3, cap_style="flat"))
     halls = shapely.box(0, 0, width, width) | shapely.box(width + 0.2, 2, width + 4, 8)
     return halls - shapely.union_all(solid)
 
@@ -177,8 +177,8 @@ def test_straight_motions_agree_with_shapely(name, world, obstacles, moving):
     for start in moving.random_poses(rng, 1500, 0.0, 12.0):
         end = start + np.array([*rng.normal(0, 0.8, 2), 0.0])
         if footprint.is_disc:
-            way = shapely.LineString([start[:2], end[:2]])
-            expected = obstacles.distance(way) > footprint.radius_m
+            step = shapely.LineString([start[:2], end[:2]])
+            expected = obstacles.distance(step) > footprint.radius_m
             end[2] += rng.uniform(-1, 1)
         else:
             expected = not shapely.intersects(obstacles, footprint.swept(start, end))

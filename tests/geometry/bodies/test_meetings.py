@@ -164,11 +164,11 @@ def test_closed_form_for_discs_agrees_with_advancement(numbers, radius_a, radius
 
 
 def _least(numbers):
-    way = shapely.LineString(
+    line = shapely.LineString(
         [(numbers[2] - numbers[0], numbers[3] - numbers[1]),
          (numbers[6] - numbers[4], numbers[7] - numbers[5])]
     )  # fmt: skip
-    return way.distance(shapely.Point(0, 0))
+    return line.distance(shapely.Point(0, 0))
 
 
 def test_discs_that_nearly_miss_are_reported_before_contact():

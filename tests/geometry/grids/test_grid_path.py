@@ -85,22 +85,22 @@ def length(path):
     return np.hypot(*np.diff(path, axis=0).T).sum()
 
 
-def paths(way, passable, source, cells):
-    if way == "descent":
+def paths(method, passable, source, cells):
+    if method == "descent":
         field = DistanceField(passable, 1.0, [source])
         return [shortest_path(field, cell) for cell in cells]
-    transform = EuclideanField(passable, 1.0, source, order=way)
+    transform = EuclideanField(passable, 1.0, source, order=method)
     return [transform.path(cell) for cell in cells]
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("way", ["descent", "queue", "sweeps"])
-def test_paths_in_rooms_are_nearly_shortest(way):
+@pytest.mark.parametrize("method", ["descent", "queue", "sweeps"])
+def test_paths_in_rooms_are_nearly_shortest(method):
     excess = []
     for seed in range(3):
         passable = office(seed)
         source, cells = draw(passable, seed, 30, 20.0)
-        lengths = [length(path) for path in paths(way, passable, source, cells)]
+        lengths = [length(path) for path in paths(method, passable, source, cells)]
         excess.append(np.array(lengths) / exact_lengths(passable, source, cells) - 1.0)
     assert np.min(excess) > -1e-4
     assert np.mean(excess) < 0.012
@@ -108,27 +108,27 @@ def test_paths_in_rooms_are_nearly_shortest(way):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("way", ["descent", "queue", "sweeps"])
-def test_paths_lose_less_than_a_cell_per_turn(way):
+@pytest.mark.parametrize("method", ["descent", "queue", "sweeps"])
+def test_paths_lose_less_than_a_cell_per_turn(method):
     for seed in range(4):
         passable = scattered(seed)
         source, cells = draw(passable, seed, 10)
         if not len(cells):
             continue
         truth = exact_lengths(passable, source, cells)
-        for path, least in zip(paths(way, passable, source, cells), truth, strict=True):
+        for path, least in zip(paths(method, passable, source, cells), truth, strict=True):
             assert least - 1e-2 < length(path) < 1.05 * least + 1.0 * (len(path) - 2) + 1e-9
 
 
 @pytest.mark.slow
 @given(st.integers(0, 100_000), st.sampled_from(["descent", "queue", "sweeps"]))
 @settings(max_examples=100)
-def test_paths_never_pass_a_blocked_cell(seed, way):
+def test_paths_never_pass_a_blocked_cell(seed, method):
     passable = scattered(seed)
     source, cells = draw(passable, seed, 3)
     source = tuple(np.floor(source) + np.random.default_rng(seed).uniform(0.01, 0.99, 2))
     walls = solid(passable, 1e-6)
-    for cell, path in zip(cells, paths(way, passable, source, cells), strict=True):
+    for cell, path in zip(cells, paths(method, passable, source, cells), strict=True):
         assert path[0] == pytest.approx(source)
         assert path[-1] == pytest.approx(cell[::-1] + 0.5)
         assert not shapely.intersects(shapely.linestrings(path), walls)

@@ -14,26 +14,34 @@ from multisrt.geometry.numerics.kernel_cache import imported_files
 
 ROOT = Path(__file__).parents[3]
 
-IS_CLEAR = """
-import numpy as np
-from multisrt.geometry.regions.edge_index import EdgeIndex, no_edge_within
-walls = EdgeIndex(np.array([[0.0, 0.0, 1.0, 0.0]]), 1.0)
-print(no_edge_within(0.5, 0.3, 0.6, 0.3, 0.2, walls.grid))
+CALLER = """
+from multisrt.geometry.numerics.kernel import kernel
+from multisrt.geometry.numerics.segments import squared_distance
+
+
+@kernel
+def is_clear(x: float, y: float) -> bool:
+    return squared_distance(x, y, x, -y) > 0.01
 """
+
+IS_CLEAR = "from multisrt.geometry.caller import is_clear; print(is_clear(0.2, 0.3))"
 
 
 @pytest.fixture
 def package(tmp_path):
-    """A copy of the package without compiled kernels."""
+    """A copy of the package without compiled kernels, with one more file of them."""
     ignored = shutil.ignore_patterns("__pycache__")
-    return Path(shutil.copytree(ROOT / "multisrt", tmp_path / "multisrt", ignore=ignored))
+    copy = Path(shutil.copytree(ROOT / "multisrt", tmp_path / "multisrt", ignore=ignored))
+    (copy / "geometry" / "caller.py").write_text(CALLER)
+    return copy
 
 
 def answer(package: Path, **environment: str) -> str:
+    inherited = {name: value for name, value in os.environ.items() if name != "NUMBA_CACHE_DIR"}
     done = subprocess.run(
         [sys.executable, "-W", "error", "-c", IS_CLEAR],
         cwd=package.parent,
-        env=os.environ | environment,
+        env=inherited | {"PYTHONPATH": "."} | environment,
         capture_output=True,
         text=True,
         check=True,
@@ -53,24 +61,21 @@ def break_the_callee(package: Path) -> None:
 
 
 @pytest.mark.slow
-def test_a_kernel_follows_a_callee_of_another_file(package):
+def test_a_kernel_follows_a_callee_of_another_file_and_older_ones_are_removed(package):
     assert answer(package) == "True"
-    cached = set(package.rglob("no_edge_within*.nbc"))
+    old = set(package.rglob("*.nbc"))
+    assert {file.name.split("-")[0] for file in old} == {
+        "caller.is_clear",
+        "segments.squared_distance",
+    }
+    written = {file: file.stat().st_mtime_ns for file in old}
     assert answer(package) == "True"
-    assert cached == set(package.rglob("no_edge_within*.nbc"))
+    assert {file: file.stat().st_mtime_ns for file in package.rglob("*.nbc")} == written
     break_the_callee(package)
     assert answer(package) == "False"
-
-
-@pytest.mark.slow
-def test_kernels_of_older_sources_are_removed(package):
-    answer(package)
-    old = set((package / "geometry" / "regions" / "__pycache__").glob("edge_index-*"))
-    break_the_callee(package)
-    answer(package)
-    new = set((package / "geometry" / "regions" / "__pycache__").glob("edge_index-*"))
-    assert len(old) == len(new) == 1
-    assert old != new
+    folders = list((package / "geometry" / "__pycache__").glob("caller-*"))
+    assert len(folders) == 1
+    assert not old & set(package.rglob("*.nbc"))
 
 
 @pytest.mark.slow
@@ -79,7 +84,7 @@ def test_a_cache_chosen_by_the_user_is_used(package, tmp_path):
     assert answer(package, NUMBA_CACHE_DIR=str(mine)) == "True"
     break_the_callee(package)
     assert answer(package, NUMBA_CACHE_DIR=str(mine)) == "False"
-    assert len(list(mine.glob("edge_index-*"))) == 2
+    assert len(list(mine.glob("caller-*"))) == 2
     assert not list(package.rglob("*.nbc"))
 
 

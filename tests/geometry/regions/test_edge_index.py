@@ -65,20 +65,20 @@ def test_no_edge_within_equals_shapely(worlds, cell, length):
     told = []
     for x, y in worlds.viewpoints(worlds.hall(), 60, seed=4) * 2.0:
         angle = rng.uniform(0.0, 2.0 * np.pi)
-        way = x, y, x + length * np.cos(angle), y + length * np.sin(angle)
-        nearest = shapely.distance(lines, shapely.LineString([way[:2], way[2:]])).min()
+        path = x, y, x + length * np.cos(angle), y + length * np.sin(angle)
+        nearest = shapely.distance(lines, shapely.LineString([path[:2], path[2:]])).min()
         for distance in (0.05, 0.3, nearest - 1e-9, nearest + 1e-9):
             if distance > 0.0:
-                told.append(no_edge_within(*way, distance, index.grid))
+                told.append(no_edge_within(*path, distance, index.grid))
                 assert told[-1] == (nearest > distance)
     assert len(set(told)) == 2
 
 
 def test_an_edge_at_exactly_the_distance_is_within():
     index = EdgeIndex(np.array([[0.0, 0.0, 4.0, 0.0]]), 1.0)
-    for way in ((0.0, 0.5, 4.0, 0.5), (4.5, 0.0, 9.0, 0.0), (2.0, 3.0, 2.0, 0.5)):
-        assert not no_edge_within(*way, 0.5, index.grid)
-        assert no_edge_within(*way, 0.49, index.grid)
+    for path in ((0.0, 0.5, 4.0, 0.5), (4.5, 0.0, 9.0, 0.0), (2.0, 3.0, 2.0, 0.5)):
+        assert not no_edge_within(*path, 0.5, index.grid)
+        assert no_edge_within(*path, 0.49, index.grid)
     # It crosses the edge, and all ends are far from it.
     assert not no_edge_within(2.0, -1.0, 2.0, 1.0, 0.1, index.grid)
 

@@ -76,7 +76,7 @@ def test_clearance_inside_is_that_of_the_union(polygons, some):
 
 @pytest.mark.slow
 @given(worlds_of_polygons, st.lists(places, min_size=2, max_size=12), st.floats(0.01, 0.6))
-def test_a_way_is_free_where_the_union_holds_its_swath(polygons, stops, radius):
+def test_a_path_is_free_where_the_union_holds_its_swath(polygons, stops, radius):
     known, exact = space(polygons), union(polygons)
     for start, end in pairwise(stops):
         gap = exact.boundary.distance(LineString([start, end]))

@@ -52,8 +52,8 @@ def test_distances_are_those_of_dense_sampling(centre, start, turn, a, b):
 
 
 @given(PLACES, PLACES, st.floats(0.01, math.pi), st.sampled_from([-1, 1]))
-def test_a_rotation_about_its_centre_leads_to_the_end(start, end, turn, way):
-    turn *= way
+def test_a_rotation_about_its_centre_leads_to_the_end(start, end, turn, sign):
+    turn *= sign
     centre = centres_of_rotation(np.array([start]), np.array([end]), np.array([turn]))[0]
     about = complex(*centre)
     led = about + (complex(*start) - about) * np.exp(1j * turn)

@@ -281,10 +281,10 @@ def test_a_corner_of_a_wall_beside_a_box_that_turns(recorded, moved):
 )
 @settings(max_examples=60, deadline=None)
 def test_the_clearance_is_that_of_dense_sampling(recorded, body, start, step, pillars):
-    way = shapely.LineString([start[:2], np.add(start, step)[:2]]).buffer(1.5)
+    swept = shapely.LineString([start[:2], np.add(start, step)[:2]]).buffer(1.5)
     solid = [shapely.Point(x, y).buffer(0.3, 1) for x, y, _ in pillars]
     hall = Environment.from_outline(
-        "hall", shapely.box(0, 0, 10, 10), [one for one in solid if not one.intersects(way)]
+        "hall", shapely.box(0, 0, 10, 10), [one for one in solid if not one.intersects(swept)]
     )
     end = tuple(np.add(start, step).tolist())
     motion = Motion(time_s=0.0, robot=0, waypoints=((0.0, *start), (1.0, *end)))

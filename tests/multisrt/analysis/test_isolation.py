@@ -145,11 +145,13 @@ def test_a_wall_that_weakens(team, moved):
 def test_an_arc_out_of_range_and_back(team, moved):
     # A whole circle of 4 m about (20, 10) in 40 s, from its right end; robot 0 stands at its
     # left end, 2 m farther: the distance d has d^2 = 16 + 36 + 48 cos(angle), in range below 25.
-    ways = [
+    waypoints = [
         (10.0 + 10 * k, 20 + 4 * math.cos(a), 10 + 4 * math.sin(a), a + math.pi / 2)
         for k, a in enumerate(np.linspace(0.0, 2.0 * math.pi, 5).tolist())
     ]
-    result = isolation(team(moved(*ways, robot=1), starts=[(14.0, 10.0), (24.0, 10.0)], end_s=60.0))
+    result = isolation(
+        team(moved(*waypoints, robot=1), starts=[(14.0, 10.0), (24.0, 10.0)], end_s=60.0)
+    )
     angle = math.acos((25.0 - 52.0) / 48.0)
     enters = 10.0 + 40.0 * angle / (2.0 * math.pi)
     assert result[0].spells == tuple(close([(0.0, enters), (60.0 - enters, 60.0)]))
@@ -257,7 +259,7 @@ def test_isolation_agrees_with_sampled_times(team, drawn, radio):
         for start, legs in drawn
         if BLOCKS.free.buffer(-0.1).contains(shapely.Point(start))
     ]
-    motions = [wandering(robot, *way) for robot, way in enumerate(drawn)]
+    motions = [wandering(robot, *one) for robot, one in enumerate(drawn)]
     if radio.walls != "pass":
         motions = list(in_the_open(motions))
     if len(motions) < 2:

@@ -13,7 +13,7 @@ import multisrt as ms
 from multisrt.environments.catalog import names
 from multisrt.environments.environment import Environment
 from multisrt.events import Motion, NodeAdded
-from multisrt.run import Run
+from multisrt.finished_run import Run
 from multisrt.spec import DriveSpec
 
 TURN_STEP_RAD = math.radians(1.0)
@@ -32,7 +32,10 @@ BODIES: dict[str, Corners | None] = {
 }
 """Footprints as text, and their corners; a disc has a radius of 0.25 m."""
 
-SMALL: dict[str, dict[str, Any]] = {"rooms": {"size_m": 20.0, "rooms_per_side": 3}}
+SMALL: dict[str, dict[str, Any]] = {
+    "rooms": {"size_m": 20.0, "rooms_per_side": 3},
+    "office": {"width_m": 24.0, "height_m": 16.0},
+}
 """Parameters of smaller versions of large environments."""
 
 
@@ -61,9 +64,9 @@ def deepest_overlap(run: Run) -> float:
 def covered_by_leg(corners: Corners | None, a: Pose, b: Pose) -> np.ndarray:
     """Return the area swept by a body on a leg, as polygons from inside."""
     if corners is None:
-        way = shapely.Point(a[:2]) if a[:2] == b[:2] else shapely.LineString([a[:2], b[:2]])
+        path = shapely.Point(a[:2]) if a[:2] == b[:2] else shapely.LineString([a[:2], b[:2]])
         # Chords of 256 a circle lie within 0.25 m (1 - cos(pi / 256)) = 0.02 mm of it.
-        return np.array([way.buffer(0.25, quad_segs=64)])
+        return np.array([path.buffer(0.25, quad_segs=64)])
     if a[2] == b[2]:
         # A triangle of the body sweeps the convex hull of its two positions.
         triangles = shapely.constrained_delaunay_triangles(shapely.Polygon(corners))

@@ -48,8 +48,8 @@ def test_scans_have_a_path_and_no_tree(bidding):
     svg = tree_svg(bidding)
     found = layers(svg)
     assert not {"robot 0: tree", "robot 0: nodes", "robot 0: regions"} & set(found)
-    (way,) = lines(paths(found["robot 0: path"]))
-    np.testing.assert_allclose(way, [A, B, (7.0, 3.0)], atol=0.01)
+    (line,) = lines(paths(found["robot 0: path"]))
+    np.testing.assert_allclose(line, [A, B, (7.0, 3.0)], atol=0.01)
     assert "3 scans, 5 m" in " ".join(texts(svg))
     assert "nodes" not in " ".join(texts(svg))
 

@@ -24,8 +24,8 @@ class Crosses:
     def run(self):
         yield Sense()
         x, y, heading = self.me.start
-        way = Trajectory((Waypoint(0.0, x, y, heading), Waypoint(4.0, x + 2.0, y, heading)))
-        yield Move(trajectory=way)
+        motion = Trajectory((Waypoint(0.0, x, y, heading), Waypoint(4.0, x + 2.0, y, heading)))
+        yield Move(trajectory=motion)
         yield Done(complete=True, reason="has crossed the room")
 
 

@@ -1,6 +1,7 @@
 """Estimates from a few runs whose computing times are known."""
 
 import math
+import time
 from itertools import count
 from typing import Any
 
@@ -38,7 +39,7 @@ class Machine:
         self.now, self.power, self.noise, self.scale = 0.0, power, noise, scale
         self.made: list[PlannedRun] = []
         self.turns = count()
-        monkeypatch.setattr(module.time, "perf_counter", lambda: self.now)
+        monkeypatch.setattr(time, "perf_counter", lambda: self.now)
 
     def __call__(self, run: PlannedRun, limits: Limits) -> Result:
         wobble = math.exp(self.noise * math.cos(5.0 * next(self.turns)))

@@ -55,7 +55,7 @@ def driven(world, *starts, options=None, **robot):
     return recording, measure(recording, world)
 
 
-def test_a_room_that_is_seen_at_once_takes_no_way():
+def test_a_room_that_is_seen_at_once_takes_no_path():
     recording, metrics = driven(ROOM, (1.0, 1.0, 0.0), range_finder=RangeFinderSpec(range_m=9.0))
     assert recording.footer.outcome == "complete"
     assert metrics.makespan_s == 0.0

@@ -1,4 +1,4 @@
-"""Ways through known worlds against shortest paths of an independent search."""
+"""Paths through known worlds against shortest paths of an independent search."""
 
 import itertools
 import math
@@ -23,7 +23,7 @@ def united(*parts):
     return whole
 
 
-def way(roadmap, a, b):
+def path(roadmap, a, b):
     """The path between two nodes, one of which is known to lead to the other."""
     tight = roadmap.tight(a, b)
     assert tight is not None
@@ -47,13 +47,13 @@ def test_paths_are_nearly_shortest_and_keep_clear():
     room = PILLARS.buffer(-0.263, quad_segs=4)
     rng = np.random.default_rng(0)
     for node in rng.integers(1, len(roadmap.places), 40).tolist():
-        tight = way(roadmap, 0, node)
+        tight = path(roadmap, 0, node)
         best = shortest(room, tuple(roadmap.places[0]), tuple(roadmap.places[node]))
         assert best - 0.02 <= tight.length_m <= 1.03 * best + 0.02
         line = LineString(tight.corners)
         assert line.length == pytest.approx(tight.length_m)
         assert line.distance(PILLARS.boundary) > 0.25
-        back = way(roadmap, node, 0)
+        back = path(roadmap, node, 0)
         assert back.corners[::-1] == pytest.approx(tight.corners)
 
 
@@ -64,14 +64,14 @@ def test_nodes_and_edges_have_room_everywhere():
     free = museum.component(*museum.starts[0])
     roadmap = Roadmap(free, 0.25, (Configuration(*museum.starts[0], 0.0),))
     pairs = np.array(roadmap._graph.nonzero()).T
-    ways = shapely.linestrings(roadmap.places[pairs])
-    assert float(shapely.distance(ways, free.boundary).min()) > 0.25
+    edges = shapely.linestrings(roadmap.places[pairs])
+    assert float(shapely.distance(edges, free.boundary).min()) > 0.25
     assert bool(shapely.contains_xy(free, roadmap.places).all())
 
 
 def test_turning_counts_lines_not_headings():
     roadmap = Roadmap(PILLARS, 0.25, (Configuration(1.0, 4.0, 0.0), Configuration(5.0, 4.0, 0.0)))
-    tight = way(roadmap, 0, 1)
+    tight = path(roadmap, 0, 1)
     lines = np.diff(tight.corners, axis=0)
     angles = np.arctan2(lines[:, 1], lines[:, 0])
     turns = [abs(math.remainder(b - a, math.pi)) for a, b in itertools.pairwise(angles.tolist())]
@@ -82,18 +82,18 @@ def test_a_door_that_the_lattice_misses_is_passed():
     # A door that leaves 6 cm beside the body, between two rooms.
     rooms = united(box(0, 0, 4, 4), box(4.3, 0, 8.3, 4), box(3.9, 1.77, 4.4, 2.33))
     roadmap = Roadmap(rooms, 0.25, (Configuration(1.0, 3.0, 0.0), Configuration(7.0, 3.0, 0.0)))
-    assert way(roadmap, 0, 1).length_m < 7.5
+    assert path(roadmap, 0, 1).length_m < 7.5
 
 
 def test_bodies_that_stand_are_kept_clear_of():
     start, goal = Configuration(1.0, 1.0, 0.0), Configuration(9.0, 1.0, 0.0)
     hall = box(0, 0, 10, 3)
     roadmap = Roadmap(hall, 0.25, (start, goal), [(5.0, 1.0, 0.3)])
-    line = LineString(way(roadmap, 0, 1).corners)
+    line = LineString(path(roadmap, 0, 1).corners)
     assert line.distance(shapely.Point(5.0, 1.0)) > 0.55
 
 
-def test_what_a_disc_cannot_reach_has_no_way():
+def test_what_a_disc_cannot_reach_has_no_path():
     rooms = united(box(0, 0, 4, 4), box(4.3, 0, 8.3, 4), box(3.9, 1.9, 4.4, 2.1))
     start, other = Configuration(1.0, 3.0, 0.0), Configuration(7.0, 3.0, 0.0)
     assert Roadmap(rooms, 0.25, (start, other)).tight(0, 1) is None
@@ -101,7 +101,7 @@ def test_what_a_disc_cannot_reach_has_no_way():
 
 def test_a_start_nearer_to_a_wall_than_nodes_leads_off():
     roadmap = Roadmap(PILLARS, 0.25, (Configuration(0.251, 4.0, 0.0), Configuration(9.0, 7.0, 0.0)))
-    tight = way(roadmap, 0, 1)
+    tight = path(roadmap, 0, 1)
     assert LineString(tight.corners).distance(PILLARS.boundary) >= 0.25
 
 

@@ -12,9 +12,9 @@ from multisrt.planners.motion.kinematics import Holonomic
 
 
 def drive(*corners):
-    way = np.array(corners, np.float64)
+    path = np.array(corners, np.float64)
     x, y = corners[0]
-    return drive_along(Configuration(x, y, 0.0), Holonomic(speed_m_s=0.5), [way])
+    return drive_along(Configuration(x, y, 0.0), Holonomic(speed_m_s=0.5), [path])
 
 
 def course(drive, radius_m=0.25):
@@ -50,7 +50,7 @@ def test_who_meets_nobody_does_not_wait():
         assert own[-1].begin_s + own[-1].motion.duration_s == pytest.approx(one.motion.duration_s)
 
 
-def test_ways_that_cross_are_driven_one_after_the_other():
+def test_paths_that_cross_are_driven_one_after_the_other():
     drives = [drive((0, 0), (10, 0)), drive((5, -5), (5, 4))]
     found, stages = tracks(drives, timed([course(d) for d in drives]))
     assert least_distance(found) >= 0.5 + GAP_M

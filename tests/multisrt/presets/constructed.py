@@ -14,7 +14,8 @@ from multisrt.experiments.crossing import Condition, conditions
 from multisrt.experiments.provenance import provenance
 from multisrt.experiments.results import Result, Results
 from multisrt.experiments.spec import ExperimentSpec
-from multisrt.presets import multi_srt, sbx_r
+from multisrt.presets import multi_srt
+from multisrt.presets.sbx_r_tables import PAPER
 from multisrt.reporting.claims import Claim
 
 ZEROS: dict[object, object] = {float: 0.0, int: 0}
@@ -98,7 +99,7 @@ def bidding(
     def values(at: Condition, repetition: int) -> dict[str, object]:
         ours = factors(at) if at.strategy == "self-bidding" else 1.0
         value = 100.0 * ours * (1.0 + spread * noise_of(at, repetition, "any"))
-        names = [*(table.measure.name for table in sbx_r.PAPER), "makespan_s"]
+        names = [*(table.measure.name for table in PAPER), "makespan_s"]
         return dict.fromkeys(names, value)
 
     return values

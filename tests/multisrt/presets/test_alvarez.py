@@ -3,6 +3,7 @@ import pytest
 
 from multisrt.experiments.crossing import Condition
 from multisrt.presets import alvarez
+from multisrt.presets.alvarez_maps import SCENARIOS
 from tests.multisrt.presets.constructed import laws, no_results, results_of
 
 # With few repetitions, so that numbers are small.
@@ -13,7 +14,7 @@ QUICK_ALVAREZ = msgspec.structs.replace(alvarez.experiment(True), repetitions=2)
 
 
 def test_figures_of_alvarez_are_the_printed_ones():
-    by_number = {scenario.number: scenario for scenario in alvarez.SCENARIOS}
+    by_number = {scenario.number: scenario for scenario in SCENARIOS}
     assert list(by_number) == [1, 11, 10, 13, 43, 18, 45, 16, 21, 46]
     first, last, dense = by_number[1], by_number[46], by_number[18]
     # Table 4.1, its first and last lines and the one with the least success.
@@ -25,13 +26,13 @@ def test_figures_of_alvarez_are_the_printed_ones():
     # Section 4.2.1: "-0.7 a -1.02 [...] y de -0.74 a -1.42"; its own exponents lie between.
     assert alvarez.TIME_EXPONENTS == (-1.02, -0.70)
     assert alvarez.DISTANCE_EXPONENTS == (-1.42, -0.74)
-    for scenario in alvarez.SCENARIOS:
+    for scenario in SCENARIOS:
         assert -1.02 <= scenario.time[1] <= -0.70
         assert -1.42 <= scenario.distance[1] <= -0.74
 
 
 def test_maps_of_alvarez_are_as_large_as_the_printed_ones():
-    for scenario in alvarez.SCENARIOS:
+    for scenario in SCENARIOS:
         size = scenario.parameters
         width, height = (size.get(side, size.get("size_m")) for side in ("width_m", "height_m"))
         assert isinstance(width, float)
@@ -62,7 +63,7 @@ def test_claims_of_alvarez_that_hold():
 
 
 def test_claims_of_alvarez_that_do_not_hold():
-    one_map = alvarez.SCENARIOS[3].label
+    one_map = SCENARIOS[3].label
     results = results_of(
         FULL_ALVAREZ,
         laws(

@@ -5,13 +5,14 @@ import pytest
 
 from multisrt.presets import sbx_r
 from multisrt.presets.cells import Cells
+from multisrt.presets.sbx_r_tables import PAPER
 from tests.multisrt.presets.constructed import bidding, claim_on, no_results, results_of
 
 FULL_SBX = sbx_r.experiment(False)
 
 
 def test_figures_of_sbx_r_are_the_printed_ones():
-    one, two, three, four, five = sbx_r.PAPER
+    one, two, three, four, five = PAPER
     # Table I, Stachniss, 15 m, 3 robots; SBX-R, 20 m, 5 robots.
     assert (one.median("utility", 15, 3), one.mark("utility", 15, 3)) == ("503.10", "+")
     assert one.median("self-bidding", 20, 5) == "3.45"
@@ -46,7 +47,7 @@ def test_figures_of_sbx_r_are_the_printed_ones():
     ],
 )
 def test_marks_of_sbx_r_agree_with_the_counts_in_its_text(number, other, better, worse):
-    (table,) = [table for table in sbx_r.PAPER if table.number == number]
+    (table,) = [table for table in PAPER if table.number == number]
     signs = Counter(table.mark(*cell) for cell in sbx_r.ALL[other])
     assert (signs["+"], signs["-"], sum(signs.values())) == (better, worse, 12)
 
@@ -89,7 +90,7 @@ def test_marks_beside_those_of_the_paper():
         FULL_SBX, bidding(lambda at: {"15 m": 0.5, "30 m": 2.0}.get(at.radio, 1.0))
     )
     cells = Cells(results)
-    table = sbx_r.PAPER[4]
+    table = PAPER[4]
     found = sbx_r.marks(cells, table)
     assert {cell: mark for cell, mark in found.items() if cell[1] == 15 and mark != "+"} == {}
     assert {cell: mark for cell, mark in found.items() if cell[1] == 20 and mark} == {}
@@ -108,4 +109,4 @@ def test_marks_beside_those_of_the_paper():
 
 def test_too_few_runs_have_no_marks():
     few = results_of(msgspec.structs.replace(FULL_SBX, repetitions=3), bidding(lambda at: 0.1))
-    assert set(sbx_r.marks(Cells(few), sbx_r.PAPER[0]).values()) == {""}
+    assert set(sbx_r.marks(Cells(few), PAPER[0]).values()) == {""}

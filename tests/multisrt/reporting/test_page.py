@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 
 import multisrt as ms
 from multisrt.cli import cli
+from multisrt.drawing.looks import DASHES, MARKERS, look_of
 from multisrt.drawing.svg import printable
 from multisrt.experiments.crossing import Condition, runs
 from multisrt.experiments.provenance import provenance
@@ -28,12 +29,9 @@ from multisrt.reporting.reruns import Specs, gallery, gallery_settings, median_r
 from multisrt.reporting.run_rows import COLUMNS
 from multisrt.reporting.study import Study
 from multisrt.reporting.style import (
-    DASHES,
-    MARKERS,
     MAX_LABEL,
     Picture,
     in_groups,
-    look_of,
     short_labels,
 )
 from multisrt.spec import RunSpec

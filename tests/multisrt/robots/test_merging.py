@@ -13,8 +13,9 @@ from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.regions.boundary import OBSTACLE, RANGE
 from multisrt.geometry.regions.frontier_arcs import frontier_candidates, total_length
-from multisrt.geometry.regions.safe_region import LocalSafeRegion, Shape, local_safe_region
+from multisrt.geometry.regions.safe_region import LocalSafeRegion, local_safe_region
 from multisrt.geometry.regions.scan import take_scan
+from multisrt.geometry.regions.shapes import Shape
 from multisrt.robots.exploration_map import Closing, ClosingId, ExplorationMap, Node, NodeId
 from multisrt.robots.knowledge import REASONS
 

@@ -72,8 +72,8 @@ class Talker:
             yield Send(self.message, to=0)
             yield Done(complete=False, reason="has said it")
             return
-        way = turn_and_drive(self.me.kinematics, self.me.start, 5.0, 5.0)
-        told = yield Move(trajectory=way, listen=True)
+        motion = turn_and_drive(self.me.kinematics, self.me.start, 5.0, 5.0)
+        told = yield Move(trajectory=motion, listen=True)
         if isinstance(told, Received):
             reason = f"was woken at {told.time_s}: {told.messages[0].kind}"
             while not isinstance(told, Moved):

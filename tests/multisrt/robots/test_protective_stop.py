@@ -38,7 +38,7 @@ def test_the_stop_is_below_the_distance_and_above_a_quarter(now, guard):
 
 
 @given(st.just(0.0) | distances, guards)
-def test_planned_ways_keep_beyond_the_protective_stop(now, guard):
+def test_planned_paths_keep_beyond_the_protective_stop(now, guard):
     gap = planned_gap(now, guard)
     assert gap <= now
     stop = guard if now > guard else stop_within(now, guard)
@@ -64,8 +64,8 @@ def swept(*places) -> Sweep:
         ((1.45, 0.0), (0.0, 0.0), False),
     ],
 )
-def test_ways_conflict_where_they_come_too_near(start, end, conflicts):
+def test_paths_conflict_where_they_come_too_near(start, end, conflicts):
     standing = swept((2.0, 0.0))
-    way, body = swept(start, end), swept(start)
-    assert conflict(way, body, standing, standing, GUARD_M) == conflicts
-    assert conflict(standing, standing, way, body, GUARD_M) == conflicts
+    moving, body = swept(start, end), swept(start)
+    assert conflict(moving, body, standing, standing, GUARD_M) == conflicts
+    assert conflict(standing, standing, moving, body, GUARD_M) == conflicts

@@ -87,12 +87,12 @@ def reloaded(recording: Recording, folder: Any) -> Recording:
 @pytest.mark.parametrize("number", NUMBERS)
 def test_motions_take_numbers_of_numpy(drive, straight, number, tmp_path):
     plain, _ = drive(straight(1.0, 1.0, 3.0, 1.0, guard_m=1.0), END)
-    way = (
+    waypoints = (
         Waypoint(number(0), number(1), number(1), number(0)),
         Waypoint(number(4), number(3), number(1), number(0)),
     )
     recording, explorer = drive(
-        Move(trajectory=Trajectory(way), guard_m=number(1), listen=np.bool_(False)), END
+        Move(trajectory=Trajectory(waypoints), guard_m=number(1), listen=np.bool_(False)), END
     )
     assert recording.footer.digest == plain.footer.digest
     assert_plain(recording.events[0])

@@ -19,7 +19,7 @@ from multisrt.recording import Recording
 from multisrt.robots import registry
 from multisrt.robots.defects import ExplorerDefect
 from multisrt.robots.explorer import Done, Move, Note, Receive, Send, Sense
-from multisrt.robots.registry import Strategy
+from multisrt.robots.strategy import Strategy
 from multisrt.simulation.simulate import simulate
 from multisrt.simulation.stepping import Step, Stepping
 from multisrt.simulation.worlds import inline

@@ -144,12 +144,12 @@ def test_after_a_stop_a_robot_is_as_near_as_the_guard():
 
 def test_arrivals_are_exact():
     roads = traffic((0.1, 0.2), (40, 40))
-    way = Trajectory((Waypoint(0, 0.1, 0.2, 0), Waypoint(1 / 3, 0.1, 0.7, 0.1)))
-    roads.begin(0, 0.7, way, 0.3)
-    assert roads.where(0, 0.7 + 1 / 3 + 1e-9) == way.end
-    assert roads.where(0, 0.7) == way.start
-    assert roads.end(0, 0.7 + way.duration_s) == way.end
-    assert roads.where(0, 5.0) == way.end
+    motion = Trajectory((Waypoint(0, 0.1, 0.2, 0), Waypoint(1 / 3, 0.1, 0.7, 0.1)))
+    roads.begin(0, 0.7, motion, 0.3)
+    assert roads.where(0, 0.7 + 1 / 3 + 1e-9) == motion.end
+    assert roads.where(0, 0.7) == motion.start
+    assert roads.end(0, 0.7 + motion.duration_s) == motion.end
+    assert roads.where(0, 5.0) == motion.end
     assert roads.affected(0) == []
 
 
@@ -308,18 +308,18 @@ def sampled_distance(body_a, poses_a, body_b, poses_b):
 def test_encounters_agree_with_sampling(seed, name_a, name_b, guard):
     rng = np.random.default_rng(seed)
     bodies = [BODIES[name_a], BODIES[name_b]]
-    way_a, way_b = wander(rng, rng.integers(1, 5)), wander(rng, rng.integers(0, 5))
+    motion_a, motion_b = wander(rng, rng.integers(1, 5)), wander(rng, rng.integers(0, 5))
     begin_b, begin_a = 10.0, 10.0 + rng.uniform(0, 2)
-    roads = traffic(way_a.start, way_b.start, bodies=bodies)
-    roads.begin(1, begin_b, way_b, None)
-    roads.begin(0, begin_a, way_a, guard)
+    roads = traffic(motion_a.start, motion_b.start, bodies=bodies)
+    roads.begin(1, begin_b, motion_b, None)
+    roads.begin(0, begin_a, motion_a, guard)
     event = roads.next_event(0, begin_a)
 
-    times = np.linspace(begin_a, begin_a + way_a.duration_s, 1500)
+    times = np.linspace(begin_a, begin_a + motion_a.duration_s, 1500)
     if event is not None:
         times = np.append(times[times < event.time_s], event.time_s)
-    poses_a = [way_a.at(time - begin_a) for time in times]
-    poses_b = [way_b.at(time - begin_b) for time in times]
+    poses_a = [motion_a.at(time - begin_a) for time in times]
+    poses_b = [motion_b.at(time - begin_b) for time in times]
     distance = sampled_distance(bodies[0], poses_a, bodies[1], poses_b)
     threshold = 0.0 if guard is None else guard
     if distance[0] <= threshold:
@@ -361,19 +361,19 @@ def test_hidden_bodies_do_not_stop_a_motion(seed):
     solid = HALL - world
     shapely.prepare(solid)
     body = Body(Footprint.disc(0.05))
-    way_a, way_b = wander(rng, 3), wander(rng, 3)
-    for way in (way_a, way_b):
-        if shapely.intersects_xy(solid, way.start.x, way.start.y):
+    motion_a, motion_b = wander(rng, 3), wander(rng, 3)
+    for motion in (motion_a, motion_b):
+        if shapely.intersects_xy(solid, motion.start.x, motion.start.y):
             return
-    roads = traffic(way_a.start, way_b.start, bodies=[body, body], index=index_of(world))
-    roads.begin(1, 0.0, way_b, None)
-    roads.begin(0, 0.0, way_a, 1.0)
+    roads = traffic(motion_a.start, motion_b.start, bodies=[body, body], index=index_of(world))
+    roads.begin(1, 0.0, motion_b, None)
+    roads.begin(0, 0.0, motion_a, 1.0)
     event = roads.next_event(0, 0.0)
-    times = np.linspace(0.0, way_a.duration_s, 3000)
+    times = np.linspace(0.0, motion_a.duration_s, 3000)
     if event is not None:
         times = np.append(times[times < event.time_s], event.time_s)
-    a = np.array([way_a.at(time)[:2] for time in times])
-    b = np.array([way_b.at(time)[:2] for time in times])
+    a = np.array([motion_a.at(time)[:2] for time in times])
+    b = np.array([motion_b.at(time)[:2] for time in times])
     distance = np.hypot(*(a - b).T) - 0.1
     threshold = 1.0 if distance[0] > 1.0 else distance[0] / 2
     between = shapely.linestrings(np.stack([a, b], axis=1))
@@ -441,11 +441,11 @@ def test_many_robots_never_touch_and_only_the_affected_change(names):
                 assert event.time_s == pytest.approx(before.time_s, abs=1e-5)
 
     def begin(robot, now):
-        way = model.trajectory(asked.where(robot, now))
+        motion = model.trajectory(asked.where(robot, now))
         for roads in (asked, fresh):
-            roads.begin(robot, now, way, model.guard)
+            roads.begin(robot, now, motion, model.guard)
         known[robot] = asked.next_event(robot, now)
-        ends[robot] = now + way.duration_s
+        ends[robot] = now + motion.duration_s
         tell(robot, now)
 
     for robot in range(25):
@@ -486,6 +486,6 @@ def test_robots_in_reach_include_those_over_relays():
     assert traffic.may_reach(0, 3.5, relayed=True) == [0, 1, 2, 3]
     assert traffic.may_reach(4, 3.5, relayed=True) == [4]
     assert traffic.may_reach(4, math.inf, relayed=False) == [0, 1, 2, 3, 4]
-    way = Trajectory((Waypoint(0.0, 9.0, 0.0, 0.0), Waypoint(40.0, 27.0, 0.0, 0.0)))
-    traffic.begin(3, 0.0, way, None)
+    motion = Trajectory((Waypoint(0.0, 9.0, 0.0, 0.0), Waypoint(40.0, 27.0, 0.0, 0.0)))
+    traffic.begin(3, 0.0, motion, None)
     assert traffic.may_reach(0, 3.5, relayed=True) == [0, 1, 2, 3, 4]

@@ -2,7 +2,7 @@ import numpy as np
 
 from multisrt.planners.motion.trajectory import Waypoint
 from multisrt.testing.fingerprint import attributes_of, fingerprint
-from multisrt.testing.hidden_truth import way_to_truth
+from multisrt.testing.hidden_truth import path_to_truth
 from tests.multisrt.testing.explorers import WORLD
 
 TITLE = "a multisrt.environments.environment.Environment"
@@ -31,4 +31,4 @@ def test_an_object_whose_dict_is_no_mapping():
 
     assert not attributes_of(Strange())
     assert fingerprint(Strange()) == fingerprint(Strange())
-    assert way_to_truth({"it": [Strange(), WORLD]}, WORLD) == ("it[1]", TITLE)
+    assert path_to_truth({"it": [Strange(), WORLD]}, WORLD) == ("it[1]", TITLE)

@@ -4,7 +4,7 @@ import pytest
 from multisrt.geometry.bodies.collision import CollisionWorld
 from multisrt.geometry.regions.edge_index import EdgeIndex
 from multisrt.robots.explorer import Done, Sense
-from multisrt.testing.hidden_truth import way_to_truth
+from multisrt.testing.hidden_truth import path_to_truth
 from tests.multisrt.testing.explorers import HALL, WORLD, Base, check, explorer, refused
 
 
@@ -96,7 +96,7 @@ def test_an_index_of_what_the_robot_has_seen_is_allowed():
 
 def test_the_path_to_the_truth_is_a_shortest_one():
     thing = {"a": {"b": [WORLD]}, "c": WORLD}
-    found = way_to_truth({"it": thing}, WORLD)
+    found = path_to_truth({"it": thing}, WORLD)
     assert found is not None
     assert found[0] == "it['c']"
-    assert way_to_truth({"it": {"a": 1, "b": [np.zeros(3)]}}, WORLD) is None
+    assert path_to_truth({"it": {"a": 1, "b": [np.zeros(3)]}}, WORLD) is None

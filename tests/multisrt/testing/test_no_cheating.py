@@ -11,12 +11,13 @@ from multisrt.environments.environment import Environment
 from multisrt.envs.mission import STRATEGY, Mission
 from multisrt.geometry.bodies.collision import CollisionWorld
 from multisrt.geometry.regions.edge_index import EdgeIndex
-from multisrt.geometry.regions.scan import ExactScan
+from multisrt.geometry.regions.scan import ExactScan, take_scan
 from multisrt.recording import Recorder
 from multisrt.robots import registry
 from multisrt.robots.explorer import Done, Explorer, RobotSelf, Sense
 from multisrt.robots.policy import DecisionSpec
 from multisrt.robots.registry import strategies
+from multisrt.robots.strategy import Strategy
 from multisrt.run import explore
 from multisrt.simulation import sensing
 from multisrt.simulation.clock import Clock
@@ -93,7 +94,7 @@ def explorers(monkeypatch) -> list[tuple[Explorer, RobotSelf, object]]:
             built.append((made, me, options))
             return made
 
-        return registry.Strategy(
+        return Strategy(
             name=strategy.name,
             summary=strategy.summary,
             options=strategy.options,
@@ -144,7 +145,7 @@ def test_outcomes_do_not_lead_to_the_truth(monkeypatch):
             told.append((yield Sense()))
             yield Done(complete=True, reason="")
 
-    strategy = registry.Strategy(
+    strategy = Strategy(
         name="curious",
         summary="",
         options=registry.strategy("srt-star").options,
@@ -158,7 +159,6 @@ def test_outcomes_do_not_lead_to_the_truth(monkeypatch):
 
 def test_a_scan_shares_no_memory_with_the_truth(monkeypatch):
     scans: list[tuple[EdgeIndex, ExactScan]] = []
-    take_scan = sensing.take_scan
 
     def taking(index, *rest):
         scan = take_scan(index, *rest)

@@ -141,11 +141,11 @@ def test_move_and_done_during_a_motion_are_found():
             yield Receive(timeout_s=1.0)
             yield Send(Awake(sender=0, place=np.zeros(1)))
             return
-        way = Trajectory((Waypoint(0.0, *self.at), Waypoint(9.0, *self.at)))
-        told = yield Move(trajectory=way, listen=True)
+        motion = Trajectory((Waypoint(0.0, *self.at), Waypoint(9.0, *self.at)))
+        told = yield Move(trajectory=motion, listen=True)
         assert isinstance(told, Received)
         if self.twice:
-            yield Move(trajectory=way)
+            yield Move(trajectory=motion)
 
     twice, once = explorer(act, twice=True), explorer(act, twice=False)
     refused(twice, "while a motion goes on", teams=(2,), world=WORLD)

@@ -32,8 +32,8 @@ class Explorer:
 
     def go(self, x, y):
         """Drive by a vector."""
-        way = turn_and_drive(self.me.kinematics, self.at, self.at.x + x, self.at.y + y)
-        moved = yield Move(trajectory=way, guard_m=0.1)
+        motion = turn_and_drive(self.me.kinematics, self.at, self.at.x + x, self.at.y + y)
+        moved = yield Move(trajectory=motion, guard_m=0.1)
         self.at = moved.configuration
 
     def step(self, length=0.1):
@@ -306,8 +306,8 @@ class IsDoneWhileItMoves(Explorer):
             yield Receive(timeout_s=0.1)
             yield Send(Wake(sender=self.me.robot))
         else:
-            way = turn_and_drive(self.me.kinematics, self.at, x, y)
-            yield Move(trajectory=way, listen=True)
+            motion = turn_and_drive(self.me.kinematics, self.at, x, y)
+            yield Move(trajectory=motion, listen=True)
         yield self.end()
 
 
@@ -422,8 +422,8 @@ class Collides(Explorer):
         for _ in range(40):
             angle = self.me.rng.uniform(0.0, 2.0 * np.pi)
             x, y = middle + 0.4 * np.array([np.cos(angle), np.sin(angle)])
-            way = turn_and_drive(self.me.kinematics, self.at, x, y)
-            moved = yield Move(trajectory=way)
+            motion = turn_and_drive(self.me.kinematics, self.at, x, y)
+            moved = yield Move(trajectory=motion)
             self.at = moved.configuration
         yield self.end()
 

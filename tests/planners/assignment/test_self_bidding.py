@@ -36,11 +36,11 @@ def all_matchings(bids):
             yield chosen
 
 
-def best_by_brute_force(bids, ways):
+def best_by_brute_force(bids, path_lengths):
     # The most finite bids, then the minimum sum, then the nearest frontier robot by robot.
     def cost(chosen):
         real = [(i, j) for i, j in enumerate(chosen) if j >= 0]
-        liked = [(j < 0, ways[i, j] if j >= 0 else 0.0, j) for i, j in enumerate(chosen)]
+        liked = [(j < 0, path_lengths[i, j] if j >= 0 else 0.0, j) for i, j in enumerate(chosen)]
         return -len(real), sum(bids[i, j] for i, j in real), liked
 
     return list(min(all_matchings(bids), key=cost))
@@ -48,8 +48,10 @@ def best_by_brute_force(bids, ways):
 
 @given(BIDS, st.data())
 def test_matchings_are_optimal_and_ties_are_settled(bids, data):
-    ways = data.draw(arrays(float, bids.shape, elements=st.sampled_from([0.0, 1.0, 2.0, 3.0])))
-    assert minimum_matching(bids, ways).tolist() == best_by_brute_force(bids, ways)
+    path_lengths = data.draw(
+        arrays(float, bids.shape, elements=st.sampled_from([0.0, 1.0, 2.0, 3.0]))
+    )
+    assert minimum_matching(bids, path_lengths).tolist() == best_by_brute_force(bids, path_lengths)
 
 
 @given(arrays(float, array_shapes(min_dims=2, max_dims=2, max_side=9), elements=st.floats(-90, 90)))
@@ -74,9 +76,9 @@ def test_order_of_robots_and_frontiers_does_not_matter(bids, random):
     rows, columns = ([*range(size)] for size in bids.shape)
     random.shuffle(rows)
     random.shuffle(columns)
-    ways = np.zeros(bids.shape)
-    straight = minimum_matching(bids, ways)
-    shuffled = minimum_matching(bids[np.ix_(rows, columns)], ways)
+    path_lengths = np.zeros(bids.shape)
+    straight = minimum_matching(bids, path_lengths)
+    shuffled = minimum_matching(bids[np.ix_(rows, columns)], path_lengths)
     assert [columns[j] if j >= 0 else -1 for j in shuffled] == straight[rows].tolist()
 
 

@@ -172,9 +172,9 @@ def test_swept_areas_lie_in_the_region(radii, footprint, heading, direction):
     if travel == 0.0:
         return
     x, y = travel * math.cos(direction), travel * math.sin(direction)
-    way = shapely.LineString([(0, 0), (x, y)])
+    path = shapely.LineString([(0, 0), (x, y)])
     if footprint.is_disc:
-        assert way.distance(region.exterior) >= footprint.radius_m - 2.0 * TOUCH_M
+        assert path.distance(region.exterior) >= footprint.radius_m - 2.0 * TOUCH_M
     else:
         swept = footprint.swept(start, Configuration(x, y, heading))
         assert region.contains(swept)

@@ -13,7 +13,7 @@ from multisrt.geometry.bodies.collision import CollisionWorld
 from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.geometry.configuration import Configuration
 from multisrt.planners.motion.body import PlanningBody
-from multisrt.planners.motion.car import car_way, car_ways
+from multisrt.planners.motion.car import car_out_and_back, car_trajectory
 from multisrt.planners.motion.curves import curve_length
 from multisrt.planners.motion.kinematics import Car
 from multisrt.planners.motion.trajectory import Trajectory, leg_length
@@ -32,12 +32,12 @@ ROOMS = shapely.box(0, 0, 8, 4).difference(
 DEAD_END = shapely.union(shapely.box(0, 0, 4, 4), shapely.box(4, 1.5, 9, 2.5))
 
 
-def assert_drivable(way: Trajectory, car: Car, body: PlanningBody, region: BaseGeometry) -> None:
+def assert_drivable(driven: Trajectory, car: Car, body: PlanningBody, region: BaseGeometry) -> None:
     """Assert that the car can drive every leg, and that FCL finds no contact."""
     assert isinstance(region, shapely.Polygon | shapely.MultiPolygon)
     world = CollisionWorld(region)
     solid = world.body(body.footprint)
-    for a, b in zip(way.waypoints, way.waypoints[1:], strict=False):
+    for a, b in zip(driven.waypoints, driven.waypoints[1:], strict=False):
         turn, length = b.heading - a.heading, leg_length(a, b)
         assert b.time_s - a.time_s == pytest.approx(length / car.speed_m_s, abs=1e-6)
         assert abs(turn) * car.turning_radius_m <= length + 1e-5
@@ -48,61 +48,61 @@ def assert_drivable(way: Trajectory, car: Car, body: PlanningBody, region: BaseG
         assert world.first_contact(solid, a[1:], b[1:], turn, arc=True) is None
 
 
-def ways(
+def out_and_back(
     car: Car, boundary: np.ndarray, start: Configuration, x: float, y: float
 ) -> tuple[Trajectory, Trajectory]:
     """Return the ways of a car to a place that it can reach, and back."""
-    found = car_ways(BODY, car, boundary, start, x, y, 0)
+    found = car_out_and_back(BODY, car, boundary, start, x, y, 0)
     assert found is not None
     return found
 
 
 @pytest.mark.parametrize("car", [BACK, NO_BACK])
-def test_without_obstacles_the_way_is_the_shortest_curve(car, ring):
+def test_without_obstacles_the_path_is_the_shortest_curve(car, ring):
     start, goal = Configuration(3.0, 3.0, 0.2), Configuration(5.0, 5.0, -2.0)
-    way = car_way(BODY, car, ring(HALL), start, goal, 0, max_checks=0)
-    assert way is not None
-    assert way.length_m == pytest.approx(curve_length(car, start, goal))
-    assert way.start == start
-    assert way.end == pytest.approx(goal)
-    assert_drivable(way, car, BODY, HALL)
+    driven = car_trajectory(BODY, car, ring(HALL), start, goal, 0, max_checks=0)
+    assert driven is not None
+    assert driven.length_m == pytest.approx(curve_length(car, start, goal))
+    assert driven.start == start
+    assert driven.end == pytest.approx(goal)
+    assert_drivable(driven, car, BODY, HALL)
 
 
 @pytest.mark.parametrize("car", [BACK, NO_BACK])
 @pytest.mark.parametrize("body", [BODY, DISC])
-def test_another_way_is_found_if_a_wall_blocks_the_curve(car, body, ring):
+def test_another_path_is_found_if_a_wall_blocks_the_curve(car, body, ring):
     start, goal = Configuration(2.0, 0.6, 0.0), Configuration(6.0, 0.6, 0.0)
-    assert car_way(body, car, ring(ROOMS), start, goal, 1, max_checks=0) is None
+    assert car_trajectory(body, car, ring(ROOMS), start, goal, 1, max_checks=0) is None
     for region in (ring(ROOMS), ROOMS):
-        way = car_way(body, car, region, start, goal, 1)
-        assert way is not None
-        assert way.start == start
-        assert way.end == pytest.approx(goal)
-        assert way.length_m > 4.0
-        assert_drivable(way, car, body, ROOMS)
+        driven = car_trajectory(body, car, region, start, goal, 1)
+        assert driven is not None
+        assert driven.start == start
+        assert driven.end == pytest.approx(goal)
+        assert driven.length_m > 4.0
+        assert_drivable(driven, car, body, ROOMS)
 
 
-def test_no_way_crosses_a_wall_or_leaves_the_region():
+def test_no_path_crosses_a_wall_or_leaves_the_region():
     walled = shapely.MultiPolygon([shapely.box(0, 0, 3.9, 4), shapely.box(4.1, 0, 8, 4)])
     start = Configuration(2.0, 2.0, 0.0)
     for goal in (Configuration(6.0, 2.0, 0.0), Configuration(9.0, 2.0, 0.0)):
-        assert car_way(BODY, BACK, walled, start, goal, 0) is None
+        assert car_trajectory(BODY, BACK, walled, start, goal, 0) is None
     # Nor does a way begin or end in contact.
-    assert car_way(BODY, BACK, walled, Configuration(0.1, 2.0), start, 0) is None
+    assert car_trajectory(BODY, BACK, walled, Configuration(0.1, 2.0), start, 0) is None
 
 
-def test_a_way_leads_round_a_pillar():
+def test_a_path_leads_round_a_pillar():
     region = HALL.difference(shapely.box(3, 3, 5, 5))
     start, goal = Configuration(1.0, 4.0, 0.0), Configuration(7.0, 4.0, 0.0)
     for car in (BACK, NO_BACK):
-        way = car_way(BODY, car, region, start, goal, 0)
-        assert way is not None
-        assert_drivable(way, car, BODY, region)
+        driven = car_trajectory(BODY, car, region, start, goal, 0)
+        assert driven is not None
+        assert_drivable(driven, car, BODY, region)
 
 
 def test_a_car_arrives_with_the_heading_of_the_direction(ring):
     start = Configuration(2.0, 4.0, 0.0)
-    out, back = ways(BACK, ring(HALL), start, 5.0, 5.0)
+    out, back = out_and_back(BACK, ring(HALL), start, 5.0, 5.0)
     assert out.end == pytest.approx((5.0, 5.0, math.atan2(1.0, 3.0)))
     assert back.waypoints == out.reversed().waypoints
     assert back.end == start
@@ -110,17 +110,17 @@ def test_a_car_arrives_with_the_heading_of_the_direction(ring):
 
 def test_a_car_without_reverse_returns_on_a_loop(ring):
     start = Configuration(2.0, 4.0, 0.3)
-    out, back = ways(NO_BACK, ring(HALL), start, 5.0, 5.0)
+    out, back = out_and_back(NO_BACK, ring(HALL), start, 5.0, 5.0)
     assert back.start == pytest.approx(out.end)
     assert back.end == pytest.approx(start)
-    for way in (out, back):
-        assert_drivable(way, NO_BACK, BODY, HALL)
+    for driven in (out, back):
+        assert_drivable(driven, NO_BACK, BODY, HALL)
 
 
 def test_a_car_arrives_with_another_heading_if_it_must(ring):
     # Beside the wall at the end of the room, the car fits only along the wall.
     region = shapely.box(0, 0, 4, 8)
-    out, _ = ways(BACK, ring(region), Configuration(2.0, 4.0, 1.6), 3.75, 4.0)
+    out, _ = out_and_back(BACK, ring(region), Configuration(2.0, 4.0, 1.6), 3.75, 4.0)
     assert abs(math.sin(out.end.heading)) == pytest.approx(1.0)
     assert_drivable(out, BACK, BODY, region)
 
@@ -128,18 +128,18 @@ def test_a_car_arrives_with_another_heading_if_it_must(ring):
 def test_a_car_without_reverse_enters_no_dead_end(ring):
     start = Configuration(2.0, 2.0, 0.0)
     place = (7.5, 2.0)
-    assert car_ways(BODY, NO_BACK, ring(DEAD_END), start, *place, 0) is None
+    assert car_out_and_back(BODY, NO_BACK, ring(DEAD_END), start, *place, 0) is None
     goal = Configuration(*place, 0.0)
-    assert car_way(BODY, NO_BACK, ring(DEAD_END), start, goal, 0) is not None
-    out, back = ways(BACK, ring(DEAD_END), start, *place)
+    assert car_trajectory(BODY, NO_BACK, ring(DEAD_END), start, goal, 0) is not None
+    out, back = out_and_back(BACK, ring(DEAD_END), start, *place)
     assert out.end == pytest.approx(goal)
     assert back.end == start
     assert_drivable(back, BACK, BODY, DEAD_END)
 
 
-def test_no_ways_exist_from_or_to_outside_the_region(ring):
-    assert car_ways(BODY, BACK, ring(HALL), Configuration(9.0, 4.0), 5.0, 5.0, 0) is None
-    assert car_ways(BODY, BACK, ring(HALL), Configuration(4.0, 4.0), 9.0, 5.0, 0) is None
+def test_no_paths_exist_from_or_to_outside_the_region(ring):
+    assert car_out_and_back(BODY, BACK, ring(HALL), Configuration(9.0, 4.0), 5.0, 5.0, 0) is None
+    assert car_out_and_back(BODY, BACK, ring(HALL), Configuration(4.0, 4.0), 9.0, 5.0, 0) is None
 
 
 blocks = st.tuples(
@@ -158,24 +158,26 @@ places = st.tuples(st.floats(0.5, 7.5), st.floats(0.5, 7.5), st.floats(-3.1, 3.1
     places,
     st.integers(0, 2**63),
 )
-def test_ways_stay_in_the_region(obstacles, body, car, start, goal, seed):
+def test_paths_stay_in_the_region(obstacles, body, car, start, goal, seed):
     region = HALL.difference(shapely.union_all(obstacles))
     start, goal = Configuration(*start), Configuration(*goal)
-    ways = car_ways(body, car, region, start, goal.x, goal.y, seed, max_checks=200) or ()
-    way = car_way(body, car, region, start, goal, seed, max_checks=200)
-    for motion in (*ways, *(() if way is None else (way,))):
+    out_and_back = (
+        car_out_and_back(body, car, region, start, goal.x, goal.y, seed, max_checks=200) or ()
+    )
+    driven = car_trajectory(body, car, region, start, goal, seed, max_checks=200)
+    for motion in (*out_and_back, *(() if driven is None else (driven,))):
         assert_drivable(motion, car, body, region)
         for time in np.linspace(0.0, motion.duration_s, 100):
             assert region.contains(body.footprint.placed(motion.at(time)).buffer(-1e-3))
-    if ways:
-        out, back = ways
+    if out_and_back:
+        out, back = out_and_back
         assert out.start == start
         assert out.end[:2] == goal[:2]
         assert back.end == pytest.approx(start)
         assert back.start == pytest.approx(out.end)
-    if way is not None:
-        assert way.start == start
-        assert way.end == pytest.approx(goal)
+    if driven is not None:
+        assert driven.start == start
+        assert driven.end == pytest.approx(goal)
 
 
 SCRIPT = """
@@ -183,23 +185,27 @@ import shapely
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.bodies.footprint import Footprint
 from multisrt.planners.motion.body import PlanningBody
-from multisrt.planners.motion.car import car_way
+from multisrt.planners.motion.car import car_trajectory
 from multisrt.planners.motion.kinematics import Car
 
 rooms = shapely.from_wkt({wkt!r})
 start, goal = Configuration(2.0, 0.6, 0.0), Configuration(6.0, 0.6, 0.0)
 body = PlanningBody(Footprint.box(0.6, 0.4), 0.02)
 for reverse in (True, False):
-    print(repr(car_way(body, Car(reverse=reverse), rooms, start, goal, 7)))
+    print(repr(car_trajectory(body, Car(reverse=reverse), rooms, start, goal, 7)))
 """
 
 
 @pytest.mark.slow
 def test_sampled_plans_repeat_in_any_process():
     start, goal = Configuration(2.0, 0.6, 0.0), Configuration(6.0, 0.6, 0.0)
-    here = [repr(car_way(BODY, car, ROOMS, start, goal, 7)) for car in (BACK, NO_BACK)]
-    assert here == [repr(car_way(BODY, car, ROOMS, start, goal, 7)) for car in (BACK, NO_BACK)]
-    assert here != [repr(car_way(BODY, car, ROOMS, start, goal, 8)) for car in (BACK, NO_BACK)]
+    here = [repr(car_trajectory(BODY, car, ROOMS, start, goal, 7)) for car in (BACK, NO_BACK)]
+    assert here == [
+        repr(car_trajectory(BODY, car, ROOMS, start, goal, 7)) for car in (BACK, NO_BACK)
+    ]
+    assert here != [
+        repr(car_trajectory(BODY, car, ROOMS, start, goal, 8)) for car in (BACK, NO_BACK)
+    ]
     script = SCRIPT.format(wkt=ROOMS.wkt)
     there = subprocess.run(
         [sys.executable, "-c", script], capture_output=True, text=True, check=True

@@ -11,9 +11,9 @@ from scipy.sparse.csgraph import csgraph_from_dense, dijkstra
 from multisrt.planners.motion.roadmap import Roadmap
 
 
-def roadmap(ways: dict[tuple[str, str], float]) -> Roadmap[str]:
+def roadmap(edges: dict[tuple[str, str], float]) -> Roadmap[str]:
     result: Roadmap[str] = Roadmap()
-    for (a, b), length in ways.items():
+    for (a, b), length in edges.items():
         result.connect(a, b, length)
     return result
 
@@ -23,41 +23,41 @@ DETOUR = roadmap(
 )
 
 
-def test_three_short_ways_beat_a_long_one():
-    assert DETOUR.way("a", "d") == ["a", "b", "c", "d"]
-    assert DETOUR.way("d", "a") == ["d", "c", "b", "a"]
+def test_three_short_paths_beat_a_long_one():
+    assert DETOUR.path("a", "d") == ["a", "b", "c", "d"]
+    assert DETOUR.path("d", "a") == ["d", "c", "b", "a"]
 
 
-def test_the_way_to_the_start_is_the_start():
-    assert DETOUR.way("a", "a") == ["a"]
-    assert DETOUR.way_to_nearest("a", lambda place: True) == ["a"]
+def test_the_path_to_the_start_is_the_start():
+    assert DETOUR.path("a", "a") == ["a"]
+    assert DETOUR.path_to_nearest("a", lambda place: True) == ["a"]
 
 
-def test_unreachable_places_have_no_way():
-    assert DETOUR.way("a", "f") is None
-    assert DETOUR.way_to_nearest("a", lambda place: False) is None
+def test_unreachable_places_have_no_path():
+    assert DETOUR.path("a", "f") is None
+    assert DETOUR.path_to_nearest("a", lambda place: False) is None
 
 
 def test_the_nearest_of_several_places_is_found():
-    assert DETOUR.way_to_nearest("a", lambda place: place in "cd") == ["a", "b", "c"]
+    assert DETOUR.path_to_nearest("a", lambda place: place in "cd") == ["a", "b", "c"]
 
 
-def test_a_place_without_ways():
+def test_a_place_without_paths():
     lonely: Roadmap[int] = Roadmap()
     lonely.add(7)
     lonely.add(7)
-    assert lonely.way(7, 7) == [7]
-    assert lonely.way_to_nearest(7, lambda place: place == 8) is None
+    assert lonely.path(7, 7) == [7]
+    assert lonely.path_to_nearest(7, lambda place: place == 8) is None
 
 
-def test_adding_a_known_place_keeps_its_ways():
+def test_adding_a_known_place_keeps_its_paths():
     again = roadmap({("a", "b"): 1.0})
     again.add("a")
-    assert again.way("a", "b") == ["a", "b"]
+    assert again.path("a", "b") == ["a", "b"]
 
 
 def test_ties_go_to_the_place_connected_first():
-    assert roadmap({("s", "b"): 1.0, ("s", "a"): 1.0}).way_to_nearest(
+    assert roadmap({("s", "b"): 1.0, ("s", "a"): 1.0}).path_to_nearest(
         "s", lambda place: place != "s"
     ) == ["s", "b"]
 
@@ -72,7 +72,7 @@ def test_search_ends_at_the_first_wanted_place():
         asked.append(place)
         return place == 3
 
-    line.way_to_nearest(0, wanted)
+    line.path_to_nearest(0, wanted)
     assert asked == [0, 1, 2, 3]
 
 
@@ -88,19 +88,19 @@ graphs = st.integers(2, 7).flatmap(
 
 
 @given(graphs)
-def test_ways_agree_with_scipy_and_exhaustive_search(graph):
-    n, ways = graph
+def test_paths_agree_with_scipy_and_exhaustive_search(graph):
+    n, edges = graph
     matrix = lil_array((n, n))
     ours: Roadmap[int] = Roadmap()
     for place in range(n):
         ours.add(place)
-    for (a, b), length in ways.items():
+    for (a, b), length in edges.items():
         matrix[a, b] = length
         ours.connect(a, b, length)
-    lengths = ways | {(b, a): length for (a, b), length in ways.items()}
+    lengths = edges | {(b, a): length for (a, b), length in edges.items()}
     theirs = dijkstra(matrix.tocsr(), directed=False, indices=[0])[0]
     for goal in range(1, n):
-        way = ours.way(0, goal)
+        path = ours.path(0, goal)
         every_way = (
             (0, *middle, goal)
             for count in range(n - 1)
@@ -115,13 +115,13 @@ def test_ways_agree_with_scipy_and_exhaustive_search(graph):
             default=math.inf,
         )
         assert theirs[goal] == shortest
-        if way is None:
+        if path is None:
             assert shortest == math.inf
         else:
-            assert way[0] == 0
-            assert way[-1] == goal
-            assert sum(lengths[step] for step in pairwise(way)) == shortest
-    nearest = ours.way_to_nearest(0, lambda place: place % 2 == 1)
+            assert path[0] == 0
+            assert path[-1] == goal
+            assert sum(lengths[step] for step in pairwise(path)) == shortest
+    nearest = ours.path_to_nearest(0, lambda place: place % 2 == 1)
     odd = theirs[1::2]
     assert (nearest is None) == bool(np.isinf(odd).all())
     if nearest is not None:
@@ -135,10 +135,10 @@ def test_ways_agree_with_scipy_and_exhaustive_search(graph):
     ),
     st.sets(st.integers(0, 12), min_size=1, max_size=3),
 )
-def test_lengths_are_those_of_scipy(ways, starts):
+def test_lengths_are_those_of_scipy(edges, starts):
     joined: Roadmap[int] = Roadmap()
     lengths = np.full((13, 13), np.inf)
-    for (a, b), length in ways.items():
+    for (a, b), length in edges.items():
         joined.connect(a, b, length)
         lengths[a, b] = lengths[b, a] = length
     np.fill_diagonal(lengths, np.inf)

@@ -64,9 +64,9 @@ turns = st.one_of(st.just(0.0), st.floats(0.01, 3.1), st.floats(-3.1, -0.01))
 @given(triangles, coordinate, coordinate, coordinate, coordinate, turns)
 def test_path_clearance_of_a_triangle(triangle, x, y, dx, dy, turn):
     assume(triangle.area > 1e-3 and math.hypot(dx, dy) > 1e-3)
-    way = shapely.LineString(leg_points((0.0, x, y, 0.0), (0.0, x + dx, y + dy, turn), 2e-3))
+    moved = shapely.LineString(leg_points((0.0, x, y, 0.0), (0.0, x + dx, y + dy, turn), 2e-3))
     clearance = path_clearance(rings_of(triangle), x, y, dx, dy, turn)
-    assert clearance == pytest.approx(way.distance(triangle.exterior), abs=1e-3)
+    assert clearance == pytest.approx(moved.distance(triangle.exterior), abs=1e-3)
     # An open ring gives the same result.
     ring = np.asarray(triangle.exterior.coords)[:-1].copy()
     assert path_clearance(ring, x, y, dx, dy, turn) == pytest.approx(clearance, abs=1e-12)
@@ -76,16 +76,16 @@ def test_a_box_passes_a_corner_that_it_just_fits():
     # Round the pillar's corner (2.5, 2.5) on a quarter circle of 1 m about (2, 2): the inner side
     # of the box is 0.8 m from (2, 2), and the corner 0.707 m; its outer corners come to within
     # hypot(1.2, 0.3) = 1.237 m of it.
-    way = Trajectory((Waypoint(0, 3.0, 2.0, math.pi / 2), Waypoint(1, 2.0, 3.0, math.pi)))
+    moved = Trajectory((Waypoint(0, 3.0, 2.0, math.pi / 2), Waypoint(1, 2.0, 3.0, math.pi)))
     rings = rings_of(HALL)
-    assert Room(rings, BOX.vertices).lets_pass(way.waypoints)
-    assert Room(rings, BOX.vertices).lets_pass(way.reversed().waypoints)
+    assert Room(rings, BOX.vertices).lets_pass(moved.waypoints)
+    assert Room(rings, BOX.vertices).lets_pass(moved.reversed().waypoints)
     wide = Footprint.box(0.6, 0.6)
-    assert not Room(rings, wide.vertices).lets_pass(way.waypoints)
-    assert Room(rings, 0.2928).lets_pass(way.waypoints)
-    assert not Room(rings, 0.2930).lets_pass(way.waypoints)
+    assert not Room(rings, wide.vertices).lets_pass(moved.waypoints)
+    assert Room(rings, 0.2928).lets_pass(moved.waypoints)
+    assert not Room(rings, 0.2930).lets_pass(moved.waypoints)
     close = shapely.box(0, 0, 3.23, 4).difference(shapely.box(1.5, 1.5, 2.5, 2.5))
-    assert not Room(rings_of(close), BOX.vertices).lets_pass(way.waypoints)
+    assert not Room(rings_of(close), BOX.vertices).lets_pass(moved.waypoints)
 
 
 def test_bounds_of_a_room():
@@ -142,10 +142,10 @@ places = st.tuples(st.floats(-1.5, 1.5), st.floats(-1.5, 1.5))
 def test_lets_pass_agrees_with_placed_footprints(region, footprint, start, end, heading, turn):
     assume(math.dist(start, end) > 0.01)
     (x0, y0), (x1, y1) = start, end
-    way = Trajectory((Waypoint(0.0, x0, y0, heading), Waypoint(1.0, x1, y1, heading + turn)))
-    passes = Room(rings_of(region), size(footprint)).lets_pass(way.waypoints)
-    line = shapely.LineString(way.points(0.01))
-    poses = [Configuration(*way.at(time)) for time in np.linspace(0.0, 1.0, 100)]
+    moved = Trajectory((Waypoint(0.0, x0, y0, heading), Waypoint(1.0, x1, y1, heading + turn)))
+    passes = Room(rings_of(region), size(footprint)).lets_pass(moved.waypoints)
+    line = shapely.LineString(moved.points(0.01))
+    poses = [Configuration(*moved.at(time)) for time in np.linspace(0.0, 1.0, 100)]
     area: BaseGeometry
     if footprint.is_disc:
         area = line.buffer(footprint.radius_m, quad_segs=32)

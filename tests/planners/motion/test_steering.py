@@ -53,7 +53,7 @@ def test_a_holonomic_body_drives_sideways():
     assert turns(motion) == []
 
 
-def test_a_goal_without_room_has_no_way():
+def test_a_goal_without_room_has_no_path():
     # 0.2 m of body and 0.02 m of margin do not fit between y = 9.9 and the wall at 10.
     assert steer(BOX, Holonomic(), HALL, Configuration(5.0, 5.0, 0.0), 5.0, 9.9) is None
 
@@ -90,7 +90,7 @@ def test_the_longer_turn_is_taken_if_the_shorter_is_blocked():
     assert motion.end == pytest.approx((4.0, 9.7, wanted))
 
 
-def test_places_that_cannot_be_reached_have_no_way():
+def test_places_that_cannot_be_reached_have_no_path():
     start = Configuration(5.0, 0.25, 0.0)
     assert steer(BOX, DRIVE, CORRIDOR, start, 5.0, 0.4) is None
     assert steer(BOX, DRIVE, CORRIDOR, start, 9.9, 0.25) is None

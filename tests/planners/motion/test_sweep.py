@@ -41,8 +41,8 @@ def test_bounds_of_a_box_at_rest():
 
 @pytest.mark.parametrize("footprint", [BOX, ELL])
 def test_sweeps_of_straight_motions_are_exact(footprint):
-    way = Trajectory((Waypoint(0.0, 0.0, 0.0, 0.3), Waypoint(1.0, 2.0, 1.0, 0.3)))
-    sweep = Sweep(footprint, way)
+    moved = Trajectory((Waypoint(0.0, 0.0, 0.0, 0.3), Waypoint(1.0, 2.0, 1.0, 0.3)))
+    sweep = Sweep(footprint, moved)
     assert sweep.pad_m == 0.0
     expected = footprint.swept((0.0, 0.0, 0.3), (2.0, 1.0, 0.3))
     assert sweep.shape.buffer(0).symmetric_difference(expected).area < 1e-12
@@ -55,9 +55,9 @@ def test_a_disc_that_turns_in_place_sweeps_itself():
 
 @pytest.mark.parametrize("step", [5e-324, 1e-195, 1e-160, 1e-12])
 def test_a_disc_that_hardly_moves_sweeps_itself(step):
-    way = Trajectory((Waypoint(0.0, 0.0, 0.0, 0.0), Waypoint(1.0, 0.0, step, 0.0)))
-    assert Sweep(DISC, way).distance_to(Sweep(DISC, standing(3.0, 4.0))) == pytest.approx(4.5)
-    assert Sweep(DISC, way).distance_to(Sweep(DISC, standing(0.0, 0.0))) == 0.0
+    moved = Trajectory((Waypoint(0.0, 0.0, 0.0, 0.0), Waypoint(1.0, 0.0, step, 0.0)))
+    assert Sweep(DISC, moved).distance_to(Sweep(DISC, standing(3.0, 4.0))) == pytest.approx(4.5)
+    assert Sweep(DISC, moved).distance_to(Sweep(DISC, standing(0.0, 0.0))) == 0.0
 
 
 def test_a_box_that_turns_round_sweeps_its_circle():
@@ -70,12 +70,12 @@ def test_a_box_that_turns_round_sweeps_its_circle():
 
 def test_a_box_on_an_arc_sweeps_up_to_its_outer_corners():
     # A quarter circle of 1 m about the origin: they are hypot(1.2, 0.3) away from it.
-    way = Trajectory((Waypoint(0, 1.0, 0.0, math.pi / 2), Waypoint(1, 0.0, 1.0, math.pi)))
+    moved = Trajectory((Waypoint(0, 1.0, 0.0, math.pi / 2), Waypoint(1, 0.0, 1.0, math.pi)))
     far = Sweep(DISC, standing(2.0, 2.0))
     gap = 2.0 * math.sqrt(2.0) - 0.25 - math.hypot(1.2, 0.3)
-    assert gap - 0.005 <= Sweep(BOX, way).distance_to(far) <= gap
+    assert gap - 0.005 <= Sweep(BOX, moved).distance_to(far) <= gap
     inside = Sweep(Footprint.disc(0.1), standing(0.0, 0.0))
-    assert 0.695 <= Sweep(BOX, way).distance_to(inside) <= 0.7
+    assert 0.695 <= Sweep(BOX, moved).distance_to(inside) <= 0.7
 
 
 def rounded(low: float, high: float) -> st.SearchStrategy[float]:
@@ -88,7 +88,7 @@ legs = st.lists(st.tuples(coordinate, coordinate, st.one_of(st.just(0.0), angle)
 
 
 @st.composite
-def ways(draw):
+def motions(draw):
     x, y, heading = draw(coordinate), draw(coordinate), draw(angle)
     waypoints = [Waypoint(0.0, x, y, heading)]
     for dx, dy, turn in draw(legs):
@@ -97,9 +97,9 @@ def ways(draw):
     return Trajectory(tuple(waypoints))
 
 
-def covered(footprint: Footprint, way: Trajectory) -> shapely.Geometry:
-    times = np.linspace(0.0, way.duration_s, 150 if way.duration_s else 1)
-    return shapely.union_all([footprint.placed(way.at(time)) for time in times])
+def covered(footprint: Footprint, moved: Trajectory) -> shapely.Geometry:
+    times = np.linspace(0.0, moved.duration_s, 150 if moved.duration_s else 1)
+    return shapely.union_all([footprint.placed(moved.at(time)) for time in times])
 
 
 footprints = st.sampled_from([DISC, BOX, ELL])
@@ -107,7 +107,7 @@ footprints = st.sampled_from([DISC, BOX, ELL])
 
 @pytest.mark.slow
 @settings(max_examples=60)
-@given(footprints, ways(), footprints, ways())
+@given(footprints, motions(), footprints, motions())
 def test_distances_are_tight_lower_bounds(fa, wa, fb, wb):
     a, b = Sweep(fa, wa), Sweep(fb, wb)
     distance = a.distance_to(b)
@@ -119,11 +119,11 @@ def test_distances_are_tight_lower_bounds(fa, wa, fb, wb):
 
 
 @pytest.mark.slow
-@given(footprints, ways())
-def test_a_sweep_contains_the_body_at_all_times(footprint, way):
-    sweep = Sweep(footprint, way)
+@given(footprints, motions())
+def test_a_sweep_contains_the_body_at_all_times(footprint, moved):
+    sweep = Sweep(footprint, moved)
     assert sweep.pad_m <= 0.0021 + (DISC.radius_m if footprint.is_disc else 0.0)
     area = sweep.shape.buffer(sweep.pad_m + 1e-4, quad_segs=64)
-    for time in np.linspace(0.0, way.duration_s, 40):
-        body = footprint.placed(way.at(time))
+    for time in np.linspace(0.0, moved.duration_s, 40):
+        body = footprint.placed(moved.at(time))
         assert body.difference(area).area < 1e-5

@@ -16,13 +16,13 @@ AHEAD = Command(0.5, 0.0, 0.0, "goal", 0.0, math.nan, math.nan)
 
 def test_a_differential_drive_follows_an_arc():
     held = Command(0.5, 1.0, 0.4, "goal", 0.4, math.nan, math.nan)
-    way = motion(held, DRIVE, Configuration(1.0, 2.0, 0.3), 0.5)
-    assert way.length_m == pytest.approx(0.25)
-    assert way.duration_s == 0.5
-    assert way.waypoints[-1].heading == pytest.approx(0.8)
+    driven = motion(held, DRIVE, Configuration(1.0, 2.0, 0.3), 0.5)
+    assert driven.length_m == pytest.approx(0.25)
+    assert driven.duration_s == 0.5
+    assert driven.waypoints[-1].heading == pytest.approx(0.8)
     # About the centre that lies v / w = 0.5 m to the left.
     centre = (1.0 - 0.5 * math.sin(0.3), 2.0 + 0.5 * math.cos(0.3))
-    assert math.dist(way.end[:2], centre) == pytest.approx(0.5)
+    assert math.dist(driven.end[:2], centre) == pytest.approx(0.5)
     straight = motion(held._replace(turn_rate_rad_s=0.0), DRIVE, Configuration(1.0, 2.0, 0.0), 0.5)
     assert straight.end == pytest.approx((1.25, 2.0, 0.0))
 

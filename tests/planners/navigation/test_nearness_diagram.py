@@ -241,14 +241,14 @@ RADIUS_M, MARGIN_M = 0.25, 0.02
 class Driven(NamedTuple):
     arrived: bool
     clearance_m: float
-    way: shapely.LineString
+    driven: shapely.LineString
 
 
 def drive(worlds, free, start, goal, kinematics, *, range_m=RANGE_M, hold_s=0.2, steps=900):
     """Drive a disc by true readings until it is 0.1 m from its goal."""
     index, rings = worlds.index(free, range_m), rings_of(free)
     at = start
-    way = [start[:2]]
+    driven = [start[:2]]
     for _ in range(steps):
         towards = in_frame_of(at, *goal)
         if math.hypot(*towards) < 0.1:
@@ -266,9 +266,9 @@ def drive(worlds, free, start, goal, kinematics, *, range_m=RANGE_M, hold_s=0.2,
         held = min(hold_s, safe_time(found, clearance, RADIUS_M, margin_m=MARGIN_M / 2))
         step = motion(found, kinematics, at, held)
         assert step.length_m <= clearance - RADIUS_M
-        way += [step.at(share * held)[:2] for share in (0.25, 0.5, 0.75, 1.0)]
+        driven += [step.at(share * held)[:2] for share in (0.25, 0.5, 0.75, 1.0)]
         at = step.end
-    line = shapely.LineString(way if len(way) > 1 else way * 2)
+    line = shapely.LineString(driven if len(driven) > 1 else driven * 2)
     return Driven(math.dist(at[:2], goal) < 0.1, free.boundary.distance(line), line)
 
 
@@ -322,8 +322,8 @@ def test_driving_arrives_at_other_control_periods(worlds, hold_s):
 
 def test_driving_leaves_the_niche_by_its_opening(worlds):
     free, start, goal = WAYS["out of a niche"]
-    way = drive(worlds, free, Configuration(*start), goal, DRIVE).way
-    assert way.intersects(box(1.0, 3.2, 2.0, 4.8))
+    driven = drive(worlds, free, Configuration(*start), goal, DRIVE).driven
+    assert driven.intersects(box(1.0, 3.2, 2.0, 4.8))
 
 
 @pytest.mark.parametrize("kinematics", [DRIVE, ANYWAYS], ids=["differential", "holonomic"])

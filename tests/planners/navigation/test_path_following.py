@@ -133,7 +133,7 @@ def test_motions_that_are_too_short_are_none():
 
 
 def test_cars_are_rejected():
-    with pytest.raises(InvalidInputError, match="car_way"):
+    with pytest.raises(InvalidInputError, match="car_trajectory"):
         follow(DISC, Car(), ELL, Configuration(0.5, 0.5), ROUND_THE_CORNER)
 
 

@@ -156,14 +156,14 @@ def test_a_path_that_leads_away_is_free():
 
 
 def test_place_aside_is_the_nearest_off_the_path():
-    way = np.array([[0.0, 0.0], [8.0, 0.0], [8.0, 5.0]])
+    path = np.array([[0.0, 0.0], [8.0, 0.0], [8.0, 5.0]])
     places = np.array([[3.0, 0.5], [4.0, 0.6], [5.0, 2.0], [7.5, 4.0], [6.0, -0.6]])
     costs = np.array([0.5, 3.0, 1.5, 0.1, 1.5])
-    assert place_aside(places, costs, way, 0.6) == (5.0, 2.0)
-    assert place_aside(places[:2], costs[:2], way, 0.6) == (4.0, 0.6)
-    assert place_aside(places[:2], np.array([0.5, math.inf]), way, 0.6) is None
-    assert place_aside(places, costs, way, 3.1) is None
-    assert place_aside(np.empty((0, 2)), np.empty(0), way, 0.6) is None
+    assert place_aside(places, costs, path, 0.6) == (5.0, 2.0)
+    assert place_aside(places[:2], costs[:2], path, 0.6) == (4.0, 0.6)
+    assert place_aside(places[:2], np.array([0.5, math.inf]), path, 0.6) is None
+    assert place_aside(places, costs, path, 3.1) is None
+    assert place_aside(np.empty((0, 2)), np.empty(0), path, 0.6) is None
 
 
 coordinates = st.tuples(st.floats(-5, 5), st.floats(-5, 5))
@@ -174,11 +174,11 @@ coordinates = st.tuples(st.floats(-5, 5), st.floats(-5, 5))
     st.lists(coordinates, min_size=1, max_size=5),
     st.floats(0.1, 4.0),
 )
-def test_place_aside_against_shapely(places, way, apart):
+def test_place_aside_against_shapely(places, path, apart):
     costs = np.array([round(math.hypot(*place), 1) for place in places])
-    line = shapely.LineString(way) if len(way) > 1 else shapely.Point(way[0])
+    line = shapely.LineString(path) if len(path) > 1 else shapely.Point(path[0])
     distances = [line.distance(shapely.Point(place)) for place in places]
-    found = place_aside(np.array(places), costs, np.array(way), apart)
+    found = place_aside(np.array(places), costs, np.array(path), apart)
     if found is None:
         assert all(d < apart + 1e-9 for d in distances)
         return

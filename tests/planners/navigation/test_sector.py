@@ -46,16 +46,16 @@ def test_cells_ahead_are_near_the_line_to_the_goal(ends):
     start, end = np.array(ends[:2]), np.array(ends[2:])
     centres = grid(9, 9)
     for centre, ahead in zip(centres, cells_ahead(centres, start, end, 1.0), strict=True):
-        offset, way = centre - start, end - start
+        offset, step = centre - start, end - start
         if ahead:
-            cosine = offset @ way / np.linalg.norm(offset) / np.linalg.norm(way)
+            cosine = offset @ step / np.linalg.norm(offset) / np.linalg.norm(step)
             assert cosine >= math.cos(math.radians(15)) - 1e-6
             assert (np.minimum(start, end) - 0.5 - 1e-6 <= centre).all()
             assert (centre <= np.maximum(start, end) + 0.5 + 1e-6).all()
-        elif np.linalg.norm(way) > 1e-6:
+        elif np.linalg.norm(step) > 1e-6:
             # Cells whose middle the line passes through are found.
-            along = offset @ way / (way @ way)
-            beside = np.linalg.norm(offset - along * way)
+            along = offset @ step / (step @ step)
+            beside = np.linalg.norm(offset - along * step)
             clear = float(np.linalg.norm(offset)) * math.sin(math.radians(15)) - 1e-6
             assert not (0.0 < along < 1.0 and beside < min(clear, 0.5))
 

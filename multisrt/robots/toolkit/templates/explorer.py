@@ -11,7 +11,7 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from multisrt.events import Learned
+from multisrt.events import Learned, MapComplete
 from multisrt.robots.explorer import (
     Done,
     Look,
@@ -58,6 +58,7 @@ class Mine:
         self.at, self.time_s = me.start, me.time_s
         self.map = FrontierMap(me)
         self.others: dict[int, tuple[float, float]] = {}  # where each was last heard from
+        self.knows_all = False
 
     def run(self) -> Steps:
         """Yield actions, and receive their outcomes."""
@@ -66,6 +67,9 @@ class Mine:
             yield from self.look_around()
             frontiers = self.map.frontiers(self.at)
             if not frontiers:
+                if not self.knows_all:  # On record once, until something new is learned.
+                    self.knows_all = True
+                    yield Note(MapComplete(time_s=self.time_s, robot=self.me.robot))
                 # Done, but on call: others may send something that leads on.
                 told = yield Done(complete=True, reason="no frontier is left", on_call=True)
                 yield from self.take(told)
@@ -82,7 +86,7 @@ class Mine:
             barred = 0 if has_gone else barred + 1
             # While others are in the way, wait a little before trying again.
             yield from self.listen(0.0 if has_gone else self.me.rng.uniform(1.0, 3.0))
-        yield Done(complete=False, reason="other robots stand in all ways")
+        yield Done(complete=False, reason="other robots block all paths")
 
     def choose(self, frontiers: tuple[Frontier, ...]) -> tuple[Frontier, NDArray[np.float64]]:
         """Return the frontier to go to, and the length of the path to each in metres."""
@@ -93,11 +97,11 @@ class Mine:
     def go(self, goal: Frontier, path: Any) -> Any:
         """Follow a path until the next scan; return False if another robot was in the way."""
         assert self.map.region is not None
-        way = trajectory_inside(self.me, self.at, path, self.map.region)
-        if way is None:  # It stands there and sees nothing new, or does not fit through.
+        motion = trajectory_inside(self.me, self.at, path, self.map.region)
+        if motion is None:  # It stands there and sees nothing new, or does not fit through.
             self.map.give_up(goal)
             return True
-        moved: Any = yield Move(trajectory=way.until(self.options.leg_s), guard_m=0.1)
+        moved: Any = yield Move(trajectory=motion.until(self.options.leg_s), guard_m=0.1)
         self.at = moved.configuration
         return moved.blocked_by is None
 
@@ -107,6 +111,7 @@ class Mine:
         self.time_s = scan.time_s
         node = self.map.add(scan)
         if node is not None:
+            self.knows_all = False
             yield Note(node.added("root" if node.parent is None else "scan"))
             yield Send(News(node=node, place=self.at[:2], sender=self.me.robot))
 
@@ -121,4 +126,5 @@ class Mine:
                 self.others[news.sender] = news.place
                 new = self.map.merge([news.node])
                 if new:
+                    self.knows_all = False
                     yield Note(Learned(time_s=told.time_s, robot=self.me.robot, nodes=new))

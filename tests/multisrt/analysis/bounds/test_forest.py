@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from multisrt.analysis.bounds.forest import Service, chosen_regions, least_total_way
+from multisrt.analysis.bounds.forest import Service, chosen_regions, min_total_length
 
 
 def shortest(between, start, robots):
@@ -50,7 +50,7 @@ def drawn(seed, count=5):
 def test_no_team_serves_all_regions_with_less(seed, robots):
     between, start, amounts = drawn(seed)
     service = Service(between, start, amounts, 0.0, 1e6, robots)
-    length = least_total_way(service, np.arange(5), 100)
+    length = min_total_length(service, np.arange(5), 100)
     assert 0.0 < length <= shortest(between, start, robots) + 1e-9
 
 
@@ -60,7 +60,7 @@ def test_no_team_serves_all_regions_with_less(seed, robots):
 def test_nor_with_less_if_some_are_left_out(seed, price, spare):
     between, start, amounts = drawn(seed)
     service = Service(between, start, amounts, spare, price, 2)
-    length = least_total_way(service, np.arange(5), 100)
+    length = min_total_length(service, np.arange(5), 100)
     assert 0.0 <= length <= shortest_with_spare(between, start, amounts, spare, 2) + 1e-9
 
 
@@ -68,9 +68,9 @@ def test_a_star_of_dead_ends_is_driven_out_and_back():
     # From the middle into each of four dead ends of 5 m; back out of all but the last.
     between = 10.0 * (1.0 - np.eye(4))
     service = Service(between, np.full(4, 5.0), np.ones(4), 0.0, 1e6, 1)
-    assert least_total_way(service, np.arange(4), 300) == pytest.approx(35.0, abs=0.5)
+    assert min_total_length(service, np.arange(4), 300) == pytest.approx(35.0, abs=0.5)
     # A robot for each.
-    assert least_total_way(service._replace(robots=4), np.arange(4), 300) == pytest.approx(20.0)
+    assert min_total_length(service._replace(robots=4), np.arange(4), 300) == pytest.approx(20.0)
 
 
 def test_a_region_that_is_a_shortcut_is_not_chosen():
@@ -78,9 +78,9 @@ def test_a_region_that_is_a_shortcut_is_not_chosen():
     between = np.array([[0.0, 9.0, 0.0], [9.0, 0.0, 0.0], [0.0, 0.0, 0.0]])
     service = Service(between, np.array([4.0, 5.0, 0.0]), np.ones(3), 0.0, 1e6, 1)
     assert chosen_regions(service, np.ones(3, np.bool_), 20).tolist() == [0, 1]
-    assert least_total_way(service, np.arange(2), 100) == pytest.approx(13.0, abs=0.2)
+    assert min_total_length(service, np.arange(2), 100) == pytest.approx(13.0, abs=0.2)
 
 
-def test_without_regions_there_is_no_way():
+def test_without_regions_there_is_no_path():
     service = Service(np.zeros((0, 0)), np.zeros(0), np.zeros(0), 0.0, 1.0, 1)
-    assert least_total_way(service, np.arange(0), 10) == 0.0
+    assert min_total_length(service, np.arange(0), 10) == 0.0

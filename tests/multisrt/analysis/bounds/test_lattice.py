@@ -1,4 +1,4 @@
-"""Ways through cells against visibility graphs; touched cells and areas against shapely."""
+"""Paths through cells against visibility graphs; touched cells and areas against shapely."""
 
 import math
 
@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from scipy.sparse.csgraph import dijkstra
 from shapely import affinity
 
-from multisrt.analysis.bounds.lattice import TOUCH_M, Lattice, ShortestWays
+from multisrt.analysis.bounds.lattice import TOUCH_M, Lattice, ShortestPaths
 
 
 def tilted(width, height, angle, *, at=(0.0, 0.0)):
@@ -63,13 +63,13 @@ def geodesics(polygon, points):
 
 @pytest.mark.parametrize("seed", range(8))
 @pytest.mark.parametrize("cell", [0.06, 0.3])
-def test_no_way_is_shorter_than_its_bound(seed, cell):
+def test_no_path_is_shorter_than_its_bound(seed, cell):
     free = world(seed)
     points = points_in(free, 6, seed)
     lattice = Lattice.over(free, cell)
-    ways = ShortestWays(lattice, lattice.touched(free))
-    ends = [ways.corners(lattice.cells_at(point[None])) for point in points]
-    bounds, true = ways.between(ends), geodesics(free, points)
+    paths = ShortestPaths(lattice, lattice.touched(free))
+    ends = [paths.corners(lattice.cells_at(point[None])) for point in points]
+    bounds, true = paths.between(ends), geodesics(free, points)
     assert np.isfinite(bounds).all()
     assert (bounds <= true + 1e-9).all()
 
@@ -78,8 +78,8 @@ def test_bounds_are_close_where_walls_are_thick():
     free = shapely.box(0, 0, 10, 10).difference(shapely.box(4, -1, 6, 8))
     points = np.array([(1.0, 1.0), (9.0, 2.0), (3.0, 9.0)])
     lattice = Lattice.over(free, 0.05)
-    ways = ShortestWays(lattice, lattice.touched(free))
-    bounds = ways.between([ways.corners(lattice.cells_at(point[None])) for point in points])
+    paths = ShortestPaths(lattice, lattice.touched(free))
+    bounds = paths.between([paths.corners(lattice.cells_at(point[None])) for point in points])
     assert (bounds >= geodesics(free, points) / 1.03 - 0.3).all()
 
 
@@ -88,9 +88,9 @@ def test_a_slanted_corridor_is_as_long_as_it_is(angle, width):
     corridor = tilted(12.0, width, angle)
     start, end = (tilted(0.001, 0.001, angle, at=(x, 0.5 * width)).centroid for x in (0.1, 11.9))
     lattice = Lattice.over(corridor, 0.1)
-    ways = ShortestWays(lattice, lattice.touched(corridor))
-    ends = [ways.corners(lattice.cells_at(shapely.get_coordinates(end))) for end in (start, end)]
-    length = ways.between(ends)[0, 1]
+    paths = ShortestPaths(lattice, lattice.touched(corridor))
+    ends = [paths.corners(lattice.cells_at(shapely.get_coordinates(end))) for end in (start, end)]
+    length = paths.between(ends)[0, 1]
     assert 11.8 / 1.03 - 0.3 <= length <= start.distance(end)
 
 
@@ -121,12 +121,12 @@ def test_areas_of_walls_on_lines_of_the_lattice():
     assert lattice.areas(ring).tolist() == [[1, 1, 1], [1, 0, 1], [1, 1, 1]]
 
 
-def test_parts_without_a_way_between_them_are_infinitely_far():
+def test_parts_without_a_path_between_them_are_infinitely_far():
     two = shapely.MultiPolygon([shapely.box(0, 0, 1, 1), shapely.box(3, 0, 4, 1)])
     lattice = Lattice.over(two, 0.25)
-    ways = ShortestWays(lattice, lattice.touched(two))
-    ends = [ways.corners(lattice.cells_at(np.array([[x, 0.5]]))) for x in (0.5, 3.5)]
-    assert math.isinf(ways.between(ends)[0, 1])
+    paths = ShortestPaths(lattice, lattice.touched(two))
+    ends = [paths.corners(lattice.cells_at(np.array([[x, 0.5]]))) for x in (0.5, 3.5)]
+    assert math.isinf(paths.between(ends)[0, 1])
 
 
 def test_a_point_on_the_border_of_cells_is_in_all_of_them():

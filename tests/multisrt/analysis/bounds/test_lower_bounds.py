@@ -137,5 +137,5 @@ def test_slits_that_cells_would_close_are_open():
     world = Environment("comb", shapely.union_all([*corridors, *slits, end]))
     found = bounds(world, robot((0.5, 0.5), body="disc:0.2")).reach_s
     # Through the first slit, and on to (19.8, 2.8).
-    way = math.hypot(0.5, 0.5) + 0.5 + math.hypot(18.8, 1.3)
-    assert 0.9 * (way - 4.0) / 0.5 < found <= (way - 4.0) / 0.5
+    shortest = math.hypot(0.5, 0.5) + 0.5 + math.hypot(18.8, 1.3)
+    assert 0.9 * (shortest - 4.0) / 0.5 < found <= (shortest - 4.0) / 0.5

@@ -48,7 +48,7 @@ def test_regions_hold_all_places_that_see_a_witness(worlds, beams):
     for x, y in worlds.viewpoints(world.free.geoms[0], 60, clearance=BODY_M).tolist():
         scan = take_scan(index, Configuration(x, y), 0.0, 3.0, beams)
         seen = local_safe_region(scan, "radial").polygon().buffer(0.0)
-        corners = set(known.ways.corners(known.lattice.cells_at(np.array([[x, y]]))).tolist())
+        corners = set(known.paths.corners(known.lattice.cells_at(np.array([[x, y]]))).tolist())
         for k in np.flatnonzero(shapely.area(shapely.intersection(squares, seen)) > 1e-9):
             hits += 1
             assert corners <= set(known.regions[k].tolist())

@@ -25,10 +25,10 @@ from multisrt.robots.frontier.alvarez import Rules, agreed, as_party, facing
 from multisrt.robots.frontier.alvarez_goals import (
     is_open,
     last_known,
+    path_cost,
+    path_to,
     search,
     take_survey,
-    way_cost,
-    way_to,
 )
 from multisrt.robots.frontier.messages import InaccessibleMessage, SwapMessage
 from multisrt.robots.frontier.options import RulesOptions
@@ -122,31 +122,31 @@ def test_cells_behind_a_wall_are_reached_through_the_door():
     robot = robot_in(TWO_ROOMS, 3, 3, seen_from=[(3, 1.2), (3, 4.8), (5, 1.2), (5, 4.8)])
     survey = take_survey(robot, (), ())
     assert survey.can_reach(robot.raster, (6.75, 3.25))
-    way = way_to(robot, survey, (6.75, 5.75))
-    assert way is not None
-    x, y = way.edge
+    path = path_to(robot, survey, (6.75, 5.75))
+    assert path is not None
+    x, y = path.edge
     assert 5.5 < x < 9.0
     assert 2.5 < y < 6.0
     # By A* around the end of the wall; seen from there, not less than the shortest line.
-    assert way.cost_m >= math.dist((3, 3), (6.1, 3.5)) + math.dist((6.1, 3.5), (6.75, 5.75)) - 0.3
+    assert path.cost_m >= math.dist((3, 3), (6.1, 3.5)) + math.dist((6.1, 3.5), (6.75, 5.75)) - 0.3
     # Entered in vain all along the door, nothing is left.
     tried = [(x, y) for x in np.arange(5.6, 10.1, 0.2) for y in np.arange(0.1, 6.0, 0.2)]
     closed = take_survey(robot, tried, ())
-    assert way_to(robot, closed, (6.75, 5.75)) is None
+    assert path_to(robot, closed, (6.75, 5.75)) is None
     assert not closed.can_reach(robot.raster, (-0.25, 3.25))
 
 
 def test_the_goal_is_at_the_edge_of_the_known_area():
     robot = robot_in(HALL, 15, 5)
     survey = take_survey(robot, (), ())
-    way = way_to(robot, survey, (19.25, 5.25))
-    assert way is not None
-    assert math.dist(way.edge, (15, 5)) == pytest.approx(4.0, abs=0.2)
-    assert robot.raster.is_known(*way.edge)
-    assert is_open(robot.raster, way.edge)
+    path = path_to(robot, survey, (19.25, 5.25))
+    assert path is not None
+    assert math.dist(path.edge, (15, 5)) == pytest.approx(4.0, abs=0.2)
+    assert robot.raster.is_known(*path.edge)
+    assert is_open(robot.raster, path.edge)
     assert not is_open(robot.raster, (15.0, 5.0))
-    assert way.cost_m == pytest.approx(math.dist((15, 5), (19.25, 5.25)), abs=0.15)
-    assert way_to(robot, survey, (15.25, 5.25)) is None  # it has been seen
+    assert path.cost_m == pytest.approx(math.dist((15, 5), (19.25, 5.25)), abs=0.15)
+    assert path_to(robot, survey, (15.25, 5.25)) is None  # it has been seen
 
 
 @pytest.mark.parametrize(
@@ -156,30 +156,30 @@ def test_the_goal_is_at_the_edge_of_the_known_area():
 )
 def test_a_path_is_known_up_to_its_first_unknown_step(known, last):
     cells = np.array([[c == "1" for c in row] for row in known.split()])
-    way = np.array([(0, 0), (1, 1), (1, 2)])
-    assert last_known(cells, way) == last
+    path = np.array([(0, 0), (1, 1), (1, 2)])
+    assert last_known(cells, path) == last
 
 
 @given(arrays(bool, (7, 7)), st.integers(0, 1000))
 def test_the_known_part_of_a_path_cuts_no_corners(known, seed):
     rng = np.random.default_rng(seed)
     steps = rng.integers(-1, 2, (12, 2))
-    way = np.clip(np.cumsum([(3, 3), *steps.tolist()], axis=0), 0, 6)
-    assume(way[-1].tolist() != [3, 3])
-    known[3, 3], known[tuple(way[-1])] = True, False
-    last = last_known(known, way)
+    path = np.clip(np.cumsum([(3, 3), *steps.tolist()], axis=0), 0, 6)
+    assume(path[-1].tolist() != [3, 3])
+    known[3, 3], known[tuple(path[-1])] = True, False
+    last = last_known(known, path)
     reached = reachable(known, 3, 3)
-    assert all(reached[tuple(cell)] for cell in way[: last + 1].tolist())
-    after = tuple(way[last + 1].tolist())
-    beside = [(way[last][0], after[1]), (after[0], way[last][1])]
+    assert all(reached[tuple(cell)] for cell in path[: last + 1].tolist())
+    after = tuple(path[last + 1].tolist())
+    beside = [(path[last][0], after[1]), (after[0], path[last][1])]
     assert not known[after] or not any(known[cell] for cell in beside)
 
 
 def test_the_cost_of_a_path_is_that_of_a_star():
     robot = robot_in(HALL, 15, 5)
     survey = take_survey(robot, (), ())
-    assert way_cost(robot, survey, (15, 5), (19.25, 5.25)) == pytest.approx(4.35, abs=0.15)
-    assert math.isinf(way_cost(robot, survey, (15, 5), (90, 5)))
+    assert path_cost(robot, survey, (15, 5), (19.25, 5.25)) == pytest.approx(4.35, abs=0.15)
+    assert math.isinf(path_cost(robot, survey, (15, 5), (90, 5)))
 
 
 # Choosing --------------------------------------------------------------------------------------

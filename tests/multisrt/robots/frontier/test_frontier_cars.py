@@ -232,7 +232,7 @@ def acts_of(steps, outcome):
             outcome = None
 
 
-def way_along(robot, path, seen=()):
+def motion_along(robot, path, seen=()):
     steps = robot.car.motion_along(np.array(path, float))
     try:
         action = next(steps)
@@ -261,10 +261,10 @@ def new_driver(robot):
 def test_a_motion_is_kept_until_its_end():
     robot = robot_in(HALL, 2.0, 2.0)
     path = [(2.0, 2.0), (4.0, 3.0)]
-    whole = way_along(robot, path)
+    whole = motion_along(robot, path)
     assert whole.end[:2] == pytest.approx((4.0, 3.0))
     drive(robot, whole, 1.0)
-    rest = way_along(robot, path)
+    rest = motion_along(robot, path)
     assert rest.waypoints == whole.after(1.0).waypoints
     drive(robot, rest, 100.0)
     assert robot.at[:2] == pytest.approx((4.0, 3.0))
@@ -273,9 +273,9 @@ def test_a_motion_is_kept_until_its_end():
 @pytest.mark.parametrize("kind", ["reeds-shepp", "dubins"])
 def test_a_new_goal_has_a_new_motion_and_keeps_the_exit(kind):
     robot = robot_in(HALL, 2.0, 2.0, kind)
-    first = way_along(robot, [(2.0, 2.0), (4.0, 3.0)])
+    first = motion_along(robot, [(2.0, 2.0), (4.0, 3.0)])
     drive(robot, first, 1.0)
-    second = way_along(robot, [robot.at[:2], (2.5, 4.0)])
+    second = motion_along(robot, [robot.at[:2], (2.5, 4.0)])
     assert second.start == pytest.approx(robot.at)
     assert second.end[:2] == pytest.approx((2.5, 4.0))
     at = second.end
@@ -288,7 +288,7 @@ def test_a_new_goal_has_a_new_motion_and_keeps_the_exit(kind):
 @pytest.mark.parametrize("kind", ["reeds-shepp", "dubins"])
 def test_a_car_makes_room_along_its_exit(kind):
     robot = robot_in(HALL, 2.0, 2.0, kind)
-    drive(robot, way_along(robot, [(2.0, 2.0), (4.0, 2.0)]), 3.0)
+    drive(robot, motion_along(robot, [(2.0, 2.0), (4.0, 2.0)]), 3.0)
     barred = np.array([(robot.at.x, 0.0), (robot.at.x, 4.0)])
     on = robot.car.leave_by_exit(barred, 0.4)
     assert on.start == pytest.approx(robot.at)
@@ -316,25 +316,25 @@ def test_a_car_drives_round_bodies_beside_its_path_only():
         times = np.linspace(0.0, motion.duration_s, 200)
         return min(robot.me.footprint.placed(motion.at(t)).distance(solid) for t in times)
 
-    assert nearest_m(way_along(robot, around)) == 0.0
+    assert nearest_m(motion_along(robot, around)) == 0.0
     robot.car = new_driver(robot)
-    assert nearest_m(way_along(robot, around, [mate])) >= robot.options.guard_m
+    assert nearest_m(motion_along(robot, around, [mate])) >= robot.options.guard_m
     robot.car = new_driver(robot)
-    assert nearest_m(way_along(robot, [around[0], around[-1]], [mate])) == 0.0
+    assert nearest_m(motion_along(robot, [around[0], around[-1]], [mate])) == 0.0
 
 
 def test_motions_that_lead_no_nearer_are_given_up():
     robot = robot_in(HALL, 2.0, 2.0)
     path = [(2.0, 2.0), (4.0, 3.0)]
     for _ in range(1 + robot.options.max_vain_motions):
-        assert way_along(robot, path) is not None
+        assert motion_along(robot, path) is not None
         robot.car._aim = None
-    assert way_along_refused(robot, path)
+    assert motion_along_refused(robot, path)
     robot.raster._changes.revision += 1
-    assert way_along(robot, path) is not None
+    assert motion_along(robot, path) is not None
 
 
-def way_along_refused(robot, path):
+def motion_along_refused(robot, path):
     with pytest.raises(StopIteration) as end:
         next(robot.car.motion_along(np.array(path, float)))
     return end.value.value is None
@@ -353,7 +353,7 @@ def test_a_goal_without_a_path_is_tried_again_on_news():
 
     for _ in range(2):
         assert is_target()
-        explorer.judge_no_way(goal)
+        explorer.judge_no_path(goal)
     assert not is_target()
     assert not robot.frontiers.reopen(())
     robot.raster._changes.revision += 1
@@ -373,7 +373,7 @@ def test_a_goal_without_a_path_round_a_body_is_not_explored():
     # Each place that is given up leaves other cells of its frontier, a finite number.
     while len(targets := robot.targets()):
         x, y = targets[0].tolist()
-        explorer.judge_no_way(Goal(x, y, np.array([(2.0, 2.0), (x, y)]), 2.24))
+        explorer.judge_no_path(Goal(x, y, np.array([(2.0, 2.0), (x, y)]), 2.24))
     # The body does not answer: the robot does not wait, but its map is not complete.
     assert explorer.why_no_goal() is Event.BOXED_IN
     robot.bodies.note_heard(1)

@@ -295,7 +295,7 @@ def test_of_two_that_both_ask_the_lower_number_goes_first(acts_of, asked_s, firm
         robot.team.asked_s[1] = asked_s
     asked = GiveWayMessage(sender=1, path=((6.0, 4.2), (5.0, 4.2)), radius_m=0.25, firm=firm)
     acts, _ = acts_of(robot.team._take_message(asked))
-    assert (robot.team.requests.way is asked) == yields
+    assert (robot.team.requests.give_way is asked) == yields
     # Either way the other hears that it was understood.
     assert [(type(act.message), act.to) for act in acts] == [(ReportMessage, 1)]
 
@@ -346,7 +346,7 @@ def test_path_gaps_agree_with_dense_sampling(seed):
     ],
 )
 def test_paths_begin_where_no_body_stops_the_robot(body, pocket, west, begins_in):
-    # Around the robot nothing is passable but one cell, from which no way leads, and what lies
+    # Around the robot nothing is passable but one cell, from which no path leads, and what lies
     # to the west.
     robot = robot_at([(10.0, 7.0)])
     raster, cell = robot.raster, robot.raster.cell_of(10.0, 7.0)
@@ -367,7 +367,7 @@ def test_paths_begin_where_no_body_stops_the_robot(body, pocket, west, begins_in
         raster.passable[row - 12 : row + 13, column - west : column + 13] = False
         raster.passable[row + pocket, column] = True
     with robot.around_bodies():
-        assert robot.ways.first_cell() == expected[begins_in]
+        assert robot.path_finder.first_cell() == expected[begins_in]
 
 
 @pytest.mark.parametrize(

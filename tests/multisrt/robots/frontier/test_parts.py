@@ -194,7 +194,7 @@ def look(bodies, *seen):
     ],
     ids=["stands there", "has moved", "is gone", "time is up"],
 )
-def test_a_body_bars_the_way_while_it_stands_there(seen, time_s, stays):
+def test_a_body_bars_the_path_while_it_stands_there(seen, time_s, stays):
     course = Course(Configuration(3.0, 3.0, 0.0), 0.0)
     bodies = Bodies(course, map_of((3, 3)))
     bodies.add(seen_at(5, 3), until_s=9.0)
@@ -203,7 +203,7 @@ def test_a_body_bars_the_way_while_it_stands_there(seen, time_s, stays):
     assert (1 in bodies) is stays
 
 
-def test_a_body_out_of_sight_still_bars_the_way():
+def test_a_body_out_of_sight_still_bars_the_path():
     bodies = Bodies(Course(Configuration(3.0, 3.0, 0.0), 0.0), map_of((3, 3)))
     bodies.add(seen_at(15, 3))
     look(bodies)

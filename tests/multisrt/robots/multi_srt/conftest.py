@@ -90,7 +90,7 @@ def _robot_in(*rooms: tuple[Place, Box], **more: Any) -> SrtRobot:
     robot = SrtRobot(me, "star", MultiSrtOptions())
     for number, (place, box) in enumerate(rooms):
         robot.map.add(_box_node(number, place, box))
-    robot.ways.extend()
+    robot.roadmap.extend()
     robot.at.here = NodeId(0, 0)
     return robot
 

@@ -1,4 +1,4 @@
-"""Ways through the known space where the roadmap has none: round bodies, and from tree to tree."""
+"""Paths through the known space where the roadmap has none: round bodies, and from tree to tree."""
 
 import math
 
@@ -36,8 +36,8 @@ def stand_at(box_node):
         before = robot.at.here
         robot.map.add(box_node(serial, place, box))
         robot.at.q_act, robot.at.here = Configuration(*place), NodeId(0, serial)
-        robot.ways.extend()
-        robot.ways.join(before, robot.at.here)
+        robot.roadmap.extend()
+        robot.roadmap.join(before, robot.at.here)
 
     return stand_at
 
@@ -66,13 +66,13 @@ def test_a_robot_gets_round_a_body_step_by_step(corridor, stand_at, body_y):
     robot = corridor(width, body_y)
     known = shapely.box(-1, -width / 2, 5, width / 2)
     body = shapely.Point(2.0, body_y)
-    assert robot.routes.way(robot.at.here, NodeId(0, 1)) is None
+    assert robot.routes.route(robot.at.here, NodeId(0, 1)) is None
     serial = 2
-    while robot.routes.way(robot.at.here, NodeId(0, 1)) is None:
+    while robot.routes.route(robot.at.here, NodeId(0, 1)) is None:
         target = robot.bypass.to(at_end)
         assert isinstance(target, NewPlace)
         assert target.stage == "bypass"
-        start = robot.map[target.way[-1]].configuration
+        start = robot.map[target.route[-1]].configuration
         line = shapely.LineString([start[:2], (target.x, target.y)])
         assert line.distance(body) >= BERTH
         assert known.buffer(-RADIUS).covers(line)
@@ -92,7 +92,7 @@ def test_a_track_is_followed_without_searching_again(corridor, stand_at, monkeyp
 
     monkeypatch.setattr(Bypass, "_search", counted)
     serial = 2
-    while robot.routes.way(robot.at.here, NodeId(0, 1)) is None:
+    while robot.routes.route(robot.at.here, NodeId(0, 1)) is None:
         target = robot.bypass.to(at_end)
         # A robot that has to wait, and asks again, is told the same.
         assert robot.bypass.to(at_end) == target
@@ -117,7 +117,7 @@ def test_a_track_is_forgotten_when_another_goal_is_wanted(corridor):
     assert robot.bypass.to_place(0.5, 0.5, NodeId(0, 1)).aim == NodeId(0, 1)
 
 
-def test_there_is_no_way_where_there_is_no_room(corridor):
+def test_there_is_no_path_where_there_is_no_room(corridor):
     # On either side it takes the body's berth and the own radius.
     room = BERTH + RADIUS
     assert corridor(2 * room - 0.02, 0.0).bypass.to(at_end) is None
@@ -140,7 +140,7 @@ def test_trees_are_joined_round_a_corner(robot_in, stand_at):
     # Two corridors that meet in a corner, each seen from its far end: no straight way joins them.
     known = shapely.box(-1, -0.5, 4, 0.5).union(shapely.box(3, -0.5, 4, 6))
     robot = robot_in(((0.0, 0.0), (-1.0, -0.5, 4.0, 0.5)), ((3.5, 5.5), (3.0, -0.5, 4.0, 6.0)))
-    assert robot.routes.way(robot.at.here, NodeId(0, 1)) is None
+    assert robot.routes.route(robot.at.here, NodeId(0, 1)) is None
     start, (x, y) = robot.bypass.first_leg(at_end)
     assert start == robot.at.here
     assert known.buffer(-RADIUS).covers(shapely.LineString([(0, 0), (x, y)]))
@@ -150,7 +150,7 @@ def test_trees_are_joined_round_a_corner(robot_in, stand_at):
             break
         stand_at(robot, serial, (target.x, target.y), (-1.0, -0.5, 4.0, 0.5))
     # Now the roadmap leads there, and there is nothing to look for off it.
-    assert robot.routes.way(robot.at.here, NodeId(0, 1))[-1] == NodeId(0, 1)
+    assert robot.routes.route(robot.at.here, NodeId(0, 1))[-1] == NodeId(0, 1)
     assert robot.bypass.to(at_end) is None
 
 

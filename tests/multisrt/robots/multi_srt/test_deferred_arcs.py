@@ -68,7 +68,7 @@ def explorer(robot_self, rectangle_node):
         robot = built.robot
         robot.map.add(rectangle_node(0, 0.0, 0.0, 3.0, 1.0, "right"))
         robot.map.add(rectangle_node(1, 3.0 - overlap_m, 0.0, 5.5, 1.0, "right"))
-        robot.ways.extend()
+        robot.roadmap.extend()
         robot.at.here = NEAR
         return built
 
@@ -201,7 +201,7 @@ def test_a_body_left_out_of_groups_is_asked_again_later(explorer, robot_state):
     assert robot.deferred.is_due()
 
 
-def test_a_body_that_does_not_bar_the_way_does_not_matter(explorer, robot_state):
+def test_a_body_that_does_not_bar_the_path_does_not_matter(explorer, robot_state):
     robot = explorer().robot
     robot.obstacles.silent[2] = Sighting(
         robot=2, configuration=Configuration(0.2, 9.0, 0.0), footprint=Footprint.disc(0.25)

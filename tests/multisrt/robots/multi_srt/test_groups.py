@@ -38,8 +38,8 @@ def meet(a, b) -> bool:
     """Whether two robots are pre-engaged, from the definition."""
     places = []
     for robot in (a, b):
-        way = np.array([(x, y) for _, x, y, _ in robot.path])
-        places.append(way if robot.phase == "moving" else way[:1])
+        path = np.array([(x, y) for _, x, y, _ in robot.path])
+        places.append(path if robot.phase == "moving" else path[:1])
     reach = a.range_m + b.range_m
     if np.hypot(*(places[0][-1] - places[1][-1])) < reach:
         return True

@@ -17,7 +17,7 @@ def robot(robot_in):
     """A robot at the first of three nodes in a hall, which are 2 m apart."""
     robot = robot_in(*(((x, 0.0), HALL) for x in (0.0, 2.0, 4.0)))
     for a, b in ((0, 1), (1, 2)):
-        robot.ways.join(NodeId(0, a), NodeId(0, b))
+        robot.roadmap.join(NodeId(0, a), NodeId(0, b))
     return robot
 
 
@@ -36,7 +36,7 @@ def test_nodes_at_the_very_place_count_as_reached(robot_in):
     )
     assert robot.at.here == third
     place = NewPlace(1.0, 0.0, "complete", (third, first))
-    assert robot.journey.past_here(place) == replace(place, way=(first,))
+    assert robot.journey.past_here(place) == replace(place, route=(first,))
     assert robot.journey.past_here(KnownNode((first, second))) is None
     assert robot.at.here == second
 
@@ -49,9 +49,9 @@ def test_a_known_node_is_reached_hop_by_hop(robot):
     assert robot.journey.step_to(KnownNode(nodes(0, 1))).rest is None
 
 
-def test_a_new_place_is_reached_from_the_last_node_of_its_way(robot):
+def test_a_new_place_is_reached_from_the_last_node_of_its_path(robot):
     far = NewPlace(3.0, 0.5, "complete", nodes(0, 1))
-    assert robot.journey.step_to(far).rest == replace(far, way=nodes(1))
+    assert robot.journey.step_to(far).rest == replace(far, route=nodes(1))
     near = NewPlace(1.0, 0.5, "draw", nodes(0))
     step = robot.journey.step_to(near, frontier_m=2.5)
     assert (step.node, step.rest, step.parent, step.frontier_m) == (None, None, nodes(0)[0], 2.5)

@@ -20,7 +20,7 @@ BODY = Sighting(robot=1, configuration=Configuration(2.0, 0.0, 0.0), footprint=F
 def robot(robot_in):
     """A robot that had a setback, at the first of two nodes in a hall, 4 m apart."""
     robot = robot_in(((0.0, 0.0), HALL), ((4.0, 0.0), HALL))
-    robot.ways.join(NodeId(0, 0), NodeId(0, 1))
+    robot.roadmap.join(NodeId(0, 0), NodeId(0, 1))
     robot.progress.note(Event.SETBACK)
     return robot
 

@@ -74,7 +74,7 @@ def test_a_body_out_of_view_is_believed_to_stand(obstacles, view):
     assert sorted(obstacles.all) == [1, 2]
 
 
-def test_the_bodies_on_a_way_are_those_that_it_does_not_keep_off(obstacles):
+def test_the_bodies_on_a_path_are_those_that_it_does_not_keep_off(obstacles):
     obstacles.silent[1], obstacles.avoided[2] = seen_at(2.0, 0.0), seen_at(4.0, 2.0, robot=2)
     along, round_the_corner = [0.0, 0.0, 4.0, 0.0], [4.0, 0.0, 4.0, 2.0]
     assert [*obstacles.on(np.array([along]))] == [1]

@@ -32,7 +32,7 @@ class ByHand:
         self.asked.append((robot, gap_m))
         yield from self.around.get(robot, ())
 
-    def ways_aside(self, robot, way, gap_m, prospects):
+    def motions_aside(self, robot, sweep, gap_m, prospects):
         yield from self.aside.get(robot, ())
 
     def sweep(self, robot, motion):
@@ -142,13 +142,13 @@ def test_head_on_the_shorter_way_aside_decides(line, head_on, near, far):
         assert not arrangement.is_deadlock
 
 
-def test_a_way_aside_through_the_other_does_not_count(line, head_on):
+def test_a_path_aside_through_the_other_does_not_count(line, head_on):
     through = line((0, 0), (6, 0))
     wits = ByHand(aside={0: [(1.0, through, None)], 1: [(9.0, line((4, 0), (13, 0)), None)]})
     assert orders_of(organize(head_on(), wits)) == {0: "wait", 1: "give way"}
 
 
-def test_head_on_without_a_way_aside_is_a_deadlock(head_on):
+def test_head_on_without_a_path_aside_is_a_deadlock(head_on):
     arrangement = organize(head_on(), ByHand())
     assert orders_of(arrangement) == {0: "wait", 1: "wait"}
     assert arrangement.is_deadlock
@@ -211,7 +211,7 @@ def test_a_new_target_comes_before_a_detour(line, blocked):
     assert wits.asked == []
 
 
-def test_without_a_detour_the_other_clears_the_way(line, blocked):
+def test_without_a_detour_the_other_clears_the_path(line, blocked):
     wits = ByHand(
         around={0: [line((0, 0), (3, 0.5))]}, aside={1: [(1.0, line((2, 0), (2, 1)), None)]}
     )

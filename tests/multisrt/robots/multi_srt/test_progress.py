@@ -46,23 +46,23 @@ def test_a_new_place_or_a_new_task_clears(setbacks, event):
 
 
 @pytest.mark.parametrize("setbacks", range(6))
-def test_a_way_leads_back_to_where_the_robot_was(setbacks):
+def test_a_path_leads_back_to_where_the_robot_was(setbacks):
     before = [Event.SETBACK] * setbacks
-    assert after(*before, Event.WAY).state is after(*before).state
-    assert after(*before, Event.NO_WAY).state is State.STUCK
-    assert after(*before, Event.NO_WAY, Event.WAY).state is after(*before).state
-    assert after(*before, *[Event.NO_WAY] * 9, Event.WAY).state is after(*before).state
+    assert after(*before, Event.PATH).state is after(*before).state
+    assert after(*before, Event.NO_PATH).state is State.STUCK
+    assert after(*before, Event.NO_PATH, Event.PATH).state is after(*before).state
+    assert after(*before, *[Event.NO_PATH] * 9, Event.PATH).state is after(*before).state
 
 
-def test_no_way_in_a_row_boxes_in():
-    assert after(*[Event.NO_WAY] * 3).state is State.STUCK
-    assert after(*[Event.NO_WAY] * 4).state is State.BOXED_IN
-    assert after(*[Event.NO_WAY] * 3, Event.WAY, *[Event.NO_WAY] * 3).state is State.STUCK
+def test_no_path_in_a_row_boxes_in():
+    assert after(*[Event.NO_PATH] * 3).state is State.STUCK
+    assert after(*[Event.NO_PATH] * 4).state is State.BOXED_IN
+    assert after(*[Event.NO_PATH] * 3, Event.PATH, *[Event.NO_PATH] * 3).state is State.STUCK
 
 
-def test_no_way_keeps_a_robot_that_has_given_up_boxed_in():
-    assert after(*[Event.SETBACK] * 7, Event.NO_WAY).state is State.BOXED_IN
-    assert after(*[Event.SETBACK] * 7, Event.NO_WAY, Event.WAY).state is State.JAMMED
+def test_no_path_keeps_a_robot_that_has_given_up_boxed_in():
+    assert after(*[Event.SETBACK] * 7, Event.NO_PATH).state is State.BOXED_IN
+    assert after(*[Event.SETBACK] * 7, Event.NO_PATH, Event.PATH).state is State.JAMMED
 
 
 def test_a_robot_may_give_up_as_soon_as_it_is_jammed():
@@ -75,21 +75,21 @@ def test_a_robot_may_give_up_as_soon_as_it_is_jammed():
     assert states[-2:] == [State.CROWDED, State.BOXED_IN]
 
 
-def test_setbacks_do_not_count_where_there_is_no_way():
-    progress = after(Event.NO_WAY, Event.SETBACK, Event.SETBACK, Event.SETBACK, Event.WAY)
+def test_setbacks_do_not_count_where_there_is_no_path():
+    progress = after(Event.NO_PATH, Event.SETBACK, Event.SETBACK, Event.SETBACK, Event.PATH)
     assert (progress.state, progress.setbacks) == (State.CLEAR, 0)
 
 
 def test_a_new_task_does_not_free_a_robot_that_is_boxed_in():
-    boxed_in = [Event.NO_WAY] * 4
+    boxed_in = [Event.NO_PATH] * 4
     assert after(*boxed_in, Event.NEW_TASK).is_boxed_in
-    assert after(*boxed_in, Event.NEW_TASK, Event.NO_WAY).is_boxed_in
-    assert not after(*boxed_in, Event.NEW_TASK, Event.WAY).is_boxed_in
+    assert after(*boxed_in, Event.NEW_TASK, Event.NO_PATH).is_boxed_in
+    assert not after(*boxed_in, Event.NEW_TASK, Event.PATH).is_boxed_in
 
 
 def test_a_robot_is_hindered_while_crowded_or_jammed():
     hindered = {State.CROWDED, State.JAMMED}
-    for events in ([], [Event.SETBACK] * 2, [Event.SETBACK] * 4, [Event.NO_WAY] * 4):
+    for events in ([], [Event.SETBACK] * 2, [Event.SETBACK] * 4, [Event.NO_PATH] * 4):
         progress = after(*events)
         assert progress.is_hindered == (progress.state in hindered)
 
@@ -99,9 +99,9 @@ def test_any_events_lead_to_a_state_that_its_limits_allow(events):
     progress = after(*events)
     in_a_row = 0
     for event in events:
-        if event is Event.NO_WAY:
+        if event is Event.NO_PATH:
             in_a_row += 1
-        elif event in (Event.WAY, Event.NEW_PLACE):
+        elif event in (Event.PATH, Event.NEW_PLACE):
             in_a_row = 0
     if progress.state is State.BOXED_IN:
         gave_up = progress.setbacks == 0 or progress.setbacks >= LIMITS.gives_up_after

@@ -54,8 +54,8 @@ class Plan:
     def covered(self, places: Sequence[Place]) -> Covered:
         """What the body covers on straight lines, by shapely, and the radius to buffer it by."""
         if self.body.is_disc:
-            way = shapely.LineString(places) if len(places) > 1 else shapely.Point(places[0])
-            return way, self.body.radius_m
+            line = shapely.LineString(places) if len(places) > 1 else shapely.Point(places[0])
+            return line, self.body.radius_m
         at = [
             shapely.affinity.translate(
                 shapely.affinity.rotate(
@@ -115,13 +115,15 @@ def gap_between(a: Plan, b: Plan) -> float:
     return GUARD_M if now < 1.2 * GUARD_M else 1.2 * GUARD_M
 
 
-def is_feasible(plans: Sequence[Plan], ways: dict[int, list[Place]], exact: bool = True) -> bool:
+def is_feasible(
+    plans: Sequence[Plan], driven_paths: dict[int, list[Place]], exact: bool = True
+) -> bool:
     """Whether all can follow their paths (one position: it stays) at once."""
     slack = 0.0 if exact else 1e-6
     for a, b in itertools.combinations(plans, 2):
-        if len(ways[a.number]) == len(ways[b.number]) == 1:
+        if len(driven_paths[a.number]) == len(driven_paths[b.number]) == 1:
             continue
-        gap = apart(a.covered(ways[a.number]), b.covered(ways[b.number]))
+        gap = apart(a.covered(driven_paths[a.number]), b.covered(driven_paths[b.number]))
         if gap < gap_between(a, b) - slack:
             return False
     return True
@@ -130,13 +132,13 @@ def is_feasible(plans: Sequence[Plan], ways: dict[int, list[Place]], exact: bool
 def conflict_tables(plans: Sequence[Plan]) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
     """For every pair: whether the ways conflict, and whether a body is in the other's way."""
     count = len(plans)
-    ways = [plan.covered(plan.places) for plan in plans]
+    swept = [plan.covered(plan.places) for plan in plans]
     bodies = [plan.covered(plan.places[:1]) for plan in plans]
     both, body = np.zeros((count, count), bool), np.zeros((count, count), bool)
     for i, j in itertools.permutations(range(count), 2):
         gap = gap_between(plans[i], plans[j])
-        for table, other in ((both, ways[j]), (body, bodies[j])):
-            distance = apart(ways[i], other)
+        for table, other in ((both, swept[j]), (body, bodies[j])):
+            distance = apart(swept[i], other)
             # Cases that rounding decides are left out.
             assume(abs(distance - gap) > 1e-7)
             table[i, j] = distance < gap
@@ -170,8 +172,8 @@ def test_a_prospect_stays_within_its_bounds(body, legs):
         at = waypoints[-1]
         waypoints.append(Waypoint(at.time_s + 1.0, at.x + dx, at.y + dy, at.heading + turn))
     found = Prospect(robot=0, footprint=body, motion=Trajectory(tuple(waypoints)), frontier_m=0.0)
-    way = found.way
-    covered = shapely.box(*way.shape.bounds).buffer(way.pad_m, join_style="mitre")
+    sweep = found.sweep
+    covered = shapely.box(*sweep.shape.bounds).buffer(sweep.pad_m, join_style="mitre")
     assert shapely.box(*found.bounds).covers(covered)
 
 
@@ -193,11 +195,11 @@ def test_best_targets_of_a_large_group(conflicts_of, plans):
 def test_greedy_targets_are_feasible_and_maximal(conflicts_of, plans):
     conflicts = conflicts_of(plans)
     chosen = best_targets(conflicts)
-    ways = {p.number: p.places if p.number in chosen else p.places[:1] for p in plans}
-    assert is_feasible(plans, ways)
+    driven_paths = {p.number: p.places if p.number in chosen else p.places[:1] for p in plans}
+    assert is_feasible(plans, driven_paths)
     for plan in plans:
         if len(plan.places) > 1 and plan.number not in chosen:
-            assert not is_feasible(plans, ways | {plan.number: plan.places})
+            assert not is_feasible(plans, driven_paths | {plan.number: plan.places})
 
 
 @given(teams())
@@ -239,11 +241,11 @@ class InThePlane:
         for _, motion in self._goes(robot, (1.0, 3.0)):
             yield motion
 
-    def ways_aside(self, robot, way, gap_m, prospects):
+    def motions_aside(self, robot, sweep, gap_m, prospects):
         plan = self.plans[robot]
         for length, motion in self._goes(robot, (0.5, 1.0, 2.0, 4.0)):
             place = Sweep(plan.body, Trajectory(motion.reversed().waypoints[:1]))
-            if place.distance_to(way) >= gap_m:
+            if place.distance_to(sweep) >= gap_m:
                 yield length, motion, None
 
     def sweep(self, robot, motion):
@@ -266,12 +268,12 @@ def test_orders_are_jointly_feasible(line, conflicts_of, plans):
     conflicts = conflicts_of(plans)
     arrangement = organize(conflicts, InThePlane(plans, line))
     assert list(arrangement.orders) == list(range(len(plans)))
-    ways = {p.number: driven(p, arrangement.orders[p.number]) for p in plans}
-    assert is_feasible(plans, ways, exact=False)
+    driven_paths = {p.number: driven(p, arrangement.orders[p.number]) for p in plans}
+    assert is_feasible(plans, driven_paths, exact=False)
     for plan in plans:
         order = arrangement.orders[plan.number]
-        assert ways[plan.number][0] == plan.places[0]
-        assert arrangement.targets[plan.number] == ways[plan.number][-1]
+        assert driven_paths[plan.number][0] == plan.places[0]
+        assert arrangement.targets[plan.number] == driven_paths[plan.number][-1]
         if order.order == "keep":
             assert len(plan.places) > 1
             assert not conflicts.in_the_way(plan.number)
@@ -280,7 +282,7 @@ def test_orders_are_jointly_feasible(line, conflicts_of, plans):
     assert best_targets(conflicts) == tuple(
         i for i, order in arrangement.orders.items() if order.order == "keep"
     )
-    stays = all(len(way) == 1 for way in ways.values())
+    stays = all(len(path) == 1 for path in driven_paths.values())
     assert arrangement.is_deadlock == stays
     moves_freely = [p for p in plans if len(p.places) > 1 and not conflicts.in_the_way(p.number)]
     assert not (moves_freely and stays)

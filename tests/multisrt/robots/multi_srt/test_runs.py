@@ -114,15 +114,15 @@ def check_motions(recording: Recording, motions: Sequence[Sequence[Motion]]) -> 
 
 def closest_approach(recording: Recording, motions: Sequence[Sequence[Motion]]) -> float:
     """Smallest distance of two centres along all motions; straight legs only."""
-    ways = []
+    paths = []
     for robot, own in enumerate(motions):
         x, y, _ = recording.starts[robot]
-        way = [(0.0, x, y)]
+        path = [(0.0, x, y)]
         for motion in own:
-            way += [waypoint[:3] for waypoint in motion.waypoints]
-        ways.append(np.array([*way, (recording.footer.time_s + 1.0, *way[-1][1:])]))
+            path += [waypoint[:3] for waypoint in motion.waypoints]
+        paths.append(np.array([*path, (recording.footer.time_s + 1.0, *path[-1][1:])]))
     least = math.inf
-    for a, b in itertools.combinations(ways, 2):
+    for a, b in itertools.combinations(paths, 2):
         # Between two times at which either turns, the distance is that of two straight motions.
         times = np.unique(np.concatenate([a[:, 0], b[:, 0]]))
         gap = [
@@ -332,7 +332,7 @@ def test_the_living_pass_the_dead_and_explore_the_rest(strategy, seed):
 
 
 @pytest.mark.slow
-def test_robots_whose_ways_cross_do_not_stop_each_other_for_ever():
+def test_robots_whose_paths_cross_do_not_stop_each_other_for_ever():
     # Balls that do not overlap are not coordinated, but the ways to their parents may cross.
     spec = RunSpec(
         environment=CatalogEnvironment(name="open"),

@@ -109,7 +109,7 @@ def test_costs_have_a_row_for_each_start(known):
     assert known.costs([], frontiers).shape == (0, 2)
 
 
-def test_bodies_bar_the_way_as_long_as_they_count(known):
+def test_bodies_bar_the_path_as_long_as_they_count(known):
     start, frontiers = (10.0, 1.5), known.frontiers()
     free = known.costs(start, frontiers)
     wide = Footprint.parse("box:0.6x2.6")

@@ -67,7 +67,7 @@ def test_wide_bodies_do_not_fit_through_the_door(known):
     assert wide.path(PLACES[1], PLACES[2]) is None
 
 
-def test_ways_that_are_barred_are_not_taken(known):
+def test_paths_that_are_barred_are_not_taken(known):
     roadmap = NodeRoadmap(known, Footprint.disc(0.25), reach_m=4.0)
     assert roadmap.path(PLACES[0], PLACES[3], lambda a, b: {a.serial, b.serial} != {1, 2}) is None
 

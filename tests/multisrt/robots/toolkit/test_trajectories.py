@@ -59,12 +59,12 @@ def test_the_place_that_is_not_finite_is_named():
 @pytest.mark.parametrize("drive", DRIVES)
 def test_every_drive_can_follow(drive):
     places = [(3.0, 1.0), (3.0, 4.0), (3.0, 4.0), (1.0, 1.0)]
-    way = trajectory(drive, START, places)
-    assert trajectory_flaw(way, START, drive) is None
-    passed = way.points()
+    motion = trajectory(drive, START, places)
+    assert trajectory_flaw(motion, START, drive) is None
+    passed = motion.points()
     for place in places:
         assert np.hypot(*(passed - place).T).min() < 1e-6
-    assert way.end[:2] == places[-1]
+    assert motion.end[:2] == places[-1]
 
 
 @pytest.mark.parametrize("drive", DRIVES)
@@ -75,9 +75,9 @@ def test_nowhere_to_go_is_a_single_waypoint(drive):
 
 @pytest.mark.parametrize("drive", DRIVES[1:])
 def test_headings_are_taken_where_they_are_asked_for(drive):
-    way = trajectory(drive, START, [(4.0, 2.0, 2.0)], headings=True)
-    assert way.end.heading == pytest.approx(2.0)
-    assert trajectory_flaw(way, START, drive) is None
+    motion = trajectory(drive, START, [(4.0, 2.0, 2.0)], headings=True)
+    assert motion.end.heading == pytest.approx(2.0)
+    assert trajectory_flaw(motion, START, drive) is None
 
 
 def test_headings_that_cannot_be_taken_are_refused(robot):
@@ -98,20 +98,20 @@ AROUND = [(2.0, 4.5), (6.0, 4.5), (6.0, 1.5)]
 def test_motions_inside_a_region_stay_in_it(robot, drive, shape):
     me = robot(kinematics=drive, footprint=Footprint.parse(shape))
     start = Configuration(2.0, 1.5, 1.57)
-    way = trajectory_inside(me, start, AROUND, ROOM)
-    assert way is not None
-    assert trajectory_flaw(way, start, drive) is None
-    assert way.end[:2] == AROUND[-1]
-    sweep = Sweep(me.footprint, way)
+    motion = trajectory_inside(me, start, AROUND, ROOM)
+    assert motion is not None
+    assert trajectory_flaw(motion, start, drive) is None
+    assert motion.end[:2] == AROUND[-1]
+    sweep = Sweep(me.footprint, motion)
     assert ROOM.buffer(1e-6).contains(sweep.shape.buffer(sweep.pad_m - 0.005))
 
 
 @pytest.mark.parametrize("drive", DRIVES[:2])
-def test_a_way_out_of_the_region_ends_before_its_border(robot, drive):
+def test_a_path_out_of_the_region_ends_before_its_border(robot, drive):
     me = robot(kinematics=drive)
-    way = trajectory_inside(me, START, [(3.0, 1.0), (30.0, 1.0)], ROOM)
-    assert way is not None
-    assert way.end.x == pytest.approx(3.9 - 0.25 - 0.01, abs=1e-6)
+    motion = trajectory_inside(me, START, [(3.0, 1.0), (30.0, 1.0)], ROOM)
+    assert motion is not None
+    assert motion.end.x == pytest.approx(3.9 - 0.25 - 0.01, abs=1e-6)
     limited = trajectory_inside(me, START, [(3.0, 1.0), (30.0, 1.0)], ROOM, limit_m=0.5)
     assert limited is not None
     assert limited.length_m == pytest.approx(0.5)
@@ -120,20 +120,20 @@ def test_a_way_out_of_the_region_ends_before_its_border(robot, drive):
 def test_a_car_ends_at_the_last_place_that_it_can_reach(robot):
     me = robot(kinematics=Car())
     start = Configuration(1.0, 4.5, 0.0)
-    way = trajectory_inside(me, start, [(6.0, 4.5), (30.0, 4.5)], ROOM)
-    assert way is not None
-    assert way.end[:2] == (6.0, 4.5)
+    motion = trajectory_inside(me, start, [(6.0, 4.5), (30.0, 4.5)], ROOM)
+    assert motion is not None
+    assert motion.end[:2] == (6.0, 4.5)
     assert trajectory_inside(me, start, [(30.0, 4.5)], ROOM) is None
 
 
 def test_a_region_is_given_in_any_form(robot, hall):
     me = robot()
     region = local_safe_region(hall(10.0, 1.5), "radial")
-    ways = [
+    motions = [
         trajectory_inside(me, me.start, (30.0, 1.5), form)
         for form in (region, region.boundary, region.polygon())
     ]
-    assert [way.end.x for way in ways if way is not None] == pytest.approx(
+    assert [motion.end.x for motion in motions if motion is not None] == pytest.approx(
         [14.0 - 0.26] * 3, abs=0.05
     )
 
@@ -147,8 +147,8 @@ def test_a_region_with_a_hole_is_for_cars_alone(robot):
     holed = shapely.box(0, 0, 8, 6).difference(shapely.box(3, 2, 4, 3))
     with pytest.raises(InvalidInputError, match="without holes"):
         trajectory_inside(robot(), START, (7.0, 5.0), holed)
-    way = trajectory_inside(robot(kinematics=Car()), START, (7.0, 5.0), holed)
-    assert way is not None
-    assert way.end[:2] == (7.0, 5.0)
+    motion = trajectory_inside(robot(kinematics=Car()), START, (7.0, 5.0), holed)
+    assert motion is not None
+    assert motion.end[:2] == (7.0, 5.0)
     with pytest.raises(InvalidInputError, match="at least 3 finite corners"):
         trajectory_inside(robot(), START, (7.0, 5.0), np.zeros((2, 2)))

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from multisrt.drawing.account import ways_legend
+from multisrt.drawing.account import paths_legend
 from multisrt.drawing.colours import CUT_OFF, FRONTIER_CELLS, GOAL_MM, KNOWN, RobotStyles
 from multisrt.drawing.marks import draw_areas, draw_starts_and_ends, draw_stops
 from multisrt.drawing.scanned import (
     frontier_left,
     goals_of,
-    isolated_ways,
+    isolated_paths,
     min_frontier_m,
     rings_of,
     team_raster,
@@ -22,10 +22,16 @@ from multisrt.geometry.grids.occupancy import UNKNOWN
 from multisrt.recording import Recording
 
 
-def draw_ways(
-    sheet: Sheet, recording: Recording, environment: Environment, traces: list[Trace]
+def draw_paths(
+    sheet: Sheet,
+    recording: Recording,
+    environment: Environment,
+    traces: list[Trace],
+    absent: frozenset[str] = frozenset(),
 ) -> None:
     """Draw what the team knows, by the robot that saw it first, and all paths and goals.
+
+    Layers that are `absent` are left out; see `multisrt.drawing.layers`.
 
     Raises
     ------
@@ -33,33 +39,36 @@ def draw_ways(
         If the options of the recording are not those of frontier bidding.
     """
     raster, first = team_raster(recording)
-    left = frontier_left(raster, min_frontier_m(recording))
-    cut_off = isolated_ways(recording, environment, traces)
+    left = [] if "frontier" in absent else frontier_left(raster, min_frontier_m(recording))
+    cut_off = {} if "isolation" in absent else isolated_paths(recording, environment, traces)
     goals = {trace.robot: goals_of(recording, trace.robot) for trace in traces}
-    areas = {trace.robot: rings_of(raster, first == trace.robot) for trace in traces}
-    draw_areas(sheet, areas, len(traces))
-    known = sheet.layer("known", KNOWN)
-    child(known, "path", d=sheet.pen.rings(rings_of(raster, raster.cells != UNKNOWN)))
+    if "areas" not in absent:
+        areas = {trace.robot: rings_of(raster, first == trace.robot) for trace in traces}
+        draw_areas(sheet, areas, len(traces))
+    if "outlines" not in absent:
+        known = sheet.layer("known", KNOWN)
+        child(known, "path", d=sheet.pen.rings(rings_of(raster, raster.cells != UNKNOWN)))
     sheet.draw_obstacles(environment)
-    for robot, ways in cut_off.items():
+    for robot, paths in cut_off.items():
         layer = sheet.layer(f"robot {robot}: cut off", CUT_OFF)
-        child(layer, "path", d="".join(map(sheet.pen.line, ways)))
-    for trace in traces:
-        _draw_way(sheet, trace)
+        child(layer, "path", d="".join(map(sheet.pen.line, paths)))
+    for trace in traces if "paths" not in absent else ():
+        _draw_path(sheet, trace)
     if left:
         layer = sheet.layer("frontier left", FRONTIER_CELLS, fill_rule="evenodd")
         child(layer, "path", d=sheet.pen.rings(left))
-    for trace in traces:
+    for trace in traces if "goals" not in absent else ():
         _draw_goals(sheet, trace.robot, goals[trace.robot])
-    for trace in traces:
+    for trace in traces if "stops" not in absent else ():
         draw_stops(sheet, trace)
-    draw_starts_and_ends(sheet, traces)
-    sheet.legend += ways_legend(
-        traces, goals=any(goals.values()), frontier=bool(left), cut_off=bool(cut_off)
+    draw_starts_and_ends(sheet, traces, absent)
+    there = {"goals": any(goals.values()), "frontier": bool(left), "isolation": bool(cut_off)}
+    sheet.legend += paths_legend(
+        traces, absent, frozenset(name for name, is_there in there.items() if is_there)
     )
 
 
-def _draw_way(sheet: Sheet, trace: Trace) -> None:
+def _draw_path(sheet: Sheet, trace: Trace) -> None:
     layer = sheet.layer(f"robot {trace.robot}: path", RobotStyles.of(trace.robot).edge)
     if trace.motions:
         child(layer, "path", d=sheet.pen.line(trace.path))
@@ -68,5 +77,5 @@ def _draw_way(sheet: Sheet, trace: Trace) -> None:
 def _draw_goals(sheet: Sheet, robot: int, goals: list[Point]) -> None:
     if goals:
         layer = sheet.layer(f"robot {robot}: goals", RobotStyles.of(robot).node)
-        size = GOAL_MM * sheet.mm
+        size = sheet.metres(GOAL_MM)
         child(layer, "path", d="".join(sheet.pen.marker("diamond", x, y, size) for x, y in goals))

@@ -11,7 +11,7 @@ from shapely.geometry.base import BaseGeometry
 from multisrt.geometry.configuration import Configuration
 from multisrt.geometry.numerics.kernel import FloatArray
 from multisrt.planners.motion.body import PlanningBody
-from multisrt.planners.motion.car import MAX_SEED, car_way, car_ways
+from multisrt.planners.motion.car import MAX_SEED, car_out_and_back, car_trajectory
 from multisrt.planners.motion.kinematics import Car, Holonomic, turns_between
 from multisrt.planners.motion.roadmap import Roadmap
 from multisrt.planners.motion.steering import steer, turn_and_drive
@@ -37,14 +37,14 @@ class OutAndBack(NamedTuple):
     back: Trajectory | None = None
 
 
-class Ways:
+class SrtRoadmap:
     """The roadmap of one robot, and how its body follows the edges.
 
     Where the body fits in any heading, it turns and drives straight. In a narrow place a body
     that is not a disc retraces the motion on which it first came. A car stands at every node in the
     heading in which it first came there, and keeps for every edge the motions in both
     directions: a car that cannot turn round goes back as it came, and one that cannot reverse
-    goes only where it knows a way back.
+    goes only where it knows a path back.
 
     Parameters
     ----------
@@ -57,7 +57,7 @@ class Ways:
 
     Attributes
     ----------
-    roadmap : Roadmap of NodeId
+    graph : Roadmap of NodeId
         Nodes, and edges between those that the body can go between.
     """
 
@@ -65,7 +65,7 @@ class Ways:
         self.me = me
         self.body = body
         self.map = known
-        self.roadmap: Roadmap[NodeId] = Roadmap()
+        self.graph: Roadmap[NodeId] = Roadmap()
         self._seen = 0
         self._roomy: set[tuple[NodeId, NodeId]] = set()
         self._has_room: set[NodeId] = set()
@@ -83,33 +83,33 @@ class Ways:
         """Whether the body can retrace a motion backwards."""
         return not isinstance(self.me.kinematics, Car) or self.me.kinematics.reverse
 
-    # The roadmap -------------------------------------------------------------------------
+    # The roadmap -----------------------------------------------------------------------
 
-    def add(self, node: Node, way: OutAndBack | None, roomy: bool) -> None:
+    def add(self, node: Node, out_and_back: OutAndBack | None, roomy: bool) -> None:
         """Add a node of the robot's own, and the edge from its parent.
 
         Parameters
         ----------
         node : Node
             The node.
-        way : OutAndBack or None
+        out_and_back : OutAndBack or None
             The motion on which the robot came from the parent; None at a root.
         roomy : bool
             Whether the body fits in any heading all along that motion.
         """
-        self.roadmap.add(node.id)
+        self.graph.add(node.id)
         self._planned.clear()
         if self.body.has_room(node.region.boundary, node.configuration):
             self._has_room.add(node.id)
-        if node.parent is None or way is None:
+        if node.parent is None or out_and_back is None:
             return
         parent = self.map[node.parent]
-        self.roadmap.connect(parent.id, node.id, parent.configuration.distance(node.configuration))
-        first, last = way.out.waypoints[0], way.out.waypoints[-1]
+        self.graph.connect(parent.id, node.id, parent.configuration.distance(node.configuration))
+        first, last = out_and_back.out.waypoints[0], out_and_back.out.waypoints[-1]
         self._turns[node.id] = last.heading - first.heading
-        if way.back is not None:
-            self._driven[parent.id, node.id] = way.out
-            self._driven[node.id, parent.id] = way.back
+        if out_and_back.back is not None:
+            self._driven[parent.id, node.id] = out_and_back.out
+            self._driven[node.id, parent.id] = out_and_back.back
         elif roomy:
             self._join(parent.id, node.id)
 
@@ -124,29 +124,29 @@ class Ways:
             return
         nodes = self.map.nodes
         for node in nodes[self._seen :]:
-            self.roadmap.add(node.id)
+            self.graph.add(node.id)
         # Every pair is considered once, when the later of the two nodes is new.
         pairs = self.map.pairs_near(self._seen, self.me.range_m)
         self._seen = len(nodes)
-        unknown = [not self._knows_way(nodes[a].id, nodes[b].id) for a, b in pairs.tolist()]
+        unknown = [not self._knows_edge(nodes[a].id, nodes[b].id) for a, b in pairs.tolist()]
         pairs = pairs[np.array(unknown, np.bool_)]
         joined = self.body.bridges(self.map.places, self.map.rings, pairs)
         for a, b in pairs[joined].tolist():
             self._bridge(nodes[a], nodes[b])
 
-    def way(
+    def path(
         self, start: NodeId, end: NodeId, passable: Passable | None = None
     ) -> list[NodeId] | None:
         """Return the shortest route between two nodes, both included, or None."""
-        return self.roadmap.way(start, end, passable)
+        return self.graph.path(start, end, passable)
 
     def to_nearest(
         self, start: NodeId, wanted: Callable[[NodeId], bool], passable: Passable | None = None
     ) -> list[NodeId] | None:
         """Return the shortest route to any of the wanted nodes, or None."""
-        return self.roadmap.way_to_nearest(start, wanted, passable)
+        return self.graph.path_to_nearest(start, wanted, passable)
 
-    def _knows_way(self, a: NodeId, b: NodeId) -> bool:
+    def _knows_edge(self, a: NodeId, b: NodeId) -> bool:
         return (a, b) in self._roomy or (a, b) in self._driven
 
     def _bridge(self, a: Node, b: Node) -> None:
@@ -155,7 +155,7 @@ class Ways:
             if there is None or back is None:
                 return
             self._driven[a.id, b.id], self._driven[b.id, a.id] = there, back
-            self.roadmap.connect(a.id, b.id, a.configuration.distance(b.configuration))
+            self.graph.connect(a.id, b.id, a.configuration.distance(b.configuration))
         else:
             self.join(a.id, b.id)
 
@@ -163,14 +163,14 @@ class Ways:
         """Add an edge: a straight path on which the body fits in any heading."""
         self._join(a, b)
         length = self.map[a].configuration.distance(self.map[b].configuration)
-        self.roadmap.connect(a, b, length)
+        self.graph.connect(a, b, length)
 
     def _curve(self, a: Node, b: Node) -> Trajectory | None:
         # The shortest curve of a car between two nodes that stays in their regions.
         assert isinstance(self.me.kinematics, Car)
         region = a.region.polygon().union(b.region.polygon())
         start, goal = a.configuration, b.configuration
-        return car_way(self.body, self.me.kinematics, region, start, goal, 1, max_checks=0)
+        return car_trajectory(self.body, self.me.kinematics, region, start, goal, 1, max_checks=0)
 
     def _join(self, a: NodeId, b: NodeId) -> None:
         self._roomy.update(((a, b), (b, a)))
@@ -213,7 +213,7 @@ class Ways:
     ) -> bool:
         assert isinstance(self.me.kinematics, Car)
         seed = int(self.me.rng.integers(1, MAX_SEED))
-        found = car_ways(self.body, self.me.kinematics, region, at, x, y, seed)
+        found = car_out_and_back(self.body, self.me.kinematics, region, at, x, y, seed)
         if found is None:
             return False
         self._planned[x, y] = OutAndBack(*found)
@@ -252,7 +252,7 @@ class Ways:
         """Whether there is a motion from one node straight to another; see `hop`."""
         if isinstance(self.me.kinematics, Car):
             return (a, b) in self._driven
-        return self.body.is_disc or b in self.roadmap.neighbours(a)
+        return self.body.is_disc or b in self.graph.neighbours(a)
 
     def _is_wide(self, a: Node, b: Node) -> bool:
         # Whether the body fits in any heading on the edge of the tree between two nodes.

@@ -27,7 +27,7 @@ ROUNDING_M = 1e-9
 """Distances that differ by less than this are equal."""
 
 
-class Ways:
+class PathFinder:
     """Shortest paths from where a robot stands.
 
     Parameters

@@ -1,0 +1,115 @@
+"""`multisrt animate`: run a recording as a film."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import click
+
+from multisrt.cli.outputs import require_no_file
+from multisrt.cli.recordings import recording_in
+
+ANIMATION_NAME = "animation.svg"
+"""Name of an animation that is given none."""
+
+LAYERS = ("areas", "paths", "trees", "goals", "bodies", "caption")
+"""What can be left out; a test compares it with that of `multisrt.drawing.animation`."""
+
+
+@click.command()
+@click.argument("recording", metavar="RECORDING", type=click.Path(path_type=Path))
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help=f"File for the animation: .mp4, .gif or .svg.  [default: {ANIMATION_NAME} beside the "
+    "recording]",
+)
+@click.option(
+    "--duration",
+    "duration_s",
+    type=float,
+    metavar="S",
+    help="Seconds that the animation takes for the run; its last picture stays for another 2.  "
+    "[default: 24, less for shorter runs]",
+)
+@click.option("--speed", type=float, metavar="X", help="How many times as fast as the robots.")
+@click.option(
+    "--fps",
+    type=float,
+    metavar="N",
+    help="Pictures a second; in SVG the steps a second in which things appear, as robots move "
+    "smoothly.  [default: MP4 25, GIF 10, SVG 5]",
+)
+@click.option(
+    "--size",
+    metavar="W[xH]",
+    help="Width in pixels, or width and height.  [default: width 1280, GIF 720, SVG 960]",
+)
+@click.option(
+    "--without",
+    type=click.Choice(LAYERS),
+    multiple=True,
+    help="Leave out a layer; may be repeated.",
+)
+@click.option("--force", is_flag=True, help="Replace FILE if it exists.")
+def animate(
+    recording: Path,
+    *,
+    out: Path | None,
+    duration_s: float | None,
+    speed: float | None,
+    fps: float | None,
+    size: str | None,
+    without: tuple[str, ...],
+    force: bool,
+) -> None:
+    """Animate a run, as MP4, GIF, or SVG that moves by itself.
+
+    RECORDING is the folder that 'multisrt explore' wrote, or the file recording.jsonl in it.
+
+    An SVG needs nothing else and moves on web pages and on GitHub. MP4 and GIF need the extra
+    'animation'.
+
+    \b
+    Examples:
+      multisrt animate runs/office-srt-radial-0
+      multisrt animate out --out out.mp4 --speed 20
+      multisrt animate out --out out.gif --duration 12 --size 600 --without paths
+    """
+    from multisrt.drawing.animation.saving import require_format, save_animation
+    from multisrt.recording import Recording
+    from multisrt.terminal import LiveLine
+
+    if duration_s is not None and speed is not None:
+        raise click.UsageError("--duration and --speed say the same thing: give one of them")
+    pixels = None if size is None else _pixels(size)
+    path = recording_in(recording)
+    out = path.with_name(ANIMATION_NAME) if out is None else out
+    require_format(out)
+    require_no_file(out, force=force)
+    with LiveLine(True, "reading", str(path)) as line:
+        loaded = Recording.load(path)
+        line.update(description="drawing", note=str(out))
+        save_animation(
+            loaded,
+            out,
+            duration_s=duration_s,
+            speed=speed,
+            fps=fps,
+            size=pixels,
+            without=without,
+            say=lambda done, of: line.update(completed=done, total=of),
+        )
+    click.echo(out)
+
+
+def _pixels(size: str) -> int | tuple[int, int]:
+    found = re.fullmatch(r"([0-9]{1,5})(?:x([0-9]{1,5}))?", size)
+    if found is None:
+        raise click.UsageError(
+            f"--size {size!r} is no size; write a width, as 960, or width and height, as 960x600"
+        )
+    width, height = found.groups()
+    return int(width) if height is None else (int(width), int(height))

@@ -1,0 +1,80 @@
+"""Coverage against time: a curve for each strategy, with quartiles of several runs."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from multisrt.analysis.run_tables import coverage_curve
+from multisrt.drawing.figures.style import FigureStyle, freeze, legend_below, new_figure
+from multisrt.drawing.looks import look_of
+from multisrt.drawing.svg import printable
+from multisrt.recording import Recording
+from multisrt.statistics.curves import StepCurve, common_grid, curve_bands
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+    from matplotlib.lines import Line2D
+
+HEIGHT_SHARE = 0.62
+"""Height of the axes as a share of the width of the figure."""
+
+
+def draw_coverage(recordings: Sequence[Recording], ax: Axes) -> list[Line2D]:
+    """Draw the share of the explorable area that teams had covered, against time.
+
+    Parameters
+    ----------
+    recordings : sequence of Recording
+        The runs. A strategy with one run has its exact curve; of several the median is drawn,
+        with a band from the lower to the upper quartile.
+    ax : Axes
+        Where to draw.
+
+    Returns
+    -------
+    list of Line2D
+        A line for each strategy, in the order of their first runs.
+    """
+    curves: dict[str, list[StepCurve]] = {}
+    for recording in recordings:
+        columns = coverage_curve(recording, recording.environment())
+        curve = np.asarray(columns["time_s"].values), np.asarray(columns["coverage"].values)
+        curves.setdefault(recording.spec.strategy, []).append(curve)
+    lines: list[Line2D] = []
+    for number, (strategy, own) in enumerate(curves.items()):
+        look = look_of(number)
+        drawn: dict[str, Any] = {
+            "color": look.colour,
+            "linestyle": look.dashes,
+            "label": printable(strategy),
+        }
+        if len(own) == 1 or max(float(np.asarray(times)[-1]) for times, _ in own) <= 0.0:
+            lines += ax.step(*own[0], where="post", **drawn)
+            continue
+        bands = curve_bands(own, common_grid(own))
+        drawn["label"] = f"{drawn['label']} ({len(own)} runs)"
+        lines += ax.plot(bands.times, bands.median, **drawn)
+        band = bands.lower_quartile, bands.upper_quartile
+        ax.fill_between(bands.times, *band, color=look.colour, alpha=0.17, linewidth=0)
+    return lines
+
+
+def coverage_figure(recordings: Sequence[Recording], style: FigureStyle) -> Figure:
+    """Return a figure with the coverage of runs of one world; see `draw_coverage`."""
+    from matplotlib.ticker import PercentFormatter
+
+    figure, (ax,) = new_figure(style)
+    figure.set_size_inches(style.width_in, HEIGHT_SHARE * min(style.width_in, 5.0))
+    lines = draw_coverage(recordings, ax)
+    ax.set_ylim(0.0, 1.02)
+    ax.set_xlim(left=0.0)
+    ax.yaxis.set_major_formatter(PercentFormatter(1.0, decimals=0, symbol=" %"))
+    ax.set_xlabel("time (s)")
+    ax.set_ylabel("covered")
+    legend_below(figure, lines, style)
+    freeze(figure)
+    return figure

@@ -1,0 +1,133 @@
+"""Heat maps: how often places were visited or seen, and where robots were isolated."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from multisrt.analysis.heat_maps import HeatMap, VisitCount, isolated_times, visits
+from multisrt.drawing.figures.panels import MIN_PANEL_IN, label_of_run, panel_letter
+from multisrt.drawing.figures.style import FigureStyle, fit_maps, new_figure
+from multisrt.drawing.figures.world import draw_world, width_mm
+from multisrt.recording import Recording
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+COUNT_LABELS: Final[dict[VisitCount, str]] = {
+    "passes": "times a robot drove here",
+    "robots": "robots that drove here",
+    "scans": "scans that showed it",
+    "viewers": "robots that saw it",
+}
+"""Labels of the colour bar, by what is counted."""
+
+ISOLATED: Final = "time in isolation (s per cell)"
+"""Label of the colour bar of times."""
+
+COLOURS: Final = "viridis_r"
+"""Colours from light to dark, so that they are ordered in grey as well."""
+
+FEW: Final = 8
+"""Upper bound of counts up to which each has a colour of its own."""
+
+WIDE: Final = 30.0
+"""Ratio of the largest to the smallest positive number from which the scale is logarithmic."""
+
+
+def draw_heat(ax: Axes, found: HeatMap, recording: Recording, map_mm: float, norm: Any) -> Any:
+    """Draw a heat map over the true map, and return its image; cells of 0 are left white."""
+    draw_world(ax, recording.environment(), map_mm)
+    limits = ax.get_xlim(), ax.get_ylim()
+    shown = np.ma.masked_less_equal(found.values, 0.0)
+    image = ax.imshow(
+        shown,
+        extent=found.extent,
+        origin="lower",
+        cmap=COLOURS,
+        norm=norm,
+        interpolation="nearest",
+        zorder=0.5,
+    )
+    ax.set(xlim=limits[0], ylim=limits[1])
+    return image
+
+
+def visits_figure(
+    recordings: Sequence[Recording], style: FigureStyle, count: VisitCount = "passes"
+) -> Figure:
+    """Return heat maps of visits of runs of one world; see `multisrt.analysis.heat_maps.visits`."""
+    return _figure(recordings, style, lambda one: visits(one, count), COUNT_LABELS[count], True)
+
+
+def isolation_figure(recordings: Sequence[Recording], style: FigureStyle) -> Figure:
+    """Return heat maps of where robots were isolated, of runs of one world."""
+    return _figure(recordings, style, isolated_times, ISOLATED, False)
+
+
+def _figure(
+    recordings: Sequence[Recording],
+    style: FigureStyle,
+    heat_of: Callable[[Recording], HeatMap],
+    label: str,
+    whole: bool,
+) -> Figure:
+    found = [heat_of(recording) for recording in recordings]
+    norm = _norm(np.concatenate([one.values.ravel() for one in found]), whole)
+    columns = min(len(recordings), max(1, int(style.width_in / MIN_PANEL_IN)))
+    rows = -(-len(recordings) // columns)
+    figure, axes = new_figure(style, rows, columns)
+    image = None
+    for number, (recording, own, ax) in enumerate(zip(recordings, found, axes, strict=False)):
+        image = draw_heat(ax, own, recording, width_mm(ax, columns) * 0.9, norm)
+        if len(recordings) > 1:
+            text = f"{panel_letter(number)} {label_of_run(recording, recordings)}"
+            ax.set_title(text, loc="left")
+    for ax in axes[len(recordings) :]:
+        ax.set_visible(False)
+    if norm is None:
+        axes[0].annotate("nowhere", (0.5, 0.5), xycoords="axes fraction", ha="center")
+    else:
+        shown = [ax for ax in axes if ax.get_visible()]
+        _bar(figure, image, shown, label, whole)
+    in_rows = [axes[row * columns : (row + 1) * columns] for row in range(rows)]
+    kept = [[ax for ax in row if ax.get_visible()] for row in in_rows]
+    fit_maps(figure, kept, style.max_height_in)
+    return figure
+
+
+def _norm(values: np.ndarray[Any, np.dtype[np.float64]], whole: bool) -> Any:
+    # One scale for all panels; None if there is nothing to show.
+    from matplotlib.colors import BoundaryNorm, LogNorm, Normalize
+
+    positive = values[values > 0.0]
+    if not len(positive):
+        return None
+    least, most = float(positive.min()), float(positive.max())
+    if whole and most <= FEW:
+        return BoundaryNorm(np.arange(0.5, most + 1.0), 256)
+    least = max(least, most / 200.0)
+    if most / least > WIDE:
+        return LogNorm(least, most)
+    return Normalize(0.0, most)
+
+
+def _bar(figure: Figure, image: Any, axes: Sequence[Axes], label: str, whole: bool) -> None:
+    from matplotlib.colors import BoundaryNorm, LogNorm
+    from matplotlib.ticker import FuncFormatter, MaxNLocator, NullFormatter
+
+    bar = figure.colorbar(
+        image, ax=axes, location="bottom", label=label, fraction=0.05, aspect=40.0, pad=0.03
+    )
+    bar.outline.set_linewidth(0.4)
+    if isinstance(image.norm, BoundaryNorm):
+        bar.set_ticks(np.arange(1.0, image.norm.boundaries[-1]).tolist())
+        bar.minorticks_off()
+    elif isinstance(image.norm, LogNorm):
+        bar.ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        bar.ax.xaxis.set_minor_formatter(NullFormatter())
+    elif whole:
+        bar.ax.xaxis.set_major_locator(MaxNLocator(integer=True))

@@ -1,0 +1,98 @@
+"""Writing a run in a format of other programs, chosen by the suffix of the file."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from pathlib import Path
+from typing import Final
+
+from multisrt.environments.environment import Environment
+from multisrt.exporting.grids import grid_of
+from multisrt.exporting.mcap_export import write_mcap
+from multisrt.exporting.moments import Moment, moments
+from multisrt.exporting.options import ExportOptions
+from multisrt.exporting.rerun_export import write_rerun
+from multisrt.geometry.errors import InvalidInputError, did_you_mean
+from multisrt.recording import Recording, atomic_write
+
+Progress = Callable[[float], None]
+"""Takes the share that is done, from 0 to 1."""
+
+FORMATS: Final = {
+    ".mcap": "MCAP with messages of ROS 2, for Foxglove and 'ros2 bag'",
+    ".rrd": "rerun",
+}
+"""What is written, by the suffix of the file."""
+
+
+def export_run(
+    recording: Recording,
+    path: str | Path,
+    *,
+    options: ExportOptions | None = None,
+    environment: Environment | None = None,
+    progress: Progress | None = None,
+) -> None:
+    """Write a run as a file that other programs show.
+
+    Parameters
+    ----------
+    recording : Recording
+        The run.
+    path : str or Path
+        The file, whose suffix says the format: ``.mcap`` or ``.rrd``. It is written completely or
+        not at all, and replaced if it exists.
+    options : ExportOptions, optional
+        How densely the run is sampled.
+    environment : Environment, optional
+        Its world; by default it is built from the recording.
+    progress : callable, optional
+        Called with the share that is done, from 0 to 1.
+
+    Raises
+    ------
+    InvalidInputError
+        If the suffix is another one, the file cannot be written, the recording contradicts
+        itself, or there would be too many poses or cells.
+    MissingExtraError
+        If a package is not installed that the format needs.
+
+    Examples
+    --------
+    >>> import multisrt as ms
+    >>> from multisrt.exporting import export_run
+    >>> run = ms.explore("open", robots=2, seed=1, max_time_s=10.0)
+    >>> export_run(run.recording, "run.mcap")
+    """
+    path = Path(path)
+    require_format(path)
+    options = options or ExportOptions()
+    environment = environment or recording.environment()
+    grid = grid_of(recording, environment, options)
+    contents: Iterable[Moment] = moments(recording, environment, grid, options)
+    if progress is not None:
+        contents = _watched(contents, progress, recording.footer.time_s)
+    with atomic_write(path) as file:
+        if path.suffix.lower() == ".mcap":
+            write_mcap(file, recording, grid, contents)
+        else:
+            write_rerun(Path(file.name), recording, environment, grid, contents)
+
+
+def require_format(path: Path) -> None:
+    """Raise an `InvalidInputError` if the suffix of a path is none of `FORMATS`."""
+    suffix = path.suffix.lower()
+    if suffix not in FORMATS:
+        known = "; ".join(f"{one}: {what}" for one, what in FORMATS.items())
+        said = f"{suffix!r} is no format of exports" if suffix else "no suffix says the format"
+        raise InvalidInputError(f"{path}: {said}{did_you_mean(suffix, FORMATS)}; {known}")
+
+
+def _watched(contents: Iterable[Moment], progress: Progress, end_s: float) -> Iterator[Moment]:
+    shown = 0.0
+    for now, content in contents:
+        share = min(1.0, now / (1e9 * end_s)) if end_s > 0.0 else 1.0
+        if share > shown + 0.01:
+            shown = share
+            progress(share)
+        yield now, content

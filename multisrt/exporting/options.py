@@ -1,0 +1,67 @@
+"""What of a run is exported how often."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+from multisrt.geometry.errors import InvalidInputError
+
+MAX_RATE_HZ: Final = 1000.0
+"""Upper bound of the rate of poses, in hertz."""
+
+MIN_INTERVAL_S: Final = 0.01
+"""Lower bound of the time between two maps, in seconds."""
+
+MAX_S: Final = 1e9
+"""Upper bound of intervals, in seconds."""
+
+MIN_CELL_M, MAX_CELL_M = 1e-3, 1e3
+"""Bounds of the width of a cell, in metres."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ExportOptions:
+    """How densely a run is sampled for other programs.
+
+    Attributes
+    ----------
+    rate_hz : float
+        Poses of a robot that moves, per second. Every waypoint is a pose besides, and a robot
+        that stands has one each second, or at this rate if it is lower.
+    map_interval_s : float
+        Time between two maps of a robot, in seconds. A map that has not changed is left out.
+    cell_m : float or None
+        Width of a cell of the maps, in metres; None: 0.1 m, doubled until a map has at most a
+        million cells.
+
+    Raises
+    ------
+    InvalidInputError
+        If a number is out of range.
+
+    Examples
+    --------
+    >>> ExportOptions(rate_hz=2.0).map_interval_s
+    5.0
+    """
+
+    rate_hz: float = 10.0
+    map_interval_s: float = 5.0
+    cell_m: float | None = None
+
+    def __post_init__(self) -> None:
+        # Comparisons are such that not-a-number is refused.
+        if not 0.0 < self.rate_hz <= MAX_RATE_HZ:
+            raise InvalidInputError(
+                f"the rate of poses is above 0 and at most {MAX_RATE_HZ:g} Hz, not {self.rate_hz:g}"
+            )
+        if not MIN_INTERVAL_S <= self.map_interval_s <= MAX_S:
+            raise InvalidInputError(
+                f"the interval of maps is from {MIN_INTERVAL_S:g} to {MAX_S:g} s, "
+                f"not {self.map_interval_s:g}"
+            )
+        if self.cell_m is not None and not MIN_CELL_M <= self.cell_m <= MAX_CELL_M:
+            raise InvalidInputError(
+                f"cells of maps are {MIN_CELL_M:g} to {MAX_CELL_M:g} m wide, not {self.cell_m:g}"
+            )

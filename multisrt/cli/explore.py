@@ -243,8 +243,7 @@ def explore(
 
     if force and out is None:
         raise click.UsageError("--force replaces the run in --out DIR, which is not given")
-    if given["watch"]:
-        _require_watchable(quiet)
+    live = _progress(watch=given["watch"], quiet=quiet)
     import_all(imports)
     own = environment if environment is not None and is_reference(environment) else None
     if own is not None:
@@ -275,7 +274,6 @@ def explore(
     folders = [whole] if len(specs) == 1 else [whole / spec.strategy for spec in specs]
     for folder in folders:
         require_no_run(folder, force=force)
-    live = Watching() if given["watch"] else Progress(quiet)
     runs = _run_all(specs, folders, live, without, force=force)
     if not quiet:
         if own is not None:
@@ -294,6 +292,15 @@ def explore(
         open_page(page)
     if not all(is_success(run.metrics) for run in runs):
         raise SystemExit(NO_SUCCESS)
+
+
+def _progress(*, watch: bool, quiet: bool) -> Progress:
+    if not watch:
+        return Progress(quiet)
+    if quiet:
+        raise click.UsageError("--watch draws while --quiet prints errors only: give one")
+    require_terminal()
+    return Watching()
 
 
 def _named(strategies: tuple[str, ...]) -> list[str]:
@@ -323,12 +330,6 @@ def _require_shared_options(specs: list[RunSpec]) -> None:
                 f"--option {key} applies to all strategies, and {without[0]} has no such option: "
                 "run the strategies separately"
             )
-
-
-def _require_watchable(quiet: bool) -> None:
-    if quiet:
-        raise click.UsageError("--watch draws while --quiet prints errors only: give one")
-    require_terminal()
 
 
 def _require_shown(specs: list[RunSpec], given: dict[str, Any]) -> None:

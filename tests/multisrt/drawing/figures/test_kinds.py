@@ -158,7 +158,7 @@ def test_coverage_is_median_and_quartiles_of_the_runs(curves, ax):
         (np.asarray(c["time_s"].values, float), np.asarray(c["coverage"].values, float))
         for c in (coverage_curve(run, run.environment()) for run in curves)
     ]
-    times, shares = several.get_data()
+    times, shares = (np.asarray(values, float) for values in several.get_data())
     runs = np.stack([at_times(curve, times) for curve in exact[:4]])
     np.testing.assert_allclose(shares, np.median(runs, axis=0))
     (band,) = ax.collections
@@ -168,7 +168,7 @@ def test_coverage_is_median_and_quartiles_of_the_runs(curves, ax):
         own = corners[np.isclose(corners[:, 0], time_s), 1]
         assert own.min() == pytest.approx(a)
         assert own.max() == pytest.approx(b)
-    np.testing.assert_allclose(single.get_data(), exact[4])
+    np.testing.assert_allclose(np.asarray(single.get_data()), exact[4])
     assert [several.get_label(), single.get_label()] == ["srt-radial (4 runs)", "minpos"]
     assert several.get_linestyle() != single.get_linestyle()
 

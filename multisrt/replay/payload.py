@@ -95,11 +95,16 @@ def payload(recordings: Sequence[Recording], detail: Detail = DETAILS[0]) -> Pac
     dict
         Plain data for JSON: equal recordings give equal data.
     """
+    return assembled([packed_run(recording, detail) for recording in recordings], detail.notes())
+
+
+def assembled(runs: Sequence[Packed], notes: Sequence[str]) -> Packed:
+    """Return the data of a page with packed runs, and notes for its reader."""
     return {
         "version": VERSION,
         "unit": {"s": UNIT_S, "m": UNIT_M},
-        "notes": detail.notes(),
-        "runs": [_packed_run(recording, detail) for recording in recordings],
+        "notes": list(notes),
+        "runs": list(runs),
     }
 
 
@@ -116,7 +121,8 @@ def compressed(data: Packed) -> str:
     return b64encode(packer.compress(text) + packer.flush()).decode()
 
 
-def _packed_run(recording: Recording, detail: Detail) -> Packed:
+def packed_run(recording: Recording, detail: Detail) -> Packed:
+    """Return the data of one run."""
     environment = recording.environment()
     names = Names.of(recording)
     spec, footer = recording.spec, recording.footer

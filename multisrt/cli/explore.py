@@ -12,18 +12,19 @@ from click.core import ParameterSource
 from multisrt.analysis.progress import Progress
 from multisrt.cli import candidates
 from multisrt.cli.imports import import_all, import_option, named_strategy, require_known
-from multisrt.cli.outputs import new_folder, require_no_run, run_folder
+from multisrt.cli.outputs import new_folder, require_no_file, require_no_run, run_folder
 from multisrt.cli.run_options import DRIVES, FAULTS, OVERRIDES, USUAL, spec_of_options
 from multisrt.cli.sections import SectionedCommand
 from multisrt.cli.spec_files import read_run_spec
 from multisrt.cli.summary import print_summary
-from multisrt.cli.view import REPLAY_NAME, open_page, require_few, write_page
+from multisrt.cli.view import REPLAY_NAME, live_page, open_page, require_few, write_page
 from multisrt.cli.watching import Watching, require_terminal
 from multisrt.geometry.errors import InvalidInputError
 
 if TYPE_CHECKING:
     from multisrt.finished_run import Run
     from multisrt.informed.reference import Regret
+    from multisrt.replay import LiveReplay
     from multisrt.spec import RunSpec
 
 NO_SUCCESS = 3
@@ -39,8 +40,8 @@ SECTIONS = {
     "Radio": ("--radio-range", "--no-multi-hop", "--latency", "--jitter", "--loss", "--walls"),
     "Image maps": ("--resolution", "--threshold"),
     "Output": (
-        *("--out", "--force", "--view", "--watch", "--without"),
-        *("--regret", "--details", "--quiet"),
+        *("--out", "--force", "--view", "--live", "--no-open", "--watch"),
+        *("--without", "--regret", "--details", "--quiet"),
     ),
 }
 """Headings of the help page, and the options below each."""
@@ -52,8 +53,8 @@ LAYERS = (
 """Layers of the picture that can be left out; a test compares them with `multisrt.drawing`."""
 
 EXCEPT_SPEC = (
-    *("spec_file", "imports", "out", "without", "force", "view", "watch"),
-    *("regret", "details", "quiet"),
+    *("spec_file", "imports", "out", "without", "force", "view", "live", "no_open"),
+    *("watch", "regret", "details", "quiet"),
 )
 """Parameters that a spec does not describe."""
 
@@ -64,6 +65,7 @@ Examples:
   multisrt explore museum --robots 4 --starts clustered --radio-range 15
   multisrt explore museum --robots 4 --strategy srt-radial --strategy srt-star
   multisrt explore office --robots 4 --strategy minpos --view
+  multisrt explore museum --robots 4 --live
   multisrt explore museum --robots 4 --watch
   multisrt explore floor.yaml --start 2.5,4 --start 3.5,4 --range 6
   multisrt explore plan.png --resolution 0.05 --footprint box:0.6x0.4
@@ -81,7 +83,7 @@ Files written, with several strategies in one folder each:
   run.json         spec, outcome, digest and metrics
   spec.toml        the spec; 'multisrt explore --spec' repeats the run
   recording.jsonl  every event of the run, one per line
-  replay.html      with --view only: the replay, of all strategies together
+  replay.html      with --view or --live: the replay, of all strategies together
 
 \b
 Exit code:
@@ -207,6 +209,15 @@ Exit code:
     help="Replay the runs in a browser when they are done: writes replay.html too.",
 )
 @click.option(
+    "--live",
+    is_flag=True,
+    help="Replay the runs in a browser while they go on: the page of --view, rewritten every few "
+    "seconds.",
+)
+@click.option(
+    "--no-open", is_flag=True, help="Do not open the page of --view or --live in a browser."
+)
+@click.option(
     "--regret",
     is_flag=True,
     help="Compare with a plan that knows the map; computing it takes up to a minute.",
@@ -243,7 +254,8 @@ def explore(
 
     if force and out is None:
         raise click.UsageError("--force replaces the run in --out DIR, which is not given")
-    live = _progress(watch=given["watch"], quiet=quiet)
+    progress = _progress(watch=given["watch"], quiet=quiet)
+    _require_opened(given)
     import_all(imports)
     own = environment if environment is not None and is_reference(environment) else None
     if own is not None:
@@ -274,7 +286,11 @@ def explore(
     folders = [whole] if len(specs) == 1 else [whole / spec.strategy for spec in specs]
     for folder in folders:
         require_no_run(folder, force=force)
-    runs = _run_all(specs, folders, live, without, force=force)
+    page = whole / REPLAY_NAME
+    if given["view"] or given["live"]:
+        require_no_file(page, force=force)
+    with live_page(page if given["live"] else None, opens=not given["no_open"]) as live:
+        runs = _run_all(specs, folders, progress, without, force=force, live=live)
     if not quiet:
         if own is not None:
             click.echo(
@@ -286,10 +302,9 @@ def explore(
         if out is None and whole != usual:
             click.echo(f"{usual} is there already: this is in {whole}")
         click.echo(f"next: multisrt why {shlex.quote(str(folders[0]))} --robot 0")
-    if given["view"]:
-        page = whole / REPLAY_NAME
+    if given["view"] and not given["live"]:
         write_page([run.recording for run in runs], page)
-        open_page(page)
+        open_page(page, opens=not given["no_open"])
     if not all(is_success(run.metrics) for run in runs):
         raise SystemExit(NO_SUCCESS)
 
@@ -301,6 +316,11 @@ def _progress(*, watch: bool, quiet: bool) -> Progress:
         raise click.UsageError("--watch draws while --quiet prints errors only: give one")
     require_terminal()
     return Watching()
+
+
+def _require_opened(given: dict[str, Any]) -> None:
+    if given["no_open"] and not (given["view"] or given["live"]):
+        raise click.UsageError("--no-open is about the page of --view or --live: give one of them")
 
 
 def _named(strategies: tuple[str, ...]) -> list[str]:
@@ -336,7 +356,7 @@ def _require_shown(specs: list[RunSpec], given: dict[str, Any]) -> None:
     # What cannot be compared or shown of these runs is reported before they are made.
     if given["regret"]:
         _require_plans(specs)
-    if given["view"]:
+    if given["view"] or given["live"]:
         require_few(len(specs))
 
 
@@ -377,10 +397,11 @@ def _usual_folder(specs: list[RunSpec], name: str) -> Path:
 def _run_all(
     specs: list[RunSpec],
     folders: list[Path],
-    live: Progress,
+    shown: Progress,
     without: tuple[str, ...],
     *,
     force: bool,
+    live: LiveReplay | None,
 ) -> list[Run]:
     from multisrt.finished_run import RECORDING_NAME, RUN_NAME, SPEC_NAME, TREE_NAME, Run
     from multisrt.robots.registry import strategy
@@ -392,14 +413,20 @@ def _run_all(
         strategy(spec.strategy).parse_options(spec.options)
         strategy(spec.strategy).require_fit(spec)
     runs = []
-    with live as progress:
+    look = None if live is None else live.look
+    with shown as progress:
         progress.say("reading the environment")
         world = build_environment(specs[0].environment)
         for spec, out in zip(specs, folders, strict=True):
             with run_folder(out, force=force) as folder:
                 watch = progress.watcher(spec, world)
                 path, planning = folder / RECORDING_NAME, progress.planning(spec.strategy)
-                run = Run(simulate(spec, world, path=path, watch=watch, planning=planning), world)
+                recording = simulate(
+                    spec, world, path=path, watch=watch, planning=planning, look=look
+                )
+                run = Run(recording, world)
+                if live is not None:
+                    live.add(recording)
                 progress.say(f"{spec.strategy}: measuring and drawing")
                 run.save_svg(folder / TREE_NAME, without=without)
                 run.save_summary(folder / RUN_NAME)

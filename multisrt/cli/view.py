@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import webbrowser
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -13,9 +14,10 @@ from multisrt.cli.outputs import require_no_file
 from multisrt.cli.recordings import recording_in
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
 
     from multisrt.recording import Recording
+    from multisrt.replay import LiveReplay
 
 REPLAY_NAME = "replay.html"
 """Name of a replay that is given none."""
@@ -77,8 +79,7 @@ def view(
         line.update(description="writing", note=str(page))
         write_page(loaded, page)
     click.echo(page)
-    if not no_open:
-        open_page(page)
+    open_page(page, opens=not no_open)
 
 
 def require_few(runs: int) -> None:
@@ -94,7 +95,38 @@ def write_page(recordings: Sequence[Recording], page: Path) -> None:
     save_replay(recordings, page)
 
 
-def open_page(page: Path) -> None:
-    """Open a page in the user's browser, or report that there is none."""
-    if not webbrowser.open(page.resolve().as_uri()):
+@contextmanager
+def live_page(page: Path | None, *, opens: bool) -> Iterator[LiveReplay | None]:
+    """Write the replay of runs while they go on, if there is a page for it.
+
+    Parameters
+    ----------
+    page : Path or None
+        The page; None to write nothing.
+    opens : bool
+        Whether it is opened in a browser at once.
+
+    Yields
+    ------
+    LiveReplay or None
+        What looks at the runs.
+    """
+    if page is None:
+        yield None
+        return
+    from multisrt.replay import LiveReplay
+
+    live = LiveReplay(page, when_shown=lambda: open_page(page, opens=opens))
+    try:
+        with live:
+            yield live
+    except BaseException:
+        if live.pages:
+            click.echo(f"the replay up to here: {page}", err=True)
+        raise
+
+
+def open_page(page: Path, *, opens: bool = True) -> None:
+    """Open a page in the user's browser if it `opens`, or report that there is none."""
+    if opens and not webbrowser.open(page.resolve().as_uri()):
         click.echo(f"no browser could be opened: open {page} in one", err=True)

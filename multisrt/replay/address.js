@@ -1,4 +1,5 @@
-// The address of the page: #t=12.5&run=0&robot=2&layers=truth,trees&speed=10
+// The address of the page: #t=12.5&run=0&robot=2&layers=truth,trees&speed=10, and &live at the
+// newest time of a run that goes on.
 
 class Address {
   constructor(player) {
@@ -22,18 +23,24 @@ class Address {
     if (Number.isInteger(run) && run >= 0 && run < player.runs.length) player.run = run;
     if (Number.isInteger(robot) && robot >= 0 && robot < player.chosen.count) player.robot = robot;
     else if (given.has("t")) player.robot = TEAM;
-    if (time !== null) player.time = Math.max(0, Math.min(player.end, time));
+    if (given.has("live")) player.time = player.end;
+    else if (time !== null) player.time = Math.max(0, Math.min(player.end, time));
     player.update();
   }
 
-  write() {
+  get hash() {
     const { player } = this;
-    if (player.isPlaying) return;
     const parts = [`t=${Number(player.time.toFixed(3))}`];
     if (player.runs.length > 1) parts.push(`run=${player.run}`);
     if (player.robot !== TEAM) parts.push(`robot=${player.robot}`);
     parts.push(`layers=${[...player.layers].join(",")}`, `speed=${player.pace}`);
-    const hash = `#${parts.join("&")}`;
+    if (player.isFollowing) parts.push("live");
+    return `#${parts.join("&")}`;
+  }
+
+  write() {
+    if (this.player.isPlaying) return;
+    const { hash } = this;
     clearTimeout(this.timer);
     // Browsers refuse more than some hundred changes in half a minute.
     this.timer = setTimeout(() => hash !== location.hash && history.replaceState(null, "", hash), 120);

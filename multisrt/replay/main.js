@@ -2,11 +2,14 @@
 
 async function main() {
   const player = new Player(await readData(), new Colours());
+  const isNew = !location.hash;
   const address = new Address(player);
+  const live = new Live(player, address, isNew);
   // For scripts: what is shown, and where robots are.
   window.replay = {
     player,
     address,
+    live,
     poses: (time, number = 0) => player.runs[number].robots.map((_, robot) => player.runs[number].pose(robot, time)),
     frontier: (time, robot = TEAM, number = 0) => frontierAt(player.runs[number], robot, time),
   };

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from hashlib import sha256
 from importlib.resources import files
 from pathlib import Path
-from typing import Final
+from typing import Final, NamedTuple
 
 from multisrt.drawing.svg import printable
 from multisrt.geometry.errors import InvalidInputError
@@ -34,9 +34,28 @@ SCRIPTS: Final = (
     "panel",
     "player",
     "address",
+    "live",
     "main",
 )
 """The parts of the script, in the order in which they follow one another."""
+
+
+class Status(NamedTuple):
+    """What the page of a run says that goes on or was interrupted.
+
+    Attributes
+    ----------
+    said : str
+        The text.
+    reload_s : float or None
+        After how many seconds the page reads itself anew; None if it does not.
+    number : int
+        Number of the page, which tells a new one from an old one.
+    """
+
+    said: str
+    reload_s: float | None = None
+    number: int = 0
 
 
 def replay_html(recordings: Recording | Sequence[Recording]) -> str:
@@ -71,8 +90,9 @@ def replay_html(recordings: Recording | Sequence[Recording]) -> str:
     runs = [recordings] if isinstance(recordings, Recording) else list(recordings)
     if not 1 <= len(runs) <= MAX_RUNS:
         raise InvalidInputError(f"a replay shows 1 to {MAX_RUNS} runs, not {len(runs)}")
+    titles = [title_of(run) for run in runs]
     for data in payloads(runs):
-        page = _page(runs, compressed(data))
+        page = page_html(titles, compressed(data))
         size = len(page.encode())
         if size <= MAX_BYTES:
             return page
@@ -110,14 +130,29 @@ def save_replay(recordings: Recording | Sequence[Recording], path: str | Path) -
         file.write(page.encode())
 
 
-def _page(runs: Sequence[Recording], data: str) -> str:
+def title_of(recording: Recording) -> str:
+    """Return the name of a run in the title of a page."""
+    return f"{recording.spec.strategy} in {recording.header.world}"
+
+
+def page_html(titles: Sequence[str], data: str, status: Status | None = None) -> str:
+    """Return the page with data of runs.
+
+    Parameters
+    ----------
+    titles : sequence of str
+        Names of the runs.
+    data : str
+        Their data, compressed.
+    status : Status, optional
+        That of a run that goes on or was interrupted.
+    """
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
     template = Environment(
         loader=PackageLoader("multisrt", "replay"), autoescape=True, undefined=StrictUndefined
     ).get_template("page.html.j2")
     style, script = _source("page.css"), _script()
-    titles = [f"{run.spec.strategy} in {run.header.world}" for run in runs]
     return template.render(
         title=printable(" | ".join(titles)),
         style=style,
@@ -125,6 +160,7 @@ def _page(runs: Sequence[Recording], data: str) -> str:
         style_hash=_hash(style),
         script_hash=_hash(script),
         data=data,
+        status=status and status._replace(said=printable(status.said)),
     )
 
 

@@ -108,7 +108,17 @@ def payloads(
             run | _packed_detail(recording, detail)
             for run, recording in zip(common, recordings, strict=True)
         ]
-        yield {"version": VERSION, "notes": detail.notes(), "runs": runs}
+        yield assembled(runs, detail.notes())
+
+
+def packed_run(recording: Recording, detail: Detail) -> Packed:
+    """Return the data of one run."""
+    return _packed_run(recording) | _packed_detail(recording, detail)
+
+
+def assembled(runs: Sequence[Packed], notes: Sequence[str]) -> Packed:
+    """Return the data of a page with packed runs, and notes for its reader."""
+    return {"version": VERSION, "notes": list(notes), "runs": list(runs)}
 
 
 def compressed(data: Packed) -> str:

@@ -130,7 +130,7 @@ class Run {
 
   // What `multisrt why` tells of a robot at a time.
   why(robot, time) {
-    if (!this.explanations) return "This page has no explanations: multisrt why tells them.";
+    if (!this.explanations) return this.packed.unexplained || "This page has no explanations: multisrt why tells them.";
     const { lines, texts, robots } = this.explanations;
     const { t, text } = robots[robot];
     const row = lastBy(t, time + 1e-6);

@@ -16,7 +16,7 @@ from multisrt.cli.outputs import new_folder, require_no_run, run_folder
 from multisrt.cli.run_options import DRIVES, FAULTS, OVERRIDES, USUAL, spec_of_options
 from multisrt.cli.sections import SectionedCommand
 from multisrt.cli.spec_files import read_run_spec
-from multisrt.cli.summary import print_summary
+from multisrt.cli.summary import print_summary, robot_to_ask
 from multisrt.geometry.errors import InvalidInputError
 
 if TYPE_CHECKING:
@@ -269,7 +269,8 @@ def explore(
         print_summary(runs, folders, regrets, details=given["details"])
         if out is None and whole != usual:
             click.echo(f"{usual} is there already: this is in {whole}")
-        click.echo(f"next: multisrt why {shlex.quote(str(folders[0]))} --robot 0")
+        robot = robot_to_ask(runs[0])
+        click.echo(f"next: multisrt why {shlex.quote(str(folders[0]))} --robot {robot}")
     if not all(is_success(run.metrics) for run in runs):
         raise SystemExit(NO_SUCCESS)
 

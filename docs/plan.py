@@ -208,7 +208,7 @@ def _key(height: int) -> list[str]:
         parts.append(f'<text class="key" x="{x + 20}" y="{y}">{text}</text>')
         x += 50 + 7 * len(text)
     parts.append(
-        f'<text class="key" x="{x}" y="{y}">pale line: an import that a longer way implies</text>'
+        f'<text class="key" x="{x}" y="{y}">pale line: an import that a longer path implies</text>'
     )
     return parts
 

@@ -20,6 +20,7 @@ from multisrt.spec import RunSpec
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+    from multisrt.drawing.figures import FigureOptions
     from multisrt.exporting import ExportOptions
 
 RECORDING_NAME = "recording.jsonl"
@@ -381,6 +382,72 @@ class Run:
             size=size,
             without=without,
         )
+
+    def replay(self, path: str | Path) -> None:
+        """Write a page that replays the run in a browser, without network or server.
+
+        Parameters
+        ----------
+        path : str or Path
+            The file, of at most 20 MB; it is written completely or not at all.
+
+        Raises
+        ------
+        InvalidInputError
+            If the file cannot be written, or would be larger.
+
+        See Also
+        --------
+        multisrt.replay.save_replay : replays of several runs side by side.
+
+        Examples
+        --------
+        >>> import multisrt as ms
+        >>> ms.explore("open", seed=1, max_time_s=10.0).replay("replay.html")
+        """
+        from multisrt.replay import save_replay
+
+        save_replay(self.recording, path)
+
+    def save_figure(
+        self,
+        kind: str,
+        path: str | Path,
+        *,
+        style: str = "screen",
+        options: FigureOptions | None = None,
+    ) -> None:
+        """Draw a figure for a paper, page or slide.
+
+        Parameters
+        ----------
+        kind : str
+            Which figure: `map`, `maps`, `trajectories`, `coverage`, `activity`, `visits`,
+            `isolation` or `decisions`.
+        path : str or Path
+            The file: ``.pdf``, ``.svg`` or ``.png``. It is written completely or not at all.
+        style : {"ieee", "ieee-wide", "springer", "springer-wide", "screen"}, optional
+            Width and letters of the figure.
+        options : FigureOptions, optional
+            Times, robots and the like, for kinds that depend on them; see
+            `multisrt.drawing.figures`.
+
+        Raises
+        ------
+        InvalidInputError
+            If there is no such kind, style, robot or time, or the file cannot be written.
+        MissingExtraError
+            If matplotlib is not installed (``multisrt[plots]``).
+
+        Examples
+        --------
+        >>> import multisrt as ms
+        >>> run = ms.explore("open", robots=2, seed=1, max_time_s=10.0)
+        >>> run.save_figure("trajectories", "trajectories.pdf", style="ieee")
+        """
+        from multisrt.drawing.figures import save_figure
+
+        save_figure(kind, self.recording, path, style=style, options=options)
 
     def save_recording(self, path: str | Path) -> None:
         """Write the recording, one JSON object a line.

@@ -61,7 +61,12 @@ class LiveLine:
             return self
         if is_notebook():
             self._text = RewrittenText(self._line())
-            return self
+        else:
+            self.start()
+        return self
+
+    def start(self) -> None:
+        """Write the line on the terminal."""
         from rich import progress
         from rich.console import Console
 
@@ -75,7 +80,6 @@ class LiveLine:
         )
         self._bar.start()
         self._task = self._bar.add_task(**self._now)
-        return self
 
     def __exit__(
         self,
@@ -83,10 +87,15 @@ class LiveLine:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        if self._bar is not None:
-            self._bar.stop()
+        self.stop()
         if self._text is not None:
             self._text.say(self._line())
+
+    def stop(self) -> None:
+        """Remove the line from the terminal; `start` writes it again."""
+        if self._bar is not None:
+            self._bar.stop()
+            self._bar = None
 
     def say(self, note: str) -> None:
         """Change the note after the bar."""

@@ -7,13 +7,14 @@ import math
 import re
 from collections import defaultdict
 from collections.abc import Callable
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
 import multisrt as ms
 from multisrt.drawing import tree_svg
+from multisrt.drawing.animation import animation_svg
 from multisrt.experiments.measures import measure_named
 from multisrt.reporting.figures import size_lines
 from multisrt.reporting.study import SEED
@@ -31,6 +32,20 @@ STRATEGIES = ("srt-star", "srt-radial")
 def explored(environment: str, strategy: str | ms.Strategy, **given: Any) -> str:
     """Draw a run as `multisrt explore` does."""
     return tree_svg(ms.explore(environment, strategy=strategy, seed=1, **given).recording)
+
+
+@cache
+def museum_team() -> ms.Recording:
+    """Return the run at the top of the README."""
+    return ms.explore("museum", strategy="srt-radial", robots=4, seed=1).recording
+
+
+def isolated() -> str:
+    """Animate robots whose radio does not reach far."""
+    given: dict[str, Any] = {"robots": 3, "starts": "clustered", "seed": 1}
+    radio = ms.RadioSpec(range_m=5.0)
+    run = ms.explore("apartment", strategy="minpos", radio=radio, **given)
+    return animation_svg(run.recording)
 
 
 def lonely_first() -> str:
@@ -64,7 +79,9 @@ def star_and_radial() -> str:
 
 
 FIGURES: dict[str, Callable[[], str]] = {
-    "museum-team-radial": partial(explored, "museum", "srt-radial", robots=4),
+    "museum-team-radial": lambda: tree_svg(museum_team()),
+    "museum-team-animation": lambda: animation_svg(museum_team()),
+    "apartment-minpos-animation": isolated,
     "museum-team-star": partial(explored, "museum", "srt-star", robots=4),
     "apartment-minpos": partial(explored, "apartment", "minpos", robots=3),
     "lonely-first": lonely_first,

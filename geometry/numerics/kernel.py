@@ -4,8 +4,8 @@ Kernels take and return numbers, arrays and named tuples of them. They are cache
 the interpreter lock, and never use fast-math, whose results depend on the machine.
 """
 
-from collections.abc import Callable
-from typing import ParamSpec, TypeVar, cast
+from collections.abc import Callable, Sequence
+from typing import Any, ParamSpec, TypeVar, cast
 
 import numba
 import numpy as np
@@ -17,6 +17,7 @@ __all__ = [
     "BoolArray",
     "FloatArray",
     "IntArray",
+    "declared_kernels",
     "inlined_kernel",
     "kernel",
     "unsigned",
@@ -48,9 +49,22 @@ def inlined_kernel(function: Callable[P, R]) -> Callable[P, R]:
     return _compiled(function, inline="always")
 
 
+_DECLARED: list[Any] = []
+
+
+def declared_kernels() -> Sequence[Any]:
+    """Return the kernels of all modules imported so far, as dispatchers of numba.
+
+    Those that are compiled into their callers are left out.
+    """
+    return _DECLARED
+
+
 def _compiled(function: Callable[P, R], **options: str) -> Callable[P, R]:
     with cache_for(function.__module__) as cached:
         compiled: Callable[P, R] = numba.njit(cache=cached, nogil=True, fastmath=False, **options)(
             function
         )
+    if not options:
+        _DECLARED.append(compiled)
     return compiled

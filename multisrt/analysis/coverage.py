@@ -130,7 +130,7 @@ def coverage(proof: Evidence) -> Coverage:
     robots = len(proof.recording.spec.robots)
     times: list[float] = []
     regions: list[int] = []
-    # What happened (SEE or COVER), and who saw (-1: nobody).
+    # What happened (SEE or COVER), and who saw (-1: no robot).
     what: list[int] = []
     who: list[int] = []
     scans = 0
@@ -171,7 +171,7 @@ def coverage(proof: Evidence) -> Coverage:
 
 def _tables(robots: int) -> IntArray:
     # A label says both what is covered and who saw it: state * owners + owner. One table for each
-    # thing that happens, and in it for nobody and for each robot that sees.
+    # thing that happens, and in it for no robot and for each robot that sees.
     sees = owner_tables(robots)[:, EXPLORABLE:] - EXPLORABLE
     owners = sees.shape[1]
     sees = np.vstack([np.arange(owners), sees])
@@ -298,7 +298,8 @@ class SeenMeter:
         """The share seen so far, from 0 to 1."""
         return min(1.0, float(self._plane.areas_m2[SEEN]) / self._explorable_m2)
 
-    def add(self, scan: Sensed) -> None:
-        """Take in a scan."""
+    def add(self, scan: Sensed) -> FloatArray:
+        """Take in a scan, and return the corners of what it showed, ``(n, 2)``."""
         shown = shown_from(self._index, self._finders[scan.robot], [scan.configuration])
         self._plane.relabel(runs_of(self._plane.cut, shown), [[OUTSIDE, SEEN, SEEN]])
+        return shown[0]

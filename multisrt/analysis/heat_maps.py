@@ -117,7 +117,8 @@ def visits(
     found = _empty(world, cell_m)
     if count in ("passes", "robots"):
         for passed in _passes(recording, found.centres()):
-            found.values[:] += _shaped(passed if count == "passes" else passed > 0, found)
+            numbers = passed if count == "passes" else np.minimum(passed, 1)
+            found.values[:] += numbers.reshape(found.values.shape)
     elif count in ("scans", "viewers"):
         for seen in _sightings(recording, world, found):
             found.values[:] += seen if count == "scans" else seen > 0
@@ -154,7 +155,8 @@ def isolated_times(
     --------
     >>> import multisrt as ms
     >>> radio = ms.RadioSpec(range_m=5.0)
-    >>> run = ms.explore("apartment", robots=2, seed=1, radio=radio, max_time_s=60.0)
+    >>> given = {"robots": 2, "radio": radio, "max_time_s": 60.0}
+    >>> run = ms.explore("apartment", strategy="closest", seed=1, **given)
     >>> found = isolated_times(run.recording)
     >>> total_s = sum(robot.total_s for robot in ms.isolation(run.recording))
     >>> abs(float(found.values.sum()) - total_s) < 1e-6
@@ -191,13 +193,9 @@ def _empty(world: Environment, cell_m: float | None, cells: int = CELLS) -> Heat
     return HeatMap(x0=x0, y0=y0, cell_m=cell_m, values=values)
 
 
-def _shaped(numbers: IntArray, like: HeatMap) -> FloatArray:
-    return numbers.astype(np.float64).reshape(like.values.shape)
-
-
 def _passes(recording: Recording, centres: FloatArray) -> Iterator[IntArray]:
     # How often each robot passed each of some points.
-    tree = shapely.STRtree(shapely.points(centres))
+    tree = shapely.STRtree(np.asarray(shapely.points(centres), np.object_))
     for robot, track in enumerate(tracks(recording)):
         body = Footprint.parse(recording.spec.robots[robot].footprint)
         path = _path(track.legs)
@@ -210,8 +208,10 @@ def _path(legs: FloatArray) -> FloatArray:
     for leg in legs.tolist():
         if leg[1:3] != leg[5:7]:
             points += leg_points(leg[:4], leg[4:])[1:]
-    path = np.array(points)
-    return path[np.append(True, (np.diff(path, axis=0) != 0.0).any(axis=1))]
+    path: FloatArray = np.array(points)
+    moves = (np.diff(path, axis=0) != 0.0).any(axis=1)
+    kept: FloatArray = path[np.append(True, moves)]
+    return kept
 
 
 def _times_near(
@@ -220,7 +220,8 @@ def _times_near(
     # For each point the number of stretches of a path that lie within a distance of it.
     if len(path) == 1:
         near = np.hypot(*(centres - path[0]).T) <= radius_m
-        return near.astype(np.int64)
+        once: IntArray = near.astype(np.int64)
+        return once
     lines = shapely.linestrings(np.stack([path[:-1], path[1:]], axis=1))
     which, cell = tree.query(lines, predicate="dwithin", distance=radius_m)
     order = np.lexsort((which, cell))

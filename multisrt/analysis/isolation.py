@@ -150,7 +150,7 @@ def team_isolation(recording: Recording, environment: Environment | None = None)
     of range of each other break it without isolating any robot, which `split_s` measures.
     """
     spec, end = recording.spec.radio, recording.footer.time_s
-    present, silent = _presence(recording)
+    present, silent = presence(recording)
     alone = len(present) < 2
     reaches_all = spec.reaches_everywhere
     tracks: list[FloatArray] = []
@@ -194,8 +194,8 @@ def _duration(spells: tuple[Spell, ...]) -> float:
     return math.fsum(end - begin for begin, end in spells)
 
 
-def _presence(recording: Recording) -> tuple[list[Spell], list[tuple[float, int]]]:
-    # From when to when each robot takes part, and when a radio falls silent or comes back.
+def presence(recording: Recording) -> tuple[list[Spell], list[tuple[float, int]]]:
+    """Return when each robot takes part, and when which radio falls silent or comes back."""
     end = recording.footer.time_s
     late = {fault.robot for fault in recording.spec.faults if isinstance(fault, LateStart)}
     robots = range(len(recording.starts))

@@ -1,6 +1,6 @@
 """Labels that say which robot an area belongs to: to one of them, to none, or to several.
 
-Label 0 is outside, label 1 is of nobody, label 2 + r is of robot r alone, and the last label is of
+Label 0 is outside, label 1 is of no robot, label 2 + r is robot r alone, and the last label is of
 several robots.
 """
 

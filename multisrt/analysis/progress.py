@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
+from contextlib import ExitStack
+from types import TracebackType
+from typing import TYPE_CHECKING, Self
 
 from multisrt.terminal import LiveLine
 
@@ -25,6 +27,36 @@ class Progress(LiveLine):
 
     def __init__(self, quiet: bool) -> None:
         super().__init__(not quiet)
+        self._watched = ExitStack()
+
+    def __enter__(self) -> Self:
+        try:
+            super().__enter__()
+            self._watch_compilation()
+        except BaseException:
+            # After an interrupt here nothing is left.
+            self.stop()
+            raise
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._watched.close()
+        super().__exit__(kind, error, trace)
+
+    def _watch_compilation(self) -> None:
+        if self.shown:
+            from multisrt.geometry.numerics.compilation import watch_compilation
+
+            self._watched.enter_context(watch_compilation(self.compiling))
+
+    def compiling(self, done: int, about: int) -> None:
+        """Show how many kernels have been compiled; see `watch_compilation`."""
+        self.update(total=float(about), completed=float(done), note=compiling_note(done, about))
 
     def say(self, note: str) -> None:
         """Show an activity without a share."""
@@ -76,7 +108,7 @@ class Progress(LiveLine):
         from multisrt.events import Sensed
         from multisrt.simulation.starts import starts_of
 
-        self.say(f"{spec.strategy}: preparing (the first run compiles, up to a minute)")
+        self.say(f"{spec.strategy}: preparing")
         meter = SeenMeter(spec, world, starts_of(spec, world))
         scans = 0
 
@@ -95,3 +127,14 @@ class Progress(LiveLine):
                 )
 
         return show
+
+
+def compiling_note(done: int, about: int) -> str:
+    """Return how many kernels have been compiled, in words.
+
+    Examples
+    --------
+    >>> compiling_note(12, 41)
+    'compiling kernels (12 of about 41)'
+    """
+    return f"compiling kernels ({done} of about {about})"

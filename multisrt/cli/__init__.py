@@ -22,6 +22,7 @@ from multisrt.cli.report import report
 from multisrt.cli.reproduce import reproduce
 from multisrt.cli.strategies import strategies
 from multisrt.cli.strategy import strategy
+from multisrt.cli.view import view
 from multisrt.cli.why import why
 
 COMPLETE, BAD_INPUT, INTERRUPTED = 0, 2, 130
@@ -47,6 +48,7 @@ def cli() -> None:
     Examples:
       multisrt explore office
       multisrt explore museum --robots 4 --strategy srt-radial --strategy srt-star
+      multisrt view runs/office-srt-radial-0
       multisrt why runs/office-srt-radial-0 --robot 0 --time 31.5
       multisrt animate runs/office-srt-radial-0 --out office.mp4
       multisrt export runs/office-srt-radial-0 --out office.mcap
@@ -64,6 +66,7 @@ def cli() -> None:
 for command in (
     *(
         explore,
+        view,
         why,
         export,
         animate,

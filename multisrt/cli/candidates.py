@@ -22,6 +22,9 @@ Complete = Callable[[click.Context, click.Parameter, str], Items]
 FAULT_KINDS = ("death:", "silence:", "late:")
 """Prefixes of faults."""
 
+PAPERS = ("multi-srt", "sbx-r", "minpos", "alvarez")
+"""Names of the presets, which completion does not import."""
+
 
 def worlds(context: click.Context, parameter: click.Parameter, incomplete: str) -> Items:
     """Return the worlds of the catalogue and the files that begin so.
@@ -157,8 +160,6 @@ def faults(context: click.Context, parameter: click.Parameter, incomplete: str) 
 
 def papers(context: click.Context, parameter: click.Parameter, incomplete: str) -> Items:
     """Return the papers of `multisrt reproduce` that begin so; see `worlds`."""
-    from multisrt.cli.reproduce import PAPERS
-
     return _beginning(map(CompletionItem, PAPERS), incomplete)
 
 

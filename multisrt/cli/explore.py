@@ -12,16 +12,19 @@ from click.core import ParameterSource
 from multisrt.analysis.progress import Progress
 from multisrt.cli import candidates
 from multisrt.cli.imports import import_all, import_option, named_strategy, require_known
-from multisrt.cli.outputs import new_folder, require_no_run, run_folder
+from multisrt.cli.outputs import new_folder, require_no_file, require_no_run, run_folder
 from multisrt.cli.run_options import DRIVES, FAULTS, OVERRIDES, USUAL, spec_of_options
 from multisrt.cli.sections import SectionedCommand
 from multisrt.cli.spec_files import read_run_spec
 from multisrt.cli.summary import print_summary, robot_to_ask
+from multisrt.cli.view import REPLAY_NAME, live_page, open_page, require_few, write_page
+from multisrt.cli.watching import Watching, require_terminal
 from multisrt.geometry.errors import InvalidInputError
 
 if TYPE_CHECKING:
     from multisrt.finished_run import Run
     from multisrt.informed.reference import Regret
+    from multisrt.replay import LiveReplay
     from multisrt.spec import RunSpec
 
 NO_SUCCESS = 3
@@ -36,7 +39,10 @@ SECTIONS = {
     "Robots": ("--range", "--beams", "--footprint", "--drive", "--speed", "--turning-radius"),
     "Radio": ("--radio-range", "--no-multi-hop", "--latency", "--jitter", "--loss", "--walls"),
     "Image maps": ("--resolution", "--threshold"),
-    "Output": ("--out", "--force", "--without", "--regret", "--details", "--quiet"),
+    "Output": (
+        *("--out", "--force", "--view", "--live", "--no-open", "--watch"),
+        *("--without", "--regret", "--details", "--quiet"),
+    ),
 }
 """Headings of the help page, and the options below each."""
 
@@ -46,7 +52,10 @@ LAYERS = (
 )
 """Layers of the picture that can be left out; a test compares them with `multisrt.drawing`."""
 
-EXCEPT_SPEC = ("spec_file", "imports", "out", "without", "force", "regret", "details", "quiet")
+EXCEPT_SPEC = (
+    *("spec_file", "imports", "out", "without", "force", "view", "live", "no_open"),
+    *("watch", "regret", "details", "quiet"),
+)
 """Parameters that a spec does not describe."""
 
 EXAMPLES = """
@@ -55,7 +64,9 @@ Examples:
   multisrt explore office
   multisrt explore museum --robots 4 --starts clustered --radio-range 15
   multisrt explore museum --robots 4 --strategy srt-radial --strategy srt-star
-  multisrt explore office --robots 4 --strategy minpos --radio-range 15
+  multisrt explore office --robots 4 --strategy minpos --view
+  multisrt explore museum --robots 4 --live
+  multisrt explore museum --robots 4 --watch
   multisrt explore floor.yaml --start 2.5,4 --start 3.5,4 --range 6
   multisrt explore plan.png --resolution 0.05 --footprint box:0.6x0.4
   multisrt explore office --robots 3 --fault death:2@30 --fault late:1@60
@@ -72,6 +83,7 @@ Files written, with several strategies in one folder each:
   run.json         spec, outcome, digest and metrics
   spec.toml        the spec; 'multisrt explore --spec' repeats the run
   recording.jsonl  every event of the run, one per line
+  replay.html      with --view or --live: the replay, of all strategies together
 
 \b
 Exit code:
@@ -192,6 +204,20 @@ Exit code:
     help=f"Leave a layer out of the picture; repeatable: {', '.join(LAYERS)}.",
 )
 @click.option(
+    "--view",
+    is_flag=True,
+    help="Replay the runs in a browser when they are done: writes replay.html too.",
+)
+@click.option(
+    "--live",
+    is_flag=True,
+    help="Replay the runs in a browser while they go on: the page of --view, rewritten every few "
+    "seconds.",
+)
+@click.option(
+    "--no-open", is_flag=True, help="Do not open the page of --view or --live in a browser."
+)
+@click.option(
     "--regret",
     is_flag=True,
     help="Compare with a plan that knows the map; computing it takes up to a minute.",
@@ -199,6 +225,7 @@ Exit code:
 @click.option(
     "--details", is_flag=True, help="Print all measures even for more than two strategies."
 )
+@click.option("--watch", is_flag=True, help="Draw the team in the terminal while it runs.")
 @click.option("--quiet", is_flag=True, help="Print errors only.")
 @click.pass_context
 def explore(
@@ -227,6 +254,8 @@ def explore(
 
     if force and out is None:
         raise click.UsageError("--force replaces the run in --out DIR, which is not given")
+    progress = _progress(watch=given["watch"], quiet=quiet)
+    _require_opened(given)
     import_all(imports)
     own = environment if environment is not None and is_reference(environment) else None
     if own is not None:
@@ -251,14 +280,17 @@ def explore(
         specs = [spec_of_options(environment, name, given) for name in names or (None,)]
         _require_shared_options(specs)
         name = Path(environment).stem
-    if given["regret"]:
-        _require_plans(specs)
+    _require_shown(specs, given)
     usual = _usual_folder(specs, name)
     whole = out or new_folder(usual)
     folders = [whole] if len(specs) == 1 else [whole / spec.strategy for spec in specs]
     for folder in folders:
         require_no_run(folder, force=force)
-    runs = _run_all(specs, folders, without, force=force, quiet=quiet)
+    page = whole / REPLAY_NAME
+    if given["view"] or given["live"]:
+        require_no_file(page, force=force)
+    with live_page(page if given["live"] else None, opens=not given["no_open"]) as live:
+        runs = _run_all(specs, folders, progress, without, force=force, live=live)
     if not quiet:
         if own is not None:
             click.echo(
@@ -271,8 +303,25 @@ def explore(
             click.echo(f"{usual} is there already: this is in {whole}")
         robot = robot_to_ask(runs[0])
         click.echo(f"next: multisrt why {shlex.quote(str(folders[0]))} --robot {robot}")
+    if given["view"] and not given["live"]:
+        write_page([run.recording for run in runs], page)
+        open_page(page, opens=not given["no_open"])
     if not all(is_success(run.metrics) for run in runs):
         raise SystemExit(NO_SUCCESS)
+
+
+def _progress(*, watch: bool, quiet: bool) -> Progress:
+    if not watch:
+        return Progress(quiet)
+    if quiet:
+        raise click.UsageError("--watch draws while --quiet prints errors only: give one")
+    require_terminal()
+    return Watching()
+
+
+def _require_opened(given: dict[str, Any]) -> None:
+    if given["no_open"] and not (given["view"] or given["live"]):
+        raise click.UsageError("--no-open is about the page of --view or --live: give one of them")
 
 
 def _named(strategies: tuple[str, ...]) -> list[str]:
@@ -302,6 +351,14 @@ def _require_shared_options(specs: list[RunSpec]) -> None:
                 f"--option {key} applies to all strategies, and {without[0]} has no such option: "
                 "run the strategies separately"
             )
+
+
+def _require_shown(specs: list[RunSpec], given: dict[str, Any]) -> None:
+    # What cannot be compared or shown of these runs is reported before they are made.
+    if given["regret"]:
+        _require_plans(specs)
+    if given["view"] or given["live"]:
+        require_few(len(specs))
 
 
 def _require_plans(specs: list[RunSpec]) -> None:
@@ -341,10 +398,11 @@ def _usual_folder(specs: list[RunSpec], name: str) -> Path:
 def _run_all(
     specs: list[RunSpec],
     folders: list[Path],
+    shown: Progress,
     without: tuple[str, ...],
     *,
     force: bool,
-    quiet: bool,
+    live: LiveReplay | None,
 ) -> list[Run]:
     from multisrt.finished_run import RECORDING_NAME, RUN_NAME, SPEC_NAME, TREE_NAME, Run
     from multisrt.robots.registry import strategy
@@ -356,14 +414,20 @@ def _run_all(
         strategy(spec.strategy).parse_options(spec.options)
         strategy(spec.strategy).require_fit(spec)
     runs = []
-    with Progress(quiet) as progress:
+    look = None if live is None else live.look
+    with shown as progress:
         progress.say("reading the environment")
         world = build_environment(specs[0].environment)
         for spec, out in zip(specs, folders, strict=True):
             with run_folder(out, force=force) as folder:
                 watch = progress.watcher(spec, world)
                 path, planning = folder / RECORDING_NAME, progress.planning(spec.strategy)
-                run = Run(simulate(spec, world, path=path, watch=watch, planning=planning), world)
+                recording = simulate(
+                    spec, world, path=path, watch=watch, planning=planning, look=look
+                )
+                run = Run(recording, world)
+                if live is not None:
+                    live.add(recording)
                 progress.say(f"{spec.strategy}: measuring and drawing")
                 run.save_svg(folder / TREE_NAME, without=without)
                 run.save_summary(folder / RUN_NAME)

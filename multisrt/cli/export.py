@@ -66,9 +66,10 @@ def export(
     Examples:
       multisrt export runs/office-srt-radial-0 --out office.mcap
       multisrt export out --out out.rrd
-      multisrt export out --out out.mcap --rate 30 --map-interval 1 --cell 0.05 --force
+      multisrt export out --out out.mcap --rate 30 --map-interval 1 --force
     """
-    from multisrt.exporting import ExportOptions, export_run, require_format
+    from multisrt.exporting import ExportOptions, export_run
+    from multisrt.exporting.export import require_format
     from multisrt.recording import Recording
     from multisrt.terminal import LiveLine
 

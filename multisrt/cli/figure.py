@@ -94,16 +94,17 @@ def figure(
     """Draw a figure of one or several runs.
 
     Each RECORDING is the folder that 'multisrt explore' wrote, or the file recording.jsonl in it.
-    Runs are drawn side by side, or in one diagram; all but decisions need runs of one world.
+    Several runs are drawn side by side or in one diagram: all kinds but decisions need runs of one
+    world, and maps and activity show one run.
 
     \b
     Kinds:
       map           trees or paths, nodes, and the area that each robot saw first
-      maps          the map of each robot of one run at some times, over the true one
+      maps          each robot's own map at some times, over the true one
       trajectories  the paths of the robots
-      coverage      coverage against time; several runs of a strategy as median and quartiles
-      activity      what each robot of one run was doing, against time
-      visits        how often, or by how many robots, places were driven over or seen
+      coverage      coverage against time; median and quartiles of several runs
+      activity      what each robot was doing, against time
+      visits        how often places were driven over or seen
       isolation     where robots were isolated from all others, and for how long
       decisions     how often robots chose what, and why, as a table
 

@@ -17,9 +17,6 @@ if TYPE_CHECKING:
 
 STORE_NAME, REPORT_NAME, SUMMARY_NAME = "results.sqlite", "report", "summary.md"
 
-PAPERS = ("multi-srt", "sbx-r", "minpos", "alvarez")
-"""Names of the papers, for completion, which does not import the presets."""
-
 RUNS_FAILED = 3
 """Exit code if a run is not a success."""
 

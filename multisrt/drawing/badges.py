@@ -8,7 +8,6 @@ from itertools import product
 from typing import Final, NamedTuple
 
 import numpy as np
-import shapely
 
 from multisrt.events import Point
 from multisrt.geometry.numerics.kernel import FloatArray
@@ -55,8 +54,8 @@ def badge_radius_mm(starts: Sequence[Point], metres_per_mm: float) -> float:
     """
     if len(starts) < 2:
         return BADGE_MM[1]
-    points = shapely.points(np.asarray(starts, np.float64))
-    apart = shapely.distance(points[:, None], points[None, :])
+    x, y = np.asarray(starts, np.float64).T
+    apart = np.hypot(x[:, None] - x[None, :], y[:, None] - y[None, :])
     np.fill_diagonal(apart, np.inf)
     crowd = float(np.quantile(apart.min(axis=0), 0.1))
     return float(np.clip(BADGE_SHARE * crowd / metres_per_mm, *BADGE_MM))

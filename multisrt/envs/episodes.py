@@ -27,7 +27,7 @@ METADATA: dict[str, Any] = {
     "render_fps": 4,
     "is_parallelizable": True,
 }
-"""What Gymnasium and PettingZoo are told of environments."""
+"""Metadata of environments for Gymnasium and PettingZoo."""
 
 MAX_DRAWN = 2**31 - 1
 """Bounds the seeds that are drawn for missions."""

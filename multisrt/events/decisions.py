@@ -125,7 +125,7 @@ class GoalChosen(Event, frozen=True, kw_only=True, tag="goal_chosen"):
 
 
 class Decided(Event, frozen=True, kw_only=True, tag="decided"):
-    """A robot decided where to go next, told in the words and numbers of its explorer.
+    """A robot decided where to go next, recorded with the text and numbers of its explorer.
 
     For explorers of your own; see `multisrt.robots.toolkit.decided`, which makes one of arrays.
 

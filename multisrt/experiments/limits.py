@@ -6,6 +6,11 @@ process, by the kernel's limit (`RLIMIT_CPU`), set some seconds later. Only the 
 as a process cannot raise its hard limit again. A run that sleeps uses no computing time: it is
 given up after two intervals in which it did nothing.
 
+The kernel's limit is for all that the process has computed since it began, by a clock that counts
+ticks (`charged_s`). Over a long life it goes ahead of the exact clock of `time.process_time`, or
+falls behind, by more than the grace: with a limit set by the exact clock, the kernel would end a
+process whose run has just begun.
+
 Memory is limited by `RLIMIT_DATA`, counted from what the process has when the run begins: the
 allocation beyond the limit fails, which Python, NumPy, Numba and GEOS report as `MemoryError`.
 This holds on Linux; macOS counts only a part of what a process allocates.
@@ -16,6 +21,7 @@ from __future__ import annotations
 import math
 import resource
 import signal
+import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -57,7 +63,7 @@ def within(limits: Limits) -> Iterator[None]:
     MemoryError
         Inside, where an allocation exceeds the memory.
     """
-    armed = True
+    armed = True  # whether handlers may raise: not while limits are taken back
     interval_s = min(max(limits.computing_s, MIN_INTERVAL_S), MAX_INTERVAL_S)
     slept, computed_s = 0, time.process_time()
 
@@ -81,12 +87,15 @@ def within(limits: Limits) -> Iterator[None]:
     }
     before = {number: signal.signal(number, handler) for number, handler in handlers.items()}
     allowed = {what: resource.getrlimit(what) for what in (_CPU, _DATA)}
-    _set_soft(_CPU, math.ceil(time.process_time() + limits.computing_s + GRACE_S))
+    _set_soft(_CPU, math.ceil(charged_s() + limits.computing_s + GRACE_S))
     _set_soft(_DATA, counted_bytes() + limits.memory_mb * 1_000_000)
     try:
         signal.setitimer(signal.ITIMER_PROF, limits.computing_s, REPEAT_S)
         signal.setitimer(signal.ITIMER_REAL, interval_s, interval_s)
-        yield
+        try:
+            yield
+        finally:
+            armed = False  # a signal right before this still finds the outer block
     finally:
         armed = False
         signal.setitimer(signal.ITIMER_PROF, 0.0)
@@ -94,10 +103,21 @@ def within(limits: Limits) -> Iterator[None]:
         for what, values in allowed.items():
             resource.setrlimit(what, values)
         for number, handler in before.items():
+            # To ignore a signal discards it where another thread has yet to take it: it would
+            # end the process by the handler of before, which for these is the default.
+            signal.signal(number, signal.SIG_IGN)
             signal.signal(number, handler)
 
 
+def charged_s() -> float:
+    """Return the computing time of this process that its limits count, in seconds."""
+    return time.clock_gettime(_CHARGED)
+
+
 _CPU, _DATA = resource.RLIMIT_CPU, resource.RLIMIT_DATA
+
+_CHARGED = ~0 << 3 if sys.platform == "linux" else time.CLOCK_PROCESS_CPUTIME_ID
+"""Linux's clock of this process (0, inverted) for `ITIMER_PROF` and `RLIMIT_CPU` (kind 0)."""
 
 
 def _set_soft(what: int, value: int) -> None:

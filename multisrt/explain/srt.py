@@ -13,8 +13,6 @@ from multisrt.events import (
     Decision,
     Ended,
     GoalChosen,
-    Learned,
-    MapComplete,
     Motion,
     NodeAdded,
     NodeName,
@@ -24,14 +22,13 @@ from multisrt.events import (
 )
 from multisrt.explain.custom import own_choice_lines, own_lines
 from multisrt.explain.frontier import bid_lines, choice_lines
+from multisrt.explain.story import ChoiceStory
 from multisrt.explain.words import (
     SAME_MOMENT_S,
-    by_robot,
     decision_lines,
     listed,
     many,
     place,
-    titled,
     towards,
     troubles,
 )
@@ -45,6 +42,7 @@ CHOICES = {
     "parent": "back to the parent node, as nothing is left to do here",
     "nearest_open": "the nearest node that has a frontier left",
     "home": "back to its root, as no frontier is left that it can open",
+    "transfer": "to go to the tree of another robot, or back to its own",
     "bypass": "a place on a detour around a robot that stands still and does not answer",
     "stay": "to stay where it is",
     "end": "to end here",
@@ -169,50 +167,42 @@ def planned(events: Sequence[AnyEvent], index: int, decision: Decision) -> str:
     )
 
 
-class _Story:
+class _Story(ChoiceStory[Decision]):
     """The explanation of one decision of a robot of the SRT family."""
 
-    def __init__(
-        self, recording: Recording, index: int, decision: Decision, asked_s: float
-    ) -> None:
-        self.index, self.decision = index, decision
-        self.robot = robot = decision.robot
-        self.asked_s = asked_s
-        self.events = recording.events
-        self.has_others = len(recording.spec.robots) > 1
+    things = "node"
+    happened = "its last decision was"
+
+    def __init__(self, recording: Recording, index: int, choice: Decision, asked_s: float) -> None:
+        super().__init__(recording, index, choice, asked_s)
+        self.index, self.events = index, recording.events
         # Motions are recorded when they end, all other events when they happen.
         self.past = [
             event
-            for event in self.events
-            if event.robot == robot and event.time_s <= asked_s + SAME_MOMENT_S
+            for event in (*self.before, choice, *self.after)
+            if event.time_s <= asked_s + SAME_MOMENT_S
         ]
         self.nodes: dict[NodeName, NodeAdded] = {
-            (event.robot, event.serial): event
-            for event in self.events
-            if isinstance(event, NodeAdded)
+            (event.robot, event.serial): event for event in recording.of(NodeAdded)
         }
 
-    def lines(self) -> Iterator[str]:
-        yield (
-            f"Robot {self.robot} at {self.asked_s:.2f} s: its last decision was at "
-            f"{self.decision.time_s:.2f} s."
-        )
-        for title, lines in (
-            ("Where it stood", self.standing()),
-            ("What it knew", self.knowledge()),
-            ("What it decided", self.choice()),
-            ("Its group", self.group()),
-            ("Which tree it supports", self.support()),
-            ("What did not go as planned", troubles(self.past)),
-            ("What it did next", self.afterwards()),
-        ):
-            yield from titled(title, lines)
+    def sections(self) -> Iterator[tuple[str, Iterator[str]]]:
+        yield "Where it stood", self.standing()
+        yield "What it knew", self.knowledge()
+        yield "What it decided", self.decided()
+        yield "Its group", self.group()
+        yield "Which tree it supports", self.support()
+        yield "What did not go as planned", troubles(self.past)
+        yield "What it did next", self.afterwards()
+
+    def endings(self) -> Iterator[str]:
+        yield from ()  # its problems stand before what it did next, to which they led
 
     def standing(self) -> Iterator[str]:
-        node = self.nodes[self.decision.node]
+        node = self.nodes[self.choice.node]
         x, y, heading = node.configuration
         yield (
-            f"at {self._node(self.decision.node)}, {place((x, y))}, which was added at "
+            f"at {self._node(self.choice.node)}, {place((x, y))}, which was added at "
             f"{node.time_s:.2f} s, heading {math.degrees(heading):.0f} degrees"
         )
         if node.parent is None:
@@ -221,23 +211,13 @@ class _Story:
             yield f"its parent is {self._node(node.parent)}; the place was found by: {node.stage}"
 
     def knowledge(self) -> Iterator[str]:
-        yield f"its local frontier there was {self.decision.frontier_m:.2f} m long"
-        until = self.decision.time_s + SAME_MOMENT_S
-        own = sum(isinstance(e, NodeAdded) and e.time_s <= until for e in self.past)
-        yield f"its map had {many(own, 'node')} that it had made"
-        learned = [e for e in self.past if isinstance(e, Learned) and e.time_s <= until]
-        names = [name for event in learned for name in event.nodes]
-        if names:
-            yield (
-                f"it had learned {many(len(names), 'node')} of others: {by_robot(names)}; "
-                f"last at {learned[-1].time_s:.2f} s"
-            )
-        complete = [e for e in self.past if isinstance(e, MapComplete) and e.time_s <= until]
-        if complete:
-            yield f"it knew since {complete[0].time_s:.2f} s that its map was complete"
+        yield f"its local frontier there was {self.choice.frontier_m:.2f} m long"
+        yield f"its map had {many(self.own_nodes(), 'node')} that it had made"
+        yield from self.learned()
+        yield from self.complete()
 
-    def choice(self) -> Iterator[str]:
-        chosen = self.decision
+    def decided(self) -> Iterator[str]:
+        chosen = self.choice
         if chosen.draws:
             why = ", ".join(f"{count} {reason}" for reason, count in chosen.refused.items())
             yield f"{many(chosen.draws, 'candidate')} drawn; refused: {why or 'none'}"
@@ -250,8 +230,8 @@ class _Story:
             yield f"target {place(chosen.target)}, {math.dist(here[:2], chosen.target):.2f} m away"
 
     def group(self) -> Iterator[str]:
-        gpr, ger = self.decision.gpr, self.decision.ger
-        if not self.has_others:
+        gpr, ger = self.choice.gpr, self.choice.ger
+        if len(self.team) == 1:
             return
         if gpr:
             yield f"pre-engaged (GPR): {listed(gpr)}"
@@ -298,7 +278,7 @@ class _Story:
 
     def afterwards(self) -> Iterator[str]:
         for event in self.past:
-            if event.time_s < self.decision.time_s - SAME_MOMENT_S:
+            if event.time_s < self.choice.time_s - SAME_MOMENT_S:
                 continue
             if isinstance(event, Motion):
                 arrival_s, x, y, _ = event.waypoints[-1]

@@ -12,6 +12,7 @@ from typing import Generic, TypeVar
 from multisrt.events import (
     AnyEvent,
     Decided,
+    Decision,
     Ended,
     GoalChosen,
     Learned,
@@ -25,7 +26,7 @@ from multisrt.explain.words import SAME_MOMENT_S, by_robot, many, place, titled,
 from multisrt.planners.motion.trajectory import leg_length
 from multisrt.recording import Recording
 
-ChoiceT = TypeVar("ChoiceT", GoalChosen, Decided)
+ChoiceT = TypeVar("ChoiceT", GoalChosen, Decided, Decision)
 
 
 class ChoiceStory(ABC, Generic[ChoiceT]):
@@ -37,16 +38,18 @@ class ChoiceStory(ABC, Generic[ChoiceT]):
         The run.
     index : int
         Index of the choice among its events.
-    choice : GoalChosen or Decided
+    choice : GoalChosen or Decided or Decision
         The choice.
     asked_s : float
         The time that was asked for, in seconds.
 
     Attributes
     ----------
-    before, meanwhile : list of Event
-        What the robot recorded before the choice, and after it until the next.
-    next : GoalChosen or Decided or None
+    before, after : list of Event
+        What the robot recorded before the choice, and after it.
+    meanwhile : list of Event
+        What it recorded after the choice until the next.
+    next : GoalChosen or Decided or Decision or None
         Its next choice.
     """
 
@@ -63,13 +66,13 @@ class ChoiceStory(ABC, Generic[ChoiceT]):
         of_robot = [event.robot == choice.robot for event in recording.events]
         self.before = [e for e, own in zip(recording.events[:index], of_robot, strict=False) if own]
         later = [e for e, own in zip(recording.events, of_robot, strict=True) if own]
-        later = later[len(self.before) + 1 :]
-        self.next: GoalChosen | Decided | None = None
-        for number, event in enumerate(later):
-            if isinstance(event, GoalChosen | Decided):
-                self.next, later = event, later[:number]
+        self.after: list[AnyEvent] = later[len(self.before) + 1 :]
+        self.meanwhile: list[AnyEvent] = self.after
+        self.next: GoalChosen | Decided | Decision | None = None
+        for number, event in enumerate(self.after):
+            if isinstance(event, GoalChosen | Decided | Decision):
+                self.next, self.meanwhile = event, self.after[:number]
                 break
-        self.meanwhile: list[AnyEvent] = later
 
     @abstractmethod
     def sections(self) -> Iterator[tuple[str, Iterator[str]]]:

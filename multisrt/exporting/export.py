@@ -40,8 +40,8 @@ def export_run(
     recording : Recording
         The run.
     path : str or Path
-        The file, whose suffix says the format, see `FORMATS`. It is written completely or not at
-        all, and replaced if it exists.
+        The file, whose suffix says the format: ``.mcap`` or ``.rrd``. It is written completely or
+        not at all, and replaced if it exists.
     options : ExportOptions, optional
         How densely the run is sampled.
     environment : Environment, optional
@@ -52,7 +52,7 @@ def export_run(
     Raises
     ------
     InvalidInputError
-        If the suffix is none of `FORMATS`, the file cannot be written, the recording contradicts
+        If the suffix is another one, the file cannot be written, the recording contradicts
         itself, or there would be too many poses or cells.
     MissingExtraError
         If a package is not installed that the format needs.
@@ -76,7 +76,7 @@ def export_run(
         if path.suffix.lower() == ".mcap":
             write_mcap(file, recording, grid, contents)
         else:
-            write_rerun(file.name, recording, environment, grid, contents)
+            write_rerun(Path(file.name), recording, environment, grid, contents)
 
 
 def require_format(path: Path) -> None:

@@ -52,11 +52,14 @@ from multisrt.spec import LateStart
 STANDING_HZ: Final = 1.0
 """Poses of a robot that stands, and links, per second, if poses are not rarer."""
 
+ROUNDING_S: Final = 1e-6
+"""Times that differ by less are one, in seconds."""
+
 MAX_SAMPLES: Final = 50_000_000
 """Bound of the number of poses of all robots."""
 
-MAX_END_S: Final = 4e9
-"""Bound of the length of a run in seconds: later times do not fit into stamps of ROS 1 and 2."""
+MAX_END_S: Final = 2e9
+"""Bound of the length of a run in seconds: later times may not fit into stamps of ROS."""
 
 Moment = tuple[int, Content]
 """Nanoseconds since the start of the run, and what is shown then."""
@@ -117,6 +120,13 @@ def _require_bounded(recording: Recording, options: ExportOptions) -> None:
             f"{options.rate_hz:g} poses a second over {end_s:g} s for {robots} robots are more "
             f"than {MAX_SAMPLES}: choose a lower rate"
         )
+    for motion in recording.of(Motion):
+        for time_s, *_ in motion.waypoints:
+            if not -ROUNDING_S <= time_s <= end_s + ROUNDING_S:
+                raise InvalidInputError(
+                    f"the motion of robot {motion.robot} at {motion.time_s:g} s has a waypoint at "
+                    f"{time_s:g} s, in a run from 0 to {end_s:g} s"
+                )
     if end_s / options.map_interval_s > MAX_SAMPLES:
         raise InvalidInputError(
             f"a map every {options.map_interval_s:g} s over {end_s:g} s is more than "

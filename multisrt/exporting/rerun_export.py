@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterable, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, assert_never
 from uuid import NAMESPACE_URL, uuid5
 
@@ -49,7 +50,7 @@ TIME_LINE: Final = "sim_time"
 MAX_MAP_VIEWS: Final = 16
 """Robots up to which each map has a view of its own."""
 
-LINE_M, NODE_M = 0.03, 0.08
+LINE_M, NODE_M = 0.06, 0.15
 """Radius of lines and of nodes, in metres."""
 
 LINK_HEIGHT_M, TREE_HEIGHT_M, FRONTIER_HEIGHT_M, BODY_HEIGHT_M = 0.02, 0.04, 0.06, 0.1
@@ -63,7 +64,7 @@ BATCH: Final = 4096
 
 
 def write_rerun(
-    path: str,
+    path: Path,
     recording: Recording,
     environment: Environment,
     grid: Grid,
@@ -73,7 +74,7 @@ def write_rerun(
 
     Parameters
     ----------
-    path : str
+    path : Path
         Where to write.
     recording : Recording
         The run.
@@ -90,6 +91,8 @@ def write_rerun(
         If rerun-sdk is not installed.
     InvalidInputError
         If the environment variable ``RERUN`` turns its recording off.
+    OSError
+        If not all could be written.
     """
     with extra("rerun", "a file of rerun"):
         import rerun as rr
@@ -119,8 +122,13 @@ def write_rerun(
             scene.show(now, content)
         scene.finish()
         stream.flush()
+        written = path.stat().st_size
+    except RuntimeError as error:  # all that rerun says of a full disk
+        raise OSError(str(error)) from None
     finally:
         stream.disconnect()
+    if path.stat().st_size <= written:
+        raise OSError("the index at its end could not be written")
 
 
 class _Scene:
@@ -228,7 +236,7 @@ class _Scene:
     def _grid_map(self, cells: Cells, height_m: float) -> Any:
         rr, grid = self._rr, self._grid
         return rr.GridMap(
-            data=np.ascontiguousarray(cells).tobytes(),
+            data=cells[::-1].tobytes(),  # from the top, as images
             format=rr.components.ImageFormat(
                 width=grid.columns, height=grid.rows, color_model="L", channel_datatype="U8"
             ),

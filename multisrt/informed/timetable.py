@@ -173,7 +173,7 @@ def _progress(
     places: FloatArray, end: int, others: FloatArray, apart: FloatArray, steps: int
 ) -> IntArray:
     # A* over (time, progress): a step ahead costs nothing beyond what must be, a wait one step, a
-    # step back two. Done: at the end of the route or on the way back from it, where nobody comes
+    # step back two. Done: at the end of the route or on the way back from it, where no robot comes
     # any more. An empty array: there is none.
     size = len(places)
     horizon = others.shape[1]

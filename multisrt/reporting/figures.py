@@ -9,6 +9,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from multisrt.drawing.colours import INK
+from multisrt.drawing.looks import look_of
 from multisrt.experiments.crossing import Condition
 from multisrt.experiments.measures import Measure
 from multisrt.extras import extra
@@ -21,7 +22,6 @@ from multisrt.reporting.style import (
     in_groups,
     label_of,
     legend_below,
-    look_of,
     shade,
 )
 from multisrt.statistics.curves import StepCurve, common_grid, curve_bands

@@ -18,6 +18,9 @@ from multisrt.terminal import WIDTH
 MIN_LABEL_COLUMN: Final = 12
 """Minimum width of a column of labels, in characters."""
 
+LONG_LABEL: Final = 20
+"""Length of a label from which it may be broken into lines, in characters."""
+
 MINUS: Final = "\N{MINUS SIGN}"
 
 
@@ -131,9 +134,11 @@ class Table:
             for row in self.rows
         )
         notes = "".join(f"<p>{_escaped(note)}</p>" for note in self.notes)
+        long = " long" * any(len(row[0].text) > LONG_LABEL for row in self.rows)
         return (
-            f'<div class="scroll" role="region" tabindex="0" aria-label="{_escaped(self.title)}">\n'
-            f'<table id="table-{self.name}" class="sorts">\n'
+            f'<div class="scroll table" role="region" tabindex="0" '
+            f'aria-label="{_escaped(self.title)}">\n'
+            f'<table id="table-{self.name}" class="sorts{long}">\n'
             f"<caption>{_escaped(self.title)}</caption>\n"
             f"<thead><tr>{head}</tr></thead>\n<tbody>\n{body}\n</tbody>\n</table>\n</div>\n"
             f'<div class="notes">{notes}</div>'
@@ -166,7 +171,7 @@ class Table:
         )
 
     def markdown(self) -> str:
-        """Return Markdown, as code hosts read it.
+        r"""Return Markdown, as code hosts read it.
 
         Examples
         --------
@@ -176,7 +181,7 @@ class Table:
         <BLANKLINE>
         | World | s |
         |---|---:|
-        | a\\|b | 12.0 |
+        | a\|b | 12.0 |
         <BLANKLINE>
         """
         aligned = ["---"] * self.labels + ["---:"] * (len(self.columns) - self.labels)

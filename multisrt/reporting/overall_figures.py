@@ -7,6 +7,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from multisrt.drawing.looks import look_of
 from multisrt.experiments.measures import MEASURES, Measure, measure_named
 from multisrt.extras import extra
 from multisrt.geometry.numerics.arrays import FloatArray
@@ -19,7 +20,6 @@ from multisrt.reporting.style import (
     in_groups,
     label_of,
     legend_below,
-    look_of,
     shade,
     short,
 )

@@ -39,3 +39,38 @@ function unfold() {
 }
 addEventListener("hashchange", unfold);
 unfold();
+// What scrolls sideways says where more is, and is in the order of the Tab key only if it scrolls.
+const scrolls = document.querySelectorAll(".scroll");
+function cue(part) {
+  const hidden = part.scrollWidth - part.clientWidth;
+  part.classList.toggle("more-left", part.scrollLeft > 1);
+  part.classList.toggle("more-right", part.scrollLeft < hidden - 1);
+  if (!part.closest("nav")) part.tabIndex = hidden > 1 ? 0 : -1;
+}
+const sized = new ResizeObserver((found) => found.forEach((entry) => cue(entry.target.closest(".scroll"))));
+for (const part of scrolls) {
+  part.addEventListener("scroll", () => cue(part), { passive: true });
+  sized.observe(part);
+  if (part.firstElementChild) sized.observe(part.firstElementChild);
+}
+// The command that repeats a run is copied by a button beside its spec.
+function commandOf(spec) {
+  const imported = spec.dataset.import ? ` --import ${spec.dataset.import}` : "";
+  return `multisrt explore --spec ${spec.getAttribute("href")}${imported} --view --out again`;
+}
+for (const spec of document.querySelectorAll(".runs a[href^='specs/']")) {
+  const button = document.createElement("button");
+  button.type = "button";
+  button.textContent = "copy command";
+  button.title = commandOf(spec);
+  button.addEventListener("click", async () => {
+    try {
+      await navigator.clipboard.writeText(commandOf(spec));
+      button.textContent = "copied";
+    } catch {
+      // Without access to the clipboard the command is shown.
+      button.textContent = commandOf(spec);
+    }
+  });
+  spec.after(" ", button);
+}

@@ -2,39 +2,27 @@
 
 from __future__ import annotations
 
-import io
-import warnings
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
-from multisrt.drawing.colours import INK, ROBOT_COLOURS, tint
+from multisrt.drawing.looks import Look
 from multisrt.drawing.svg import printable
 from multisrt.extras import extra
 from multisrt.geometry.numerics.arrays import FloatArray
+from multisrt.reporting.compact import compact
 
 with extra("plots", "a figure or a report"):
-    import matplotlib as mpl
+    import matplotlib  # noqa: F401
     from matplotlib.axes import Axes
     from matplotlib.backends.backend_svg import FigureCanvasSVG
     from matplotlib.figure import Figure
     from matplotlib.layout_engine import ConstrainedLayoutEngine
 
+    from multisrt.drawing.figures.style import SHARED_SETTINGS, saved, settings
+
 WIDTH_IN: Final = 4.2
 """Width of every figure; letters stay readable where a phone shows the whole width."""
-
-MARKERS: Final = ("o", "s", "^", "D", "v", "P", "X", "p")
-DASHES: Final[tuple[Any, ...]] = (
-    "-",
-    (0, (5, 1.6)),
-    (0, (1.2, 1.2)),
-    (0, (5, 1.4, 1.2, 1.4)),
-    (0, (9, 2)),
-    (0, (2.6, 2.6)),
-    (0, (9, 1.4, 1.2, 1.4, 1.2, 1.4)),
-    (0, (6, 1.5, 2, 1.5)),
-)
 
 MAX_LINES: Final = 5
 """Upper bound of the strategies in a figure; more are spread over several figures."""
@@ -48,49 +36,17 @@ MAX_LABEL_OF_TWO_COLUMNS: Final = 17
 MAX_HEADLINE: Final = 46
 """Upper bound of the characters of a headline."""
 
-SETTINGS: Final[dict[Any, Any]] = {
-    "axes.edgecolor": "#6a6a6a",
-    "axes.grid": True,
-    "axes.axisbelow": True,
-    "axes.labelcolor": INK,
+SETTINGS: Final[dict[Any, Any]] = SHARED_SETTINGS | {
     "axes.labelsize": 9.0,
-    "axes.linewidth": 0.6,
-    "axes.spines.right": False,
-    "axes.spines.top": False,
-    "axes.unicode_minus": True,
-    "figure.facecolor": "white",
     "font.family": ["sans-serif"],
     "font.sans-serif": ["DejaVu Sans", "Verdana", "Arial"],
     "font.size": 9.0,
-    "grid.color": "#dedede",
-    "grid.linewidth": 0.5,
     "legend.fontsize": 8.5,
-    "legend.frameon": False,
     "lines.linewidth": 1.5,
-    # Journals require TrueType. One typeface only: every figure embeds its own subset of it.
-    "pdf.fonttype": 42,
     "svg.fonttype": "none",
-    "svg.hashsalt": "multisrt",
-    "text.color": INK,
-    "text.parse_math": False,
-    "text.usetex": False,
-    "xtick.color": INK,
     "xtick.labelsize": 8.5,
-    "xtick.major.width": 0.6,
-    "ytick.color": INK,
     "ytick.labelsize": 8.5,
-    "ytick.major.width": 0.6,
 }
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Look:
-    """Colours, marker and dashes of one strategy."""
-
-    colour: str
-    light: str
-    marker: str
-    dashes: Any
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -114,18 +70,6 @@ class Picture:
     alt: str
     svg: bytes
     pdf: bytes
-
-
-def look_of(number: int) -> Look:
-    """Return the look of a strategy by its index among all strategies."""
-    colour = ROBOT_COLOURS[number % len(ROBOT_COLOURS)]
-    turn = number + number // len(ROBOT_COLOURS)
-    return Look(
-        colour=colour,
-        light=tint(colour, 0.35),
-        marker=MARKERS[turn % len(MARKERS)],
-        dashes=DASHES[turn % len(DASHES)],
-    )
 
 
 def short(label: str, most: int = MAX_LABEL) -> str:
@@ -182,19 +126,18 @@ def drawn(
     name: str, title: str, alt: str, height_in: float, draw: Callable[[Axes], None]
 ) -> Picture:
     """Draw a figure of one pair of axes."""
-    with _settings():
+    with settings(SETTINGS):
         figure = Figure(figsize=(WIDTH_IN, height_in))
         FigureCanvasSVG(figure)  # measures the size of text
         draw(figure.add_subplot())
         # The layout is computed once; with a layout engine each of the two files would redo it.
         ConstrainedLayoutEngine().execute(figure)
-        svg = _saved(figure, "svg", {"Date": None, "Creator": None, "Title": printable(title)})
         return Picture(
             name=name,
             title=printable(title),
             alt=printable(alt),
-            svg=svg,
-            pdf=_saved(figure, "pdf", {"CreationDate": None, "Title": printable(title)}),
+            svg=compact(saved(figure, "svg", title)),
+            pdf=saved(figure, "pdf", title),
         )
 
 
@@ -219,19 +162,3 @@ def _figure(axes: Axes) -> Figure:
     figure = axes.figure
     assert isinstance(figure, Figure)
     return figure
-
-
-@contextmanager
-def _settings() -> Iterator[None]:
-    with mpl.rc_context(), warnings.catch_warnings():
-        # The reader's font may have letters that the font for measuring lacks.
-        warnings.filterwarnings("ignore", message="Glyph .* missing from")
-        mpl.rcdefaults()
-        mpl.rcParams.update(SETTINGS)
-        yield
-
-
-def _saved(figure: Figure, kind: str, metadata: dict[str, str | None]) -> bytes:
-    file = io.BytesIO()
-    figure.savefig(file, format=kind, metadata=metadata)
-    return file.getvalue()

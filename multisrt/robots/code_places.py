@@ -3,26 +3,17 @@
 from __future__ import annotations
 
 import linecache
-import os
 import sys
-import sysconfig
 from collections.abc import Sequence
 from pathlib import Path
 from types import CodeType, ModuleType, TracebackType
 from typing import Any
 
 from multisrt.robots.defects import brief
+from multisrt.robots.library_files import is_library_file, is_own_file
 
 MAX_SOURCE_LENGTH = 60
 """Characters of a line of code in a message."""
-
-_PACKAGE = f"{Path(__file__).parents[1]}{os.sep}"
-_LIBRARIES = (
-    _PACKAGE,
-    "<",
-    *(sysconfig.get_path(name) for name in ("stdlib", "purelib", "platlib")),
-)
-"""Where the files of this package and of others begin."""
 
 
 def package_of(thing: Any) -> str:
@@ -118,9 +109,9 @@ def place_among(cls: Any, frames: Sequence[tuple[CodeType, int]]) -> str:
     runs = [base.__dict__.get("run") for base in getattr(cls, "__mro__", ())]
     for made in (cls, *runs):
         file = made.__code__.co_filename if hasattr(made, "__code__") else ""
-        if not file.startswith(_PACKAGE) or is_ours:
+        if is_ours or not is_own_file(file):
             own.add(file)
-    of_user = [one for one in frames if not one[0].co_filename.startswith(_LIBRARIES)]
+    of_user = [one for one in frames if not is_library_file(one[0].co_filename)]
     inner = [one for one in frames if one[0].co_filename in own]
     for code, line in (*of_user[:1], *inner[:1]) if is_ours else (*inner[:1], *of_user[:1]):
         source = linecache.getline(code.co_filename, line).strip()

@@ -51,7 +51,7 @@ class ExplorationMap:
         for another robot is closed if the own body is no narrower.
     robot : int, optional
         The robot whose map this is: arcs that other robots could not reach stay open for it.
-        Default: nobody's, and all such arcs are closed.
+        Default: no robot's, and all such arcs are closed.
 
     Attributes
     ----------

@@ -11,7 +11,7 @@ def named_robots(numbers: Iterable[int]) -> str:
     Parameters
     ----------
     numbers : iterable of int
-        The numbers, at least one; they are told in ascending order.
+        The numbers, at least one; they are listed in ascending order.
 
     Returns
     -------

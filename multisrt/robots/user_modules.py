@@ -5,7 +5,6 @@ from __future__ import annotations
 import ast
 import importlib.util
 import sys
-import sysconfig
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from importlib.machinery import ModuleSpec
@@ -14,11 +13,7 @@ from types import ModuleType
 from typing import NamedTuple
 
 from multisrt.geometry.errors import InvalidInputError
-
-_LIBRARIES = tuple(
-    Path(sysconfig.get_path(kind)).resolve()
-    for kind in ("stdlib", "platstdlib", "purelib", "platlib")
-)
+from multisrt.robots.library_files import folders_above
 
 _Import = ModuleSpec | ModuleType | None
 """One import of a module: its spec, as every import and reload creates a new spec; a main program
@@ -370,9 +365,8 @@ def _file_of(name: str) -> Path | None:
 
 def _is_own(path: Path, roots: list[Path]) -> bool:
     """Whether a file is no library's, or of the package that defines the strategy."""
-    libraries = [library for library in _LIBRARIES if path.is_relative_to(library)]
     beside = [root for root in roots if path.is_relative_to(root)]
     return all(
         any(root != library and root.is_relative_to(library) for root in beside)
-        for library in libraries
+        for library in folders_above(path)
     )

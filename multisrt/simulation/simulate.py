@@ -27,6 +27,7 @@ def simulate(
     path: str | Path | None = None,
     watch: Watcher | None = None,
     planning: Callable[[float], None] | None = None,
+    look: Callable[[Callable[[], Recording]], None] | None = None,
 ) -> Recording:
     """Simulate an exploration.
 
@@ -42,6 +43,9 @@ def simulate(
         Called with every event as it is recorded.
     planning : callable, optional
         Called with the share that is done while a strategy that sees the truth plans the run.
+    look : callable, optional
+        Called before the first event and after every event of the clock, between decisions, with a
+        function that returns the recording as if the run were cut off now.
 
     Returns
     -------
@@ -69,6 +73,10 @@ def simulate(
     setup = set_up(spec, environment, planning=planning)
     opened = nullcontext() if path is None else atomic_write(Path(path))
     with opened as file, closing(Simulation(setup, watch=watch, file=file)) as simulation:
+        if look is not None:
+            look(simulation.recording_so_far)
         while simulation.has_events():
             simulation.clock.step()
+            if look is not None:
+                look(simulation.recording_so_far)
         return simulation.finish()

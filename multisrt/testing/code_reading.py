@@ -6,15 +6,17 @@ import builtins
 import dis
 import functools
 import sys
-import sysconfig
 import types
 from collections import deque
 from collections.abc import Iterable, Iterator, Mapping
+from contextlib import suppress
+from importlib.util import resolve_name
 from itertools import pairwise
 from typing import Any, NamedTuple
 
 from multisrt.experiments.provenance import parts_behind
 from multisrt.robots.code_places import package_of
+from multisrt.robots.library_files import folders_above
 
 OwnCode = type | types.FunctionType
 """What is read of an explorer: its class, or the function that it asks where to go."""
@@ -26,11 +28,20 @@ _LOOKS_UP = (getattr, vars)
 _OPEN_TO_ALL = ("multisrt", "builtins", "gc", "inspect", "sys")
 """Packages whose modules lead to the truth by a text, whatever takes them as an argument."""
 
-_KEEPS = ("LOAD_ATTR", "LOAD_METHOD", "STORE_FAST", "STORE_DEREF", "STORE_GLOBAL", "POP_TOP")
-"""What is done to a module that no function is given."""
-
 _NO_LOADS = ("CACHE", "PRECALL", "NOP", "EXTENDED_ARG", "RESUME", "PUSH_NULL")
-_ALIKE = {"LOAD_FAST_CHECK": "LOAD_FAST"}
+_EQUIVALENT = {
+    "LOAD_NAME": "LOAD_GLOBAL",
+    "LOAD_DEREF": "LOAD_FAST",
+    "LOAD_FAST_CHECK": "LOAD_FAST",
+    "LOAD_FAST_AND_CLEAR": "LOAD_FAST",
+    "LOAD_METHOD": "LOAD_ATTR",
+    "STORE_DEREF": "STORE_FAST",
+    "STORE_GLOBAL": "POP_TOP",
+    "STORE_NAME": "POP_TOP",
+    "SET_ADD": "BUILD_SET",
+}
+"""Instructions that are read as others."""
+
 _PAIRS = {
     "LOAD_FAST_LOAD_FAST": ("LOAD_FAST", "LOAD_FAST"),
     "STORE_FAST_LOAD_FAST": ("STORE_FAST", "LOAD_FAST"),
@@ -66,14 +77,18 @@ class Named(NamedTuple):
 
 
 class _Step(NamedTuple):
-    # An instruction, in the words of Python 3.11.
+    # An instruction, as `_EQUIVALENT` and `_PAIRS` have it.
     operation: str
     argument: Any
     line: int | None
     is_called: bool = False
 
 
-_NO_STEP = _Step("", None, None)
+class _Loaded(NamedTuple):
+    # A value on the stack: what names it, what it is if that is known, and a constant.
+    name: str = ""
+    value: object = None
+    constant: Any = None
 
 
 def own_code_of(explorer: object) -> OwnCode:
@@ -177,50 +192,102 @@ def names_in_code(code: types.CodeType, known: Mapping[str, object]) -> Iterator
     Named
         What it names.
     """
-    name: str = ""
-    current: object = None
-    local: dict[str, object] = {}
-    source, module = "", None
-    for (operation, argument, line, is_called), after in pairwise([*_steps_of(code), _NO_STEP]):
-        before = current
-        if operation in ("LOAD_GLOBAL", "LOAD_NAME"):
-            name, current = argument, known.get(argument, getattr(builtins, argument, None))
-            yield Named(f"global {name!r}", current, code, line)
-            if _is_looked_up(before, current, after.operation):
-                yield Named(_look_up(before, name), BY_TEXT, code, line)
-        elif operation == "IMPORT_NAME":
-            name, current = argument, sys.modules.get(argument)
-            if current is None and _is_truth_module(argument):
-                current = types.ModuleType(argument)
-            source, module = name, current
-            yield Named(f"import of {source}", module, code, line)
-        elif operation == "IMPORT_FROM":
-            name, current = argument, getattr(module, argument, None)
-            yield Named(f"import of {source}.{name}", current, code, line)
-        elif operation in ("LOAD_ATTR", "LOAD_METHOD"):
-            if isinstance(current, types.ModuleType | type):
-                is_table = argument == "__dict__" and isinstance(current, types.ModuleType)
-                name = f"{name}.{argument}"
-                current = BY_TEXT if is_table else getattr(current, argument, None)
-            else:
-                name, current = f".{argument}", None
-            yield Named(name, current, code, line, is_called)
-        elif operation in ("BUILD_SET", "SET_ADD"):
-            yield Named("a set", set, code, line)
-            current = None
-        elif operation in ("STORE_FAST", "STORE_DEREF"):
-            local[argument], current = current, None
-        elif operation in ("LOAD_FAST", "LOAD_DEREF"):
-            name, current = argument, local.get(argument)
-            if _is_looked_up(before, current, after.operation):
-                yield Named(_look_up(before, name), BY_TEXT, code, line)
-        elif operation == "LOAD_CONST" and isinstance(argument, str):
-            # An attribute by its name, such as those that `operator.attrgetter` takes.
-            if all(part.isidentifier() for part in argument.split(".")):
-                yield Named(f".{argument}", None, code, line)
-            current = None
-        else:
-            current = None
+    reader = _Reader(known)
+    for step in _steps_of(code):
+        for name, value in reader.read(step):
+            yield Named(name, value, code, step.line, step.is_called)
+
+
+class _Reader:
+    """Follows values from loads to stores, instruction by instruction.
+
+    What any other instruction does to the stack does not matter: it uses up all that is loaded.
+    """
+
+    def __init__(self, known: Mapping[str, object]) -> None:
+        self._known = known
+        self._local: dict[str, object] = {}
+        self._stack: list[_Loaded] = []
+
+    def read(self, step: _Step) -> Iterator[tuple[str, object]]:
+        """Yield what an instruction names, as name and value."""
+        argument = step.argument
+        match step.operation:
+            case "LOAD_GLOBAL":
+                value = self._known.get(argument, getattr(builtins, argument, None))
+                self._stack.append(_Loaded(argument, value))
+                yield f"global {argument!r}", value
+            case "LOAD_FAST":
+                self._stack.append(_Loaded(argument, self._local.get(argument)))
+            case "LOAD_CONST":
+                self._stack.append(_Loaded(constant=argument))
+                # An attribute by its name, such as those that `operator.attrgetter` takes.
+                parts = argument.split(".") if isinstance(argument, str) else [""]
+                if all(map(str.isidentifier, parts)):
+                    yield f".{argument}", None
+            case "LOAD_ATTR":
+                self._stack.append(_attribute(self._pop(), argument))
+                yield self._stack[-1][:2]
+            case "IMPORT_NAME":
+                yield self._import(argument)
+            case "IMPORT_FROM":
+                source = self._stack[-1] if self._stack else _Loaded()
+                name = f"{source.name}.{argument}"
+                value = getattr(source.value, argument, sys.modules.get(name))
+                self._stack.append(_Loaded(name, value))
+                yield f"import of {name}", value
+            case "STORE_FAST":
+                self._local[argument] = self._pop().value
+            case "POP_TOP":
+                self._pop()
+            case "COPY" if argument <= len(self._stack):
+                self._stack.append(self._stack[-argument])
+            case "SWAP" if argument <= len(self._stack):
+                stack = self._stack
+                stack[-1], stack[-argument] = stack[-argument], stack[-1]
+            case operation:
+                if operation == "BUILD_SET":
+                    yield "a set", set
+                yield from self._looked_up()
+                self._stack.clear()
+
+    def _pop(self) -> _Loaded:
+        return self._stack.pop() if self._stack else _Loaded()
+
+    def _import(self, argument: str) -> tuple[str, object]:
+        # `import a.b` leaves `a` on the stack; only `from a.b import c` leaves `a.b`.
+        names, level = self._pop().constant, self._pop().constant
+        name = argument
+        if level:
+            with suppress(ImportError):
+                name = resolve_name("." * level + argument, str(self._known.get("__package__")))
+        module = _module(name)
+        bound = name if names else name.partition(".")[0]
+        self._stack.append(_Loaded(bound, module if names else _module(bound)))
+        return f"import of {name}", module
+
+    def _looked_up(self) -> Iterator[tuple[str, object]]:
+        # Modules that are given to a function that may take names as text, such as `getattr`.
+        for before, (name, value, _) in pairwise([_Loaded(), *self._stack]):
+            if not isinstance(value, types.ModuleType):
+                continue
+            if any(before.value is each for each in _LOOKS_UP):
+                yield f"{before.name}({name})", BY_TEXT
+            elif value.__name__.partition(".")[0] in _OPEN_TO_ALL:
+                yield f"{name} as an argument", BY_TEXT
+
+
+def _attribute(of: _Loaded, name: str) -> _Loaded:
+    if not isinstance(of.value, types.ModuleType | type):
+        return _Loaded(f".{name}")
+    is_table = name == "__dict__" and isinstance(of.value, types.ModuleType)
+    return _Loaded(f"{of.name}.{name}", BY_TEXT if is_table else getattr(of.value, name, None))
+
+
+def _module(name: str) -> types.ModuleType | None:
+    # A module as far as it is imported; one that knows the truth counts before that, too.
+    module = sys.modules.get(name)
+    return types.ModuleType(name) if module is None and _is_truth_module(name) else module
 
 
 def _steps_of(code: types.CodeType) -> Iterator[_Step]:
@@ -232,28 +299,17 @@ def _steps_of(code: types.CodeType) -> Iterator[_Step]:
         else:
             line = each.starts_line or line
         name = each.opname
+        # Python 3.11 has an instruction for methods, later versions a flag.
+        is_called = name == "LOAD_METHOD" or (name.endswith("_ATTR") and "NULL" in each.argrepr)
         if name in _PAIRS:  # two loads or stores in one instruction
             for operation, argument in zip(_PAIRS[name], each.argval, strict=True):
                 yield _Step(operation, argument, line)
+        elif name == "LOAD_SUPER_ATTR":  # a call of super, and an attribute of the result
+            yield _Step("CALL", None, line)
+            yield _Step("LOAD_ATTR", each.argval, line, is_called)
         elif name not in _NO_LOADS:
-            # Python 3.11 has an instruction for methods, later versions a flag.
-            is_called = name == "LOAD_METHOD" or (name == "LOAD_ATTR" and "NULL" in each.argrepr)
-            yield _Step(_ALIKE.get(name, name), each.argval, line, is_called)
-
-
-def _is_looked_up(before: object, value: object, after: str) -> bool:
-    # Whether a module is given to a function that may take names as text, such as `getattr`.
-    if not isinstance(value, types.ModuleType):
-        return False
-    if any(before is each for each in _LOOKS_UP):
-        return True
-    is_handed_on = after not in _KEEPS
-    return is_handed_on and value.__name__.partition(".")[0] in _OPEN_TO_ALL
-
-
-def _look_up(function: object, name: str) -> str:
-    is_known = any(function is each for each in _LOOKS_UP)
-    return f"{getattr(function, '__name__', '')}({name})" if is_known else f"{name} as an argument"
+            argument = each.arg if name in ("COPY", "SWAP") else each.argval
+            yield _Step(_EQUIVALENT.get(name, name), argument, line, is_called)
 
 
 def contents(cell: types.CellType) -> object:
@@ -319,8 +375,7 @@ def _attributes_in(code: types.CodeType) -> set[str]:
 def _is_installed(thing: OwnCode) -> bool:
     # Whether it is of an installed library, such as a model that is a policy.
     file = getattr(sys.modules.get(thing.__module__), "__file__", None) or ""
-    folders = {sysconfig.get_path("purelib"), sysconfig.get_path("platlib")}
-    return not isinstance(thing, types.FunctionType) and file.startswith(tuple(folders))
+    return not isinstance(thing, types.FunctionType) and bool(folders_above(file))
 
 
 def _is_truth_module(name: str | None) -> bool:

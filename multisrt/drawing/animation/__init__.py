@@ -4,7 +4,7 @@ One `scene.Scene` says what is shown when. `moving_svg` writes it as a document,
 pictures, and `video` makes films of them.
 """
 
-from multisrt.drawing.animation.saving import FORMATS, save_animation
+from multisrt.drawing.animation.saving import FORMATS, animation_svg, save_animation
 from multisrt.drawing.animation.scene import LAYERS
 
-__all__ = ["FORMATS", "LAYERS", "save_animation"]
+__all__ = ["FORMATS", "LAYERS", "animation_svg", "save_animation"]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Final, NamedTuple
 
@@ -39,6 +40,46 @@ FORMATS: Final[Mapping[str, Format]] = {
 
 Say = Callable[[int, int], None]
 """Is told how many pictures are done, and of how many."""
+
+
+def animation_svg(
+    recording: Recording,
+    *,
+    duration_s: float | None = None,
+    speed: float | None = None,
+    fps: float | None = None,
+    size: int | tuple[int, int] | None = None,
+    without: Collection[str] = (),
+) -> str:
+    """Return an animation of a run as SVG, which moves by itself.
+
+    Parameters
+    ----------
+    recording : Recording
+        The run.
+    duration_s, speed, fps, size, without
+        As for `multisrt.Run.animate`.
+
+    Returns
+    -------
+    str
+        An SVG document without scripts. Equal recordings give equal documents.
+
+    Raises
+    ------
+    InvalidInputError
+        If an argument is out of range, or the recording contradicts itself.
+
+    Examples
+    --------
+    >>> import multisrt as ms
+    >>> run = ms.explore("open", seed=1, max_time_s=10.0)
+    >>> animation_svg(run.recording, duration_s=5.0).count("<svg")
+    1
+    """
+    fps = FORMATS[".svg"].fps if fps is None else fps
+    pace = Pace.of(recording.footer.time_s, duration_s=duration_s, speed=speed, fps=fps)
+    return moving_svg(_scene(recording, pace, size, ".svg", without), description(recording))
 
 
 def save_animation(
@@ -87,28 +128,21 @@ def save_animation(
     """
     path = Path(path)
     suffix = require_format(path)
-    defaults = FORMATS[suffix]
-    fps = defaults.fps if fps is None else fps
-    if suffix != ".svg":
-        from multisrt.drawing.animation.video import ffmpeg, gif_fps
-
-        ffmpeg()
-        fps = gif_fps(fps) if suffix == ".gif" and fps > 0.0 else fps
-    width, height = size if isinstance(size, tuple) else (size or defaults.width, None)
-    scene = scene_of(
-        recording,
-        recording.environment(),
-        Pace.of(recording.footer.time_s, duration_s=duration_s, speed=speed, fps=fps),
-        width=width,
-        height=height,
-        without=without,
-    )
     if suffix == ".svg":
-        text = moving_svg(scene, description(recording))
+        text = animation_svg(
+            recording, duration_s=duration_s, speed=speed, fps=fps, size=size, without=without
+        )
         with atomic_write(path) as file:
             file.write(text.encode())
-    else:
-        _save_film(scene, path, suffix, say)
+        return
+    from multisrt.drawing.animation.video import ffmpeg, gif_fps
+
+    ffmpeg()
+    fps = FORMATS[suffix].fps if fps is None else fps
+    pace = Pace.of(recording.footer.time_s, duration_s=duration_s, speed=speed, fps=fps)
+    if suffix == ".gif":
+        pace = replace(pace, fps=gif_fps(fps))
+    _save_film(_scene(recording, pace, size, suffix, without), path, suffix, say)
 
 
 def require_format(path: Path) -> str:
@@ -126,6 +160,20 @@ def require_format(path: Path) -> str:
             f"animations are files of the formats {known}; {path} is none of these"
         )
     return suffix
+
+
+def _scene(
+    recording: Recording,
+    pace: Pace,
+    size: int | tuple[int, int] | None,
+    suffix: str,
+    without: Collection[str],
+) -> Scene:
+    given = FORMATS[suffix].width if size is None else size
+    width, height = given if isinstance(given, tuple) else (given, None)
+    return scene_of(
+        recording, recording.environment(), pace, width=width, height=height, without=without
+    )
 
 
 def _save_film(scene: Scene, path: Path, suffix: str, say: Say | None) -> None:

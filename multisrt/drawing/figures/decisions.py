@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import groupby
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from multisrt.analysis.decision_counts import DecisionRow, decision_rows
 from multisrt.drawing.colours import INK
@@ -93,9 +93,9 @@ def _write(ax: Axes, cells: Sequence[str], number: int, style: FigureStyle) -> l
     line_in = LINE_EM * style.small_pt / 72.0
     y = (0.8 if number == 0 else number + 1.0) * line_in
     weight = "bold" if number == 0 or len(cells) == 1 else "normal"
-    common = {"va": "center_baseline", "fontsize": style.small_pt, "fontweight": weight}
+    common: dict[str, Any] = {"va": "center_baseline", "fontsize": style.small_pt}
     return [
-        ax.text(0.0, y, text, ha="left" if k < 2 else "right", **common)
+        ax.text(0.0, y, text, ha="left" if k < 2 else "right", weight=weight, **common)
         for k, text in enumerate(cells)
     ]
 

@@ -122,7 +122,7 @@ def _bar(figure: Figure, image: Any, axes: Sequence[Axes], label: str, whole: bo
     bar = figure.colorbar(
         image, ax=axes, location="bottom", label=label, fraction=0.05, aspect=40.0, pad=0.03
     )
-    bar.outline.set_linewidth(0.4)  # type: ignore[operator]
+    bar.outline.set_linewidth(0.4)
     if isinstance(image.norm, BoundaryNorm):
         bar.set_ticks(np.arange(1.0, image.norm.boundaries[-1]).tolist())
         bar.minorticks_off()

@@ -293,9 +293,9 @@ def require_fit(name: str, runs: Sequence[Recording], given: FigureOptions) -> N
     default = FigureOptions()
     for option, words in _NAMES.items():
         if getattr(given, option) != getattr(default, option) and option not in kind.options:
-            others = " and ".join(kind for kind, own in KINDS.items() if option in own.options)
+            others = ", ".join(kind for kind, own in KINDS.items() if option in own.options)
             raise InvalidInputError(
-                f"a figure of kind {name} does not depend on {words}, only {others}"
+                f"a figure of kind {name} does not depend on {words}; these do: {others}"
             )
     team = max(len(run.spec.robots) for run in runs)
     for robot in given.robots:

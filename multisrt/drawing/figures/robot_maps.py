@@ -138,7 +138,7 @@ def draw_pose(ax: Axes, robot: int, pose: Sequence[float]) -> None:
     x, y, heading = map(float, pose)
     colour = RobotStyles.of(robot).edge.stroke
     marker = (3, 0, math.degrees(heading) - 90.0)
-    drawn = {"markersize": 6.0, "markeredgecolor": "black", "markeredgewidth": 0.5}
+    drawn: dict[str, Any] = {"markersize": 6.0, "markeredgecolor": "black", "markeredgewidth": 0.5}
     ax.plot(x, y, marker=marker, color=colour, zorder=3.0, **drawn)
 
 

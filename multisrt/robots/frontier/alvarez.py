@@ -14,7 +14,7 @@ known area, and the path to that place is the shortest one, not one from cell to
   swap forever.
 - A cell counts as inaccessible once every robot that is present (`Teammates.present`) has found
   it so, not every robot of the team. Robots also report the places at the edge of the known area
-  that they reached in vain.
+  that they reached without result.
 - A robot that was stuck goes to a random place (proposed in the thesis as future work).
 """
 
@@ -327,7 +327,7 @@ def agreed(robot: FrontierRobot) -> list[Place]:
 def tell_inaccessible(
     robot: FrontierRobot, cells: list[Place], tried: tuple[Place, ...]
 ) -> Generator[Action, Outcome, None]:
-    """INACCESSIBLE CELLS: report cells to which no path leads, and places tried in vain."""
+    """INACCESSIBLE CELLS: report cells to which no path leads, and places tried without result."""
     team, me = robot.team, robot.me.robot
     new = [cell for cell in cells if me not in team.cells.inaccessible.get(cell, {})]
     for cell in new:

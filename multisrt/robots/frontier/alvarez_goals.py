@@ -115,7 +115,7 @@ def take_survey(
     robot : FrontierRobot
         The robot. In `around_bodies`, bodies in its way are obstacles too.
     tried : iterable of (x, y)
-        Places at the edge of the known area that were tried in vain.
+        Places at the edge of the known area that were tried without result.
     inaccessible : iterable of (x, y)
         Cells of the search that all robots found inaccessible; they are obstacles.
     """

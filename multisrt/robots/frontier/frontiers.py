@@ -117,7 +117,7 @@ class Frontiers:
     def note_reached(self, place: Place, at: Place) -> None:
         """Record that a goal counts as reached with the robot at `at`.
 
-        If it is still a frontier, it was reached in vain: it is given up if the robot stands
+        If it is still a frontier, it was reached without result: it is given up if the robot stands
         there, and otherwise can be reached only by driving all the way.
         """
         if not self.is_frontier(*place):

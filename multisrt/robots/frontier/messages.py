@@ -160,7 +160,7 @@ class InaccessibleMessage(Message, frozen=True, kw_only=True):
     cells : tuple of (x, y)
         Their centres.
     tried : tuple of (x, y)
-        Places at the edge of the known area that it reached, or could not reach, in vain.
+        Places at the edge of the known area that it reached without result, or could not reach.
     radius_m : float
         Radius of its body in metres: no larger robot need try there.
     """

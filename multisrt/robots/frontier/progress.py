@@ -184,7 +184,7 @@ class Standstill:
 
 
 class Progress:
-    """The state of one robot, and what it has tried in vain.
+    """The state of one robot, and its failed attempts.
 
     Parameters
     ----------

@@ -189,7 +189,7 @@ class FrontierRobot:
         """Whether a goal counts as reached from where the robot stands.
 
         That is so, by the option `reached`, if it is in sight within half the range, and was not
-        already seen from afar in vain.
+        already seen from afar without result.
         """
         if self.options.reached == "cell" or self.frontiers.was_seen_in_vain(goal.place):
             return False

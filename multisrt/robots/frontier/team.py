@@ -74,7 +74,7 @@ class Team(Listener):
     bodies : Bodies
         The bodies in its way; those that are heard from are no longer lost.
     frontiers : Frontiers
-        Its targets; places that others tried in vain are given up.
+        Its targets; places that others tried without result are given up.
 
     Attributes
     ----------

@@ -153,7 +153,7 @@ class Progress:
         return State.CROWDED if self.setbacks >= self._options.crowded_after else State.CLEAR
 
     def begin_step(self) -> None:
-        """Begin a step: no member of its group has been asked in vain yet."""
+        """Begin a step: no member of its group has been asked without success yet."""
         self._rounds = 0
 
     def has_asked_enough(self) -> bool:

@@ -197,7 +197,7 @@ class Team(Listener):
             entries = self._entries.missing_from({**known, self.number: self._told})
             self._told = known.get(self.number, (0, 0))
         # A robot that asks may have been out of reach: it receives the states of the whole group.
-        # Where nobody relays, robots always report one another.
+        # Without relays, robots always report one another.
         relayed = self.hears_all or (to is None and self.me.radio.multi_hop)
         others = () if relayed else self.roster.vouched(self.companions)
         yield Send(

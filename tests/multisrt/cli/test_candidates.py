@@ -1,5 +1,4 @@
-from multisrt.cli.candidates import FAULT_KINDS
-from multisrt.cli.reproduce import PAPERS
+from multisrt.cli.candidates import FAULT_KINDS, PAPERS
 from multisrt.cli.run_options import DEFAULT_STRATEGY, FAULTS
 from multisrt.presets import PRESETS
 from multisrt.spec import CatalogEnvironment, RunSpec

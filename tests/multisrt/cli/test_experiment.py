@@ -395,7 +395,7 @@ def test_run_with_real_workers(folder):
         start_new_session=True,
     )
     try:
-        deadline = time.monotonic() + 60.0
+        deadline = time.monotonic() + 300.0
         while time.monotonic() < deadline and not _done(folder / "small.sqlite"):
             time.sleep(0.05)
         os.killpg(first.pid, signal.SIGINT)

@@ -1,7 +1,10 @@
 import itertools
 import math
+import os
 import resource
 import signal
+import subprocess
+import sys
 import time
 from pathlib import Path
 from typing import Any
@@ -17,6 +20,7 @@ from multisrt.experiments import limits as limits_module
 from multisrt.experiments.crossing import PlannedRun, runs
 from multisrt.experiments.mission import make_run, world_of
 from multisrt.experiments.spec import ExperimentSpec, Limits, StartsChoice
+from multisrt.experiments.worker import THREADS
 from multisrt.recording import Recording
 from multisrt.robots.registry import _registry
 from multisrt.robots.strategy import Strategy
@@ -232,6 +236,56 @@ def test_runs_over_their_memory_are_given_up(register, wrapped):
 
     result = make_run(register(eat), Limits(memory_mb=100))
     assert (result.status, result.reason) == ("over_memory", "wants more than 100 MB")
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="a clock of Linux")
+def test_the_kernels_limit_is_set_by_the_clock_that_it_counts(monkeypatch):
+    soft: dict[int, int] = {}
+    monkeypatch.setattr(limits_module, "_set_soft", soft.__setitem__)
+    monkeypatch.setattr(limits_module, "charged_s", lambda: 5000.0)  # far ahead of the exact one
+    with limits_module.within(Limits(computing_s=2.5)):
+        pass
+    assert soft[resource.RLIMIT_CPU] == 5000 + 3 + limits_module.GRACE_S
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="a clock of Linux")
+def test_the_limits_clock_is_that_of_the_profiling_timer():
+    def passed(seconds):
+        alarms = []
+        before = signal.signal(signal.SIGPROF, lambda *_: alarms.append(0))
+        begin = limits_module.charged_s()
+        signal.setitimer(signal.ITIMER_PROF, seconds)
+        while not alarms:
+            math.sqrt(2.0)
+        signal.signal(signal.SIGPROF, before)
+        return limits_module.charged_s() - begin
+
+    assert 0.1 <= passed(0.1) < 0.2
+
+
+LATE = """
+import os, signal
+from multisrt.experiments.limits import within
+from multisrt.experiments.spec import Limits
+
+late = {signal.SIGPROF, signal.SIGALRM}
+signal.pthread_sigmask(signal.SIG_BLOCK, late)
+with within(Limits(computing_s=100.0)):
+    for number in late:
+        os.kill(os.getpid(), number)
+    print(signal.sigpending() == late)
+signal.pthread_sigmask(signal.SIG_UNBLOCK, late)
+print("goes on")
+"""
+"""Signals that are pending when a run ends, as where a thread that should take them has to wait."""
+
+
+@pytest.mark.slow
+def test_a_signal_that_comes_late_ends_nothing():
+    alone = os.environ | dict.fromkeys(THREADS, "1")  # no thread but the one that blocks them
+    program = [sys.executable, "-c", LATE]
+    ended = subprocess.run(program, env=alone, capture_output=True, text=True)
+    assert (ended.returncode, ended.stdout) == (0, "True\ngoes on\n")
 
 
 def test_limits_end_with_the_run(register):

@@ -1,4 +1,4 @@
-"""Ways through known worlds against shortest paths of an independent search."""
+"""Paths through known worlds against shortest paths of an independent search."""
 
 import itertools
 import math

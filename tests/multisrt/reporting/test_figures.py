@@ -14,6 +14,7 @@ from matplotlib.patches import PathPatch
 
 import multisrt as ms
 from multisrt.drawing.colours import INK
+from multisrt.drawing.looks import look_of
 from multisrt.experiments.crossing import Condition
 from multisrt.experiments.measures import measure_named
 from multisrt.experiments.provenance import provenance
@@ -21,7 +22,6 @@ from multisrt.experiments.results import Result, Results
 from multisrt.experiments.spec import ExperimentSpec
 from multisrt.reporting import figures, overall_figures
 from multisrt.reporting.study import Study
-from multisrt.reporting.style import look_of
 
 TIME, COVERAGE = measure_named("known_complete_s"), measure_named("coverage")
 TIMES: dict[tuple[str, int], list[float | None]] = {

@@ -56,6 +56,19 @@ def by_importing(self):
     import_module("multisrt.environments.catalog")
 
 
+def by_a_module_imported_by_its_full_name(self):
+    import multisrt.robots
+
+    yield Sense()
+    vars(multisrt)["environment"]("open")
+
+
+def by_a_module_of_several_in_variables(self):
+    numbers, module = np, ms
+    yield Sense()
+    getattr(module, "environment")(numbers.hypot(1.0, 2.0))  # noqa: B009
+
+
 def by_an_attribute_getter(self):
     yield Sense()
     attrgetter("environment")(ms)("open")
@@ -92,6 +105,8 @@ def by_the_text_of_a_frame(self):
         (by_the_text_of_a_frame, ".gi_frame.f_back.f_locals"),
         (by_text, "getattr(ms)"),
         (by_a_module_in_a_variable, "vars(module)"),
+        (by_a_module_imported_by_its_full_name, "vars(multisrt)"),
+        (by_a_module_of_several_in_variables, "getattr(module)"),
         (by_the_table_of_a_module, "ms.__dict__"),
         (by_another_name_of_sys, "system.modules"),
         (by_its_own_globals, "globals"),
@@ -201,6 +216,41 @@ def test_all_names_of_an_import_in_a_function_are_read():
     named = {name for name, *_ in names_in_code(act.__code__, globals())}
     places = {f"import of multisrt.environments.catalog.{n}" for n in ("names", "environment")}
     assert places < named
+
+
+def test_names_of_modules_that_a_function_imports():
+    def act(self):
+        import multisrt.robots
+        import multisrt.robots.toolkit as kit
+
+        one, other = kit, ms
+        yield one.assignment, other.environment, multisrt.environment, multisrt.robots.toolkit
+        if (again := ms) is not None:
+            yield again.RunSpec
+
+    named = {name: value for name, value, *_ in names_in_code(act.__code__, globals())}
+    assert named["import of multisrt.robots.toolkit"] is system.modules["multisrt.robots.toolkit"]
+    assert named["one.assignment"] is assignment
+    assert named["other.environment"] is named["multisrt.environment"] is ms.environment
+    assert named["multisrt.robots.toolkit"] is system.modules["multisrt.robots.toolkit"]
+    assert named["again.RunSpec"] is ms.RunSpec
+
+
+def test_names_of_relative_imports():
+    home: dict[str, Any] = {"__package__": "multisrt.robots"}
+    exec("def act():\n    from . import policy\n    from ..testing import check\n", home)
+    named = {name: value for name, value, *_ in names_in_code(home["act"].__code__, home)}
+    assert named["import of multisrt.robots.policy"] is system.modules["multisrt.robots.policy"]
+    assert named["import of multisrt.testing.check"] is ms.testing.check
+
+
+def test_a_module_in_a_tuple_that_is_taken_apart_is_no_argument():
+    def act(self):
+        yield Sense()
+        numbers, library = np, ms
+        return numbers.hypot(1.0, 2.0), library.RobotSpec
+
+    assert not back_door(acting(act))
 
 
 def test_weights_may_be_read_where_an_explorer_is_built():

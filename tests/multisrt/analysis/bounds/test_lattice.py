@@ -1,4 +1,4 @@
-"""Ways through cells against visibility graphs; touched cells and areas against shapely."""
+"""Paths through cells against visibility graphs; touched cells and areas against shapely."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""Ways of robots are drawn where the robots were, with few points."""
+"""Paths of robots are drawn where the robots were, with few points."""
 
 import numpy as np
 from hypothesis import given, settings

@@ -1,4 +1,4 @@
-"""Ways through the known space where the roadmap has none: round bodies, and from tree to tree."""
+"""Paths through the known space where the roadmap has none: round bodies, and from tree to tree."""
 
 import math
 

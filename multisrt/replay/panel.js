@@ -1,0 +1,153 @@
+// The side of the page: the chosen robot and why it decided, layers, events, about.
+
+const EVENTS_SHOWN = 9;
+
+const LAYERS = [
+  ["truth", "World (truth)"],
+  ["seen", "Seen by scans"],
+  ["regions", "Safe regions"],
+  ["trees", "Trees"],
+  ["bridges", "Bridges"],
+  ["paths", "Paths"],
+  ["frontier", "Frontier"],
+  ["goals", "Goals"],
+  ["bodies", "Bodies"],
+  ["groups", "Groups (GPR, GER)"],
+  ["masters", "Masters"],
+  ["links", "Radio links"],
+  ["messages", "Messages"],
+  ["stops", "Protective stops"],
+];
+
+class Panel {
+  constructor(player) {
+    this.player = player;
+    this.node = null;
+    this.eventsKey = null;
+    const { runs } = player;
+    this.fillRuns(runs);
+    this.fillLayers();
+    this.fillAbout(runs);
+    if (matchMedia("(max-width: 52rem)").matches) {
+      for (const name of ["layers", "events"]) byId(`fold-${name}`).open = false;
+    }
+    for (const name of ["robot", "events"]) byId(`fold-${name}`).addEventListener("toggle", () => this.update());
+  }
+
+  fillRuns(runs) {
+    const select = byId("run");
+    runs.forEach((run, number) => select.append(make("option", { value: number, textContent: `${number + 1}: ${run.title}` })));
+    byId("which-run").hidden = runs.length < 2;
+    select.addEventListener("change", () => this.player.choose(Number(select.value), this.player.robot));
+    byId("robot").addEventListener("change", (event) => this.player.choose(this.player.run, Number(event.target.value)));
+  }
+
+  fillRobots() {
+    const select = byId("robot"), { count } = this.player.chosen;
+    if (select.length === count + 1) return;
+    select.replaceChildren(make("option", { value: TEAM, textContent: "the team" }));
+    for (let robot = 0; robot < count; robot++) select.append(make("option", { value: robot, textContent: `robot ${robot}` }));
+  }
+
+  fillLayers() {
+    for (const [name, title] of LAYERS) {
+      const box = make("input", { type: "checkbox", name, checked: this.player.layers.has(name) });
+      box.addEventListener("change", () => this.player.toggle(name, box.checked));
+      byId("layers").append(make("label", {}, box, make("span", { textContent: title })));
+    }
+  }
+
+  fillAbout(runs) {
+    const about = byId("about");
+    for (const run of runs) {
+      const { outcome, reason, digest, made } = run.packed;
+      about.append(make("p", { textContent: `${run.title}: ${run.count} robots, ${outcome} after ${run.end.toFixed(1)} s (${reason}).` }));
+      about.append(make("p", { textContent: `Made by multisrt ${made}, digest ${digest}.` }));
+      if (!run.links) about.append(make("p", { textContent: "The radio reaches everywhere: no links are drawn." }));
+      if (!run.scans) about.append(make("p", { textContent: "The recording has no scans: what was seen is not known." }));
+    }
+    for (const note of this.player.notes) about.append(make("p", { textContent: note }));
+  }
+
+  update() {
+    const { player } = this;
+    this.fillRobots();
+    byId("run").value = player.run;
+    byId("robot").value = player.robot;
+    for (const box of byId("layers").querySelectorAll("input")) box.checked = player.layers.has(box.name);
+    if (byId("fold-robot").open) this.tell();
+    if (byId("fold-events").open) this.list();
+  }
+
+  tell() {
+    const { chosen, robot } = this.player, time = this.player.timeOf(chosen), why = byId("why");
+    const text = robot === TEAM
+      ? "Choose a robot, here, by its number on the keyboard or by a click on the map: its own map is shown, and why it decided as it did."
+      : chosen.why(robot, time);
+    if (why.textContent !== text) why.textContent = text;
+    this.tellNode(chosen, time);
+  }
+
+  tellNode(run, time) {
+    const element = byId("node"), { nodes } = run, node = this.node;
+    element.hidden = node === null;
+    if (node === null || this.toldNode === node) return;
+    this.toldNode = node;
+    const parent = nodes.parent[node] < 0 ? "a root" : `its parent is node ${nodes.serial[nodes.parent[node]]} of robot ${nodes.robot[nodes.parent[node]]}`;
+    const text = `Node ${nodes.serial[node]} of robot ${nodes.robot[node]} at (${nodes.x[node].toFixed(2)}, ${nodes.y[node].toFixed(2)}): added at ${nodes.t[node].toFixed(2)} s, found by: ${nodes.stage[node]}; ${parent}.`;
+    const known = [];
+    for (let robot = 0; robot < run.count; robot++) {
+      const since = run.knownBy(robot).since[node];
+      if (robot !== nodes.robot[node] && since < Infinity) known.push(`${robot} (${since.toFixed(1)} s)`);
+    }
+    const others = `Known to robots: ${known.slice(0, 12).join(", ") || "no other"}${known.length > 12 ? `, and ${known.length - 12} more` : ""}.`;
+    const decision = this.decisionFor(run, node);
+    const go = make("button", { type: "button", textContent: decision === null ? "Go to its time" : "Why it went there" });
+    go.addEventListener("click", () => this.player.seek(decision === null ? nodes.t[node] : decision));
+    const close = make("button", { type: "button", textContent: "Close" });
+    close.addEventListener("click", () => this.showNode(null));
+    element.replaceChildren(make("p", { textContent: text }), make("p", { textContent: others }), go, " ", close);
+  }
+
+  // The time of the decision after which a robot came to a node.
+  decisionFor(run, node) {
+    if (!run.explanations) return null;
+    const { log } = run, by = log.by[run.nodes.robot[node]];
+    const isChoice = (row) => ["decision", "goal_chosen", "decided"].includes(log.kinds[log.kind[row]]);
+    for (let k = lastBy(by.t, run.nodes.t[node] - 0.0005); k >= 0; k--) if (isChoice(by.rows[k])) return by.t[k];
+    return null;
+  }
+
+  showNode(node) {
+    this.node = node;
+    this.toldNode = null;
+    this.update();
+  }
+
+  // The events about the present time, those of the chosen robot if there is one.
+  list() {
+    const { chosen, robot } = this.player, { log } = chosen, time = this.player.timeOf(chosen);
+    const own = robot === TEAM ? { t: log.t, rows: null } : log.by[robot];
+    const at = lastBy(own.t, time + 1e-9), first = Math.max(0, Math.min(at - 4, own.t.length - EVENTS_SHOWN));
+    const key = `${this.player.run} ${robot} ${first} ${at}`;
+    if (key === this.eventsKey) return;
+    this.eventsKey = key;
+    const items = [];
+    for (let k = first; k < Math.min(own.t.length, first + EVENTS_SHOWN); k++) {
+      const row = own.rows ? own.rows[k] : k;
+      const said = `robot ${log.robot[row]}: ${log.texts[log.text[row]]}`;
+      const button = make("button", { type: "button" }, make("span", { className: "time", textContent: log.t[row].toFixed(2) }), make("span", { textContent: said }));
+      button.addEventListener("click", () => this.player.goTo(this.player.run, row));
+      const item = make("li", {}, button);
+      if (k === at) item.setAttribute("aria-current", "true");
+      items.push(item);
+    }
+    const focused = [...byId("events").children].findIndex((item) => item.contains(document.activeElement));
+    byId("events").replaceChildren(...items);
+    if (focused >= 0 && items[focused]) items[focused].firstChild.focus();
+  }
+}
+
+function byId(id) {
+  return document.getElementById(id);
+}

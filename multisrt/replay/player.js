@@ -1,0 +1,294 @@
+// The clock of all runs, what is chosen, and the controls.
+
+const PACES = [0.5, 1, 2, 5, 10, 20, 50, 100];
+const PANEL_MS = 150; // between two updates of texts while it plays
+const DIGITS_MS = 700; // in which a second digit belongs to the first
+
+class Player {
+  constructor(data, colours) {
+    this.runs = data.runs.map((packed) => new Run(packed));
+    this.notes = data.notes;
+    this.colours = colours;
+    this.end = Math.max(...this.runs.map((run) => run.end));
+    this.time = 0;
+    this.pace = 10;
+    this.isPlaying = false;
+    this.run = 0;
+    this.robot = TEAM;
+    this.layers = new Set(LAYERS.map(([name]) => name).filter((name) => name !== "groups" || this.runs.length === 1));
+    this.isStill = matchMedia("(prefers-reduced-motion: reduce)").matches;
+    this.frames = [];
+    this.whenSettled = () => {};
+    const stage = byId("stage");
+    this.views = this.runs.map((run, number) => new View(run, number, this));
+    stage.append(...this.views.map((view) => view.element));
+    stage.classList.toggle("several", this.runs.length > 1);
+    this.lines = new Lines(this, byId("curves"), byId("strips"));
+    this.panel = new Panel(this);
+    this.listen();
+    colours.whenChanged = () => this.recolour();
+    this.recolour();
+    this.update();
+  }
+
+  get chosen() {
+    return this.runs[this.run];
+  }
+
+  // The robot whose map is shown of a run.
+  robotOf(run) {
+    return this.robot < run.count ? this.robot : TEAM;
+  }
+
+  timeOf(run) {
+    return Math.min(this.time, run.end);
+  }
+
+  listen() {
+    byId("play").addEventListener("click", () => this.playOrPause());
+    byId("previous").addEventListener("click", () => this.step(-1));
+    byId("next").addEventListener("click", () => this.step(1));
+    const scrub = byId("scrub");
+    scrub.max = this.end;
+    scrub.step = "any";
+    scrub.addEventListener("input", () => this.seek(Number(scrub.value)));
+    const speed = byId("speed");
+    for (const pace of PACES) speed.append(make("option", { value: pace, textContent: `${pace}\u00d7` }));
+    speed.addEventListener("change", () => this.setPace(Number(speed.value)));
+    byId("theme").addEventListener("click", () => this.colours.set(!this.colours.isDark));
+    byId("help").addEventListener("click", () => byId("keys").showModal());
+    addEventListener("keydown", (event) => this.press(event));
+  }
+
+  press(event) {
+    const { key, target } = event;
+    if (event.ctrlKey || event.metaKey || event.altKey || byId("keys").open) return;
+    const isChoice = target instanceof HTMLSelectElement;
+    if (isChoice || (key === " " && (target instanceof HTMLButtonElement || target.tagName === "SUMMARY" || target.type === "checkbox"))) return;
+    const act = this.keys()[event.shiftKey && key.startsWith("Arrow") ? `Shift${key}` : key];
+    if (act) act();
+    else if (/^[0-9]$/.test(key)) this.digit(key);
+    else return;
+    event.preventDefault();
+  }
+
+  keys() {
+    return {
+      " ": () => this.playOrPause(),
+      ArrowLeft: () => this.step(-1),
+      ArrowRight: () => this.step(1),
+      ShiftArrowLeft: () => this.seek(this.time - 1),
+      ShiftArrowRight: () => this.seek(this.time + 1),
+      Home: () => this.seek(0),
+      End: () => this.seek(this.end),
+      "+": () => this.faster(1),
+      "=": () => this.faster(1),
+      "-": () => this.faster(-1),
+      Escape: () => this.choose(this.run, TEAM),
+      z: () => this.views.forEach((view) => view.showWhole()),
+      d: () => this.colours.set(!this.colours.isDark),
+      f: () => this.showRate(byId("rate").hidden),
+      "?": () => byId("keys").showModal(),
+    };
+  }
+
+  digit(key) {
+    const now = performance.now();
+    const both = this.digits && now - this.digits.at < DIGITS_MS ? this.digits.text + key : key;
+    const text = Number(both) < this.chosen.count ? both : key;
+    this.digits = { text, at: now };
+    if (Number(text) < this.chosen.count) this.choose(this.run, Number(text));
+    else this.say(`there is no robot ${text}`);
+  }
+
+  playOrPause() {
+    if (this.isPlaying) this.pause();
+    else this.play();
+  }
+
+  play() {
+    if (this.time >= this.end) this.time = 0;
+    this.isPlaying = true;
+    this.last = null;
+    this.showPlaying();
+    this.redraw();
+  }
+
+  pause() {
+    this.isPlaying = false;
+    this.showPlaying();
+    this.say(`paused at ${this.time.toFixed(2)} s`);
+    this.update();
+  }
+
+  showPlaying() {
+    const button = byId("play");
+    byId("play-icon").setAttribute("d", this.isPlaying ? "M3 2h4v12H3zM9 2h4v12H9z" : "M4 2l10 6-10 6z");
+    button.setAttribute("aria-label", this.isPlaying ? "Pause" : "Play");
+  }
+
+  seek(time) {
+    this.time = Math.max(0, Math.min(this.end, time));
+    this.update();
+  }
+
+  setPace(pace) {
+    this.pace = pace;
+    byId("speed").value = pace;
+    this.whenSettled();
+  }
+
+  faster(by) {
+    const now = PACES.indexOf(this.pace);
+    this.setPace(PACES[Math.max(0, Math.min(PACES.length - 1, now + by))]);
+    this.say(`speed ${this.pace}`);
+  }
+
+  // Events of a run that are stepped through: those of the chosen robot, or all.
+  eventsOf(run) {
+    const robot = this.robotOf(run);
+    return robot === TEAM ? { t: run.log.t, rows: null } : run.log.by[robot];
+  }
+
+  // How many events of each run lie behind; `shown` is the run of the last of them.
+  positions(direction) {
+    const key = `${this.time} ${this.robot}`;
+    if (this.steps && this.steps.key === key) return this.steps;
+    const behind = this.runs.map((run) => {
+      const { t } = this.eventsOf(run);
+      if (direction > 0) return this.time === 0 ? 0 : lastBy(t, this.time) + 1;
+      let k = lastBy(t, this.time) + 1;
+      while (k > 0 && t[k - 1] >= this.time) k--;
+      return k;
+    });
+    return { behind, shown: null };
+  }
+
+  // The next or previous event of the chosen robot, or of any robot of any run.
+  step(direction) {
+    if (this.isPlaying) this.pause();
+    const { behind, shown } = this.positions(direction);
+    let best = null;
+    this.runs.forEach((run, number) => {
+      const { t, rows } = this.eventsOf(run);
+      const k = direction > 0 ? behind[number] : behind[number] - (shown === number ? 2 : 1);
+      if (k < 0 || k >= t.length) return;
+      if (!best || direction * (t[k] - best.t) < 0) best = { t: t[k], number, k, row: rows ? rows[k] : k };
+    });
+    if (!best) {
+      this.say(direction > 0 ? "no later event" : "no earlier event");
+      return;
+    }
+    if (direction < 0 && shown !== null && shown !== best.number) behind[shown]--;
+    behind[best.number] = best.k + 1;
+    this.show(best.number, best.row, behind);
+  }
+
+  goTo(number, row) {
+    this.time = this.runs[number].log.t[row];
+    const { behind } = this.positions(1), { rows } = this.eventsOf(this.runs[number]);
+    behind[number] = (rows ? rows.indexOf(row) : row) + 1;
+    this.show(number, row, behind);
+  }
+
+  show(number, row, behind) {
+    const run = this.runs[number];
+    this.seek(run.log.t[row]);
+    this.steps = { behind, shown: number, key: `${this.time} ${this.robot}` };
+    this.say((this.runs.length > 1 ? `${run.title}: ` : "") + run.said(row));
+  }
+
+  choose(number, robot) {
+    this.run = number;
+    this.robot = robot < this.runs[number].count ? robot : TEAM;
+    if (this.panel.node !== null) this.panel.showNode(null);
+    this.update();
+  }
+
+  pick(number, found) {
+    if (!found) {
+      this.choose(number, this.robot);
+      return;
+    }
+    this.choose(number, found.robot);
+    this.panel.showNode(found.node === undefined ? null : found.node);
+    byId("fold-robot").open = true;
+  }
+
+  toggle(name, isOn) {
+    if (isOn) this.layers.add(name);
+    else this.layers.delete(name);
+    this.update();
+  }
+
+  say(text) {
+    byId("said").textContent = text;
+  }
+
+  recolour() {
+    const button = byId("theme");
+    button.setAttribute("aria-pressed", String(this.colours.isDark));
+    this.lines.redraw();
+    this.redraw();
+  }
+
+  // Show what has changed, at once in texts and on the maps in the next frame.
+  update() {
+    this.tell();
+    this.redraw();
+    if (!this.isPlaying) this.whenSettled();
+  }
+
+  tell() {
+    byId("scrub").value = this.time;
+    byId("scrub").setAttribute("aria-valuetext", `${this.time.toFixed(1)} s of ${this.end.toFixed(1)} s`);
+    byId("clock").textContent = `${this.time.toFixed(1)} / ${this.end.toFixed(1)} s`;
+    this.views.forEach((view, number) => view.element.classList.toggle("chosen", this.runs.length > 1 && number === this.run));
+    this.lines.follow(this.time);
+    this.lines.say(this.time);
+    this.panel.update();
+    this.told = performance.now();
+  }
+
+  redraw() {
+    if (this.isWaiting) return;
+    this.isWaiting = true;
+    requestAnimationFrame((now) => this.frame(now));
+  }
+
+  frame(now) {
+    this.isWaiting = false;
+    if (this.isPlaying) {
+      if (this.last !== null) this.time = Math.min(this.end, this.time + (this.pace * Math.min(250, now - this.last)) / 1000);
+      this.last = now;
+    }
+    let isDone = true;
+    for (const view of this.views) isDone = view.draw(this.timeOf(view.run)) && isDone;
+    if (this.isPlaying) {
+      this.lines.follow(this.time);
+      byId("clock").textContent = `${this.time.toFixed(1)} / ${this.end.toFixed(1)} s`;
+      if (now - this.told > PANEL_MS) this.tell();
+      if (this.time >= this.end) this.pause();
+    }
+    this.count(now);
+    this.isComplete = isDone;
+    if (this.isPlaying || !isDone) this.redraw();
+  }
+
+  showRate(isShown) {
+    byId("rate").hidden = !isShown;
+    this.tellRate();
+    this.redraw();
+  }
+
+  // Frames in the last second.
+  count(now) {
+    this.frames.push(now);
+    while (this.frames[0] < now - 1000) this.frames.shift();
+    if (!byId("rate").hidden) this.tellRate();
+  }
+
+  tellRate() {
+    byId("rate").textContent = `${this.frames.length} frames/s`;
+  }
+}

@@ -1,0 +1,72 @@
+"""Reports on kernels that are compiled, in a cache of their own."""
+
+import ast
+import os
+import subprocess
+import sys
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+
+from multisrt.geometry.numerics.compilation import watch_compilation
+from multisrt.geometry.numerics.kernel import declared_kernels, kernel
+
+COUNTED = """
+import numpy as np
+from multisrt.geometry.numerics.compilation import watch_compilation
+counts = []
+with watch_compilation(lambda *count: counts.append(count)):
+    from multisrt.geometry.regions.edge_index import EdgeIndex, no_edge_within
+    walls = EdgeIndex(np.array([[0.0, 0.0, 1.0, 0.0]]), 1.0)
+    assert no_edge_within(0.5, 0.3, 0.6, 0.3, 0.2, walls.grid)
+    within = list(counts)
+    no_edge_within(0.5, 0.3, 0.6, 0.3, 0.2, walls.grid)
+assert within == counts
+print(counts)
+"""
+
+
+def counted(cache: Path) -> list[tuple[int, int]]:
+    done = subprocess.run(
+        [sys.executable, "-c", COUNTED],
+        env=os.environ | {"NUMBA_CACHE_DIR": str(cache)},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    found: list[tuple[int, int]] = ast.literal_eval(done.stdout)
+    return found
+
+
+@pytest.mark.slow
+def test_kernels_are_counted_in_a_fresh_cache_and_then_not(tmp_path):
+    counts = counted(tmp_path)
+    dones = [done for done, _ in counts]
+    assert dones[0] == 0
+    assert dones == sorted(dones)
+    assert {b - a for a, b in pairwise(dones)} <= {0, 1}
+    # One report before and one after each compilation.
+    assert len(counts) == 2 * dones[-1] > 4
+    assert all(done <= about for done, about in counts)
+    assert counts[0][1] > 1
+    assert counted(tmp_path) == []
+    # One of them is missing again; it is about half of a run's.
+    (removed,) = tmp_path.rglob("*.no_edge_within-*.nbi")
+    removed.unlink()
+    assert [done for done, _ in counted(tmp_path)] == [0, 1]
+
+
+def test_a_kernel_that_is_called_again_is_not_compiled_again():
+    @kernel
+    def doubled(x: float) -> float:
+        return 2.0 * x
+
+    counts = []
+    with watch_compilation(lambda done, about: counts.append(done)):
+        assert doubled(1.5) == 3.0
+        assert doubled(2.5) == 5.0
+    assert counts == [0, 1]
+    assert declared_kernels()[-1] is doubled
+    doubled(2)
+    assert counts == [0, 1]

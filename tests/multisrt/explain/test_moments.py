@@ -1,0 +1,63 @@
+"""The explanations of a robot at every time are those that `explain` gives."""
+
+from itertools import pairwise
+from typing import get_args
+
+import numpy as np
+import pytest
+
+import multisrt as ms
+from multisrt.events import Choice, Decision
+from multisrt.explain.moments import moments
+from multisrt.explain.srt import CHOICES, explain
+from tests.multisrt.drawing.recordings import recorded
+
+
+@pytest.fixture(scope="module", params=["srt-radial", "minpos"])
+def run(request):
+    return ms.explore(
+        "apartment", robots=2, strategy=request.param, seed=1, radio_range_m=12.5, max_time_s=40.0
+    )
+
+
+def told(recording, robot, time_s):
+    lines = [m for m in moments(recording, robot) if m.time_s <= time_s][-1].lines
+    return f"Robot {robot} at {time_s:.2f} s: " + "\n".join(lines) + "\n"
+
+
+@pytest.mark.slow
+def test_at_any_time_the_last_moment_tells_the_same(run):
+    rng = np.random.default_rng(1)
+    for robot in range(2):
+        for time_s in (0.0, *rng.uniform(0.0, run.recording.footer.time_s, 12)):
+            assert told(run.recording, robot, time_s) == explain(run.recording, robot, time_s)
+
+
+@pytest.mark.slow
+def test_moments_rise_and_differ(run):
+    found = list(moments(run.recording, 0))
+    times = [moment.time_s for moment in found]
+    assert times == sorted(set(times))
+    assert all(a.lines != b.lines for a, b in pairwise(found))
+
+
+def test_those_of_choices_only_are_fewer():
+    recording = ms.explore("open", seed=1, max_time_s=30.0).recording
+    few, all_of_them = list(moments(recording, 0, choices_only=True)), list(moments(recording, 0))
+    assert len(few) == len({event.time_s for event in recording.of(Decision)}) < len(all_of_them)
+
+
+def test_a_robot_without_decisions_has_none():
+    recording = recorded([(2.0, 4.0), (6.0, 4.0)], [])
+    assert [list(moments(recording, robot)) for robot in range(2)] == [[], []]
+
+
+def test_a_robot_that_drives_a_plan_has_one():
+    recording = ms.explore("open", strategy="informed", seed=1, max_time_s=5.0).recording
+    (moment,) = moments(recording, 0)
+    assert "a route that was planned on the true map" in moment.lines[0]
+    assert explain(recording, 0, 2.0) == f"Robot 0 at 2.00 s: {moment.lines[0]}\n"
+
+
+def test_every_choice_has_words():
+    assert set(CHOICES) == set(get_args(Choice))

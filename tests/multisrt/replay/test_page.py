@@ -1,0 +1,409 @@
+"""The page in a browser: opened from a file, as a user does."""
+
+import re
+import time
+from pathlib import Path
+
+import msgspec
+import numpy as np
+import pytest
+import shapely
+
+from multisrt.analysis.poses import poses
+from multisrt.events import Decided, GoalChosen, Learned, NodeAdded
+from multisrt.explain.srt import explain
+from multisrt.recording import Recording
+from multisrt.replay import replay_html, save_replay
+from tests.multisrt.drawing.recordings import recorded
+from tests.multisrt.replay.staged import OTHER, SHOWN_S, staged
+
+pytestmark = pytest.mark.slow
+
+DESKTOP, PHONE = {"width": 1300, "height": 850}, {"width": 390, "height": 844}
+SETTLED = "!replay.player.isWaiting && replay.player.isComplete"
+PICTURE = "[...document.querySelectorAll('.view canvas')].map((c) => c.toDataURL()).join()"
+
+
+class Shown:
+    """A page that is open, and what went wrong on it."""
+
+    def __init__(self, page, url):
+        self.page, self.url = page, url
+        self.errors: list[str] = []
+        self.asked: list[str] = []
+        page.on("pageerror", lambda error: self.errors.append(str(error)))
+        page.on("console", self.hear)
+        page.on("request", lambda request: self.asked.append(request.url))
+
+    def hear(self, message):
+        if message.type in ("error", "warning"):
+            self.errors.append(message.text)
+
+    def open(self, address=""):
+        self.page.goto("about:blank")
+        self.page.goto(self.url + address)
+        self.until("!!window.replay")
+        self.settle()
+        return self
+
+    def settle(self):
+        self.until(SETTLED)
+
+    def until(self, expression, timeout_s=20.0):
+        # The page's policy forbids what wait_for_function does: to evaluate text within it.
+        late = time.monotonic() + timeout_s
+        while not self.page.evaluate(expression):
+            assert time.monotonic() < late, expression
+            self.page.wait_for_timeout(20)
+
+    def text(self, selector):
+        return self.page.locator(selector).text_content()
+
+    def value(self, expression):
+        return self.page.evaluate(expression)
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory, team_run, bidding_run):
+    folder = tmp_path_factory.mktemp("replays")
+    save_replay(team_run.recording, folder / "team.html")
+    save_replay([team_run.recording, bidding_run.recording], folder / "both.html")
+    save_replay(staged(), folder / "staged.html")
+    return folder
+
+
+@pytest.fixture
+def shown(browser, files, request):
+    opened = []
+
+    def show(name="team", address="", **options):
+        context = browser.new_context(**{"viewport": DESKTOP} | options)
+        page = Shown(context.new_page(), (files / f"{name}.html").as_uri())
+        opened.append((context, page))
+        return page.open(address)
+
+    yield show
+    for context, page in opened:
+        assert page.errors == []
+        assert all(url.startswith(("file:", "about:", "blob:")) for url in page.asked)
+        context.close()
+
+
+def test_it_opens_from_a_file_and_asks_for_nothing_else(shown, files, team_run):
+    page = shown()
+    assert page.page.title() == "srt-radial in apartment: replay"
+    assert page.text("#clock") == f"0.0 / {team_run.recording.footer.time_s:.1f} s"
+    text = (files / "team.html").read_text(encoding="utf-8")
+    (policy,) = re.findall(r'Content-Security-Policy" content="([^"]*)"', text)
+    assert policy.startswith("default-src 'none'; script-src &#39;sha256-")
+    assert "unsafe" not in policy
+
+
+def test_robots_are_where_they_were(shown, team_run):
+    page = shown()
+    times = np.linspace(0.0, team_run.recording.footer.time_s, 101)
+    drawn = np.array([page.value(f"replay.poses({at})") for at in times])
+    true = poses(team_run.recording, times)
+    np.testing.assert_allclose(drawn[:, :, :2].swapaxes(0, 1), true[:, :, :2], atol=0.0025)
+    turned = drawn[:, :, 2].T - true[:, :, 2]
+    np.testing.assert_allclose(np.sin(turned / 2.0), 0.0, atol=0.004)
+
+
+def test_it_plays_and_pauses(shown):
+    page = shown(address="#t=0&speed=5")
+    page.page.click("#play")
+    assert page.page.get_attribute("#play", "aria-label") == "Pause"
+    page.until("replay.player.time > 2")
+    page.page.keyboard.press("Escape")
+    page.page.locator("#scrub").focus()
+    page.page.keyboard.press(" ")
+    now = page.value("replay.player.time")
+    assert page.text("#said") == f"paused at {now:.2f} s"
+    page.page.wait_for_timeout(100)
+    assert page.value("replay.player.time") == now
+    assert page.page.locator("#said").get_attribute("aria-live") == "polite"
+
+
+def test_it_stops_at_the_end_and_starts_again(shown):
+    page = shown(address="#t=59.5&speed=100")
+    page.page.click("#play")
+    page.until("!replay.player.isPlaying")
+    assert page.value("replay.player.time == replay.player.end")
+    page.page.click("#play")
+    page.until("replay.player.time > 0 && replay.player.time < 50")
+    page.page.click("#play")
+
+
+def test_it_goes_to_a_time(shown):
+    page = shown()
+    page.page.locator("#scrub").fill("30")
+    assert page.text("#clock").startswith("30.0 /")
+    assert page.page.get_attribute("#scrub", "aria-valuetext").startswith("30.0 s of")
+    box = page.page.locator(".curve .plot").nth(0).bounding_box()
+    page.page.mouse.click(box["x"] + box["width"] / 4, box["y"] + box["height"] / 2)
+    end = page.value("replay.player.end")
+    assert page.value("replay.player.time") == pytest.approx(end / 4, abs=0.5)
+    box = page.page.locator(".strip .plot").bounding_box()
+    page.page.mouse.click(box["x"] + box["width"] / 2, box["y"] + 0.9 * box["height"])
+    assert page.value("replay.player.time") == pytest.approx(end / 2, abs=0.5)
+    assert page.value("replay.player.robot") == 2
+
+
+def test_going_back_gives_the_same_picture(shown):
+    page = shown(address="#t=20")
+    once = page.value(PICTURE)
+    for at in (55, 3, 20):
+        page.value(f"replay.player.seek({at})")
+        page.settle()
+    assert page.value(PICTURE) == once
+
+
+def test_keys(shown):
+    page = shown("staged")
+    press = page.page.keyboard.press
+    said = []
+    for _ in range(5):
+        press("ArrowRight")
+        said.append(page.text("#said"))
+    assert said[0] == "0.00 s, robot 0: added node 0 (root)"
+    assert said[2:4] == [
+        "0.00 s, robot 2: added node 0 (root)",
+        "2.00 s, robot 0: added node 1 (draw)",
+    ]
+    press("ArrowLeft")
+    press("ArrowLeft")
+    assert page.text("#said") == said[2]
+    press("End")
+    assert page.value("replay.player.time") == 100.0
+    press("ArrowRight")
+    assert page.text("#said") == "no later event"
+    press("Home")
+    press("Shift+ArrowRight")
+    assert page.value("replay.player.time") == 1.0
+    press("1")
+    assert page.value("replay.player.robot") == 1
+    press("ArrowRight")
+    assert page.text("#said") == "2.00 s, robot 1: added node 1 (approach)"
+    press("7")
+    assert page.text("#said") == "there is no robot 7"
+    press("Escape")
+    assert page.value("replay.player.robot") == -1
+    press("+")
+    assert page.page.locator("#speed").input_value() == "20"
+    press("-")
+    assert page.page.locator("#speed").input_value() == "10"
+    press("?")
+    assert page.page.locator("#keys").is_visible()
+    press("Escape")
+    press("f")
+    assert page.page.locator("#rate").is_visible()
+
+
+def test_each_layer_has_a_switch_and_draws_something(shown):
+    page = shown("staged", "#t=0&layers=", viewport={"width": 900, "height": 600})
+    names = page.value("[...document.querySelectorAll('#layers input')].map((box) => box.name)")
+    assert sorted(names) == sorted(SHOWN_S)
+    for layer, time_s in SHOWN_S.items():
+        page.value(f"replay.player.seek({time_s})")
+        page.settle()
+        without = page.value(PICTURE)
+        page.page.locator(f"#layers input[name={layer}]").check()
+        page.settle()
+        assert page.value(PICTURE) != without, layer
+        page.page.locator(f"#layers input[name={layer}]").uncheck()
+        page.settle()
+        assert page.value(PICTURE) == without, layer
+
+
+def test_it_tells_what_multisrt_why_tells(shown, team_run):
+    page = shown()
+    for robot in range(3):
+        page.page.locator("#robot").select_option(str(robot))
+        for at in (0.0, 7.31, 23.75, 60.0):
+            page.value(f"replay.player.seek({at})")
+            assert page.text("#why") == explain(team_run.recording, robot, at).rstrip("\n")
+
+
+def test_it_tells_why_robots_chose_frontiers(shown, bidding_run):
+    page = shown("both", "#t=12.34&run=1&robot=1")
+    assert page.text("#why") == explain(bidding_run.recording, 1, 12.34).rstrip("\n")
+    assert bidding_run.recording.of(GoalChosen)
+
+
+def test_a_click_on_a_robot_or_a_node_explains_it(shown):
+    page = shown("staged", "#t=5.5")
+    click(page, *OTHER)
+    assert page.value("replay.player.robot") == 1
+    assert page.text("#why") == explain(staged(), 1, 5.5).rstrip("\n")
+    assert "it chose draw" in page.text("#why")
+    click(page, 6.0, 4.0)  # the root of robot 1, which has left it
+    assert page.page.locator("#node").is_visible()
+    assert page.text("#node").startswith("Node 0 of robot 1 at (6.00, 4.00): added at 0.00 s")
+    page.page.get_by_role("button", name="Close").click()
+    assert page.page.locator("#node").is_hidden()
+
+
+def click(page, x, y):
+    view = "replay.player.views[0]"
+    px, py, ratio = page.value(f"[{view}.x({x}), {view}.y({y}), {view}.ratio]")
+    page.page.locator(".view .top").first.click(position={"x": px / ratio, "y": py / ratio})
+
+
+def test_the_way_to_a_node_is_explained(shown, team_run):
+    page = shown(address="#t=60")
+    last = max(team_run.recording.of(NodeAdded), key=lambda node: node.time_s)
+    number = team_run.recording.of(NodeAdded).index(last)
+    page.value(f"replay.player.pick(0, {{ robot: {last.robot}, node: {number} }})")
+    page.page.get_by_role("button", name="Why it went there").click()
+    assert 0.0 < page.value("replay.player.time") < last.time_s
+    assert "What it decided" in page.text("#why")
+
+
+def test_a_robot_has_a_map_of_its_own(shown, team_run):
+    page = shown(address="#t=20")
+    recording = team_run.recording
+    for robot in range(3):
+        made = [e for e in recording.of(NodeAdded) if e.robot == robot and e.time_s <= 20.0]
+        learned = [e for e in recording.of(Learned) if e.robot == robot and e.time_s <= 20.0]
+        count = len(made) + sum(len(event.nodes) for event in learned)
+        known = page.value(
+            f"[...replay.player.runs[0].knownBy({robot}).t].filter((t) => t <= 20).length"
+        )
+        assert known == count
+    of_team = page.value(PICTURE)
+    page.page.locator("#robot").select_option("0")
+    page.settle()
+    assert page.value(PICTURE) != of_team
+
+
+def test_the_frontier_is_that_of_the_union_of_regions(shown, team_run):
+    page = shown()
+    nodes = team_run.recording.of(NodeAdded)
+    for at in (0.0, 15.0, 59.0):
+        known = [node for node in nodes if node.time_s <= at]
+        edges = shapely.MultiLineString([edge for node in known for edge in frontier_edges(node)])
+        covered = shapely.union_all([shapely.Polygon(node.boundary) for node in known])
+        true = shapely.difference(edges, covered.buffer(-2e-3))
+        drawn = shapely.MultiLineString(page.value(f"replay.frontier({at})"))
+        assert drawn.length == pytest.approx(true.length, rel=0.15)
+        assert shapely.difference(drawn, true.buffer(0.02)).length == 0.0
+        # What is left is short, or an edge on which two regions meet.
+        left = shapely.get_parts(shapely.difference(true, drawn.buffer(0.02)))
+        assert shapely.length(left)[shapely.length(left) > 0.1].sum() < 0.05 * true.length
+
+
+def frontier_edges(node):
+    corners = [*node.boundary, node.boundary[0]]
+    return [corners[k : k + 2] for k, tag in enumerate(node.tags) if tag in "12"]
+
+
+def test_two_runs_stand_side_by_side_on_one_clock(shown, team_run, bidding_run):
+    page = shown("both", "#t=30")
+    assert page.page.locator(".view").count() == 2
+    assert page.page.locator(".view .name").all_text_contents() == [
+        "srt-radial in apartment, seed 1",
+        "minpos in apartment, seed 1",
+    ]
+    ends = [run.recording.footer.time_s for run in (team_run, bidding_run)]
+    assert page.value("replay.player.end") == pytest.approx(max(ends), abs=1e-3)
+    page.page.locator("#run").select_option("1")
+    page.page.locator("#robot").select_option("1")
+    assert page.text("#why").startswith("Robot 1 at 30.00 s: it last chose a goal")
+    page.page.keyboard.press("End")
+    assert page.page.locator(".view.chosen .name").text_content().startswith("minpos")
+
+
+def test_an_address_is_followed_and_kept(shown):
+    page = shown(address="#t=12.5&robot=2&layers=trees,truth&speed=50")
+    state = "((p) => [p.time, p.robot, [...p.layers].join(), p.pace])(replay.player)"
+    assert page.value(state) == [12.5, 2, "truth,trees", 50]
+    page.value("location.hash = '#t=20&robot=1'")
+    page.until("replay.player.time === 20 && replay.player.robot === 1")
+    page.page.locator("#scrub").fill("30")
+    page.until("location.hash.includes('t=30')")
+    again = shown(address=page.value("location.hash"))
+    assert again.value(state) == page.value(state)
+
+
+def test_a_broken_address_does_no_harm(shown):
+    page = shown()
+    for address in ("#t=x&robot=99&run=7&speed=3&layers=none", "#t=-5", "#t=1e9", "#%"):
+        page.open(address)
+        assert 0.0 <= page.value("replay.player.time") <= page.value("replay.player.end")
+        assert page.value("replay.player.robot") == -1
+
+
+@pytest.mark.parametrize("name", ["team", "both"])
+def test_it_fits_a_phone(shown, name):
+    page = shown(name, "#t=20", viewport=PHONE, has_touch=True, is_mobile=True)
+    assert page.value("document.documentElement.scrollWidth") <= PHONE["width"]
+    for control in ("#play", "#previous", "#next", "#scrub", "#speed"):
+        box = page.page.locator(control).bounding_box()
+        assert 0 <= box["x"] < box["x"] + box["width"] <= PHONE["width"]
+        assert box["y"] + box["height"] <= PHONE["height"]
+    page.page.locator("#play").tap()
+    page.until("replay.player.time > 20.2")
+    page.page.locator("#play").tap()
+    assert not page.value("document.getElementById('fold-layers').open")
+    page.page.locator("#fold-layers summary").tap()
+    assert page.page.locator("#layers input[name=trees]").is_visible()
+
+
+def test_it_follows_and_switches_the_theme(shown):
+    page = shown(color_scheme="dark")
+    assert page.page.get_attribute("html", "data-theme") == "dark"
+    dark = page.value(PICTURE)
+    page.page.click("#theme")
+    page.settle()
+    assert page.page.get_attribute("html", "data-theme") == "light"
+    assert page.value(PICTURE) != dark
+
+
+def test_every_control_has_a_name(shown):
+    page = shown("both", "#t=20&robot=1")
+    nameless = page.value(
+        """[...document.querySelectorAll("button, input, select, canvas[tabindex], pre[tabindex]")]
+        .filter((e) => e.checkVisibility() && !(e.getAttribute("aria-label")
+          || (e.tagName === "BUTTON" && e.textContent.trim()) || (e.labels && e.labels.length)))
+        .map((e) => e.outerHTML)"""
+    )
+    assert nameless == []
+
+
+def test_texts_with_markup_are_shown_and_never_run(browser, tmp_path):
+    evil = '</script><img src=x onerror="window.stolen=1"><b>'
+    made = recorded(
+        [(2.0, 4.0)], [Decided(time_s=0.0, robot=0, text=evil, goal=(3.0, 4.0))], strategy="minpos"
+    )
+    header = msgspec.structs.replace(made.header, world=evil)
+    made = Recording(header=header, events=made.events, footer=made.footer)
+    save_replay(made, tmp_path / "replay.html")
+    page = Shown(browser.new_page(), (tmp_path / "replay.html").as_uri()).open("#t=1&robot=0")
+    assert page.page.title() == f"minpos in {evil}: replay"
+    assert evil in page.text(".view .name")
+    assert evil in page.text("#why")
+    assert evil in page.text("#events")
+    assert page.page.locator("img").count() == 0
+    assert page.value("window.stolen === undefined")
+    assert page.errors == []
+    page.page.close()
+
+
+def test_an_old_browser_is_told_so(browser, files):
+    page = browser.new_page()
+    page.add_init_script("delete window.DecompressionStream")
+    page.goto((files / "team.html").as_uri())
+    page.wait_for_selector("#problem:not([hidden])")
+    assert "too old for the replay" in page.text_content("#problem")
+    page.close()
+
+
+def test_motion_is_reduced_for_those_who_ask(shown):
+    page = shown("staged", "#t=6.1", reduced_motion="reduce")
+    assert page.value("replay.player.isStill")
+
+
+def test_the_script_never_writes_markup():
+    folder = Path(replay_html.__code__.co_filename).parent
+    sources = "".join(path.read_text(encoding="utf-8") for path in folder.glob("*.js"))
+    assert not re.search(r"innerHTML|outerHTML|insertAdjacentHTML|document\.write|eval\(", sources)

@@ -88,7 +88,7 @@ def compare(
     starts, radios, faults : optional
         One or several, as in the experiment's file; a number is a radio's range (m).
     name : str, optional
-        Title of reports; "comparison" by default.
+        Title of reports; "Comparison" by default.
     recordings : {"none", "failed", "all"}, optional
         Which recordings are kept beside `store`; "none" by default. An `ExperimentSpec` with its
         default "failed" keeps none if there is no `store`.

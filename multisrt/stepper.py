@@ -36,6 +36,10 @@ DECISIONS: Final = tuple(kind for kind in get_args(NotedEvent) if kind not in NE
 """Events that record a decision of an explorer."""
 
 
+CONDITIONS: Final = ("time_s", "robot", "action", "decision", "where")
+"""The parameters of `Stepper.until`."""
+
+
 class Stepper(Iterator[Step]):
     """A run that is stepped through, one action of one robot at a time.
 
@@ -200,7 +204,13 @@ class Stepper(Iterator[Step]):
         Returns
         -------
         Step or None
-            The step; None if the run has ended before.
+            The step; None if the run has ended before, or had ended already: `finish` returns
+            the run, and `steps` has the last step.
+
+        Raises
+        ------
+        InvalidInputError
+            As `until`; or if there is no such condition.
 
         Examples
         --------
@@ -212,6 +222,7 @@ class Stepper(Iterator[Step]):
         >>> stepper.run_until(time_s=1e6) is None
         True
         """
+        refuse_unknown("run_until", conditions.keys() - CONDITIONS, CONDITIONS)
         last = None
         for step in self.until(**conditions):
             last = step
@@ -299,7 +310,8 @@ class Stepper(Iterator[Step]):
         -------
         str
             A line ``file:line in function`` for `run` and for each generator to which it
-            delegates, the innermost last; empty before it has begun and after the run.
+            delegates, the innermost last; empty before it has begun and after the run. Files in
+            the working directory are named from there.
 
         Examples
         --------
@@ -311,7 +323,7 @@ class Stepper(Iterator[Step]):
         """
         self._require(robot)
         return "\n".join(
-            f"{frame.f_code.co_filename}:{frame.f_lineno} in {frame.f_code.co_name}"
+            f"{_from_here(frame.f_code.co_filename)}:{frame.f_lineno} in {frame.f_code.co_name}"
             for frame in self._stepping.frames(robot)
         )
 
@@ -354,3 +366,9 @@ class Stepper(Iterator[Step]):
         robots = len(self.spec.robots)
         if not isinstance(robot, int) or robot not in range(robots):
             raise InvalidInputError(f"there is no robot {robot}; robots are 0 to {robots - 1}")
+
+
+def _from_here(file: str) -> str:
+    # The path of a file from the working directory, if it is below.
+    path, here = Path(file), Path.cwd()
+    return str(path.relative_to(here)) if path.is_relative_to(here) else file

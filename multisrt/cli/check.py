@@ -119,8 +119,6 @@ def check(
 
         def progress(what: str, done: int, total: int) -> None:
             live.update(description=what, completed=done, total=total)
-            if not (live.shown or quiet):
-                click.echo(f"{what} ({done}/{total})", err=True)
 
         fields = {"max_time": "max_time_s", "max_decision": "max_decision_s"}
         given: dict[str, Any] = {

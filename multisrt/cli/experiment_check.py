@@ -45,12 +45,21 @@ MAX_ROWS = 24
     type=click.FloatRange(0.0),
     help="Time for trial runs (s); 0 skips them and the estimate.",
 )
+@click.option(
+    "--store",
+    type=click.Path(path_type=Path),
+    metavar="RESULTS",
+    help="File for the results, as for 'experiment run'.  [default: FILE with suffix .sqlite]",
+)
 @import_option
-def check(file: Path, workers: int | None, seconds: float, imports: tuple[str, ...]) -> None:
+def check(
+    file: Path, workers: int | None, seconds: float, store: Path | None, imports: tuple[str, ...]
+) -> None:
     """List an experiment's conditions and estimate its duration.
 
-    FILE is read and every condition checked without storing anything. For the estimate a few
-    trial runs are executed, cheap ones first, and discarded.
+    FILE is read and every condition checked without storing anything. If there are results
+    already, they are to be those of this experiment. For the estimate a few trial runs are
+    executed, cheap ones first, and discarded.
 
     \b
     Examples:
@@ -64,6 +73,7 @@ def check(file: Path, workers: int | None, seconds: float, imports: tuple[str, .
     import_all(imports)
     spec = read_experiment(file)
     planned = runs(spec, file.parent)
+    stored = _stored(file.with_suffix(".sqlite") if store is None else store, spec, planned)
     everything = list(dict.fromkeys(run.condition for run in planned))
     many = "s" * (spec.repetitions != 1)
     click.echo(
@@ -71,6 +81,8 @@ def check(file: Path, workers: int | None, seconds: float, imports: tuple[str, .
         f"{spec.repetitions} repetition{many} (seeds {spec.first_seed} to "
         f"{spec.first_seed + spec.repetitions - 1})"
     )
+    if stored:
+        click.echo(stored)
     if spec.reference == "informed":
         plans = len({place_of(run.spec) for run in planned})
         click.echo(f"beside the informed plan: at most {plans} plans, up to a minute each")
@@ -84,7 +96,21 @@ def check(file: Path, workers: int | None, seconds: float, imports: tuple[str, .
         click.echo("no estimate: no trial run came to an end")
     for condition, reason in warnings.items():
         click.echo(f"warning: [{condition}]: {reason}", err=True)
-    click.echo(f"next: multisrt experiment run {shlex.quote(str(file))}{imports_again(imports)}")
+    where = "" if store is None else f" --store {shlex.quote(str(store))}"
+    click.echo(
+        f"next: multisrt experiment run {shlex.quote(str(file))}{where}{imports_again(imports)}"
+    )
+
+
+def _stored(path: Path, spec: ExperimentSpec, planned: Sequence[PlannedRun]) -> str:
+    """Return how many runs are stored; raise InvalidInputError if those are of another one."""
+    from multisrt.experiments.store import Store
+
+    if not path.exists():
+        return ""
+    with Store.open(path) as store:
+        store.require_continuable_by(spec, planned)
+        return f"{store.done} of them are stored in {path}"
 
 
 def _poor_starts(planned: Sequence[PlannedRun]) -> dict[Condition, str]:

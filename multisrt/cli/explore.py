@@ -16,7 +16,7 @@ from multisrt.cli.outputs import new_folder, require_no_file, require_no_run, ru
 from multisrt.cli.run_options import DRIVES, FAULTS, OVERRIDES, USUAL, spec_of_options
 from multisrt.cli.sections import SectionedCommand
 from multisrt.cli.spec_files import read_run_spec
-from multisrt.cli.summary import print_summary
+from multisrt.cli.summary import print_summary, robot_to_ask
 from multisrt.cli.view import REPLAY_NAME, live_page, open_page, require_few, write_page
 from multisrt.cli.watching import Watching, require_terminal
 from multisrt.geometry.errors import InvalidInputError
@@ -301,7 +301,8 @@ def explore(
         print_summary(runs, folders, regrets, details=given["details"])
         if out is None and whole != usual:
             click.echo(f"{usual} is there already: this is in {whole}")
-        click.echo(f"next: multisrt why {shlex.quote(str(folders[0]))} --robot 0")
+        robot = robot_to_ask(runs[0])
+        click.echo(f"next: multisrt why {shlex.quote(str(folders[0]))} --robot {robot}")
     if given["view"] and not given["live"]:
         write_page([run.recording for run in runs], page)
         open_page(page, opens=not given["no_open"])

@@ -66,6 +66,8 @@ def read_experiment(path: Path) -> ExperimentSpec:
 
 
 def _read(path: Path, from_toml: Callable[[str], Spec], from_json: Callable[[str], Spec]) -> Spec:
+    if path.is_dir():
+        raise InvalidInputError(f"{path} is a folder; name the file in it (.toml)")
     try:
         text = path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:

@@ -10,13 +10,16 @@ from multisrt.cli import candidates
 from multisrt.cli.imports import named_strategy
 from multisrt.cli.tables import show, table
 
+EXAMPLE = "minpos"
+"""The strategy whose options the list of all suggests."""
+
 AS_ABOVE = "As above"
 """How a docstring refers to that of the class from which an option is inherited."""
 
 
 @click.command()
-@click.argument("name", metavar="[NAME]", required=False, shell_complete=candidates.strategies)
-def strategies(name: str | None) -> None:
+@click.argument("words", metavar="[NAME]", nargs=-1, shell_complete=candidates.strategies)
+def strategies(words: tuple[str, ...]) -> None:
     """List the strategies, or the options of one.
 
     With NAME, list the options of this strategy, their defaults and meaning. For a strategy of
@@ -28,6 +31,13 @@ def strategies(name: str | None) -> None:
       multisrt strategies srt-radial
       multisrt strategies mine.py:Mine
     """
+    # 'strategies show NAME' is meant as 'environments show ENV'.
+    names = words[1:] if words[:1] == ("show",) else words
+    if len(names) > 1 or (words and not names):
+        raise click.UsageError(
+            "name one strategy" + (f": too many words: {' '.join(names[1:])}" if names else "")
+        )
+    name = names[0] if names else None
     from multisrt.robots.registry import broken_strategies
     from multisrt.robots.registry import strategies as all_strategies
 
@@ -40,6 +50,7 @@ def strategies(name: str | None) -> None:
         show(listed)
         for broken, reason in broken_strategies().items():
             click.echo(f"{broken}: could not be loaded ({reason})", err=True)
+        click.echo(f"next: multisrt strategies {EXAMPLE}  (the options of one)")
         return
     import msgspec
 

@@ -24,6 +24,26 @@ MAX_WIDE = 2
 Rows = dict[str, str]
 
 
+def robot_to_ask(run: Run) -> int:
+    """Return the robot whose decisions are most worth a look.
+
+    Parameters
+    ----------
+    run : Run
+        The run.
+
+    Returns
+    -------
+    int
+        The first robot that did not end; if all did, the one that ended last.
+    """
+    from multisrt.events import Ended
+
+    ends = {event.robot: event.time_s for event in run.recording.of(Ended)}
+    robots = range(len(run.spec.robots))
+    return max(robots, key=lambda robot: (ends.get(robot, float("inf")), -robot))
+
+
 def print_summary(
     runs: list[Run],
     folders: list[Path],

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
 from typing import Any
 
@@ -85,12 +86,24 @@ class MissionEnv:
     def render(self) -> NDArray[np.uint8] | None:
         """Return a picture of the truth and of what was seen, if `render_mode` says so.
 
+        Without a render mode it warns, as environments of Gymnasium do.
+
         Returns
         -------
         (n, n, 3) array of uint8 or None
             Red, green and blue.
         """
-        return self._episodes.picture() if self.render_mode == "rgb_array" else None
+        if self.render_mode != "rgb_array":
+            warnings.warn(
+                "you are calling render method without specifying any render mode: give "
+                'render_mode="rgb_array" when the environment is made',
+                stacklevel=2,
+            )
+            return None
+        return self._episodes.picture()
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}({self._episodes.missions.described})"
 
     def close(self) -> None:
         """End the mission where it is; its run can still be read."""

@@ -112,6 +112,17 @@ class Missions:
             if isinstance(world, Environment)
         }
 
+    @property
+    def described(self) -> str:
+        """The worlds and the team, in a few words."""
+        first = self._worlds[0]
+        named = [getattr(first, name, None) for name in ("name", "path")]
+        world = next((str(name) for name in named if name), "a world")
+        more = len(self._worlds) - 1
+        worlds = f"{world!r} and {more} more" if more else repr(world)
+        seed = "" if self.seed is None else f", seed={self.seed}"
+        return f"{worlds}, robots={self.team}{seed}"
+
     def draw(self, seed: int, chance: Generator) -> tuple[RunSpec, Environment]:
         """Return the spec of a mission and its world.
 

@@ -42,7 +42,7 @@ def from_keywords(given: Mapping[str, Any]) -> ExperimentSpec:
     >>> spec.strategies, spec.repetitions
     (('minpos',), 3)
     """
-    fields: dict[str, Any] = {"name": "comparison", "recordings": "none"} | dict(given)
+    fields: dict[str, Any] = {"name": "Comparison", "recordings": "none"} | dict(given)
     for name in ("environments", "strategies", "robots", "starts", "radios", "faults"):
         if name in fields:
             fields[name] = _several(fields[name])

@@ -432,12 +432,7 @@ class Store:
     ) -> None:
         """Replace the stored experiment by one that contains it, or raise InvalidInputError."""
         plan, old = self._plan(), self.provenance
-        if self.done:
-            require_same_program(self.path, old, made_by)
-        require_continuable(self.path, self._connection, self.experiment, spec, plan)
-        outdated = runs_of_changed(
-            self.path, self._connection, changed_strategies(old, made_by), plan, remake=remake
-        )
+        outdated = self._outdated(spec, plan, made_by, remake=remake)
         with self._connection as transaction:
             transaction.executemany("DELETE FROM runs WHERE key = ?", [(key,) for key in outdated])
             move(transaction, plan)
@@ -454,6 +449,22 @@ class Store:
         self.experiment, self.folder, self.planned = spec, folder, len(plan)
         self.provenance = made_by
         self._clear_recordings(outdated)
+
+    def require_continuable_by(self, spec: ExperimentSpec, planned: Sequence[PlannedRun]) -> None:
+        """Raise InvalidInputError unless `create_or_open` continues this with an experiment."""
+        plan = {run.key: (k, run) for k, run in enumerate(planned)}
+        with errors_of(self.path):
+            self._outdated(spec, plan, provenance_with(own_strategies(spec)), remake=False)
+
+    def _outdated(
+        self, spec: ExperimentSpec, plan: Plan, made_by: Provenance, *, remake: bool
+    ) -> list[str]:
+        """Return the keys of runs to be made again, or raise InvalidInputError."""
+        if self.done:
+            require_same_program(self.path, self.provenance, made_by)
+        require_continuable(self.path, self._connection, self.experiment, spec, plan)
+        changed = changed_strategies(self.provenance, made_by)
+        return runs_of_changed(self.path, self._connection, changed, plan, remake=remake)
 
     def _clear_recordings(self, outdated: Sequence[str]) -> None:
         """Make the folder of recordings, and remove those of runs that are cut off or outdated."""

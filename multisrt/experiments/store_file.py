@@ -124,6 +124,8 @@ def _pragma(connection: sqlite3.Connection, name: str) -> int:
 
 def require_store(path: Path, *, or_empty: bool = False) -> None:
     """Raise InvalidInputError unless a file is one of SQLite, or empty where that is allowed."""
+    if path.is_dir():
+        raise InvalidInputError(f"{path} is a folder; name the file of results in it (.sqlite)")
     try:
         with path.open("rb") as file:
             first = file.read(16)

@@ -14,6 +14,9 @@ from multisrt.geometry.errors import InvalidInputError
 Plan = dict[str, tuple[int, PlannedRun]]
 """The runs of an experiment by key, each with its position."""
 
+OTHER_FILE = "choose another file (--store on the command line, store=... in Python)"
+"""What to do about results that an experiment cannot continue."""
+
 _LABELS = Condition.__struct_fields__
 _PLACE = ("position", *_LABELS, "repetition")
 
@@ -39,7 +42,7 @@ def require_continuable(
     if gone:
         raise InvalidInputError(
             f"{path}: holds another experiment: {gone} of its {len(stored)} runs do not "
-            f"belong to this one (what differs: {_what_differs(old, new)}); choose another file, "
+            f"belong to this one (what differs: {_what_differs(old, new)}); {OTHER_FILE}, "
             "or extend the experiment by those runs"
         )
     less = [
@@ -50,7 +53,7 @@ def require_continuable(
     if less:
         raise InvalidInputError(
             f"{path}: its runs were allowed more ({', '.join(f'limits.{n}' for n in less)}"
-            "); choose another file, or allow as much again"
+            f"); {OTHER_FILE}, or allow as much again"
         )
     _require_horizon(path, connection, old, new)
 
@@ -68,7 +71,7 @@ def require_same_program(path: Path, old: Provenance, new: Provenance) -> None:
     if other := differences(old, new):
         raise InvalidInputError(
             f"{path}: its runs were made by another program ({other}), and new ones "
-            "would not be comparable; choose another file, or install what made them"
+            f"would not be comparable; {OTHER_FILE}, or install what made them"
         )
 
 
@@ -107,7 +110,7 @@ def runs_of_changed(
         raise InvalidInputError(
             f"{path}: the source of {names} has changed since {len(found)} of these runs were "
             "made, and new ones would not be comparable; make those again (--remake on the "
-            "command line, remake=True in Python), or choose another file"
+            f"command line, remake=True in Python), or {OTHER_FILE}"
         )
     return found
 
@@ -156,7 +159,7 @@ def _require_horizon(
     if cut:
         raise InvalidInputError(
             f"{path}: the integrals of {cut} of its runs cannot be brought from horizon_s = "
-            f"{old.horizon_s} to {new.horizon_s}; choose another file, or leave it as it was"
+            f"{old.horizon_s} to {new.horizon_s}; {OTHER_FILE}, or leave it as it was"
         )
 
 

@@ -98,9 +98,11 @@ speed_m_s = 0.5
 range_m = 4.0
 # beams = 360
 
-# Simulated time at which a run is stopped (s).
+# Simulated time at which a run is stopped, and in which something has to happen: a robot moves,
+# scans at another place, adds a node or learns one (s).
 [stop]
 max_time_s = 86400.0
+max_idle_s = 3600.0
 
 # Limits of a run: computing time (s of one core) and memory (MB).
 [limits]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from multisrt.events import (
@@ -220,8 +221,9 @@ class _Story(ChoiceStory[Decision]):
         if chosen.draws:
             why = ", ".join(f"{count} {reason}" for reason, count in chosen.refused.items())
             yield f"{many(chosen.draws, 'candidate')} drawn; refused: {why or 'none'}"
-            for x, y, reason in chosen.candidates:
-                yield f"  {place((x, y))}: {reason}"
+            tried = Counter((place((x, y)), reason) for x, y, reason in chosen.candidates)
+            for (where, reason), count in tried.items():
+                yield f"  {where}: {reason}" + (f", {count} times" if count > 1 else "")
         yield f"it chose {chosen.choice}: {CHOICES[chosen.choice]}"
         if chosen.target is not None:
             here = self.nodes[chosen.node].configuration
@@ -252,8 +254,12 @@ class _Story(ChoiceStory[Decision]):
                 yield "a deadlock: no robot could be let go"
             yield from _table(organized)
         yield (
-            f"at {told.time_s:.2f} s its order was {ORDERS[told.order]}: "
-            f"{place(told.target)} became {place(told.new_target)}"
+            f"at {told.time_s:.2f} s its order was {ORDERS[told.order]}"
+            + (
+                f" {place(told.target)}"
+                if told.order == "keep" and told.new_target == told.target
+                else f": {place(told.target)} became {place(told.new_target)}"
+            )
         )
 
     def support(self) -> Iterator[str]:

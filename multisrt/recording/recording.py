@@ -180,6 +180,11 @@ class Recording:
             try:
                 lines.append(decoder.decode(text))
             except (msgspec.MsgspecError, ValueError, RecursionError) as error:
+                if number == 1:
+                    raise InvalidInputError(
+                        f"{path} is not a recording: its first line is no header; name the folder "
+                        "of a run, or the recording.jsonl in it"
+                    ) from None
                 raise InvalidInputError(
                     f"{path}, line {number}: not a line of a recording: {error}"
                 ) from None

@@ -147,8 +147,8 @@ class Study:
     baseline : str
         Label of the baseline; empty if there are no results.
     unclaimed : set of str
-        Labels of user-defined strategies of which no run has a `MapComplete` that counts: when
-        their robots know the map complete is not known.
+        Labels of user-defined strategies that succeed, and of which no run has a `MapComplete`
+        that counts: when their robots know the map complete is not known.
 
     Raises
     ------
@@ -379,9 +379,10 @@ class _Sides:
 def _unclaimed(results: Results) -> set[str]:
     claim = measure_named(CLAIM)
     claimed = {r.condition.strategy for r in results if claim.of(r) is not None}
-    measured = {r.condition.strategy for r in results if r.metrics is not None}
+    # One that never succeeds is behind in this as in all else.
+    good = {r.condition.strategy for r in results if r.success}
     names = {choice.label or choice.name: choice.name for choice in choices_of(results.experiment)}
-    return {label for label in measured - claimed if not is_built_in(names.get(label, label))}
+    return {label for label in good - claimed if not is_built_in(names.get(label, label))}
 
 
 def in_setting(setting: Condition, strategy: str) -> Condition:

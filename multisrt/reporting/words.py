@@ -279,19 +279,24 @@ def what_was_run(study: Study) -> str:
     teams = list(dict.fromkeys(team_name(setting) for setting in study.settings))
     failed = Counter(r.status.replace("_", " ") for r in results if r.failed)
     copies = sum(result.same_as is not None for result in results)
-    text = f"{_counted(planned, 'run')} asked for, {made} made"
+    text = _counted(planned, "run")
     if made < planned:
-        text += f" ({planned - made} still missing; this report covers those that were made)"
+        text += (
+            f" asked for, {made} made ({planned - made} still missing; this report covers those "
+            "that were made)"
+        )
     if copies:
         text += (
             f", {made - copies} of them distinct: where nothing depends on the seed, repetitions "
             "are one run"
         )
     ends = ", ".join(f"{count} {status}" for status, count in failed.items())
-    text += (
-        f"; {failed.total() or 'none'} of the runs {'is' if failed.total() == 1 else 'are'} "
-        f"unsuccessful{f' ({ends})' if ends else ''}. Success: {success_words(results)}. "
-    )
+    if not failed:
+        text += "; all succeeded" if made > 1 else "; it succeeded" if made else ""
+    else:
+        are = "is" if failed.total() == 1 else "are"
+        text += f"; {failed.total()} of the runs {are} unsuccessful ({ends})"
+    text += f". Success: {success_words(results)}. "
     if study.strategies:
         text += (
             f"{_counted(len(study.strategies), 'strategy', 'strategies')} "

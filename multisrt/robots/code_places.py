@@ -60,6 +60,33 @@ def place_of_error(cls: Any, trace: TracebackType | None) -> str:
     return place_among(cls, frames[::-1])
 
 
+def place_of_yield(cls: Any, actions: object) -> str:
+    """Return where in the code of an explorer its last action was yielded, as text for a message.
+
+    Parameters
+    ----------
+    cls : type or callable
+        The class of the explorer, or the function that builds it.
+    actions : generator
+        The explorer's actions, suspended at a yield.
+
+    Returns
+    -------
+    str
+        As that of `place_of_error`; empty if it is not in code of the user's.
+
+    Examples
+    --------
+    >>> place_of_yield(object, iter(()))
+    ''
+    """
+    frames = []
+    while (frame := getattr(actions, "gi_frame", None)) is not None:
+        frames.append((frame.f_code, frame.f_lineno))
+        actions = getattr(actions, "gi_yieldfrom", None)
+    return place_among(cls, frames[::-1])
+
+
 def place_among(cls: Any, frames: Sequence[tuple[CodeType, int]]) -> str:
     """Return the innermost of some places that is in the code of an explorer, as text.
 

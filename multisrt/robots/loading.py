@@ -24,7 +24,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from multisrt.geometry.errors import InvalidInputError, did_you_mean
-from multisrt.robots.registry import register, strategies
+from multisrt.robots.registry import is_known, register, strategies
 from multisrt.robots.strategy import Strategy, as_strategy
 from multisrt.robots.user_modules import (
     Place,
@@ -176,6 +176,7 @@ def name_of(given: str | Strategy | Callable[..., Explorer]) -> str:
     'minpos'
     """
     if isinstance(given, str) and not is_reference(given):
+        require_no_folder(given)
         return given
     own = load_strategy(given) if isinstance(given, str) else as_strategy(given)
     register(own, replace=True)
@@ -300,6 +301,27 @@ def import_place(place: str) -> ModuleType:
             f"module in it, {place}.MODULE"
         )
     return module
+
+
+def require_no_folder(name: str) -> None:
+    """Raise InvalidInputError if a folder is given in the place of a strategy.
+
+    Parameters
+    ----------
+    name : str
+        What is given as the name of a strategy.
+
+    Raises
+    ------
+    InvalidInputError
+        If there is a folder of that name, and no strategy.
+    """
+    folder = Path(name)
+    if is_known(name) or not (name and folder.is_dir()):
+        return
+    files = sorted(folder.glob("*.py"))
+    named = f", such as {files[0]}" if files else ""
+    raise InvalidInputError(f"{name} is a folder; name the file of the strategy in it{named}")
 
 
 def being_imported() -> str:

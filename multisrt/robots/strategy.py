@@ -29,6 +29,10 @@ if TYPE_CHECKING:
     know."""
 
 
+MAX_OPTIONS = 8
+"""How many options the message names that refuses an unknown one."""
+
+
 class NoOptions(msgspec.Struct, frozen=True, kw_only=True):
     """The options of a strategy that has none."""
 
@@ -239,7 +243,7 @@ class Strategy:
             if key not in known:
                 raise InvalidInputError(
                     f"{self.name} has no option {key!r}{did_you_mean(key, known)}; "
-                    f"it has: {', '.join(known) or 'none'}"
+                    f"{self._options_there(list(known))}"
                 )
         values = {key: _none_read(value, known[key].type) for key, value in options.items()}
         for key, value in values.items():
@@ -256,6 +260,14 @@ class Strategy:
         except msgspec.ValidationError as error:
             wrong = explained(error, self.options)
             raise InvalidInputError(f"options of {self.name}: {wrong}") from None
+
+    def _options_there(self, known: list[str]) -> str:
+        if len(known) <= MAX_OPTIONS:
+            return f"it has: {', '.join(known) or 'none'}"
+        return (
+            f"it has {len(known)}, such as {', '.join(known[:MAX_OPTIONS])}; 'multisrt strategies "
+            f"{self.name}' lists them"
+        )
 
 
 def _none_read(value: object, kind: Any) -> object:

@@ -14,7 +14,8 @@ import simpy
 
 from multisrt.events import Ended, Organized, Sensed
 from multisrt.geometry.regions.scan import Scan
-from multisrt.robots.defects import refuse
+from multisrt.robots.code_places import place_of_yield, place_suffix
+from multisrt.robots.defects import ExplorerDefect, refuse
 from multisrt.robots.explorer import (
     Action,
     Done,
@@ -182,7 +183,11 @@ class Interpreter:
 
     def _note(self, note: Note) -> None:
         number = self._robot.number
-        event = plain.event(note.event, number, self._clock.now_s)
+        try:
+            event = plain.event(note.event, number, self._clock.now_s)
+        except ExplorerDefect as defect:
+            place = place_suffix(place_of_yield(type(self._explorer), self.actions))
+            raise ExplorerDefect(f"{defect.what}{place}", defect.where, defect.remedy) from None
         if flaw := self._journal.flaw(event):
             refuse(number, f"its {type(event).__name__}: {flaw}", "see multisrt.events")
         self._journal.record(event)

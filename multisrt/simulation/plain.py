@@ -167,7 +167,8 @@ def event(noted: Any, robot: int, now_s: float) -> AnyEvent:
         refuse(
             robot,
             f"its {type(found).__name__} has time_s={found.time_s:g} at {now_s:g} s",
-            "give the present time, which scans, motions and messages tell",
+            "give the present time: every outcome has it as time_s, those of Sense, Move, Stop and "
+            "Receive (also TimedOut), and at the start its RobotSelf",
         )
     return found
 

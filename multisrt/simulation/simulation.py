@@ -249,7 +249,11 @@ def _done(action: Action) -> str:
             to = "all" if action.to is None else action.to
             return f"Send({action.message.kind}) to {to}"
         case Receive():
-            return "Receive" if action.timeout_s is None else f"Receive for {action.timeout_s} s"
+            if action.timeout_s is None:
+                return "Receive"
+            if action.timeout_s == 0.0:
+                return "Receive what has arrived"
+            return f"Receive for {action.timeout_s:g} s"
         case Done():
             return f"Done({action.reason})"
     return name

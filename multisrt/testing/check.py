@@ -88,7 +88,7 @@ from multisrt.environments.environment import Environment
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.robots.defects import ExplorerDefect
 from multisrt.robots.explorer import Explorer
-from multisrt.robots.loading import is_reference, load_strategy
+from multisrt.robots.loading import is_reference, load_strategy, require_no_folder
 from multisrt.robots.registry import strategy as strategy_of_name
 from multisrt.robots.strategy import Strategy
 from multisrt.simulation.worlds import build_environment, inline
@@ -376,6 +376,7 @@ def _strategy_of(make: Make | Strategy | str) -> Strategy:
     if isinstance(make, Strategy):
         return make
     if isinstance(make, str):
+        require_no_folder(make)
         return load_strategy(make) if is_reference(make) else strategy_of_name(make)
     is_lambda = getattr(make, "__name__", "") == "<lambda>"
     return Strategy.of(make, name="own-explorer" if is_lambda else None)

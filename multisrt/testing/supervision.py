@@ -17,7 +17,7 @@ from multisrt.geometry.numerics.arrays import builtin
 from multisrt.geometry.regions.scan import ExactScan, LaserScan
 from multisrt.planners.motion.sweep import Sweep
 from multisrt.planners.motion.trajectory import Trajectory, standing_at
-from multisrt.robots.code_places import place_suffix
+from multisrt.robots.code_places import place_of_yield, place_suffix
 from multisrt.robots.defects import ExplorerDefect
 from multisrt.robots.explorer import (
     Action,
@@ -311,7 +311,7 @@ class SupervisedExplorer:
 
     def _check(self, action: Action) -> None:
         robot = self.me.robot
-        with self._refusals():
+        with self._refusals(action):
             protocol.require_in_order(action, robot, moves=self._moving is not None)
             match action:
                 case Sense() | Look() | Stop():
@@ -435,13 +435,15 @@ class SupervisedExplorer:
         )
 
     @contextmanager
-    def _refusals(self) -> Iterator[None]:
-        # What the simulation refuses is told with the place in the run.
+    def _refusals(self, action: Action) -> Iterator[None]:
+        # What the simulation refuses is told with the place in the run, and in the code.
         try:
             yield
         except ExplorerDefect as defect:
             if _is_refusal(defect):
-                self._refuse(defect.what, defect.remedy)
+                noted = isinstance(action, Note)
+                place = place_of_yield(type(self._explorer), self._actions) if noted else ""
+                self._refuse(f"{defect.what}{place_suffix(place)}", defect.remedy)
             raise
 
 

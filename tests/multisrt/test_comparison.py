@@ -110,7 +110,7 @@ def test_the_short_form_has_the_defaults_of_the_spec(asked):
     compare("open", "srt-star")
     spec, _, _ = asked[0]
     assert spec == ExperimentSpec(
-        environments=("open",), strategies=("srt-star",), name="comparison", recordings="none"
+        environments=("open",), strategies=("srt-star",), name="Comparison", recordings="none"
     )
 
 

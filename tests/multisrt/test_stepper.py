@@ -1,6 +1,7 @@
 """Stepping through runs from Python."""
 
 import xml.etree.ElementTree as ET
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -75,7 +76,14 @@ def test_conditions_that_are_never_met_end_with_the_run():
     stepper = ms.Stepper("open", seed=1, max_time_s=4.0)
     assert stepper.run_until(time_s=100.0) is None
     assert stepper.is_over
+    assert stepper.run_until() is None
     assert stepper.recording.footer.outcome == "out_of_time"
+
+
+def test_an_unknown_condition_is_told_with_the_method():
+    stepper = ms.Stepper("open", seed=1, max_time_s=4.0)
+    with pytest.raises(InvalidInputError, match=r"run_until takes no argument 'robt' .*'robot'"):
+        stepper.run_until(robt=1)
 
 
 def test_the_explorer_and_its_code_are_at_hand(monkeypatch):
@@ -102,7 +110,10 @@ def test_the_explorer_and_its_code_are_at_hand(monkeypatch):
     explorer: Any = stepper.explorers[0]
     assert explorer.count == 2
     outer, inner = stepper.where(0).splitlines()
-    assert outer.startswith(__file__)
+    here = Path.cwd()
+    file = Path(__file__)
+    shown = file.relative_to(here) if file.is_relative_to(here) else file
+    assert outer.startswith(f"{shown}:")
     assert outer.endswith("in run")
     assert inner.endswith("in wait")
     assert stepper.variables(0)["k"] == 1
@@ -118,7 +129,7 @@ def test_steps_are_told_in_a_line_each():
     assert lines[0] == "0.00 s  robot 0  Sense"
     assert lines[1] == "0.00 s  robot 0  ExactScan -> Note(NodeAdded)"
     assert "0.00 s  robot 0  Send(report) to all" in lines
-    assert any("-> Receive for 0.0 s" in line and "Moved to (" in line for line in lines)
+    assert any("-> Receive what has arrived" in line and "Moved to (" in line for line in lines)
     assert any(" Move to (" in line and line.endswith(" s") for line in lines)
     assert any("Received(report of 0" in line for line in lines)
 

@@ -132,7 +132,7 @@ def bad_worlds(folder: Path) -> None:
         (["room.wkt", "--fault", "silence:0@3+-1"], "positive number of seconds"),
         (["--spec", "nothing.toml"], "nothing.toml: No such file"),
         (["--spec", "room.wkt"], "room.wkt: not a run spec"),
-        (["--spec", "folder.png"], "folder.png: Is a directory"),
+        (["--spec", "folder.png"], "folder.png is a folder; name the file in it"),
         (["room.wkt", "--strategy", "srt-star", "--strategy", "srt-square"], "srt-square"),
         (
             ["room.wkt", "--strategy", "srt-star", "--strategy", "srt-ball", "--option", "x=1"],

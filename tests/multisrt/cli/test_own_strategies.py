@@ -195,3 +195,73 @@ def test_an_explorer_that_raises_is_one_line(call: Call, folder: Path) -> None:
     assert (code, out, err.count("\n")) == (2, "", 1)
     assert "it raised RuntimeError: boom (boom.py:6, in run: raise RuntimeError('boom'))" in err
     assert "multisrt check FILE" in err
+
+
+# Folders, and other things in the place of a file -----------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (
+            ["check", "adir"],
+            "adir is a folder; name the file of the strategy in it, such as adir/m",
+        ),
+        (["explore", "pillar.wkt", "--strategy", "adir"], "name the file of the strategy in it"),
+        (["strategies", "adir"], "adir is a folder; name the file of the strategy in it"),
+        (["report", "adir"], "adir is a folder; name the file of results in it (.sqlite)"),
+        (["experiment", "run", "adir"], "adir is a folder; name the file in it (.toml)"),
+        (["why", "mine.py"], "mine.py is not a recording: its first line is no header; name the"),
+        (["strategy", "new", "minpos.py"], "(on the command line --name my-minpos)"),
+        (
+            ["explore", "pillar.wkt", "--option", "frontier_bais=1"],
+            "(did you mean 'frontier_bias'?)",
+        ),
+        (["explore", "pillar.wkt", "--option", "xyz=1"], "'multisrt strategies srt-radial' lists"),
+    ],
+)
+def test_what_is_given_instead_is_told(call: Call, folder: Path, words: list[str], said: str):
+    (folder / "adir").mkdir()
+    (folder / "adir" / "mine.py").write_text(MINE)
+    code, out, err = call(*words)
+    assert (code, out) == (2, "")
+    assert said in err
+    assert err.count("\n") == 1
+
+
+LATE = MINE.replace("import Done, Sense", "import Done, Note, Sense").replace(
+    "            yield Sense()\n",
+    "            yield Sense()\n            yield Note(MapComplete(time_s=9.0, robot=0))\n",
+)
+
+
+def test_a_defect_names_the_line_and_the_checker(call: Call, folder: Path):
+    (folder / "late.py").write_text("from multisrt.events import MapComplete\n" + LATE)
+    code, _, err = call("explore", "pillar.wkt", "--strategy", "late.py")
+    assert code == 2
+    assert "has time_s=9 at 0 s (late.py:" in err
+    assert "also TimedOut" in err
+    assert err.endswith("next: multisrt check FILE\n")
+
+
+def test_a_check_that_is_piped_prints_no_progress(call: Call):
+    code, out, err = call("check", "mine.py", "--world", "pillar.wkt", "--robots", "1")
+    assert code == 0
+    assert "keeps to the contract" in out
+    assert err == ""
+
+
+def test_the_check_of_an_experiment_looks_at_its_results(call: Call, folder: Path):
+    (folder / "tiny.toml").write_text(TINY.replace('["mine", "closest"]', '["closest"]'))
+    assert call("experiment", "run", "tiny.toml", "--workers", "0", "--quiet")[0] in (0, 3)
+    code, out, _ = call("experiment", "check", "tiny.toml", "--seconds", "0")
+    assert code == 0
+    assert "1 of them are stored in tiny.sqlite" in out
+    (folder / "tiny.toml").write_text(TINY.replace('["mine", "closest"]', '["minpos"]'))
+    code, _, err = call("experiment", "check", "tiny.toml", "--seconds", "0")
+    assert code == 2
+    assert "tiny.sqlite: holds another experiment" in err
+    assert "choose another file (--store on the command line, store=... in Python)" in err
+    other = call("experiment", "check", "tiny.toml", "--seconds", "0", "--store", "other.sqlite")
+    assert other[0] == 0
+    assert "experiment run tiny.toml --store other.sqlite" in other[1]

@@ -27,3 +27,14 @@ def test_own_options_come_before_inherited_ones(call):
     ]
     assert "As above" not in out
     assert "in the paper goals are reassigned" in " ".join(out.split())
+
+
+def test_show_is_understood_and_the_list_says_how_options_are_listed(call):
+    code, out, _ = call("strategies")
+    assert code == 0
+    assert out.endswith("next: multisrt strategies minpos  (the options of one)\n")
+    assert call("strategies", "show", "minpos") == call("strategies", "minpos")
+    for words in (["show"], ["minpos", "closest"]):
+        code, _, err = call("strategies", *words)
+        assert code == 2
+        assert "name one strategy" in err

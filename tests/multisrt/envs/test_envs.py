@@ -437,7 +437,16 @@ def test_a_picture_shows_walls_and_robots():
     # The hall is at the foot of the picture, as y points up.
     assert tuple(picture[0, 0].tolist()) == (40, 40, 40)
     assert tuple(picture[-10, 10].tolist()) == (170, 170, 170)
-    assert single_env(HALL).render() is None
+    with pytest.warns(
+        UserWarning, match='without specifying any render mode: give render_mode="rgb_'
+    ):
+        assert single_env(HALL).render() is None
+
+
+def test_environments_tell_their_worlds_and_team():
+    assert repr(single_env("apartment", seed=3)) == "ExploreEnv('apartment', robots=1, seed=3)"
+    team = parallel_env(["rooms", "maze"], robots=2)
+    assert repr(team) == "ExploreParallelEnv('rooms' and 1 more, robots=2)"
 
 
 def test_without_the_extra_the_import_says_what_to_install():

@@ -254,7 +254,7 @@ def test_other_files_are_refused(tmp_path, path):
         Store.open(path)
     with pytest.raises(InvalidInputError, match="cannot write"):
         Store.create_or_open(tmp_path / "no-such-folder" / "x.sqlite", SPEC)
-    both_ways(tmp_path, "Is a directory")
+    both_ways(tmp_path, "is a folder; name the file of results in it")
     path.write_text("key,status\n")
     both_ways(path, "not a file of results")
     assert path.read_text() == "key,status\n"

@@ -17,7 +17,7 @@ from multisrt.reporting import overall_figures
 from multisrt.reporting.overview import overview
 from multisrt.reporting.study import Study
 from multisrt.reporting.tables import gaps_above, measure_table, success_table
-from multisrt.reporting.words import findings, what_was_run
+from multisrt.reporting.words import UNCLAIMED, findings, what_was_run
 from multisrt.robots.explorer import Done, Note, Sense
 from multisrt.robots.registry import _registry, register, strategy
 from multisrt.robots.strategy import Strategy
@@ -160,7 +160,17 @@ def test_whoever_notes_nothing_is_measured_by_its_scans(study):
     assert math.isfinite(found.median)
     rows = {row[0].text: [cell.line for cell in row] for row in overview(study).rows}
     assert rows["silent"][1] == "7 of 7"
-    assert rows["silent"][4] == "∞ -"
+    assert rows["silent"][4] == UNCLAIMED
+    assert rows["once"][4] == "∞ -"
+    claim = measure_named("known_complete_s")
+    assert {c.strategy for c in study.comparisons(claim)} == {"once"}
+    (setting,) = study.settings
+    assert study.summary(claim, setting, "silent") is None
+    assert study.finite(claim, setting, "silent") == []
+    (row,) = measure_table(study, claim).rows
+    assert row[4].text == UNCLAIMED
+    for table in (overview(study), measure_table(study, claim)):
+        assert "no run of silent records a MapComplete that counts" in " ".join(table.notes)
     assert rows["silent"][5] == rows["closest"][5]
 
 
@@ -202,7 +212,7 @@ def test_copies_count_once(study):
         ("0 of 7", "(0 to 35 %)"),
         ("1 of 1", "(1 run)"),
     ]
-    assert "21 made, 15 of them distinct" in what_was_run(fixed)
+    assert "21 runs, 15 of them distinct" in what_was_run(fixed)
 
 
 def test_a_sample_is_tested_against_one_run(study):

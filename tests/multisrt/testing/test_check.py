@@ -193,7 +193,9 @@ def test_the_summary_says_where_its_own_account_differs_from_its_scans():
     narrow = RobotSpec(range_finder=RangeFinderSpec(range_m=2.0))
     checked = check_explorer(LooksRound, worlds=[HALL], teams=[1], robot=narrow)
     assert checked.runs[0].outcome == "complete"
-    assert checked.runs[0].differences == ("notes no node, and is measured by its scans",)
+    nodes, complete = checked.runs[0].differences
+    assert nodes == "notes no node, and is measured by its scans"
+    assert complete.startswith("notes no MapComplete: when a robot knows its map complete stays")
     assert "note: it notes no node, and is measured by its scans" in str(checked)
     (run,) = check_explorer(ClaimsMore, worlds=[HALL], teams=[1], robot=narrow).runs
     assert "its scans at their places had not shown" in " ".join(run.differences)

@@ -1,7 +1,5 @@
 """Warnings about teams that stall."""
 
-from typing import Any
-
 import pytest
 import shapely
 
@@ -106,7 +104,6 @@ def written(folder, **replaced):
     return f"{folder / 'impatient.py'}:Mine"
 
 
-SMALL: dict[str, Any] = {"teams": (2,), "repeat_in_process": False}
 NEVER_GIVES_UP = ("while barred < self.options.patience:", "while True:")
 
 
@@ -146,10 +143,15 @@ def test_a_body_that_fits_no_doorway_is_not_tried(tmp_path):
 @pytest.mark.slow
 def test_nodes_that_none_learns_are_told(tmp_path):
     silent = written(tmp_path, learned=("if new:", "if False:"))
-    checked = check_explorer(silent, worlds=[two_rooms()], **SMALL)
+    checked = check_explorer(silent, worlds=[two_rooms()], teams=(2,), repeat_in_process=False)
     (warning,) = checked.warnings
     assert warning.startswith("it sends nodes to other robots, and none records Learned")
-    assert check_explorer(written(tmp_path), worlds=[two_rooms()], **SMALL).warnings == ()
+    assert (
+        check_explorer(
+            written(tmp_path), worlds=[two_rooms()], teams=(2,), repeat_in_process=False
+        ).warnings
+        == ()
+    )
 
 
 @pytest.mark.slow

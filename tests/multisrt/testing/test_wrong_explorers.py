@@ -176,12 +176,17 @@ TOLD = {
         "motion: Move first"
     ),
     "NotesForAnother": (
-        "the robot in 'two rooms', action 1: it put an event of robot 1 on record; give "
+        "the robot in 'two rooms', action 1: it put an event of robot 1 on record "
+        "(wrong_explorers.py:LINE, in run: "
+        "yield Note(MapComplete(time_s=0.0, robot=self.me.robot + 1))); give "
         "its MapComplete robot=0: a robot speaks for itself alone"
     ),
     "NotesTheFuture": (
-        "the robot in 'two rooms', action 1: its MapComplete has time_s=60 at 0 s; give "
-        "the present time, which scans, motions and messages tell"
+        "the robot in 'two rooms', action 1: its MapComplete has time_s=60 at 0 s "
+        "(wrong_explorers.py:LINE, in run: "
+        "yield Note(MapComplete(time_s=60.0, robot=self.me.robot))); give "
+        "the present time: every outcome has it as time_s, those of Sense, Move, Stop and Receive "
+        "(also TimedOut), and at the start its RobotSelf"
     ),
     "EndsWithAWord": (
         "the robot in 'two rooms', action 2: complete of its Done is 'yes', a str; give "

@@ -64,7 +64,10 @@ def template(size: str, name: str, file: str) -> str:
             "that begins with a letter, such as nearest-door"
         )
     if is_built_in(title):
-        raise InvalidInputError(f"there is a strategy {title!r} already; give another name")
+        raise InvalidInputError(
+            f"there is a strategy {title!r} already; give another name, such as my-{title} (on the "
+            f"command line --name my-{title})"
+        )
     text = files(__package__).joinpath(f"{size}.py").read_text(encoding="utf-8")
     spelt = {"mine.py": file, "museum-mine-0": f"museum-{title}-0", "Mine": camel, "mine": snake}
     found = "|".join(map(re.escape, spelt))

@@ -1,6 +1,16 @@
 """Print the table of all benchmarks; a missed target or an error is a line of it."""
 
-from benchmarks import frontier, kernels, learning, machine, stepping, team, throughput, whole_run
+from benchmarks import (
+    frontier,
+    kernels,
+    learning,
+    machine,
+    replay,
+    stepping,
+    team,
+    throughput,
+    whole_run,
+)
 from benchmarks.harness import show
 
 
@@ -14,6 +24,7 @@ def main() -> None:
         | team.BENCHMARKS
         | frontier.BENCHMARKS
         | learning.BENCHMARKS
+        | replay.BENCHMARKS
         | throughput.BENCHMARKS
     )
 

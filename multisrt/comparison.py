@@ -108,7 +108,8 @@ def compare(
         Modules or files with further strategies (``"mine.py"``), imported by this process and by
         workers.
     progress : bool
-        Whether to show a progress bar, on a terminal only.
+        Whether to show the progress: a bar on a terminal and in a notebook, elsewhere a line on
+        standard error every 30 s.
     **fields
         Further fields of `ExperimentSpec`: `bodies`, `blocks`, `exclude`, `drive`,
         `range_finder`, `stop`, `limits`, `success_coverage`, `horizon_s`, `reference`, `about`.

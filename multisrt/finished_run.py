@@ -20,6 +20,7 @@ from multisrt.spec import RunSpec
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+    from multisrt.drawing.figures import FigureOptions
     from multisrt.exporting import ExportOptions
 
 RECORDING_NAME = "recording.jsonl"
@@ -407,6 +408,46 @@ class Run:
         from multisrt.replay import save_replay
 
         save_replay(self.recording, path)
+
+    def save_figure(
+        self,
+        kind: str,
+        path: str | Path,
+        *,
+        style: str = "screen",
+        options: FigureOptions | None = None,
+    ) -> None:
+        """Draw a figure for a paper, page or slide.
+
+        Parameters
+        ----------
+        kind : str
+            Which figure: `map`, `maps`, `trajectories`, `coverage`, `activity`, `visits`,
+            `isolation` or `decisions`.
+        path : str or Path
+            The file: ``.pdf``, ``.svg`` or ``.png``. It is written completely or not at all.
+        style : {"ieee", "ieee-wide", "springer", "springer-wide", "screen"}, optional
+            Width and letters of the figure.
+        options : FigureOptions, optional
+            Times, robots and the like, for kinds that depend on them; see
+            `multisrt.drawing.figures`.
+
+        Raises
+        ------
+        InvalidInputError
+            If there is no such kind, style, robot or time, or the file cannot be written.
+        MissingExtraError
+            If matplotlib is not installed (``multisrt[plots]``).
+
+        Examples
+        --------
+        >>> import multisrt as ms
+        >>> run = ms.explore("open", robots=2, seed=1, max_time_s=10.0)
+        >>> run.save_figure("trajectories", "trajectories.pdf", style="ieee")
+        """
+        from multisrt.drawing.figures import save_figure
+
+        save_figure(kind, self.recording, path, style=style, options=options)
 
     def save_recording(self, path: str | Path) -> None:
         """Write the recording, one JSON object a line.

@@ -1,5 +1,6 @@
 """Settings and fixtures for all tests."""
 
+import gc
 import importlib.util
 import signal
 import sys
@@ -19,6 +20,12 @@ settings.load_profile("repeatable")
 # Shells let background processes ignore interrupts; tests interrupt the processes they start.
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+def pytest_collection_finish() -> None:
+    """Take what stays to the end out of garbage collections, which would look through it."""
+    gc.collect()
+    gc.freeze()
 
 
 @pytest.fixture(autouse=True)

@@ -14,6 +14,7 @@ from pathlib import Path
 
 import bidding
 import gallery
+import papers
 import runs
 import teams
 import trees
@@ -23,6 +24,7 @@ FIGURES: dict[str, dict[str, Callable[[], str]]] = {
     "": runs.FIGURES,
     "algorithms": {**trees.FIGURES, **teams.FIGURES, **bidding.FIGURES},
     "gallery": gallery.FIGURES,
+    "figures": papers.FIGURES,
 }
 
 

@@ -82,7 +82,9 @@ class EdgeIndex:
     __slots__ = ("grid",)
 
     def __init__(self, edges: FloatArray, cell_m: float) -> None:
-        edges = np.ascontiguousarray(edges, dtype=np.float64)
+        # Read-only whatever is given, so that kernels are compiled for one type of grid.
+        edges = np.ascontiguousarray(edges, dtype=np.float64).view()
+        edges.setflags(write=False)
         if edges.ndim != 2 or edges.shape[1] != 4 or not len(edges):
             raise InvalidInputError(f"edges are an (n, 4) array with n > 0, not {edges.shape}")
         if not np.isfinite(edges).all():

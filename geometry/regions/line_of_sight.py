@@ -49,7 +49,7 @@ def line_of_sight(index: EdgeIndex, ax: float, ay: float, bx: float, by: float) 
     """
     if not (math.isfinite(ax + ay) and math.isfinite(bx + by)):
         raise InvalidInputError(f"points are finite, not ({ax}, {ay}) and ({bx}, {by})")
-    return bool(segment_is_free(ax, ay, bx, by, index.grid))
+    return bool(segment_is_free(float(ax), float(ay), float(bx), float(by), index.grid))
 
 
 @kernel

@@ -19,6 +19,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+import numpy as np
 import shapely
 
 from multisrt.geometry.errors import InvalidInputError
@@ -63,6 +64,17 @@ class LocalSafeRegion:
     range_m: float
     boundary: FloatArray
     tags: TagArray
+
+    def __post_init__(self) -> None:
+        # Kernels are compiled for read-only arrays once, and not for writable ones as well.
+        if self.boundary.flags.writeable or self.boundary.dtype != np.float64:
+            boundary = np.array(self.boundary, np.float64, order="C")
+            boundary.setflags(write=False)
+            object.__setattr__(self, "boundary", boundary)
+        if self.tags.flags.writeable or self.tags.dtype != np.int8:
+            tags = np.array(self.tags, np.int8)
+            tags.setflags(write=False)
+            object.__setattr__(self, "tags", tags)
 
     def polygon(self) -> shapely.Polygon:
         """Return the region as a shapely polygon."""

@@ -155,7 +155,8 @@ def isolated_times(
     --------
     >>> import multisrt as ms
     >>> radio = ms.RadioSpec(range_m=5.0)
-    >>> run = ms.explore("apartment", robots=2, seed=1, radio=radio, max_time_s=60.0)
+    >>> given = {"robots": 2, "radio": radio, "max_time_s": 60.0}
+    >>> run = ms.explore("apartment", strategy="closest", seed=1, **given)
     >>> found = isolated_times(run.recording)
     >>> total_s = sum(robot.total_s for robot in ms.isolation(run.recording))
     >>> abs(float(found.values.sum()) - total_s) < 1e-6

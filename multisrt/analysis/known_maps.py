@@ -120,10 +120,13 @@ def areas_known(
                 valid = shapely.make_valid(np.array([*new], np.object_))
                 known[maker] = shapely.union_all([before, *valid])
         begin = time_s
-        found.append({m: _polygons(known[m].intersection(environment.free)) for m in sorted(known)})
+        found.append(
+            {m: polygons_of(known[m].intersection(environment.free)) for m in sorted(known)}
+        )
     return found
 
 
-def _polygons(area: BaseGeometry) -> shapely.MultiPolygon:
+def polygons_of(area: BaseGeometry) -> shapely.MultiPolygon:
+    """Return the polygons of a shape, without its points and lines."""
     parts = shapely.get_parts(area)
     return shapely.MultiPolygon([part for part in parts if part.geom_type == "Polygon"])

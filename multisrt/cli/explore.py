@@ -83,7 +83,7 @@ Files written, with several strategies in one folder each:
   run.json         spec, outcome, digest and metrics
   spec.toml        the spec; 'multisrt explore --spec' repeats the run
   recording.jsonl  every event of the run, one per line
-  replay.html      with --view or --live: the replay, of all strategies together
+  replay.html      with --view or --live: the replay of all strategies
 
 \b
 Exit code:
@@ -254,7 +254,8 @@ def explore(
 
     if force and out is None:
         raise click.UsageError("--force replaces the run in --out DIR, which is not given")
-    _require_means(given, quiet)
+    progress = _progress(watch=given["watch"], quiet=quiet)
+    _require_opened(given)
     import_all(imports)
     own = environment if environment is not None and is_reference(environment) else None
     if own is not None:
@@ -279,8 +280,7 @@ def explore(
         specs = [spec_of_options(environment, name, given) for name in names or (None,)]
         _require_shared_options(specs)
         name = Path(environment).stem
-    if given["regret"]:
-        _require_plans(specs)
+    _require_shown(specs, given)
     usual = _usual_folder(specs, name)
     whole = out or new_folder(usual)
     folders = [whole] if len(specs) == 1 else [whole / spec.strategy for spec in specs]
@@ -288,9 +288,7 @@ def explore(
         require_no_run(folder, force=force)
     page = whole / REPLAY_NAME
     if given["view"] or given["live"]:
-        require_few(len(specs))
         require_no_file(page, force=force)
-    progress = Watching() if given["watch"] else Progress(quiet)
     with live_page(page if given["live"] else None, opens=not given["no_open"]) as live:
         runs = _run_all(specs, folders, progress, without, force=force, live=live)
     if not quiet:
@@ -311,11 +309,16 @@ def explore(
         raise SystemExit(NO_SUCCESS)
 
 
-def _require_means(given: dict[str, Any], quiet: bool) -> None:
-    if given["watch"]:
-        if quiet:
-            raise click.UsageError("--watch draws while --quiet prints errors only: give one")
-        require_terminal()
+def _progress(*, watch: bool, quiet: bool) -> Progress:
+    if not watch:
+        return Progress(quiet)
+    if quiet:
+        raise click.UsageError("--watch draws while --quiet prints errors only: give one")
+    require_terminal()
+    return Watching()
+
+
+def _require_opened(given: dict[str, Any]) -> None:
     if given["no_open"] and not (given["view"] or given["live"]):
         raise click.UsageError("--no-open is about the page of --view or --live: give one of them")
 
@@ -347,6 +350,14 @@ def _require_shared_options(specs: list[RunSpec]) -> None:
                 f"--option {key} applies to all strategies, and {without[0]} has no such option: "
                 "run the strategies separately"
             )
+
+
+def _require_shown(specs: list[RunSpec], given: dict[str, Any]) -> None:
+    # What cannot be compared or shown of these runs is reported before they are made.
+    if given["regret"]:
+        _require_plans(specs)
+    if given["view"] or given["live"]:
+        require_few(len(specs))
 
 
 def _require_plans(specs: list[RunSpec]) -> None:

@@ -66,7 +66,7 @@ def export(
     Examples:
       multisrt export runs/office-srt-radial-0 --out office.mcap
       multisrt export out --out out.rrd
-      multisrt export out --out out.mcap --rate 30 --map-interval 1 --cell 0.05 --force
+      multisrt export out --out out.mcap --rate 30 --map-interval 1 --force
     """
     from multisrt.exporting import ExportOptions, export_run
     from multisrt.exporting.export import require_format

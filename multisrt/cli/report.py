@@ -42,6 +42,9 @@ from multisrt.cli.imports import import_all, import_option
 )
 @import_option
 @click.option("--no-gallery", is_flag=True, help="Omit the trees, which need some runs repeated.")
+@click.option(
+    "--no-replays", is_flag=True, help="Omit the replays, pages of their own of the same runs."
+)
 @click.option("--quiet", is_flag=True, help="Print errors only.")
 def report(
     results: Path,
@@ -51,8 +54,8 @@ def report(
     measures: tuple[str, ...],
     baseline: str | None,
     imports: tuple[str, ...],
-    no_gallery: bool,
     quiet: bool,
+    **left_out: bool,
 ) -> None:
     """Write a report of an experiment's results.
 
@@ -64,6 +67,7 @@ def report(
     \b
     Examples:
       multisrt report star.sqlite --out report
+      multisrt report star.sqlite --no-replays
       multisrt report star.sqlite --baseline srt-star --measure makespan_s
       multisrt report mine.sqlite --import mine.py
     """
@@ -87,7 +91,8 @@ def report(
             found,
             out,
             latex=latex,
-            gallery=not no_gallery,
+            gallery=not left_out["no_gallery"],
+            replays=not left_out["no_replays"],
             measures=measures,
             baseline=baseline,
             folder=folder,

@@ -14,6 +14,7 @@ from multisrt.drawing.colours import (
     DEATH_MM,
     END,
     END_MM,
+    FREE,
     FRONTIER,
     FRONTIER_CELLS,
     GOAL_MM,
@@ -210,17 +211,19 @@ def marks_legend(
     ]
 
 
-def swatches(traces: list[Trace]) -> list[Swatch]:
+def swatches(traces: list[Trace], absent: frozenset[str] = frozenset()) -> list[Swatch]:
     """Return the colours of the robots, in a small team with nodes and path lengths."""
-    return [_swatch(trace, len(traces), _unit(traces)) for trace in traces]
+    found = [_swatch(trace, len(traces), _unit(traces)) for trace in traces]
+    return [replace(one, area=FREE) for one in found] if "areas" in absent else found
 
 
-def swatches_heading(traces: list[Trace]) -> str:
+def swatches_heading(traces: list[Trace], absent: frozenset[str] = frozenset()) -> str:
     """Return the heading of the colours of the robots."""
     scans = _unit(traces) == "scan"
     unit = _unit(traces, in_full=True)
     account = f": {unit}s, path length" if len(traces) <= MAX_ACCOUNTS else ""
-    return f"area seen first and {'path' if scans else 'tree'} of each robot{account}"
+    area = "" if "areas" in absent else "area seen first and "
+    return f"{area}{'path' if scans else 'tree'} of each robot{account}"
 
 
 def _swatch(trace: Trace, robots: int, unit: str) -> Swatch:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from typing import Final
 
 from multisrt.drawing.badges import (
@@ -76,6 +77,7 @@ def draw_starts_and_ends(
         for trace in traces:
             if trace.death is not None:
                 _draw_death(sheet, trace, trace.death, taken)
+    _draw_leaders(sheet, traces, badges)
     for trace, badge in zip(traces, badges, strict=False):
         _draw_badge(sheet, trace, badge)
     if "starts" not in without and not team:
@@ -125,18 +127,31 @@ def _draw_start(sheet: Sheet, trace: Trace) -> None:
     child(layer, "path", d=sheet.pen.marker("arrow", x, y, sheet.metres(START_MM), heading))
 
 
+def _draw_leaders(sheet: Sheet, traces: list[Trace], badges: list[Disc]) -> None:
+    # Lines from starts to badges that had to be moved, below all badges.
+    moved = [
+        (trace, badge)
+        for trace, badge in zip(traces, badges, strict=False)
+        if math.dist(trace.start[:2], badge[:2]) > 0.5 * badge.radius
+    ]
+    if not moved:
+        return
+    layer = sheet.layer("lines to starts")
+    for trace, badge in moved:
+        styles = RobotStyles.of(trace.robot)
+        line = sheet.pen.line([trace.start[:2], badge[:2]])
+        child(layer, "path", d=line, **sheet.attributes(styles.bridge))
+        dot = sheet.pen.marker("disc", *trace.start[:2], 0.25 * badge.radius)
+        child(layer, "path", d=dot, **sheet.attributes(replace(styles.node, stroke=None)))
+
+
 def _draw_badge(sheet: Sheet, trace: Trace, badge: Disc) -> None:
     # The start of a robot in a team, with the number of the robot.
-    x, y, heading = trace.start
+    heading = trace.start.heading
     radius_mm = badge.radius / sheet.metres(1.0)
     styles = RobotStyles.of(trace.robot)
     style = styles.late_start if trace.late else styles.start
     layer = sheet.layer(f"robot {trace.robot}: start", style.scaled(radius_mm / BADGE_MM[1]))
-    if math.hypot(badge.x - x, badge.y - y) > 0.5 * badge.radius:
-        leader = {**sheet.attributes(styles.bridge), "fill": "none"}
-        child(layer, "path", d=sheet.pen.line([(x, y), (badge.x, badge.y)]), **leader)
-        dot = {**sheet.attributes(styles.node), "stroke": "none"}
-        child(layer, "path", d=sheet.pen.marker("disc", x, y, 0.25 * badge.radius), **dot)
     child(layer, "path", d=sheet.pen.marker("pin", badge.x, badge.y, badge.radius, heading))
     number = str(trace.robot)
     size_mm = radius_mm * sheet.weight * (1.5 if len(number) == 1 else 1.3)

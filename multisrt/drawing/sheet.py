@@ -238,6 +238,23 @@ class Sheet:
         body = ET.tostring(self._root, encoding="unicode")
         return f'<?xml version="1.0" encoding="UTF-8"?>\n{body}\n'
 
+    def map_svg(self, title: str) -> str:
+        """Return the map alone as a document, without names of layers."""
+        x0, y0, x1, y1 = self.bounds
+        width, height = x1 - x0, y1 - y0
+        root = ET.Element("svg", {"xmlns": "http://www.w3.org/2000/svg"})
+        root.set("viewBox", f"0 0 {plain(width)} {plain(height)}")
+        child(root, "title", title)
+        group = child(root, "g")
+        left, up = x0 - self.pen.origin[0], y1 - self.pen.origin[1]
+        group.set("transform", f"translate({plain(-left)} {plain(up)}) scale(1 -1)")
+        for layer_ in self.map:
+            if len(layer_):
+                names = ("id", "inkscape:label", "inkscape:groupmode")
+                kept = {k: v for k, v in layer_.attrib.items() if k not in names}
+                ET.SubElement(group, "g", kept).extend(layer_)
+        return ET.tostring(root, encoding="unicode") + "\n"
+
     def _units(self) -> str:
         x, y = self.pen.origin
         place = f" from ({x:.0f}, {y:.0f})" if x or y else ""

@@ -112,7 +112,7 @@ def run_sheet(
     title = heading(recording, traces, status)
     sheet = Sheet(environment, title, description(recording), bounds_mm)
     team = len(traces) > 1
-    sheet.draw_ground("free space that is on no map")
+    sheet.draw_ground("free space" if "areas" in absent else "free space that is on no map")
     if draw_below is not None:
         draw_below(sheet)
     if any(trace.scans for trace in traces):
@@ -120,8 +120,8 @@ def run_sheet(
     else:
         _draw_trees(sheet, recording, environment, traces, absent)
     if team:
-        sheet.swatches = swatches(traces)
-        sheet.swatches_heading = swatches_heading(traces)
+        sheet.swatches = swatches(traces, absent)
+        sheet.swatches_heading = swatches_heading(traces, absent)
     return sheet
 
 

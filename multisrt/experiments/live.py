@@ -2,29 +2,86 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import sys
+import threading
+from types import TracebackType
+from typing import TYPE_CHECKING, Final, Self, TextIO
 
 from multisrt.terminal import LiveLine
 
 if TYPE_CHECKING:
     from multisrt.experiments.runner import Progress
 
+EVERY_S: Final = 30.0
+"""Time between two lines where no progress bar can be shown (s)."""
+
 
 class LiveProgress(LiveLine):
-    """Progress bar of an experiment, given to `run_experiment` as its `progress`.
+    """Progress of an experiment, given to `run_experiment` as its `progress`.
+
+    It is a bar on a terminal and in a notebook. Elsewhere it is a line on standard error every
+    `EVERY_S` seconds, which also names the run that has taken longest so far.
 
     Parameters
     ----------
     shown : bool
-        Whether to show it; without a terminal nothing is shown.
+        Whether to show it.
     """
 
     def __init__(self, shown: bool = True) -> None:
         super().__init__(shown, "runs", "starting workers", counted=True)
+        self._ticker: threading.Thread | None = None
+        self._ends = threading.Event()
+        self._latest: Progress | None = None
+        if shown and not self.shown:
+            self._ticker = threading.Thread(target=self._tick, args=(sys.stderr,), daemon=True)
+
+    def __enter__(self) -> Self:
+        super().__enter__()
+        if self._ticker is not None:
+            self._ticker.start()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._ends.set()
+        if self._ticker is not None:
+            self._ticker.join()
+        super().__exit__(kind, error, trace)
 
     def __call__(self, now: Progress) -> None:
         """Show the progress."""
+        self._latest = now
         self.update(description=now.what, total=now.total, completed=now.done, note=note_of(now))
+
+    def _tick(self, file: TextIO) -> None:
+        while not self._ends.wait(EVERY_S):
+            if self._latest is not None:
+                print(line_of(self._latest), file=file, flush=True)
+
+
+def line_of(now: Progress) -> str:
+    """Return the progress as a line of text, with the run that has taken longest so far.
+
+    Parameters
+    ----------
+    now : Progress
+        The progress.
+
+    Returns
+    -------
+    str
+        Such as "35 of 36 runs; apartment, mine, 3 robots, repetition 2 has run for 200 s".
+    """
+    told = f"{now.done} of {now.total} {now.what}"
+    if now.failed:
+        told += f", {now.failed} failed"
+    longest = now.under_way.longest()
+    return told if longest is None else f"{told}; {longest}"
 
 
 def note_of(now: Progress) -> str:

@@ -98,11 +98,16 @@ def own_strategies(spec: ExperimentSpec) -> list[Strategy]:
     InvalidInputError
         If one is not known here.
     """
+    names = [choice.name for choice in choices_of(spec)]
+    return [strategy(name) for name in dict.fromkeys(names) if not is_built_in(name)]
+
+
+def choices_of(spec: ExperimentSpec) -> list[StrategyChoice]:
+    """Return the strategies that an experiment names, those of its blocks included."""
     choices = [*spec.strategies]
     for block in spec.blocks:
         choices += block.strategies or ()
-    names = [choice if isinstance(choice, str) else choice.name for choice in choices]
-    return [strategy(name) for name in dict.fromkeys(names) if not is_built_in(name)]
+    return [c if isinstance(c, StrategyChoice) else StrategyChoice(name=c) for c in choices]
 
 
 def worker_references(

@@ -8,7 +8,7 @@ import threading
 import time
 from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import closing, contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from multisrt.experiments.crossing import PlannedRun
@@ -19,6 +19,7 @@ from multisrt.experiments.references import MissingPlans
 from multisrt.experiments.results import Result
 from multisrt.experiments.spec import ExperimentSpec
 from multisrt.experiments.store import Store
+from multisrt.experiments.under_way import JobsUnderWay
 from multisrt.experiments.worker import StoppedError, Worker
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.robots.loading import being_imported
@@ -44,6 +45,8 @@ class Progress:
         The result that was stored last; None at the beginning.
     what : str
         What is made: "runs", or then "informed plans" if the experiment asks for them.
+    under_way : JobsUnderWay
+        The runs that are being made meanwhile; empty on a cluster.
 
     Examples
     --------
@@ -59,6 +62,7 @@ class Progress:
     elapsed_s: float
     latest: Result | None
     what: str = "runs"
+    under_way: JobsUnderWay = field(default_factory=JobsUnderWay, compare=False)
 
     @property
     def per_hour(self) -> float | None:
@@ -129,9 +133,10 @@ def run_experiment(
         raise InvalidInputError("give workers or a cluster, not both: a cluster has its own")
     require_no_import()
     import_modules(modules)
-    tally = _Tally(store, progress)
+    under_way = JobsUnderWay()
+    tally = _Tally(store, progress, under_way)
     tally.tell(None)
-    makers = _Makers(store, workers, cluster, modules)
+    makers = _Makers(store, workers, cluster, modules, under_way)
     if missing := len(store.missing()):
         with makers.of(missing) as make:
             _make_missing(store, make, tally)
@@ -139,7 +144,7 @@ def run_experiment(
         plans = MissingPlans(store)
         if jobs := plans.jobs:
             with makers.of(len(jobs)) as make:
-                _make_plans(plans, make, progress)
+                _make_plans(plans, make, progress, under_way)
 
 
 def require_no_import() -> None:
@@ -165,7 +170,9 @@ def _make_missing(store: Store, make: Make, tally: _Tally) -> None:
         tally.add_copies(twins.copies())
 
 
-def _make_plans(plans: MissingPlans, make: Make, progress: Watch | None) -> None:
+def _make_plans(
+    plans: MissingPlans, make: Make, progress: Watch | None, under_way: JobsUnderWay
+) -> None:
     begin, total = time.perf_counter(), len(plans.jobs)
 
     def tell(made: int, latest: Result | None) -> None:
@@ -180,6 +187,7 @@ def _make_plans(plans: MissingPlans, make: Make, progress: Watch | None) -> None
                     elapsed_s=elapsed_s,
                     latest=latest,
                     what="informed plans",
+                    under_way=under_way,
                 )
             )
 
@@ -193,8 +201,9 @@ def _make_plans(plans: MissingPlans, make: Make, progress: Watch | None) -> None
 class _Tally:
     """Stores results and reports the progress."""
 
-    def __init__(self, store: Store, progress: Watch | None) -> None:
+    def __init__(self, store: Store, progress: Watch | None, under_way: JobsUnderWay) -> None:
         self._store = store
+        self._under_way = under_way
         self._progress = progress
         self._done, self._failed, self._made = store.done, store.failed, 0
         self._begin = time.perf_counter()
@@ -227,6 +236,7 @@ class _Tally:
                 made=self._made,
                 elapsed_s=time.perf_counter() - self._begin,
                 latest=latest,
+                under_way=self._under_way,
             )
         )
 
@@ -300,8 +310,14 @@ class _Makers:
     """What makes runs, as a user chose: this process, workers on this machine, or a cluster."""
 
     def __init__(
-        self, store: Store, workers: int | None, cluster: str | None, modules: Sequence[str]
+        self,
+        store: Store,
+        workers: int | None,
+        cluster: str | None,
+        modules: Sequence[str],
+        under_way: JobsUnderWay,
     ) -> None:
+        self._under_way = under_way
         self._workers = cores() if workers is None else workers
         self._cluster = cluster
         self._made_by = store.provenance
@@ -319,31 +335,37 @@ class _Makers:
             yield lambda jobs: made_on_cluster(jobs, cluster, self._made_by, self._modules)
             return
         if not self._workers:
-            yield _made_in_this_process
+            yield lambda jobs: _made_in_this_process(jobs, self._under_way)
             return
         handles = [Worker(self._modules, self._made_by) for _ in range(min(self._workers, number))]
         try:
-            yield lambda jobs: _made_here(jobs, handles)
+            yield lambda jobs: _made_here(jobs, handles, self._under_way)
         finally:
             for handle in handles:
                 handle.stop()
 
 
-def _made_in_this_process(jobs: Iterator[Job]) -> Generator[Result, None, None]:
+def _made_in_this_process(
+    jobs: Iterator[Job], under_way: JobsUnderWay
+) -> Generator[Result, None, None]:
     from multisrt.experiments.mission import make_run
 
     for job in jobs:
-        yield make_run(
-            job.run,
-            None,
-            Path(job.recording) if job.recording else None,
-            only_failed=job.only_failed,
-            success_coverage=job.success_coverage,
-            horizon_s=job.horizon_s,
-        )
+        with under_way.making(job):
+            result = make_run(
+                job.run,
+                None,
+                Path(job.recording) if job.recording else None,
+                only_failed=job.only_failed,
+                success_coverage=job.success_coverage,
+                horizon_s=job.horizon_s,
+            )
+        yield result
 
 
-def _made_here(jobs: Iterator[Job], workers: Sequence[Worker]) -> Generator[Result, None, None]:
+def _made_here(
+    jobs: Iterator[Job], workers: Sequence[Worker], under_way: JobsUnderWay
+) -> Generator[Result, None, None]:
     """Yield results as runs end; a thread for each worker gives it one job after another."""
     waiting = _Shared(jobs)
     answers: queue.SimpleQueue[Result | BaseException | None] = queue.SimpleQueue()
@@ -351,7 +373,9 @@ def _made_here(jobs: Iterator[Job], workers: Sequence[Worker]) -> Generator[Resu
     def serve(worker: Worker) -> None:
         try:
             while (job := waiting.next()) is not None:
-                answers.put(worker.make(job))
+                with under_way.making(job):
+                    result = worker.make(job)
+                answers.put(result)
             answers.put(None)
         except StoppedError:
             pass  # the results are no longer wanted

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from bisect import bisect_right
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
+from weakref import WeakKeyDictionary
 
 from multisrt.events import (
     AnyEvent,
+    ArcClosed,
+    ArcReopened,
     Blocked,
     CameBack,
     Coordinated,
@@ -17,8 +21,10 @@ from multisrt.events import (
     FellSilent,
     GoalChosen,
     Joined,
+    Learned,
     Motion,
     NodeAdded,
+    NodeName,
     Organized,
     PresumedLost,
     Sensed,
@@ -26,6 +32,7 @@ from multisrt.events import (
     Supports,
 )
 from multisrt.explain.srt import explain
+from multisrt.explain.words import SAME_MOMENT_S
 from multisrt.recording import Recording
 
 CHOICES = Decision | GoalChosen | Decided
@@ -89,14 +96,19 @@ def moments(recording: Recording, robot: int, *, choices_only: bool = False) -> 
     if recording.spec.strategy == "informed":
         yield Moment(0.0, _said(recording, robot, 0.0))
         return
-    part = _needed(recording, robot)
-    chosen = [event.time_s for event in part.events if _is_choice(event, robot)]
+    own = _needed(recording, robot)
+    chosen = [event.time_s for event in own if _is_choice(event, robot)]
     if not chosen:
         return
+    parts = [
+        Recording(header=recording.header, events=tuple(events), footer=recording.footer)
+        for events in _windows(own, robot, chosen)
+    ]
     end = recording.footer.time_s
-    times = chosen if choices_only else [t for t in _changes(part, robot) if t >= chosen[0]]
+    times = chosen if choices_only else [t for t in _changes(own, robot) if t >= chosen[0]]
     last: tuple[str, ...] = ()
     for time_s in sorted({min(time_s, end) for time_s in times}):
+        part = parts[bisect_right(chosen, time_s + SAME_MOMENT_S) - 1]
         lines = _said(part, robot, time_s)
         if lines != last:
             yield Moment(time_s, lines)
@@ -112,11 +124,9 @@ def _is_choice(event: AnyEvent, robot: int) -> bool:
     return isinstance(event, CHOICES) and event.robot == robot
 
 
-def _changes(part: Recording, robot: int) -> Iterator[float]:
-    of_trees = any(
-        _is_choice(event, robot) and isinstance(event, Decision) for event in part.events
-    )
-    for event in part.events:
+def _changes(own: Sequence[AnyEvent], robot: int) -> Iterator[float]:
+    of_trees = any(isinstance(event, Decision) and event.robot == robot for event in own)
+    for event in own:
         if event.robot != robot:
             continue
         if isinstance(event, TOLD):
@@ -126,19 +136,99 @@ def _changes(part: Recording, robot: int) -> Iterator[float]:
             yield event.waypoints[-1][0]
 
 
-def _needed(recording: Recording, robot: int) -> Recording:
-    # The part of the recording from which the same is explained: far less for a large team.
-    own = [event for event in recording.events if event.robot == robot]
-    places = {event.node for event in own if isinstance(event, Decision)}
+class _Shared(NamedTuple):
+    """The events of a recording with their places in it, found once for all robots."""
+
+    of_robots: list[list[tuple[int, AnyEvent]]]
+    nodes: dict[NodeName, tuple[int, AnyEvent]]
+    organized: list[tuple[int, Organized]]
+
+
+_SHARED: WeakKeyDictionary[Recording, _Shared] = WeakKeyDictionary()
+
+
+def _shared(recording: Recording) -> _Shared:
+    if recording not in _SHARED:
+        found = _Shared([[] for _ in recording.starts], {}, [])
+        for place, event in enumerate(recording.events):
+            found.of_robots[event.robot].append((place, event))
+            if isinstance(event, NodeAdded):
+                found.nodes[event.robot, event.serial] = place, event
+            elif isinstance(event, Organized):
+                found.organized.append((place, event))
+        _SHARED[recording] = found
+    return _SHARED[recording]
+
+
+def _needed(recording: Recording, robot: int) -> list[AnyEvent]:
+    # The events from which the choices of a robot are explained: few of those of a large team.
+    shared = _shared(recording)
+    own = [event for _, event in shared.of_robots[robot]]
     of_trees = not any(isinstance(event, GoalChosen | Decided) for event in own)
-    idle = (Sensed, Sent) if of_trees else Sensed
+    idle = (Sensed, Sent) if of_trees else (Sensed,)
+    found = {place: e for place, e in shared.of_robots[robot] if not isinstance(e, idle)}
+    found |= dict(shared.nodes[event.node] for event in own if isinstance(event, Decision))
+    found |= {place: event for place, event in shared.organized if robot in event.before}
+    return [found[place] for place in sorted(found)]
 
-    def is_needed(event: AnyEvent) -> bool:
-        if event.robot == robot:
-            return not isinstance(event, idle)
-        if isinstance(event, NodeAdded):
-            return (event.robot, event.serial) in places
-        return isinstance(event, Organized) and robot in event.before
 
-    events = tuple(event for event in recording.events if is_needed(event))
-    return Recording(header=recording.header, events=events, footer=recording.footer)
+def _windows(
+    own: Sequence[AnyEvent], robot: int, chosen: Sequence[float]
+) -> Iterator[list[AnyEvent]]:
+    # For each choice the events from which it is explained, in the order of the recording: all
+    # from it to the next one, and of those before it what is counted or still matters.
+    begins = [place for place, event in enumerate(own) if _is_choice(event, robot)]
+    stops = [*(begin + 1 for begin in begins[1:]), len(own)]
+    for place, event in enumerate(own):
+        # Motions are recorded when they end, perhaps after the next choice.
+        if isinstance(event, Motion):
+            number = max(0, bisect_right(chosen, event.time_s + SAME_MOMENT_S) - 1)
+            stops[number] = max(stops[number], place + 1)
+    past = _Past(own, robot)
+    for begin, stop, time_s in zip(begins, stops, chosen, strict=True):
+        yield [*past.until(begin, time_s), *own[begin:stop]]
+
+
+class _Past:
+    """What matters of the events before a choice, for choices one after the other."""
+
+    def __init__(self, own: Sequence[AnyEvent], robot: int) -> None:
+        self.own, self.robot = own, robot
+        self.place = 0
+        self.counted: list[int] = []
+        self.last: dict[type, int] = {}
+        self.learned: list[int] = []
+
+    def until(self, begin: int, time_s: float) -> list[AnyEvent]:
+        while self.place < begin:
+            self._take(self.place, self.own[self.place])
+            self.place += 1
+        recent = self._recent(begin, time_s)
+        kept = sorted({*self.counted, *self.last.values(), *recent})
+        old = [place for place in self.learned if place not in recent]
+        return [*self._together(old), *(self.own[place] for place in kept)]
+
+    def _take(self, place: int, event: AnyEvent) -> None:
+        if isinstance(event, Learned):
+            self.learned.append(place)
+        elif isinstance(event, CHOICES | Motion | Supports) and event.robot == self.robot:
+            self.last[type(event)] = place
+        elif not isinstance(event, Sent | Coordinated | Ended | ArcClosed | ArcReopened):
+            self.counted.append(place)
+
+    def _recent(self, begin: int, time_s: float) -> set[int]:
+        # Those of the same moment.
+        found = set()
+        for place in range(begin - 1, -1, -1):
+            event = self.own[place]
+            if event.time_s >= time_s - SAME_MOMENT_S:
+                found.add(place)
+            elif not isinstance(event, Motion):
+                break
+        return found
+
+    def _together(self, places: Sequence[int]) -> Iterator[Learned]:
+        if places:
+            several = [event for p in places if isinstance(event := self.own[p], Learned)]
+            nodes = tuple(name for event in several for name in event.nodes)
+            yield Learned(time_s=several[-1].time_s, robot=self.robot, nodes=nodes)

@@ -50,7 +50,7 @@ TIME_LINE: Final = "sim_time"
 MAX_MAP_VIEWS: Final = 16
 """Robots up to which each map has a view of its own."""
 
-LINE_M, NODE_M = 0.03, 0.08
+LINE_M, NODE_M = 0.06, 0.15
 """Radius of lines and of nodes, in metres."""
 
 LINK_HEIGHT_M, TREE_HEIGHT_M, FRONTIER_HEIGHT_M, BODY_HEIGHT_M = 0.02, 0.04, 0.06, 0.1
@@ -236,7 +236,7 @@ class _Scene:
     def _grid_map(self, cells: Cells, height_m: float) -> Any:
         rr, grid = self._rr, self._grid
         return rr.GridMap(
-            data=np.ascontiguousarray(cells).tobytes(),
+            data=cells[::-1].tobytes(),  # from the top, as images
             format=rr.components.ImageFormat(
                 width=grid.columns, height=grid.rows, color_model="L", channel_datatype="U8"
             ),

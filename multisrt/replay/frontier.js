@@ -15,28 +15,23 @@ class Frontier {
     this.parts = [];
     this.cells = new Map();
     this.open = new Map();
-    this.validFrom = this.validTo = NaN;
-    this.now = [];
+    this.ended = []; // parts, by the time of their end
   }
 
-  // The parts that are there at a time, as far as they can be found within a time slice.
-  at(time) {
+  // Take the regions that are known by a time, as far as a time slice allows.
+  advance(time) {
     const { nodes, t } = this.known, until = performance.now() + FRONTIER_SLICE_MS;
-    const wanted = lastBy(t, time) + 1, before = this.taken;
+    const wanted = lastBy(t, time) + 1;
     while (this.taken < wanted && (this.taken % 8 || performance.now() < until)) {
       this.add(nodes[this.taken], t[this.taken]);
       this.taken++;
     }
-    this.isDone = this.taken >= wanted;
-    if (before !== this.taken || !(this.validFrom <= time && time < this.validTo)) this.choose(time, wanted);
-    return this.now;
+    return this.taken >= wanted;
   }
 
-  choose(time, wanted) {
-    const { t } = this.known;
-    this.now = this.parts.filter((part) => part[BEGIN] <= time && part[END] > time);
-    this.validFrom = wanted > 0 ? t[wanted - 1] : -Infinity;
-    this.validTo = wanted < t.length ? t[wanted] : Infinity;
+  // The parts that are there at a time up to which regions were taken.
+  at(time) {
+    return this.parts.filter((part) => part[BEGIN] <= time && part[END] > time);
   }
 
   add(node, time) {
@@ -85,6 +80,7 @@ class Frontier {
         continue;
       }
       part[END] = time;
+      this.ended.push(part);
       for (const smaller of rest) left.push(this.part(smaller, time));
     }
     this.open.set(other, left);

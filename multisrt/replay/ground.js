@@ -113,12 +113,33 @@ class Ground {
     const { view } = this, { colours, layers } = view.player;
     const context = view.below.getContext("2d");
     const isTrue = layers.has("truth");
-    context.fillStyle = isTrue ? colours.solid : colours.free;
-    context.fillRect(0, 0, view.width, view.height);
-    if (isTrue) this.fillFree(context, colours.free);
+    if (isTrue) this.drawWorld();
+    if (isTrue) context.drawImage(this.free, 0, 0);
+    else {
+      context.fillStyle = colours.free;
+      context.fillRect(0, 0, view.width, view.height);
+    }
     for (const name of ["seen", "regions"]) if (shown.includes(name)) this.growing[name].show(context);
-    if (isTrue) this.strokeWalls(context, colours.wall);
+    if (isTrue) context.drawImage(this.walls, 0, 0);
     for (const name of ["paths", "bridges", "trees"]) if (shown.includes(name)) this.growing[name].show(context);
+  }
+
+  // Free space and walls: two pictures, as what robots saw lies between.
+  drawWorld() {
+    const { view } = this, { colours } = view.player, key = `${view.version} ${colours.key}`;
+    if (key === this.worldKey) return;
+    this.worldKey = key;
+    [this.free, this.walls] = [0, 1].map(() => make("canvas", { width: view.width, height: view.height }));
+    const below = this.free.getContext("2d"), above = this.walls.getContext("2d");
+    below.fillStyle = colours.solid;
+    below.fillRect(0, 0, view.width, view.height);
+    this.world(below);
+    below.fillStyle = colours.free;
+    below.fill("evenodd");
+    this.world(above);
+    above.strokeStyle = colours.wall;
+    above.lineWidth = view.px(1);
+    above.stroke();
   }
 
   outline(context, outlines, number) {
@@ -134,19 +155,6 @@ class Ground {
     const { rings } = this.view.run;
     context.beginPath();
     for (let ring = 0; ring + 1 < rings.first.length; ring++) this.outline(context, rings, ring);
-  }
-
-  fillFree(context, colour) {
-    this.world(context);
-    context.fillStyle = colour;
-    context.fill("evenodd");
-  }
-
-  strokeWalls(context, colour) {
-    this.world(context);
-    context.strokeStyle = colour;
-    context.lineWidth = this.view.px(1);
-    context.stroke();
   }
 
   paintSeen(context, row) {
@@ -187,7 +195,7 @@ class Ground {
     context.beginPath();
     for (let i = line.first[row]; i < line.first[row + 1]; i++) context.lineTo(view.x(line.x[i]), view.y(line.y[i]));
     context.strokeStyle = player.colours.lineOf(run, robot[row]);
-    context.lineWidth = view.px(1.6);
+    context.lineWidth = view.thin(1.6);
     context.setLineDash([view.px(1.5), view.px(2.5)]);
     context.stroke();
     context.setLineDash([]);
@@ -201,18 +209,18 @@ class Ground {
       context.moveTo(view.x(x[from]), view.y(y[from]));
       context.lineTo(view.x(x[node]), view.y(y[node]));
       context.strokeStyle = colour;
-      context.lineWidth = view.px(2);
-      context.setLineDash(run.robots[robot[node]].dashes.map((mm) => view.px(3.5 * mm)));
+      context.lineWidth = view.thin(2);
+      context.setLineDash(run.robots[robot[node]].dashes.map((mm) => view.thin(3.5 * mm)));
       context.stroke();
       context.setLineDash([]);
     }
     context.beginPath();
-    const size = view.px(from < 0 ? 5 : stage[node] === "scan" ? 1.5 : 3);
+    const size = view.thin(from < 0 ? 5 : stage[node] === "scan" ? 1.5 : 3);
     if (from < 0) context.rect(view.x(x[node]) - size, view.y(y[node]) - size, 2 * size, 2 * size);
     else context.arc(view.x(x[node]), view.y(y[node]), size, 0, 2 * Math.PI);
     context.fillStyle = colour;
     context.strokeStyle = player.colours.halo;
-    context.lineWidth = view.px(1);
+    context.lineWidth = view.thin(1);
     context.fill();
     if (stage[node] !== "scan") context.stroke();
   }

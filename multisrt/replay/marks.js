@@ -10,6 +10,7 @@ const RECENT_S = 3; // since a protective stop, in which its mark is large
 class Marks {
   constructor(view) {
     this.view = view;
+    this.sprites = new Map();
   }
 
   draw(time) {
@@ -17,6 +18,7 @@ class Marks {
     this.c = view.top.getContext("2d");
     this.c.clearRect(0, 0, view.width, view.height);
     this.robot = player.robotOf(run);
+    this.isDone = true;
     this.time = time;
     this.poses = run.robots.map((_, robot) => run.pose(robot, time));
     this.doing = run.robots.map((_, robot) => this.activity(robot));
@@ -53,12 +55,9 @@ class Marks {
 
   drawFrontier() {
     const { c, view } = this, { run, player } = view, frontier = run.frontier(this.robot);
-    c.beginPath();
-    for (const [x0, y0, x1, y1] of frontier.at(this.time)) this.segment(x0, y0, x1, y1);
-    if (!frontier.isDone) player.redraw();
-    c.lineCap = "round";
-    this.stroke(player.colours.frontier, 2.5);
-    c.lineCap = "butt";
+    if (!this.picture || this.picture.frontier !== frontier) this.picture = new FrontierPicture(view, frontier);
+    if (!this.picture.draw(this.time)) this.isDone = false;
+    c.drawImage(this.picture.canvas, 0, 0);
     const { begin, end, robot, arc } = run.arcs;
     c.beginPath();
     for (let row = 0; row < begin.length && begin[row] <= this.time; row++) {
@@ -303,16 +302,28 @@ class Marks {
     this.stroke(colours.ink, 2);
   }
 
+  // Text is slow to draw: each number is drawn once.
   tag(text, x, y) {
-    const { c, view } = this, { colours } = view.player;
-    c.lineJoin = "round";
-    c.strokeStyle = colours.halo;
-    c.lineWidth = view.px(3);
-    c.font = `600 ${view.px(11)}px system-ui, "Liberation Sans", sans-serif`;
-    c.textAlign = "center";
-    c.textBaseline = "middle";
-    c.strokeText(text, x, y);
-    c.lineJoin = "miter";
-    this.label(text, x, y, colours.ink, 11);
+    const { c, view, sprites } = this, { colours } = view.player, key = `${text} ${colours.key} ${view.ratio}`;
+    if (!sprites.has(key)) sprites.set(key, this.sprite(text));
+    const { width, height } = sprites.get(key);
+    c.drawImage(sprites.get(key), Math.round(x - width / 2), Math.round(y - height / 2));
+  }
+
+  sprite(text) {
+    const { view } = this, { colours } = view.player;
+    const canvas = make("canvas", { width: view.px(12 + 8 * text.length), height: view.px(18) });
+    const context = canvas.getContext("2d");
+    context.translate(canvas.width / 2, canvas.height / 2);
+    context.font = `600 ${view.px(11)}px system-ui, "Liberation Sans", sans-serif`;
+    context.textAlign = "center";
+    context.textBaseline = "middle";
+    context.lineJoin = "round";
+    context.strokeStyle = colours.halo;
+    context.lineWidth = view.px(3);
+    context.strokeText(text, 0, 0);
+    context.fillStyle = colours.ink;
+    context.fillText(text, 0, 0);
+    return canvas;
   }
 }

@@ -37,7 +37,6 @@ def packed_robots(recording: Recording) -> list[Packed]:
                 "colour": styles.edge.stroke,
                 "area": styles.area.fill,
                 "dashes": list(styles.edge.dashes_mm),
-                "range": spec.range_finder.range_m,
                 "track": _track(recording.header.starts[robot], own),
             }
         )

@@ -8,7 +8,6 @@ from typing import NamedTuple
 import numpy as np
 
 from multisrt.analysis.scans import scanned_regions
-from multisrt.environments.environment import Environment
 from multisrt.events import Learned, NodeAdded, NodeName, Pose, Sensed
 from multisrt.geometry.numerics.kernel import FloatArray, IntArray
 from multisrt.recording import Recording
@@ -72,9 +71,7 @@ def packed_nodes(recording: Recording, names: Names, tolerance_m: float) -> Pack
     }
 
 
-def packed_scans(
-    recording: Recording, environment: Environment, names: Names, tolerance_m: float
-) -> Packed | None:
+def packed_scans(recording: Recording, names: Names, tolerance_m: float) -> Packed | None:
     """Pack what scans showed; None if the recording has no scans.
 
     A scan that showed the region of a node refers to it.
@@ -82,7 +79,7 @@ def packed_scans(
     scans = recording.of(Sensed)
     if not scans:
         return None
-    shown = scanned_regions(recording, environment)
+    shown = scanned_regions(recording, recording.environment())
     at = {(node.robot, node.configuration): number for number, node in enumerate(names.nodes)}
     same = [_same(recording, names, at, scan, own) for scan, own in zip(scans, shown, strict=True)]
     others = [own for own, node in zip(shown, same, strict=True) if node < 0]

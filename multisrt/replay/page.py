@@ -12,7 +12,7 @@ from typing import Final, NamedTuple
 from multisrt.drawing.svg import printable
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.recording import Recording, atomic_write
-from multisrt.replay.payload import DETAILS, compressed, payload
+from multisrt.replay.payload import compressed, payloads
 
 MAX_BYTES: Final = 20_000_000
 """Upper bound of the size of a page, in bytes."""
@@ -26,6 +26,7 @@ SCRIPTS: Final = (
     "colours",
     "run",
     "frontier",
+    "tiles",
     "view",
     "ground",
     "marks",
@@ -90,13 +91,14 @@ def replay_html(recordings: Recording | Sequence[Recording]) -> str:
     if not 1 <= len(runs) <= MAX_RUNS:
         raise InvalidInputError(f"a replay shows 1 to {MAX_RUNS} runs, not {len(runs)}")
     titles = [title_of(run) for run in runs]
-    for detail in DETAILS:
-        page = page_html(titles, compressed(payload(runs, detail)))
-        if len(page) <= MAX_BYTES:
+    for data in payloads(runs):
+        page = page_html(titles, compressed(data))
+        size = len(page.encode())
+        if size <= MAX_BYTES:
             return page
     several = " fewer runs, or" if len(runs) > 1 else ""
     raise InvalidInputError(
-        f"the replay would have {len(page) / 1e6:.0f} MB, more than {MAX_BYTES / 1e6:.0f}: "
+        f"the replay would have {size / 1e6:.0f} MB, more than {MAX_BYTES / 1e6:.0f}: "
         f"show{several} runs of less time (--max-time) or fewer robots"
     )
 

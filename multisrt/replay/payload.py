@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import zlib
 from base64 import b64encode
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -95,17 +95,30 @@ def payload(recordings: Sequence[Recording], detail: Detail = DETAILS[0]) -> Pac
     dict
         Plain data for JSON: equal recordings give equal data.
     """
-    return assembled([packed_run(recording, detail) for recording in recordings], detail.notes())
+    return next(payloads(recordings, (detail,)))
+
+
+def payloads(
+    recordings: Sequence[Recording], details: Sequence[Detail] = DETAILS
+) -> Iterator[Packed]:
+    """Yield the data of a page in several details; what they have in common is made once."""
+    common = [_packed_run(recording) for recording in recordings]
+    for detail in details:
+        runs = [
+            run | _packed_detail(recording, detail)
+            for run, recording in zip(common, recordings, strict=True)
+        ]
+        yield assembled(runs, detail.notes())
+
+
+def packed_run(recording: Recording, detail: Detail) -> Packed:
+    """Return the data of one run."""
+    return _packed_run(recording) | _packed_detail(recording, detail)
 
 
 def assembled(runs: Sequence[Packed], notes: Sequence[str]) -> Packed:
     """Return the data of a page with packed runs, and notes for its reader."""
-    return {
-        "version": VERSION,
-        "unit": {"s": UNIT_S, "m": UNIT_M},
-        "notes": list(notes),
-        "runs": list(runs),
-    }
+    return {"version": VERSION, "notes": list(notes), "runs": list(runs)}
 
 
 def compressed(data: Packed) -> str:
@@ -121,32 +134,32 @@ def compressed(data: Packed) -> str:
     return b64encode(packer.compress(text) + packer.flush()).decode()
 
 
-def packed_run(recording: Recording, detail: Detail) -> Packed:
-    """Return the data of one run."""
+def _packed_detail(recording: Recording, detail: Detail) -> Packed:
+    names, explanations = Names.of(recording), None
+    if detail.explanations:
+        explanations = packed_explanations(recording, choices_only=detail.choices_only)
+    return {
+        "nodes": packed_nodes(recording, names, detail.tolerance_m),
+        "scans": packed_scans(recording, names, detail.tolerance_m),
+        "explanations": explanations,
+    }
+
+
+def _packed_run(recording: Recording) -> Packed:
     environment = recording.environment()
     names = Names.of(recording)
     spec, footer = recording.spec, recording.footer
     is_judged = bool(recording.of(Sensed)) or not recording.of(NodeAdded)
-    scans = packed_scans(recording, environment, names, detail.tolerance_m)
-    explanations = (
-        packed_explanations(recording, choices_only=detail.choices_only)
-        if detail.explanations
-        else None
-    )
     return {
         "title": f"{spec.strategy} in {recording.header.world}, seed {spec.seed}",
-        "strategy": spec.strategy,
         "outcome": OUTCOMES[footer.outcome],
         "reason": footer.reason,
         "digest": footer.digest,
         "made": recording.header.versions.get("multisrt", ""),
         "end": round(footer.time_s / UNIT_S),
-        "radio": {"range": spec.radio.range_m, "walls": spec.radio.walls},
         "world": _packed_world(environment),
         "robots": packed_robots(recording),
-        "nodes": packed_nodes(recording, names, detail.tolerance_m),
         "learned": packed_learned(recording, names),
-        "scans": scans,
         "goals": packed_goals(recording),
         "bridges": packed_bridges(recording, names),
         "messages": packed_messages(recording),
@@ -155,7 +168,6 @@ def packed_run(recording: Recording, detail: Detail) -> Packed:
         "stops": packed_stops(recording),
         "arcs": packed_arcs(recording),
         "log": packed_log(recording),
-        "explanations": explanations,
         "activities": _packed_activities(recording, environment),
         "curves": {
             "coverage": _packed_coverage(recording, environment) if is_judged else None,

@@ -277,6 +277,7 @@ class Player {
 
   showRate(isShown) {
     byId("rate").hidden = !isShown;
+    this.tellRate();
     this.redraw();
   }
 
@@ -284,6 +285,10 @@ class Player {
   count(now) {
     this.frames.push(now);
     while (this.frames[0] < now - 1000) this.frames.shift();
-    if (!byId("rate").hidden) byId("rate").textContent = `${this.frames.length} frames/s`;
+    if (!byId("rate").hidden) this.tellRate();
+  }
+
+  tellRate() {
+    byId("rate").textContent = `${this.frames.length} frames/s`;
   }
 }

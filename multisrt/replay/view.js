@@ -67,6 +67,11 @@ class View {
     return size * this.ratio;
   }
 
+  // The same, and less where much of the world is on the screen.
+  thin(size) {
+    return this.px(size) * Math.min(1, Math.max(0.3, this.scale / this.ratio / 15));
+  }
+
   zoom(factor, px, py) {
     const [x0, y0, x1, y1] = this.run.bounds;
     const smallest = 0.3 * Math.min(this.width / (x1 - x0), this.height / (y1 - y0));
@@ -151,7 +156,7 @@ class View {
     if (!this.width) return true;
     const isDone = this.ground.draw(time);
     this.marks.draw(time);
-    return isDone;
+    return isDone && this.marks.isDone;
   }
 }
 

@@ -140,11 +140,10 @@ class _Reader:
         outline = self.outlines[uses[0].get(HREF, "")]
         places = np.array([(float(u.get("x", "0")), float(u.get("y", "0"))) for u in uses])
         radius = _radius(outline)
-        if radius is not None and style.keys() - {"clip-path"} <= DOT_STYLES:
+        if radius is not None and _is_plain_dot(style):
             edge = float(style.get("stroke-width", "1")) if "stroke" in style else 0.0
-            if style.get("stroke", style["fill"]) == style["fill"]:
-                self._add(Mark(style=_dot_style(style, 2 * radius + edge), data=_dotted(places)))
-                return
+            self._add(Mark(style=_dot_style(style, 2 * radius + edge), data=_dotted(places)))
+            return
         data = "".join(outline.moved(x, y) for x, y in places)
         self._add(Mark(style=style, data=data))
 
@@ -265,6 +264,13 @@ def _radius(outline: Outline) -> float | None:
     low, high = outline.lines[0].min(axis=0), outline.lines[0].max(axis=0)
     sides = np.abs(np.concatenate([low, high]))
     return float(sides[0]) if np.allclose(sides, sides[0], rtol=1e-3) else None
+
+
+def _is_plain_dot(style: Style) -> bool:
+    # Of one colour; an edge that shines through where the inside does not is not of one.
+    fill, stroke = style.get("fill", "none"), style.get("stroke")
+    own = style.keys() - {"clip-path"}
+    return fill != "none" and own <= DOT_STYLES and (stroke is None or stroke == fill)
 
 
 def _dot_style(style: Style, width: float) -> Style:

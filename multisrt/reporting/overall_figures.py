@@ -50,10 +50,11 @@ def profiles(study: Study) -> list[Picture]:
 def improvement(study: Study, measure: Measure) -> list[Picture]:
     """Return the probabilities that a run of a strategy is better than one of the baseline."""
     settings = [s for s in study.shared_settings() if study.has(measure, s)]
-    if not settings or not study.rivals:
+    rivals = study.rivals_in(measure)
+    if not settings or not rivals:
         return []
     found = {}
-    for strategy in study.rivals:
+    for strategy in rivals:
         mine = [measure.values(study.of(s, strategy)) for s in settings]
         theirs = [measure.values(study.of(s, study.baseline)) for s in settings]
         found[strategy] = probability_of_improvement(

@@ -12,9 +12,11 @@ from multisrt.reporting.study import Comparison, Study
 from multisrt.reporting.tables import labels
 from multisrt.reporting.words import (
     INFINITY_NOTE,
+    UNCLAIMED,
     constants_note,
     significance_note,
     success_words,
+    unclaimed_note,
 )
 
 COLUMNS = {
@@ -120,6 +122,8 @@ def _notes(study: Study, main: Measure, rows: Sequence[Sequence[Cell]]) -> tuple
         )
     if any("∞" in cell.line for row in rows for cell in row):
         notes.append(INFINITY_NOTE)
+    if study.unclaimed:
+        notes.append(unclaimed_note(study))
     return tuple(notes)
 
 
@@ -148,6 +152,8 @@ def _coverage(study: Study, setting: Condition, strategy: str) -> Cell:
 def _median(
     study: Study, measure: Measure, setting: Condition, strategy: str, compared: Comparison | None
 ) -> Cell:
+    if study.is_unknown(measure, strategy):
+        return Cell(text=UNCLAIMED, sort=float("inf"))
     found = study.summary(measure, setting, strategy)
     if found is None:
         return Cell(text="", sort=float("inf"))

@@ -53,3 +53,24 @@ for (const part of scrolls) {
   sized.observe(part);
   if (part.firstElementChild) sized.observe(part.firstElementChild);
 }
+// The command that repeats a run is copied by a button beside its spec.
+function commandOf(spec) {
+  const imported = spec.dataset.import ? ` --import ${spec.dataset.import}` : "";
+  return `multisrt explore --spec ${spec.getAttribute("href")}${imported} --view --out again`;
+}
+for (const spec of document.querySelectorAll(".runs a[href^='specs/']")) {
+  const button = document.createElement("button");
+  button.type = "button";
+  button.textContent = "copy command";
+  button.title = commandOf(spec);
+  button.addEventListener("click", async () => {
+    try {
+      await navigator.clipboard.writeText(commandOf(spec));
+      button.textContent = "copied";
+    } catch {
+      // Without access to the clipboard the command is shown.
+      button.textContent = commandOf(spec);
+    }
+  });
+  spec.after(" ", button);
+}

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import re
 import shutil
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from importlib.resources import files
@@ -24,13 +24,14 @@ from multisrt.reporting.layout import Cell, Table, number, slug
 from multisrt.reporting.overview import overview
 from multisrt.reporting.reruns import MAX_FAILURES, Failure, Gallery, Specs, Tree, failures
 from multisrt.reporting.reruns import gallery as drawn_gallery
+from multisrt.reporting.run_rows import COLUMNS, RunRows, run_rows
 from multisrt.reporting.study import Study, chosen_measures, other_measures
 from multisrt.reporting.style import Picture
 from multisrt.reporting.words import HOW_TO_READ, Findings, findings, what_was_run
 
 PAGE_NAME: Final = "index.html"
 GENERATOR: Final = "multisrt report"
-CONTENTS: Final = {PAGE_NAME, "figures", "tables", "gallery", "failures"}
+CONTENTS: Final = {PAGE_NAME, "figures", "tables", "gallery", "replays", "specs", "failures"}
 """Names in the folder of a report; a folder with any other name is never replaced."""
 
 TEAM_MEASURES: Final = ("isolated_total_s", "imbalance")
@@ -39,8 +40,8 @@ TEAM_MEASURES: Final = ("isolated_total_s", "imbalance")
 MAX_FIGURES: Final = 16
 """Upper bound of the figures of one kind on the page; it links to the files of the others."""
 
-MAX_BYTES_OF_TREES: Final = 4_000_000
-"""Upper bound of the size of all trees on the page, in bytes of SVG; it links to the others."""
+MAX_BYTES_OF_TREES: Final = 250_000
+"""Upper bound of the size of the pictures of runs on the page, in bytes; it links to the others."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -75,6 +76,7 @@ class Contents:
     gallery: Gallery = field(default_factory=Gallery)
     failures: list[Failure] = field(default_factory=list)
     imports: list[str] = field(default_factory=list)
+    runs: RunRows = field(default_factory=RunRows)
 
     def tables(self) -> list[Table]:
         """Return all tables."""
@@ -98,6 +100,7 @@ def write_report(
     claims: Sequence[Claim] = (),
     comparisons: Sequence[PrintedTable] = (),
     gallery: bool = True,
+    replays: bool = True,
     measures: Sequence[str] = (),
     baseline: str | None = None,
     folder: Path | None = None,
@@ -122,6 +125,8 @@ def write_report(
         Tables of a paper beside the results.
     gallery : bool, optional
         Whether median runs are simulated again and drawn.
+    replays : bool, optional
+        Whether pages that replay the runs of the gallery are written beside the report.
     measures : sequence of str, optional
         Names of the measures to discuss; by default `study.HEADLINES`.
     baseline : str, optional
@@ -162,7 +167,8 @@ def write_report(
         contents.failures = failures(study, specs, path)
         contents.imports = imports(results, folder or Path())
         if gallery:
-            contents.gallery = drawn_gallery(study, specs, say)
+            contents.gallery = drawn_gallery(study, specs, say, replays=replays)
+        contents.runs = run_rows(study, specs, contents.gallery, path)
         say("writing")
         _write(contents, unfinished, latex=latex)
     return path / PAGE_NAME
@@ -244,18 +250,20 @@ def _write(contents: Contents, folder: Path, *, latex: bool) -> None:
         (folder / "tables" / f"{table.name}.csv").write_text(table.csv(), encoding="utf-8")
         if latex:
             (folder / "tables" / f"{table.name}.tex").write_text(table.latex(), encoding="utf-8")
-    if contents.gallery.trees:
-        (folder / "gallery").mkdir()
-    for tree in contents.gallery.trees:
-        (folder / "gallery" / f"{tree.name}.svg").write_text(tree.svg, encoding="utf-8")
-    repeatable = [failure for failure in contents.failures if failure.spec is not None]
-    if repeatable:
-        (folder / "failures").mkdir()
-    for failure in repeatable:
-        assert failure.spec is not None
-        text = failure.spec.to_toml()
-        (folder / "failures" / failure.spec_name).write_text(text, encoding="utf-8")
+    trees = contents.gallery.trees
+    _write_files(folder / "gallery", {f"{tree.name}.svg": tree.svg for tree in trees})
+    _write_files(folder / "replays", {f"{t.name}.html": t.replay for t in trees if t.replay})
+    _write_files(folder / "specs", contents.runs.specs)
+    specs = {f.spec_name: f.spec.to_toml() for f in contents.failures if f.spec is not None}
+    _write_files(folder / "failures", specs)
     (folder / PAGE_NAME).write_text(_page(contents), encoding="utf-8")
+
+
+def _write_files(folder: Path, texts: Mapping[str, str]) -> None:
+    if texts:
+        folder.mkdir()
+    for name, text in texts.items():
+        (folder / name).write_text(text, encoding="utf-8")
 
 
 def _page(contents: Contents) -> str:
@@ -285,6 +293,8 @@ def _page(contents: Contents) -> str:
         how_to_read=HOW_TO_READ,
         max_figures=MAX_FIGURES,
         max_failures=MAX_FAILURES,
+        run_columns=COLUMNS,
+        replay_mb=sum(len(tree.replay) for tree in contents.gallery.trees) / 1e6,
         shown_trees=_shown(contents.gallery.trees),
         style=Markup(beside.joinpath("page.css").read_text("utf-8")),
         script=Markup(beside.joinpath("page.js").read_text("utf-8")),
@@ -294,8 +304,8 @@ def _page(contents: Contents) -> str:
 def _shown(trees: Sequence[Tree]) -> set[str]:
     # Names of the trees on the page: the smallest ones, as many as fit.
     shown, used = set(), 0
-    for tree in sorted(trees, key=lambda tree: len(tree.svg)):
-        used += len(tree.svg)
+    for tree in sorted(trees, key=lambda tree: len(tree.small)):
+        used += len(tree.small)
         if used <= MAX_BYTES_OF_TREES:
             shown.add(tree.name)
     return shown

@@ -5,13 +5,14 @@ from __future__ import annotations
 import re
 from collections import defaultdict
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from multisrt.experiments.crossing import Condition, runs
 from multisrt.experiments.measures import MEASURES, measure_named
 from multisrt.experiments.results import Result, Results
 from multisrt.geometry.errors import InvalidInputError
+from multisrt.recording import Recording
 from multisrt.reporting.custom_strategies import imported
 from multisrt.reporting.layout import slug
 from multisrt.reporting.study import Study
@@ -45,12 +46,18 @@ class Tree:
         The setting of the run; its strategy is empty.
     svg : str
         The drawing.
+    small : str
+        A small drawing, for the page.
+    replay : str
+        The page that replays the run; empty if there is none.
     """
 
     name: str
     result: Result
     setting: Condition
     svg: str
+    small: str
+    replay: str = ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -143,7 +150,13 @@ class Specs:
         return self._impossible.get(result.condition, self._problem)
 
 
-def gallery(study: Study, specs: Specs, progress: Callable[[str], None] | None = None) -> Gallery:
+def gallery(
+    study: Study,
+    specs: Specs,
+    progress: Callable[[str], None] | None = None,
+    *,
+    replays: bool = True,
+) -> Gallery:
     """Simulate median runs again and draw them.
 
     Parameters
@@ -154,13 +167,14 @@ def gallery(study: Study, specs: Specs, progress: Callable[[str], None] | None =
         Specs of their runs.
     progress : callable, optional
         Called with a line on what is being drawn.
+    replays : bool, optional
+        Whether pages that replay the runs are made, too.
 
     Returns
     -------
     Gallery
         At most `MAX_TREES` pictures.
     """
-    from multisrt.drawing import tree_svg
     from multisrt.simulation.simulate import simulate
     from multisrt.simulation.worlds import build_environment
 
@@ -191,15 +205,35 @@ def gallery(study: Study, specs: Specs, progress: Callable[[str], None] | None =
             if recording.footer.digest != result.digest:
                 notes.append(f"{what}: {OTHER_RUN}.")
                 continue
-            trees.append(
-                Tree(
-                    name=f"{slug(what)}-{result.key[:8]}",
-                    result=result,
-                    setting=setting,
-                    svg=tree_svg(recording),
-                )
-            )
+            tree = _tree(recording, what, result, setting)
+            if replays:
+                tree, note = _with_replay(tree, recording)
+                notes += [f"{what}: {note}."] if note else []
+            trees.append(tree)
     return Gallery(trees=tuple(trees), notes=tuple(notes))
+
+
+def _tree(recording: Recording, what: str, result: Result, setting: Condition) -> Tree:
+    from multisrt.drawing import tree_svg
+    from multisrt.drawing.small_svg import small_svg
+
+    return Tree(
+        name=f"{slug(what)}-{result.key[:8]}",
+        result=result,
+        setting=setting,
+        svg=tree_svg(recording),
+        small=small_svg(recording, what),
+    )
+
+
+def _with_replay(tree: Tree, recording: Recording) -> tuple[Tree, str]:
+    # With its replay, or why there is none.
+    from multisrt.replay import replay_html
+
+    try:
+        return replace(tree, replay=replay_html(recording)), ""
+    except InvalidInputError as error:
+        return tree, str(error)
 
 
 def gallery_settings(study: Study) -> list[Condition]:

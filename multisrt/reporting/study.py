@@ -16,8 +16,10 @@ import numpy as np
 
 from multisrt.experiments.crossing import Condition
 from multisrt.experiments.measures import MEASURES, Measure, measure_named
+from multisrt.experiments.modules import choices_of
 from multisrt.experiments.results import Result, Results, setting_of
 from multisrt.geometry.errors import InvalidInputError, did_you_mean
+from multisrt.robots.registry import is_built_in
 from multisrt.statistics.effect_size import Magnitude, magnitude, vargha_delaney
 from multisrt.statistics.intervals import Interval, bootstrap
 from multisrt.statistics.rank_tests import (
@@ -32,6 +34,9 @@ from multisrt.statistics.summaries import interquartile_mean, median
 
 SEED = 0
 """Seed of every bootstrap: equal results give equal reports."""
+
+CLAIM = "known_complete_s"
+"""Name of the measure that rests on what explorers record about their own maps."""
 
 HEADLINES = (
     "time_to_95_s",
@@ -141,6 +146,9 @@ class Study:
         Settings with an empty strategy, in the order of the experiment.
     baseline : str
         Label of the baseline; empty if there are no results.
+    unclaimed : set of str
+        Labels of user-defined strategies of which no run has a `MapComplete` that counts: when
+        their robots know the map complete is not known.
 
     Raises
     ------
@@ -170,11 +178,18 @@ class Study:
             if len({getattr(setting, name) for setting in self.settings}) > 1
         }
         self._compared: dict[str, list[Comparison]] = {}
+        self.unclaimed = _unclaimed(results)
 
     @property
     def rivals(self) -> list[str]:
         """Labels of the strategies that are compared with the baseline."""
         return [strategy for strategy in self.strategies if strategy != self.baseline]
+
+    def rivals_in(self, measure: Measure) -> list[str]:
+        """Return the labels of the strategies that are compared with the baseline in a measure."""
+        if self.is_unknown(measure, self.baseline):
+            return []
+        return [name for name in self.rivals if not self.is_unknown(measure, name)]
 
     def of(self, setting: Condition, strategy: str) -> list[Result]:
         """Return the results of a strategy in a setting in the order of repetitions, maybe none."""
@@ -248,10 +263,14 @@ class Study:
             for result in self.of(setting, strategy)
         )
 
+    def is_unknown(self, measure: Measure, strategy: str) -> bool:
+        """Return whether a strategy does not tell what a measure is about."""
+        return measure.name == CLAIM and strategy in self.unclaimed
+
     def summary(self, measure: Measure, setting: Condition, strategy: str) -> Summary | None:
         """Return a summary of a measure in a condition; None if no run has a value."""
         results = self.distinct(setting, strategy)
-        if not results or not self.has(measure, setting):
+        if not results or not self.has(measure, setting) or self.is_unknown(measure, strategy):
             return None
         values = np.array(measure.values(results))
         return Summary(
@@ -267,12 +286,14 @@ class Study:
     ) -> Interval | None:
         """Return the median of a measure in a condition with its interval; None as in `summary`."""
         results = self.distinct(setting, strategy)
-        if not results or not self.has(measure, setting):
+        if not results or not self.has(measure, setting) or self.is_unknown(measure, strategy):
             return None
         return bootstrap([measure.values(results)], median, rng=SEED)
 
     def finite(self, measure: Measure, setting: Condition, strategy: str) -> list[float]:
         """Return the finite values of a measure in a condition."""
+        if self.is_unknown(measure, strategy):
+            return []
         return measure.values(filter(measure.counts, self.distinct(setting, strategy)))
 
     # Comparing ---------------------------------------------------------------------------------
@@ -290,7 +311,7 @@ class Study:
         found: list[_Sides] = []
         for setting in self.settings:
             if self.has(measure, setting):
-                for strategy in self.rivals:
+                for strategy in self.rivals_in(measure):
                     sides = self._sides(measure, setting, strategy)
                     if sides.mine:
                         found.append(sides)
@@ -353,6 +374,14 @@ class _Sides:
     kind: Kind
     mine: list[float]
     theirs: list[float]
+
+
+def _unclaimed(results: Results) -> set[str]:
+    claim = measure_named(CLAIM)
+    claimed = {r.condition.strategy for r in results if claim.of(r) is not None}
+    measured = {r.condition.strategy for r in results if r.metrics is not None}
+    names = {choice.label or choice.name: choice.name for choice in choices_of(results.experiment)}
+    return {label for label in measured - claimed if not is_built_in(names.get(label, label))}
 
 
 def in_setting(setting: Condition, strategy: str) -> Condition:

@@ -13,6 +13,7 @@ from multisrt.geometry.numerics.arrays import FloatArray
 from multisrt.reporting.compact import compact
 
 with extra("plots", "a figure or a report"):
+    import matplotlib  # noqa: F401
     from matplotlib.axes import Axes
     from matplotlib.backends.backend_svg import FigureCanvasSVG
     from matplotlib.figure import Figure

@@ -17,11 +17,13 @@ from multisrt.reporting.layout import Cell, Table, number, slug
 from multisrt.reporting.study import SEED, Comparison, Study, team_name
 from multisrt.reporting.words import (
     INFINITY_NOTE,
+    UNCLAIMED,
     constants_note,
     horizon_note,
     reference_notes,
     significance_note,
     success_words,
+    unclaimed_note,
 )
 from multisrt.statistics.intervals import Interval, wilson
 from multisrt.statistics.power_law import fit_power_law
@@ -142,6 +144,8 @@ def measure_table(study: Study, measure: Measure) -> Table:
         notes.append(constants_note(study))
     if any("∞" in cell.line for row in rows for cell in row):
         notes.append(INFINITY_NOTE)
+    if any(study.is_unknown(measure, strategy) for strategy in study.strategies):
+        notes.append(unclaimed_note(study))
     return Table(
         name=slug(measure.name),
         title=measure.heading,
@@ -288,6 +292,8 @@ def growth_table(study: Study, measure: Measure) -> Table | None:
             values: list[float] = []
             for setting in settings:
                 own = measure.values(study.distinct(setting, strategy))
+                if study.is_unknown(measure, strategy):
+                    continue
                 sizes += [float(setting.robots)] * len(own)
                 values += own
             cells.append(_growth_cell(sizes, values))
@@ -362,7 +368,8 @@ def _summary_cell(
 ) -> Cell:
     found = study.summary(measure, setting, strategy)
     if found is None:
-        return NOTHING
+        told = study.is_unknown(measure, strategy) and study.of(setting, strategy)
+        return Cell(text=UNCLAIMED, sort=math.inf) if told else NOTHING
     middle = found.middle
     low, value, high = (number(v, measure.digits) for v in (middle.low, middle.value, middle.high))
     data: dict[str, str | int | float] = {

@@ -40,6 +40,9 @@ INFINITY_NOTE = (
 )
 
 
+UNCLAIMED = "\N{EN DASH}"
+"""What stands for a time that a strategy does not tell."""
+
 HOW_TO_REFER = (
     "For times beside those of a team that knows the map, repeat the command that made the runs "
     'with --reference informed (in Python reference="informed"): it repeats no run.'
@@ -118,6 +121,14 @@ def reference_notes(study: Study) -> list[str]:
     for setting, why in lacking.items():
         by_reason.setdefault(why, []).append(study.name(setting))
     return [f"Not beside the plan: {'; '.join(names)} ({why})." for why, names in by_reason.items()]
+
+
+def unclaimed_note(study: Study) -> str:
+    """Return a sentence on strategies that do not tell when a robot knows its map complete."""
+    return (
+        f"{UNCLAIMED}: no run of {joined(sorted(study.unclaimed))} records a MapComplete that "
+        "counts; when a robot knows its map complete is unknown, and not compared."
+    )
 
 
 def constants_note(study: Study) -> str:

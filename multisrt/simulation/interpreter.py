@@ -40,6 +40,7 @@ from multisrt.simulation.mail import Mail
 from multisrt.simulation.motions import Motions
 from multisrt.simulation.robot import Robot
 from multisrt.simulation.sensing import Sensing
+from multisrt.simulation.standstill import Standstill
 
 Process = Generator[Any, Any, None]
 """A process of the clock."""
@@ -58,6 +59,7 @@ class Surroundings:
     motions: Motions
     mail: Mail
     faults: Faults
+    standstill: Standstill
 
 
 class _Terminated(Exception):
@@ -100,6 +102,7 @@ class Interpreter:
         self._motions = surroundings.motions
         self._mail = surroundings.mail
         self._faults = surroundings.faults
+        self._standstill = surroundings.standstill
         self.actions: Steps | None = None
         # How many actions the explorer has yielded at the present moment.
         self._acted_s = 0.0
@@ -232,6 +235,7 @@ class Interpreter:
                     return TimedOut(self._clock.now_s)
                 if timeout_s is not None and time_out is None:
                     time_out = self._clock.later(max(0.0, timeout_s), robot.poke, LATE)
+                    self._standstill.expect(self._clock.now_s + timeout_s, timeout_s)
                 yield from self._sleep()
         finally:
             robot.waits = False

@@ -7,19 +7,22 @@ from collections.abc import Callable, Iterable
 from multisrt.events import AnyEvent, NodeAdded, NodeName
 from multisrt.recording import Recorder, Recording, RunOutcome
 from multisrt.recording.flaws import flaw_of
+from multisrt.simulation.standstill import Standstill
 
 Watcher = Callable[[AnyEvent], None]
 """A function that is called with every event as it is recorded."""
 
 
 class Journal:
-    """Passes events on to the recorder and to a watcher.
+    """Passes events on to the recorder, to a watcher, and to what tells a standstill.
 
     Parameters
     ----------
     recorder : Recorder
         Where events are recorded.
-    watch : callable or None
+    standstill : Standstill
+        What tells whether anything new happens.
+    watch : callable, optional
         Called with every event.
 
     Attributes
@@ -28,8 +31,11 @@ class Journal:
         Time in seconds of the last thing that happened to a robot.
     """
 
-    def __init__(self, recorder: Recorder, watch: Watcher | None) -> None:
+    def __init__(
+        self, recorder: Recorder, standstill: Standstill, watch: Watcher | None = None
+    ) -> None:
         self._recorder = recorder
+        self._standstill = standstill
         self._watch = watch
         self.last_s = 0.0
         self._nodes: set[NodeName] = set()
@@ -45,6 +51,7 @@ class Journal:
         if isinstance(event, NodeAdded):
             self._nodes.add((event.robot, event.serial))
         self._recorder.record(event)
+        self._standstill.take(event)
         if self._watch is not None:
             self._watch(event)
 

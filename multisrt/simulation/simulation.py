@@ -33,6 +33,7 @@ from multisrt.simulation.motions import Motions
 from multisrt.simulation.robot import Robot
 from multisrt.simulation.sensing import Sensing
 from multisrt.simulation.setting_up import SetUp
+from multisrt.simulation.standstill import Standstill
 from multisrt.simulation.traffic import Traffic
 
 
@@ -94,7 +95,8 @@ class Simulation:
         spec = self.spec = setup.spec
         self._streams = setup.streams
         self.clock = clock = Clock()
-        self.journal = journal = Journal(Recorder(setup.header, file), watch)
+        self._standstill = standstill = Standstill(spec.stop.max_idle_s, spec.faults)
+        self.journal = journal = Journal(Recorder(setup.header, file), standstill, watch)
         self.robots = robots = [
             Robot(number, robot, setup.obstacles.body(Footprint.parse(robot.footprint)), clock)
             for number, robot in enumerate(spec.robots)
@@ -119,6 +121,7 @@ class Simulation:
             motions=self.motions,
             mail=self.mail,
             faults=faults,
+            standstill=standstill,
         )
         self.paused_at: Step | None = None
         joins = late_starts(spec.faults)
@@ -139,8 +142,13 @@ class Simulation:
             clock.start(process)
 
     def has_events(self) -> bool:
-        """Whether anything is left to happen before the time of the stop rule."""
-        return not self._is_over() and self.clock.next_s <= self.spec.stop.max_time_s
+        """Whether anything is left to happen before the run ends by the stop rule."""
+        next_s = self.clock.next_s
+        return (
+            next_s <= self.spec.stop.max_time_s
+            and not self._is_over()
+            and not self._standstill.is_over(next_s, self.robots)
+        )
 
     def close(self) -> None:
         """Let go of the explorers."""
@@ -153,7 +161,12 @@ class Simulation:
         """Let go of the explorers, and return the recording of the run, which does not continue."""
         self.close()
         max_time_s = self.spec.stop.max_time_s
-        if not self._is_over() and max_time_s < self.clock.next_s < math.inf:
+        next_s = self.clock.next_s
+        if not self._is_over() and next_s < math.inf:
+            end_s = self._standstill.end_s
+            if end_s <= max_time_s and self._standstill.is_over(next_s, self.robots):
+                self.motions.end_all(end_s)
+                return self._finish(end_s, "stalled", self._standstill.reason(self.robots))
             self.motions.end_all(max_time_s)
             reason = f"the {max_time_s:g} s of the stop rule are over"
             return self._finish(max_time_s, "out_of_time", reason)

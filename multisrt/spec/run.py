@@ -26,11 +26,16 @@ class StopRule(Part, frozen=True, kw_only=True):
     ----------
     max_time_s : float
         The maximum duration of the run, in the time of the run.
+    max_idle_s : float
+        The maximum time in which nothing comes of what robots do: none moves, takes a scan at
+        another place, adds a node or learns one. Such a run is `stalled`: its robots wait for one
+        another again and again. Late starts and faults that are still due, and single waits that
+        are longer, are waited for.
 
     Raises
     ------
     InvalidInputError
-        If the time is not positive and finite.
+        If a time is not positive and finite.
 
     Examples
     --------
@@ -42,10 +47,12 @@ class StopRule(Part, frozen=True, kw_only=True):
     """
 
     max_time_s: float = 86_400.0
+    max_idle_s: float = 3_600.0
 
     def __post_init__(self) -> None:
-        if not 0.0 < self.max_time_s < math.inf:
-            raise InvalidInputError(f"max_time_s is a positive time, not {self.max_time_s:g} s")
+        for name in ("max_time_s", "max_idle_s"):
+            if not 0.0 < (time_s := getattr(self, name)) < math.inf:
+                raise InvalidInputError(f"{name} is a positive time, not {time_s:g} s")
 
 
 class RunSpec(Part, frozen=True, kw_only=True):

@@ -54,6 +54,11 @@ def account(recording: Recording, world: Environment) -> tuple[float, tuple[str,
             "places had not shown: it does not count"
         )
     claims = recording.of(MapComplete)
+    if not claims and recording.footer.outcome == "complete":
+        told.append(
+            "notes no MapComplete: when a robot knows its map complete stays unknown; yield "
+            "Note(MapComplete(time_s=..., robot=...)) where no frontier is left"
+        )
     if claims and known_complete_s(proof, covered) is None:
         told.append(
             f"notes MapComplete at {claims[0].time_s:.0f} s, but no robot that says so knew what "

@@ -13,7 +13,7 @@ from typing import Any, NoReturn
 import numpy as np
 
 from multisrt.environments.environment import Environment
-from multisrt.events import Collision
+from multisrt.events import Collision, Died, Learned
 from multisrt.recording import Recording
 from multisrt.robots.code_places import modules_of, place_suffix
 from multisrt.robots.defects import ExplorerDefect, Flaw, article
@@ -25,6 +25,7 @@ from multisrt.robots.strategy import Strategy
 from multisrt.simulation.protocol import begin
 from multisrt.simulation.random_streams import random_stream
 from multisrt.simulation.simulate import simulate
+from multisrt.simulation.standstill import NOTHING_NEW
 from multisrt.spec import RunSpec
 from multisrt.testing.checked_run import CheckedRun
 from multisrt.testing.code_reading import OwnCode, own_code_of
@@ -38,6 +39,7 @@ from multisrt.testing.own_code import (
     place_of_frame,
 )
 from multisrt.testing.repetition import ActionDiffers, Repetition
+from multisrt.testing.sent_nodes import is_sent_nodes
 from multisrt.testing.supervision import SupervisedExplorer, Supervision
 from multisrt.testing.surroundings import surroundings
 from multisrt.testing.unfinished import unfinished
@@ -49,6 +51,10 @@ DATA = (int, float, complex, str, bytes, tuple, list, dict, set, frozenset, dequ
 
 OWN_STATE = "keep everything in self: no class attribute, global or default that changes"
 OWN_STREAM = "draw random numbers from the rng of its RobotSelf alone"
+
+
+class NeverEnds(ExplorerDefect):
+    """Explorers are not done when nothing more happens, or when the time is over."""
 
 
 class Case:
@@ -94,6 +100,17 @@ class Case:
         self._limits = limits
         self._watchdog = watchdog
         self._only_known = only_known
+
+    def again(self, spec: RunSpec, world: Environment) -> Case:
+        """Return a case of the same explorer in another run."""
+        return Case(
+            self.strategy,
+            spec,
+            world,
+            limits=self._limits,
+            watchdog=self._watchdog,
+            only_known=self._only_known,
+        )
 
     def make(self, me: RobotSelf) -> Explorer:
         """Return a new explorer.
@@ -268,6 +285,7 @@ class Case:
             digest=footer.digest,
             differences=differences,
             unfinished=unfinished(self.recording),
+            unlearned=not self.recording.of(Learned) and any(map(is_sent_nodes, self.robots)),
         )
 
     def _simulate(
@@ -305,26 +323,42 @@ class Case:
                     "keep the body in what is sensed to be free; give Move a guard_m where other "
                     "robots are about",
                 )
-        waiting = [robot for robot in supervision.robots if not robot.is_done]
+        dead = {event.robot for event in recording.of(Died)}
+        waiting = [
+            robot for robot in supervision.robots if not (robot.is_done or robot.me.robot in dead)
+        ]
         if not waiting:
             return
         names = _names([robot.me.robot for robot in waiting])
         last = waiting[0].last_actions()
         if recording.footer.outcome == "out_of_time":
-            raise self._defect(
+            raise self._never_ends(
                 f"{names} not done after {self.spec.stop.max_time_s:g} s; {last}",
                 "see that every exploration ends with Done, or give a larger max_time_s "
                 "(--max-time)",
             )
-        raise self._defect(
+        if recording.footer.reason.startswith(NOTHING_NEW):
+            raise self._never_ends(
+                f"{names} not done: {recording.footer.reason}; {last}",
+                "count how often it waits or is stopped at one place; after some attempts plan "
+                "another way, and end with Done where there is none",
+            )
+        raise self._never_ends(
             f"{names} waiting for a message that never comes",
             "give Receive a timeout_s, and end with Done",
         )
 
     def _defect(self, what: str, remedy: str) -> ExplorerDefect:
+        return ExplorerDefect(what, self._who, remedy)
+
+    def _never_ends(self, what: str, remedy: str) -> NeverEnds:
+        return NeverEnds(what, self._who, remedy)
+
+    @property
+    def _who(self) -> str:
         team = len(self.spec.robots)
         who = "a robot alone" if team == 1 else f"a team of {team}"
-        return ExplorerDefect(what, f"{who} in {self.title}", remedy)
+        return f"{who} in {self.title}"
 
 
 def repeat_interleaved(cases: Sequence[Case]) -> None:

@@ -29,11 +29,12 @@ be worthless or impossible. It is checked that
 
 **Warnings** are about behaviour that the contract allows but that is probably unintended: an
 explorer that ends at once, never senses or never moves, that reports completion where little was
-covered, covers little everywhere, or stalls in a team where one robot alone completes. They are
-not defects: such runs are valid, if useless, and a baseline may stand still.
+covered, covers little everywhere, stalls in a team where one robot alone completes, never ends
+while a robot that has died stands in the only doorway, or sends nodes that nobody records as
+`Learned`. They are not defects: such runs are valid, if useless, and a baseline may stand still.
 
 **Notes** say where its own account of a run and its scans differ: it records no nodes, or nodes
-that hold less or more than was seen.
+that hold less or more than was seen, or no `MapComplete`.
 
 What is cheap comes first: each world is explored by one robot before a team, and every action is
 checked as it is yielded. What takes too long before it yields is interrupted by a timer of the
@@ -95,6 +96,7 @@ from multisrt.spec import RadioSpec, RobotSpec, RunSpec, StopRule
 from multisrt.testing.cases import Case, repeat_interleaved
 from multisrt.testing.check_warnings import warnings_about
 from multisrt.testing.checked_run import CheckedRun
+from multisrt.testing.doorway import waits_for_ever
 from multisrt.testing.other_process import digests_elsewhere, require_first
 from multisrt.testing.watchdog import Limits, Watchdog
 
@@ -216,7 +218,8 @@ def check_explorer(
     options : mapping, optional
         Options that are not the defaults.
     worlds : sequence of Environment, optional
-        Where to explore; by default two rooms, a hall with columns and a maze, all small.
+        Where to explore; by default two rooms, a hall with columns and a maze, all small. A team
+        then also meets a robot that has died in the doorway between two rooms.
     teams : sequence of int
         Numbers of robots that explore each world, one after the other.
     robot : RobotSpec, optional
@@ -260,6 +263,7 @@ def check_explorer(
     'complete'
     """
     require_first()
+    are_usual = worlds is None and max(teams, default=0) > 1
     worlds = _small_worlds() if worlds is None else worlds
     if not worlds or not teams:
         raise InvalidInputError("give check_explorer at least one world and one team")
@@ -291,7 +295,9 @@ def check_explorer(
             for world, description in zip(worlds, described, strict=True)
             for size in teams
         ]
-        unchecked = _run_all(cases, repeat_in_process, progress or (lambda *_: None))
+        unchecked, waits = _run_all(
+            cases, repeat_in_process, progress or (lambda *_: None), doorway=are_usual
+        )
     runs = tuple(case.summary() for case in cases)
     left_out = {
         "stays in what it knows": not only_known,
@@ -301,14 +307,17 @@ def check_explorer(
         name=strategy.name,
         checks=tuple(check for check in CHECKS if not left_out.get(check, False)),
         runs=runs,
-        warnings=warnings_about(runs, cases[0].cls),
+        warnings=(*warnings_about(runs, cases[0].cls), *waits),
         unchecked=unchecked,
     )
 
 
-def _run_all(cases: Sequence[Case], repeat_in_process: bool, progress: Progress) -> tuple[str, ...]:
-    # What finds most comes first; later steps repeat what has been done. Returns what cannot be.
-    total, began_s = 2 * len(cases) + 2, monotonic()
+def _run_all(
+    cases: Sequence[Case], repeat_in_process: bool, progress: Progress, *, doorway: bool
+) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    # What finds most comes first; later steps repeat what has been done. Returns what cannot be
+    # checked, and what an explorer does that waits for ever.
+    total, began_s = 2 * len(cases) + 2 + doorway, monotonic()
     for done, case in enumerate(cases):
         progress(f"exploring {case.title}", done, total)
         case.run_supervised()
@@ -319,19 +328,23 @@ def _run_all(cases: Sequence[Case], repeat_in_process: bool, progress: Progress)
     for done, case in enumerate(reversed(cases)):
         progress(f"repeating {case.title}", len(cases) + 1 + done, total)
         case.repeat()
-    if not repeat_in_process:
-        return ()
-    progress("repeating in another process", total - 1, total)
     limit_s = 10.0 * (monotonic() - began_s)
+    waits: tuple[str, ...] = ()
+    if doorway:
+        progress("exploring beside a robot in a doorway", 2 * len(cases) + 1, total)
+        waits = tuple(filter(None, (waits_for_ever(cases[0]),)))
+    if not repeat_in_process:
+        return (), waits
+    progress("repeating in another process", total - 1, total)
     try:
         specs = [case.spec for case in cases]
         digests, reason = digests_elsewhere(cases[0].strategy, specs, limit_s)
     except InvalidInputError as error:
         why = str(error).partition(": ")[2].partition(";")[0] or str(error)
-        return (f"{IN_PROCESS}, since it cannot be imported there: {why}",)
+        return (f"{IN_PROCESS}, since it cannot be imported there: {why}",), waits
     for case, digest in zip_longest(cases, digests):
         case.compare_elsewhere(digest, reason)
-    return ()
+    return (), waits
 
 
 def two_rooms() -> Environment:

@@ -87,6 +87,12 @@ def warnings_about(runs: Sequence[CheckedRun], cls: type) -> tuple[str, ...]:
             f"it stalls in a team: {_stalls(stalls)}; while another body is in the way, drive back "
             "to let it pass or wait with Receive(timeout_s=...), and plan again before Done"
         )
+    if any(run.unlearned for run in runs):
+        warnings.append(
+            "it sends nodes to other robots, and none records Learned: on record each robot knows "
+            "its own nodes alone; after a merge yield Note(Learned(time_s=..., robot=..., "
+            "nodes=new)) with the nodes that were new"
+        )
     return tuple(warnings)
 
 

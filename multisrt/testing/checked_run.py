@@ -33,6 +33,8 @@ class CheckedRun:
         Where the explorers' own account and their scans differ; see `multisrt.testing.account`.
     unfinished : tuple of Unfinished
         The robots that have ended without having completed their exploration.
+    unlearned : bool
+        Whether robots that record nodes were sent nodes of others, and none recorded `Learned`.
 
     Examples
     --------
@@ -58,6 +60,7 @@ class CheckedRun:
     digest: str
     differences: tuple[str, ...] = ()
     unfinished: tuple[Unfinished, ...] = ()
+    unlearned: bool = False
 
     @property
     def title(self) -> str:

@@ -46,7 +46,8 @@ def test_runs_that_are_as_published_are_counted(digests, tmp_path, monkeypatch, 
 @pytest.mark.slow
 def test_a_run_that_differs_is_named(digests, tmp_path, monkeypatch, capsys):
     other = PLANNED[2]
-    assert check({**digests, other.key: "f" * 64}, tmp_path, monkeypatch, "--runs", "0") == 1
+    changed = {**digests, other.key: "f" * 64}
+    assert check(changed, tmp_path, monkeypatch, "--runs", "0", "--workers", "1") == 1
     out = capsys.readouterr().out
     assert f"differs: [{other.condition}], repetition {other.repetition}" in out
     assert out.count("differs") == 1
@@ -55,7 +56,8 @@ def test_a_run_that_differs_is_named(digests, tmp_path, monkeypatch, capsys):
 
 @pytest.mark.slow
 def test_a_row_of_another_experiment_is_reported(digests, tmp_path, monkeypatch, capsys):
-    assert check({**digests, "0" * 32: "f" * 64}, tmp_path, monkeypatch, "--runs", "1") == 1
+    more = {**digests, "0" * 32: "f" * 64}
+    assert check(more, tmp_path, monkeypatch, "--runs", "1", "--workers", "1") == 1
     out = capsys.readouterr().out
     assert "rows of multi-srt.csv that are no runs of its experiment: 1" in out
     assert "1 of 1 runs are as published" in out

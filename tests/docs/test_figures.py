@@ -60,3 +60,10 @@ def test_pictures_of_runs_are_those_of_today(program, name):
 def test_pictures_of_the_gallery_are_those_of_today(program, name):
     stored = (program["PICTURES"] / "gallery" / f"{name}.svg").read_text()
     assert program["FIGURES"]["gallery"][name]() == stored, "make pictures"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["trajectories", "without-layers"])
+def test_figures_of_papers_are_those_of_today(program, name):
+    stored = (program["PICTURES"] / "figures" / f"{name}.svg").read_text()
+    assert program["FIGURES"]["figures"][name]() == stored, "make pictures"

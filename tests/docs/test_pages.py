@@ -113,7 +113,8 @@ def workplace(tmp_path, monkeypatch):
     def compare(environments, strategies=None, robots=None, seeds=None, **given):
         if not all(isinstance(each, str) for each in strategies or ()):
             # With strategies of one's own, pages make few runs.
-            return comparison.compare(environments, strategies, robots=robots, seeds=seeds, **given)
+            chosen = {"robots": robots, "seeds": seeds, "workers": 1} | given
+            return comparison.compare(environments, strategies, **chosen)
         options = {k: given.pop(k) for k in ("store", "imports") if k in given}
         fields = {"environments": environments, "strategies": strategies, "robots": robots}
         spec = from_keywords({**fields, "seeds": seeds, **given})
@@ -141,6 +142,8 @@ def run_command(words: list[str]) -> str:
     explores = words[1] == "explore"
     if explores and not {"--max-time", "--spec"} & set(words):
         words = [*words, "--max-time", str(SHORT_S)]
+    if words[1:3] == ["experiment", "run"] and "--workers" not in words:
+        words = [*words, "--workers", "1"]
     done = CliRunner().invoke(cli, words[1:])
     # What is stopped early is no success.
     assert done.exit_code in ((0, 3) if explores else (0,)), (words, done.output, done.exception)

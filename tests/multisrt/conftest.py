@@ -24,8 +24,8 @@ from multisrt.experiments.runner import run_experiment
 from multisrt.experiments.store import Store
 from multisrt.geometry.errors import InvalidInputError
 
-path, spec, cluster = sys.argv[1:]
-where = {"cluster": cluster} if cluster else {"workers": 2}
+path, spec, cluster, workers = sys.argv[1:]
+where = {"cluster": cluster} if cluster else {"workers": int(workers)}
 try:
     with Store.create_or_open(path, ExperimentSpec.from_json(spec)) as store:
         run_experiment(store, progress=lambda p: print(p.done, flush=True), **where)
@@ -84,7 +84,7 @@ def _killed_at_the_end(command: list[str], **options):
             process.kill()
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def killed_at_the_end():
     """Start a process that is killed when its block ends."""
     return _killed_at_the_end
@@ -97,8 +97,11 @@ def runner(request):
     With two local workers, or on the cluster at an address; the code `before` is run first.
     """
 
-    def started(path: Path, spec=request.module.SPEC, *, cluster="", before="", **options):
+    def started(
+        path: Path, spec=request.module.SPEC, *, cluster="", workers=2, before="", **options
+    ):
         command = [sys.executable, "-c", before + RUNNER, str(path), spec.to_json(), cluster]
+        command.append(str(workers))
         return _killed_at_the_end(
             command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, **options
         )

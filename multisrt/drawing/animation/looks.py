@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import Final
 
-from multisrt.drawing.animation.scene import Scene
+from multisrt.drawing.animation.scene import Actor, Scene
 from multisrt.drawing.colours import INK, LATE_START, VERMILION, WHITE, RobotStyles, Style, tint
 
 PROGRESS: Final = "#5c5c5c"
@@ -12,7 +13,10 @@ TRACK: Final = "#e2e2e2"
 """Colours of the bar of progress, done and to do."""
 
 HALO_MM: Final = 1.1
-HEADING: Final = Style(stroke=INK, width_mm=0.5)
+HEADING_MM: Final = 0.5
+DARK: Final = 0.3
+"""On bodies of a lower relative luminance the heading is white."""
+
 CUT_OFF_RING: Final = Style(stroke=VERMILION, width_mm=0.5, dashes_mm=(1.2, 0.8))
 RING: Final = 1.6
 """Radius of the ring around a robot that is cut off, in radii of its body."""
@@ -29,11 +33,17 @@ BAR_PX: Final = 4.0
 SWATCH_PX: Final = 12.0
 
 
-def path_style(robot: int, scene: Scene) -> Style:
+@lru_cache(maxsize=128)
+def styles_of(robot: int) -> RobotStyles:
+    """Return the styles of a robot; see `RobotStyles.of`."""
+    return RobotStyles.of(robot)
+
+
+def path_style(robot: int, actor: Actor) -> Style:
     """Return the style of the path of a robot: thin beneath a tree, else bold."""
-    colour = _colour(robot)
-    thin = any(edge.robot == robot for edge in scene.edges)
-    return Style(stroke=colour, stroke_opacity=0.55 if thin else 1.0, width_mm=0.2 if thin else 0.4)
+    if actor.has_tree:
+        return Style(stroke=_colour(robot), stroke_opacity=0.55, width_mm=0.2)
+    return Style(stroke=_colour(robot), width_mm=0.4)
 
 
 def goal_style(robot: int) -> Style:
@@ -50,13 +60,24 @@ def body_fill(robot: int, activity: str) -> str:
     return tint(_colour(robot), 0.45) if activity == "done" else _colour(robot)
 
 
+def heading_colour(fill: str) -> str:
+    """Return the colour of the heading on a body, which stands out from that of the body."""
+    red, green, blue = (int(fill[i : i + 2], 16) / 255.0 for i in (1, 3, 5))
+    return WHITE if 0.30 * red + 0.59 * green + 0.11 * blue < DARK else INK
+
+
 def area_fill(robot: int) -> str:
     """Return the colour of the area that a robot saw first."""
-    return str(RobotStyles.of(robot).area.fill)
+    return str(styles_of(robot).area.fill)
 
 
 def _colour(robot: int) -> str:
-    return str(RobotStyles.of(robot).end.fill)
+    return str(styles_of(robot).end.fill)
+
+
+def is_numbered(scene: Scene) -> bool:
+    """Return whether bodies have the numbers of their robots beside them."""
+    return scene.team and len(scene.actors) <= MAX_LABELS
 
 
 def speed_text(scene: Scene) -> str:

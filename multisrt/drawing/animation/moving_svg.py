@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import xml.etree.ElementTree as ET
 from collections import defaultdict
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from itertools import groupby
 from typing import Final
@@ -22,9 +22,8 @@ from multisrt.drawing.animation.looks import (
     CUT_OFF_RING,
     GOAL_MM,
     HALO_MM,
-    HEADING,
+    HEADING_MM,
     LABEL_PX,
-    MAX_LABELS,
     PROGRESS,
     RING,
     SWATCH_PX,
@@ -33,12 +32,15 @@ from multisrt.drawing.animation.looks import (
     body_fill,
     entry_text,
     goal_style,
+    heading_colour,
+    is_numbered,
     label_place,
     path_style,
     speed_text,
+    styles_of,
 )
 from multisrt.drawing.animation.scene import Actor, Dot, Edge, Scene, Span, is_listed
-from multisrt.drawing.colours import FREE, INK, NODE_MM, OBSTACLE, WHITE, RobotStyles
+from multisrt.drawing.colours import FREE, INK, NODE_MM, OBSTACLE, WHITE
 from multisrt.drawing.sheet import FONT, shortened
 from multisrt.drawing.svg import Pen, child, number, set_attributes
 
@@ -182,7 +184,7 @@ class _Document:
             if lengths[-1] <= 0.0:
                 continue
             path = child(layer, "path", d=self.pen.line(actor.way.places), pathLength="1")
-            style = path_style(robot, self.scene)
+            style = path_style(robot, actor)
             set_attributes(path, style.attributes(self.layout.mm))
             set_attributes(
                 path, {"class": "path", "stroke_dasharray": "1", "stroke_linecap": "butt"}
@@ -207,14 +209,14 @@ class _Document:
     def _write_edges(self, step: ET.Element, edges: list[Edge]) -> None:
         for robot in sorted({edge.robot for edge in edges}):
             d = "".join(self.pen.line(edge.ends) for edge in edges if edge.robot == robot)
-            child(step, "path", d=d, **RobotStyles.of(robot).edge.attributes(self.layout.mm))
+            child(step, "path", d=d, **styles_of(robot).edge.attributes(self.layout.mm))
 
     def _write_dots(self, step: ET.Element, dots: list[Dot]) -> None:
         mm, size_mm = self.layout.mm, self.scene.node_mm
         for robot in sorted({dot.robot for dot in dots}):
             own = [dot for dot in dots if dot.robot == robot]
             d = "".join(self.pen.marker(dot.marker, *dot.place, size_mm * mm) for dot in own)
-            style = RobotStyles.of(robot).node.scaled(size_mm / NODE_MM[1])
+            style = styles_of(robot).node.scaled(size_mm / NODE_MM[1])
             child(step, "path", d=d, **style.attributes(mm))
 
     def _write_goals(self) -> None:
@@ -255,32 +257,41 @@ class _Document:
         if moves:
             group.set("id", f"robot-{robot}")
             self._keyed(group, "transform", places, way.times_s, type="translate")
-        outer = float(np.hypot(*actor.outline.T).max())
-        self._write_ring(group, actor, outer, moves=moves)
+        self._write_ring(group, actor, moves=moves)
         turned = child(group, "g", transform=f"rotate({turns[-1]})")
         if moves:
             self._keyed(turned, "transform", turns, way.turn_times_s, type="rotate")
-        fine = replace(self.pen, origin=(0.0, 0.0), decimals=self.pen.decimals + 1)
-        path = fine.rings([actor.outline])
-        child(turned, "path", d=path, stroke=WHITE, stroke_width=HALO_MM * mm)
-        style = RobotStyles.of(robot).end.attributes(mm)
-        body = child(turned, "path", d=path, **style)
+        self._write_shape(turned, actor, {"stroke": WHITE, "stroke-width": _plain(HALO_MM * mm)})
+        body = self._write_shape(turned, actor, styles_of(robot).end.attributes(mm))
+        front = child(turned, "path", d=f"M0 0H{_plain(actor.front_m)}")
+        front.set("stroke-width", _plain(HEADING_MM * mm))
         fills = [body_fill(robot, span.shown) for span in actor.activities]
-        body.set("fill", fills[-1])
-        if moves:
-            shares = [self.pace.share_of(span.begin) for span in actor.activities]
-            self._animate(body, "fill", fills, shares, calcMode="discrete")
-        front = fine.line([(0.0, 0.0), (float(actor.outline[:, 0].max()), 0.0)])
-        child(turned, "path", d=front, **HEADING.attributes(mm))
-        if self.scene.team and len(self.scene.actors) <= MAX_LABELS:
-            self._write_label(group, str(robot), outer)
+        headings = [heading_colour(fill) for fill in fills]
+        for element, attribute, colours in ((body, "fill", fills), (front, "stroke", headings)):
+            element.set(attribute, colours[-1])
+            if moves:
+                shares = [self.pace.share_of(span.begin) for span in actor.activities]
+                self._animate(element, attribute, colours, shares, calcMode="discrete")
+        if is_numbered(self.scene):
+            self._write_label(group, str(robot), actor.outer_m)
 
-    def _write_ring(self, group: ET.Element, actor: Actor, outer: float, *, moves: bool) -> None:
+    def _write_shape(
+        self, parent: ET.Element, actor: Actor, attributes: Mapping[str, str]
+    ) -> ET.Element:
+        if actor.radius_m is None:
+            fine = replace(self.pen, origin=(0.0, 0.0), decimals=self.pen.decimals + 1)
+            shape = child(parent, "path", d=fine.rings([actor.outline]))
+        else:
+            shape = child(parent, "circle", r=_plain(actor.radius_m))
+        set_attributes(shape, attributes)
+        return shape
+
+    def _write_ring(self, group: ET.Element, actor: Actor, *, moves: bool) -> None:
         seen = ["visible" if s.shown == "cut off" else "hidden" for s in actor.activities]
         if "visible" not in seen:
             return
         style = CUT_OFF_RING.attributes(self.layout.mm)
-        ring = child(group, "circle", r=_plain(RING * outer, 3), visibility=seen[-1], **style)
+        ring = child(group, "circle", r=_plain(RING * actor.outer_m), visibility=seen[-1], **style)
         if moves:
             shares = [self.pace.share_of(span.begin) for span in actor.activities]
             self._animate(ring, "visibility", seen, shares, calcMode="discrete")

@@ -23,9 +23,8 @@ from multisrt.drawing.animation.looks import (
     CUT_OFF_RING,
     GOAL_MM,
     HALO_MM,
-    HEADING,
+    HEADING_MM,
     LABEL_PX,
-    MAX_LABELS,
     PROGRESS,
     RING,
     SWATCH_PX,
@@ -34,12 +33,15 @@ from multisrt.drawing.animation.looks import (
     body_fill,
     entry_text,
     goal_style,
+    heading_colour,
+    is_numbered,
     label_place,
     path_style,
     speed_text,
+    styles_of,
 )
 from multisrt.drawing.animation.scene import Actor, Dot, Edge, Scene, Span, is_listed
-from multisrt.drawing.colours import INK, NODE_MM, OBSTACLE, WHITE, RobotStyles, Style
+from multisrt.drawing.colours import INK, NODE_MM, OBSTACLE, WHITE, Style
 from multisrt.drawing.sheet import shortened
 from multisrt.drawing.svg import CORNERS, Marker, printable
 from multisrt.geometry.numerics.kernel import FloatArray
@@ -109,11 +111,11 @@ class Painter:
         trees = ImageDraw.Draw(self._trees)
         for edge in self._due("edges", scene.edges, number):
             ends = self._at(edge.ends)
-            self._draw_line(trees, ends, RobotStyles.of(edge.robot).edge)
+            self._draw_line(trees, ends, styles_of(edge.robot).edge)
             self._changed.append(self._box(ends))
         factor = scene.node_mm / NODE_MM[1]
         for dot in self._due("dots", scene.dots, number):
-            style = RobotStyles.of(dot.robot).node.scaled(factor)
+            style = styles_of(dot.robot).node.scaled(factor)
             self._draw_marker(trees, dot.marker, dot.place, scene.node_mm, style)
             self._changed.append(self._box(self._at([dot.place])))
         self._shown = number
@@ -175,7 +177,7 @@ class Painter:
         for robot, actor in enumerate(self.scene.actors):
             points = self._at(actor.way.path(begin_s, end_s))
             if len(set(points)) > 1:
-                self._draw_line(draw, points, path_style(robot, self.scene))
+                self._draw_line(draw, points, path_style(robot, actor))
                 self._changed.append(self._box(points))
 
     # What moves. -------------------------------------------------------------------------
@@ -192,29 +194,16 @@ class Painter:
 
     def _draw_body(self, draw: ImageDraw.ImageDraw, robot: int, actor: Actor, number: int) -> None:
         x, y, heading = actor.way.at(self.scene.pace.time_s(number))
-        turn = np.array(
-            [
-                [math.cos(heading), math.sin(heading)],
-                [-math.sin(heading), math.cos(heading)],
-            ]
-        )
-        outline = self._at(actor.outline @ turn + (x, y))
-        front = np.array([(0.0, 0.0), (actor.outline[:, 0].max(), 0.0)]) @ turn + (x, y)
         doing = _shown(actor.activities, number)
-        outer = float(np.hypot(*actor.outline.T).max())
         if doing == "cut off":
             angles = np.linspace(0.0, 2.0 * math.pi, 61)
-            ring = RING * outer * np.column_stack([np.cos(angles), np.sin(angles)]) + (x, y)
-            self._draw_line(draw, self._at(ring), CUT_OFF_RING)
-        closed = [*outline, outline[0], outline[1]]
-        self._draw_line(draw, closed, Style(stroke=WHITE, width_mm=HALO_MM))
-        draw.polygon(outline, fill=body_fill(robot, doing))
-        self._draw_line(draw, closed, RobotStyles.of(robot).end)
-        self._draw_line(draw, self._at(front), HEADING)
-        if self.scene.team and len(self.scene.actors) <= MAX_LABELS:
+            ring = RING * actor.outer_m * np.column_stack([np.cos(angles), np.sin(angles)])
+            self._draw_line(draw, self._at(np.array((x, y)) + ring), CUT_OFF_RING)
+        self._draw_outline(draw, robot, actor, (x, y, heading), body_fill(robot, doing))
+        if is_numbered(self.scene):
             size = LABEL_PX * self._unit
             [(px, py)] = self._at([(x, y)])
-            away = label_place(LARGER * self.layout.scale * outer, size)
+            away = label_place(LARGER * self.layout.scale * actor.outer_m, size)
             draw.text(
                 (px + away, py - away),
                 str(robot),
@@ -225,13 +214,45 @@ class Painter:
                 stroke_fill=WHITE,
             )
 
+    def _draw_outline(
+        self,
+        draw: ImageDraw.ImageDraw,
+        robot: int,
+        actor: Actor,
+        pose: tuple[float, float, float],
+        fill: str,
+    ) -> None:
+        x, y, heading = pose
+        cos, sin = math.cos(heading), math.sin(heading)
+        turn = np.array([[cos, sin], [-sin, cos]])
+        style = styles_of(robot).end
+        if actor.radius_m is None:
+            outline = self._at(actor.outline @ turn + (x, y))
+            closed = [*outline, outline[0], outline[1]]
+            self._draw_line(draw, closed, Style(stroke=WHITE, width_mm=HALO_MM))
+            draw.polygon(outline, fill=fill)
+            self._draw_line(draw, closed, style)
+        else:
+            [(px, py)] = self._at([(x, y)])
+            radius = LARGER * self.layout.scale * actor.radius_m
+            for more, colour in ((HALO_MM, WHITE), (style.width_mm, style.stroke), (0.0, fill)):
+                r = radius + 0.5 * more * self._mm
+                draw.ellipse((px - r, py - r, px + r, py + r), fill=colour)
+        front = np.array([(0.0, 0.0), (actor.front_m, 0.0)]) @ turn + (x, y)
+        line = Style(stroke=heading_colour(fill), width_mm=HEADING_MM)
+        self._draw_line(draw, self._at(front), line)
+
     # Texts. ------------------------------------------------------------------------------
 
     def _draw_title(self) -> None:
         draw = ImageDraw.Draw(self._ground)
         left, _, wide, _ = (LARGER * length for length in self.layout.map)
         y = (MARGIN + 0.5 * TITLE) * self._unit
-        self._write(draw, (left, y), shortened(self.scene.title), TITLE, "lm")
+        title = printable(shortened(self.scene.title))
+        font = _font(round(TITLE * self._unit))
+        # The font has no bold letters.
+        bold = TITLE * self._unit / 40.0
+        draw.text((left, y), title, INK, font, "lm", stroke_width=bold, stroke_fill=INK)
         self._write(draw, (left + wide, y), speed_text(self.scene), TEXT, "rm")
 
     def _draw_swatches(self) -> None:

@@ -94,6 +94,10 @@ class Actor:
         Where it is drawn when.
     outline : (n, 2) array
         Its body about its reference point, in metres, not smaller than can be seen.
+    radius_m : float or None
+        The radius of that if it is a disc.
+    has_tree : bool
+        Whether edges of trees are its own.
     goals : list of Goal
         Its goals, in order.
     activities : list of Span
@@ -102,8 +106,20 @@ class Actor:
 
     way: Way
     outline: FloatArray
+    radius_m: float | None
+    has_tree: bool
     goals: list[Goal]
     activities: list[Span]
+
+    @property
+    def outer_m(self) -> float:
+        """Radius of a circle around the reference point that holds the body, in metres."""
+        return float(np.hypot(*self.outline.T).max())
+
+    @property
+    def front_m(self) -> float:
+        """Distance from the reference point to the front, in metres."""
+        return float(self.outline[:, 0].max())
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -203,7 +219,7 @@ def scene_of(
         pieces=list(areas) if "areas" in layers else [],
         edges=edges,
         dots=dots,
-        actors=_actors(recording, environment, pace, layout),
+        actors=_actors(recording, environment, pace, layout, {edge.robot for edge in edges}),
         captions=_captions(recording, environment, pace) if captioned else [],
     )
 
@@ -224,7 +240,11 @@ def _trees(recording: Recording, pace: Pace) -> tuple[list[Edge], list[Dot]]:
 
 
 def _actors(
-    recording: Recording, environment: Environment, pace: Pace, layout: Layout
+    recording: Recording,
+    environment: Environment,
+    pace: Pace,
+    layout: Layout,
+    with_trees: Collection[int],
 ) -> list[Actor]:
     goals = _goals(recording, pace)
     spells = activities(recording, environment)
@@ -234,12 +254,12 @@ def _actors(
     for robot, spec in enumerate(recording.spec.robots):
         body = Footprint.parse(spec.footprint)
         larger = max(1.0, least_m / body.circumscribed_radius_m)
-        # A disc has more corners than are visible.
-        outline = body.vertices[::4] if body.is_disc else body.vertices
         actors.append(
             Actor(
                 way=ways[robot],
-                outline=larger * outline,
+                outline=larger * body.vertices,
+                radius_m=larger * body.circumscribed_radius_m if body.is_disc else None,
+                has_tree=robot in with_trees,
                 goals=goals[robot],
                 activities=_by_picture(
                     [(s.start_s, s.end_s, s.activity) for s in spells[robot]], pace

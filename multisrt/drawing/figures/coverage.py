@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from multisrt.analysis.run_tables import coverage_curve
+from multisrt.drawing.axes import plot_steps
 from multisrt.drawing.figures.style import FigureStyle, freeze, legend_below, new_figure
 from multisrt.drawing.looks import look_of
 from multisrt.drawing.svg import printable
@@ -47,12 +48,14 @@ def draw_coverage(recordings: Sequence[Recording], ax: Axes) -> list[Line2D]:
     lines: list[Line2D] = []
     for number, (strategy, own) in enumerate(curves.items()):
         look = look_of(number)
-        drawn: dict[str, Any] = {"color": look.colour, "linestyle": look.dashes, "label": printable(strategy)}
+        label = printable(strategy)
+        drawn: dict[str, Any] = {"color": look.colour, "linestyle": look.dashes, "label": label}
         if len(own) == 1 or max(float(np.asarray(times)[-1]) for times, _ in own) <= 0.0:
-            lines += ax.step(*own[0], where="post", **drawn)
+            times_s, shares = map(np.asarray, own[0])
+            lines.append(plot_steps(times_s, shares, ax, **drawn).lines[-1])
             continue
         bands = curve_bands(own, common_grid(own))
-        drawn["label"] = f"{drawn['label']} ({len(own)} runs)"
+        drawn["label"] = f"{label} ({len(own)} runs)"
         lines += ax.plot(bands.times, bands.median, **drawn)
         band = bands.lower_quartile, bands.upper_quartile
         ax.fill_between(bands.times, *band, color=look.colour, alpha=0.17, linewidth=0)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 import shapely
 
+from multisrt.analysis.known_maps import polygons_of
 from multisrt.drawing.axes import POINTS_PER_MM, on_axes, path_of_rings
 from multisrt.drawing.badges import spread
 from multisrt.drawing.colours import FREE_SAMPLE, INK, OBSTACLE, WHITE, RobotStyles, Style
@@ -26,6 +27,9 @@ FINER: Final = 1.3
 
 BAR_SHARE: Final = 0.25
 """Upper bound of the length of the scale bar, as a share of the width of the map."""
+
+SIMPLER_MM: Final = 0.03
+"""Tolerance of the outlines of areas, in millimetres on paper."""
 
 BADGE_PT: Final = 3.6
 """Radius of the number of a robot, in points."""
@@ -98,10 +102,13 @@ def _draw_scale_bar(ax: Axes, map_mm: float) -> None:
     )
 
 
-def draw_area(ax: Axes, area: shapely.MultiPolygon, style: Style, zorder: float = 0.5) -> Any:
-    """Fill an area, and return its patch; None if it is empty."""
+def draw_area(ax: Axes, area: shapely.MultiPolygon, style: Style, zorder: float) -> Any:
+    """Fill an area on axes whose limits are set, and return its patch; None if it is empty."""
     from matplotlib.patches import PathPatch
 
+    box = ax.get_window_extent()
+    metres_per_mm = (ax.get_xlim()[1] - ax.get_xlim()[0]) / box.width * ax.figure.dpi / MM_PER_IN
+    area = polygons_of(shapely.simplify(area, SIMPLER_MM * metres_per_mm))
     if area.is_empty:
         return None
     rings = [
@@ -116,7 +123,9 @@ def draw_area(ax: Axes, area: shapely.MultiPolygon, style: Style, zorder: float 
         linewidth=style.width_mm * POINTS_PER_MM,
         zorder=zorder,
     )
-    ax.add_patch(patch)
+    patch.set_in_layout(False)
+    # Unlike a patch that is added as such, it does not change the limits, which are set.
+    ax.add_artist(patch)
     return patch
 
 

@@ -32,7 +32,10 @@ BODIES: dict[str, Corners | None] = {
 }
 """Footprints as text, and their corners; a disc has a radius of 0.25 m."""
 
-SMALL: dict[str, dict[str, Any]] = {"rooms": {"size_m": 20.0, "rooms_per_side": 3}}
+SMALL: dict[str, dict[str, Any]] = {
+    "rooms": {"size_m": 20.0, "rooms_per_side": 3},
+    "office": {"width_m": 24.0, "height_m": 16.0},
+}
 """Parameters of smaller versions of large environments."""
 
 

@@ -18,13 +18,13 @@ import pytest
 import multisrt as ms
 from multisrt.analysis.metrics import Metrics
 from multisrt.cli.experiment_check import MAX_ROWS
-from multisrt.experiments import runner, template, worker
+from multisrt.experiments import live, runner, template, worker
 from multisrt.experiments.crossing import runs
 from multisrt.experiments.job import Job
 from multisrt.experiments.live import LiveProgress, duration, note_of
 from multisrt.experiments.mission import make_run
 from multisrt.experiments.results import Result
-from multisrt.experiments.runner import Progress
+from multisrt.experiments.runner import Progress, job_of
 from multisrt.experiments.schema import schema
 from multisrt.experiments.spec import ExperimentSpec
 from multisrt.experiments.store import Store
@@ -395,7 +395,7 @@ def test_run_with_real_workers(folder):
         start_new_session=True,
     )
     try:
-        deadline = time.monotonic() + 60.0
+        deadline = time.monotonic() + 300.0
         while time.monotonic() < deadline and not _done(folder / "small.sqlite"):
             time.sleep(0.05)
         os.killpg(first.pid, signal.SIGINT)
@@ -467,6 +467,25 @@ def test_no_bar_without_a_terminal(capsys):
     with LiveProgress() as bar:
         bar(progress(40, 20, 60.0))
         bar.say("something")
+    assert capsys.readouterr() == ("", "")
+
+
+def test_without_a_terminal_a_line_names_the_longest_run(monkeypatch, capsys, tmp_path):
+    monkeypatch.setattr(live, "EVERY_S", 0.01)
+    spec = ExperimentSpec(name="x", environments=("open",), strategies=("minpos",))
+    run = runs(spec)[2]
+    now = progress(99, 20, 60.0, failed=1)
+    with LiveProgress() as bar, now.under_way.making(job_of(run, spec)):
+        bar(now)
+        time.sleep(0.3)
+    told = r"99 of 100 runs, 1 failed; open, minpos, 1 robot, repetition 2 has run for \d s\n"
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert re.fullmatch(f"({told})+", err)
+    assert now.under_way.longest() is None
+    with LiveProgress(shown=False) as bar:
+        bar(now)
+        time.sleep(0.05)
     assert capsys.readouterr() == ("", "")
 
 

@@ -158,7 +158,7 @@ def screen(monkeypatch: pytest.MonkeyPatch) -> Callable[[], int]:
 def test_pictures_are_apart_in_time_whatever_happens(screen, monkeypatch):
     spec, world = spec_and_world("open", {})
     now = [100.0]
-    monkeypatch.setattr(watching.time, "monotonic", lambda: now[0])
+    monkeypatch.setattr(time, "monotonic", lambda: now[0])
     with Watching() as live:
         show = live.watcher(spec, world)
         assert show is not None
@@ -168,7 +168,7 @@ def test_pictures_are_apart_in_time_whatever_happens(screen, monkeypatch):
         assert 15 <= screen() <= 20
         # A picture that takes long is followed by a longer pause.
         seconds = count()
-        monkeypatch.setattr(watching.time, "thread_time", lambda: float(next(seconds)))
+        monkeypatch.setattr(time, "thread_time", lambda: float(next(seconds)))
         before = screen()
         for _ in range(200):
             now[0] += 0.04

@@ -107,8 +107,7 @@ def test_numbers_at_crowded_starts_do_not_cover_one_another(apart_m):
     found = layers(crowd(64, apart_m))
     discs = []
     for robot in range(64):
-        # Where starts are very near, a line leads from a dot at the start to the badge.
-        pin = lines(paths(found[f"robot {robot}: start"]))[-1]
+        (pin,) = lines(paths(found[f"robot {robot}: start"]))
         discs.append(shapely.Polygon(pin).centroid.buffer(np.ptp(pin[:, 1]) / 2))
     pairs = shapely.STRtree(discs).query(discs, predicate="intersects").T
     assert all(a == b for a, b in pairs.tolist())

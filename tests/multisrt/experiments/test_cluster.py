@@ -1,8 +1,6 @@
 """Runs on a cluster of dask.distributed, whose processes run on this machine."""
 
 import contextlib
-import os
-import signal
 import subprocess
 import sys
 import time
@@ -33,16 +31,24 @@ SPEC = ExperimentSpec(
 )
 
 
-@pytest.fixture(autouse=True)
-def own_temporary_files(tmp_path, monkeypatch):
-    """Let killed processes leave their temporary files in the folder of the test."""
-    monkeypatch.setenv("TMPDIR", str(tmp_path))
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """A folder for the scheduler's and the workers' files."""
+    return tmp_path_factory.mktemp("cluster")
 
 
-@pytest.fixture
-def scheduler(tmp_path, killed_at_the_end):
+@pytest.fixture(scope="module", autouse=True)
+def own_temporary_files(folder):
+    """Let killed processes leave their temporary files in the folder."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("TMPDIR", str(folder))
+        yield
+
+
+@pytest.fixture(scope="module")
+def scheduler(folder, killed_at_the_end):
     """Address of a scheduler."""
-    file = tmp_path / "scheduler.json"
+    file = folder / "scheduler.json"
     command = [sys.executable, "-m", "distributed.cli.dask_scheduler", "--no-dashboard"]
     command += ["--host", "127.0.0.1", "--port", "0", "--scheduler-file", str(file)]
     with killed_at_the_end(command, stderr=subprocess.DEVNULL):
@@ -55,16 +61,23 @@ def scheduler(tmp_path, killed_at_the_end):
             time.sleep(0.05)
 
 
-@pytest.fixture
-def cluster_worker(tmp_path, scheduler, killed_at_the_end):
+@pytest.fixture(scope="module")
+def cluster_worker(folder, scheduler, killed_at_the_end):
     """Start a worker of the scheduler."""
 
     def started():
         command = [sys.executable, "-m", "distributed.cli.dask_worker", scheduler, "--no-nanny"]
-        command += ["--nthreads", "1", "--no-dashboard", "--local-directory", str(tmp_path)]
+        command += ["--nthreads", "1", "--no-dashboard", "--local-directory", str(folder)]
         return killed_at_the_end(command, stderr=subprocess.DEVNULL)
 
     return started
+
+
+@pytest.fixture(scope="module")
+def lasting_worker(cluster_worker):
+    """A worker of the scheduler that lives as long."""
+    with cluster_worker() as process:
+        yield process
 
 
 def require_all(path: Path, undisturbed: dict[str, str]) -> None:
@@ -78,37 +91,24 @@ def require_all(path: Path, undisturbed: dict[str, str]) -> None:
 
 @pytest.mark.slow
 @needs_distributed
-def test_killing_a_cluster_worker_loses_no_run(
+@pytest.mark.usefixtures("lasting_worker")
+def test_a_killed_runner_can_continue_and_killing_a_worker_loses_no_run(
     path, scheduler, cluster_worker, runner, undisturbed
 ):
-    with (
-        cluster_worker() as first,
-        cluster_worker(),
-        runner(path, cluster=scheduler) as process,
-    ):
-        for line in process.stdout:
-            if int(line) == 2:
-                os.kill(first.pid, signal.SIGKILL)
-        process.wait()
-        assert process.returncode == 0, process.stderr.read()
-    require_all(path, undisturbed)
-
-
-@pytest.mark.slow
-@needs_distributed
-def test_a_killed_runner_can_continue_on_the_cluster(
-    path, scheduler, cluster_worker, runner, undisturbed
-):
-    with cluster_worker():
+    with cluster_worker() as doomed:
         with runner(path, cluster=scheduler) as process:
             for line in process.stdout:
                 if int(line) == 2:
                     process.kill()
         with Store.open(path) as store:
-            assert 2 <= store.done < len(undisturbed)
+            before = store.done
+        assert 2 <= before < len(undisturbed) - 2
         with runner(path, cluster=scheduler) as process:
-            _, errors = process.communicate()
-            assert process.returncode == 0, errors
+            for line in process.stdout:
+                if int(line) == before + 1:
+                    doomed.kill()
+            process.wait()
+            assert process.returncode == 0, process.stderr.read()
     require_all(path, undisturbed)
 
 
@@ -142,17 +142,15 @@ if __name__ == "__main__":
 
 @pytest.mark.slow
 @needs_distributed
-def test_workers_of_another_version_are_refused(path, scheduler, cluster_worker, runner):
+@pytest.mark.usefixtures("lasting_worker")
+def test_workers_of_another_version_are_refused(path, scheduler, runner):
     pretend = """
 import msgspec
 import multisrt.experiments.user_source as user_source
 mine = msgspec.structs.replace(user_source.provenance(), program="0123")
 user_source.provenance = lambda: mine
 """
-    with (
-        cluster_worker(),
-        runner(path, cluster=scheduler, before=pretend) as process,
-    ):
+    with runner(path, cluster=scheduler, before=pretend) as process:
         _, errors = process.communicate()
         assert process.returncode == 1
     assert f"the cluster at '{scheduler}': a worker runs another program" in errors

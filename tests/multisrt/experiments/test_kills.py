@@ -11,6 +11,7 @@ from pathlib import Path
 import msgspec
 import pytest
 
+from multisrt.experiments.runner import run_experiment
 from multisrt.experiments.spec import ExperimentSpec
 from multisrt.experiments.store import Store
 from multisrt.experiments.store_file import LOG
@@ -25,7 +26,7 @@ SPEC = ExperimentSpec(
     environments=("open",),
     strategies=("srt-radial", "srt-star"),
     robots=(2,),
-    repetitions=4,
+    repetitions=5,
     recordings="all",
 )
 
@@ -66,15 +67,13 @@ def require_end(pids: list[int]) -> None:
 
 
 @pytest.fixture
-def finish(runner, undisturbed):
-    """Run the same command again and check that all results are as if undisturbed."""
+def finish(undisturbed):
+    """Continue the experiment in this process and check that all results are as if undisturbed."""
 
     def go_on(path: Path, spec: ExperimentSpec = SPEC) -> None:
-        with Store.open(path) as store:
+        with Store.create_or_open(path, spec) as store:
             before = {result.key: result.wall_s for result in store.results()}
-        with runner(path, spec) as process:
-            _, errors = process.communicate()
-            assert process.returncode == 0, errors
+            run_experiment(store, workers=1)
         with Store.open(path) as store:
             results = store.results()
             assert {result.key: result.digest for result in results} == undisturbed
@@ -89,19 +88,28 @@ def finish(runner, undisturbed):
 
 
 @pytest.mark.slow
-def test_a_killed_runner_loses_only_runs_under_way(path, undisturbed, finish, runner):
-    for done in (1, 3):
-        with runner(path) as process:
-            wait_for(process, done)
-            workers = workers_of(process)
-            process.kill()
-            process.wait()
-        assert len(workers) == 2
-        require_end(workers)
-        assert logs(path)
-        with Store.open(path) as store:
-            assert done <= store.done < len(undisturbed)
-        assert not logs(path)
+def test_killed_and_interrupted_runners_lose_only_runs_under_way(path, undisturbed, finish, runner):
+    with runner(path) as process:
+        wait_for(process, 1)
+        workers = workers_of(process)
+        process.kill()
+        process.wait()
+    assert len(workers) == 2
+    require_end(workers)
+    assert logs(path)
+    with Store.open(path) as store:
+        assert 1 <= store.done < len(undisturbed)
+    assert not logs(path)
+    with runner(path) as process:
+        wait_for(process, 4)
+        workers = workers_of(process)
+        process.send_signal(signal.SIGINT)
+        out, err = process.communicate()
+        assert process.returncode == 130, (out, err)
+    require_end(workers)
+    assert not logs(path)
+    with Store.open(path) as store:
+        assert 4 <= store.done < len(undisturbed)
     finish(path)
     assert not logs(path)
 
@@ -129,19 +137,6 @@ def test_killing_a_worker_loses_no_run(path, finish, runner):
     finish(path)
 
 
-@pytest.mark.slow
-def test_an_interrupt_keeps_finished_runs(path, finish, runner):
-    with runner(path) as process:
-        wait_for(process, 2)
-        workers = workers_of(process)
-        process.send_signal(signal.SIGINT)
-        out, err = process.communicate()
-        assert process.returncode == 130, (out, err)
-    require_end(workers)
-    assert not logs(path)
-    finish(path)
-
-
 # Full disks ----------------------------------------------------------------------------------
 
 
@@ -153,7 +148,7 @@ def test_a_file_at_its_size_limit(path, undisturbed, finish, runner):
     def allow_little():
         resource.setrlimit(resource.RLIMIT_FSIZE, (60_000, resource.RLIM_INFINITY))
 
-    with runner(path, spec, preexec_fn=allow_little) as process:
+    with runner(path, spec, workers=1, preexec_fn=allow_little) as process:
         _, errors = process.communicate()
         assert process.returncode == 1
     assert "the disk may be full" in errors
@@ -186,12 +181,12 @@ def test_a_full_disk(small_disk, undisturbed, finish, runner):
     folder, mount = small_disk
     path = folder / "results.sqlite"
     spec = msgspec.structs.replace(SPEC, recordings="none")
-    with runner(path, spec) as process:
+    with runner(path, spec, workers=1) as process:
         _, errors = process.communicate()
         assert process.returncode == 1
     assert "the disk is full" in errors
     assert len(errors.splitlines()) == 1
-    with runner(path, spec) as process:  # still full
+    with runner(path, spec, workers=1) as process:  # still full
         _, errors = process.communicate()
         assert process.returncode == 1
     assert "the disk is full" in errors
@@ -205,7 +200,7 @@ def test_a_full_disk(small_disk, undisturbed, finish, runner):
 def test_a_full_disk_for_recordings(small_disk, finish, runner):
     folder, mount = small_disk
     path = folder / "results.sqlite"
-    with runner(path) as process:
+    with runner(path, workers=1) as process:
         _, errors = process.communicate()
         assert process.returncode == 1
     assert "No space left on device" in errors or "the disk is full" in errors

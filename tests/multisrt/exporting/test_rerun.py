@@ -78,7 +78,9 @@ def test_maps_are_those_of_the_mcap_file(columns, messages):
         assert len(shown) == len(grids)
         for (time, data), (expected, grid) in zip(shown, grids, strict=True):
             assert time in (None, expected)
-            assert bytes(data[0]) == np.array(grid.data, np.int8).tobytes()
+            # Images begin at the top, maps of ROS at the bottom.
+            rows = np.array(grid.data, np.int8).reshape(grid.info.height, grid.info.width)
+            assert bytes(data[0]) == rows[::-1].tobytes()
         info = grids[0][1].info
         image = columns[entity, "GridMap:format"][0][1][0]
         assert (image["width"], image["height"]) == (info.width, info.height)

@@ -57,6 +57,7 @@ def test_another_missing_package_is_not_taken_for_the_extra():
         (lambda run: run.plot(), "a plot needs matplotlib"),
         (lambda run: run.plot_coverage(), "a plot needs matplotlib"),
         (lambda run: run.environment.plot(), "a plot needs matplotlib"),
+        (lambda run: run.animate("a.mp4"), "an animation as MP4 or GIF needs imageio-ffmpeg"),
         (lambda run: run.trajectories(), "a data frame needs pandas"),
         (lambda run: run.events(frame="polars"), "a data frame needs polars"),
     ],

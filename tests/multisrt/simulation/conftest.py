@@ -75,6 +75,7 @@ def act(monkeypatch) -> Callable[..., tuple[Recording, list[Actor]]]:
         robots: Iterable[RobotSpec],
         world: Environment = HALL,
         max_time_s: float = 1000.0,
+        stop: StopRule | None = None,
         watch: Watcher | None = None,
         **spec: Any,
     ) -> tuple[Recording, list[Actor]]:
@@ -90,7 +91,7 @@ def act(monkeypatch) -> Callable[..., tuple[Recording, list[Actor]]]:
             environment=inline(world),
             strategy="script",
             robots=tuple(robots),
-            stop=StopRule(max_time_s=max_time_s),
+            stop=stop or StopRule(max_time_s=max_time_s),
             **spec,
         )
         return simulate(run_spec, world, watch=watch), actors

@@ -1,13 +1,24 @@
 """Warnings about teams that stall."""
 
+from typing import Any
+
+import pytest
 import shapely
 
 from multisrt.environments.environment import Environment
 from multisrt.robots.explorer import Done, Look, Move, Sense
+from multisrt.robots.loading import load_strategy
 from multisrt.robots.toolkit import trajectory
+from multisrt.robots.toolkit.templates import template
+from multisrt.simulation.worlds import inline
+from multisrt.spec import RobotSpec, RunSpec
+from multisrt.testing import check_explorer, two_rooms
+from multisrt.testing.cases import Case
 from multisrt.testing.check_warnings import warnings_about
 from multisrt.testing.checked_run import CheckedRun
+from multisrt.testing.doorway import waits_for_ever
 from multisrt.testing.unfinished import Unfinished
+from multisrt.testing.watchdog import Limits, Watchdog
 from tests.multisrt.testing.explorers import Base, check
 
 
@@ -80,3 +91,72 @@ def test_without_a_run_alone_bodies_in_the_way_tell():
     assert not warnings_about([elsewhere, run_of(3, "stalled", LOST, BESIDE)], RunsInto)
     (warning,) = warnings_about([elsewhere, run_of(3, "stalled", LOST, BLOCKED)], RunsInto)
     assert warning.startswith("it stalls in a team")
+
+
+# A robot in the doorway, and what is put on record about maps --------------------------------
+
+
+def written(folder, **replaced):
+    """Write the explorer of `strategy new` with some of its lines replaced; return a reference."""
+    text = template("explorer", "mine", "mine.py")
+    for old, new in replaced.values():
+        assert old in text
+        text = text.replace(old, new)
+    (folder / "impatient.py").write_text(text)
+    return f"{folder / 'impatient.py'}:Mine"
+
+
+SMALL: dict[str, Any] = {"teams": (2,), "repeat_in_process": False}
+NEVER_GIVES_UP = ("while barred < self.options.patience:", "while True:")
+
+
+def doorway_case(reference, **robot):
+    description = inline(two_rooms())
+    spec = RunSpec(environment=description, strategy="mine", robots=(RobotSpec(**robot),) * 2)
+    limits = Limits(max_time_s=1e4, max_actions=10_000, max_decision_s=10.0)
+    with Watchdog(10.0) as watchdog:
+        like = Case(
+            load_strategy(reference),
+            spec,
+            two_rooms(),
+            limits=limits,
+            watchdog=watchdog,
+            only_known=True,
+        )
+        return waits_for_ever(like)
+
+
+@pytest.mark.slow
+def test_an_explorer_that_waits_for_ever_is_told(tmp_path):
+    told = doorway_case(written(tmp_path, patience=NEVER_GIVES_UP))
+    assert told.startswith("it never ends where a robot that has died stands in the only doorway")
+    assert "learned anything new for 600 s: robot 0 waits and robot 1 is dead" in told
+    assert "end with Done(complete=False)" in told
+
+
+@pytest.mark.slow
+def test_an_explorer_that_gives_up_in_time_is_not(tmp_path):
+    assert doorway_case(written(tmp_path)) == ""
+
+
+def test_a_body_that_fits_no_doorway_is_not_tried(tmp_path):
+    assert doorway_case(written(tmp_path), footprint="disc:1.2") == ""
+
+
+@pytest.mark.slow
+def test_nodes_that_none_learns_are_told(tmp_path):
+    silent = written(tmp_path, learned=("if new:", "if False:"))
+    checked = check_explorer(silent, worlds=[two_rooms()], **SMALL)
+    (warning,) = checked.warnings
+    assert warning.startswith("it sends nodes to other robots, and none records Learned")
+    assert check_explorer(written(tmp_path), worlds=[two_rooms()], **SMALL).warnings == ()
+
+
+@pytest.mark.slow
+def test_an_explorer_without_map_complete_is_told(tmp_path):
+    silent = written(tmp_path, complete=("if not self.knows_all:", "if False:"))
+    world = [two_rooms()]
+    told = str(check_explorer(silent, worlds=world, teams=(1,), repeat_in_process=False))
+    assert "note: it notes no MapComplete: when a robot knows its map complete stays" in told
+    told = str(check_explorer(written(tmp_path), worlds=world, teams=(1,), repeat_in_process=False))
+    assert "note" not in told

@@ -11,7 +11,7 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from multisrt.events import Learned
+from multisrt.events import Learned, MapComplete
 from multisrt.robots.explorer import (
     Done,
     Look,
@@ -58,6 +58,7 @@ class Mine:
         self.at, self.time_s = me.start, me.time_s
         self.map = FrontierMap(me)
         self.others: dict[int, tuple[float, float]] = {}  # where each was last heard from
+        self.knows_all = False
 
     def run(self) -> Steps:
         """Yield actions, and receive their outcomes."""
@@ -66,6 +67,9 @@ class Mine:
             yield from self.look_around()
             frontiers = self.map.frontiers(self.at)
             if not frontiers:
+                if not self.knows_all:  # On record once, until something new is learned.
+                    self.knows_all = True
+                    yield Note(MapComplete(time_s=self.time_s, robot=self.me.robot))
                 # Done, but on call: others may send something that leads on.
                 told = yield Done(complete=True, reason="no frontier is left", on_call=True)
                 yield from self.take(told)
@@ -107,6 +111,7 @@ class Mine:
         self.time_s = scan.time_s
         node = self.map.add(scan)
         if node is not None:
+            self.knows_all = False
             yield Note(node.added("root" if node.parent is None else "scan"))
             yield Send(News(node=node, place=self.at[:2], sender=self.me.robot))
 
@@ -121,4 +126,5 @@ class Mine:
                 self.others[news.sender] = news.place
                 new = self.map.merge([news.node])
                 if new:
+                    self.knows_all = False
                     yield Note(Learned(time_s=told.time_s, robot=self.me.robot, nodes=new))

@@ -1,5 +1,6 @@
 """The document that moves by itself: parsed, and in a browser."""
 
+import base64
 import xml.etree.ElementTree as ET
 from dataclasses import replace
 
@@ -10,6 +11,7 @@ from multisrt.drawing.animation import save_animation
 from multisrt.drawing.animation.moving_svg import moving_svg
 from multisrt.drawing.animation.pace import Pace
 from multisrt.drawing.animation.scene import LAYERS, Scene, scene_of
+from tests.browser import ARGUMENTS, chromium
 
 SVG = "{http://www.w3.org/2000/svg}"
 ANIMATED = (f"{SVG}animate", f"{SVG}animateTransform")
@@ -185,3 +187,21 @@ def test_who_prefers_reduced_motion_sees_the_end(shown):
     assert at(0.1, shown_bodies % "bodies-at-the-end") == "inline"
     offset = "parseFloat(getComputedStyle(document.querySelector('#paths path')).strokeDashoffset)"
     assert at(0.1, offset) == 0.0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("reduced", [False, True])
+def test_it_moves_as_an_image_unless_the_reader_prefers_not(browser, told, tmp_path, reduced):
+    save_animation(told, tmp_path / "hall.svg", duration_s=4.0, size=400)
+    code = base64.b64encode((tmp_path / "hall.svg").read_bytes()).decode()
+    # As a setting of the system, which reaches images; that of a page does not.
+    arguments = [*ARGUMENTS, *(["--force-prefers-reduced-motion"] if reduced else [])]
+    own = browser.browser_type.launch(executable_path=chromium(), args=arguments)
+    try:
+        page = own.new_page(reduced_motion="null")
+        page.set_content(f"<img src='data:image/svg+xml;base64,{code}'>")
+        before = page.screenshot()
+        page.wait_for_timeout(700.0)
+        assert (page.screenshot() == before) == reduced
+    finally:
+        own.close()

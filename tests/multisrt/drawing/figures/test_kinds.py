@@ -128,7 +128,8 @@ def test_each_robots_map_is_what_it_made_and_learned(growers):
         drawn = filled(ax)
         assert set(drawn) == {f"seen by robot {maker}" for maker in true}
         for maker, area in true.items():
-            assert drawn[f"seen by robot {maker}"] == pytest.approx(area.area, rel=1e-6, abs=1e-6)
+            # Outlines are drawn without corners that nobody sees.
+            assert drawn[f"seen by robot {maker}"] == pytest.approx(area.area, rel=2e-3)
         share = shapely.union_all(list(true.values())).area / free.area
         assert ax.get_title().endswith(f"{share:.0%}")
         shares.append(share)
@@ -158,7 +159,7 @@ def test_coverage_is_median_and_quartiles_of_the_runs(curves, ax):
         (np.asarray(c["time_s"].values, float), np.asarray(c["coverage"].values, float))
         for c in (coverage_curve(run, run.environment()) for run in curves)
     ]
-    times, shares = several.get_data()
+    times, shares = corners_of(several).T
     runs = np.stack([at_times(curve, times) for curve in exact[:4]])
     np.testing.assert_allclose(shares, np.median(runs, axis=0))
     (band,) = ax.collections
@@ -168,7 +169,7 @@ def test_coverage_is_median_and_quartiles_of_the_runs(curves, ax):
         own = corners[np.isclose(corners[:, 0], time_s), 1]
         assert own.min() == pytest.approx(a)
         assert own.max() == pytest.approx(b)
-    np.testing.assert_allclose(single.get_data(), exact[4])
+    np.testing.assert_allclose(corners_of(single).T, exact[4])
     assert [several.get_label(), single.get_label()] == ["srt-radial (4 runs)", "minpos"]
     assert several.get_linestyle() != single.get_linestyle()
 
@@ -203,9 +204,7 @@ def test_heat_maps_show_the_counts(bidders):
         np.testing.assert_array_equal(shown, visits(bidders, count).values)
     figure = draw_figure("isolation", bidders)
     (image,) = figure.axes[0].images
-    np.testing.assert_array_equal(
-        shown_by(image), isolated_times(bidders).values
-    )
+    np.testing.assert_array_equal(shown_by(image), isolated_times(bidders).values)
 
 
 @pytest.mark.slow

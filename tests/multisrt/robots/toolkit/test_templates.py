@@ -25,9 +25,7 @@ COARSE: dict[str, dict[str, float]] = {
 
 @pytest.mark.slow
 @pytest.mark.parametrize("size", SIZES)
-@pytest.mark.parametrize(
-    ("world", "robots"), [("apartment", 1), ("apartment", 3), ("museum", 1), ("museum", 3)]
-)
+@pytest.mark.parametrize(("world", "robots"), [("museum", 1), ("apartment", 3)])
 def test_templates_cover_bundled_worlds_without_collision(size, world, robots):
     options = COARSE[size] if world == "museum" else {}
     run = ms.explore(world, strategy=STRATEGIES[size], robots=robots, seed=1, options=options)

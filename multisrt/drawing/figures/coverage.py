@@ -47,11 +47,7 @@ def draw_coverage(recordings: Sequence[Recording], ax: Axes) -> list[Line2D]:
     lines: list[Line2D] = []
     for number, (strategy, own) in enumerate(curves.items()):
         look = look_of(number)
-        drawn: dict[str, Any] = {
-            "color": look.colour,
-            "linestyle": look.dashes,
-            "label": printable(strategy),
-        }
+        drawn: dict[str, Any] = {"color": look.colour, "linestyle": look.dashes, "label": printable(strategy)}
         if len(own) == 1 or max(float(np.asarray(times)[-1]) for times, _ in own) <= 0.0:
             lines += ax.step(*own[0], where="post", **drawn)
             continue

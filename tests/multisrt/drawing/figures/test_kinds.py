@@ -203,7 +203,9 @@ def test_heat_maps_show_the_counts(bidders):
         np.testing.assert_array_equal(shown, visits(bidders, count).values)
     figure = draw_figure("isolation", bidders)
     (image,) = figure.axes[0].images
-    np.testing.assert_array_equal(shown_by(image), isolated_times(bidders).values)
+    np.testing.assert_array_equal(
+        shown_by(image), isolated_times(bidders).values
+    )
 
 
 @pytest.mark.slow

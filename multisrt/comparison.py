@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import tempfile
 from collections.abc import Iterable, Sequence
 from contextlib import ExitStack
@@ -28,6 +29,7 @@ from multisrt.experiments.user_source import require_files
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.reporting.shown import Drawings, ShownTable, shown
 from multisrt.spec import RadioSpec
+from multisrt.spec.keywords import refuse_unknown
 
 if TYPE_CHECKING:
     from multisrt.experiments.measures import Measure
@@ -35,6 +37,15 @@ if TYPE_CHECKING:
 
 FIRST_MEASURE = "time_to_95_s"
 """The measure that tables and figures show by default."""
+
+INSTEAD = {
+    "max_time_s": "stop=ms.StopRule(max_time_s=SECONDS)",
+    "range_m": "range_finder=ms.RangeFinderSpec(range_m=METRES)",
+    "beams": "range_finder=ms.RangeFinderSpec(beams=NUMBER)",
+    "radio_range_m": "radios=METRES",
+    "options": "multisrt.experiments.spec.StrategyChoice(name=NAME, options={...}) as strategy",
+}
+"""Keywords of `multisrt.explore` that `compare` takes in another form."""
 
 World = str | Path | Environment | EnvironmentChoice
 
@@ -175,6 +186,8 @@ def compare(
     else:
         if strategies is None:
             raise InvalidInputError("name the strategies to compare, or give an ExperimentSpec")
+        known = [*inspect.signature(compare).parameters, *ExperimentSpec.__struct_fields__]
+        refuse_unknown("compare", given, known, INSTEAD)
         spec = from_keywords({"environments": environments} | given)
     if spec.recordings != "none" and store is None:
         raise InvalidInputError(

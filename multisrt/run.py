@@ -182,7 +182,8 @@ def explore(
     >>> ms.explore(run.spec).digest == run.digest
     True
     """
-    refuse_unknown("explore", keywords, inspect.signature(explore).parameters)
+    known = inspect.signature(explore).parameters
+    refuse_unknown("explore", keywords, known, {"stop": "max_time_s=SECONDS"})
     spec, world = spec_and_world(environment, keywords)
     with Progress(quiet=not progress) as live:
         watch = live.watcher(spec, world, watch)

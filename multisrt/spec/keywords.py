@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Callable, Iterable, Mapping
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from multisrt.geometry.errors import InvalidInputError, did_you_mean
@@ -55,7 +56,12 @@ def checked(name: str, value: Any) -> Any:
     return value
 
 
-def refuse_unknown(function: str, given: Iterable[str], known: Iterable[str]) -> None:
+def refuse_unknown(
+    function: str,
+    given: Iterable[str],
+    known: Iterable[str],
+    instead: Mapping[str, str] = MappingProxyType({}),
+) -> None:
     """Check that a function has no keyword that it does not take.
 
     Parameters
@@ -66,11 +72,14 @@ def refuse_unknown(function: str, given: Iterable[str], known: Iterable[str]) ->
         The keywords that it was given and may not take.
     known : iterable of str
         Those that it takes.
+    instead : mapping of str to str, optional
+        How it is given what another function takes by a keyword.
 
     Raises
     ------
     InvalidInputError
-        If there is such a keyword; the message names one that is written alike.
+        If there is such a keyword; the message says what to give instead, or names one that is
+        written alike.
 
     Examples
     --------
@@ -83,9 +92,8 @@ def refuse_unknown(function: str, given: Iterable[str], known: Iterable[str]) ->
     known = tuple(known)
     for name in given:
         if name not in known:
-            raise InvalidInputError(
-                f"{function} takes no argument {name!r}{did_you_mean(name, known)}"
-            )
+            hint = f": give {instead[name]}" if name in instead else did_you_mean(name, known)
+            raise InvalidInputError(f"{function} takes no argument {name!r}{hint}")
 
 
 def require_use(spec: RunSpec, given: Mapping[str, str], size: str, *, sized: bool) -> None:

@@ -2,6 +2,7 @@ from collections.abc import Iterator
 
 import pytest
 
+from benchmarks.__main__ import main
 from benchmarks.harness import Claim, show
 from benchmarks.yardstick import yardstick, yardstick_s
 
@@ -60,3 +61,12 @@ def test_a_yardstick_takes_time_and_goes_on_through_memory():
     first = yardstick()
     assert yardstick(0) == first != yardstick(first)
     assert 0.0 < yardstick_s() < 60.0
+
+
+def test_parts_of_the_table_are_named(capsys):
+    with pytest.raises(SystemExit):
+        main(["lerning"])
+    assert "no part 'lerning'; there are: kernels" in capsys.readouterr().err
+    with pytest.raises(SystemExit):
+        main(["--help"])
+    assert "claim" not in capsys.readouterr().out

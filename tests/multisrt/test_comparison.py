@@ -197,7 +197,12 @@ def test_own_environments(asked, tmp_path):
         ({"starts": "scatered"}, "starts[0]: Invalid enum value 'scatered'; allowed: 'clustered'"),
         ({"radios": 5.0, "robots": 2}, "needs a radio range of at least three times"),
         ({"exclude": [{"robot": 1}]}, "exclude[0]: there is no field 'robot' (did you mean"),
-        ({"repetition": 3}, "there is no field 'repetition' (did you mean 'repetitions'?)"),
+        ({"repetition": 3}, "compare takes no argument 'repetition' (did you mean 'repetitions'?)"),
+        ({"seed": 3}, "compare takes no argument 'seed' (did you mean 'seeds'?)"),
+        (
+            {"max_time_s": 9.0},
+            "takes no argument 'max_time_s': give stop=ms.StopRule(max_time_s=SECONDS)",
+        ),
         ({"recordings": "all"}, "recordings are kept beside the results: say where those go"),
     ],
 )
@@ -207,6 +212,17 @@ def test_impossible_experiments_are_refused(said, told, asked):
     assert told in str(error.value)
     assert "\n" not in str(error.value)
     assert not asked
+
+
+def test_what_compare_takes_instead_of_keywords_of_explore_is_valid(asked):
+    compare(
+        "open",
+        StrategyChoice(name="minpos", options={"cell_m": 0.2}),
+        stop=ms.StopRule(max_time_s=9.0),
+        range_finder=ms.RangeFinderSpec(range_m=5.0, beams=90),
+        radios=9.0,
+    )
+    assert asked[0][0].stop.max_time_s == 9.0
 
 
 def test_a_named_store_is_kept(asked, tmp_path):

@@ -272,6 +272,8 @@ def test_a_misspelt_keyword_is_refused_with_a_hint():
         with pytest.raises(InvalidInputError) as error:
             explore("open", **{name: 1})  # type: ignore[arg-type]
         assert f"explore takes no argument {name!r} (did you mean {meant!r}?)" in str(error.value)
+    with pytest.raises(InvalidInputError, match="no argument 'stop': give max_time_s=SECONDS"):
+        explore("open", stop={"max_time_s": 9.0})  # type: ignore[call-arg]
 
 
 def test_explanations_show_themselves_as_they_read(run):

@@ -83,7 +83,7 @@ Files written, with several strategies in one folder each:
   run.json         spec, outcome, digest and metrics
   spec.toml        the spec; 'multisrt explore --spec' repeats the run
   recording.jsonl  every event of the run, one per line
-  replay.html      with --view or --live: the replay, of all strategies together
+  replay.html      with --view or --live: the replay of all strategies
 
 \b
 Exit code:

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 PAUSE_S: Final = 0.1
 """Minimum time between two pictures (s)."""
 
-MAX_SHARE: Final = 0.1
+MAX_SHARE: Final = 0.05
 """Upper bound of the share of the time that pictures take."""
 
 MIN_COLUMNS, MIN_ROWS = 20, 6

@@ -212,6 +212,7 @@ def _own(robot: int) -> str:
     return ROBOT_COLOURS[robot % len(ROBOT_COLOURS)]
 
 
+@cache
 def _colour(value: int) -> str:
     if value < 0:
         return WALL_COLOUR if value == WALL else UNSEEN_COLOUR

@@ -240,7 +240,7 @@ class Sheet:
 
     def map_svg(self, title: str) -> str:
         """Return the map alone as a document, without names of layers."""
-        x0, y0, x1, y1 = self._bounds
+        x0, y0, x1, y1 = self.bounds
         width, height = x1 - x0, y1 - y0
         root = ET.Element("svg", {"xmlns": "http://www.w3.org/2000/svg"})
         root.set("viewBox", f"0 0 {plain(width)} {plain(height)}")

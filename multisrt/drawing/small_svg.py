@@ -67,7 +67,7 @@ def small_svg(recording: Recording, title: str) -> str:
         draw_areas(sheet, _areas(recording, tolerance), len(traces))
     sheet.draw_obstacles(environment)
     for trace in traces:
-        style = RobotStyles.of(trace.robot).way if len(traces) > 1 else RobotStyles.of(0).path
+        style = RobotStyles.of(trace.robot).team_path if len(traces) > 1 else RobotStyles.of(0).path
         layer = sheet.layer("", replace(style, width_mm=PATH_MM, dashes_mm=()))
         if trace.motions and len(trace.path) > 1:
             path = shapely.simplify(shapely.LineString(trace.path), tolerance)

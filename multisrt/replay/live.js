@@ -13,6 +13,7 @@ class Live {
     this.reloadS = this.element ? Number(this.element.dataset.reloadS) : 0;
     this.isGoingOn = this.reloadS > 0;
     this.since = Date.now();
+    this.isHeld = false; // by scripts
     this.restore();
     if (this.isGoingOn) this.goOn(isNew);
   }
@@ -22,7 +23,7 @@ class Live {
     this.said = this.element.firstChild.textContent;
     this.begun = performance.now();
     this.touched = -Infinity;
-    for (const kind of ["pointerdown", "pointerup", "keydown", "wheel"]) {
+    for (const kind of ["pointerdown", "pointerup", "pointercancel", "keydown", "wheel"]) {
       addEventListener(kind, (event) => this.touch(event), { capture: true, passive: true });
     }
     byId("follow").addEventListener("click", () => player.seek(player.end));
@@ -40,13 +41,13 @@ class Live {
   touch(event) {
     this.touched = performance.now();
     if (event.type === "pointerdown") this.isPressed = true;
-    if (event.type === "pointerup") this.isPressed = false;
+    if (event.type === "pointerup" || event.type === "pointercancel") this.isPressed = false;
   }
 
   // Whether reading the page anew would disturb its reader.
   get isBusy() {
     const choosing = document.activeElement instanceof HTMLSelectElement ? CHOICE_MS : IDLE_MS;
-    return this.player.isPlaying || document.hidden || this.isPressed || byId("keys").open
+    return this.player.isPlaying || document.hidden || this.isHeld || this.isPressed || byId("keys").open
       || !getSelection().isCollapsed || performance.now() - this.touched < choosing;
   }
 

@@ -22,6 +22,9 @@ PAUSE_S: Final = 2.0
 MAX_RELOAD_S: Final = 10.0
 """Upper bound of the time after which a page reads itself anew (s)."""
 
+GUESS_S: Final = 0.3
+"""What a page is taken to cost before one has shown it (s)."""
+
 MAX_SHARE: Final = 0.08
 """Upper bound of the share of the time that pages take, from the second on."""
 
@@ -110,8 +113,10 @@ class LiveReplay:
         with watch_compilation(lambda done, about: compiled.append(done)):
             self._pack(so_far())
         took_s = time.monotonic() - begun_s
-        # Kernels are compiled once: that says nothing of the pages to come.
-        pause_s = PAUSE_S if compiled else max(PAUSE_S, took_s / MAX_SHARE)
+        # The first page has nothing to show, and kernels are compiled once: neither tells what the
+        # pages to come will cost.
+        cost_s = took_s if self.pages and not compiled else GUESS_S
+        pause_s = max(PAUSE_S, cost_s / MAX_SHARE)
         said = f"The run goes on: {self._time_s:.1f} s of {self._titles[-1]} so far."
         self._write_one_more(Status(said, min(pause_s, MAX_RELOAD_S), self.pages))
         self._next_s = time.monotonic() + pause_s

@@ -9,9 +9,6 @@ from pathlib import Path
 
 import pytest
 
-from multisrt.geometry.numerics.compilation import watch_compilation
-from multisrt.geometry.numerics.kernel import declared_kernels, kernel
-
 COUNTED = """
 import numpy as np
 from multisrt.geometry.numerics.compilation import watch_compilation
@@ -55,18 +52,3 @@ def test_kernels_are_counted_in_a_fresh_cache_and_then_not(tmp_path):
     (removed,) = tmp_path.rglob("*.no_edge_within-*.nbi")
     removed.unlink()
     assert [done for done, _ in counted(tmp_path)] == [0, 1]
-
-
-def test_a_kernel_that_is_called_again_is_not_compiled_again():
-    @kernel
-    def doubled(x: float) -> float:
-        return 2.0 * x
-
-    counts = []
-    with watch_compilation(lambda done, about: counts.append(done)):
-        assert doubled(1.5) == 3.0
-        assert doubled(2.5) == 5.0
-    assert counts == [0, 1]
-    assert declared_kernels()[-1] is doubled
-    doubled(2)
-    assert counts == [0, 1]

@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 from matplotlib.axes import Axes
 
+from multisrt.drawing.looks import MARKERS
 from multisrt.drawing.svg import printable
 from multisrt.reporting import style
 from multisrt.reporting.compact import SVG, compact
-from multisrt.reporting.style import MARKERS, drawn
+from multisrt.reporting.style import drawn
 
 
 @pytest.fixture

@@ -6,7 +6,6 @@ from pathlib import Path
 import pytest
 
 import multisrt as ms
-from multisrt.reporting import page as page_module
 from multisrt.reporting.page import write_report
 from multisrt.reporting.run_rows import MAX_RUNS
 from multisrt.spec import RunSpec
@@ -158,7 +157,7 @@ def test_a_run_costs_less_than_1400_bytes(tmp_path, monkeypatch):
 
 def test_runs_are_listed_up_to_a_limit(tmp_path, monkeypatch):
     monkeypatch.setattr("multisrt.reporting.run_rows.MAX_RUNS", 10)
-    monkeypatch.setattr(page_module.figures, "box_plots", lambda *_: [])
+    monkeypatch.setattr("multisrt.reporting.figures.box_plots", lambda *_: [])
     results = made_up(("a", "b"), (1,), 8)
     page = Page(write_report(results, tmp_path / "r", measures=["coverage"]).read_text())
     assert "6 more runs are not listed" in page.text

@@ -60,7 +60,7 @@ def test_nothing_is_replaced_unless_asked_for(call, folder, run):
         (["out", "--out", "no/folder/x.mcap"], "cannot write no/folder/x.mcap: No such file"),
         (["out", "--out", "no/folder/x.rrd"], "cannot write no/folder/x.rrd: No such file"),
         (["none", "--out", "x.mcap"], "none: No such file"),
-        (["room.wkt", "--out", "x.mcap"], "room.wkt, line 1: not a line of a recording"),
+        (["room.wkt", "--out", "x.mcap"], "room.wkt is not a recording"),
         (["cut.jsonl", "--out", "x.mcap"], "cut.jsonl: the run was cut off"),
         (["out/run.json", "--out", "x.mcap"], "name that of the run: out/recording.jsonl"),
         (["out", "--out", "x.mcap", "--rate", "0"], "the rate of poses is above 0"),

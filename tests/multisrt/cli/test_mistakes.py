@@ -13,7 +13,7 @@ from tests.multisrt.cli.commands import everything
         (["help", "why"], "(did you mean 'multisrt why --help'?)"),
         (["version"], "(did you mean 'multisrt --version'?)"),
         (["show", "office"], "(did you mean 'multisrt environments show office'?)"),
-        (["export", "a", "b"], "(did you mean 'multisrt experiment export a b'?)"),
+        (["run", "a.toml"], "(did you mean 'multisrt experiment run a.toml'?)"),
         (["environments", "office"], "(did you mean 'multisrt environments show office'?)"),
         (["environments", "shwo", "office"], "(did you mean 'show'?)"),
         (["experiment", "star.toml"], "(did you mean 'multisrt experiment run star.toml'?)"),

@@ -97,7 +97,7 @@ def test_too_many_runs_are_refused_before_they_are_made(call, folder):
     [
         ([], "RECORDING... is missing"),
         (["none.jsonl"], "none.jsonl: No such file"),
-        (["room.wkt"], "room.wkt, line 1"),
+        (["room.wkt"], "room.wkt is not a recording"),
         (["out/run.json"], "out/run.json is no recording; name that of the run: out/recording"),
         (["cut.jsonl"], "cut.jsonl: the run was cut off"),
         (["old.jsonl"], "old.jsonl: format version 2; this program reads"),

@@ -37,7 +37,7 @@ def test_a_robot_that_was_told_its_route_decides_nothing(call):
         (["out/recording.jsonl", "--time", "-1"], "not within the run"),
         (["out/recording.jsonl", "--time", "nan"], "not within the run"),
         (["none.jsonl"], "none.jsonl: No such file"),
-        (["room.wkt"], "room.wkt, line 1"),
+        (["room.wkt"], "room.wkt is not a recording"),
     ],
 )
 def test_why_refuses_bad_input(call, folder, words, named):

@@ -234,7 +234,7 @@ WAY = Trajectory(STRAIGHT)
         (Send(Word(sender=0, content={"n": 2**70})), r"Word\.content\['n'\] is 118.*, an int"),
         (Note(MapComplete), r"it put <class .*MapComplete'> on record .*; give Note an instance"),
         (Note(None), r"it put None on record"),
-        (Note(MapComplete(time_s=NAN, robot=0)), r"MapComplete\.time_s .* is nan, a float .*"),
+        (Note(MapComplete(time_s=NAN, robot=0)), r"MapComplete\.time_s .* is nan, a float .*;"),
         (Note(MapComplete(time_s=np.float32(INF), robot=0)), r"MapComplete\.time_s .*, a float32"),
         (Note(MapComplete(time_s="now", robot=0)), r"time_s: Expected a number, got text"),
         (Note(MapComplete(time_s=0.0, robot=0.5)), r"robot: Expected a whole number, got"),

@@ -1,4 +1,4 @@
-"""`multisrt animate`: run a recording as a film."""
+"""`multisrt animate`: animate a recording."""
 
 from __future__ import annotations
 

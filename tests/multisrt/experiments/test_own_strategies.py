@@ -247,7 +247,9 @@ def test_a_change_is_told_without_a_store_and_compiled_files(
     old = mine.Mine
     reload(mine)
     ms.compare("open", mine.Mine, seeds=1, workers=0, progress=False)
-    with pytest.raises(ms.InvalidInputError, match="'mine', is of an earlier import of mine: import"):
+    with pytest.raises(
+        ms.InvalidInputError, match="'mine', is of an earlier import of mine: import"
+    ):
         ms.compare("open", old, seeds=1, workers=0, progress=False)
 
 

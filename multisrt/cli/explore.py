@@ -303,9 +303,7 @@ def explore(
             click.echo(f"{usual} is there already: this is in {whole}")
         robot = robot_to_ask(runs[0])
         click.echo(f"next: multisrt why {shlex.quote(str(folders[0]))} --robot {robot}")
-    if given["view"] and not given["live"]:
-        write_page([run.recording for run in runs], page)
-        open_page(page, opens=not given["no_open"])
+    _show_page(runs, page, given, quiet=quiet)
     if not all(is_success(run.metrics) for run in runs):
         raise SystemExit(NO_SUCCESS)
 
@@ -322,6 +320,14 @@ def _progress(*, watch: bool, quiet: bool) -> Progress:
 def _require_opened(given: dict[str, Any]) -> None:
     if given["no_open"] and not (given["view"] or given["live"]):
         raise click.UsageError("--no-open is about the page of --view or --live: give one of them")
+
+
+def _show_page(runs: list[Run], page: Path, given: dict[str, Any], *, quiet: bool) -> None:
+    if given["view"] and not given["live"]:
+        write_page([run.recording for run in runs], page)
+        open_page(page, opens=not given["no_open"])
+    if (given["view"] or given["live"]) and not quiet:
+        click.echo(page)
 
 
 def _named(strategies: tuple[str, ...]) -> list[str]:

@@ -15,7 +15,8 @@ const ACTIVITY_STYLES = {
   "dead": ["ink", 0.2, true],
   "not started": ["line", 0.04, false],
 };
-const ACTIVITY_COLOURS = { moves: "#56b4e9" };
+// As in figures of activities.
+const ACTIVITY_COLOURS = { moves: "#0072b2", supports: "#56b4e9", coordinates: "#e69f00", "cut off": "#b94600" };
 
 class Plot {
   constructor(player, element, title, label) {

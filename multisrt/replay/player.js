@@ -110,6 +110,7 @@ class Player {
     if (this.time >= this.end) this.time = 0;
     this.isPlaying = true;
     this.last = null;
+    this.say("");
     this.showPlaying();
     this.redraw();
   }
@@ -128,6 +129,7 @@ class Player {
   }
 
   seek(time) {
+    this.say(""); // an event is no longer the last one
     this.time = Math.max(0, Math.min(this.end, time));
     this.update();
   }

@@ -60,12 +60,14 @@ def visits_figure(
     recordings: Sequence[Recording], style: FigureStyle, count: VisitCount = "passes"
 ) -> Figure:
     """Return heat maps of visits of runs of one world; see `multisrt.analysis.heat_maps.visits`."""
-    return _figure(recordings, style, lambda one: visits(one, count), COUNT_LABELS[count], True)
+    return _figure(
+        recordings, style, lambda one: visits(one, count), COUNT_LABELS[count], "no visits", True
+    )
 
 
 def isolation_figure(recordings: Sequence[Recording], style: FigureStyle) -> Figure:
     """Return heat maps of where robots were isolated, of runs of one world."""
-    return _figure(recordings, style, isolated_times, ISOLATED, False)
+    return _figure(recordings, style, isolated_times, ISOLATED, "never isolated", False)
 
 
 def _figure(
@@ -73,6 +75,7 @@ def _figure(
     style: FigureStyle,
     heat_of: Callable[[Recording], HeatMap],
     label: str,
+    nothing: str,
     whole: bool,
 ) -> Figure:
     found = [heat_of(recording) for recording in recordings]
@@ -89,7 +92,8 @@ def _figure(
     for ax in axes[len(recordings) :]:
         ax.set_visible(False)
     if norm is None:
-        axes[0].annotate("nowhere", (0.5, 0.5), xycoords="axes fraction", ha="center")
+        box = {"facecolor": "white", "edgecolor": "none"}
+        axes[0].text(0.5, 0.5, nothing, transform=axes[0].transAxes, ha="center", bbox=box)
     else:
         shown = [ax for ax in axes if ax.get_visible()]
         _bar(figure, image, shown, label, whole)

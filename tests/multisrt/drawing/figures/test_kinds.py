@@ -210,7 +210,7 @@ def test_heat_maps_show_the_counts(bidders):
 @pytest.mark.slow
 def test_a_team_that_was_never_isolated_is_said_to_be(curves):
     figure = draw_figure("isolation", curves[0])
-    assert "nowhere" in [text.get_text() for text in figure.axes[0].texts]
+    assert "never isolated" in [text.get_text() for text in figure.axes[0].texts]
     assert len(figure.axes) == 1
 
 

@@ -180,7 +180,7 @@ class Recording:
             try:
                 lines.append(decoder.decode(text))
             except (msgspec.MsgspecError, ValueError, RecursionError) as error:
-                if number == 1:
+                if number == 1 and not _claims_to_be_header(text):
                     raise InvalidInputError(
                         f"{path} is not a recording: its first line is no header; name the folder "
                         "of a run, or the recording.jsonl in it"
@@ -215,6 +215,14 @@ class Recording:
                 f"{digest[:12]}...: the file was changed after the run; run its spec again"
             )
         return cls(header=header, events=events, footer=footer)
+
+
+def _claims_to_be_header(text: bytes) -> bool:
+    try:
+        line = msgspec.json.decode(text)
+    except (msgspec.MsgspecError, ValueError, RecursionError):
+        return False
+    return isinstance(line, dict) and line.get("event") == "header"
 
 
 def _require_header(line: Header | AnyEvent | Footer, path: Path) -> None:

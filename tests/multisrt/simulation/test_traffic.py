@@ -308,18 +308,18 @@ def sampled_distance(body_a, poses_a, body_b, poses_b):
 def test_encounters_agree_with_sampling(seed, name_a, name_b, guard):
     rng = np.random.default_rng(seed)
     bodies = [BODIES[name_a], BODIES[name_b]]
-    motion_a, motion_b = wander(rng, rng.integers(1, 5)), wander(rng, rng.integers(0, 5))
+    way_a, way_b = wander(rng, rng.integers(1, 5)), wander(rng, rng.integers(0, 5))
     begin_b, begin_a = 10.0, 10.0 + rng.uniform(0, 2)
-    roads = traffic(motion_a.start, motion_b.start, bodies=bodies)
-    roads.begin(1, begin_b, motion_b, None)
-    roads.begin(0, begin_a, motion_a, guard)
+    roads = traffic(way_a.start, way_b.start, bodies=bodies)
+    roads.begin(1, begin_b, way_b, None)
+    roads.begin(0, begin_a, way_a, guard)
     event = roads.next_event(0, begin_a)
 
-    times = np.linspace(begin_a, begin_a + motion_a.duration_s, 1500)
+    times = np.linspace(begin_a, begin_a + way_a.duration_s, 1500)
     if event is not None:
         times = np.append(times[times < event.time_s], event.time_s)
-    poses_a = [motion_a.at(time - begin_a) for time in times]
-    poses_b = [motion_b.at(time - begin_b) for time in times]
+    poses_a = [way_a.at(time - begin_a) for time in times]
+    poses_b = [way_b.at(time - begin_b) for time in times]
     distance = sampled_distance(bodies[0], poses_a, bodies[1], poses_b)
     threshold = 0.0 if guard is None else guard
     if distance[0] <= threshold:
@@ -361,19 +361,19 @@ def test_hidden_bodies_do_not_stop_a_motion(seed):
     solid = HALL - world
     shapely.prepare(solid)
     body = Body(Footprint.disc(0.05))
-    motion_a, motion_b = wander(rng, 3), wander(rng, 3)
-    for motion in (motion_a, motion_b):
-        if shapely.intersects_xy(solid, motion.start.x, motion.start.y):
+    way_a, way_b = wander(rng, 3), wander(rng, 3)
+    for way in (way_a, way_b):
+        if shapely.intersects_xy(solid, way.start.x, way.start.y):
             return
-    roads = traffic(motion_a.start, motion_b.start, bodies=[body, body], index=index_of(world))
-    roads.begin(1, 0.0, motion_b, None)
-    roads.begin(0, 0.0, motion_a, 1.0)
+    roads = traffic(way_a.start, way_b.start, bodies=[body, body], index=index_of(world))
+    roads.begin(1, 0.0, way_b, None)
+    roads.begin(0, 0.0, way_a, 1.0)
     event = roads.next_event(0, 0.0)
-    times = np.linspace(0.0, motion_a.duration_s, 3000)
+    times = np.linspace(0.0, way_a.duration_s, 3000)
     if event is not None:
         times = np.append(times[times < event.time_s], event.time_s)
-    a = np.array([motion_a.at(time)[:2] for time in times])
-    b = np.array([motion_b.at(time)[:2] for time in times])
+    a = np.array([way_a.at(time)[:2] for time in times])
+    b = np.array([way_b.at(time)[:2] for time in times])
     distance = np.hypot(*(a - b).T) - 0.1
     threshold = 1.0 if distance[0] > 1.0 else distance[0] / 2
     between = shapely.linestrings(np.stack([a, b], axis=1))

@@ -268,12 +268,12 @@ def test_orders_are_jointly_feasible(line, conflicts_of, plans):
     conflicts = conflicts_of(plans)
     arrangement = organize(conflicts, InThePlane(plans, line))
     assert list(arrangement.orders) == list(range(len(plans)))
-    driven_paths = {p.number: driven(p, arrangement.orders[p.number]) for p in plans}
-    assert is_feasible(plans, driven_paths, exact=False)
+    ways = {p.number: driven(p, arrangement.orders[p.number]) for p in plans}
+    assert is_feasible(plans, ways, exact=False)
     for plan in plans:
         order = arrangement.orders[plan.number]
-        assert driven_paths[plan.number][0] == plan.places[0]
-        assert arrangement.targets[plan.number] == driven_paths[plan.number][-1]
+        assert ways[plan.number][0] == plan.places[0]
+        assert arrangement.targets[plan.number] == ways[plan.number][-1]
         if order.order == "keep":
             assert len(plan.places) > 1
             assert not conflicts.in_the_way(plan.number)
@@ -282,7 +282,7 @@ def test_orders_are_jointly_feasible(line, conflicts_of, plans):
     assert best_targets(conflicts) == tuple(
         i for i, order in arrangement.orders.items() if order.order == "keep"
     )
-    stays = all(len(path) == 1 for path in driven_paths.values())
+    stays = all(len(way) == 1 for way in ways.values())
     assert arrangement.is_deadlock == stays
     moves_freely = [p for p in plans if len(p.places) > 1 and not conflicts.in_the_way(p.number)]
     assert not (moves_freely and stays)

@@ -93,7 +93,7 @@ class Live {
       node: player.panel.node,
       focus: focused ? focused.id : "",
       folds: [...document.querySelectorAll("details")].map((fold) => [fold.id, fold.open]),
-      views: player.views.map((view) => view.isWhole || { scale: view.scale / view.ratio, x: view.left + view.width / 2 / view.scale, y: view.bottom + view.height / 2 / view.scale }),
+      views: player.views.map(({ isWhole, camera }) => isWhole || { scale: camera.scale / camera.ratio, centre: camera.centre }),
     };
     try {
       sessionStorage.setItem(this.key, JSON.stringify(state));
@@ -128,11 +128,7 @@ class Live {
     this.player.views.forEach((view, number) => {
       const at = kept[number];
       if (!at || at === true) return;
-      view.scale = at.scale * view.ratio;
-      view.left = at.x - view.width / 2 / view.scale;
-      view.bottom = at.y - view.height / 2 / view.scale;
-      view.isWhole = false;
-      view.changed();
+      view.look(Camera.around(...at.centre, at.scale * view.camera.ratio, view.camera), false);
     });
   }
 }

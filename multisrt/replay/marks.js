@@ -18,11 +18,10 @@ class Marks {
     this.c = view.top.getContext("2d");
     this.c.clearRect(0, 0, view.width, view.height);
     this.robot = player.robotOf(run);
-    this.isDone = true;
     this.time = time;
     this.poses = run.robots.map((_, robot) => run.pose(robot, time));
     this.doing = run.robots.map((_, robot) => this.activity(robot));
-    if (layers.has("frontier")) this.drawFrontier();
+    if (layers.has("frontier")) this.drawGivenUp();
     if (layers.has("paths")) this.drawAhead();
     if (layers.has("links")) this.drawLinks();
     if (layers.has("groups")) this.drawGroups();
@@ -53,11 +52,9 @@ class Marks {
     c.lineTo(view.x(x1), view.y(y1));
   }
 
-  drawFrontier() {
-    const { c, view } = this, { run, player } = view, frontier = run.frontier(this.robot);
-    if (!this.picture || this.picture.frontier !== frontier) this.picture = new FrontierPicture(view, frontier);
-    if (!this.picture.draw(this.time)) this.isDone = false;
-    c.drawImage(this.picture.canvas, 0, 0);
+  // Frontier arcs that robots gave up.
+  drawGivenUp() {
+    const { c } = this, { run, player } = this.view;
     const { begin, end, robot, arc } = run.arcs;
     c.beginPath();
     for (let row = 0; row < begin.length && begin[row] <= this.time; row++) {
@@ -81,13 +78,13 @@ class Marks {
       const { track } = run.robots[robot], [first, last] = ahead, i = first - 1;
       const share = track.t[first] > track.t[i] ? Math.min(1, (this.time - track.t[i]) / (track.t[first] - track.t[i])) : 1;
       c.beginPath();
-      traceLeg(c, view, track, i, share);
+      traceLeg(c, view.camera, track, i, share);
       this.stroke(player.colours.lineOf(run, robot), 1);
       c.beginPath();
       const [x, y] = this.poses[robot];
       c.moveTo(view.x(x), view.y(y));
       for (let k = first; k <= last; k++) {
-        if (k > first) traceLeg(c, view, track, k - 1, 1);
+        if (k > first) traceLeg(c, view.camera, track, k - 1, 1);
         else c.lineTo(view.x(track.x[k]), view.y(track.y[k]));
       }
       this.stroke(player.colours.ink, 1.4, [4, 3]);
@@ -269,8 +266,8 @@ class Marks {
       c.lineTo(view.x(x + cos * body.x[i] - sin * body.y[i]), view.y(y + sin * body.x[i] + cos * body.y[i]));
     }
     c.closePath();
-    const px = view.x(x), py = view.y(y), size = Math.max(reach * view.scale, view.px(MIN_BODY_PX));
-    if (reach * view.scale < view.px(MIN_BODY_PX)) c.arc(px, py, size, 0, 2 * Math.PI);
+    const px = view.x(x), py = view.y(y), size = Math.max(reach * view.camera.scale, view.px(MIN_BODY_PX));
+    if (reach * view.camera.scale < view.px(MIN_BODY_PX)) c.arc(px, py, size, 0, 2 * Math.PI);
     c.fillStyle = isHere ? colour : player.colours.paper;
     c.fill();
     this.stroke(player.colours.ink, 1.2, isHere ? [] : [2, 2]);
@@ -304,7 +301,7 @@ class Marks {
 
   // Text is slow to draw: each number is drawn once.
   tag(text, x, y) {
-    const { c, view, sprites } = this, { colours } = view.player, key = `${text} ${colours.key} ${view.ratio}`;
+    const { c, view, sprites } = this, { colours } = view.player, key = `${text} ${colours.key} ${view.camera.ratio}`;
     if (!sprites.has(key)) sprites.set(key, this.sprite(text));
     const { width, height } = sprites.get(key);
     c.drawImage(sprites.get(key), Math.round(x - width / 2), Math.round(y - height / 2));

@@ -26,6 +26,8 @@ SCRIPTS: Final = (
     "colours",
     "run",
     "frontier",
+    "camera",
+    "pictures",
     "tiles",
     "view",
     "ground",

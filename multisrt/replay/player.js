@@ -2,6 +2,9 @@
 
 const PACES = [0.5, 1, 2, 5, 10, 20, 50, 100];
 const PANEL_MS = 150; // between two updates of texts while it plays
+const PLAYING_MS = 12; // of a frame, for pictures
+const STANDING_MS = 40; // the same while the time stands
+const AHEAD_MS = 8; // of an idle moment, for later times
 const DIGITS_MS = 700; // in which a second digit belongs to the first
 
 class Player {
@@ -236,6 +239,7 @@ class Player {
 
   // Show what has changed, at once in texts and on the maps in the next frame.
   update() {
+    this.isChanged = true;
     this.tell();
     this.redraw();
     if (!this.isPlaying) this.whenSettled();
@@ -260,21 +264,46 @@ class Player {
 
   frame(now) {
     this.isWaiting = false;
-    if (this.isPlaying) {
-      if (this.last !== null) this.time = Math.min(this.end, this.time + (this.pace * Math.min(250, now - this.last)) / 1000);
-      this.last = now;
-    }
-    let isDone = true;
-    for (const view of this.views) isDone = view.draw(this.timeOf(view.run)) && isDone;
-    if (this.isPlaying) {
-      this.lines.follow(this.time);
-      byId("clock").textContent = `${this.time.toFixed(1)} / ${this.end.toFixed(1)} s`;
-      if (now - this.told > PANEL_MS) this.tell();
-      if (this.time >= this.end) this.pause();
-    }
+    if (this.isPlaying) this.goOn(now);
+    const until = performance.now() + (this.isPlaying ? PLAYING_MS : STANDING_MS);
+    for (const view of this.views) view.prepare(this.timeOf(view.run), until);
+    this.isThere = this.views.every((view) => view.isThere);
+    this.isComplete = this.views.every((view) => view.isDone);
+    // What plays stays as it is until all maps of the next time are there.
+    if (this.isThere || this.isChanged || !this.isPlaying) this.paint(now);
+    if (this.isThere) this.isChanged = false;
+    if (this.isPlaying || !this.isComplete) this.redraw();
+    else this.lookAhead();
+  }
+
+  // Move on by the time since the last frame, if all of that was shown.
+  goOn(now) {
+    if (this.last !== null && this.isThere) this.time = Math.min(this.end, this.time + (this.pace * Math.min(250, now - this.last)) / 1000);
+    this.last = now;
+  }
+
+  paint(now) {
+    for (const view of this.views) view.paint(this.timeOf(view.run));
     this.count(now);
-    this.isComplete = isDone;
-    if (this.isPlaying || !isDone) this.redraw();
+    if (!this.isPlaying) return;
+    this.lines.follow(this.time);
+    byId("clock").textContent = `${this.time.toFixed(1)} / ${this.end.toFixed(1)} s`;
+    if (now - this.told > PANEL_MS) this.tell();
+    if (this.time >= this.end && this.isThere) this.pause();
+  }
+
+  // Find the frontiers of later times while there is nothing else to do, so that they are there
+  // when somebody goes to these times.
+  lookAhead() {
+    if (this.isLooking || !this.layers.has("frontier")) return;
+    this.isLooking = true;
+    whenIdle(() => {
+      this.isLooking = false;
+      if (this.isPlaying || this.isWaiting) return;
+      const until = performance.now() + AHEAD_MS;
+      const isDone = this.views.map((view) => view.run.frontier(this.robotOf(view.run)).advance(view.run.end, until));
+      if (!isDone.every(Boolean)) this.lookAhead();
+    });
   }
 
   showRate(isShown) {
@@ -293,4 +322,10 @@ class Player {
   tellRate() {
     byId("rate").textContent = `${this.frames.length} frames/s`;
   }
+}
+
+// Call a function when the browser has nothing else to do.
+function whenIdle(call) {
+  if (window.requestIdleCallback) requestIdleCallback(call);
+  else setTimeout(call, 50);
 }

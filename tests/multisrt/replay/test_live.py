@@ -74,14 +74,14 @@ def test_it_follows_the_run_to_its_end_and_keeps_what_is_chosen(page):
         shown.page.keyboard.press("1")
         shown.page.locator("#fold-events summary").click()
         shown.value("replay.player.views[0].zoom(2, 300, 200)")
-        scale = shown.value("replay.player.views[0].scale")
+        scale = shown.value("replay.player.views[0].camera.scale")
     go_on(15.0)
     with shown.held("replay.player.end > 14 && !replay.player.views[0].isWhole"):
         assert shown.value("replay.player.time") == shown.value("replay.player.end") > first
         assert not shown.value("replay.player.layers.has('seen')")
         assert shown.value("replay.player.robot") == 1
         assert not shown.value("document.getElementById('fold-events').open")
-        assert shown.value("replay.player.views[0].scale") == pytest.approx(scale)
+        assert shown.value("replay.player.views[0].camera.scale") == pytest.approx(scale)
         assert "The run goes on: 17" in shown.text("#live")
         assert "live" in shown.value("replay.address.hash")
     replay.add(stepper.finish().recording)
@@ -90,7 +90,7 @@ def test_it_follows_the_run_to_its_end_and_keeps_what_is_chosen(page):
     shown.until("!document.getElementById('live') && !replay.player.views[0].isWhole")
     assert shown.value("replay.player.time") == shown.value("replay.player.end")
     assert not shown.value("replay.player.layers.has('seen')")
-    assert shown.value("replay.player.views[0].scale") == pytest.approx(scale)
+    assert shown.value("replay.player.views[0].camera.scale") == pytest.approx(scale)
     assert "live" not in shown.value("replay.address.hash")
 
 

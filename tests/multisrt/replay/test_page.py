@@ -21,6 +21,7 @@ pytestmark = pytest.mark.slow
 
 DESKTOP, PHONE = {"width": 1300, "height": 850}, {"width": 390, "height": 844}
 SETTLED = "!replay.player.isWaiting && replay.player.isComplete"
+BELOW = "document.querySelector('.view .below').toDataURL()"
 PICTURE = "[...document.querySelectorAll('.view canvas')].map((c) => c.toDataURL()).join()"
 
 
@@ -158,6 +159,50 @@ def test_going_back_gives_the_same_picture(shown):
     assert page.value(PICTURE) == once
 
 
+@pytest.mark.parametrize("layer", ["frontier", "paths"])
+def test_nothing_of_another_time_is_drawn(shown, layer):
+    without = shown(address="#t=0&layers=truth").value(BELOW)
+    page = shown(address=f"#t=0&layers=truth,{layer}")
+    # Time flies, so that little of a picture is drawn in one frame.
+    page.value(
+        """(() => {
+            const { player } = replay, paint = player.paint.bind(player);
+            let now = performance.now();
+            performance.now = () => (now += 50);
+            window.painted = [];
+            player.paint = (time) => { paint(time); painted.push(BELOW); };
+            player.seek(59);
+        })()""".replace("BELOW", BELOW)
+    )
+    page.settle()
+    *first, last = page.value("painted")
+    assert last != without
+    assert first
+    assert set(first) <= {without, last}
+
+
+def test_what_plays_waits_for_its_pictures(shown):
+    page = shown(address="#t=0&layers=trees,regions,frontier&speed=100")
+    page.value(
+        """(() => {
+            const { player } = replay, paint = player.paint.bind(player);
+            let now = performance.now();
+            performance.now = () => (now += 1);
+            window.painted = [];
+            player.paint = (time) => {
+                paint(time);
+                painted.push([player.time, player.isThere, player.views[0].ground.isThere]);
+            };
+            player.play();
+        })()"""
+    )
+    page.until("!replay.player.isPlaying")
+    painted = page.value("painted")
+    assert len(painted) > 5
+    assert all(is_there and of_ground for _, is_there, of_ground in painted)
+    assert painted[-1][0] == page.value("replay.player.end")
+
+
 def test_keys(shown):
     page = shown("staged")
     press = page.page.keyboard.press
@@ -245,7 +290,7 @@ def test_a_click_on_a_robot_or_a_node_explains_it(shown):
 
 def click(page, x, y):
     view = "replay.player.views[0]"
-    px, py, ratio = page.value(f"[{view}.x({x}), {view}.y({y}), {view}.ratio]")
+    px, py, ratio = page.value(f"[{view}.x({x}), {view}.y({y}), {view}.camera.ratio]")
     page.page.locator(".view .top").first.click(position={"x": px / ratio, "y": py / ratio})
 
 

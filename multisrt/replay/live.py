@@ -161,10 +161,13 @@ class LiveReplay:
         with suppress(MultiSrtError):
             if self._so_far is not None:
                 self._pack(self._so_far())
-            at = f"{self._time_s:.1f} s of {self._titles[-1]}"
-            said = f"The run was interrupted: the replay ends at {at}."
+            run = self._titles[-1]
+            shown = f"the replay ends at {self._time_s:.1f} s of {run}."
+            if round(self._time_s, 1) == 0.0:
+                shown = f"nothing had happened yet in {run}; the replay shows its start."
+            said = f"The run was interrupted: {shown}"
             if isinstance(error, Exception):
-                said = f"The run ended with an error: {error} The replay ends at {at}."
+                said = f"The run ended with an error: {str(error).rstrip('.')}; {shown}"
             self._write(Status(said))
 
 

@@ -102,8 +102,11 @@ class Panel {
     }
     const others = `Known to robots: ${known.slice(0, 12).join(", ") || "no other"}${known.length > 12 ? `, and ${known.length - 12} more` : ""}.`;
     const decision = this.decisionFor(run, node);
-    const go = make("button", { type: "button", textContent: decision === null ? "Go to its time" : "Why it went there" });
-    go.addEventListener("click", () => this.player.seek(decision === null ? nodes.t[node] : decision));
+    const go = make("button", { type: "button", textContent: decision === null ? "Go to its time" : `Why robot ${nodes.robot[node]} went there` });
+    go.addEventListener("click", () => {
+      if (decision !== null) this.player.choose(this.player.run, nodes.robot[node]);
+      this.player.seek(decision === null ? nodes.t[node] : decision);
+    });
     const close = make("button", { type: "button", textContent: "Close" });
     close.addEventListener("click", () => this.showNode(null));
     element.replaceChildren(make("p", { textContent: text }), make("p", { textContent: others }), go, " ", close);

@@ -18,7 +18,7 @@ class Player {
     this.isPlaying = false;
     this.run = 0;
     this.robot = TEAM;
-    this.layers = new Set(LAYERS.map(([name]) => name).filter((name) => name !== "groups" || this.runs.length === 1));
+    this.layers = new Set(LAYERS.map(([name]) => name));
     this.isStill = matchMedia("(prefers-reduced-motion: reduce)").matches;
     this.frames = [];
     this.whenSettled = () => {};
@@ -27,6 +27,7 @@ class Player {
     stage.append(...this.views.map((view) => view.element));
     stage.classList.toggle("several", this.runs.length > 1);
     this.lines = new Lines(this, byId("curves"), byId("strips"));
+    this.legend = new Legend(this, byId("legend"));
     this.panel = new Panel(this);
     this.listen();
     colours.whenChanged = () => this.recolour();
@@ -203,21 +204,20 @@ class Player {
     this.say((this.runs.length > 1 ? `${run.title}: ` : "") + run.said(row));
   }
 
+  // Choose a robot of a run, or the team.
   choose(number, robot) {
+    if (number !== this.run) this.panel.showNode(null);
     this.run = number;
     this.robot = robot < this.runs[number].count ? robot : TEAM;
-    if (this.panel.node !== null) this.panel.showNode(null);
     this.update();
   }
 
+  // Choose what is under the pointer: a robot, or a node, which leaves the robot as it is.
   pick(number, found) {
-    if (!found) {
-      this.choose(number, this.robot);
-      return;
-    }
-    this.choose(number, found.robot);
-    this.panel.showNode(found.node === undefined ? null : found.node);
-    byId("fold-robot").open = true;
+    const { node, robot } = found || {};
+    this.choose(number, found && node === undefined ? robot : this.robot);
+    if (found) this.panel.showNode(node === undefined ? null : node);
+    if (found) byId("fold-robot").open = true;
   }
 
   toggle(name, isOn) {
@@ -234,6 +234,7 @@ class Player {
     const button = byId("theme");
     button.setAttribute("aria-pressed", String(this.colours.isDark));
     this.lines.redraw();
+    this.legend.recolour();
     this.redraw();
   }
 
@@ -252,6 +253,7 @@ class Player {
     this.views.forEach((view, number) => view.element.classList.toggle("chosen", this.runs.length > 1 && number === this.run));
     this.lines.follow(this.time);
     this.lines.say(this.time);
+    this.legend.update();
     this.panel.update();
     this.told = performance.now();
   }

@@ -114,3 +114,18 @@ def test_an_interrupted_run_says_so_and_plays(page):
     assert "The run was interrupted: the replay ends at" in shown.text("#live")
     shown.page.click("#play")
     shown.until("replay.player.isPlaying && replay.player.time > 0.5")
+
+
+def test_a_run_that_is_interrupted_at_its_start_says_so(browser, tmp_path):
+    stepper = ms.Stepper("apartment", robots=2, seed=1, max_time_s=60.0)
+    replay = LiveReplay(tmp_path / "replay.html")
+    replay.look(lambda: stepper.recording)
+    with pytest.raises(KeyboardInterrupt), replay:
+        raise KeyboardInterrupt
+    page = Shown(browser.new_page(), (tmp_path / "replay.html").as_uri()).open()
+    assert page.text("#live span") == (
+        "The run was interrupted: nothing had happened yet in srt-radial in apartment; "
+        "the replay shows its start."
+    )
+    assert page.errors == []
+    page.page.close()

@@ -70,7 +70,6 @@ class Address {
   }
 
   write() {
-    if (this.player.isPlaying) return;
     const { hash } = this;
     clearTimeout(this.timer);
     // Browsers refuse more than some hundred changes in half a minute.

@@ -64,6 +64,7 @@ class Bodies extends Brush {
     const { view, shapes } = this, { colours } = view.player, taken = [];
     for (const shape of shapes) {
       const { robot, x, y, size } = shape;
+      if (x < 0 || y < 0 || x > view.width || y > view.height) continue;
       if (size >= view.px(INSIDE_PX)) this.label(String(robot), x, y, colours.on(colourOfBody(colours, view.run, robot, doing[robot]).fill), 10);
       else this.drawNumber(shape, this.seat(shape, taken));
     }

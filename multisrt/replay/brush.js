@@ -3,10 +3,7 @@
 class Brush {
   constructor(view) {
     this.view = view;
-  }
-
-  get c() {
-    return this.view.top.getContext("2d");
+    this.c = view.top.getContext("2d");
   }
 
   stroke(colour, width, dashes = []) {

@@ -19,7 +19,7 @@ class Curve extends Plot {
     c.lineWidth = 1;
     for (const level of ticksTo(most, this.height / VALUE_TICK_PX).filter((value) => Number.isInteger(value))) {
       this.line(c, GUTTER_PX, y(level), GUTTER_PX + this.width, y(level));
-      this.text(c, unit ? `${level} ${unit}` : String(level), GUTTER_PX - 5, y(level), "right");
+      this.text(c, withUnit(level, unit, most), GUTTER_PX - 5, y(level), "right");
     }
     runs.forEach((run, number) => {
       for (const [kind, colour, width] of this.curve.kinds) {
@@ -45,6 +45,12 @@ class Curve extends Plot {
     const texts = this.player.runs.map((run) => this.curve.text(run, Math.min(time, run.end)));
     this.value.textContent = texts.join(" | ");
   }
+}
+
+// A label of an axis; of long distances, in kilometres.
+function withUnit(value, unit, most) {
+  if (unit === "m" && most >= 10000) return `${value / 1000} km`;
+  return unit ? `${value} ${unit}` : String(value);
 }
 
 function stepAt(t, values, time) {

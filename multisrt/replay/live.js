@@ -26,6 +26,7 @@ class Live {
     for (const kind of ["pointerdown", "pointerup", "pointercancel", "keydown", "wheel"]) {
       addEventListener(kind, (event) => this.touch(event), { capture: true, passive: true });
     }
+    addEventListener("pagehide", () => this.keep());
     byId("follow").addEventListener("click", () => player.seek(player.end));
     player.whenSettled = () => {
       player.isFollowing = player.time >= player.end;
@@ -55,7 +56,6 @@ class Live {
     this.tell();
     if (performance.now() - this.begun < 1000 * this.reloadS || this.isBusy) return;
     this.begun = Infinity;
-    this.keep();
     history.replaceState(null, "", this.address.hash);
     location.reload();
   }

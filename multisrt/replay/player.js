@@ -2,6 +2,7 @@
 
 const PACES = [0.5, 1, 2, 5, 10, 20, 50, 100];
 const PANEL_MS = 150; // between two updates of texts while it plays
+const NOTE_MS = 2000; // between two notes of the time in the address while it plays
 const PLAYING_MS = 12; // of a frame, for pictures
 const STANDING_MS = 40; // the same while the time stands
 const AHEAD_MS = 8; // of an idle moment, for later times
@@ -69,7 +70,7 @@ class Player {
     if (event.ctrlKey || event.metaKey || event.altKey || byId("keys").open) return;
     const isChoice = target instanceof HTMLSelectElement;
     if (isChoice || (key === " " && (target instanceof HTMLButtonElement || target.tagName === "SUMMARY" || target.type === "checkbox"))) return;
-    const act = this.keys()[event.shiftKey && key.startsWith("Arrow") ? `Shift${key}` : key];
+    const act = this.keys()[key.length === 1 ? key.toLowerCase() : event.shiftKey && key.startsWith("Arrow") ? `Shift${key}` : key];
     if (act) act();
     else if (/^[0-9]$/.test(key)) this.digit(key);
     else return;
@@ -210,14 +211,17 @@ class Player {
     this.run = number;
     this.robot = robot < this.runs[number].count ? robot : TEAM;
     this.update();
+    this.say(this.panel.summary());
   }
 
   // Choose what is under the pointer: a robot, or a node, which leaves the robot as it is.
   pick(number, found) {
     const { node, robot } = found || {};
     this.choose(number, found && node === undefined ? robot : this.robot);
-    if (found) this.panel.showNode(node === undefined ? null : node);
-    if (found) byId("fold-robot").open = true;
+    if (!found) return;
+    byId("fold-robot").open = true;
+    this.panel.showNode(node === undefined ? null : node);
+    this.say(this.panel.summary());
   }
 
   toggle(name, isOn) {
@@ -243,7 +247,12 @@ class Player {
     this.isChanged = true;
     this.tell();
     this.redraw();
-    if (!this.isPlaying) this.whenSettled();
+    this.note();
+  }
+
+  note() {
+    this.noted = performance.now();
+    this.whenSettled();
   }
 
   tell() {
@@ -291,6 +300,7 @@ class Player {
     this.lines.follow(this.time);
     byId("clock").textContent = `${this.time.toFixed(1)} / ${this.end.toFixed(1)} s`;
     if (now - this.told > PANEL_MS) this.tell();
+    if (now - this.noted > NOTE_MS) this.note();
     if (this.time >= this.end && this.isThere) this.pause();
   }
 

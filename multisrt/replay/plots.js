@@ -5,7 +5,7 @@ const TOP_PX = 6;
 const RIGHT_PX = 14;
 const BOTTOM_PX = 17; // labels of times
 const TIME_TICK_PX = 70; // between two of them, at least
-const FONT_PX = 11;
+const PLOT_FONT = '11px system-ui, "Liberation Sans", sans-serif';
 const STEPS = [1, 2, 5];
 
 class Plot {
@@ -70,7 +70,11 @@ class Plot {
     c.strokeStyle = colours.line;
     c.lineWidth = 1;
     for (const time of ticks) this.line(c, this.x(time), this.bottom, this.x(time), this.bottom + 3);
-    for (const time of ticks) this.text(c, time === ticks.at(-1) ? `${time} s` : String(time), this.x(time), this.bottom + 10, "center");
+    for (const time of ticks) {
+      const text = time === ticks.at(-1) ? `${time} s` : String(time), right = GUTTER_PX + this.width + RIGHT_PX;
+      const half = this.widthOf(c, text) / 2;
+      this.text(c, text, Math.min(this.x(time), right - half), this.bottom + 10, "center");
+    }
   }
 
   line(c, x0, y0, x1, y1) {
@@ -80,8 +84,13 @@ class Plot {
     c.stroke();
   }
 
+  widthOf(c, text) {
+    c.font = PLOT_FONT;
+    return c.measureText(text).width;
+  }
+
   text(c, text, x, y, align) {
-    c.font = `${FONT_PX}px system-ui, "Liberation Sans", sans-serif`;
+    c.font = PLOT_FONT;
     c.textAlign = align;
     c.textBaseline = "middle";
     c.fillStyle = this.player.colours.soft;

@@ -254,6 +254,72 @@ def test_keys(shown):
     press("Escape")
     press("f")
     assert page.page.locator("#rate").is_visible()
+    # Also with Caps Lock.
+    press("F")
+    assert page.page.locator("#rate").is_hidden()
+    theme = page.page.get_attribute("html", "data-theme")
+    press("D")
+    assert page.page.get_attribute("html", "data-theme") != theme
+    page.value("replay.player.views[0].zoom(2, 100, 100)")
+    press("z")
+    assert page.value("replay.player.views[0].isWhole")
+
+
+CAMERA = "(({ left, bottom, scale }) => [left, bottom, scale])(replay.player.views[0].camera)"
+
+
+def test_the_map_is_dragged_zoomed_and_shown_whole(shown):
+    page = shown("staged", "#t=12")
+    whole = page.value(CAMERA)
+    box = page.page.locator(".view").bounding_box()
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    page.page.mouse.move(x, y)
+    page.page.mouse.down()
+    page.page.mouse.move(x + 60, y + 30, steps=5)
+    page.page.mouse.up()
+    left, bottom, scale = page.value(CAMERA)
+    assert scale == whole[2]
+    assert left == pytest.approx(whole[0] - 60 / scale)
+    assert bottom == pytest.approx(whole[1] + 30 / scale)
+    assert page.value("replay.player.robot") == -1
+    page.page.mouse.wheel(0, -300)
+    page.until(f"{CAMERA}[2] > {1.5 * scale}")
+    page.settle()
+    page.page.mouse.dblclick(x, y)
+    assert page.value(CAMERA) == pytest.approx(whole)
+
+
+def test_fingers_move_and_zoom_the_map(shown):
+    page = shown("staged", "#t=12", viewport=PHONE, has_touch=True, is_mobile=True)
+    protocol = page.page.context.new_cdp_session(page.page)
+
+    def touch(kind, *places):
+        points = [{"x": x, "y": y, "id": number} for number, (x, y) in enumerate(places)]
+        protocol.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+
+    left, _, scale = page.value(CAMERA)
+    touch("touchStart", (200, 200))
+    for k in range(6):
+        touch("touchMove", (200 + 10 * k, 200))
+    touch("touchEnd")
+    assert page.value(CAMERA)[0] == pytest.approx(left - 50 / scale)
+    touch("touchStart", (150, 200), (250, 200))
+    for k in range(6):
+        touch("touchMove", (150 - 10 * k, 200), (250 + 10 * k, 200))
+    touch("touchEnd")
+    assert page.value(CAMERA)[2] == pytest.approx(2 * scale, rel=0.05)
+    assert page.value("scrollY") == 0
+
+
+def test_what_is_chosen_is_read_out(shown):
+    page = shown("staged", "#t=5.5")
+    page.page.keyboard.press("1")
+    assert page.text("#said").startswith("Robot 1 at 5.50 s: its last decision was at 5.00 s.")
+    assert "it chose draw" in page.text("#said")
+    page.page.keyboard.press("Escape")
+    assert page.text("#said") == "map of the team"
+    click(page, 6.0, 4.0)
+    assert page.text("#said").startswith("Node 0 of robot 1 at (6.00, 4.00)")
 
 
 def test_each_layer_has_a_switch_and_draws_something(shown):

@@ -23,7 +23,9 @@ class Legend {
   }
 
   update() {
-    const { chosen, robot } = this.player;
+    const { chosen, robot, run } = this.player, shown = `${run} ${robot}`;
+    if (shown === this.shown) return;
+    this.shown = shown;
     this.buttons.forEach((button, number) => {
       button.setAttribute("aria-pressed", String(number === robot));
       button.disabled = number >= chosen.count;

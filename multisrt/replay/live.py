@@ -1,4 +1,4 @@
-"""The replay of runs that go on: a page that is rewritten at times and reads itself anew."""
+"""The replay of runs that go on: a page that is rewritten and reloads itself."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ PAUSE_S: Final = 2.0
 """Minimum time between two pages (s)."""
 
 MAX_RELOAD_S: Final = 10.0
-"""Upper bound of the time after which a page reads itself anew (s)."""
+"""Upper bound of the time after which a page reloads itself (s)."""
 
 GUESS_S: Final = 0.3
-"""What a page is taken to cost before one has shown it (s)."""
+"""Assumed time to make a page, until one has been measured (s)."""
 
 MAX_SHARE: Final = 0.08
 """Upper bound of the share of the time that pages take, from the second on."""

@@ -1,4 +1,4 @@
-// What is drawn anew in every frame: goals, groups, messages, links, bodies.
+// What is drawn again in every frame: goals, groups, messages, links, bodies.
 
 const FLASH_S = 0.45; // of a message, in seconds of the clock on the wall
 const STILL_S = 0.5; // of messages while the time stands

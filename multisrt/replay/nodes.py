@@ -48,6 +48,11 @@ def packed_nodes(recording: Recording, names: Names, tolerance_m: float) -> Pack
         Its nodes.
     tolerance_m : float
         How far outlines of regions may move, in metres.
+
+    Returns
+    -------
+    dict
+        Columns with one entry for each node.
     """
     nodes = names.nodes
     stages = Table()

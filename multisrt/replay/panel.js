@@ -106,10 +106,9 @@ class Panel {
     element.replaceChildren(make("p", { textContent: aboutNode(run, node) }), make("p", { textContent: whoKnows(run, node) }), go, " ", close);
   }
 
-  // What is chosen, in a few words that are read out.
-  summary() {
+  // The robot that is chosen, in a few words that are read out.
+  aboutRobot() {
     const { chosen, robot } = this.player, time = this.player.timeOf(chosen);
-    if (this.node !== null) return aboutNode(chosen, this.node);
     if (robot === TEAM) return "map of the team";
     const [about, ...sections] = chosen.why(robot, time).split("\n\n");
     const decided = sections.map((section) => section.split("\n")).find(([title]) => title === DECIDED);

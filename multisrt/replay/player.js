@@ -211,7 +211,7 @@ class Player {
     this.run = number;
     this.robot = robot < this.runs[number].count ? robot : TEAM;
     this.update();
-    this.say(this.panel.summary());
+    this.say(this.panel.aboutRobot());
   }
 
   // Choose what is under the pointer: a robot, or a node, which leaves the robot as it is.
@@ -221,7 +221,7 @@ class Player {
     if (!found) return;
     byId("fold-robot").open = true;
     this.panel.showNode(node === undefined ? null : node);
-    this.say(this.panel.summary());
+    if (node !== undefined) this.say(aboutNode(this.chosen, node));
   }
 
   toggle(name, isOn) {

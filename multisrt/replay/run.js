@@ -123,7 +123,7 @@ class Run {
 
   // What `multisrt why` tells of a robot at a time.
   why(robot, time) {
-    if (!this.explanations) return this.packed.unexplained || "This page has no explanations: multisrt why tells them.";
+    if (!this.explanations) return this.packed.unexplained || "This page has no explanations: use multisrt why.";
     const { lines, texts, robots } = this.explanations;
     const { t, text } = robots[robot];
     const row = lastBy(t, time + 1e-6);

@@ -320,6 +320,8 @@ def test_what_is_chosen_is_read_out(shown):
     assert page.text("#said") == "map of the team"
     click(page, 6.0, 4.0)
     assert page.text("#said").startswith("Node 0 of robot 1 at (6.00, 4.00)")
+    page.page.keyboard.press("0")
+    assert page.text("#said").startswith("Robot 0 at 5.50 s: ")
 
 
 def test_each_layer_has_a_switch_and_draws_something(shown):

@@ -11,9 +11,21 @@ from click.core import ParameterSource
 
 from multisrt.analysis.progress import Progress
 from multisrt.cli import candidates
-from multisrt.cli.imports import import_all, import_option, named_strategy, require_known
+from multisrt.cli.imports import (
+    import_all,
+    import_option,
+    named_check,
+    named_strategy,
+    require_known,
+)
 from multisrt.cli.output_options import REPLAY_NAME, force_option, out_folder, quiet_option
-from multisrt.cli.outputs import new_folder, require_no_file, require_no_run, run_folder
+from multisrt.cli.outputs import (
+    new_folder,
+    remove_made_of_run,
+    require_no_file,
+    require_no_run,
+    run_folder,
+)
 from multisrt.cli.run_options import DRIVES, FAULTS, OVERRIDES, USUAL, spec_of_options
 from multisrt.cli.sections import SectionedCommand
 from multisrt.cli.spec_files import read_run_spec
@@ -284,8 +296,11 @@ def explore(
     page = whole / REPLAY_NAME
     if given["view"] or given["live"]:
         require_no_file(page, force=force)
-    with live_page(page if given["live"] else None, opens=not given["no_open"]) as live:
-        runs = _run_all(specs, folders, progress, without, force=force, live=live)
+    kept = page if given["live"] else None
+    with live_page(kept, opens=not given["no_open"]) as live:
+        runs = _run_all(specs, folders, progress, without, force=force, live=live, keep=kept)
+    if force:
+        remove_made_of_run(whole, kept)  # of several runs, in the folder above theirs
     if not quiet:
         if own is not None:
             click.echo(
@@ -404,6 +419,7 @@ def _run_all(
     *,
     force: bool,
     live: LiveReplay | None,
+    keep: Path | None,
 ) -> list[Run]:
     from multisrt.finished_run import RECORDING_NAME, RUN_NAME, SPEC_NAME, TREE_NAME, Run
     from multisrt.robots.registry import strategy
@@ -420,7 +436,7 @@ def _run_all(
         progress.say("reading the environment")
         world = build_environment(specs[0].environment)
         for spec, out in zip(specs, folders, strict=True):
-            with run_folder(out, force=force) as folder:
+            with run_folder(out, force=force, keep=keep) as folder, named_check(spec.strategy):
                 watch = progress.watcher(spec, world)
                 path, planning = folder / RECORDING_NAME, progress.planning(spec.strategy)
                 recording = simulate(

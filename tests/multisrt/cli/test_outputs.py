@@ -123,3 +123,39 @@ def test_options_of_output_are_worded_alike(call):
     assert {said("--force", name) for name in commands} == {"Replace FILE if it exists."}
     for name in commands:
         assert "--quiet" in call(name, "--help")[1]
+
+
+def test_force_removes_what_was_made_of_the_old_run(call, folder):
+    options = "room.wkt", "--max-time", "5", "--out", "out", "--quiet"
+    call("explore", *options)
+    for words in (["view", "out", "--no-open"], ["animate", "out"], ["export", "out"]):
+        assert call(*words, "--quiet")[0] == 0
+    (folder / "out" / "notes.txt").write_text("mine")
+    call("explore", *options, "--seed", "1", "--force")
+    assert sorted(path.name for path in (folder / "out").iterdir()) == [
+        *("notes.txt", "recording.jsonl", "run.json", "spec.toml", "tree.svg"),
+    ]
+
+
+def test_force_keeps_files_of_others_with_usual_names(call, folder):
+    options = "room.wkt", "--max-time", "5", "--out", "out", "--quiet"
+    call("explore", *options)
+    names = "replay.html", "animation.svg", "run.mcap"
+    for name in names:
+        (folder / "out" / name).write_text("<svg>mine")
+    call("explore", *options, "--force")
+    assert all((folder / "out" / name).read_text() == "<svg>mine" for name in names)
+
+
+def test_a_page_of_several_runs_goes_with_them(call, folder):
+    options = (
+        *("room.wkt", "--max-time", "5", "--out", "out", "--quiet", "--no-open"),
+        *("--strategy", "closest", "--strategy", "minpos"),
+    )
+    call("explore", *options, "--view")
+    assert (folder / "out/replay.html").exists()
+    call("explore", *options[:-5], "--force", *options[-4:])
+    assert not (folder / "out/replay.html").exists()
+    call("explore", *options, "--live")
+    call("explore", *options, "--live", "--force")
+    assert (folder / "out/replay.html").exists()

@@ -384,7 +384,8 @@ def test_robots_do_not_go_where_others_found_no_place(explorers, after):
     robots = [explorer.robot for explorer in explorers[0]]
     assert [robot.team.without_place for robot in robots] == [counts] * 3
     # Nobody chose to go to such a node in support of its tree after it was told often enough.
-    heard, told_s = Counter(), {}
+    heard: Counter[NodeId] = Counter()
+    told_s: dict[NodeId, float] = {}
     sent = [event for event in recording.events if isinstance(event, Sent)]
     for event, message in zip(sent, explorers[1], strict=True):
         if isinstance(message, NoPlaceMessage):

@@ -563,7 +563,7 @@ class Run:
     def __repr__(self) -> str:
         return (
             f"Run({self.spec.strategy!r} in {self.environment.name!r}, seed {self.spec.seed}: "
-            f"{self.outcome}, {self.metrics.coverage:.1%} covered in "
+            f"{self.outcome}, {100.0 * self.metrics.coverage:.1f} % covered in "
             f"{self.metrics.makespan_s:.0f} s)"
         )
 

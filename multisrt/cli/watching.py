@@ -212,7 +212,7 @@ class _Picture:
     def _account(self) -> str:
         parts = [
             self._strategy,
-            f"{self._share:.0%} seen",
+            f"{100.0 * self._share:.0f} % seen",
             f"{self._scans} scans",
             f"{self._time_s:.0f} s",
         ]

@@ -21,7 +21,7 @@ from multisrt.drawing.colours import (
     KNOWN,
     LATE_START,
     NODE_MM,
-    STAGES,
+    STAGE_MARKERS,
     START,
     START_MM,
     STOP,
@@ -33,6 +33,7 @@ from multisrt.drawing.sheet import LegendEntry, Swatch
 from multisrt.drawing.svg import Marker
 from multisrt.drawing.traces import Trace
 from multisrt.events import CameBack, Died, FellSilent, Joined
+from multisrt.explain.terms import stage_name
 from multisrt.recording import Recording
 
 MAX_ACCOUNTS: Final = 16
@@ -97,10 +98,15 @@ def legend(
     entries = _regions_legend(styles, absent, team, merged)
     if any(trace.edges for trace in traces) and "edges" not in absent:
         entries.append(LegendEntry(label="edge of the tree", style=styles.edge))
-    for stage, (marker, label) in STAGES.items():
+    for stage, marker in STAGE_MARKERS.items():
         if stage != "root" and stage in stages and "nodes" not in absent:
             entries.append(
-                LegendEntry(label=label, style=styles.node, marker=marker, size_mm=NODE_MM[1])
+                LegendEntry(
+                    label=f"node: {stage_name(stage)}",
+                    style=styles.node,
+                    marker=marker,
+                    size_mm=NODE_MM[1],
+                )
             )
     for layer, label, style, there in (
         ("bridges", "bridge between two nodes", styles.bridge, any(t.bridges for t in traces)),

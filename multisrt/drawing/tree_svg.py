@@ -18,7 +18,7 @@ from multisrt.drawing.colours import (
     CLOSED,
     FRONTIER,
     NODE_MM,
-    STAGES,
+    STAGE_MARKERS,
     RobotStyles,
     Style,
 )
@@ -258,7 +258,7 @@ def _draw_edges(sheet: Sheet, trace: Trace) -> None:
 def _draw_nodes(sheet: Sheet, trace: Trace, node_mm: float) -> None:
     styles = RobotStyles.of(trace.robot)
     layer = sheet.layer(f"robot {trace.robot}: nodes", styles.node.scaled(node_mm / NODE_MM[1]))
-    for stage, (marker, _) in STAGES.items():
+    for stage, marker in STAGE_MARKERS.items():
         places = [node.configuration[:2] for node in trace.nodes.values() if node.stage == stage]
         if places:
             size = sheet.metres(node_mm)

@@ -16,7 +16,7 @@ from multisrt.drawing.animation.growth import Piece, pieces
 from multisrt.drawing.animation.keyframes import Way, ways_of
 from multisrt.drawing.animation.layout import MAX_ENTRIES, Layout, layout_of
 from multisrt.drawing.animation.pace import Pace
-from multisrt.drawing.colours import NODE_MM, STAGES
+from multisrt.drawing.colours import NODE_MM, STAGE_MARKERS
 from multisrt.drawing.svg import Marker
 from multisrt.drawing.traces import median_edge_m, traces_of
 from multisrt.environments.environment import Environment
@@ -234,8 +234,8 @@ def _trees(recording: Recording, pace: Pace) -> tuple[list[Edge], list[Dot]]:
             continue
         if node.parent is not None:
             edges.append(Edge(picture, node.robot, (at[node.parent], place)))
-        if node.stage in STAGES:
-            dots.append(Dot(picture, node.robot, STAGES[node.stage][0], place))
+        if node.stage in STAGE_MARKERS:
+            dots.append(Dot(picture, node.robot, STAGE_MARKERS[node.stage], place))
     return edges, dots
 
 

@@ -21,11 +21,6 @@ from multisrt.recording import Recording
 
 SHORT: Final = {
     "free space that is on no map": "on no map",
-    "node drawn at random": "node, at random",
-    "node that approaches a frontier": "node, approaching",
-    "node at a frontier left behind": "node, left behind",
-    "node of a detour around a standing robot": "node, detour",
-    "node assigned by the master": "node, by the master",
     "bridge between two nodes": "bridge",
     "start, with the robot's number": "start",
     "path in support of others": "support of others",

@@ -83,7 +83,7 @@ def test_the_last_picture_stays_before_the_summary(folder):
     text = "".join(picture)
     assert "0" in text
     assert "1" in text
-    assert re.fullmatch(r"srt-radial  100% seen  \d+ scans  \d+ s", account)
+    assert re.fullmatch(r"srt-radial  100 % seen  \d+ scans  \d+ s", account)
     assert len(pictures(written)) > 1
     assert written.rfind(SHOW_CURSOR) < written.rfind("run/recording.jsonl")
     # Each picture but the first is drawn over the one before.

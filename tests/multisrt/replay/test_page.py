@@ -213,7 +213,7 @@ def test_keys(shown):
     assert said[0] == "0.00 s, robot 0: added node 0 (root)"
     assert said[2:4] == [
         "0.00 s, robot 2: added node 0 (root)",
-        "2.00 s, robot 0: added node 1 (draw)",
+        "2.00 s, robot 0: added node 1 (random draw)",
     ]
     press("ArrowLeft")
     press("ArrowLeft")
@@ -280,7 +280,7 @@ def test_a_click_on_a_robot_or_a_node_explains_it(shown):
     click(page, *OTHER)
     assert page.value("replay.player.robot") == 1
     assert page.text("#why") == explain(staged(), 1, 5.5).rstrip("\n")
-    assert "it chose draw" in page.text("#why")
+    assert "it chose random draw" in page.text("#why")
     click(page, 6.0, 4.0)  # the root of robot 1, which has left it
     assert page.page.locator("#node").is_visible()
     assert page.text("#node").startswith("Node 0 of robot 1 at (6.00, 4.00): added at 0.00 s")

@@ -131,7 +131,7 @@ def test_each_robots_map_is_what_it_made_and_learned(growers):
             # Outlines are drawn without corners that nobody sees.
             assert drawn[f"seen by robot {maker}"] == pytest.approx(area.area, rel=2e-3)
         share = shapely.union_all(list(true.values())).area / free.area
-        assert ax.get_title().endswith(f"{share:.0%}")
+        assert ax.get_title().endswith(f"{100 * share:.0f} %")
         shares.append(share)
     assert len(set(shares)) > 4
 

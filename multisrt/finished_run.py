@@ -352,7 +352,8 @@ class Run:
             Width in pixels, or width and height; by default a width of 1280, of 720 for GIF and of
             960 for SVG.
         without : collection of str, optional
-            What to leave out: ``areas``, ``paths``, ``trees``, ``goals``, ``bodies``, ``caption``.
+            Layers to leave out: ``areas``, ``paths``, ``edges``, ``nodes``, ``goals``, ``bodies``,
+            ``caption``.
 
         Raises
         ------

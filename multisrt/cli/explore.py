@@ -12,6 +12,7 @@ from click.core import ParameterSource
 from multisrt.analysis.progress import Progress
 from multisrt.cli import candidates
 from multisrt.cli.imports import import_all, import_option, named_strategy, require_known
+from multisrt.cli.layers import without_option
 from multisrt.cli.outputs import new_folder, require_no_file, require_no_run, run_folder
 from multisrt.cli.run_options import DRIVES, FAULTS, OVERRIDES, USUAL, spec_of_options
 from multisrt.cli.sections import SectionedCommand
@@ -45,12 +46,6 @@ SECTIONS = {
     ),
 }
 """Headings of the help page, and the options below each."""
-
-LAYERS = (
-    *("areas", "outlines", "paths", "support", "bridges", "edges", "nodes", "goals", "isolation"),
-    *("frontier", "given-up", "stops", "starts", "ends", "failures"),
-)
-"""Layers of the picture that can be left out; a test compares them with `multisrt.drawing`."""
 
 EXCEPT_SPEC = (
     *("spec_file", "imports", "out", "without", "force", "view", "live", "no_open"),
@@ -196,13 +191,7 @@ Exit code:
     help="Folder for the results.  [default: runs/ENV-STRATEGY-SEED, with a number if it exists]",
 )
 @click.option("--force", is_flag=True, help="Replace the run that --out holds.")
-@click.option(
-    "--without",
-    multiple=True,
-    type=click.Choice(LAYERS),
-    metavar="LAYER",
-    help=f"Leave a layer out of the picture; repeatable: {', '.join(LAYERS)}.",
-)
+@without_option("map")
 @click.option(
     "--view",
     is_flag=True,

@@ -58,7 +58,7 @@ def tree_svg(recording: Recording, *, without: Iterable[str] = ()) -> str:
     recording : Recording
         Recording of the run.
     without : iterable of str, optional
-        Layers to leave out: names of `multisrt.drawing.LAYERS`.
+        Layers to leave out: names of `multisrt.drawing.LAYERS` that a map has.
 
     Returns
     -------
@@ -102,7 +102,7 @@ def run_sheet(
     draw_below : callable, optional
         Draws on the ground, below all else.
     without : iterable of str, optional
-        Layers to leave out: names of `LAYERS`.
+        Layers to leave out; see `tree_svg`.
     bounds_mm : sequence of (width, height), optional
         Bounds of the map on paper; see `Sheet`.
     """

@@ -10,7 +10,8 @@ from msgspec import structs
 from multisrt.drawing.animation import save_animation
 from multisrt.drawing.animation.moving_svg import moving_svg
 from multisrt.drawing.animation.pace import Pace
-from multisrt.drawing.animation.scene import LAYERS, Scene, scene_of
+from multisrt.drawing.animation.scene import Scene, scene_of
+from multisrt.drawing.layers import PICTURES
 from tests.browser import ARGUMENTS, chromium
 
 SVG = "{http://www.w3.org/2000/svg}"
@@ -95,15 +96,25 @@ def test_without_animations_the_end_is_shown(document):
     assert listed == ["0: done", "1: waits", "2: dead"]
 
 
-@pytest.mark.parametrize("layer", LAYERS)
+@pytest.mark.parametrize("layer", PICTURES["animation"])
 def test_layers_that_are_left_out_are_not_in_the_document(told, layer):
+    whole = ET.fromstring(moving_svg(scene(told), ""))
     document = ET.fromstring(moving_svg(scene(told, without=[layer]), ""))
     drawn = {
         name: any(e.get("id") == name and len(e) for e in document.iter())
         for name in ("areas", "paths", "trees", "goals", "bodies", "time", "robots")
     }
-    gone = {"caption": {"time", "robots"}}.get(layer, {layer})
+    gone = {"caption": {"time", "robots"}, "edges": set(), "nodes": set()}.get(layer, {layer})
     assert {name for name, there in drawn.items() if not there} == gone
+    lines = [
+        [path.get("fill") == "none" for path in by_id(found, "trees").iter(f"{SVG}path")]
+        for found in (whole, document)
+    ]
+    left = {
+        "edges": [one for one in lines[0] if not one],
+        "nodes": [one for one in lines[0] if one],
+    }
+    assert lines[1] == left.get(layer, lines[0])
 
 
 def test_titles_may_hold_any_characters(told):

@@ -6,6 +6,7 @@ With colours a character is two squares, one above the other; without, it is one
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Collection, Mapping
 from functools import cache
 from typing import Final, Literal
@@ -131,6 +132,50 @@ class ConsoleMap:
                 for k, (upper, lower) in enumerate(pairs)
             ]
         return [self._plain_line(row, labels.get(k, {})) for k, row in enumerate(self._shown)]
+
+    def key(self, columns: int, *, team: bool, dead: bool) -> str:
+        """Return a line that explains the signs of the map.
+
+        Parameters
+        ----------
+        columns : int
+            Upper bound of its width; entries that do not fit are left out.
+        team : bool
+            Whether there are several robots.
+        dead : bool
+            Whether a robot has died.
+
+        Returns
+        -------
+        str
+            Samples and their meanings. With colours it ends without any.
+        """
+        seen = "seen first by a robot" if team and self._coloured else "seen"
+        entries = list(zip(self._samples(team), ("wall", "not seen", seen), strict=True))
+        entries.append(("0 1", "robots") if team else ("0", "robot"))
+        if dead:
+            entries.append(("x", "dead robot"))
+        shown: list[str] = []
+        used = 0
+        for sample, meaning in entries:
+            width = len(re.sub(r"\x1b\[[0-9;]*m", "", sample))
+            used += (2 if shown else 0) + width + 1 + len(meaning)
+            if used > columns:
+                break
+            shown.append(f"{sample} {meaning}")
+        return "  ".join(shown)
+
+    def _samples(self, team: bool) -> tuple[str, str, str]:
+        # Of wall, unseen area, and area that was seen.
+        if not self._coloured:
+            # A blank alone would not show that it is a sample.
+            wall, unseen, seen = (repr(sign) if sign == " " else sign for sign in SIGNS[self._ink])
+            return wall, unseen, seen
+        wall, unseen, first, second = (
+            f"\x1b[0;{_code(_colour(value), self._ink, 48)}m {RESET}"
+            for value in (WALL, UNSEEN, 0, 1)
+        )
+        return wall, unseen, first + second if team else first
 
     def _labels(
         self, places: Mapping[int, Point], dead: Collection[int]

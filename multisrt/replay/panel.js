@@ -94,7 +94,7 @@ class Panel {
     if (node === null || this.toldNode === node) return;
     this.toldNode = node;
     const parent = nodes.parent[node] < 0 ? "a root" : `its parent is node ${nodes.serial[nodes.parent[node]]} of robot ${nodes.robot[nodes.parent[node]]}`;
-    const text = `Node ${nodes.serial[node]} of robot ${nodes.robot[node]} at (${nodes.x[node].toFixed(2)}, ${nodes.y[node].toFixed(2)}): added at ${nodes.t[node].toFixed(2)} s, found by: ${nodes.stage[node]}; ${parent}.`;
+    const text = `Node ${nodes.serial[node]} of robot ${nodes.robot[node]} at (${nodes.x[node].toFixed(2)}, ${nodes.y[node].toFixed(2)}): added at ${nodes.t[node].toFixed(2)} s, found by: ${nodes.stageName[node]}; ${parent}.`;
     const known = [];
     for (let robot = 0; robot < run.count; robot++) {
       const since = run.knownBy(robot).since[node];

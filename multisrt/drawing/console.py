@@ -35,7 +35,9 @@ WALL, UNSEEN = -2, -1
 WALL_COLOUR: Final = "#0c0d0f"
 UNSEEN_COLOUR: Final = "#4b5058"
 SEEN_SHARE: Final = 0.4
-"""Strength of a robot's colour in the area that it saw first."""
+SEEN_SHARE_256: Final = 0.6
+"""Strength of a robot's colour in the area that it saw first. With 256 colours, the nearest ones to
+weaker tints of different robots would be the same."""
 
 SIGNS: Final[Mapping[Ink, str]] = {"ascii": "# .", "plain": "█ ░"}
 """Characters for walls, unseen and seen area where there are no colours."""
@@ -172,7 +174,7 @@ class ConsoleMap:
             wall, unseen, seen = (repr(sign) if sign == " " else sign for sign in SIGNS[self._ink])
             return wall, unseen, seen
         wall, unseen, first, second = (
-            f"\x1b[0;{_code(_colour(value), self._ink, 48)}m {RESET}"
+            f"\x1b[0;{_code(_colour(value, self._ink), self._ink, 48)}m {RESET}"
             for value in (WALL, UNSEEN, 0, 1)
         )
         return wall, unseen, first + second if team else first
@@ -214,8 +216,8 @@ class ConsoleMap:
                 paint = f"\x1b[1;{_code(WHITE, self._ink)};{_code(_own(robot), self._ink, 48)}m"
             else:
                 sign = "▀" if top != bottom else " "
-                above = f"{_code(_colour(top), self._ink)};" if top != bottom else ""
-                paint = f"\x1b[0;{above}{_code(_colour(bottom), self._ink, 48)}m"
+                above = f"{_code(_colour(top, self._ink), self._ink)};" if top != bottom else ""
+                paint = f"\x1b[0;{above}{_code(_colour(bottom, self._ink), self._ink, 48)}m"
             parts.append(sign if paint == last else paint + sign)
             last = paint
         return "".join(parts) + RESET
@@ -258,10 +260,10 @@ def _own(robot: int) -> str:
 
 
 @cache
-def _colour(value: int) -> str:
+def _colour(value: int, ink: Ink) -> str:
     if value < 0:
         return WALL_COLOUR if value == WALL else UNSEEN_COLOUR
-    return tint(_own(value), SEEN_SHARE)
+    return tint(_own(value), SEEN_SHARE_256 if ink == "256" else SEEN_SHARE)
 
 
 @cache

@@ -70,6 +70,16 @@ def test_a_key_is_never_wider_than_asked_for(hall, ink):
     assert texts[-1].endswith("dead robot")
 
 
+@pytest.mark.parametrize("ink", ["256", "true"])
+def test_areas_of_robots_have_different_colours(hall, ink):
+    colours = set()
+    for robot in range(len(ROBOT_COLOURS)):
+        console = ConsoleMap(hall, 10, 6, ink)
+        console.add_seen(robot, box(0, 0, 8, 8))
+        colours.add(frozenset(PAINTED.findall("".join(console.lines({})))))
+    assert len(colours) == len(ROBOT_COLOURS)
+
+
 def test_who_saw_an_area_first_keeps_it(hall):
     console = ConsoleMap(hall, 10, 6, "true")
     console.add_seen(0, box(0, 0, 3, 8))

@@ -12,6 +12,7 @@ from multisrt.drawing.animation.moving_svg import moving_svg
 from multisrt.drawing.animation.pace import Pace
 from multisrt.drawing.animation.scene import Scene, scene_of
 from multisrt.drawing.layers import PICTURES
+from multisrt.drawing.svg import text_width
 from tests.browser import ARGUMENTS, chromium
 
 SVG = "{http://www.w3.org/2000/svg}"
@@ -115,6 +116,21 @@ def test_layers_that_are_left_out_are_not_in_the_document(told, layer):
         "nodes": [one for one in lines[0] if one],
     }
     assert lines[1] == left.get(layer, lines[0])
+
+
+@pytest.mark.parametrize("width", [200, 320, 480, 640, 960])
+def test_texts_beside_each_other_do_not_overlap(told, width):
+    pace = Pace.of(told.footer.time_s, duration_s=4.0, speed=None, fps=5.0)
+    found = scene_of(told, told.environment(), pace, width=width)
+    document = ET.fromstring(moving_svg(found, ""))
+    (title, *speed) = by_id(document, "title").findall(f"{SVG}text")
+    begin, size = float(title.get("x", "")), float(title.get("font-size", ""))
+    end = begin + text_width(title.text or "", size)
+    for text in speed:
+        wide = text_width(text.text or "", float(text.get("font-size", "")))
+        assert end < float(text.get("x", "")) - wide
+    assert end <= width
+    assert speed or width < 480
 
 
 def test_titles_may_hold_any_characters(told):

@@ -90,6 +90,11 @@ def legend(
         Layers that are left out; see `multisrt.drawing.layers`.
     merged : bool
         Whether the regions of each robot are outlined as one.
+
+    Returns
+    -------
+    list of LegendEntry
+        The entries, in the order in which they are drawn.
     """
     team = len(traces) > 1
     styles = RobotStyles.of_any() if team else RobotStyles.of(0)
@@ -159,6 +164,11 @@ def paths_legend(
         Layers that are left out; see `multisrt.drawing.layers`.
     there : frozenset of str
         Which of the layers `goals`, `frontier` and `isolation` have something to show.
+
+    Returns
+    -------
+    list of LegendEntry
+        The entries, in the order in which they are drawn.
     """
     styles = RobotStyles.of_any() if len(traces) > 1 else RobotStyles.of(0)
     entries = []

@@ -47,6 +47,11 @@ def badge_radius_mm(starts: Sequence[Point], metres_per_mm: float) -> float:
     metres_per_mm : float
         Metres of the world per millimetre on paper.
 
+    Returns
+    -------
+    float
+        The radius in millimetres on paper.
+
     Examples
     --------
     >>> badge_radius_mm([(0.0, 0.0), (0.5, 0.0)], 0.125)
@@ -114,6 +119,11 @@ def label_place(
         Distance of the label from the centre of the marker.
     taken : sequence of (x0, y0, x1, y1)
         What should not be covered.
+
+    Returns
+    -------
+    (x, y)
+        The middle of the label.
 
     Examples
     --------

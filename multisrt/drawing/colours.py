@@ -234,6 +234,11 @@ def tint(colour: str, strength: float) -> str:
         The colour, as ``#rrggbb``.
     strength : float
         Share of the colour, from 0 (white) to 1.
+
+    Returns
+    -------
+    str
+        The mixed colour, as ``#rrggbb``.
     """
     return _hex(255 - strength * (255 - channel) for channel in _channels(colour))
 

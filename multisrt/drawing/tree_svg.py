@@ -105,6 +105,11 @@ def run_sheet(
         Layers to leave out; see `tree_svg`.
     bounds_mm : sequence of (width, height), optional
         Bounds of the map on paper; see `Sheet`.
+
+    Returns
+    -------
+    Sheet
+        The sheet, with its legend.
     """
     absent = left_out(without)
     environment = recording.environment()

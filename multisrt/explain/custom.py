@@ -35,6 +35,11 @@ def own_choice_lines(
         The decision.
     asked_s : float
         The time that was asked for, in seconds.
+
+    Yields
+    ------
+    str
+        A line of the explanation.
     """
     return _OwnStory(recording, index, choice, asked_s).lines()
 

@@ -37,6 +37,11 @@ def choice_lines(
         The choice.
     asked_s : float
         The time that was asked for, in seconds.
+
+    Yields
+    ------
+    str
+        A line of the explanation.
     """
     return _BidStory(recording, index, choice, asked_s).lines()
 

@@ -111,6 +111,11 @@ def explain_all(recording: Recording, robot: int) -> str:
     robot : int
         The robot, from 0.
 
+    Returns
+    -------
+    str
+        A heading and a line for each decision.
+
     Raises
     ------
     InvalidInputError
@@ -138,6 +143,11 @@ def planned(events: Sequence[AnyEvent], index: int, decision: Decision) -> str:
         Index of the decision among them.
     decision : Decision
         The decision.
+
+    Returns
+    -------
+    str
+        The choice and its target, and the order of the master if there was one.
     """
     told = _coordinated(events, index)
     order = "" if told is None else f"; {ORDERS[told.order].name} {place(told.new_target)}"

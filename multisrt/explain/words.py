@@ -161,6 +161,11 @@ def decision_lines(
         Names and widths, in characters, of the columns between the time and the decision.
     rows : iterable of (time_s, cells, decision)
         When it decided, what is in these columns, and what it decided, in words.
+
+    Yields
+    ------
+    str
+        The heading, then a line for each decision.
     """
     heads = [f"{name:>{width}}" for name, width in columns.items()]
     yield "  ".join((f"{'time (s)':>9}", *heads, "decision"))

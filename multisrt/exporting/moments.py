@@ -81,6 +81,11 @@ def moments(
     options : ExportOptions
         What is left out, and how often the rest is shown.
 
+    Yields
+    ------
+    Moment
+        Nanoseconds since the start of the run, and what is shown then.
+
     Raises
     ------
     InvalidInputError

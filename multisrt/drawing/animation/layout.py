@@ -150,6 +150,11 @@ def layout_of(
     captioned : bool
         Whether there are a title and lines below the map.
 
+    Returns
+    -------
+    Layout
+        The layout, the same for all pictures of the run.
+
     Raises
     ------
     InvalidInputError

@@ -352,6 +352,11 @@ def dashes(points: Points, lengths: Sequence[float]) -> Iterator[list[tuple[floa
     lengths : sequence of float
         Lengths of dashes and gaps in turn.
 
+    Yields
+    ------
+    list of (x, y)
+        The points of one dash.
+
     Examples
     --------
     >>> list(dashes([(0.0, 0.0), (5.0, 0.0)], [2.0, 1.0]))

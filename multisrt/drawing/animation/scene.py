@@ -185,6 +185,11 @@ def scene_of(
     without : collection of str
         Layers to leave out: names of `multisrt.drawing.layers.PICTURES` of an animation.
 
+    Returns
+    -------
+    Scene
+        The contents, without the layers that are left out.
+
     Raises
     ------
     InvalidInputError

@@ -53,6 +53,11 @@ def robot_maps_figure(
     robots : sequence of int, optional
         The robots, one for each row; by default all.
 
+    Returns
+    -------
+    Figure
+        The figure, laid out.
+
     Raises
     ------
     InvalidInputError

@@ -90,6 +90,7 @@ def run_sheet(
     *,
     without: Iterable[str] = (),
     bounds_mm: Sequence[tuple[float, float]] = MAX_MAP_MM,
+    min_number_mm: float = 0.0,
 ) -> Sheet:
     """Return the sheet of `tree_svg`, for other formats.
 
@@ -105,6 +106,8 @@ def run_sheet(
         Layers to leave out; see `tree_svg`.
     bounds_mm : sequence of (width, height), optional
         Bounds of the map on paper; see `Sheet`.
+    min_number_mm : float, optional
+        Lower bound of the size of the numbers at starts, in millimetres on paper.
 
     Returns
     -------
@@ -116,6 +119,7 @@ def run_sheet(
     traces = traces_of(recording)
     title = heading(recording, traces, status)
     sheet = Sheet(environment, title, description(recording), bounds_mm)
+    sheet.min_number_mm = min_number_mm
     team = len(traces) > 1
     sheet.draw_ground("free space" if "areas" in absent else "free space that is on no map")
     if draw_below is not None:

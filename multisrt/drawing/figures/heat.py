@@ -92,10 +92,11 @@ def _figure(
             ax.set_title(text, loc="left")
     for ax in axes[len(recordings) :]:
         ax.set_visible(False)
-    if norm is None:
-        box = {"facecolor": "white", "edgecolor": "none"}
-        axes[0].text(0.5, 0.5, nothing, transform=axes[0].transAxes, ha="center", bbox=box)
-    else:
+    box = {"facecolor": "white", "edgecolor": "none"}
+    for own, ax in zip(found, axes, strict=False):
+        if not own.values.any():
+            ax.text(0.5, 0.5, nothing, transform=ax.transAxes, ha="center", bbox=box)
+    if norm is not None:
         shown = [ax for ax in axes if ax.get_visible()]
         _bar(figure, image, shown, label)
     in_rows = [axes[row * columns : (row + 1) * columns] for row in range(rows)]

@@ -222,6 +222,9 @@ def test_a_team_that_was_never_isolated_is_said_to_be(curves):
     figure = draw_figure("isolation", curves[0])
     assert "never isolated" in [text.get_text() for text in figure.axes[0].texts]
     assert len(figure.axes) == 1
+    figure = draw_figure("isolation", curves[:2])
+    for ax in figure.axes:
+        assert [text.get_text() for text in ax.texts].count("never isolated") == 1
 
 
 @pytest.mark.slow

@@ -1,6 +1,6 @@
 // Pictures of layers, drawn in slices of time into canvases of their own. A picture shows one time
 // only: while it is not complete for the time that is wanted it shows nothing. While a map that was
-// moved or zoomed is drawn anew, its picture of before stands in, and goes on with the time.
+// moved or zoomed is redrawn, its previous picture stands in, and goes on with the time.
 
 const COPIES = 6; // of a picture at most, from which it goes back
 const COPY_PIXELS = 3e7; // bound of the pixels of all copies of a picture
@@ -15,7 +15,7 @@ class Picture {
     this.isThere = this.fill(this.front, time, until);
     if (this.front.camera === camera) this.back = null;
     else if (!this.isThere) [this.front, this.back] = [this.sheet(camera), null];
-    else if (!isMoving || !this.isSlow) this.drawAnew(time, camera, until);
+    else if (!isMoving || !this.isSlow) this.redraw(time, camera, until);
   }
 
   // Whether it is complete with the camera that is wanted.
@@ -23,7 +23,7 @@ class Picture {
     return this.isThere && this.front.camera === camera;
   }
 
-  drawAnew(time, camera, until) {
+  redraw(time, camera, until) {
     if (!this.back || this.back.camera !== camera) {
       this.back = this.sheet(camera);
       this.slices = 0;

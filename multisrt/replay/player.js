@@ -2,6 +2,7 @@
 
 const PACES = [0.5, 1, 2, 5, 10, 20, 50, 100];
 const PANEL_MS = 150; // between two updates of texts while it plays
+const NOTE_MS = 2000; // between two notes of the time in the address while it plays
 const PLAYING_MS = 12; // of a frame, for pictures
 const STANDING_MS = 40; // the same while the time stands
 const AHEAD_MS = 8; // of an idle moment, for later times
@@ -18,7 +19,7 @@ class Player {
     this.isPlaying = false;
     this.run = 0;
     this.robot = TEAM;
-    this.layers = new Set(LAYERS.map(([name]) => name).filter((name) => name !== "groups" || this.runs.length === 1));
+    this.layers = new Set(LAYERS.map(([name]) => name));
     this.isStill = matchMedia("(prefers-reduced-motion: reduce)").matches;
     this.frames = [];
     this.whenSettled = () => {};
@@ -27,6 +28,7 @@ class Player {
     stage.append(...this.views.map((view) => view.element));
     stage.classList.toggle("several", this.runs.length > 1);
     this.lines = new Lines(this, byId("curves"), byId("strips"));
+    this.legend = new Legend(this, byId("legend"));
     this.panel = new Panel(this);
     this.listen();
     colours.whenChanged = () => this.recolour();
@@ -68,7 +70,7 @@ class Player {
     if (event.ctrlKey || event.metaKey || event.altKey || byId("keys").open) return;
     const isChoice = target instanceof HTMLSelectElement;
     if (isChoice || (key === " " && (target instanceof HTMLButtonElement || target.tagName === "SUMMARY" || target.type === "checkbox"))) return;
-    const act = this.keys()[event.shiftKey && key.startsWith("Arrow") ? `Shift${key}` : key];
+    const act = this.keys()[key.length === 1 ? key.toLowerCase() : event.shiftKey && key.startsWith("Arrow") ? `Shift${key}` : key];
     if (act) act();
     else if (/^[0-9]$/.test(key)) this.digit(key);
     else return;
@@ -203,21 +205,23 @@ class Player {
     this.say((this.runs.length > 1 ? `${run.title}: ` : "") + run.said(row));
   }
 
+  // Choose a robot of a run, or the team.
   choose(number, robot) {
+    if (number !== this.run) this.panel.showNode(null);
     this.run = number;
     this.robot = robot < this.runs[number].count ? robot : TEAM;
-    if (this.panel.node !== null) this.panel.showNode(null);
     this.update();
+    this.say(this.panel.aboutRobot());
   }
 
+  // Choose what is under the pointer: a robot, or a node, which leaves the robot as it is.
   pick(number, found) {
-    if (!found) {
-      this.choose(number, this.robot);
-      return;
-    }
-    this.choose(number, found.robot);
-    this.panel.showNode(found.node === undefined ? null : found.node);
+    const { node, robot } = found || {};
+    this.choose(number, found && node === undefined ? robot : this.robot);
+    if (!found) return;
     byId("fold-robot").open = true;
+    this.panel.showNode(node === undefined ? null : node);
+    if (node !== undefined) this.say(aboutNode(this.chosen, node));
   }
 
   toggle(name, isOn) {
@@ -234,6 +238,7 @@ class Player {
     const button = byId("theme");
     button.setAttribute("aria-pressed", String(this.colours.isDark));
     this.lines.redraw();
+    this.legend.recolour();
     this.redraw();
   }
 
@@ -242,7 +247,12 @@ class Player {
     this.isChanged = true;
     this.tell();
     this.redraw();
-    if (!this.isPlaying) this.whenSettled();
+    this.note();
+  }
+
+  note() {
+    this.noted = performance.now();
+    this.whenSettled();
   }
 
   tell() {
@@ -252,6 +262,7 @@ class Player {
     this.views.forEach((view, number) => view.element.classList.toggle("chosen", this.runs.length > 1 && number === this.run));
     this.lines.follow(this.time);
     this.lines.say(this.time);
+    this.legend.update();
     this.panel.update();
     this.told = performance.now();
   }
@@ -289,6 +300,7 @@ class Player {
     this.lines.follow(this.time);
     byId("clock").textContent = `${this.time.toFixed(1)} / ${this.end.toFixed(1)} s`;
     if (now - this.told > PANEL_MS) this.tell();
+    if (now - this.noted > NOTE_MS) this.note();
     if (this.time >= this.end && this.isThere) this.pause();
   }
 

@@ -1,4 +1,4 @@
-// The picture of a frontier. Tiles in which parts come or go are drawn anew, all others stay.
+// The picture of a frontier. Tiles in which parts come or go are redrawn, all others stay.
 
 const TILE_PX = 64;
 const MAX_CHANGES = 2000; // of which the tiles are looked up one by one

@@ -14,6 +14,7 @@ class View {
     this.name = make("p", { className: "name", textContent: run.title });
     this.below = make("canvas", { className: "below" });
     this.top = make("canvas", { className: "top", tabIndex: 0 });
+    this.below.setAttribute("aria-hidden", "true");
     this.top.setAttribute("role", "img");
     this.top.setAttribute("aria-label", `Map of ${run.title}`);
     this.element.append(this.name, this.below, this.top);

@@ -106,6 +106,22 @@ def test_a_reader_who_looks_back_is_not_moved(page):
         assert shown.value("replay.player.time") == shown.value("replay.player.end")
 
 
+def test_a_reader_who_reads_the_page_anew_while_it_plays(page):
+    shown, *_ = page
+    with shown.held():
+        shown.page.keyboard.press("Home")
+        shown.page.keyboard.press("1")
+        shown.page.keyboard.press(" ")
+        shown.page.uncheck("#layers input[name=seen]")
+        shown.value("replay.player.views[0].zoom(2, 300, 200)")
+        scale = shown.value("replay.player.views[0].camera.scale")
+        shown.until("location.hash.includes('robot=1&layers=truth,regions')")
+        shown.page.reload()
+    with shown.held("replay.player.robot === 1 && !replay.player.views[0].isWhole"):
+        assert not shown.value("replay.player.layers.has('seen')")
+        assert shown.value("replay.player.views[0].camera.scale") == pytest.approx(scale)
+
+
 def test_an_interrupted_run_says_so_and_plays(page):
     shown, _, replay, _ = page
     with pytest.raises(KeyboardInterrupt), replay:
@@ -114,3 +130,18 @@ def test_an_interrupted_run_says_so_and_plays(page):
     assert "The run was interrupted: the replay ends at" in shown.text("#live")
     shown.page.click("#play")
     shown.until("replay.player.isPlaying && replay.player.time > 0.5")
+
+
+def test_a_run_that_is_interrupted_at_its_start_says_so(browser, tmp_path):
+    stepper = ms.Stepper("apartment", robots=2, seed=1, max_time_s=60.0)
+    replay = LiveReplay(tmp_path / "replay.html")
+    replay.look(lambda: stepper.recording)
+    with pytest.raises(KeyboardInterrupt), replay:
+        raise KeyboardInterrupt
+    page = Shown(browser.new_page(), (tmp_path / "replay.html").as_uri()).open()
+    assert page.text("#live span") == (
+        "The run was interrupted: nothing had happened yet in srt-radial in apartment; "
+        "the replay shows its start."
+    )
+    assert page.errors == []
+    page.page.close()

@@ -194,7 +194,7 @@ def main(folder: Path = Path("out/examples")) -> None:
         print(
             f"{name}: 95 % covered after {run.metrics.time_to_95_s:.0f} s, "
             f"{run.outcome} after {world.time_s:.0f} s, "
-            f"{run.metrics.coverage:.1%} covered, {sent} messages"
+            f"{100 * run.metrics.coverage:.1f} % covered, {sent} messages"
         )
 
 

@@ -352,7 +352,8 @@ class Run:
             Width in pixels, or width and height; by default a width of 1280, of 720 for GIF and of
             960 for SVG.
         without : collection of str, optional
-            What to leave out: ``areas``, ``paths``, ``trees``, ``goals``, ``bodies``, ``caption``.
+            Layers to leave out: ``areas``, ``paths``, ``edges``, ``nodes``, ``goals``, ``bodies``,
+            ``caption``.
 
         Raises
         ------
@@ -563,7 +564,7 @@ class Run:
     def __repr__(self) -> str:
         return (
             f"Run({self.spec.strategy!r} in {self.environment.name!r}, seed {self.spec.seed}: "
-            f"{self.outcome}, {self.metrics.coverage:.1%} covered in "
+            f"{self.outcome}, {100.0 * self.metrics.coverage:.1f} % covered in "
             f"{self.metrics.makespan_s:.0f} s)"
         )
 

@@ -115,5 +115,5 @@ class LiveLine:
         total, done = self._now["total"], self._now.get("completed", 0)
         parts = [self._now["description"], self._now["note"]]
         if total:
-            parts.insert(1, f"{done}/{total}" if self._counted else f"{done / total:.0%}")
+            parts.insert(1, f"{done}/{total}" if self._counted else f"{100.0 * done / total:.0f} %")
         return "  ".join(part for part in parts if part)

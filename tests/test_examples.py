@@ -25,7 +25,7 @@ def test_own_explorer_is_checked_and_explores_as_a_script(tmp_path):
     )
     assert run.returncode == 0, run.stderr
     assert "nearest-frontier keeps to the contract of explorers" in run.stdout
-    assert "99." in run.stdout or "100.0% covered" in run.stdout
+    assert "99." in run.stdout or "100.0 % covered" in run.stdout
     assert "Robot 1 at 20.00 s: its last decision was at" in run.stdout
     drawn = tmp_path / "out" / "examples" / "own_explorer.svg"
     assert drawn.read_text().count("<path") > 10

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from typing import Final, NamedTuple
 
 from multisrt.events import Coordinated, Decided, Decision, GoalChosen
+from multisrt.explain.terms import CHOICES, NO_CONFLICT, NO_GOAL, ORDERS
 from multisrt.recording import Recording
 
 MAX_REASON: Final = 60
@@ -16,9 +17,6 @@ MAX_REASON: Final = 60
 ANY_NUMBER: Final = "#"
 """Stands for each number in the words of an explorer of your own."""
 
-ALONE: Final = "no conflict"
-"""The reason of a decision of the SRT family that no master had to coordinate."""
-
 
 class Choice(NamedTuple):
     """What a robot decided, and why.
@@ -26,8 +24,9 @@ class Choice(NamedTuple):
     Attributes
     ----------
     choice : str
-        Of the SRT family: `choice` of `Decision`. Of robots that bid for frontiers: the rule that
-        chose, or ``no goal``. Of explorers of your own: ``goal`` or ``no goal``.
+        Of the SRT family: the name of `choice` of `Decision`. Of robots that bid for frontiers: the
+        rule that chose, or ``no goal``. Of explorers of your own: ``goal`` or ``no goal``. Names
+        are those of `multisrt.explain.terms`.
     reason : str
         Of the SRT family: the order of the master if paths conflicted, else ``no conflict``. Of
         robots that bid: `because` of `GoalChosen`. Of explorers of your own: the first line of
@@ -67,23 +66,23 @@ def decision_counts(recording: Recording) -> list[Counter[Choice]]:
 
     def settle(robot: int, order: str) -> None:
         if (decision := pending.pop(robot, None)) is not None:
-            counts[robot][Choice(decision.choice, order)] += 1
+            counts[robot][Choice(CHOICES[decision.choice].name, order)] += 1
 
     for event in recording.events:
         match event:
             case Decision():
-                settle(event.robot, ALONE)
+                settle(event.robot, NO_CONFLICT)
                 pending[event.robot] = event
             case Coordinated():
-                settle(event.robot, f"master: {event.order}")
+                settle(event.robot, f"master: {ORDERS[event.order].name}")
             case GoalChosen():
-                choice = "no goal" if event.goal is None else event.rule
+                choice = NO_GOAL if event.goal is None else event.rule
                 counts[event.robot][Choice(choice, event.because)] += 1
             case Decided():
-                choice = "no goal" if event.goal is None else "goal"
+                choice = NO_GOAL if event.goal is None else "goal"
                 counts[event.robot][Choice(choice, _general(event.text))] += 1
     for robot in sorted(pending):
-        settle(robot, ALONE)
+        settle(robot, NO_CONFLICT)
     return counts
 
 

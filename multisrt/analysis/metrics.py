@@ -256,7 +256,7 @@ class Metrics(msgspec.Struct, frozen=True, kw_only=True):
         ('collisions', '0')
         """
         is_team = len(self.distance_by_robot_m) > 1
-        covered = f"{self.coverage:.1%} of {self.explorable_area_m2:,.1f} m2 explorable"
+        covered = f"{100.0 * self.coverage:.1f} % of {self.explorable_area_m2:,.1f} m2 explorable"
         rows = [
             ("covered", covered),
             ("95 % covered at", _seconds(self.time_to_95_s)),

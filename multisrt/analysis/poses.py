@@ -91,6 +91,11 @@ class Track(NamedTuple):
         ----------
         purpose : str, optional
             Leave out legs of motions for any other purpose.
+
+        Returns
+        -------
+        (m, 2) array of float64
+            Times in seconds, in order.
         """
         legs = self.legs
         moving = (legs[:, 1:4] != legs[:, 5:]).any(axis=1)

@@ -8,12 +8,10 @@ from typing import Any
 
 import click
 
+from multisrt.cli.layers import without_option
 from multisrt.cli.output_options import ANIMATION_NAME, force_option, out_file, quiet_option
 from multisrt.cli.outputs import require_no_file
 from multisrt.cli.recordings import recording_in
-
-LAYERS = ("areas", "paths", "trees", "goals", "bodies", "caption")
-"""What can be left out; a test compares it with that of `multisrt.drawing.animation`."""
 
 
 @click.command()
@@ -41,12 +39,7 @@ LAYERS = ("areas", "paths", "trees", "goals", "bodies", "caption")
     metavar="W[xH]",
     help="Width in pixels, or width and height.  [default: width 1280, GIF 720, SVG 960]",
 )
-@click.option(
-    "--without",
-    type=click.Choice(LAYERS),
-    multiple=True,
-    help="Leave out a layer; may be repeated.",
-)
+@without_option("animation")
 @quiet_option()
 def animate(
     recording: Path,
@@ -77,9 +70,10 @@ def animate(
     if drawing["duration_s"] is not None and drawing["speed"] is not None:
         raise click.UsageError("--duration and --speed say the same thing: give one of them")
     pixels = None if size is None else _pixels(size)
+    if out is not None:
+        require_format(out)
     path = recording_in(recording)
     out = path.with_name(ANIMATION_NAME) if out is None else out
-    require_format(out)
     require_no_file(out, force=force)
     with LiveLine(not quiet, "reading", str(path)) as line:
         loaded = Recording.load(path)

@@ -18,6 +18,7 @@ from multisrt.cli.imports import (
     named_strategy,
     require_known,
 )
+from multisrt.cli.layers import without_option
 from multisrt.cli.output_options import REPLAY_NAME, force_option, out_folder, quiet_option
 from multisrt.cli.outputs import (
     new_folder,
@@ -58,12 +59,6 @@ SECTIONS = {
     ),
 }
 """Headings of the help page, and the options below each."""
-
-LAYERS = (
-    *("areas", "outlines", "paths", "support", "bridges", "edges", "nodes", "goals", "isolation"),
-    *("frontier", "given-up", "stops", "starts", "ends", "failures"),
-)
-"""Layers of the picture that can be left out; a test compares them with `multisrt.drawing`."""
 
 EXCEPT_SPEC = (
     *("spec_file", "imports", "out", "without", "force", "view", "live", "no_open"),
@@ -203,13 +198,7 @@ Exit code:
 @click.option("--threshold", type=float, help="Lightness from 0 to 1 above which a pixel is free.")
 @out_folder("the results", "runs/ENV-STRATEGY-SEED, with a number if it exists")
 @force_option("the run in DIR")
-@click.option(
-    "--without",
-    multiple=True,
-    type=click.Choice(LAYERS),
-    metavar="LAYER",
-    help=f"Leave a layer out of the picture; repeatable: {', '.join(LAYERS)}.",
-)
+@without_option("map")
 @click.option(
     "--view",
     is_flag=True,

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from multisrt.cli.layers import without_option
 from multisrt.cli.output_options import EXPORT_NAME, force_option, out_file, quiet_option
 from multisrt.cli.outputs import require_no_file
 from multisrt.cli.recordings import recording_in
@@ -40,6 +41,7 @@ from multisrt.cli.recordings import recording_in
     metavar="M",
     help="Width of a cell of the maps (m).  [default: 0.1, wider in large worlds]",
 )
+@without_option("export")
 @quiet_option()
 def export(
     recording: Path,
@@ -49,6 +51,7 @@ def export(
     rate_hz: float,
     map_interval_s: float,
     cell_m: float | None,
+    without: tuple[str, ...],
     quiet: bool,
 ) -> None:
     """Write a run as a file for other programs.
@@ -60,7 +63,7 @@ def export(
     \b
     Examples:
       multisrt export runs/office-srt-radial-0
-      multisrt export out --out out.rrd
+      multisrt export out --out out.rrd --without maps
       multisrt export out --out out.mcap --rate 30 --map-interval 1 --force
     """
     from multisrt.exporting import ExportOptions, export_run
@@ -68,7 +71,9 @@ def export(
     from multisrt.recording import Recording
     from multisrt.terminal import LiveLine
 
-    options = ExportOptions(rate_hz=rate_hz, map_interval_s=map_interval_s, cell_m=cell_m)
+    options = ExportOptions(
+        rate_hz=rate_hz, map_interval_s=map_interval_s, cell_m=cell_m, without=without
+    )
     path = recording_in(recording)
     out = path.with_name(EXPORT_NAME) if out is None else out
     require_format(out)

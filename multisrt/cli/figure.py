@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import click
 
-from multisrt.cli.explore import LAYERS
+from multisrt.cli.layers import without_option
 from multisrt.cli.output_options import FIGURE_NAME, force_option, out_file, quiet_option
 from multisrt.cli.outputs import require_no_file
 from multisrt.cli.recordings import recording_in
@@ -72,14 +72,7 @@ TABLES: Final = (".csv", ".md", ".tex")
     help="What 'visits' counts: times that robots drove over a place (passes), robots that did, "
     "scans that showed it, or robots that saw it (viewers).  [default: passes]",
 )
-@click.option(
-    "--without",
-    multiple=True,
-    type=click.Choice(LAYERS),
-    metavar="LAYER",
-    help="Leave a layer out of 'map'; repeatable, see 'multisrt explore --help'.  "
-    "[default: outlines]",
-)
+@without_option("map", "  Of 'map' only.  [default: outlines]")
 @quiet_option()
 def figure(
     kind: str,

@@ -87,7 +87,7 @@ def elsewhere(environment: Environment, start: Sequence[float]) -> str:
     >>> two = shapely.union_all([shapely.box(0, 0, 2, 2), shapely.box(3, 0, 6, 2)])
     >>> rooms = Environment("two rooms", two)
     >>> elsewhere(rooms, (1.0, 1.0, 0.0)).partition("; ")[0]
-    'free space has 2 separate areas (6, 4 m2), and the start is in that of 4 m2 (40%)'
+    'free space has 2 separate areas (6, 4 m2), and the start is in that of 4 m2 (40 %)'
     >>> elsewhere(rooms, (1.0, 1.0, 0.0)).partition("; ")[2]
     'the largest has 6 m2, e.g. at (4.50, 1.00)'
     """
@@ -101,7 +101,7 @@ def elsewhere(environment: Environment, start: Sequence[float]) -> str:
         return ""
     said = (
         f"free space has {areas(environment)}, and the start is in that of {here.area:.4g} m2 "
-        f"({share:.0%})"
+        f"({100.0 * share:.0f} %)"
     )
     largest = pieces(environment)[0]
     if outside is not None and starts_outside:

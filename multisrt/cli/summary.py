@@ -123,7 +123,7 @@ def _print_comparison(runs: list[Run]) -> None:
         compared.add_row(
             run.spec.strategy,
             "yes" if good[number] else "no",
-            f"{run.metrics.coverage:.1%}",
+            f"{100.0 * run.metrics.coverage:.1f} %",
             *(column[number] for column in cells),
         )
     show(compared)
@@ -157,6 +157,7 @@ def _print_reach(run: Run) -> None:
 def _rows(run: Run, nodes: str, runs: list[Run]) -> Rows:
     from multisrt.analysis.metrics import SUCCESS_COVERAGE
     from multisrt.experiments.results import is_success
+    from multisrt.explain.terms import stage_name
 
     m = run.metrics
     team = len(run.spec.robots) > 1
@@ -165,11 +166,14 @@ def _rows(run: Run, nodes: str, runs: list[Run]) -> Rows:
         **({} if team else {"start": f"({x:.2f}, {y:.2f})"}),
         f"success ({100 * SUCCESS_COVERAGE:g} % covered)": "yes" if is_success(m) else "no",
         **(
-            {"covered": f"{m.coverage:.2%} of {m.explorable_area_m2:.1f} m2 explorable"}
+            {"covered": f"{100.0 * m.coverage:.2f} % of {m.explorable_area_m2:.1f} m2 explorable"}
             if len(runs) == 1
-            else {"covered": f"{m.coverage:.2%}", "explorable": f"{m.explorable_area_m2:.1f} m2"}
+            else {
+                "covered": f"{100.0 * m.coverage:.2f} %",
+                "explorable": f"{m.explorable_area_m2:.1f} m2",
+            }
         ),
-        "seen": f"{m.seen:.2%}",
+        "seen": f"{100.0 * m.seen:.2f} %",
         **{
             f"uncovered: {why}": f"{m.given_up_m2.get(why, 0.0):.1f} m2"
             for why in _kinds(run.metrics.given_up_m2 for run in runs)
@@ -183,8 +187,8 @@ def _rows(run: Run, nodes: str, runs: list[Run]) -> Rows:
         **(_team_rows(run, narrow=len(runs) > MAX_WIDE) if team else {}),
         nodes: str(m.nodes),
         **{
-            f"nodes: {kind}": str(m.nodes_by_stage.get(kind, 0))
-            for kind in _kinds(run.metrics.nodes_by_stage for run in runs if not _scans(run))
+            f"nodes: {stage_name(stage)}": str(m.nodes_by_stage.get(stage, 0))
+            for stage in _kinds(run.metrics.nodes_by_stage for run in runs if not _scans(run))
         },
         "frontier arcs given up": str(sum(m.arcs_closed.values())),
         **{
@@ -225,7 +229,7 @@ def _team_rows(run: Run, *, narrow: bool) -> Rows:
         "spread of distances": f"{m.distance_spread_m:.1f} m",
         "waiting": f"{m.waiting_time_s:.1f} s",
         "seen by several robots": f"{m.overlap_area_m2:.1f} m2"
-        + f" ({m.overlap_share:.1%})" * (not narrow),
+        + f" ({100.0 * m.overlap_share:.1f} %)" * (not narrow),
         **({} if m.beyond_range_m is None and not m.isolated_total_s else _isolation(run)),
         "known to one robot only": f"{m.known_to_one_m2s:.0f} m2 s",
         "the same at the end": f"{m.known_to_one_m2:.1f} m2",

@@ -28,6 +28,9 @@ MAX_SHARE: Final = 0.05
 MIN_COLUMNS, MIN_ROWS = 20, 6
 """Size of the smallest terminal on which a map can be read."""
 
+MIN_ROWS_WITH_KEY: Final = 12
+"""Lines of a terminal from which one explains the signs of the map."""
+
 HIDE_CURSOR, SHOW_CURSOR = "\x1b[?25l", "\x1b[?25h"
 CLEAR_LINE, CLEAR_BELOW = "\x1b[K", "\x1b[J"
 
@@ -189,7 +192,11 @@ class _Picture:
         for robot, region in self._regions[self._drawn :]:
             self._map.add_seen(robot, region)
         self._drawn = len(self._regions)
-        lines = [*self._map.lines(self._places, self._dead), self._account()[: size[0] - 1]]
+        lines = [
+            *self._map.lines(self._places, self._dead),
+            *self._key(),
+            self._account()[: size[0] - 1],
+        ]
         # In a terminal of another size the last picture is no longer where it was.
         up = f"\x1b[{self._lines}A" if self._lines and not again else ""
         _write(HIDE_CURSOR + up + "".join(f"\r{line}{CLEAR_LINE}\n" for line in lines))
@@ -206,17 +213,26 @@ class _Picture:
     def _empty_map(self) -> ConsoleMap:
         from multisrt.drawing.console import ConsoleMap
 
-        # One line is for the account, and one for the cursor.
-        return ConsoleMap(self._world, self._size[0] - 1, self._size[1] - 2, self._ink)
+        # One line is for the account, one for the cursor, and one for the key if there is one.
+        columns, rows = self._size
+        others = 3 if rows >= MIN_ROWS_WITH_KEY else 2
+        return ConsoleMap(self._world, columns - 1, rows - others, self._ink)
+
+    def _key(self) -> list[str]:
+        columns, rows = self._size
+        if rows < MIN_ROWS_WITH_KEY:
+            return []
+        return [self._map.key(columns - 1, team=len(self._places) > 1, dead=bool(self._dead))]
 
     def _account(self) -> str:
+        robots = len(self._places)
+        team = f", {robots} robots" if robots > 1 else ""
         parts = [
-            self._strategy,
-            f"{self._share:.0%} seen",
+            f"{self._strategy} in {self._world.name}{team}: {self._time_s:.0f} s",
+            f"{100.0 * self._share:.0f} % seen",
             f"{self._scans} scans",
-            f"{self._time_s:.0f} s",
         ]
-        return "  ".join((*parts, self.note) if self.note else parts)
+        return ", ".join((*parts, self.note) if self.note else parts)
 
 
 def ink() -> Ink:

@@ -5,11 +5,12 @@ from multisrt.drawing.environment_svg import (
     plot_environment,
     save_environment_svg,
 )
-from multisrt.drawing.layers import LAYERS
+from multisrt.drawing.layers import LAYERS, PICTURES
 from multisrt.drawing.tree_svg import plot_run, save_tree_svg, tree_svg
 
 __all__ = [
     "LAYERS",
+    "PICTURES",
     "environment_svg",
     "plot_environment",
     "plot_run",

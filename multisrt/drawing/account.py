@@ -21,7 +21,7 @@ from multisrt.drawing.colours import (
     KNOWN,
     LATE_START,
     NODE_MM,
-    STAGES,
+    STAGE_MARKERS,
     START,
     START_MM,
     STOP,
@@ -33,6 +33,7 @@ from multisrt.drawing.sheet import LegendEntry, Swatch
 from multisrt.drawing.svg import Marker
 from multisrt.drawing.traces import Trace
 from multisrt.events import CameBack, Died, FellSilent, Joined
+from multisrt.explain.terms import stage_name
 from multisrt.recording import Recording
 
 MAX_ACCOUNTS: Final = 16
@@ -89,6 +90,11 @@ def legend(
         Layers that are left out; see `multisrt.drawing.layers`.
     merged : bool
         Whether the regions of each robot are outlined as one.
+
+    Returns
+    -------
+    list of LegendEntry
+        The entries, in the order in which they are drawn.
     """
     team = len(traces) > 1
     styles = RobotStyles.of_any() if team else RobotStyles.of(0)
@@ -97,10 +103,15 @@ def legend(
     entries = _regions_legend(styles, absent, team, merged)
     if any(trace.edges for trace in traces) and "edges" not in absent:
         entries.append(LegendEntry(label="edge of the tree", style=styles.edge))
-    for stage, (marker, label) in STAGES.items():
+    for stage, marker in STAGE_MARKERS.items():
         if stage != "root" and stage in stages and "nodes" not in absent:
             entries.append(
-                LegendEntry(label=label, style=styles.node, marker=marker, size_mm=NODE_MM[1])
+                LegendEntry(
+                    label=f"node: {stage_name(stage)}",
+                    style=styles.node,
+                    marker=marker,
+                    size_mm=NODE_MM[1],
+                )
             )
     for layer, label, style, there in (
         ("bridges", "bridge between two nodes", styles.bridge, any(t.bridges for t in traces)),
@@ -153,6 +164,11 @@ def paths_legend(
         Layers that are left out; see `multisrt.drawing.layers`.
     there : frozenset of str
         Which of the layers `goals`, `frontier` and `isolation` have something to show.
+
+    Returns
+    -------
+    list of LegendEntry
+        The entries, in the order in which they are drawn.
     """
     styles = RobotStyles.of_any() if len(traces) > 1 else RobotStyles.of(0)
     entries = []

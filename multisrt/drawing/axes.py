@@ -50,6 +50,11 @@ def on_axes(sheet: Sheet, ax: Axes | None, scale: float | None = None) -> Axes:
     scale : float, optional
         Size of the map on the axes over its size on paper; by default as the axes are now.
 
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The axes that were given, or those of a new figure.
+
     Raises
     ------
     MissingExtraError

@@ -47,6 +47,11 @@ def badge_radius_mm(starts: Sequence[Point], metres_per_mm: float) -> float:
     metres_per_mm : float
         Metres of the world per millimetre on paper.
 
+    Returns
+    -------
+    float
+        The radius in millimetres on paper.
+
     Examples
     --------
     >>> badge_radius_mm([(0.0, 0.0), (0.5, 0.0)], 0.125)
@@ -61,8 +66,13 @@ def badge_radius_mm(starts: Sequence[Point], metres_per_mm: float) -> float:
     return float(np.clip(BADGE_SHARE * crowd / metres_per_mm, *BADGE_MM))
 
 
-def spread(places: Sequence[Point], radius: float, fixed: Sequence[Disc] = ()) -> FloatArray:
-    """Move badges apart until none covers another one or a marker.
+def spread(
+    places: Sequence[Point],
+    radius: float,
+    fixed: Sequence[Disc] = (),
+    within: Box | None = None,
+) -> FloatArray:
+    """Move badges apart until none covers another one or a marker, as far as there is room.
 
     Parameters
     ----------
@@ -72,6 +82,8 @@ def spread(places: Sequence[Point], radius: float, fixed: Sequence[Disc] = ()) -
         Radius of each badge.
     fixed : sequence of Disc
         Markers to keep clear of.
+    within : (x0, y0, x1, y1), optional
+        Box that badges do not leave.
 
     Returns
     -------
@@ -95,8 +107,15 @@ def spread(places: Sequence[Point], radius: float, fixed: Sequence[Disc] = ()) -
         push += _push(at, others[:, :2], 1.05 * (radius + others[:, 2]), 1.0)
         if not push.any():
             break
-        at = at + push
-    return at
+        at = _kept(at + push, radius, within)
+    return _kept(at, radius, within)
+
+
+def _kept(at: FloatArray, radius: float, within: Box | None) -> FloatArray:
+    if within is None:
+        return at
+    x0, y0, x1, y1 = within
+    return np.clip(at, (x0 + radius, y0 + radius), (x1 - radius, y1 - radius))
 
 
 def label_place(
@@ -114,6 +133,11 @@ def label_place(
         Distance of the label from the centre of the marker.
     taken : sequence of (x0, y0, x1, y1)
         What should not be covered.
+
+    Returns
+    -------
+    (x, y)
+        The middle of the label.
 
     Examples
     --------

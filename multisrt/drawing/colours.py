@@ -135,15 +135,15 @@ END_MM: Final = 1.7
 STOP_MM: Final = 0.9
 DEATH_MM: Final = 1.5
 
-STAGES: Final[dict[Stage, tuple[Marker, str]]] = {
-    "root": ("square", "root node"),
-    "draw": ("disc", "node drawn at random"),
-    "approach": ("triangle", "node that approaches a frontier"),
-    "complete": ("diamond", "node at a frontier left behind"),
-    "bypass": ("wedge", "node of a detour around a standing robot"),
-    "coordinate": ("star", "node assigned by the master"),
+STAGE_MARKERS: Final[dict[Stage, Marker]] = {
+    "root": "square",
+    "draw": "disc",
+    "approach": "triangle",
+    "complete": "diamond",
+    "bypass": "wedge",
+    "coordinate": "star",
 }
-"""Marker and label of nodes, by the stage of planning that placed them."""
+"""Markers of nodes, by the stage that found their places."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -234,6 +234,11 @@ def tint(colour: str, strength: float) -> str:
         The colour, as ``#rrggbb``.
     strength : float
         Share of the colour, from 0 (white) to 1.
+
+    Returns
+    -------
+    str
+        The mixed colour, as ``#rrggbb``.
     """
     return _hex(255 - strength * (255 - channel) for channel in _channels(colour))
 

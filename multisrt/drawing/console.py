@@ -6,6 +6,7 @@ With colours a character is two squares, one above the other; without, it is one
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Collection, Mapping
 from functools import cache
 from typing import Final, Literal
@@ -34,7 +35,9 @@ WALL, UNSEEN = -2, -1
 WALL_COLOUR: Final = "#0c0d0f"
 UNSEEN_COLOUR: Final = "#4b5058"
 SEEN_SHARE: Final = 0.4
-"""Strength of a robot's colour in the area that it saw first."""
+SEEN_SHARE_256: Final = 0.6
+"""Strength of a robot's colour in the area that it saw first. With 256 colours, the nearest ones to
+weaker tints of different robots would be the same."""
 
 SIGNS: Final[Mapping[Ink, str]] = {"ascii": "# .", "plain": "█ ░"}
 """Characters for walls, unseen and seen area where there are no colours."""
@@ -132,6 +135,50 @@ class ConsoleMap:
             ]
         return [self._plain_line(row, labels.get(k, {})) for k, row in enumerate(self._shown)]
 
+    def key(self, columns: int, *, team: bool, dead: bool) -> str:
+        """Return a line that explains the signs of the map.
+
+        Parameters
+        ----------
+        columns : int
+            Upper bound of its width; entries that do not fit are left out.
+        team : bool
+            Whether there are several robots.
+        dead : bool
+            Whether a robot has died.
+
+        Returns
+        -------
+        str
+            Samples and their meanings. With colours it ends without any.
+        """
+        seen = "seen first by a robot" if team and self._coloured else "seen"
+        entries = list(zip(self._samples(team), ("wall", "not seen", seen), strict=True))
+        entries.append(("0 1", "robots") if team else ("0", "robot"))
+        if dead:
+            entries.append(("x", "dead robot"))
+        shown: list[str] = []
+        used = 0
+        for sample, meaning in entries:
+            width = len(re.sub(r"\x1b\[[0-9;]*m", "", sample))
+            used += (2 if shown else 0) + width + 1 + len(meaning)
+            if used > columns:
+                break
+            shown.append(f"{sample} {meaning}")
+        return "  ".join(shown)
+
+    def _samples(self, team: bool) -> tuple[str, str, str]:
+        # Of wall, unseen area, and area that was seen.
+        if not self._coloured:
+            # A blank alone would not show that it is a sample.
+            wall, unseen, seen = (repr(sign) if sign == " " else sign for sign in SIGNS[self._ink])
+            return wall, unseen, seen
+        wall, unseen, first, second = (
+            f"\x1b[0;{_code(_colour(value, self._ink), self._ink, 48)}m {RESET}"
+            for value in (WALL, UNSEEN, 0, 1)
+        )
+        return wall, unseen, first + second if team else first
+
     def _labels(
         self, places: Mapping[int, Point], dead: Collection[int]
     ) -> dict[int, dict[int, tuple[str, int]]]:
@@ -169,8 +216,8 @@ class ConsoleMap:
                 paint = f"\x1b[1;{_code(WHITE, self._ink)};{_code(_own(robot), self._ink, 48)}m"
             else:
                 sign = "▀" if top != bottom else " "
-                above = f"{_code(_colour(top), self._ink)};" if top != bottom else ""
-                paint = f"\x1b[0;{above}{_code(_colour(bottom), self._ink, 48)}m"
+                above = f"{_code(_colour(top, self._ink), self._ink)};" if top != bottom else ""
+                paint = f"\x1b[0;{above}{_code(_colour(bottom, self._ink), self._ink, 48)}m"
             parts.append(sign if paint == last else paint + sign)
             last = paint
         return "".join(parts) + RESET
@@ -213,10 +260,10 @@ def _own(robot: int) -> str:
 
 
 @cache
-def _colour(value: int) -> str:
+def _colour(value: int, ink: Ink) -> str:
     if value < 0:
         return WALL_COLOUR if value == WALL else UNSEEN_COLOUR
-    return tint(_own(value), SEEN_SHARE)
+    return tint(_own(value), SEEN_SHARE_256 if ink == "256" else SEEN_SHARE)
 
 
 @cache

@@ -69,7 +69,9 @@ def draw_starts_and_ends(
     if "starts" not in without and team:
         starts = [trace.start[:2] for trace in traces]
         radius_mm = badge_radius_mm(starts, sheet.metres(1.0))
-        places = spread(starts, sheet.metres(radius_mm), ends)
+        least_mm = sheet.min_number_mm / (sheet.weight * _number_share(str(len(traces) - 1)))
+        radius_mm = max(radius_mm, least_mm)
+        places = spread(starts, sheet.metres(radius_mm), ends, sheet.bounds)
         badges = [Disc(float(x), float(y), sheet.metres(radius_mm)) for x, y in places]
         reach = 2.0 * PIN_REACH * sheet.metres(radius_mm)
         taken += [box_at((x, y), (reach, reach)) for x, y, _ in badges]
@@ -154,8 +156,13 @@ def _draw_badge(sheet: Sheet, trace: Trace, badge: Disc) -> None:
     layer = sheet.layer(f"robot {trace.robot}: start", style.scaled(radius_mm / BADGE_MM[1]))
     child(layer, "path", d=sheet.pen.marker("pin", badge.x, badge.y, badge.radius, heading))
     number = str(trace.robot)
-    size_mm = radius_mm * sheet.weight * (1.5 if len(number) == 1 else 1.3)
+    size_mm = radius_mm * sheet.weight * _number_share(number)
     sheet.label(layer, number, (badge.x, badge.y), size_mm)
+
+
+def _number_share(number: str) -> float:
+    # The size of the number of a badge, in radii of the badge.
+    return 1.5 if len(number) == 1 else 1.3
 
 
 def _draw_end(sheet: Sheet, trace: Trace, team: bool) -> None:

@@ -155,6 +155,7 @@ class Sheet:
         self.legend: list[LegendEntry] = []
         self.swatches: list[Swatch] = []
         self.swatches_heading = ""
+        self.min_number_mm = 0.0
         self.heading = tuple(heading)
         self.bounds: Bounds = (x0 - frame, y0 - frame, x1 + frame, y1 + frame)
         self.map_mm = ((x1 - x0) / self.mm + 2 * FRAME_MM, (y1 - y0) / self.mm + 2 * FRAME_MM)

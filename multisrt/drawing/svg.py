@@ -100,6 +100,11 @@ class Pen:
             Radius of a disc in metres; the other shapes look equally large.
         turn : float, optional
             Counterclockwise rotation, in radians.
+
+        Returns
+        -------
+        str
+            Path data.
         """
         fine = Pen(origin=self.origin, decimals=max(self.decimals, 1 - _exponent(size)) + 1)
         if marker == "disc":

@@ -18,7 +18,7 @@ from multisrt.drawing.colours import (
     CLOSED,
     FRONTIER,
     NODE_MM,
-    STAGES,
+    STAGE_MARKERS,
     RobotStyles,
     Style,
 )
@@ -58,7 +58,7 @@ def tree_svg(recording: Recording, *, without: Iterable[str] = ()) -> str:
     recording : Recording
         Recording of the run.
     without : iterable of str, optional
-        Layers to leave out: names of `multisrt.drawing.LAYERS`.
+        Layers to leave out: names of `multisrt.drawing.LAYERS` that a map has.
 
     Returns
     -------
@@ -90,6 +90,7 @@ def run_sheet(
     *,
     without: Iterable[str] = (),
     bounds_mm: Sequence[tuple[float, float]] = MAX_MAP_MM,
+    min_number_mm: float = 0.0,
 ) -> Sheet:
     """Return the sheet of `tree_svg`, for other formats.
 
@@ -102,15 +103,23 @@ def run_sheet(
     draw_below : callable, optional
         Draws on the ground, below all else.
     without : iterable of str, optional
-        Layers to leave out: names of `LAYERS`.
+        Layers to leave out; see `tree_svg`.
     bounds_mm : sequence of (width, height), optional
         Bounds of the map on paper; see `Sheet`.
+    min_number_mm : float, optional
+        Lower bound of the size of the numbers at starts, in millimetres on paper.
+
+    Returns
+    -------
+    Sheet
+        The sheet, with its legend.
     """
     absent = left_out(without)
     environment = recording.environment()
     traces = traces_of(recording)
     title = heading(recording, traces, status)
     sheet = Sheet(environment, title, description(recording), bounds_mm)
+    sheet.min_number_mm = min_number_mm
     team = len(traces) > 1
     sheet.draw_ground("free space" if "areas" in absent else "free space that is on no map")
     if draw_below is not None:
@@ -258,7 +267,7 @@ def _draw_edges(sheet: Sheet, trace: Trace) -> None:
 def _draw_nodes(sheet: Sheet, trace: Trace, node_mm: float) -> None:
     styles = RobotStyles.of(trace.robot)
     layer = sheet.layer(f"robot {trace.robot}: nodes", styles.node.scaled(node_mm / NODE_MM[1]))
-    for stage, (marker, _) in STAGES.items():
+    for stage, marker in STAGE_MARKERS.items():
         places = [node.configuration[:2] for node in trace.nodes.values() if node.stage == stage]
         if places:
             size = sheet.metres(node_mm)

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from multisrt.events import Decided
 from multisrt.explain.story import ChoiceStory
-from multisrt.explain.words import decision_lines, many, place, towards
+from multisrt.explain.words import decision_lines, many, one_line, own_choice, place
 from multisrt.recording import Recording
 
 MAX_ROWS = 12
@@ -35,6 +35,11 @@ def own_choice_lines(
         The decision.
     asked_s : float
         The time that was asked for, in seconds.
+
+    Yields
+    ------
+    str
+        A line of the explanation.
     """
     return _OwnStory(recording, index, choice, asked_s).lines()
 
@@ -45,11 +50,6 @@ def own_lines(recording: Recording, robot: int) -> Iterator[str]:
     rows = [(event.time_s, (str(len(event.options)),), own_choice(event)) for event in decisions]
     if rows:
         yield from decision_lines({"options": 7}, rows)
-
-
-def own_choice(choice: Decided) -> str:
-    """Return a decision in one line."""
-    return f"{towards(choice.goal)}: {_line(choice.text)}"
 
 
 class _OwnStory(ChoiceStory[Decided]):
@@ -72,7 +72,7 @@ class _OwnStory(ChoiceStory[Decided]):
 
     def decision(self) -> Iterator[str]:
         choice = self.choice
-        yield from filter(None, map(_line, choice.text.splitlines()))
+        yield from filter(None, map(one_line, choice.text.splitlines()))
         if choice.goal is None:
             yield "no goal"
         else:
@@ -89,8 +89,8 @@ class _OwnStory(ChoiceStory[Decided]):
             range(len(options)),
             key=lambda k: (k not in chosen, math.inf if (v := first[k]) is None else v, k),
         )[:MAX_ROWS]
-        wide = [max(COLUMN, len(_line(name)) + 2) for name in values]
-        named = zip(map(_line, values), wide, strict=True)
+        wide = [max(COLUMN, len(one_line(name)) + 2) for name in values]
+        named = zip(map(one_line, values), wide, strict=True)
         yield f"  {'place':>16}" + "".join(f"{name:>{width}}" for name, width in named)
         for k in shown:
             row = zip((column[k] for column in values.values()), wide, strict=True)
@@ -108,8 +108,3 @@ class _OwnStory(ChoiceStory[Decided]):
     def _is_goal(self, option: tuple[float, float]) -> bool:
         goal = self.choice.goal
         return goal is not None and math.dist(option, goal) <= SAME_PLACE_M
-
-
-def _line(text: str) -> str:
-    # Words of others on one line, without what would move the cursor.
-    return " ".join("".join(c if c.isprintable() else " " for c in text).split())

@@ -7,7 +7,8 @@ from collections.abc import Iterator, Sequence
 
 from multisrt.events import GoalChosen
 from multisrt.explain.story import ChoiceStory
-from multisrt.explain.words import decision_lines, many, place, towards
+from multisrt.explain.terms import RULES
+from multisrt.explain.words import because, bid_choice, decision_lines, many, place
 from multisrt.recording import Recording
 from multisrt.robots.naming import named_robots
 
@@ -19,29 +20,6 @@ MAX_ROWS = 12
 
 COLUMN = 10
 """Width of a table column, in characters."""
-
-BECAUSE = {
-    "start": "it had taken its first scan",
-    "reached": "it had reached its last goal",
-    "news": "its map had changed",
-    "nothing left": "nothing was left to be seen at its last goal",
-    "no way": "the path to its last goal turned out to be blocked",
-    "blocked": "another robot blocked its path",
-    "gave way": "it had given way to another robot",
-    "stop signal": "another robot reported that its goal was no longer a frontier",
-    "assigned": "goals were swapped, or another robot gave it one or wanted one from it",
-    "called on": "it was done, and heard something new",
-}
-
-RULES = {
-    "closest": "the nearest frontier, regardless of the other robots",
-    "greedy": "the shortest paths first; each frontier goes to one robot before any to a second",
-    "minpos": "the frontier to which the fewest robots are nearer, and of these the nearest",
-    "utility": "a leader assigns frontiers by their utility less the path length",
-    "self-bidding": "the bids of all robots, matched for the least sum",
-    "rules": "the unexplored cell with the best score",
-    "random": "a random place that it can reach, as it was stuck",
-}
 
 
 def choice_lines(
@@ -59,6 +37,11 @@ def choice_lines(
         The choice.
     asked_s : float
         The time that was asked for, in seconds.
+
+    Yields
+    ------
+    str
+        A line of the explanation.
     """
     return _BidStory(recording, index, choice, asked_s).lines()
 
@@ -72,11 +55,6 @@ def bid_lines(recording: Recording, robot: int) -> Iterator[str]:
             rows.append((choice.time_s, (str(len(choice.frontiers)), length), bid_choice(choice)))
     if rows:
         yield from decision_lines({"frontiers": 9, "path": 9}, rows)
-
-
-def bid_choice(choice: GoalChosen) -> str:
-    """Return the choice of a goal in one line."""
-    return f"{choice.rule} {towards(choice.goal)}: {_because(choice)}"
 
 
 class _BidStory(ChoiceStory[GoalChosen]):
@@ -106,7 +84,7 @@ class _BidStory(ChoiceStory[GoalChosen]):
         yield from self.complete()
 
     def reason(self) -> Iterator[str]:
-        yield f"{self.choice.because}: {_because(self.choice)}"
+        yield f"{self.choice.because}: {because(self.choice)}"
         last = [event for event in self.before if isinstance(event, GoalChosen)]
         if last:
             goal = last[-1].goal
@@ -139,7 +117,7 @@ class _BidStory(ChoiceStory[GoalChosen]):
     def afterwards(self) -> Iterator[str]:
         yield from super().afterwards()
         if isinstance(self.next, GoalChosen):
-            yield f"at {self.next.time_s:.2f} s it chose again: {_because(self.next)}"
+            yield f"at {self.next.time_s:.2f} s it chose again: {because(self.next)}"
 
     def _chosen(self) -> int | None:
         # The column of the goal; a cell that `rules` chose has none.
@@ -222,10 +200,6 @@ class _BidStory(ChoiceStory[GoalChosen]):
         for x, y, *terms in scores[:MAX_ROWS]:
             mark = "*" if (x, y) == self.choice.goal else " "
             yield f"{mark} {place((x, y)):>16}" + "".join(f" {t:>{COLUMN}.2f}" for t in terms)
-
-
-def _because(choice: GoalChosen) -> str:
-    return BECAUSE.get(choice.because, choice.because)
 
 
 def _rank(rank: int | None) -> str:

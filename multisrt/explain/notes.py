@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from multisrt.events import AnyEvent, Collision, Decided, Decision, Ended, GoalChosen, MapComplete
-from multisrt.explain.custom import own_choice
-from multisrt.explain.frontier import bid_choice
+from multisrt.events import Decided, Decision, Ended, GoalChosen, MapComplete
 from multisrt.explain.srt import planned
-from multisrt.explain.words import trouble
+from multisrt.explain.words import in_words, trouble
 from multisrt.recording import Recording
+
+DECIDED = Decision | GoalChosen | Decided | MapComplete | Ended
+"""What is told besides what was not planned."""
 
 
 class Note(NamedTuple):
@@ -44,38 +45,22 @@ def notes(recording: Recording) -> list[Note]:
     Returns
     -------
     list of Note
-        Decisions read as in the table of `explain_all`.
+        Decisions read as in the table of `explain_all`, after ``decided:``.
 
     Examples
     --------
     >>> import multisrt as ms
     >>> found = notes(ms.explore("open", seed=1).recording)
     >>> found[-1].text
-    'it ended: every frontier arc is explored or closed'
+    'ended: every frontier arc is explored or closed'
     """
     found = []
     for index, event in enumerate(recording.events):
-        if text := _decision(recording, index, event):
+        if isinstance(event, Decision):
+            text = f"decided: {planned(recording.events, index, event)}"
             found.append(Note(event.time_s, event.robot, text, False))
-        elif text := _trouble(event):
+        elif isinstance(event, DECIDED):
+            found.append(Note(event.time_s, event.robot, in_words(event), False))
+        elif text := trouble(event):
             found.append(Note(event.time_s, event.robot, text, True))
     return found
-
-
-def _decision(recording: Recording, index: int, event: AnyEvent) -> str:
-    match event:
-        case Decision():
-            return planned(recording.events, index, event)
-        case GoalChosen():
-            return bid_choice(event)
-        case Decided():
-            return own_choice(event)
-        case MapComplete():
-            return "its map is complete"
-        case Ended():
-            return f"it ended: {event.reason}"
-    return ""
-
-
-def _trouble(event: AnyEvent) -> str:
-    return f"collision: {event.account}" if isinstance(event, Collision) else trouble(event)

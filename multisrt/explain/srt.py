@@ -23,38 +23,19 @@ from multisrt.events import (
 from multisrt.explain.custom import own_choice_lines, own_lines
 from multisrt.explain.frontier import bid_lines, choice_lines
 from multisrt.explain.story import ChoiceStory
+from multisrt.explain.terms import CHOICES, ORDERS, stage_name
 from multisrt.explain.words import (
     SAME_MOMENT_S,
+    choice_line,
     decision_lines,
     listed,
     many,
     place,
-    towards,
     troubles,
 )
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.recording import Recording
 from multisrt.spec.numbering import numbers_of
-
-CHOICES = {
-    "draw": "a new place, drawn at random towards its local frontier",
-    "approach": "a new place, the one nearest to its local frontier, as no draw was accepted",
-    "complete": "a place from which it can see a frontier arc that it had left behind",
-    "parent": "back to the parent node, as nothing is left to do here",
-    "nearest_open": "the nearest node that has a frontier left",
-    "home": "back to its root, as no frontier is left that it can open",
-    "transfer": "to go to the tree of another robot, or back to its own",
-    "bypass": "a place on a detour around a robot that stands still and does not answer",
-    "stay": "to stay where it is",
-    "end": "to end here",
-}
-
-ORDERS = {
-    "keep": "to keep its target",
-    "wait": "to wait where it stands",
-    "new target": "to go to another target",
-    "give way": "to give way",
-}
 
 PURPOSES = {
     "explore": "to explore",
@@ -131,6 +112,11 @@ def explain_all(recording: Recording, robot: int) -> str:
     robot : int
         The robot, from 0.
 
+    Returns
+    -------
+    str
+        A heading and a line for each decision.
+
     Raises
     ------
     InvalidInputError
@@ -158,14 +144,15 @@ def planned(events: Sequence[AnyEvent], index: int, decision: Decision) -> str:
         Index of the decision among them.
     decision : Decision
         The decision.
+
+    Returns
+    -------
+    str
+        The choice and its target, and the order of the master if there was one.
     """
     told = _coordinated(events, index)
-    return (
-        decision.choice
-        + ("" if decision.target is None else f" {towards(decision.target)}")
-        + (f", GER {listed(decision.ger)}" if len(decision.ger) > 1 else "")
-        + ("" if told is None else f"; {told.order} {place(told.new_target)}")
-    )
+    order = "" if told is None else f"; {ORDERS[told.order].name} {place(told.new_target)}"
+    return f"{choice_line(decision)}{order}"
 
 
 class _Story(ChoiceStory[Decision]):
@@ -188,13 +175,27 @@ class _Story(ChoiceStory[Decision]):
         }
 
     def sections(self) -> Iterator[tuple[str, Iterator[str]]]:
-        yield "Where it stood", self.standing()
-        yield "What it knew", self.knowledge()
-        yield "What it decided", self.decided()
-        yield "Its group", self.group()
-        yield "Which tree it supports", self.support()
+        decided, group, support = self._times()
+        yield f"Where it stood{decided}", self.standing()
+        yield f"What it knew{decided}", self.knowledge()
+        yield f"What it decided{decided}", self.decided()
+        yield f"Its group{group}", self.group()
+        yield f"Which tree it supports{support}", self.support()
         yield "What did not go as planned", troubles(self.past)
-        yield "What it did next", self.afterwards()
+        yield f"What it did next{decided.replace(' at', ' from')}", self.afterwards()
+
+    def _times(self) -> tuple[str, str, str]:
+        # While a robot supports a tree, what is told is of several times, which titles then name.
+        supports = [event for event in self.past if isinstance(event, Supports)]
+        if not supports or supports[-1].tree is None:
+            return "", "", ""
+        told = _coordinated(self.events, self.index, self.asked_s)
+        group_s = self.time_s if told is None else told.time_s
+        return (
+            f", at {self.time_s:.2f} s",
+            f", at {group_s:.2f} s",
+            f", since {supports[-1].time_s:.2f} s",
+        )
 
     def endings(self) -> Iterator[str]:
         yield from ()  # its problems stand before what it did next, to which they led
@@ -209,7 +210,8 @@ class _Story(ChoiceStory[Decision]):
         if node.parent is None:
             yield f"the root of the tree of robot {node.robot}"
         else:
-            yield f"its parent is {self._node(node.parent)}; the place was found by: {node.stage}"
+            stage = stage_name(node.stage)
+            yield f"its parent is {self._node(node.parent)}; the place was found by: {stage}"
 
     def knowledge(self) -> Iterator[str]:
         yield f"its local frontier there was {self.choice.frontier_m:.2f} m long"
@@ -225,7 +227,8 @@ class _Story(ChoiceStory[Decision]):
             tried = Counter((place((x, y)), reason) for x, y, reason in chosen.candidates)
             for (where, reason), count in tried.items():
                 yield f"  {where}: {reason}" + (f", {count} times" if count > 1 else "")
-        yield f"it chose {chosen.choice}: {CHOICES[chosen.choice]}"
+        name, meaning = CHOICES[chosen.choice]
+        yield f"it chose {name}: {meaning}"
         if chosen.target is not None:
             here = self.nodes[chosen.node].configuration
             yield f"target {place(chosen.target)}, {math.dist(here[:2], chosen.target):.2f} m away"
@@ -255,7 +258,7 @@ class _Story(ChoiceStory[Decision]):
                 yield "a deadlock: no robot could be let go"
             yield from _table(organized)
         yield (
-            f"at {told.time_s:.2f} s its order was {ORDERS[told.order]}"
+            f"at {told.time_s:.2f} s its order was {ORDERS[told.order].meaning}"
             + (
                 f" {place(told.target)}"
                 if told.order == "keep" and told.new_target == told.target
@@ -270,7 +273,7 @@ class _Story(ChoiceStory[Decision]):
         last = chosen[-1]
         none = "no path leads to a tree that may need support"
         what = none if last.tree is None else f"the tree of robot {last.tree}"
-        yield f"its last choice, at {last.time_s:.2f} s: {what}"
+        yield f"it chose at {last.time_s:.2f} s: {what}"
         yield f"{'tree':>4}  {'open frontier':>13}  {'active robots':>13}"
         for tree, length in sorted(last.open_frontier_m.items()):
             mark = "  may need support" if tree in last.candidates else ""
@@ -355,8 +358,12 @@ def _table(organized: Organized) -> Iterator[str]:
     for robot in sorted(organized.before):
         yield (
             f"{robot:>5}  {place(organized.before[robot]):>18}  "
-            f"{_place_of(organized.after, robot):>18}  {organized.orders.get(robot, '')}"
+            f"{_place_of(organized.after, robot):>18}  {_order(organized, robot)}"
         )
+
+
+def _order(organized: Organized, robot: int) -> str:
+    return ORDERS[organized.orders[robot]].name if robot in organized.orders else ""
 
 
 def _place_of(places: Mapping[int, Point], robot: int) -> str:

@@ -43,7 +43,7 @@ def export_run(
         The file, whose suffix says the format: ``.mcap`` or ``.rrd``. It is written completely or
         not at all, and replaced if it exists.
     options : ExportOptions, optional
-        How densely the run is sampled.
+        What is left out, and how densely the run is sampled.
     environment : Environment, optional
         Its world; by default it is built from the recording.
     progress : callable, optional

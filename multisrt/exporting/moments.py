@@ -5,7 +5,7 @@ from __future__ import annotations
 import heapq
 import math
 from collections import defaultdict
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from itertools import pairwise
 from typing import Final
 
@@ -79,7 +79,12 @@ def moments(
     grid : Grid
         The lattice of its maps.
     options : ExportOptions
-        How often.
+        What is left out, and how often the rest is shown.
+
+    Yields
+    ------
+    Moment
+        Nanoseconds since the start of the run, and what is shown then.
 
     Raises
     ------
@@ -87,21 +92,27 @@ def moments(
         If there would be too many poses, or the recording contradicts itself.
     """
     _require_bounded(recording, options)
+    absent = frozenset(options.without)
+    layers: tuple[tuple[str, Callable[[], Iterable[Moment]]], ...] = (
+        ("bodies", lambda: _bodies(recording)),
+        ("maps", lambda: _known_maps(recording, environment, grid, options)),
+        ("nodes edges", lambda: _trees(recording, absent)),
+        ("paths", lambda: _in_order(_ways(recording))),
+        ("links", lambda: _links(recording, environment, options)),
+        ("decisions", lambda: _in_order(_said(recording))),
+    )
     sources: tuple[Iterable[Moment], ...] = (
         [(0, Truth(truth_of(environment, grid)))],
-        _bodies(recording),
         *(_poses(robot, track, options) for robot, track in enumerate(tracks(recording))),
-        _known_maps(recording, environment, grid, options),
-        _trees(recording),
-        _in_order(_ways(recording)),
-        _links(recording, environment, options),
-        _in_order(
-            (nanoseconds(note.time_s), Said(note.robot, note.text, note.is_trouble))
-            for note in notes(recording)
-        ),
+        *(made() for names, made in layers if not absent.issuperset(names.split())),
         _coverage(recording, environment),
     )
     return heapq.merge(*sources, key=lambda moment: moment[0])
+
+
+def _said(recording: Recording) -> Iterator[Moment]:
+    for note in notes(recording):
+        yield nanoseconds(note.time_s), Said(note.robot, note.text, note.is_trouble)
 
 
 def nanoseconds(time_s: float) -> int:
@@ -211,7 +222,7 @@ def _known_maps(
             yield now, KnownMap(robot, cells, grid.centres(frontier_of(cells)))
 
 
-def _trees(recording: Recording) -> Iterator[Moment]:
+def _trees(recording: Recording, absent: frozenset[str]) -> Iterator[Moment]:
     places: dict[NodeName, Point] = {}
     nodes: dict[int, list[Point]] = defaultdict(list)
     edges: dict[int, list[tuple[float, ...]]] = defaultdict(list)
@@ -224,7 +235,9 @@ def _trees(recording: Recording) -> Iterator[Moment]:
         # Scans of robots that bid for frontiers form no tree.
         if event.parent in places and event.stage != "scan":
             edges[event.robot].append((*places[event.parent], *place))
-        yield now, Tree(event.robot, _rows(nodes[event.robot], 2), _rows(edges[event.robot], 4))
+        shown = [] if "nodes" in absent else nodes[event.robot]
+        joined = [] if "edges" in absent else edges[event.robot]
+        yield now, Tree(event.robot, _rows(shown, 2), _rows(joined, 4))
 
 
 def _ways(recording: Recording) -> Iterator[Moment]:

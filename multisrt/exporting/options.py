@@ -1,10 +1,11 @@
-"""What of a run is exported how often."""
+"""What of a run is exported, and how often."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import Final
 
+from multisrt.drawing.layers import left_out
 from multisrt.geometry.errors import InvalidInputError
 
 MAX_RATE_HZ: Final = 1000.0
@@ -22,7 +23,7 @@ MIN_CELL_M, MAX_CELL_M = 1e-3, 1e3
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ExportOptions:
-    """How densely a run is sampled for other programs.
+    """What of a run is exported for other programs, and how densely it is sampled.
 
     Attributes
     ----------
@@ -34,11 +35,13 @@ class ExportOptions:
     cell_m : float or None
         Width of a cell of the maps, in metres; None: 0.1 m, doubled until a map has at most a
         million cells.
+    without : tuple of str
+        Layers to leave out: names of `multisrt.drawing.layers.PICTURES` of an export.
 
     Raises
     ------
     InvalidInputError
-        If a number is out of range.
+        If a number is out of range, or an export has no such layer.
 
     Examples
     --------
@@ -49,6 +52,7 @@ class ExportOptions:
     rate_hz: float = 10.0
     map_interval_s: float = 5.0
     cell_m: float | None = None
+    without: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         # Comparisons are such that not-a-number is refused.
@@ -65,3 +69,4 @@ class ExportOptions:
             raise InvalidInputError(
                 f"cells of maps are {MIN_CELL_M:g} to {MAX_CELL_M:g} m wide, not {self.cell_m:g}"
             )
+        left_out(self.without, "export")

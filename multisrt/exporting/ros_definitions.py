@@ -84,6 +84,11 @@ def definition_of(name: str) -> str:
     name : str
         A key of `DEFINITIONS`.
 
+    Returns
+    -------
+    str
+        The definition, with those of all types that it uses.
+
     Examples
     --------
     >>> print(definition_of("std_msgs/Header").replace("=" * 80, "===="))

@@ -246,7 +246,7 @@ def all_complete(results: Results) -> Claim:
         verdict=_of_all(results, bad),
         grounds=(
             f"{len(results) - len(bad)} of {len(results)} runs are complete and cover at least "
-            f"{results.experiment.success_coverage:.0%}, of {results.planned} asked for",
+            f"{100.0 * results.experiment.success_coverage:.0f} %, of {results.planned} asked for",
             *failed_runs(bad, MAX_LISTED),
         ),
     )

@@ -77,7 +77,7 @@ def _account(results: Results) -> list[str]:
         "repetitions. The verdicts refer to these.",
         f"Runs: {len(results)} of {results.planned}; {complete} complete, "
         f"{sum(result.success for result in results)} successful: without a collision, covering "
-        f"at least {spec.success_coverage:.0%} of what can be explored.",
+        f"at least {100.0 * spec.success_coverage:.0f} % of what can be explored.",
         f"Computing time of all runs: {seconds / 3600.0:.2f} h of one core.",
         f"Versions: {', '.join(f'{name} {versions[name]}' for name in versions)}; "
         f"{results.provenance.system}, {results.provenance.machine}.",

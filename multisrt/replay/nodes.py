@@ -9,6 +9,7 @@ import numpy as np
 
 from multisrt.analysis.scans import scanned_regions
 from multisrt.events import Learned, NodeAdded, NodeName, Pose, Sensed
+from multisrt.explain.terms import stage_name
 from multisrt.geometry.numerics.kernel import FloatArray, IntArray
 from multisrt.recording import Recording
 from multisrt.replay.outlines import simplified
@@ -67,6 +68,7 @@ def packed_nodes(recording: Recording, names: Names, tolerance_m: float) -> Pack
         "parent": differences(parents),
         "stage": [stages.index(node.stage) for node in nodes],
         "stages": stages.values,
+        "stage_names": [stage_name(str(stage)) for stage in stages.values],
         "x": whole(places[:, 0], UNIT_M),
         "y": whole(places[:, 1], UNIT_M),
         "region": points(outlines),

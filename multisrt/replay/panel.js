@@ -2,7 +2,7 @@
 
 const EVENTS_SHOWN = 9;
 const MAX_KNOWERS = 12; // of a node, that are named
-const DECIDED = "What it decided"; // a heading of explanations
+const DECIDED = "What it decided"; // a heading of explanations, which a time may follow after a comma
 
 const LAYERS = [
   ["truth", "World (truth)"],
@@ -111,7 +111,7 @@ class Panel {
     const { chosen, robot } = this.player, time = this.player.timeOf(chosen);
     if (robot === TEAM) return "map of the team";
     const [about, ...sections] = chosen.why(robot, time).split("\n\n");
-    const decided = sections.map((section) => section.split("\n")).find(([title]) => title === DECIDED);
+    const decided = sections.map((section) => section.split("\n")).find(([title]) => title.split(",")[0] === DECIDED);
     return decided ? `${about} ${decided.slice(1).map((line) => line.trim()).join("; ")}` : about;
   }
 
@@ -155,8 +155,8 @@ class Panel {
 }
 
 function aboutNode(run, node) {
-  const { serial, robot, parent, x, y, t, stage } = run.nodes, from = parent[node];
-  const origin = from < 0 ? "a root" : `found by: ${stage[node]}; its parent is node ${serial[from]} of robot ${robot[from]}`;
+  const { serial, robot, parent, x, y, t, stageName } = run.nodes, from = parent[node];
+  const origin = from < 0 ? "a root" : `found by: ${stageName[node]}; its parent is node ${serial[from]} of robot ${robot[from]}`;
   return `Node ${serial[node]} of robot ${robot[node]} at (${x[node].toFixed(2)}, ${y[node].toFixed(2)}): added at ${t[node].toFixed(2)} s, ${origin}.`;
 }
 

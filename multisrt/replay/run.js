@@ -175,6 +175,7 @@ function nodesOf(packed) {
     count: packed.robot.length,
     t: running(packed.t, 1000), robot: packed.robot, serial: whole(packed.serial), parent: whole(packed.parent),
     stage: packed.stage.map((stage) => packed.stages[stage]),
+    stageName: packed.stage.map((stage) => packed.stage_names[stage]),
     x: running(packed.x, 1000), y: running(packed.y, 1000),
     region, boxes: boxesOf(region), tags: packed.tags,
   };

@@ -58,7 +58,7 @@ def decision_table(recordings: Sequence[Recording], robots: Sequence[int] | None
                 *(Cell(text=text) for text in (row.strategy, row.choice, row.reason)),
                 *(_count(count) for count in row.counts),
                 _count(row.total),
-                Cell(text=f"{row.share:.1%}", sort=row.share),
+                Cell(text=f"{100.0 * row.share:.1f} %", sort=row.share),
             )
             for row in rows
         ),

@@ -45,8 +45,8 @@ def account(recording: Recording, world: Environment) -> tuple[float, tuple[str,
         told.append("notes no node, and is measured by its scans")
     elif covered.seen - covered.share > MIN_DIFFERENCE:
         told.append(
-            f"notes nodes that cover {covered.share:.1%}, where its scans showed "
-            f"{covered.seen:.1%}: only what it notes counts as covered"
+            f"notes nodes that cover {100.0 * covered.share:.1f} %, where its scans showed "
+            f"{100.0 * covered.seen:.1f} %: only what it notes counts as covered"
         )
     if proof.unshown_m2 > MIN_DIFFERENCE * covered.explorable_m2:
         told.append(

@@ -55,8 +55,8 @@ operating system, in the main thread and on Unix only; the message names the lin
 glance keeps to the contract of explorers, with a warning:
   repeats; shares no state; changes nothing that it is given; yields what its body can do;
   stays in what it knows; does not reach the truth; does not collide; ends
-  1 robot in 'two rooms': stalled after 0 s, 38.8% covered, 2 actions
-  3 robots in 'two rooms': stalled after 0 s, 92.1% covered, 6 actions
+  1 robot in 'two rooms': stalled after 0 s, 38.8 % covered, 2 actions
+  3 robots in 'two rooms': stalled after 0 s, 92.1 % covered, 6 actions
   note: it notes no node, and is measured by its scans
 WARNING: it never moves: it sees what can be seen from its start alone; yield Move(...) to a place
 that its scan shows to be free

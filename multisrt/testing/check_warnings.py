@@ -75,12 +75,13 @@ def warnings_about(runs: Sequence[CheckedRun], cls: type) -> tuple[str, ...]:
     if claims:
         warnings.append(
             f"it says that it is complete but covered {_shares(claims)}; give Done complete=True "
-            f"only where no frontier is left: from {SUCCESS_COVERAGE:.0%} on a run is a success"
+            f"only where no frontier is left: from {100.0 * SUCCESS_COVERAGE:.0f} % on a run is a "
+            "success"
         )
     elif len(small) == len(runs) and not warnings:
         warnings.append(
             f"it covered little in all runs: {_shares(small)}; a run is a success from "
-            f"{SUCCESS_COVERAGE:.0%} on: see that it drives on while a frontier is left"
+            f"{100.0 * SUCCESS_COVERAGE:.0f} % on: see that it drives on while a frontier is left"
         )
     if stalls := [run for run in runs if _stalls_as_a_team(run, runs)]:
         warnings.append(
@@ -124,11 +125,13 @@ def _other_runs(count: int) -> str:
 
 def _shares(runs: Sequence[CheckedRun]) -> str:
     # Those with the smallest shares, and how many more there are.
-    if len(runs) > 1 and len({f"{run.covered:.1%}" for run in runs}) == 1:
-        return f"{runs[0].covered:.1%} in {len(runs)} runs"
+    if len(runs) > 1 and len({f"{100.0 * run.covered:.1f} %" for run in runs}) == 1:
+        return f"{100.0 * runs[0].covered:.1f} % in {len(runs)} runs"
     least = sorted(runs, key=lambda run: run.covered)
-    texts = [f"{run.covered:.1%} ({run.title})" for run in least[:MAX_EXAMPLES]]
+    texts = [f"{100.0 * run.covered:.1f} % ({run.title})" for run in least[:MAX_EXAMPLES]]
     more = len(runs) - len(texts)
     if more == 0:
         return " and ".join(texts)
-    return f"{', '.join(texts)} and less than {SUCCESS_COVERAGE:.0%} in {_other_runs(more)}"
+    return (
+        f"{', '.join(texts)} and less than {100.0 * SUCCESS_COVERAGE:.0f} % in {_other_runs(more)}"
+    )

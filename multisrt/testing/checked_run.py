@@ -48,7 +48,7 @@ class CheckedRun:
     ...     digest="0" * 64,
     ... )
     >>> print(run)
-    2 robots in 'hall': complete after 81 s, 99.4% covered, 40 actions
+    2 robots in 'hall': complete after 81 s, 99.4 % covered, 40 actions
     """
 
     world: str
@@ -72,5 +72,5 @@ class CheckedRun:
         count = sum(self.actions.values())
         return (
             f"{self.title}: {self.outcome.replace('_', ' ')} after {self.time_s:.0f} s, "
-            f"{self.covered:.1%} covered, {count} action{'s' * (count > 1)}"
+            f"{100.0 * self.covered:.1f} % covered, {count} action{'s' * (count > 1)}"
         )

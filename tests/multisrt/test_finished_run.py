@@ -27,7 +27,7 @@ def test_a_run_shows_its_picture_and_its_main_figures(run):
     assert shown.count("<img") == 1
     assert "<b>" not in shown
     assert f"complete: {run.reason}" in shown
-    assert "100.0% of 30.0 m2 explorable" in shown
+    assert "100.0 % of 30.0 m2 explorable" in shown
     assert "messages" not in shown
 
 

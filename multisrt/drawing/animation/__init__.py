@@ -5,6 +5,5 @@ pictures, and `video` makes films of them.
 """
 
 from multisrt.drawing.animation.saving import FORMATS, animation_svg, save_animation
-from multisrt.drawing.animation.scene import LAYERS
 
-__all__ = ["FORMATS", "LAYERS", "animation_svg", "save_animation"]
+__all__ = ["FORMATS", "animation_svg", "save_animation"]

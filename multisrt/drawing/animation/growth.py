@@ -57,6 +57,11 @@ def pieces(
         When what is shown.
     tolerance_m : float
         Bound of the distance of outlines from the true ones, in metres.
+
+    Yields
+    ------
+    Piece
+        In the order of their pictures.
     """
     seen: BaseGeometry = shapely.Polygon()
     shown = groupby(_regions(recording, environment), lambda one: pace.picture_after(one[0]))

@@ -65,6 +65,11 @@ def ways_of(recording: Recording, tolerance_m: float) -> list[Way]:
     tolerance_m : float
         Bound in metres of the distance between where a robot is drawn and where it was at the
         same time.
+
+    Returns
+    -------
+    list of Way
+        One for each robot.
     """
     end_s = recording.footer.time_s
     return [

@@ -22,13 +22,22 @@ MAX_ASPECT: Final = 1.4
 """Largest height of the map for its width, where the height of a picture is not given."""
 
 MARGIN: Final = 14.0
+"""Margin in a picture of the default width, in pixels."""
+
 TITLE: Final = 17.0
 TEXT: Final = 14.0
-ROW: Final = 22.0
-"""Lengths in a picture of the default width, in pixels."""
+LABEL: Final = 12.0
+"""Sizes of letters in a picture of the default width, in pixels: of the title, of other lines, and
+of numbers on the map."""
 
-ENTRY: Final = 152.0
-"""Width of the entry of a robot below the map."""
+MIN_LETTERS: Final = 12.5
+"""Lower bound of the size of letters, in pixels of the picture: digits are 9 pixels high."""
+
+ROW: Final = 22.0 / TEXT
+ENTRY: Final = 152.0 / TEXT
+SWATCH: Final = 12.0 / TEXT
+"""Height of a row below the map, width of the entry of a robot, and of its swatch, in sizes of
+letters."""
 
 FRAME: Final = 5.0
 """Width of the surroundings drawn around free space."""
@@ -77,6 +86,36 @@ class Layout:
         return PX_PER_MM * self.unit / self.scale
 
     @property
+    def title_px(self) -> float:
+        """Size of the letters of the title, in pixels."""
+        return max(MIN_LETTERS, TITLE * self.unit)
+
+    @property
+    def text_px(self) -> float:
+        """Size of the letters of other lines, in pixels."""
+        return max(MIN_LETTERS, TEXT * self.unit)
+
+    @property
+    def label_px(self) -> float:
+        """Size of the numbers on the map, in pixels."""
+        return max(MIN_LETTERS, LABEL * self.unit)
+
+    @property
+    def row_px(self) -> float:
+        """Height of a row below the map, in pixels."""
+        return ROW * self.text_px
+
+    @property
+    def swatch_px(self) -> float:
+        """Width of the swatch of a robot, in pixels."""
+        return SWATCH * self.text_px
+
+    @property
+    def title_y(self) -> float:
+        """Middle of the line of the title, in pixels."""
+        return MARGIN * self.unit + 0.5 * self.title_px
+
+    @property
     def caption_y(self) -> float:
         """Where the lines below the map begin."""
         return self.map[1] + self.map[3] + 0.5 * MARGIN * self.unit
@@ -84,8 +123,8 @@ class Layout:
     def entry(self, robot: int) -> tuple[float, float]:
         """Return the left end and the middle of the entry of a robot."""
         row, column = divmod(robot, self.columns)
-        y = self.caption_y + (1.5 + row) * ROW * self.unit
-        return (MARGIN + column * ENTRY) * self.unit, y
+        y = self.caption_y + (1.5 + row) * self.row_px
+        return MARGIN * self.unit + column * ENTRY * self.text_px, y
 
 
 def layout_of(
@@ -111,6 +150,11 @@ def layout_of(
     captioned : bool
         Whether there are a title and lines below the map.
 
+    Returns
+    -------
+    Layout
+        The layout, the same for all pictures of the run.
+
     Raises
     ------
     InvalidInputError
@@ -124,10 +168,11 @@ def layout_of(
     x0, y0, x1, y1 = bounds
     unit = width / WIDTH
     margin, frame = MARGIN * unit, FRAME * unit
-    columns = max(1, math.floor((WIDTH - 2.0 * MARGIN) / ENTRY))
+    title_px, text_px = max(MIN_LETTERS, TITLE * unit), max(MIN_LETTERS, TEXT * unit)
+    columns = max(1, math.floor((width - 2.0 * margin) / (ENTRY * text_px)))
     rows = 1 + (math.ceil(robots / columns) if robots <= MAX_ENTRIES else 0)
-    above = margin + (1.4 * TITLE * unit if captioned else 0.0)
-    below = margin + ((rows * ROW + 0.5 * MARGIN) * unit if captioned else 0.0)
+    above = margin + (1.4 * title_px if captioned else 0.0)
+    below = margin + (rows * ROW * text_px + 0.5 * margin if captioned else 0.0)
     wide = width - 2.0 * margin
     if height is None:
         natural = (wide - 2.0 * frame) * (y1 - y0) / (x1 - x0) + 2.0 * frame

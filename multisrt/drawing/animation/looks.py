@@ -7,6 +7,8 @@ from typing import Final
 
 from multisrt.drawing.animation.scene import Actor, Scene
 from multisrt.drawing.colours import INK, LATE_START, VERMILION, WHITE, RobotStyles, Style, tint
+from multisrt.drawing.sheet import shortened
+from multisrt.drawing.svg import text_width
 
 PROGRESS: Final = "#5c5c5c"
 TRACK: Final = "#e2e2e2"
@@ -22,7 +24,6 @@ RING: Final = 1.6
 """Radius of the ring around a robot that is cut off, in radii of its body."""
 
 GOAL_MM: Final = 1.1
-LABEL_PX: Final = 12.0
 LABEL_AWAY: Final = 1.0
 """Distance of a robot's number beyond its body, in halves of the text size."""
 
@@ -30,7 +31,17 @@ MAX_LABELS: Final = 16
 """Largest team whose robots are numbered on the map."""
 
 BAR_PX: Final = 4.0
-SWATCH_PX: Final = 12.0
+"""Height of the bar of progress, in a picture of the default width."""
+
+MAX_BAR_SHARE: Final = 0.68
+MIN_BAR_SHARE: Final = 0.1
+"""Bounds of the width of the bar of progress, as shares of that of the map."""
+
+TITLE_GAP: Final = 1.0
+"""Distance of the title from the text beside it, in sizes of its letters."""
+
+MIN_TITLE_SHARE: Final = 0.5
+"""Share of the width of the map that the title needs for the speed to stand beside it."""
 
 
 @lru_cache(maxsize=128)
@@ -80,10 +91,37 @@ def is_numbered(scene: Scene) -> bool:
     return scene.team and len(scene.actors) <= MAX_LABELS
 
 
+def title_texts(scene: Scene) -> tuple[str, str]:
+    """Return the title, and how fast the animation is, as they fit beside each other.
+
+    Returns
+    -------
+    (str, str)
+        The title, which an ellipsis may end; the speed in words, empty where there is no room.
+    """
+    layout = scene.layout
+    room = layout.map[2] - TITLE_GAP * layout.title_px
+    speed = speed_text(scene)
+    left = room - text_width(speed, layout.text_px)
+    if left < MIN_TITLE_SHARE * room:
+        speed, left = "", room
+    title = shortened(scene.title)
+    letters = int(left / text_width("n", layout.title_px))
+    return title if len(title) <= letters else f"{title[: max(1, letters - 1)]}…", speed
+
+
 def speed_text(scene: Scene) -> str:
     """Return how fast the animation is, in words."""
     speed = scene.pace.speed
     return f"{speed:.0f} times as fast" if speed >= 9.95 else f"{speed:.2g} times as fast"
+
+
+def bar_width(scene: Scene) -> float:
+    """Return the width of the bar of progress beside the longest caption, in pixels; 0 for none."""
+    layout = scene.layout
+    longest = max((text_width(span.shown, layout.text_px) for span in scene.captions), default=0.0)
+    left = min(MAX_BAR_SHARE * layout.map[2], layout.map[2] - longest - layout.text_px)
+    return left if left >= MIN_BAR_SHARE * layout.map[2] else 0.0
 
 
 def label_place(outer: float, size: float) -> float:

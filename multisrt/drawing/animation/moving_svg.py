@@ -16,19 +16,17 @@ from typing import Final
 
 import numpy as np
 
-from multisrt.drawing.animation.layout import MARGIN, ROW, TEXT, TITLE
 from multisrt.drawing.animation.looks import (
     BAR_PX,
     CUT_OFF_RING,
     GOAL_MM,
     HALO_MM,
     HEADING_MM,
-    LABEL_PX,
     PROGRESS,
     RING,
-    SWATCH_PX,
     TRACK,
     area_fill,
+    bar_width,
     body_fill,
     entry_text,
     goal_style,
@@ -36,12 +34,12 @@ from multisrt.drawing.animation.looks import (
     is_numbered,
     label_place,
     path_style,
-    speed_text,
     styles_of,
+    title_texts,
 )
 from multisrt.drawing.animation.scene import Actor, Dot, Edge, Scene, Span, is_listed
 from multisrt.drawing.colours import FREE, INK, NODE_MM, OBSTACLE, WHITE
-from multisrt.drawing.sheet import FONT, shortened
+from multisrt.drawing.sheet import FONT
 from multisrt.drawing.svg import Pen, child, number, set_attributes
 
 SHARE_DECIMALS: Final = 5
@@ -297,7 +295,7 @@ class _Document:
             self._animate(ring, "visibility", seen, shares, calcMode="discrete")
 
     def _write_label(self, group: ET.Element, text: str, outer: float) -> None:
-        scale, size = self.layout.scale, LABEL_PX * self.layout.unit
+        scale, size = self.layout.scale, self.layout.label_px
         away = _plain(label_place(outer, size / scale), 3)
         child(
             group,
@@ -343,26 +341,28 @@ class _Document:
         return child(parent, "text", text, x=_plain(x), y=_plain(y + 0.36 * size), **more)
 
     def _write_title(self) -> None:
-        unit, layout = self.layout.unit, self.layout
+        layout = self.layout
         group = child(self.root, "g", id="title", font_family=FONT, fill=INK)
-        y = (MARGIN + 0.5 * TITLE) * unit
-        title = shortened(self.scene.title)
-        self._write_text(group, title, layout.map[0], y, TITLE * unit, font_weight="bold")
-        right = layout.map[0] + layout.map[2]
-        text = speed_text(self.scene)
-        self._write_text(group, text, right, y, TEXT * unit, text_anchor="end")
+        title, speed = title_texts(self.scene)
+        left, y = layout.map[0], layout.title_y
+        self._write_text(group, title, left, y, layout.title_px, font_weight="bold")
+        if speed:
+            right = left + layout.map[2]
+            self._write_text(group, speed, right, y, layout.text_px, text_anchor="end")
 
     def _write_time(self) -> None:
         unit, layout = self.layout.unit, self.layout
         group = child(self.root, "g", id="time", font_family=FONT, fill=INK)
         left, _, wide, _ = layout.map
-        y = layout.caption_y + 0.5 * ROW * unit
+        y = layout.caption_y + 0.5 * layout.row_px
         captions = self.scene.captions
         for span in captions:
-            text = self._write_text(group, span.shown, left + wide, y, TEXT * unit)
+            text = self._write_text(group, span.shown, left + wide, y, layout.text_px)
             text.set("text-anchor", "end")
             self._pass(text, span, last=span is captions[-1])
-        bar = 0.68 * wide
+        bar = bar_width(self.scene)
+        if not bar:
+            return
         box = {
             "x": _plain(left),
             "y": _plain(y - BAR_PX * unit / 2),
@@ -374,17 +374,17 @@ class _Document:
         self._keyed(done, "width", ["0", _plain(bar)], (0.0, self.pace.run_s))
 
     def _write_list(self) -> None:
-        unit = self.layout.unit
+        layout = self.layout
         group = child(self.root, "g", id="robots", font_family=FONT, fill=INK)
         for robot, actor in enumerate(self.scene.actors):
-            x, y = self.layout.entry(robot)
-            side = SWATCH_PX * unit
+            x, y = layout.entry(robot)
+            side = layout.swatch_px
             box = {"x": _plain(x), "y": _plain(y - side / 2), "width": _plain(side)}
             fill = body_fill(robot, "moves")
             child(group, "rect", **box, height=_plain(side), fill=fill)
             for span in actor.activities:
                 text = entry_text(robot, span.shown)
-                element = self._write_text(group, text, x + 1.5 * side, y, TEXT * unit)
+                element = self._write_text(group, text, x + 1.5 * side, y, layout.text_px)
                 self._pass(element, span, last=span is actor.activities[-1])
 
 

@@ -52,6 +52,11 @@ class Pace:
         fps : float
             Pictures a second.
 
+        Returns
+        -------
+        Pace
+            The pace.
+
         Raises
         ------
         InvalidInputError

@@ -17,19 +17,17 @@ import numpy as np
 from PIL import Image, ImageChops, ImageDraw, ImageFont
 
 from multisrt.drawing.animation.growth import Piece
-from multisrt.drawing.animation.layout import MARGIN, ROW, TEXT, TITLE
 from multisrt.drawing.animation.looks import (
     BAR_PX,
     CUT_OFF_RING,
     GOAL_MM,
     HALO_MM,
     HEADING_MM,
-    LABEL_PX,
     PROGRESS,
     RING,
-    SWATCH_PX,
     TRACK,
     area_fill,
+    bar_width,
     body_fill,
     entry_text,
     goal_style,
@@ -37,12 +35,11 @@ from multisrt.drawing.animation.looks import (
     is_numbered,
     label_place,
     path_style,
-    speed_text,
     styles_of,
+    title_texts,
 )
 from multisrt.drawing.animation.scene import Actor, Dot, Edge, Scene, Span, is_listed
 from multisrt.drawing.colours import INK, NODE_MM, OBSTACLE, WHITE, Style
-from multisrt.drawing.sheet import shortened
 from multisrt.drawing.svg import CORNERS, Marker, printable
 from multisrt.geometry.numerics.kernel import FloatArray
 
@@ -201,7 +198,7 @@ class Painter:
             self._draw_line(draw, self._at(np.array((x, y)) + ring), CUT_OFF_RING)
         self._draw_outline(draw, robot, actor, (x, y, heading), body_fill(robot, doing))
         if is_numbered(self.scene):
-            size = LABEL_PX * self._unit
+            size = LARGER * self.layout.label_px
             [(px, py)] = self._at([(x, y)])
             away = label_place(LARGER * self.layout.scale * actor.outer_m, size)
             draw.text(
@@ -247,17 +244,17 @@ class Painter:
     def _draw_title(self) -> None:
         draw = ImageDraw.Draw(self._ground)
         left, _, wide, _ = (LARGER * length for length in self.layout.map)
-        y = (MARGIN + 0.5 * TITLE) * self._unit
-        title = printable(shortened(self.scene.title))
-        font = _font(round(TITLE * self._unit))
+        y, size = LARGER * self.layout.title_y, LARGER * self.layout.title_px
+        title, speed = title_texts(self.scene)
         # The font has no bold letters.
-        bold = TITLE * self._unit / 40.0
-        draw.text((left, y), title, INK, font, "lm", stroke_width=bold, stroke_fill=INK)
-        self._write(draw, (left + wide, y), speed_text(self.scene), TEXT, "rm")
+        bold = size / 40.0
+        font = _font(round(size))
+        draw.text((left, y), printable(title), INK, font, "lm", stroke_width=bold, stroke_fill=INK)
+        self._write(draw, (left + wide, y), speed, "rm")
 
     def _draw_swatches(self) -> None:
         draw = ImageDraw.Draw(self._ground)
-        side = SWATCH_PX * self._unit
+        side = LARGER * self.layout.swatch_px
         for robot in range(len(self.scene.actors) if is_listed(self.scene) else 0):
             x, y = (LARGER * length for length in self.layout.entry(robot))
             box = (x, y - side / 2.0, x + side, y + side / 2.0)
@@ -265,31 +262,32 @@ class Painter:
 
     def _draw_time(self, draw: ImageDraw.ImageDraw, number: int) -> None:
         left, _, wide, _ = (LARGER * length for length in self.layout.map)
-        y = LARGER * self.layout.caption_y + 0.5 * ROW * self._unit
+        y = LARGER * (self.layout.caption_y + 0.5 * self.layout.row_px)
         half = BAR_PX * self._unit / 2.0
-        bar = 0.68 * wide
+        bar = LARGER * bar_width(self.scene)
         done = bar * number / self.scene.pace.last
-        draw.rectangle((left, y - half, left + bar, y + half), fill=TRACK)
+        if bar > 0.0:
+            draw.rectangle((left, y - half, left + bar, y + half), fill=TRACK)
         if done >= 1.0:
             draw.rectangle((left, y - half, left + done, y + half), fill=PROGRESS)
         text = _shown(self.scene.captions, number)
-        self._write(draw, (left + wide, y), text, TEXT, "rm")
+        self._write(draw, (left + wide, y), text, "rm")
 
     def _draw_activities(self, draw: ImageDraw.ImageDraw, number: int) -> None:
         for robot, actor in enumerate(self.scene.actors):
             x, y = (LARGER * length for length in self.layout.entry(robot))
             text = entry_text(robot, _shown(actor.activities, number))
-            self._write(draw, (x + 1.5 * SWATCH_PX * self._unit, y), text, TEXT, "lm")
+            self._write(draw, (x + 1.5 * LARGER * self.layout.swatch_px, y), text, "lm")
 
     def _write(
         self,
         draw: ImageDraw.ImageDraw,
         place: tuple[float, float],
         text: str,
-        size: float,
         anchor: str,
     ) -> None:
-        draw.text(place, printable(text), INK, _font(round(size * self._unit)), anchor)
+        font = _font(round(LARGER * self.layout.text_px))
+        draw.text(place, printable(text), INK, font, anchor)
 
     # Shapes. -----------------------------------------------------------------------------
 
@@ -353,6 +351,11 @@ def dashes(points: Points, lengths: Sequence[float]) -> Iterator[list[tuple[floa
         The line.
     lengths : sequence of float
         Lengths of dashes and gaps in turn.
+
+    Yields
+    ------
+    list of (x, y)
+        The points of one dash.
 
     Examples
     --------

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass
-from typing import Final, Literal, NamedTuple, get_args
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -16,7 +16,8 @@ from multisrt.drawing.animation.growth import Piece, pieces
 from multisrt.drawing.animation.keyframes import Way, ways_of
 from multisrt.drawing.animation.layout import MAX_ENTRIES, Layout, layout_of
 from multisrt.drawing.animation.pace import Pace
-from multisrt.drawing.colours import NODE_MM, STAGES
+from multisrt.drawing.colours import NODE_MM, STAGE_MARKERS
+from multisrt.drawing.layers import PICTURES, left_out
 from multisrt.drawing.svg import Marker
 from multisrt.drawing.traces import median_edge_m, traces_of
 from multisrt.environments.environment import Environment
@@ -32,14 +33,8 @@ from multisrt.events import (
     Point,
 )
 from multisrt.geometry.bodies.footprint import Footprint
-from multisrt.geometry.errors import InvalidInputError
 from multisrt.geometry.numerics.kernel import FloatArray
 from multisrt.recording import Recording
-
-Layer = Literal["areas", "paths", "trees", "goals", "bodies", "caption"]
-"""What can be left out of an animation; walls are always shown."""
-
-LAYERS: Final[tuple[Layer, ...]] = get_args(Layer)
 
 WAY_TOLERANCE_PX: Final = 0.25
 AREA_TOLERANCE_PX: Final = 0.4
@@ -152,7 +147,7 @@ class Scene:
     title: str
     pace: Pace
     layout: Layout
-    layers: frozenset[Layer]
+    layers: frozenset[str]
     node_mm: float
     pieces: list[Piece]
     edges: list[Edge]
@@ -188,26 +183,28 @@ def scene_of(
     width, height : int
         Size of the pictures in pixels; without a height, what the map needs.
     without : collection of str
-        Layers to leave out, of `LAYERS`.
+        Layers to leave out: names of `multisrt.drawing.layers.PICTURES` of an animation.
+
+    Returns
+    -------
+    Scene
+        The contents, without the layers that are left out.
 
     Raises
     ------
     InvalidInputError
         If the recording contradicts itself, a layer is unknown, or the size is out of range.
     """
-    for layer in without:
-        if layer not in LAYERS:
-            raise InvalidInputError(
-                f"animations have no layer {layer!r}; their layers are {', '.join(LAYERS)}"
-            )
-    layers = frozenset(LAYERS).difference(without)
+    layers = frozenset(PICTURES["animation"]) - left_out(without, "animation")
     robots, captioned = len(recording.starts), "caption" in layers
     layout = layout_of(environment.bounds, robots, width, height, captioned=captioned)
     traces = traces_of(recording)
     px_m = 1.0 / layout.scale
     edge_m = median_edge_m(traces)
     node_mm = NODE_MM[1] if edge_m is None else NODE_SHARE * edge_m / layout.mm
-    edges, dots = _trees(recording, pace) if "trees" in layers else ([], [])
+    edges, dots = _trees(recording, pace)
+    edges = edges if "edges" in layers else []
+    dots = dots if "nodes" in layers else []
     areas = pieces(recording, environment, pace, AREA_TOLERANCE_PX * px_m)
     return Scene(
         environment=environment,
@@ -234,8 +231,8 @@ def _trees(recording: Recording, pace: Pace) -> tuple[list[Edge], list[Dot]]:
             continue
         if node.parent is not None:
             edges.append(Edge(picture, node.robot, (at[node.parent], place)))
-        if node.stage in STAGES:
-            dots.append(Dot(picture, node.robot, STAGES[node.stage][0], place))
+        if node.stage in STAGE_MARKERS:
+            dots.append(Dot(picture, node.robot, STAGE_MARKERS[node.stage], place))
     return edges, dots
 
 

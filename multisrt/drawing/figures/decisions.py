@@ -10,6 +10,7 @@ from multisrt.analysis.decision_counts import DecisionRow, decision_rows
 from multisrt.drawing.colours import INK
 from multisrt.drawing.figures.style import FigureStyle, new_figure
 from multisrt.drawing.svg import printable
+from multisrt.explain.terms import meanings
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.recording import Recording
 
@@ -28,7 +29,16 @@ LINE_EM: Final = 1.5
 """Height of a row, in sizes of its letters."""
 
 GAP_EM: Final = 0.9
-"""Distance of columns, in sizes of their letters."""
+"""Minimum distance of columns, in sizes of their letters."""
+
+NOTE_SIZE: Final = 0.9
+"""Size of the letters of notes, as a share of those of the table."""
+
+WIDE_IN: Final = 5.0
+"""Width of a figure from which notes stand in two columns, in inches."""
+
+NOTE_LINE_EM: Final = 1.25
+"""Height of a line of notes, in sizes of its letters."""
 
 
 def decisions_figure(
@@ -79,13 +89,49 @@ def draw_decisions(
         lines.append([printable(strategy)])
         lines += [_cells(row, bool(columns)) for row in _shortened(list(own))]
     line_in = LINE_EM * style.small_pt / 72.0
-    height_in = (len(lines) + 1.2) * line_in
+    notes = _notes(ax, rows, style)
+    note_in = NOTE_LINE_EM * NOTE_SIZE * style.small_pt / 72.0
+    columns_of_notes = 2 if style.width_in >= WIDE_IN else 1
+    per_column = -(-len(notes) // columns_of_notes)
+    table_in = (len(lines) + 1.2) * line_in
+    height_in = table_in + (per_column + 0.6 * bool(notes)) * note_in
     ax.figure.set_size_inches(style.width_in, height_in)  # type: ignore[union-attr]
     ax.set(xlim=(0.0, style.width_in), ylim=(height_in, 0.0))
     written = [_write(ax, line, number, style) for number, line in enumerate(lines)]
     _align(written, style)
     for y, width in ((0.15, 0.9), (1.45, 0.5), (len(lines) + 0.9, 0.9)):
         ax.plot([0.02, style.width_in - 0.02], [y * line_in] * 2, color=INK, linewidth=width)
+    for number, note in enumerate(notes):
+        column, row = divmod(number, per_column)
+        x = 0.03 + column * style.width_in / columns_of_notes
+        y = table_in + (row + 0.5) * note_in
+        ax.text(x, y, note, va="center_baseline", fontsize=NOTE_SIZE * style.small_pt)
+
+
+def _notes(ax: Axes, rows: Sequence[DecisionRow], style: FigureStyle) -> list[str]:
+    # What the names in the table mean, in lines that fit the width.
+    shown = {name for row in rows for name in (row.choice, row.reason)}
+    probe = ax.text(0.0, 0.0, "", fontsize=NOTE_SIZE * style.small_pt)
+    room_in = style.width_in / (2 if style.width_in >= WIDE_IN else 1) - 0.1
+    lines: list[str] = []
+    for name, meaning in meanings().items():
+        if name in shown:
+            lines += _wrapped(probe, f"{name}: {meaning}", room_in)
+    probe.remove()
+    return lines
+
+
+def _wrapped(probe: Text, note: str, width_in: float) -> list[str]:
+    # Lines that fit a width as the probe would show them; all but the first are indented.
+    lines = [""]
+    for word in note.split():
+        longer = f"{lines[-1]} {word}" if lines[-1].strip() else f"{lines[-1]}{word}"
+        probe.set_text(longer)
+        if _width_in(probe) <= width_in:
+            lines[-1] = longer
+        else:
+            lines.append(f"    {word}")
+    return lines
 
 
 def _write(ax: Axes, cells: Sequence[str], number: int, style: FigureStyle) -> list[Text]:
@@ -101,27 +147,32 @@ def _write(ax: Axes, cells: Sequence[str], number: int, style: FigureStyle) -> l
 
 
 def _align(written: Sequence[Sequence[Text]], style: FigureStyle) -> None:
-    # Numbers stand at the right, reasons beside the widest decision.
+    # Words stand at the left of their columns and numbers at the right; what is left of the width
+    # is shared between the columns. Where it is too narrow, words are cut: reasons first.
     rows = [row for row in written if len(row) > 1]
     widths = [max(_width_in(row[k]) for row in rows) for k in range(len(rows[0]))]
     gap = GAP_EM * style.small_pt / 72.0
-    right = style.width_in - 0.03
-    for k in range(len(widths) - 1, 1, -1):
-        for row in rows:
-            row[k].set_x(right)
-        right -= widths[k] + gap
-    reason = min(0.03 + widths[0] + gap, 0.6 * right)
+    room = style.width_in - 0.06 - gap * (len(widths) - 1)
+    numbers = sum(widths[2:])
+    widths[0] = min(widths[0], 0.6 * (room - numbers))
+    widths[1] = min(widths[1], room - numbers - widths[0])
+    gap += (room - sum(widths)) / (len(widths) - 1)
     for row in written:
         row[0].set_x(0.03)
-        _shorten(row[0], (reason - gap if len(row) > 1 else style.width_in) - 0.03)
-        if len(row) > 1:
-            row[1].set_x(reason)
-            _shorten(row[1], right - reason)
+        _shorten(row[0], widths[0] if len(row) > 1 else style.width_in - 0.03)
+    left = 0.03
+    for k, width in enumerate(widths):
+        for row in rows:
+            row[k].set_x(left if k < 2 else left + width)
+        left += width + gap
+    for row in rows:
+        _shorten(row[1], widths[1])
 
 
 def _shorten(text: Text, width_in: float) -> None:
+    # Measured widths differ by the position of the text within a pixel.
     whole = text.get_text()
-    while len(whole) > 1 and _width_in(text) > width_in:
+    while len(whole) > 1 and _width_in(text) > width_in + 0.02:
         whole = whole[:-1]
         text.set_text(f"{whole}…")
 
@@ -146,5 +197,5 @@ def _shortened(rows: list[DecisionRow]) -> list[DecisionRow]:
 
 def _cells(row: DecisionRow, by_robot: bool) -> list[str]:
     counts = [f"{count:,}" for count in row.counts] if by_robot else []
-    share = f"{row.share:.0%}" if row.share >= 0.005 else "< 1%"
+    share = f"{100.0 * row.share:.0f} %" if row.share >= 0.005 else "< 1 %"
     return [printable(row.choice), printable(row.reason), *counts, f"{row.total:,}", share]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -31,11 +32,11 @@ ISOLATED: Final = "time in isolation (s per cell)"
 COLOURS: Final = "viridis_r"
 """Colours from light to dark, so that they are ordered in grey as well."""
 
-FEW: Final = 8
-"""Upper bound of counts up to which each has a colour of its own."""
+MAX_COLOURS: Final = 10
+"""Upper bound of the colours of counts; beyond it a colour stands for several counts."""
 
 WIDE: Final = 30.0
-"""Ratio of the largest to the smallest positive number from which the scale is logarithmic."""
+"""Ratio of the largest to the smallest time from which the scale is logarithmic."""
 
 
 def draw_heat(ax: Axes, found: HeatMap, recording: Recording, map_mm: float, norm: Any) -> Any:
@@ -91,12 +92,13 @@ def _figure(
             ax.set_title(text, loc="left")
     for ax in axes[len(recordings) :]:
         ax.set_visible(False)
-    if norm is None:
-        box = {"facecolor": "white", "edgecolor": "none"}
-        axes[0].text(0.5, 0.5, nothing, transform=axes[0].transAxes, ha="center", bbox=box)
-    else:
+    box = {"facecolor": "white", "edgecolor": "none"}
+    for own, ax in zip(found, axes, strict=False):
+        if not own.values.any():
+            ax.text(0.5, 0.5, nothing, transform=ax.transAxes, ha="center", bbox=box)
+    if norm is not None:
         shown = [ax for ax in axes if ax.get_visible()]
-        _bar(figure, image, shown, label, whole)
+        _bar(figure, image, shown, label)
     in_rows = [axes[row * columns : (row + 1) * columns] for row in range(rows)]
     kept = [[ax for ax in row if ax.get_visible()] for row in in_rows]
     fit_maps(figure, kept, style.max_height_in)
@@ -111,27 +113,59 @@ def _norm(values: np.ndarray[Any, np.dtype[np.float64]], whole: bool) -> Any:
     if not len(positive):
         return None
     least, most = float(positive.min()), float(positive.max())
-    if whole and most <= FEW:
-        return BoundaryNorm(np.arange(0.5, most + 1.0), 256)
+    if whole:
+        return BoundaryNorm(np.array(bins(round(most))) - 0.5, 256)
     least = max(least, most / 200.0)
     if most / least > WIDE:
         return LogNorm(least, most)
     return Normalize(0.0, most)
 
 
-def _bar(figure: Figure, image: Any, axes: Sequence[Axes], label: str, whole: bool) -> None:
+def bins(most: int) -> list[int]:
+    """Return the first count of each colour, and the first beyond the last colour.
+
+    Parameters
+    ----------
+    most : int
+        The largest count, at least 1.
+
+    Returns
+    -------
+    list of int
+        From 1. Each count has a colour of its own up to `MAX_COLOURS`. Of more, colours stand for
+        equally many counts, or from three times as many on for ever more.
+
+    Examples
+    --------
+    >>> bins(4), bins(13)
+    ([1, 2, 3, 4, 5], [1, 3, 5, 7, 9, 11, 13, 15])
+    >>> bins(500)
+    [1, 2, 4, 8, 16, 32, 64, 128, 256, 512]
+    """
+    if most <= 3 * MAX_COLOURS:
+        step = -(-most // MAX_COLOURS)
+        return list(range(1, most + step + 1, step))
+    return [2**k for k in range(most.bit_length() + 1)]
+
+
+def _bar(figure: Figure, image: Any, axes: Sequence[Axes], label: str) -> None:
     from matplotlib.colors import BoundaryNorm, LogNorm
-    from matplotlib.ticker import FuncFormatter, MaxNLocator, NullFormatter
+    from matplotlib.ticker import FuncFormatter, NullFormatter
 
     bar = figure.colorbar(
         image, ax=axes, location="bottom", label=label, fraction=0.05, aspect=40.0, pad=0.03
     )
     bar.outline.set_linewidth(0.4)
     if isinstance(image.norm, BoundaryNorm):
-        bar.set_ticks(np.arange(1.0, image.norm.boundaries[-1]).tolist())
+        firsts = [round(edge + 0.5) for edge in image.norm.boundaries]
+        labels = [
+            str(first) if after == first + 1 else f"{first}\u2013{after - 1}"
+            for first, after in pairwise(firsts)
+        ]
+        middles = [0.5 * (first + after - 1) for first, after in pairwise(firsts)]
+        bar.set_ticks(middles, labels=labels)
+        bar.ax.tick_params(axis="x", length=0)
         bar.minorticks_off()
     elif isinstance(image.norm, LogNorm):
         bar.ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
         bar.ax.xaxis.set_minor_formatter(NullFormatter())
-    elif whole:
-        bar.ax.xaxis.set_major_locator(MaxNLocator(integer=True))

@@ -37,6 +37,11 @@ def panels(
         Draws a run on axes, for a width of the map in millimetres.
     legend : callable
         Returns the entries of the legend once all maps are drawn.
+
+    Returns
+    -------
+    Figure
+        The figure, laid out.
     """
     columns = min(len(recordings), max(1, int(style.width_in / MIN_PANEL_IN)))
     rows = -(-len(recordings) // columns)

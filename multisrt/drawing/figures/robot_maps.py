@@ -53,6 +53,11 @@ def robot_maps_figure(
     robots : sequence of int, optional
         The robots, one for each row; by default all.
 
+    Returns
+    -------
+    Figure
+        The figure, laid out.
+
     Raises
     ------
     InvalidInputError
@@ -90,7 +95,7 @@ def robot_maps_figure(
         share = draw_robot_map(ax, environment, robot, areas[robot, time_s])
         draw_pose(ax, robot, at[robot, column])
         time = f"{time_s:,.0f} s: " if row == 0 else ""
-        ax.set_title(f"{time}{share:.0%}", pad=2.0)
+        ax.set_title(f"{time}{100.0 * share:.0f} %", pad=2.0)
         if column == 0:
             ax.set_ylabel(f"robot {robot}")
     makers = sorted({region.maker for robot in rows for region in known[robot]})

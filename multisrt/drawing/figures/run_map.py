@@ -6,9 +6,9 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Final
 
-from multisrt.drawing.axes import legend_handle, on_axes
+from multisrt.drawing.axes import POINTS_PER_MM, legend_handle, on_axes
 from multisrt.drawing.figures.style import FigureStyle
-from multisrt.drawing.figures.world import FINER, frame, sheet_bounds
+from multisrt.drawing.figures.world import FINER, MIN_LETTERS_PT, frame, sheet_bounds
 from multisrt.drawing.sheet import LegendEntry, Sheet
 from multisrt.drawing.tree_svg import run_sheet
 
@@ -21,11 +21,6 @@ from multisrt.recording import Recording
 
 SHORT: Final = {
     "free space that is on no map": "on no map",
-    "node drawn at random": "node, at random",
-    "node that approaches a frontier": "node, approaching",
-    "node at a frontier left behind": "node, left behind",
-    "node of a detour around a standing robot": "node, detour",
-    "node assigned by the master": "node, by the master",
     "bridge between two nodes": "bridge",
     "start, with the robot's number": "start",
     "path in support of others": "support of others",
@@ -33,14 +28,20 @@ SHORT: Final = {
 """Labels that are shorter than those of sheets, for narrow columns."""
 
 MAX_SWATCHES: Final = 12
-"""Upper bound of the team size up to which the legend lists the robots."""
+"""Team size up to which the legend lists the robots, and their numbers are not made smaller."""
 
 
 def draw_map(
     recording: Recording, ax: Axes, map_mm: float, without: Iterable[str] = ("outlines",)
 ) -> Sheet:
     """Draw the map of a run on axes for a width on paper, and return its sheet."""
-    sheet = run_sheet(recording, without=without, bounds_mm=sheet_bounds(map_mm))
+    is_large = len(recording.starts) > MAX_SWATCHES
+    sheet = run_sheet(
+        recording,
+        without=without,
+        bounds_mm=sheet_bounds(map_mm),
+        min_number_mm=0.0 if is_large else FINER * MIN_LETTERS_PT / POINTS_PER_MM,
+    )
     on_axes(sheet, ax, scale=1.0 / FINER)
     frame(ax, sheet, map_mm)
     return sheet

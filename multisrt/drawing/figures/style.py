@@ -162,6 +162,11 @@ def style_named(name: str) -> FigureStyle:
     name : {"ieee", "ieee-wide", "springer", "springer-wide", "screen"}
         The name.
 
+    Returns
+    -------
+    FigureStyle
+        The style.
+
     Raises
     ------
     InvalidInputError
@@ -231,6 +236,11 @@ def saved(figure: Figure, kind: Format, title: str) -> bytes:
         The kind of file.
     title : str
         Title that PDF and SVG hold.
+
+    Returns
+    -------
+    bytes
+        The file; the same figure gives the same bytes.
     """
     metadata: dict[Format, dict[str, str | None]] = {
         "svg": {"Date": None, "Creator": None, "Title": printable(title)},

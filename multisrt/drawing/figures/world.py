@@ -31,8 +31,11 @@ BAR_SHARE: Final = 0.25
 SIMPLER_MM: Final = 0.03
 """Tolerance of the outlines of areas, in millimetres on paper."""
 
-BADGE_PT: Final = 3.6
-"""Radius of the number of a robot, in points."""
+BADGE_PT: Final = 3.9
+"""Radius of the badge of a robot, in points."""
+
+MIN_LETTERS_PT: Final = 6.0
+"""Size of the smallest letters of figures, the numbers of robots, in points."""
 
 
 def width_mm(ax: Axes, columns: int = 1) -> float:
@@ -131,9 +134,9 @@ def draw_area(ax: Axes, area: shapely.MultiPolygon, style: Style, zorder: float)
 
 def draw_numbers(ax: Axes, starts: Sequence[Point], robots: Sequence[int], map_mm: float) -> None:
     """Write the numbers of robots at their starts, apart from one another."""
-    x0, x1 = ax.get_xlim()
+    (x0, x1), (y0, y1) = ax.get_xlim(), ax.get_ylim()
     radius_m = BADGE_PT / POINTS_PER_MM * (x1 - x0) / map_mm
-    places = spread(starts, 0.9 * radius_m)
+    places = spread(starts, 0.9 * radius_m, within=(x0, y0, x1, y1))
     for robot, start, place in zip(robots, starts, places.tolist(), strict=True):
         colour = RobotStyles.of(robot).edge.stroke
         if math.dist(start, place) > 0.5 * radius_m:
@@ -152,7 +155,7 @@ def draw_numbers(ax: Axes, starts: Sequence[Point], robots: Sequence[int], map_m
             place,
             ha="center",
             va="center_baseline",
-            fontsize=5.5 if robot < 10 else 4.6,
+            fontsize=MIN_LETTERS_PT,
             zorder=4.1,
         )
 

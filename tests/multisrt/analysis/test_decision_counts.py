@@ -46,8 +46,8 @@ def test_decisions_are_counted_with_the_orders_of_masters():
         ],
     )
     assert decision_counts(recording) == [
-        {Choice("draw", "no conflict"): 1, Choice("end", "no conflict"): 1},
-        {Choice("draw", "master: wait"): 1, Choice("draw", "no conflict"): 1},
+        {Choice("random draw", "no conflict"): 1, Choice("end", "no conflict"): 1},
+        {Choice("random draw", "master: wait"): 1, Choice("random draw", "no conflict"): 1},
     ]
 
 

@@ -4,18 +4,11 @@ import xml.etree.ElementTree as ET
 
 import pytest
 
-from multisrt.cli.animate import LAYERS as OFFERED
-from multisrt.drawing.animation import LAYERS
-
 
 @pytest.fixture
 def run(call):
     """A run in the folder out."""
     call("explore", "pillar.wkt", "--out", "out", "--quiet")
-
-
-def test_the_layers_are_those_of_animations():
-    assert OFFERED == LAYERS
 
 
 def test_a_run_becomes_a_document_beside_its_recording(call, folder, run):
@@ -65,7 +58,9 @@ def test_films_are_written_by_their_suffix(call, folder, run):
         (["out", "--speed", "nan"], "the speed is nan"),
         (["out", "--fps", "0", "--out", "a.gif"], "pictures a second is 0.0"),
         (["out", "--without", "walls"], "'walls' is not one of"),
+        (["out", "--without", "outlines"], "'outlines' is not one of areas, paths, edges"),
         (["none"], "none: No such file"),
+        (["none", "--out", "a.webm"], "animations are files of the formats"),
         (["."], "holds no run"),
     ],
 )

@@ -1,6 +1,7 @@
 import sys
 
 import pytest
+from mcap.reader import make_reader
 
 from multisrt.recording import Recording
 from tests.multisrt.cli.commands import everything
@@ -37,6 +38,20 @@ def test_options_change_what_is_exported(call, folder, run):
         sizes.append((folder / f"{number}.mcap").stat().st_size)
     assert sizes[0] < sizes[1]
     assert len(set(sizes)) == 3
+
+
+def test_layers_are_left_out(call, folder, run):
+    topics = {}
+    for name, words in (("whole", ()), ("bare", ("--without", "paths", "--without", "decisions"))):
+        assert call("export", "out", "--out", f"{name}.mcap", "--quiet", *words)[0] == 0
+        with (folder / f"{name}.mcap").open("rb") as file:
+            summary = make_reader(file).get_summary()
+        assert summary is not None
+        topics[name] = {channel.topic for channel in summary.channels.values()}
+    assert topics["whole"] - topics["bare"] == {"/robot_0/path", "/rosout"}
+    code, out, err = call("export", "out", "--out", "x.mcap", "--without", "caption")
+    assert (code, out) == (2, "")
+    assert "'caption' is not one of paths, edges, nodes, bodies, maps, links, decisions" in err
 
 
 def test_nothing_is_replaced_unless_asked_for(call, folder, run):

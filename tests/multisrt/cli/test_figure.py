@@ -4,8 +4,9 @@ from importlib import import_module
 
 import pytest
 
-from multisrt.cli.explore import LAYERS
+from multisrt.cli.layers import LAYERS
 from multisrt.drawing import LAYERS as ALL_LAYERS
+from multisrt.drawing import PICTURES
 from multisrt.drawing.figures import KINDS, STYLES
 from multisrt.drawing.figures.heat import COUNT_LABELS
 
@@ -23,7 +24,8 @@ def test_words_of_the_options_are_those_of_the_figures():
     assert tuple(KINDS) == command.KINDS
     assert tuple(STYLES) == command.STYLES
     assert tuple(COUNT_LABELS) == command.COUNTS
-    assert tuple(ALL_LAYERS) == LAYERS
+    assert LAYERS == PICTURES
+    assert {name for names in LAYERS.values() for name in names} == set(ALL_LAYERS)
 
 
 @pytest.mark.slow

@@ -19,14 +19,14 @@ def test_a_start_in_the_largest_area_needs_no_word():
 
 def test_a_start_in_a_minor_area_is_said():
     assert elsewhere(ROOMS, (1.0, 1.0)) == (
-        "free space has 2 separate areas (40, 4 m2), and the start is in that of 4 m2 (9%); "
+        "free space has 2 separate areas (40, 4 m2), and the start is in that of 4 m2 (9 %); "
         "the largest has 40 m2, e.g. at (8.00, 2.00)"
     )
 
 
 def test_a_start_outside_of_the_building_is_said():
     assert elsewhere(PLAN, (0.5, 0.5)) == (
-        "free space has 2 separate areas (49, 36 m2), and the start is in that of 36 m2 (42%), "
+        "free space has 2 separate areas (49, 36 m2), and the start is in that of 36 m2 (42 %), "
         "which lies around others and touches the border of the map; the largest inside has "
         "49 m2, e.g. at (5.00, 5.00)"
     )
@@ -43,7 +43,7 @@ def test_a_start_in_the_largest_of_many_is_said_by_its_share():
     world = Environment("halls", shapely.union_all(halls))
     assert elsewhere(world, (1.0, 1.0)) == (
         "free space has 7 separate areas (41, 40, 40, 40, 40, ... m2), and the start is in that "
-        "of 41 m2 (15%)"
+        "of 41 m2 (15 %)"
     )
 
 
@@ -62,7 +62,7 @@ def test_explore_says_where_the_robots_are(call, folder):
     small = ("--footprint", "disc:0.2")
     code, out, _ = call("explore", "rooms.wkt", "--start", "1,1", *small)
     assert code == 0
-    assert "2 separate areas (40, 4 m2), and the start is in that of 4 m2 (9%)" in out
+    assert "2 separate areas (40, 4 m2), and the start is in that of 4 m2 (9 %)" in out
     # The body is not the reason why the other room is not explorable.
     assert "with the body" not in out
     _, out, _ = call("explore", "rooms.wkt", "--start", "5,1", *small, "--out", "large")

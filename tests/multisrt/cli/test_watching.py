@@ -76,19 +76,23 @@ def last_picture(written: str) -> list[str]:
 def test_the_last_picture_stays_before_the_summary(folder):
     code, written = on_terminal(folder, *RUN, COLORTERM="truecolor")
     assert code == 0, written
-    *picture, account = last_picture(written)
-    assert len(picture) <= ROWS - 2
+    *picture, key, account = last_picture(written)
+    assert len(picture) <= ROWS - 3
     assert len({len(line) for line in picture}) == 1
     assert len(picture[0]) < COLUMNS
     text = "".join(picture)
     assert "0" in text
     assert "1" in text
-    assert re.fullmatch(r"srt-radial  100% seen  \d+ scans  \d+ s", account)
+    assert re.fullmatch(r"srt-radial in \w+, 2 robots: \d+ s, 100 % seen, \d+ scans", account)
+    for meaning in ("wall", "not seen", "seen first by a robot", "robots"):
+        assert meaning in key
+    assert "dead" not in key
+    assert len(key) < COLUMNS
     assert len(pictures(written)) > 1
     assert written.rfind(SHOW_CURSOR) < written.rfind("run/recording.jsonl")
     # Each picture but the first is drawn over the one before.
     again = pictures(written)[1:]
-    assert all(part.startswith(f"\x1b[{len(picture) + 1}A") for part in again)
+    assert all(part.startswith(f"\x1b[{len(picture) + 2}A") for part in again)
 
 
 @pytest.mark.slow
@@ -128,8 +132,8 @@ def test_strategies_have_a_picture_each(folder):
     )
     assert code in (0, 3), written
     plain = CONTROL.sub("", written)
-    assert re.search(r"srt-radial  \d+% seen", plain)
-    assert re.search(r"closest  \d+% seen", plain)
+    assert re.search(r"srt-radial in \w+, 2 robots: \d+ s, \d+ % seen", plain)
+    assert re.search(r"closest in \w+, 2 robots: \d+ s, \d+ % seen", plain)
 
 
 def test_without_a_terminal_it_is_an_error(call: Call, folder):

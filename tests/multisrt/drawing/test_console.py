@@ -54,6 +54,32 @@ def test_numbers_of_two_digits_fill_two_cells(hall):
     assert {len(line) for line in lines} == {10}
 
 
+def test_the_key_explains_the_signs(hall):
+    key = ConsoleMap(hall, 10, 6, "ascii").key(80, team=True, dead=True)
+    assert key == "# wall  ' ' not seen  . seen  0 1 robots  x dead robot"
+    painted = ConsoleMap(hall, 10, 6, "true").key(80, team=False, dead=False)
+    assert PAINTED.sub("", painted) == "  wall    not seen    seen  0 robot"
+    assert painted.count("\x1b[0m") == 3
+
+
+@pytest.mark.parametrize("ink", ["ascii", "plain", "256", "true"])
+def test_a_key_is_never_wider_than_asked_for(hall, ink):
+    console = ConsoleMap(hall, 10, 6, ink)
+    texts = [PAINTED.sub("", console.key(n, team=True, dead=True)) for n in range(5, 90)]
+    assert all(len(text) <= n for n, text in enumerate(texts, 5))
+    assert texts[-1].endswith("dead robot")
+
+
+@pytest.mark.parametrize("ink", ["256", "true"])
+def test_areas_of_robots_have_different_colours(hall, ink):
+    colours = set()
+    for robot in range(len(ROBOT_COLOURS)):
+        console = ConsoleMap(hall, 10, 6, ink)
+        console.add_seen(robot, box(0, 0, 8, 8))
+        colours.add(frozenset(PAINTED.findall("".join(console.lines({})))))
+    assert len(colours) == len(ROBOT_COLOURS)
+
+
 def test_who_saw_an_area_first_keeps_it(hall):
     console = ConsoleMap(hall, 10, 6, "true")
     console.add_seen(0, box(0, 0, 3, 8))

@@ -11,7 +11,7 @@ import shapely
 from shapely.geometry.base import BaseGeometry
 
 import multisrt as ms
-from multisrt.drawing import LAYERS, tree_svg
+from multisrt.drawing import PICTURES, tree_svg
 from multisrt.drawing.badges import label_place, spread
 from multisrt.drawing.sheet import MIN_WEIGHT, Sheet
 from multisrt.drawing.svg import text_width
@@ -67,7 +67,7 @@ def kinds(svg: str) -> set[str]:
 @pytest.mark.slow
 def test_each_layer_is_left_out_alone(trees):
     whole = kinds(tree_svg(trees))
-    for name in LAYERS:
+    for name in PICTURES["map"]:
         gone = whole - kinds(tree_svg(trees, without=[name]))
         expected = {CONTENTS[name]} & whole if name in CONTENTS else set()
         if name == "failures":
@@ -78,11 +78,11 @@ def test_each_layer_is_left_out_alone(trees):
 @pytest.mark.slow
 def test_legends_say_nothing_of_what_is_left_out(trees, bidders):
     for recording in (trees, bidders):
-        svg = tree_svg(recording, without=LAYERS)
+        svg = tree_svg(recording, without=PICTURES["map"])
         below = texts(svg)
         assert kinds(svg) >= {"free space", "obstacles", "heading", "legend"}
         assert not kinds(svg) & (set(CONTENTS.values()) | {"known", "goals", "death"})
-        for word in ("seen first", "outline", "border", "node that", "start", "death", "no map"):
+        for word in ("seen first", "outline", "border", "node: ", "start", "death", "no map"):
             assert not any(word in text for text in below), word
 
 
@@ -105,7 +105,7 @@ def test_regions_of_many_nodes_are_outlined_as_one(trees, monkeypatch):
 def test_unknown_layers_are_named(bidders):
     with pytest.raises(InvalidInputError, match=r"no layer 'node' \(did you mean 'nodes'\?\)"):
         tree_svg(bidders, without=["node"])
-    with pytest.raises(InvalidInputError, match="no layer 'xyz'; the layers are areas, "):
+    with pytest.raises(InvalidInputError, match="no layer 'xyz'; its layers are areas, "):
         ms.Run(bidders).to_svg(without="xyz")
     assert ms.Run(bidders).to_svg(without="goals") == tree_svg(bidders, without=["goals"])
 

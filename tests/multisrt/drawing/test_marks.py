@@ -8,6 +8,7 @@ import pytest
 import shapely
 
 from multisrt.drawing import tree_svg
+from multisrt.drawing.badges import spread
 from multisrt.environments.catalog import environment
 from multisrt.environments.environment import Environment
 from multisrt.events import AnyEvent, Blocked, Died, Joined
@@ -111,3 +112,10 @@ def test_numbers_at_crowded_starts_do_not_cover_one_another(apart_m):
         discs.append(shapely.Polygon(pin).centroid.buffer(np.ptp(pin[:, 1]) / 2))
     pairs = shapely.STRtree(discs).query(discs, predicate="intersects").T
     assert all(a == b for a, b in pairs.tolist())
+
+
+def test_badges_stay_within_a_box():
+    places = spread([(5.0, 0.2), (5.1, 0.2), (5.2, 0.2)], 0.4, within=(0.0, 0.0, 10.0, 8.0))
+    assert places[:, 1].min() >= 0.4
+    apart = np.hypot(*(places[:, None] - places[None]).transpose(2, 0, 1))
+    assert apart[np.triu_indices(3, 1)].min() > 0.8

@@ -9,7 +9,8 @@ import pytest
 import multisrt as ms
 from multisrt.events import Choice, Decision
 from multisrt.explain.moments import moments
-from multisrt.explain.srt import CHOICES, explain
+from multisrt.explain.srt import explain
+from multisrt.explain.terms import CHOICES
 from tests.multisrt.drawing.recordings import recorded
 
 

@@ -227,7 +227,7 @@ def test_keys(shown):
     assert said[0] == "0.00 s, robot 0: added node 0 (root)"
     assert said[2:4] == [
         "0.00 s, robot 2: added node 0 (root)",
-        "2.00 s, robot 0: added node 1 (draw)",
+        "2.00 s, robot 0: added node 1 (random draw)",
     ]
     press("ArrowLeft")
     press("ArrowLeft")
@@ -317,7 +317,7 @@ def test_what_is_chosen_is_read_out(shown):
     page = shown("staged", "#t=5.5")
     page.page.keyboard.press("1")
     assert page.text("#said").startswith("Robot 1 at 5.50 s: its last decision was at 5.00 s.")
-    assert "it chose draw" in page.text("#said")
+    assert "it chose random draw" in page.text("#said")
     page.page.keyboard.press("Escape")
     assert page.text("#said") == "map of the team"
     click(page, 6.0, 4.0)
@@ -362,7 +362,7 @@ def test_a_click_on_a_robot_or_a_node_explains_it(shown):
     click(page, *OTHER)
     assert page.value("replay.player.robot") == 1
     assert page.text("#why") == explain(staged(), 1, 5.5).rstrip("\n")
-    assert "it chose draw" in page.text("#why")
+    assert "it chose random draw" in page.text("#why")
     page.page.keyboard.press("Escape")
     click(page, 6.0, 4.0)  # the root of robot 1, which has left it
     assert page.value("replay.player.robot") == -1

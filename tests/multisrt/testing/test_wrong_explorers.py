@@ -295,8 +295,8 @@ WARNED = {
     "NeverSenses": (
         "it never senses: no robot takes a scan, so all that it knows is where it stands;"
         " yield Sense(), and read the Scan that it is sent",
-        "it says that it is complete but covered 0.0% in 6 runs; give Done complete=True "
-        "only where no frontier is left: from 95% on a run is a success",
+        "it says that it is complete but covered 0.0 % in 6 runs; give Done complete=True "
+        "only where no frontier is left: from 95 % on a run is a success",
     ),
     "EndsAtOnce": (
         "it ends at once: its first action is Done; yield Sense() first, and move to "
@@ -309,13 +309,13 @@ WARNED = {
     "ForgetsReturn": (
         "choose (wrong_explorers.py:LINE) returns nothing: the robot is done at once; return the "
         "place to go to",
-        "it says that it is complete but covered 21.0% (1 robot in 'maze'), 35.2% (1 robot in "
-        "'open') and less than 95% in 4 other runs; give Done complete=True only where no frontier "
-        "is left: from 95% on a run is a success",
+        "it says that it is complete but covered 21.0 % (1 robot in 'maze'), 35.2 % (1 robot in "
+        "'open') and less than 95 % in 4 other runs; give Done complete=True only where no "
+        "frontier is left: from 95 % on a run is a success",
     ),
     "CoversLittle": (
-        "it covered little in all runs: 21.0% (1 robot in 'maze'), 35.2% (1 robot in "
-        "'open') and less than 95% in 4 other runs; a run is a success from 95% on: see "
+        "it covered little in all runs: 21.0 % (1 robot in 'maze'), 35.2 % (1 robot in "
+        "'open') and less than 95 % in 4 other runs; a run is a success from 95 % on: see "
         "that it drives on while a frontier is left",
     ),
 }

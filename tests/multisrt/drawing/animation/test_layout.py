@@ -63,3 +63,15 @@ def test_sizes_out_of_range_are_refused(width, height, said):
 def test_pictures_that_would_be_too_high_are_refused():
     with pytest.raises(InvalidInputError, match=r"would be .* pixels high"):
         layout_of((0.0, 0.0, 1.0, 2.0), 4, 4000)
+
+
+@pytest.mark.parametrize("width", [300, 480, 640, 960, 1920])
+def test_letters_are_never_too_small_to_read(width):
+    layout = layout_of(HALL, 4, width)
+    sizes = layout.label_px, layout.text_px, layout.title_px
+    # The digits of common fonts are 0.73 of the size of letters high.
+    assert min(sizes) * 0.73 >= 9.0
+    assert sizes == tuple(sorted(sizes))
+    entries = [layout.entry(robot) for robot in range(4)]
+    assert max(y for _, y in entries) + 0.5 * layout.row_px <= layout.height
+    assert len(set(entries)) == 4

@@ -10,7 +10,9 @@ from msgspec import structs
 from multisrt.drawing.animation import save_animation
 from multisrt.drawing.animation.moving_svg import moving_svg
 from multisrt.drawing.animation.pace import Pace
-from multisrt.drawing.animation.scene import LAYERS, Scene, scene_of
+from multisrt.drawing.animation.scene import Scene, scene_of
+from multisrt.drawing.layers import PICTURES
+from multisrt.drawing.svg import text_width
 from tests.browser import ARGUMENTS, chromium
 
 SVG = "{http://www.w3.org/2000/svg}"
@@ -95,15 +97,40 @@ def test_without_animations_the_end_is_shown(document):
     assert listed == ["0: done", "1: waits", "2: dead"]
 
 
-@pytest.mark.parametrize("layer", LAYERS)
+@pytest.mark.parametrize("layer", PICTURES["animation"])
 def test_layers_that_are_left_out_are_not_in_the_document(told, layer):
+    whole = ET.fromstring(moving_svg(scene(told), ""))
     document = ET.fromstring(moving_svg(scene(told, without=[layer]), ""))
     drawn = {
         name: any(e.get("id") == name and len(e) for e in document.iter())
         for name in ("areas", "paths", "trees", "goals", "bodies", "time", "robots")
     }
-    gone = {"caption": {"time", "robots"}}.get(layer, {layer})
+    gone = {"caption": {"time", "robots"}, "edges": set(), "nodes": set()}.get(layer, {layer})
     assert {name for name, there in drawn.items() if not there} == gone
+    lines = [
+        [path.get("fill") == "none" for path in by_id(found, "trees").iter(f"{SVG}path")]
+        for found in (whole, document)
+    ]
+    left = {
+        "edges": [one for one in lines[0] if not one],
+        "nodes": [one for one in lines[0] if one],
+    }
+    assert lines[1] == left.get(layer, lines[0])
+
+
+@pytest.mark.parametrize("width", [200, 320, 480, 640, 960])
+def test_texts_beside_each_other_do_not_overlap(told, width):
+    pace = Pace.of(told.footer.time_s, duration_s=4.0, speed=None, fps=5.0)
+    found = scene_of(told, told.environment(), pace, width=width)
+    document = ET.fromstring(moving_svg(found, ""))
+    (title, *speed) = by_id(document, "title").findall(f"{SVG}text")
+    begin, size = float(title.get("x", "")), float(title.get("font-size", ""))
+    end = begin + text_width(title.text or "", size)
+    for text in speed:
+        wide = text_width(text.text or "", float(text.get("font-size", "")))
+        assert end < float(text.get("x", "")) - wide
+    assert end <= width
+    assert speed or width < 480
 
 
 def test_titles_may_hold_any_characters(told):

@@ -51,7 +51,7 @@ def test_things_are_where_and_when_they_belong(hall):
 
 
 def test_paths_are_drawn_as_far_as_the_robot_has_come(hall, told):
-    without = scene(told, without=["trees", "areas"])
+    without = scene(told, without=["edges", "nodes", "areas"])
     painter = Painter(without)
     halfway = painter.picture(15)
     drawn = [colour_at(halfway, without, x, 3.0) != WHITE for x in (4.0, 6.0, 10.0, 12.0)]

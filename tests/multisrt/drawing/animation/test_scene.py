@@ -66,16 +66,25 @@ def test_small_bodies_are_enlarged(told):
     assert box.tolist() == [[-0.4, -0.2], [0.4, -0.2], [0.4, 0.2], [-0.4, 0.2]]
 
 
-@pytest.mark.parametrize("layer", ["areas", "trees", "caption"])
+@pytest.mark.parametrize("layer", ["areas", "edges", "nodes", "caption"])
 def test_layers_can_be_left_out(told, layer):
     found = scene(told, without=[layer])
-    shown = {"areas": found.pieces, "trees": found.edges, "caption": found.captions}
+    shown = {
+        "areas": found.pieces,
+        "edges": found.edges,
+        "nodes": found.dots,
+        "caption": found.captions,
+    }
     assert [name for name, things in shown.items() if not things] == [layer]
 
 
 def test_unknown_layers_are_refused(told):
-    with pytest.raises(InvalidInputError, match=r"no layer 'walls'; .* areas, paths, trees"):
-        scene(told, without=["walls"])
+    with pytest.raises(InvalidInputError, match=r"no layer 'xyz'; .* areas, paths, edges"):
+        scene(told, without=["xyz"])
+    with pytest.raises(
+        InvalidInputError, match=r"an animation has no layer 'outlines'; its layers"
+    ):
+        scene(told, without=["outlines"])
 
 
 def test_short_activities_give_way_to_longer_ones(bidding):

@@ -6,6 +6,7 @@ import shapely
 from matplotlib.figure import Figure
 
 from multisrt.analysis.activity import activities
+from multisrt.analysis.decision_counts import decision_counts
 from multisrt.analysis.heat_maps import isolated_times, visits
 from multisrt.analysis.run_tables import coverage_curve
 from multisrt.drawing.figures import FigureOptions, draw_figure
@@ -131,7 +132,7 @@ def test_each_robots_map_is_what_it_made_and_learned(growers):
             # Outlines are drawn without corners that nobody sees.
             assert drawn[f"seen by robot {maker}"] == pytest.approx(area.area, rel=2e-3)
         share = shapely.union_all(list(true.values())).area / free.area
-        assert ax.get_title().endswith(f"{share:.0%}")
+        assert ax.get_title().endswith(f"{100 * share:.0f} %")
         shares.append(share)
     assert len(set(shares)) > 4
 
@@ -208,10 +209,22 @@ def test_heat_maps_show_the_counts(bidders):
 
 
 @pytest.mark.slow
+def test_colour_bars_of_counts_have_a_label_for_each_colour(bidders):
+    figure = draw_figure("visits", bidders)
+    labels = [label.get_text() for label in figure.axes[1].get_xticklabels()]
+    most = int(visits(bidders, "passes").values.max())
+    assert 1 < most <= 10
+    assert labels == [str(count) for count in range(1, most + 1)]
+
+
+@pytest.mark.slow
 def test_a_team_that_was_never_isolated_is_said_to_be(curves):
     figure = draw_figure("isolation", curves[0])
     assert "never isolated" in [text.get_text() for text in figure.axes[0].texts]
     assert len(figure.axes) == 1
+    figure = draw_figure("isolation", curves[:2])
+    for ax in figure.axes:
+        assert [text.get_text() for text in ax.texts].count("never isolated") == 1
 
 
 @pytest.mark.slow
@@ -224,6 +237,10 @@ def test_the_table_of_decisions_adds_up(bidders, growers):
     kinds = Decision | GoalChosen | Decided
     decisions = [e for run in (bidders, growers) for e in run.events if isinstance(e, kinds)]
     assert sum(totals) == len(decisions)
+    for run in (bidders, growers):
+        for choice in set().union(*decision_counts(run)):
+            for name in choice:
+                assert any(text.startswith(f"{name}: ") for text in texts), name
 
 
 @pytest.mark.slow

@@ -28,30 +28,24 @@ MISSION = """
 import hashlib, sys, time
 from multisrt import CatalogEnvironment, RobotSpec, RunSpec, StopRule, environment, simulate
 
-world, strategy, robots, seed, warm_up_s, limit_s = sys.argv[1:]
-
-def mission(limit_s):
-    return RunSpec(
-        environment=CatalogEnvironment(name=world),
-        strategy=strategy,
-        robots=(RobotSpec(),) * int(robots),
-        starts="clustered",
-        stop=StopRule(max_time_s=float(limit_s)),
-        seed=int(seed),
-    )
-
+world, strategy, robots, seed, limit_s = sys.argv[1:]
+mission = RunSpec(
+    environment=CatalogEnvironment(name=world),
+    strategy=strategy,
+    robots=(RobotSpec(),) * int(robots),
+    starts="clustered",
+    stop=StopRule(max_time_s=float(limit_s)),
+    seed=int(seed),
+)
 free = environment(world)
-simulate(mission(warm_up_s), free)
+simulate(mission, free)  # compiles or loads the kernels
 begin = time.process_time()
-recording = simulate(mission(limit_s), free)
+recording = simulate(mission, free)
 spent_s = time.process_time() - begin
 digest = hashlib.sha256(repr(recording.events).encode()).hexdigest()
 print(spent_s, recording.footer.time_s, digest)
 """
 """Uses only names that older versions have, too."""
-
-WARM_UP_S = 15.0
-"""Simulated time of the mission before the one that is measured, which loads the kernels."""
 
 
 class Cost(NamedTuple):
@@ -80,7 +74,7 @@ def mission_cost(checkout: Path, strategy: str, limit_s: float) -> Cost:
     SystemExit
         If that version does not run it.
     """
-    order = (WORLD, strategy, ROBOTS, SEED, WARM_UP_S, limit_s)
+    order = (WORLD, strategy, ROBOTS, SEED, limit_s)
     done = subprocess.run(
         [sys.executable, "-P", "-c", MISSION, *map(str, order)],
         env={**os.environ, "PYTHONPATH": str(checkout)},

@@ -9,7 +9,6 @@ from benchmarks import against
 def test_a_version_does_the_same_as_itself(monkeypatch):
     monkeypatch.setattr(against, "WORLD", "open")
     monkeypatch.setattr(against, "ROBOTS", 2)
-    monkeypatch.setattr(against, "WARM_UP_S", 1.0)
     line = against.compare(against.HERE, "closest", limit_s=4.0, rounds=1)
     strategy, *figures, _, _ = line.split()
     assert strategy == "closest"

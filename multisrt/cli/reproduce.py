@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from multisrt.cli import candidates
+from multisrt.cli.output_options import out_folder
 from multisrt.cli.running import Running, make_runs, print_gaps, running_options
 
 if TYPE_CHECKING:
@@ -31,13 +32,7 @@ RUNS_FAILED = 3
     help="Repetitions of every condition.  [default: see above]",
 )
 @running_options
-@click.option(
-    "--out",
-    type=click.Path(path_type=Path),
-    metavar="DIR",
-    shell_complete=candidates.folders,
-    help="Folder for all files.  [default: reproduced/PAPER, or PAPER-quick]",
-)
+@out_folder("all files", "reproduced/PAPER, or PAPER-quick")
 @click.option(
     "--store",
     type=click.Path(path_type=Path),

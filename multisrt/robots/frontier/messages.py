@@ -119,13 +119,14 @@ class StopMessage(Message, frozen=True, kw_only=True):
 
     Attributes
     ----------
-    goal : (x, y)
-        The goal.
+    goal : (x, y) or None
+        The goal. None: whatever its goal is, as the sender knows no frontier any more that it could
+        reach.
     """
 
     kind: ClassVar[str] = "stop"
 
-    goal: Place
+    goal: Place | None = None
 
     @property
     def wakes(self) -> bool:

@@ -58,6 +58,25 @@ class SharedCells:
     tried: dict[Place, None] = field(default_factory=dict)
 
 
+@dataclass(slots=True)
+class StopSignals:
+    """The stop signals that a robot has sent (SBX-R).
+
+    Attributes
+    ----------
+    open_goals : dict of int to (x, y)
+        Goals of others that were frontiers when this robot last looked.
+    settled : dict of int to (x, y)
+        Goals of others that were explored, by this robot or another.
+    ended_s : float
+        When this robot told all others that it knows no frontier any more.
+    """
+
+    open_goals: dict[int, Place] = field(default_factory=dict)
+    settled: dict[int, Place] = field(default_factory=dict)
+    ended_s: float = -math.inf
+
+
 class Team(Listener):
     """Messages of one robot to its team, and from it.
 
@@ -90,8 +109,8 @@ class Team(Listener):
         When this robot last asked others to give way.
     reported_s : float
         When it last reported to all.
-    told_to_stop : dict of int to (x, y)
-        Self-bidding: the goals for which it sent stop signals.
+    stops : StopSignals
+        Self-bidding: which stop signals it has sent.
     """
 
     ends_pauses_on_time = True
@@ -106,13 +125,15 @@ class Team(Listener):
         frontiers: Frontiers,
     ) -> None:
         super().__init__(course, me, map.entries, options.ask_period_s)
-        self.mates = Teammates(me.robot, options.forget_after_s)
+        self.mates = Teammates(
+            me.robot, options.lost_after_s, options.relay_for_s
+        )
         self.requests = Requests()
         self.cells = SharedCells()
         self.phase: Phase = "choosing"
         self.asked_s: dict[int, float] = {}
         self.reported_s = -math.inf
-        self.told_to_stop: dict[int, Place] = {}
+        self.stops = StopSignals()
         self._me = me
         self._course = course
         self._map = map
@@ -187,7 +208,7 @@ class Team(Listener):
         radio = self._me.radio
         if radio.multi_hop or radio.reaches_all:
             return ()
-        return tuple(self.present())
+        return tuple(self.mates.worth_relaying(self._course.time_s))
 
     def _take_message(self, message: Message) -> Steps:
         self.mates.heard_s[message.sender] = self._course.time_s
@@ -204,9 +225,7 @@ class Team(Listener):
                     self.requests.give_way = message
                 yield from self.report(to=message.sender)
             case StopMessage():
-                goal = self._course.goal
-                if goal is not None and math.dist(goal.place, message.goal) < SAME_GOAL_M:
-                    self.requests.stop = True
+                self._take_stop(message)
             case AssignmentMessage():
                 if self.number in dict(message.goals):
                     self.requests.assignment = message
@@ -227,6 +246,13 @@ class Team(Listener):
             yield from self.report(to=message.sender)
         if own.have != self._entries.counts():
             yield from self._ask_for_missing(own.robot, own.have)
+
+    def _take_stop(self, message: StopMessage) -> None:
+        goal = self._course.goal
+        if goal is None:
+            return
+        if message.goal is None or math.dist(goal.place, message.goal) < SAME_GOAL_M:
+            self.requests.stop = True
 
     def _take_inaccessible(self, message: InaccessibleMessage) -> None:
         for cell in message.cells:

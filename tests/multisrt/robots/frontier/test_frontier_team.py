@@ -246,7 +246,7 @@ def test_idle_and_long_silent_mates_do_not_count():
     places = places_drawn(3, 4)
     robot = robot_at(places, places[1:3])
     assert full_table(robot).robots == (0, 1, 2)
-    robot.course.time_s = robot.options.forget_after_s + 1.0
+    robot.course.time_s = robot.options.lost_after_s + 1.0
     robot.team.mates.heard_s[2] = robot.course.time_s
     assert full_table(robot).robots == (0, 2)
 

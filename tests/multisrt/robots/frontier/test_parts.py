@@ -244,7 +244,7 @@ def report(robot=1, said=1, time_s=0.0, phase="driving"):
 
 
 def test_the_latest_report_of_each_mate_counts():
-    mates = Teammates(0, forget_after_s=15.0)
+    mates = Teammates(0, lost_after_s=15.0, relay_for_s=15.0)
     for said in (2, 1):
         mates.take(report(said=said, time_s=float(said)))
     mates.take(report(robot=0))
@@ -254,13 +254,13 @@ def test_the_latest_report_of_each_mate_counts():
 
 
 def test_idle_mates_are_not_present():
-    mates = Teammates(0, forget_after_s=15.0)
+    mates = Teammates(0, lost_after_s=15.0, relay_for_s=15.0)
     mates.take(report(phase="idle"))
     assert mates.present(0.0) == []
 
 
 def test_a_mate_is_deaf_until_it_is_heard_of():
-    mates = Teammates(0, forget_after_s=15.0)
+    mates = Teammates(0, lost_after_s=15.0, relay_for_s=15.0)
     mates.note_deaf(1, 3.0)
     assert mates.is_deaf(1)
     mates.take(report(time_s=4.0))

@@ -21,7 +21,7 @@ from multisrt.robots.frontier.self_bidding import (
     send_last_stop_signal,
     send_stop_signals,
 )
-from multisrt.robots.frontier.utility import choose_utility
+from multisrt.robots.frontier.utility import answer_requests, choose_utility
 from multisrt.robots.frontier.wavefront_rules import choose_closest, choose_greedy, choose_minpos
 from multisrt.robots.multi_srt.build_multi_srt import SrtExplorer
 from multisrt.robots.multi_srt.options import MultiSrtOptions
@@ -34,9 +34,13 @@ def _srt(shape: Shape) -> Callable[[RobotSelf, MultiSrtOptions], Explorer]:
 def _bids(
     rule: Rule, watch: Watch | None = None, at_end: Watch | None = None
 ) -> Callable[[RobotSelf, BiddingOptions], Explorer]:
-    return lambda me, options: FrontierExplorer(
-        me, options, rule, drive_by_option, watch, at_end
-    )
+    return lambda me, options: FrontierExplorer(me, options, rule, drive_by_option, watch, at_end)
+
+
+def _led(me: RobotSelf, options: BiddingOptions) -> FrontierExplorer:
+    explorer = FrontierExplorer(me, options, choose_utility, drive_by_option)
+    answer_requests(explorer.robot)
+    return explorer
 
 
 EXPLORERS: Final[Mapping[str, Callable[[RobotSelf, Any], Explorer]]] = {
@@ -46,7 +50,7 @@ EXPLORERS: Final[Mapping[str, Callable[[RobotSelf, Any], Explorer]]] = {
     "closest": _bids(choose_closest),
     "greedy": _bids(choose_greedy),
     "minpos": _bids(choose_minpos),
-    "utility": _bids(choose_utility),
+    "utility": _led,
     "self-bidding": _bids(choose_by_self_bidding, send_stop_signals, send_last_stop_signal),
     "rules": rules_explorer,
 }

@@ -130,7 +130,7 @@ class FrontierExplorer:
     def choose(self) -> Act:
         """Choose a goal by the rule, unless it is clear that none can be reached."""
         robot, team, goal = self.robot, self.robot.team, None
-        if team.requests.a_choice_is_due or not self.progress.is_jammed:
+        if not self.progress.is_jammed:
             team.phase = "choosing"
             goal = yield from self._rule(robot, self.progress.because)
         robot.set_goal(goal)

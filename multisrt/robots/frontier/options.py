@@ -211,7 +211,7 @@ class SelfBiddingOptions(BiddingOptions, frozen=True, kw_only=True, forbid_unkno
 
     Attributes
     ----------
-    replan : {"target", "news", "arrival"}
+    replan : {"arrival", "target", "news"}
         As above; in the paper a robot decides at its target, or on a stop signal: "arrival".
     lost_after_s : float
         As above; in the paper a robot is left out only when it is broken. Silence does not tell
@@ -231,7 +231,7 @@ class SelfBiddingOptions(BiddingOptions, frozen=True, kw_only=True, forbid_unkno
         As above.
     """
 
-    replan: Literal["news", "target", "arrival"] = "target"
+    replan: Literal["news", "target", "arrival"] = "arrival"
     reached: Literal["cell", "sight"] = "sight"
     paths: Literal["march", "eedt"] = "eedt"
     lost_after_s: float = 600.0

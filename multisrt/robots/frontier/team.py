@@ -3,10 +3,20 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Generator
 from dataclasses import dataclass, field
 
 from multisrt.planners.navigation.right_of_way import Claim, leader_of
-from multisrt.robots.explorer import RobotSelf, Send, Steps
+from multisrt.robots.explorer import (
+    Action,
+    Outcome,
+    Receive,
+    RobotSelf,
+    Send,
+    Steps,
+    TimedOut,
+)
+from multisrt.robots.frontier.assignments import Assignments
 from multisrt.robots.frontier.bodies import Bodies
 from multisrt.robots.frontier.course import Course
 from multisrt.robots.frontier.frontiers import Frontiers
@@ -109,6 +119,10 @@ class Team(Listener):
         When this robot last asked others to give way.
     reported_s : float
         When it last reported to all.
+    assignments : Assignments
+        Utility: the goals that it has assigned to others as their leader.
+    answer : callable or None
+        Utility: answers a robot, given its number, that wants a goal from this one.
     stops : StopSignals
         Self-bidding: which stop signals it has sent.
     """
@@ -125,14 +139,14 @@ class Team(Listener):
         frontiers: Frontiers,
     ) -> None:
         super().__init__(course, me, map.entries, options.ask_period_s)
-        self.mates = Teammates(
-            me.robot, options.lost_after_s, options.relay_for_s
-        )
+        self.mates = Teammates(me.robot, options.lost_after_s, options.relay_for_s)
         self.requests = Requests()
         self.cells = SharedCells()
         self.phase: Phase = "choosing"
         self.asked_s: dict[int, float] = {}
         self.reported_s = -math.inf
+        self.assignments = Assignments(me.robot, self.period_s)
+        self.answer: Callable[[int], Steps] | None = None
         self.stops = StopSignals()
         self._me = me
         self._course = course
@@ -200,6 +214,16 @@ class Team(Listener):
             to,
         )
 
+    def await_assignment(self) -> Generator[Action, Outcome, AssignmentMessage | None]:
+        """Listen until the leader's assignment is heard, for at most the period of questions."""
+        until = self._course.time_s + self.period_s
+        while self.requests.assignment is None:
+            outcome = yield Receive(max(0.0, until - self._course.time_s))
+            yield from self.take(outcome)
+            if isinstance(outcome, TimedOut):
+                break
+        return self.requests.assignment
+
     def _merge(self, entries: tuple[Entry, ...]) -> tuple[NodeId, ...]:
         return self._map.merge(entries)
 
@@ -227,8 +251,7 @@ class Team(Listener):
             case StopMessage():
                 self._take_stop(message)
             case AssignmentMessage():
-                if self.number in dict(message.goals):
-                    self.requests.assignment = message
+                self.requests.assignment = message
             case InaccessibleMessage():
                 self._take_inaccessible(message)
             case SwapMessage():
@@ -240,7 +263,8 @@ class Team(Listener):
             self.mates.take(report)
         if message.entries:
             yield from self.learn(message.entries)
-        self.requests.goal |= message.wants_goal
+        if message.wants_goal and self.answer is not None:
+            yield from self.answer(message.sender)
         own = message.reports[0]
         if message.asks or self._owes_report(own):
             yield from self.report(to=message.sender)

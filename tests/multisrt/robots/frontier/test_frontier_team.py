@@ -255,7 +255,7 @@ def test_idle_and_long_silent_mates_do_not_count():
 
 
 def test_robots_whose_goal_is_explored_get_a_stop_signal(acts_of):
-    robot = robot_at([(3, 7), (6, 7)], [(10, 10)])
+    robot = robot_at([(3, 7), (6, 7)], [(10, 10)], SelfBiddingOptions())
     (edge, *_) = robot.targets().tolist()
     for goal in (None, tuple(edge), (25.0, 1.0)):
         robot.team.mates.reports[1] = report_of(1, (10, 10), goal)

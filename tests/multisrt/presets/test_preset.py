@@ -7,7 +7,8 @@ from multisrt.experiments.crossing import PlannedRun, conditions, runs
 from multisrt.experiments.spec import ExperimentSpec
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.presets import PRESETS, preset_named
-from multisrt.spec import CatalogEnvironment
+from multisrt.presets.sbx_r_settings import STRATEGIES
+from multisrt.spec import CatalogEnvironment, InlineEnvironment
 
 
 # By hand. Multi-SRT: 2 worlds, 2 strategies; alone once, else 2 starts and 2 radios for each of 4
@@ -95,7 +96,8 @@ def test_conditions_are_those_of_the_papers():
 
 def test_ablations_change_what_they_name():
     spec = PRESETS["sbx-r"].experiment(False)
-    base = {choice.name: choice.options for choice in spec.strategies}
+    base = {choice.name: choice.options for choice in STRATEGIES}
+    assert spec.strategies == STRATEGIES
     ablated = [run.spec for run in runs(msgspec.structs.replace(spec, repetitions=1))]
     changed = [
         {name for name, value in own.options.items() if base[own.strategy].get(name) != value}
@@ -118,6 +120,7 @@ def test_a_preset_takes_another_map(tmp_path):
         assert len(conditions(spec)) == len(conditions(own))
         assert spec.name == f"{own.name} on hall"
     (world,) = {run.spec.environment for run in runs(preset.experiment(True))}
+    assert isinstance(world, InlineEnvironment)
     assert world.name == "hall"
     assert preset.deviations[0] == "World: the map hall.wkt, not that of the paper."
     assert sum(text.startswith("World:") for text in preset.deviations) == 1

@@ -66,7 +66,9 @@ def drive_by_option(robot: FrontierRobot, goal: Goal) -> Driven:
             because = "no progress"
         else:
             towards = lead(robot, path, options.lookahead_m)
-            if (yield from hold_command(robot, towards, options)) < MIN_HELD_S:
+            held_s = yield from hold_command(robot, towards, options)
+            # A command that a request cut short could be held.
+            if held_s < MIN_HELD_S and not robot.team.requests.any_pending:
                 because = "no command"
         if because is not None:
             yield Note(DiagramLeft(time_s=robot.time_s, robot=robot.me.robot, because=because))

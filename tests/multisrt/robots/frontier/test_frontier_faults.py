@@ -144,7 +144,7 @@ def sent(events_of):
 @pytest.mark.parametrize("name", FAMILY)
 def test_a_robot_knows_only_what_it_saw_or_was_told(raster_from_record, explored, name):
     radio = RadioSpec(range_m=3.0, loss=0.6)
-    recording, crew = explored(name, radio=radio, seed=3, max_time_s=10.0)
+    recording, crew = explored(name, radio=radio, seed=1, max_time_s=10.0)
     assert recording.footer.outcome == "out_of_time"
     known = []
     for number, robot in enumerate(crew):

@@ -193,7 +193,7 @@ class UtilityOptions(BiddingOptions, frozen=True, kw_only=True, forbid_unknown_f
     Attributes
     ----------
     replan : {"target", "news", "arrival"}
-        As above; in the paper goals are reassigned whenever a robot needs one.
+        As above; in the paper a robot asks for a goal when it needs one.
     beta : float
         Weight of the path length against the utility (Burgard et al.: beta).
     """

@@ -100,7 +100,7 @@ class Event(StrEnum):
     STOP_SIGNAL = "stop signal"
     """Another robot said that the goal is no longer a frontier."""
     ASSIGNED = "assigned"
-    """Another robot gave this one a goal, or wants one from it; or this one swapped goals."""
+    """Another robot took over the goal of this one, and gave it its own."""
     CALLED_ON = "called on"
     """The robot was done, and heard something new."""
 

@@ -1,3 +1,5 @@
+import dataclasses
+
 import msgspec
 import pytest
 
@@ -5,18 +7,20 @@ from multisrt.experiments.crossing import PlannedRun, conditions, runs
 from multisrt.experiments.spec import ExperimentSpec
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.presets import PRESETS, preset_named
-from multisrt.spec import CatalogEnvironment
+from multisrt.presets.sbx_r_settings import STRATEGIES
+from multisrt.spec import CatalogEnvironment, InlineEnvironment
 
 
 # By hand. Multi-SRT: 2 worlds, 2 strategies; alone once, else 2 starts and 2 radios for each of 4
-# sizes (quick: 2). SBX-R: alone once, else 3 strategies, 3 radios, 4 sizes (1). MinPos: 2 worlds;
+# sizes (quick: 2). SBX-R: alone once, else 3 strategies, 3 radios, 4 sizes (1);
+# 6 ablations. MinPos: 2 worlds;
 # alone once, else 3 strategies and 6 sizes (2). Álvarez: 10 maps of 8 sizes (3 of 3).
 @pytest.mark.parametrize(
     ("name", "quick", "cells", "repetitions"),
     [
         ("multi-srt", False, 2 * 2 * (1 + 4 * 2 * 2), 20),
         ("multi-srt", True, 2 * 2 * (1 + 2 * 2 * 2), 10),
-        ("sbx-r", False, 1 + 3 * 3 * 4, 10),
+        ("sbx-r", False, 1 + 3 * 3 * 4 + 6, 31),
         ("sbx-r", True, 1 + 3 * 3 * 1, 6),
         ("minpos", False, 2 * (1 + 3 * 6), 20),
         ("minpos", True, 2 * (1 + 3 * 2), 8),
@@ -65,8 +69,14 @@ def test_all_strategies_meet_the_same_worlds_and_starts():
 def test_conditions_are_those_of_the_papers():
     for run in two_runs_each("sbx-r"):
         spec = run.spec
-        at_targets = {"replan": "target"} if spec.strategy == "closest" else {}
-        assert spec.options == {"drive": "nearness-diagram", **at_targets}
+        equal = {
+            "replan": "arrival",
+            "reached": "sight",
+            "paths": "eedt",
+            "drive": "nearness-diagram",
+        }
+        own = {"lost_after_s": 14_400.0} if spec.strategy == "self-bidding" else {}
+        assert spec.options == equal | own
         assert spec.radio.range_m in (15.0, 20.0, 30.0)
         assert spec.starts == "clustered"
         assert spec.robots[0].start is not None
@@ -82,6 +92,41 @@ def test_conditions_are_those_of_the_papers():
         assert {robot.range_finder.range_m for robot in run.spec.robots} == {4.5}
     for run in two_runs_each("multi-srt"):
         assert all(robot.start is None for robot in run.spec.robots)
+
+
+def test_ablations_change_what_they_name():
+    spec = PRESETS["sbx-r"].experiment(False)
+    base = {choice.name: choice.options for choice in STRATEGIES}
+    assert spec.strategies == STRATEGIES
+    ablated = [run.spec for run in runs(msgspec.structs.replace(spec, repetitions=1))]
+    changed = [
+        {name for name, value in own.options.items() if base[own.strategy].get(name) != value}
+        for own in ablated
+        if own.options != base[own.strategy]
+    ]
+    assert sorted(map(sorted, changed)) == sorted(
+        [["lost_after_s"], ["stop_signals"], ["replan"]] + [["paths", "reached"]] * 3
+    )
+
+
+def test_a_preset_takes_another_map(tmp_path):
+    path = tmp_path / "hall.wkt"
+    path.write_text("POLYGON ((0 0, 20 0, 20 12, 0 12, 0 0))")
+    preset = PRESETS["sbx-r"].with_map(path)
+    for quick in (False, True):
+        spec = preset.experiment(quick)
+        assert {at.environment for at in conditions(spec)} == {"hall"}
+        own = PRESETS["sbx-r"].experiment(quick)
+        assert len(conditions(spec)) == len(conditions(own))
+        assert spec.name == f"{own.name} on hall"
+    (world,) = {run.spec.environment for run in runs(preset.experiment(True))}
+    assert isinstance(world, InlineEnvironment)
+    assert world.name == "hall"
+    assert preset.deviations[0] == "World: the map hall.wkt, not that of the paper."
+    assert sum(text.startswith("World:") for text in preset.deviations) == 1
+    other = dataclasses.replace(preset, on_map=None)
+    with pytest.raises(InvalidInputError, match="cannot be run on another map; leave out --map"):
+        other.with_map(path)
 
 
 def test_presets_have_names():

@@ -10,7 +10,7 @@ from multisrt.spec import CatalogEnvironment
 
 # By hand. Multi-SRT: 2 worlds, 2 strategies; alone once, else 2 starts and 2 radios for each of 4
 # sizes (quick: 2). SBX-R: alone once, else 3 strategies, 3 radios, 4 sizes (1). MinPos: 2 worlds;
-# alone once, else 3 strategies and 6 sizes (2). Álvarez: 10 maps of 8 sizes (3 of 3).
+# alone once, else 3 strategies and 6 sizes (2). Álvarez: 10 maps of 8 sizes (3 of 3), and 3 variants of 4 sizes on one map.
 @pytest.mark.parametrize(
     ("name", "quick", "cells", "repetitions"),
     [
@@ -20,7 +20,7 @@ from multisrt.spec import CatalogEnvironment
         ("sbx-r", True, 1 + 3 * 3 * 1, 6),
         ("minpos", False, 2 * (1 + 3 * 6), 20),
         ("minpos", True, 2 * (1 + 3 * 2), 8),
-        ("alvarez", False, 10 * 8, 10),
+        ("alvarez", False, 10 * 8 + 3 * 4, 20),
         ("alvarez", True, 3 * 3, 7),
     ],
 )
@@ -80,6 +80,10 @@ def test_conditions_are_those_of_the_papers():
         assert run.spec.strategy == "rules"
         assert run.spec.starts == "scattered"
         assert {robot.range_finder.range_m for robot in run.spec.robots} == {4.5}
+        assert {robot.drive.speed_m_s for robot in run.spec.robots} == {0.1}
+        assert {robot.footprint for robot in run.spec.robots} == {"disc:0.335"}
+        assert run.spec.options["cell_m"] == run.spec.options["search_cell_m"] == 0.5
+        assert run.spec.options["exchange_when"] == "nearer"
     for run in two_runs_each("multi-srt"):
         assert all(robot.start is None for robot in run.spec.robots)
 

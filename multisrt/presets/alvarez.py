@@ -12,6 +12,7 @@ from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import msgspec
 import numpy as np
 
 from multisrt.experiments.crossing import conditions
@@ -28,7 +29,7 @@ from multisrt.presets.alvarez_maps import PASSAGE_M, QUICK_SCENARIOS, SCENARIOS,
 from multisrt.presets.cells import Cells, Family
 from multisrt.presets.exponents import Laws, Quantity, falls_as_printed, interval_text, law
 from multisrt.presets.judging import Judged, judge
-from multisrt.presets.preset import Preset
+from multisrt.presets.preset import WORLD, Preset, in_world
 from multisrt.reporting.claims import Claim, PrintedTable, Verdict
 from multisrt.spec import DriveSpec, RangeFinderSpec, Scalar, StopRule
 from multisrt.statistics.intervals import wilson
@@ -58,9 +59,6 @@ MAX_TIME_S = 86_400.0
 COVERED = 0.95
 """Minimum share of the explorable area that a successful run has covered."""
 
-MAP = "map"
-"""Label of a map that is given instead of all others."""
-
 TIME, HOME = measure_named("known_complete_s"), measure_named("makespan_s")
 """The time by which the claims are judged, and the one that is shown beside it."""
 
@@ -85,7 +83,7 @@ ABLATIONS: dict[str, dict[str, Scalar]] = {
 """Variants of the strategy by label, which are run on one map to see what exponents depend on."""
 
 DEVIATIONS = (
-    "Worlds: generated maps with the outer size and of the kind of the thesis's maps, which are "
+    f"{WORLD} generated maps with the outer size and of the kind of the thesis's maps, which are "
     "not available; offices without furniture. Areas in the thesis are taken as those of whole "
     f"maps. Doors and corridors are at least {PASSAGE_M:g} m wide, for which cells of {CELL_M:g} m "
     "leave room; in scenario 18 obstacles are as close as 1.2 m, so that some gaps are closed, as "
@@ -147,6 +145,11 @@ def experiment(quick: bool) -> ExperimentSpec:
         range_finder=RangeFinderSpec(range_m=RANGE_M),
         stop=StopRule(max_time_s=MAX_TIME_S),
     )
+
+
+def in_one_world(spec: ExperimentSpec, world: EnvironmentChoice) -> ExperimentSpec:
+    """Return an experiment in one world, for which the thesis prints no figures."""
+    return in_world(msgspec.structs.replace(spec, blocks=()), world)
 
 
 # Success and laws ---------------------------------------------------------------------------
@@ -442,6 +445,5 @@ ALVAREZ = Preset(
     claims=claims,
     tables=tables,
     deviations=DEVIATIONS,
-    map_label=MAP,
-    map_replaces=tuple(scenario.label for scenario in SCENARIOS),
+    on_map=in_one_world,
 )

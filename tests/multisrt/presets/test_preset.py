@@ -1,3 +1,4 @@
+import dataclasses
 from pathlib import Path
 
 import msgspec
@@ -12,15 +13,15 @@ from tests.multisrt.presets.constructed import SOME, results_of
 
 
 # By hand. Multi-SRT: 2 worlds, 2 strategies; alone once, else 2 starts and 2 radios for each of 4
-# sizes (quick: 2). SBX-R: alone once, else 3 strategies, 3 radios, 4 sizes (1). MinPos: 2 worlds,
-# 3 strategies and 4 sizes (2), and 3 variants of 3 strategies in one cell. Álvarez: 10 maps of 8
-# sizes (3 of 3), and 3 variants of 4 sizes on one map.
+# sizes (quick: 2). SBX-R: alone once, else 3 strategies, 3 radios, 4 sizes (1), and 6 ablations.
+# MinPos: 2 worlds, 3 strategies and 4 sizes (2), and 3 variants of 3 strategies in one cell.
+# Álvarez: 10 maps of 8 sizes (3 of 3), and 3 variants of 4 sizes on one map.
 @pytest.mark.parametrize(
     ("name", "quick", "cells", "repetitions"),
     [
         ("multi-srt", False, 2 * 2 * (1 + 4 * 2 * 2), 20),
         ("multi-srt", True, 2 * 2 * (1 + 2 * 2 * 2), 10),
-        ("sbx-r", False, 1 + 3 * 3 * 4, 10),
+        ("sbx-r", False, 1 + 3 * 3 * 4 + 6, 31),
         ("sbx-r", True, 1 + 3 * 3 * 1, 6),
         ("minpos", False, 2 * 3 * 4 + 3 * 3, 40),
         ("minpos", True, 2 * 3 * 2, 8),
@@ -69,8 +70,14 @@ def test_all_strategies_meet_the_same_worlds_and_starts():
 def test_conditions_are_those_of_the_papers():
     for run in two_runs_each("sbx-r"):
         spec = run.spec
-        at_targets = {"replan": "target"} if spec.strategy == "closest" else {}
-        assert spec.options == {"drive": "nearness-diagram", **at_targets}
+        equal = {
+            "replan": "arrival",
+            "reached": "sight",
+            "paths": "eedt",
+            "drive": "nearness-diagram",
+        }
+        own = {"lost_after_s": 14_400.0} if spec.strategy == "self-bidding" else {}
+        assert spec.options == equal | own
         assert spec.radio.range_m in (15.0, 20.0, 30.0)
         assert spec.starts == "clustered"
         assert spec.robots[0].start is not None
@@ -92,6 +99,39 @@ def test_conditions_are_those_of_the_papers():
         assert run.spec.options["exchange_when"] == "nearer"
     for run in two_runs_each("multi-srt"):
         assert all(robot.start is None for robot in run.spec.robots)
+
+
+def test_ablations_change_what_they_name():
+    spec = PRESETS["sbx-r"].experiment(False)
+    base = {choice.name: choice.options for choice in spec.strategies}
+    ablated = [run.spec for run in runs(msgspec.structs.replace(spec, repetitions=1))]
+    changed = [
+        {name for name, value in own.options.items() if base[own.strategy].get(name) != value}
+        for own in ablated
+        if own.options != base[own.strategy]
+    ]
+    assert sorted(map(sorted, changed)) == sorted(
+        [["lost_after_s"], ["stop_signals"], ["replan"]] + [["paths", "reached"]] * 3
+    )
+
+
+def test_a_preset_takes_another_map(tmp_path):
+    path = tmp_path / "hall.wkt"
+    path.write_text("POLYGON ((0 0, 20 0, 20 12, 0 12, 0 0))")
+    preset = PRESETS["sbx-r"].with_map(path)
+    for quick in (False, True):
+        spec = preset.experiment(quick)
+        assert {at.environment for at in conditions(spec)} == {"hall"}
+        own = PRESETS["sbx-r"].experiment(quick)
+        assert len(conditions(spec)) == len(conditions(own))
+        assert spec.name == f"{own.name} on hall"
+    (world,) = {run.spec.environment for run in runs(preset.experiment(True))}
+    assert world.name == "hall"
+    assert preset.deviations[0] == "World: the map hall.wkt, not that of the paper."
+    assert sum(text.startswith("World:") for text in preset.deviations) == 1
+    other = dataclasses.replace(preset, on_map=None)
+    with pytest.raises(InvalidInputError, match="cannot be run on another map; leave out --map"):
+        other.with_map(path)
 
 
 def test_presets_have_names():

@@ -5,10 +5,10 @@ import msgspec
 import pytest
 
 from multisrt.experiments.crossing import PlannedRun, conditions, runs
-from multisrt.experiments.spec import ExperimentSpec
+from multisrt.experiments.spec import EnvironmentChoice, ExperimentSpec, StrategyChoice
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.presets import PRESETS, preset_named
-from multisrt.spec import CatalogEnvironment
+from multisrt.spec import CatalogEnvironment, InlineEnvironment
 from tests.multisrt.presets.constructed import SOME, results_of
 
 
@@ -103,7 +103,8 @@ def test_conditions_are_those_of_the_papers():
 
 def test_ablations_change_what_they_name():
     spec = PRESETS["sbx-r"].experiment(False)
-    base = {choice.name: choice.options for choice in spec.strategies}
+    chosen = [one for one in spec.strategies if isinstance(one, StrategyChoice)]
+    base = {choice.name: choice.options for choice in chosen}
     ablated = [run.spec for run in runs(msgspec.structs.replace(spec, repetitions=1))]
     changed = [
         {name for name, value in own.options.items() if base[own.strategy].get(name) != value}
@@ -126,6 +127,7 @@ def test_a_preset_takes_another_map(tmp_path):
         assert len(conditions(spec)) == len(conditions(own))
         assert spec.name == f"{own.name} on hall"
     (world,) = {run.spec.environment for run in runs(preset.experiment(True))}
+    assert isinstance(world, InlineEnvironment)
     assert world.name == "hall"
     assert preset.deviations[0] == "World: the map hall.wkt, not that of the paper."
     assert sum(text.startswith("World:") for text in preset.deviations) == 1
@@ -147,7 +149,8 @@ def test_a_map_stands_for_the_hospital_or_for_all_maps(name, label, worlds):
     preset = PRESETS[name]
     with_map = preset.with_map(Path("plans/floor.wkt"))
     given = with_map.experiment(False)
-    (choice,) = [one for one in given.environments if one.label == label]
+    chosen = [one for one in given.environments if isinstance(one, EnvironmentChoice)]
+    (choice,) = [one for one in chosen if one.label == label]
     assert choice.name == "plans/floor.wkt"
     assert len({at.environment for at in conditions(given)}) == worlds
     # The same team sizes as in the experiment.
@@ -160,7 +163,10 @@ def test_a_map_stands_for_the_hospital_or_for_all_maps(name, label, worlds):
 def test_claims_are_judged_on_a_map_of_ones_own():
     by_name = {name: PRESETS[name].with_map(Path("floor.wkt")) for name in ("minpos", "alvarez")}
     verdicts = {
-        name: [claim.verdict for claim in preset.claims(results_of(preset.experiment(False), SOME[name]))]
+        name: [
+            claim.verdict
+            for claim in preset.claims(results_of(preset.experiment(False), SOME[name]))
+        ]
         for name, preset in by_name.items()
     }
     assert "not tested" not in verdicts["minpos"]

@@ -54,9 +54,7 @@ from multisrt.spec import (
 CROWDS = ExperimentSpec(
     name="crowds",
     environments=(
-        EnvironmentChoice(
-            name="maze", parameters={"size_m": 20.0, "cells": 10}, seed="repetition"
-        ),
+        EnvironmentChoice(name="maze", parameters={"size_m": 20.0, "cells": 10}, seed="repetition"),
     ),
     strategies=("closest",),
     robots=(6,),
@@ -369,10 +367,7 @@ def test_robots_that_meet_in_a_corridor_pass_by_giving_way(events_of, sent, monk
 def test_robots_in_a_crowd_do_not_creep_up_to_each_other(events_of, name):
     # In this drawn maze they begin close together: with any rule some stop before others, and
     # look for ways round them where there are none.
-    crowd = next(
-        run.spec
-        for run in runs(CROWDS)
-    )
+    crowd = next(run.spec for run in runs(CROWDS))
     spec = msgspec.structs.replace(crowd, strategy=name, stop=StopRule(max_time_s=12.0))
     recording = simulate(spec)
     assert not events_of(recording, Collision)

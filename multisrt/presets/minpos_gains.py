@@ -16,7 +16,8 @@ from multisrt.experiments.crossing import Condition
 from multisrt.experiments.measures import Measure, measure_named
 from multisrt.experiments.results import Results
 from multisrt.geometry.numerics.arrays import FloatArray
-from multisrt.presets.cells import Cells, Comparison
+from multisrt.presets.cells import Cells, Comparison, Family
+from multisrt.presets.findings import weigh_family
 from multisrt.presets.minpos_experiment import CLOSEST, PLAIN, WORLDS, Variant
 from multisrt.reporting.claims import Verdict
 from multisrt.statistics.intervals import LEVEL, Interval, bootstrap
@@ -77,6 +78,36 @@ class Times:
             for repetition, ours, rivals in zip(both.repetitions, *both.pairs, strict=True)
             if np.isfinite(ours) or np.isfinite(rivals)
         }
+
+    def family_gain(
+        self,
+        places: Sequence[tuple[str, int]],
+        strategy: str,
+        rival: str,
+        level: float = LEVEL,
+    ) -> Interval | None:
+        """Return the gain of a strategy on a rival by the one test of several cells, in percent.
+
+        It is that of the ratio at which neither is the faster one by signed ranks; see
+        `ratio_of`. Failed runs are worse than all others. None if a cell has too few pairs.
+
+        Parameters
+        ----------
+        places : sequence of (str, int)
+            Worlds and team sizes of the cells.
+        strategy, rival : str
+            The strategies.
+        level : float, optional
+            Confidence level of the interval.
+        """
+        cells = [self.compared(*at, strategy, rival) for at in places]
+        if not cells or min(len(cell.repetitions) for cell in cells) < MIN_PAIRS:
+            return None
+        found = weigh_family(Family(comparisons=cells, quantity=self.measure), level=level)
+        assert found is not None
+        of = found.ratio
+        value, low, high = (100.0 * (1.0 - end) for end in (of.value, of.high, of.low))
+        return Interval(value, low, high)
 
     def over_closest(self, strategy: str) -> list[Ratios]:
         """Return the ratios of a strategy's times to those of closest, for each condition."""

@@ -135,7 +135,7 @@ def largest_gain(both: BothTimes, world: str) -> Claim:
     printed = LARGEST_GAINS[world]
     level = _at_once(2 * len(both[0].teams))
     (best, found), (_, home) = (_best(times, world, level) for times in both)
-    grounds = _told(found, printed, level)
+    grounds = _told(found, printed, level, "pairs of one cell")
     if best:
         grounds.append(f"the largest gain is that of {best}")
     return Claim(
@@ -268,11 +268,16 @@ class RatioOfTimes:
         return f"{self.time}, over that of the rival"
 
 
-def _told(found: Interval | None, printed: float | None, level: float = LEVEL) -> list[str]:
+def _told(
+    found: Interval | None,
+    printed: float | None,
+    level: float = LEVEL,
+    what: str = "all cells together",
+) -> list[str]:
     if found is None:
         return [f"too few runs: every condition needs {MIN_PAIRS} pairs"]
     papers = "" if printed is None else f"; the paper: {printed:g} %"
-    told = [f"ours: {_percent_text(found)}, by signed ranks of all cells together{papers}"]
+    told = [f"ours: {_percent_text(found)}, by signed ranks of {what}{papers}"]
     share = _detectable(found, level)
     if share < 1.0:
         told.append(

@@ -1,9 +1,9 @@
 """Gains of MinPos and its rivals: reductions of exploration times, in percent.
 
-The gain of a strategy is the reduction of the exploration time against a rival. It is computed
-from the geometric mean of the ratios of the two times in each repetition, in which both have the
-same world and starts; this mean favours neither of the two. Repetitions are shared by all team
-sizes and strategies, so intervals resample whole repetitions.
+Two strategies have the same world and starts in each repetition, and the ratio of their two times
+is what gains are computed from. Claims are judged by signed ranks, in which failed runs count as
+the slowest; tables show geometric means of the ratios, which favour neither strategy. Repetitions
+are shared by all team sizes and strategies, so tests and intervals take them as wholes.
 """
 
 from __future__ import annotations

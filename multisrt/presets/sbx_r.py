@@ -33,6 +33,7 @@ from multisrt.presets.sbx_r_settings import (
     MAX_TIME_S,
     STRATEGIES,
     ablations,
+    diagram_table,
 )
 from multisrt.presets.sbx_r_tables import (
     CLOSEST,
@@ -85,7 +86,7 @@ DEVIATIONS = (
     "Utility: the leader answers a robot that asks, and the others keep their goals. The paper "
     "does not say how its leader answers.",
     "Nearness diagram: where it makes no progress for 5 s, sees no opening, or comes within 0.5 m "
-    "of the goal, the robot follows its path instead. A table says for how much of the way.",
+    "of the goal, the robot follows its path for the rest of the drive. A table says how often.",
     "For a single robot all strategies are the same: it runs 'closest' once per repetition, as in "
     "the paper.",
     f"Runs: {REPETITIONS} of each case by default, as many as in the paper. Where a difference is "
@@ -239,6 +240,7 @@ def tables(results: Results) -> list[PrintedTable]:
         *(beside(cells, _until_home(table)) for table in PAPER if table.measure == TIME),
         agreement(cells),
         ablations(cells),
+        diagram_table(cells),
         *(judged.table for judged in _judged(results)),
     ]
 

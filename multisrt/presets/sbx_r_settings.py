@@ -6,14 +6,18 @@ one cell of the tables.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from functools import partial
 from types import MappingProxyType
-from typing import Final
+from typing import Final, get_args
 
 import numpy as np
 
+from multisrt.events import DiagramEnd
 from multisrt.experiments.crossing import Condition
-from multisrt.experiments.measures import measure_named
+from multisrt.experiments.measures import Measure, measure_named
+from multisrt.experiments.results import Result
 from multisrt.experiments.spec import RadioChoice, StrategyChoice
 from multisrt.presets.cells import Cells
 from multisrt.presets.sbx_r_tables import CLOSEST, SBX_R, UTILITY
@@ -68,6 +72,27 @@ class Ablation:
         )
 
 
+def _left(because: str, result: Result) -> float:
+    return 0.0 if result.metrics is None else result.metrics.diagram_left.get(because, 0)
+
+
+REASONS: Final[tuple[DiagramEnd, ...]] = get_args(DiagramEnd)
+
+LEFT: Final = tuple(
+    # Counted in all runs: a run that failed drove, too.
+    Measure(
+        name=because,
+        title=because,
+        unit="",
+        lower_is_better=False,
+        get=partial(_left, because),
+    )
+    for because in REASONS
+)
+
+DISTANCE: Final = replace(measure_named("total_distance_m"), lower_is_better=False)
+
+
 def _ablation(strategy: str, what: str, **changed: Scalar) -> Ablation:
     return Ablation(strategy, f"{strategy}, {what}", MappingProxyType(changed))
 
@@ -119,6 +144,29 @@ def ablations(cells: Cells) -> PrintedTable:
         rows=tuple(rows),
         note="Medians. Each row below that of a strategy changes what it names and nothing else.",
     )
+
+
+def diagram_table(cells: Cells) -> PrintedTable:
+    """Return the table of how often robots left the nearness diagram to follow their path."""
+    rows = []
+    for choice in STRATEGIES:
+        places = [at for at in cells.conditions() if at.strategy == choice.name]
+        run_m = _total(cells, places, DISTANCE)
+        if run_m > 0.0:
+            counts = [_total(cells, places, measure) for measure in LEFT]
+            rows.append((choice.name, *(number(100.0 * count / run_m, 1) for count in counts)))
+    return PrintedTable(
+        title="Drives finished by following the path (per 100 m)",
+        source="Smooth Nearness Diagram",
+        columns=("strategy", *REASONS),
+        rows=tuple(rows),
+        note="How often the nearness diagram was left for the rest of a drive, by reason, over all "
+        "runs of a strategy in the tables.",
+    )
+
+
+def _total(cells: Cells, places: Iterable[Condition], measure: Measure) -> float:
+    return sum(sum(cells.values(at, measure).values()) for at in places)
 
 
 def _is_cell(at: Condition) -> bool:

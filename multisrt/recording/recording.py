@@ -231,5 +231,5 @@ def _require_header(line: Header | AnyEvent | Footer, path: Path) -> None:
     if line.format_version not in READABLE:
         raise InvalidInputError(
             f"{path}: format version {line.format_version}; this program reads "
-            f"{' and '.join(map(str, READABLE))}: repeat the run from its spec"
+            f"{', '.join(map(str, READABLE))}: repeat the run from its spec"
         )

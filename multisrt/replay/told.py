@@ -14,6 +14,7 @@ from multisrt.events import (
     Coordinated,
     Decided,
     Decision,
+    DiagramLeft,
     Died,
     Ended,
     FellSilent,
@@ -116,6 +117,8 @@ def _of_team(event: AnyEvent) -> str | None:
             return f"gave up a frontier arc: {event.reason}"
         case ArcReopened():
             return "took up a frontier arc again"
+        case DiagramLeft():
+            return f"follows its path instead of the nearness diagram: {event.because}"
         case MapComplete():
             return "knows that its map is complete"
         case PresumedLost():

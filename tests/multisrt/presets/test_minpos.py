@@ -53,7 +53,7 @@ def test_claims_of_minpos_that_hold():
         (claim.text for claim in found), "holds"
     )
     assert len(found) == 9
-    assert "12 robots" in claim_on(found, "In the maze").grounds[1]
+    assert "12 robots" in claim_on(found, "In the maze").grounds[2]
 
 
 def test_claims_of_minpos_that_do_not_hold():

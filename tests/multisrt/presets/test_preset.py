@@ -5,9 +5,10 @@ import msgspec
 import pytest
 
 from multisrt.experiments.crossing import PlannedRun, conditions, runs
-from multisrt.experiments.spec import EnvironmentChoice, ExperimentSpec, StrategyChoice
+from multisrt.experiments.spec import EnvironmentChoice, ExperimentSpec
 from multisrt.geometry.errors import InvalidInputError
 from multisrt.presets import PRESETS, preset_named
+from multisrt.presets.sbx_r_settings import STRATEGIES
 from multisrt.spec import CatalogEnvironment, InlineEnvironment
 from tests.multisrt.presets.constructed import SOME, results_of
 
@@ -103,8 +104,8 @@ def test_conditions_are_those_of_the_papers():
 
 def test_ablations_change_what_they_name():
     spec = PRESETS["sbx-r"].experiment(False)
-    chosen = [one for one in spec.strategies if isinstance(one, StrategyChoice)]
-    base = {choice.name: choice.options for choice in chosen}
+    base = {choice.name: choice.options for choice in STRATEGIES}
+    assert spec.strategies == STRATEGIES
     ablated = [run.spec for run in runs(msgspec.structs.replace(spec, repetitions=1))]
     changed = [
         {name for name, value in own.options.items() if base[own.strategy].get(name) != value}

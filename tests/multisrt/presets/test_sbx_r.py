@@ -5,7 +5,7 @@ import pytest
 
 from multisrt.presets import sbx_r
 from multisrt.presets.cells import Cells
-from multisrt.presets.sbx_r_settings import ABLATIONS, ablations
+from multisrt.presets.sbx_r_settings import ABLATIONS, ablations, diagram_table
 from multisrt.presets.sbx_r_tables import PAPER
 from tests.multisrt.presets.constructed import bidding, claim_on, no_results, results_of
 
@@ -125,3 +125,19 @@ def test_ablations_stand_below_the_strategy_that_they_change():
     assert len(labels) == 3 + len(ABLATIONS)
     assert [row[1:3] for row in table.rows[:2]] == [("3", "11.0"), ("3", "100.0")]
     assert ablations(Cells(no_results(spec))).rows == ()
+
+
+def test_the_nearness_diagram_is_left_so_often_in_100_m():
+    def values(at, repetition):
+        left = {"no progress": 2, "no command": 1} if at.strategy == "utility" else {}
+        return {"diagram_left": left, "total_distance_m": 50.0}
+
+    table = diagram_table(
+        Cells(results_of(msgspec.structs.replace(FULL_SBX, repetitions=2), values))
+    )
+    assert table.columns == ("strategy", "no progress", "no command", "near the goal")
+    assert table.rows == (
+        ("closest", "0.0", "0.0", "0.0"),
+        ("utility", "4.0", "2.0", "0.0"),
+        ("self-bidding", "0.0", "0.0", "0.0"),
+    )

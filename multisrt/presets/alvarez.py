@@ -445,5 +445,7 @@ ALVAREZ = Preset(
     claims=claims,
     tables=tables,
     deviations=DEVIATIONS,
+    run_s=5.0,
+    quick_run_s=3.0,
     on_map=in_one_world,
 )

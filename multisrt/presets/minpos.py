@@ -394,5 +394,7 @@ MINPOS_PRESET = Preset(
     claims=claims,
     tables=tables,
     deviations=DEVIATIONS,
+    run_s=14.0,
+    quick_run_s=10.0,
     on_map=for_hospital,
 )

@@ -88,6 +88,8 @@ DEVIATIONS = (
     f"maps. Doors and corridors are at least {PASSAGE_M:g} m wide, for which cells of {CELL_M:g} m "
     "leave room; in scenario 18 obstacles are as close as 1.2 m, so that some gaps are closed, as "
     "the thesis reports of its own (Figures 4.14 and 4.15). `--map` takes a map instead.",
+    "Mazes have so many corridors and loops that the path of a single robot is about as long as "
+    "printed (coefficient a of the distance), up to one and a half times.",
     f"Robots: differential, {SPEED_M_S:g} m/s; range finders {RANGE_M:g} m, exact; a radio of "
     f"unlimited range, all as in the thesis. The body is a disc as wide as the Husky A200 "
     f"({BODY}): the thesis says that cells of {CELL_M:g} m are almost the size of its robots, "

@@ -68,7 +68,7 @@ SCENARIOS = (
         time=(1424.9, -0.886),
         distance=(239.03, -1.154),
         name="maze",
-        parameters={"size_m": 30.0, "cells": 15},
+        parameters={"size_m": 30.0, "cells": 8, "loops": 0.1},
     ),
     Scenario(
         number=10,
@@ -118,7 +118,7 @@ SCENARIOS = (
         time=(2692.6, -0.893),
         distance=(434.44, -1.048),
         name="maze",
-        parameters={"size_m": 40.0, "cells": 16, "loops": 0.1},
+        parameters={"size_m": 40.0, "cells": 10, "loops": 0.3},
     ),
     Scenario(
         number=16,
@@ -138,7 +138,7 @@ SCENARIOS = (
         time=(4745.6, -0.855),
         distance=(772.29, -0.930),
         name="maze",
-        parameters={"size_m": 60.0, "cells": 20},
+        parameters={"size_m": 60.0, "cells": 14, "loops": 0.3},
     ),
     Scenario(
         number=46,

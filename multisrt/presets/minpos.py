@@ -394,7 +394,7 @@ MINPOS_PRESET = Preset(
     claims=claims,
     tables=tables,
     deviations=DEVIATIONS,
-    run_s=14.0,
-    quick_run_s=10.0,
+    run_s=12.5,
+    quick_run_s=8.5,
     on_map=for_hospital,
 )

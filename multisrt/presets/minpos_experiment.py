@@ -27,20 +27,21 @@ MAZE_M, MAZE_CELLS = 50.0, 25
 WINGS, WING_LENGTH_M = 9, 52.2
 """The generated hospital is 143.6 x 60 m; that of Player/Stage is 140 x 60 m."""
 
-CELL_M, SPEED_M_S = 0.4, 0.5
+CELL_M, SPEED_M_S = 0.3, 0.5
 STEP_S = CELL_M / SPEED_M_S
 """Time of a step (s): from a cell to the next one. The paper counts time in steps."""
 
+SCAN_STEPS = 4
 RANGE_M = 4.0
-BODY = f"disc:{0.5 * CELL_M:g}"
-"""A disc as wide as a cell, as in the paper; two of them pass each other in a door."""
+BODY = "disc:0.2"
+"""A disc about as wide as a cell, as in the paper; two of them pass each other in a door."""
 
 OPTIONS: dict[str, Scalar] = {
     "cell_m": CELL_M,
-    "sense_period_s": 3.0 * STEP_S,
-    "replan_period_s": 3.0 * STEP_S,
+    "sense_period_s": SCAN_STEPS * STEP_S,
+    "replan_period_s": SCAN_STEPS * STEP_S,
 }
-"""Options of all strategies: a scan every third step, 1.2 m, and a choice if it shows news."""
+"""Options of all strategies: a scan every fourth step, 1.2 m, and a choice if it shows news."""
 
 MAX_TIME_S = 28_800.0
 """Limit of a run in simulated time: several times what the smallest team needs."""
@@ -89,7 +90,8 @@ DEVIATIONS = (
     "one for each repetition. The paper's are not available.",
     f"{WORLD} a generated hospital of 143.6 x 60 m. That of the paper is one of Player/Stage, "
     "140 x 60 m; `--map` takes that file, or another one, in its place.",
-    f"Robots: discs as wide as a cell, {CELL_M:g} m, that drive in any direction, as in the paper; "
+    f"Robots: discs of 0.4 m ({BODY}) that drive in any direction, on cells of {CELL_M:g} m; in "
+    "the paper they are as wide as a cell, which would close some doors here. "
     f"{SPEED_M_S:g} m/s, so that a step from cell to cell takes {STEP_S:g} s; range finders "
     f"{RANGE_M:g} m, exact; a radio of unlimited range. The paper gives no range.",
     "Robots obstruct each other where two cannot pass: bodies have a size, and robots give way. "
@@ -100,8 +102,8 @@ DEVIATIONS = (
     "All strategies have the same starts and worlds.",
     "The paper gives neither team sizes nor the number of runs in its text, and times as curves "
     "only: there are no printed figures for single team sizes.",
-    f"All strategies take a scan every third step ({OPTIONS['sense_period_s']:g} s, 1.2 m), and "
-    "choose again if it shows news. In the paper time is discrete, and robots sense and choose "
+    f"All strategies take a scan every fourth step ({SCAN_STEPS * STEP_S:g} s, "
+    f"{SCAN_STEPS * CELL_M:g} m), and choose again if it shows news. In the paper time is discrete, and robots sense and choose "
     "at steps.",
     "An exploration ends when one of the robots has a complete map, as in the paper (section II). "
     "The claims are judged by the time until all are done as well, and both are shown.",

@@ -150,9 +150,9 @@ def test_times_are_given_in_steps_as_well():
         return {"known_complete_s": 100.0 * at.robots, "makespan_s": 1000.0}
 
     table = minpos.times_table(Times(results_of(FULL_MINPOS, values)))
-    # 0.4 m at 0.5 m/s.
-    assert pytest.approx(0.8) == STEP_S
-    assert table.rows[0] == ("maze", "2", *["200 s, 250 steps"] * len(RULES))
+    # 0.3 m at 0.5 m/s.
+    assert pytest.approx(0.6) == STEP_S
+    assert table.rows[0] == ("maze", "2", *["200 s, 333 steps"] * len(RULES))
 
 
 def test_gains_are_judged_by_all_cells_together():

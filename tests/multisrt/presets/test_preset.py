@@ -88,7 +88,7 @@ def test_conditions_are_those_of_the_papers():
     for run in two_runs_each("minpos"):
         assert {robot.drive.kind for robot in run.spec.robots} == {"holonomic"}
         assert {robot.footprint for robot in run.spec.robots} == {"disc:0.2"}
-        assert run.spec.options["cell_m"] == 0.4
+        assert run.spec.options["cell_m"] == 0.3
         assert run.spec.radio.range_m is None
     for run in two_runs_each("alvarez"):
         assert run.spec.strategy == "rules"
